@@ -1,0 +1,19 @@
+//! Mathematics of light transport: vectors, rays, bounds, transforms, frames, warps, distributions,
+//! low-discrepancy sequences, spectra and colour.
+//!
+//! Everything here is a pure function of its arguments. Vectors are [`glam`] `f32` vectors; import-time transforms are kept in `f64`
+//! ([`Transform`]) and rounded once.
+
+pub mod bounds;
+pub mod frame;
+pub mod hash;
+pub mod ray;
+pub mod spectrum;
+pub mod transform;
+
+pub use bounds::Bounds3;
+pub use frame::Frame;
+pub use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
+pub use ray::Ray;
+pub use spectrum::Spectrum;
+pub use transform::Transform;

@@ -1,0 +1,54 @@
+//! Rays and the robust spawning of new ones (Wächter & Binder; PBR 4th ed., 6.8).
+
+use crate::Vec3;
+
+/// A half-line `origin + t·direction`, `0 < t < t_max`. The direction need not be of unit length.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Where it goes; distances are in units of its length.
+    pub direction: Vec3,
+    /// Exclusive end of the interval in which hits count.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray without end.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY }
+    }
+
+    /// The point at parameter `t`.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+
+    /// Whether origin and direction are finite and the direction is not zero.
+    pub fn is_valid(&self) -> bool {
+        self.origin.is_finite() && self.direction.is_finite() && self.direction != Vec3::ZERO
+    }
+}
+
+/// The bound `γ(n) = n·ε/(1 − n·ε)` on the relative error of `n` rounded operations (Higham).
+pub const fn gamma(n: u32) -> f32 {
+    let e = n as f32 * (f32::EPSILON * 0.5);
+    e / (1.0 - e)
+}
+
+/// Moves a hit point off the surface, just past its error box, to the side that `w` points to.
+///
+/// `error` is the half-size of the box that is known to contain the true point, `n` the geometric normal.
+pub fn offset_ray_origin(p: Vec3, error: Vec3, n: Vec3, w: Vec3) -> Vec3 {
+    let d = n.abs().dot(error);
+    let offset = if w.dot(n) < 0.0 { n * -d } else { n * d };
+    let mut o = p + offset;
+    for a in 0..3 {
+        if offset[a] > 0.0 {
+            o[a] = o[a].next_up();
+        } else if offset[a] < 0.0 {
+            o[a] = o[a].next_down();
+        }
+    }
+    o
+}
