@@ -1,1 +1,16 @@
-//! (in the making)
+#![doc = include_str!("../README.md")]
+
+pub mod diagnostic;
+pub mod mesh;
+pub mod names;
+pub mod node;
+pub mod source;
+
+mod desc;
+
+pub use desc::{Format, Group, Instance, SceneDesc, Shape};
+pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Location, Severity};
+pub use mesh::{Attribute, Domain, Mesh, MeshFault};
+pub use node::{ColorSpace, Family, Node, NodeId, Param, SpectrumValue, Value};
+pub use source::{FileId, Sources, Span};
+pub use steradian_math::Transform;

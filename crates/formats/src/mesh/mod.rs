@@ -1,0 +1,1 @@
+//! Mesh files: PLY, OBJ with MTL, Mitsuba serialized.

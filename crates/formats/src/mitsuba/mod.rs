@@ -1,0 +1,1 @@
+//! Mitsuba XML scene files.

@@ -1,0 +1,1 @@
+//! pbrt-v4 scene files.

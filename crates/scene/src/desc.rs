@@ -1,0 +1,145 @@
+//! The description of a whole scene.
+
+use crate::{
+    mesh::Mesh,
+    node::{Node, NodeId},
+    source::{Sources, Span},
+};
+use serde::{Deserialize, Serialize};
+use std::{path::PathBuf, sync::Arc};
+use steradian_math::Transform;
+
+/// Where a description comes from; decides the defaults the format promises.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Made in code.
+    #[default]
+    Native,
+    /// pbrt-v4 text: spectral by definition.
+    Pbrt,
+    /// Mitsuba XML.
+    Mitsuba,
+    /// A bare model (OBJ, PLY): framed and lit by us.
+    Model,
+}
+
+/// A piece of geometry with all that is attached to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Kind and parameters (family `Shape`).
+    pub node: NodeId,
+    /// Index into [`SceneDesc::meshes`], for the kinds made of one.
+    pub mesh: Option<usize>,
+    /// Places it in the world, or in its group.
+    pub world_from_object: Transform,
+    /// Turns the normals over.
+    pub reverse_orientation: bool,
+    /// Family `Material`; `None` is a grey diffuse surface (no surface at all when only media are given: use kind `interface`).
+    pub material: Option<NodeId>,
+    /// Family `Light`, kind `area`.
+    pub emission: Option<NodeId>,
+    /// Family `Medium`: what fills the side the normals point away from. `None` on both sides: the shape does not change the medium.
+    pub interior: Option<NodeId>,
+    /// Family `Medium`: what is on the side the normals point to.
+    pub exterior: Option<NodeId>,
+    /// Whether the shape separates media: with it `interior`/`exterior` of `None` mean vacuum.
+    pub is_medium_boundary: bool,
+}
+
+/// Shapes that are placed many times.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Group {
+    /// The name the file gave it.
+    pub name: String,
+    /// Its shapes, in group space.
+    pub shapes: Vec<Shape>,
+}
+
+/// One placement of a group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Instance {
+    /// Index into [`SceneDesc::groups`].
+    pub group: usize,
+    /// Places group space in the world.
+    pub world_from_group: Transform,
+    /// Where the file says so.
+    pub span: Option<Span>,
+}
+
+/// A scene as pure data. Importers make it, `compile` turns it into what is rendered.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct SceneDesc {
+    /// Where it comes from.
+    pub format: Format,
+    /// The scene file.
+    pub path: Option<PathBuf>,
+    /// Every file that was read.
+    pub sources: Sources,
+    /// The arena.
+    pub nodes: Vec<Node>,
+    /// Mesh data, shared by shapes.
+    pub meshes: Vec<Arc<Mesh>>,
+    /// Shapes placed in the world.
+    pub shapes: Vec<Shape>,
+    /// Shapes placed through instances only.
+    pub groups: Vec<Group>,
+    /// Placements of groups.
+    pub instances: Vec<Instance>,
+    /// Lights that are not attached to shapes (family `Light`).
+    pub lights: Vec<NodeId>,
+    /// Cameras; the first is the default.
+    pub cameras: Vec<NodeId>,
+    /// Family `Film`.
+    pub film: Option<NodeId>,
+    /// Family `Filter`.
+    pub filter: Option<NodeId>,
+    /// Family `Sampler`.
+    pub sampler: Option<NodeId>,
+    /// Family `Integrator`.
+    pub integrator: Option<NodeId>,
+}
+
+impl SceneDesc {
+    /// Adds a node to the arena.
+    pub fn add(&mut self, node: Node) -> NodeId {
+        self.nodes.push(node);
+        NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    /// Adds mesh data and returns its index.
+    pub fn add_mesh(&mut self, mesh: impl Into<Arc<Mesh>>) -> usize {
+        self.meshes.push(mesh.into());
+        self.meshes.len() - 1
+    }
+
+    /// The node with this id.
+    ///
+    /// # Panics
+    /// If the id is not of this description (a bug in the caller, not in a file).
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id.0 as usize]
+    }
+
+    /// The same, to change it.
+    ///
+    /// # Panics
+    /// If the id is not of this description.
+    pub fn node_mut(&mut self, id: NodeId) -> &mut Node {
+        &mut self.nodes[id.0 as usize]
+    }
+
+    /// Triangles and patches of the world, instances counted each time they are placed.
+    pub fn face_count(&self) -> u64 {
+        let count = |shapes: &[Shape]| -> u64 {
+            shapes
+                .iter()
+                .filter_map(|s| s.mesh.and_then(|m| self.meshes.get(m)))
+                .map(|m| (m.triangles.len() + m.patches.len()) as u64)
+                .sum()
+        };
+        let per_group: Vec<u64> = self.groups.iter().map(|g| count(&g.shapes)).collect();
+        let placed: u64 = self.instances.iter().filter_map(|i| per_group.get(i.group)).sum();
+        count(&self.shapes) + placed
+    }
+}

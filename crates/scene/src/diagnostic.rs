@@ -1,0 +1,245 @@
+//! What a reader has to say about a file: located messages with excerpts.
+
+use crate::source::{Sources, Span};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Something the user may like to know.
+    Note,
+    /// The picture may differ from what the file means.
+    Warning,
+    /// The scene cannot be rendered.
+    Error,
+}
+
+/// How faithfully something was translated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fidelity {
+    /// The nearest thing Steradian has stands in for it.
+    Approximated,
+    /// It was left out.
+    Dropped,
+    /// Nothing read it (a misspelt or pointless parameter).
+    Unused,
+}
+
+/// A place in a file, with the line it is on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Location {
+    /// The file.
+    pub path: String,
+    /// From 1.
+    pub line: u32,
+    /// From 1, in characters.
+    pub column: u32,
+    /// The line, or the readable part of a long one.
+    pub excerpt: String,
+    /// Where the caret starts in the excerpt, in characters.
+    pub caret_start: u32,
+    /// How many characters it marks, at least one.
+    pub caret_len: u32,
+}
+
+/// One message.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Diagnostic {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Set where something was translated with a loss.
+    pub fidelity: Option<Fidelity>,
+    /// What is wrong, in one sentence without a full stop.
+    pub message: String,
+    /// Where.
+    pub location: Option<Location>,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = match (self.severity, self.fidelity) {
+            (Severity::Error, _) => "error",
+            (_, Some(Fidelity::Approximated)) => "approximated",
+            (_, Some(Fidelity::Dropped)) => "dropped",
+            (_, Some(Fidelity::Unused)) => "unused",
+            (Severity::Warning, None) => "warning",
+            (Severity::Note, None) => "note",
+        };
+        write!(f, "{kind}: {}", self.message)?;
+        if let Some(l) = &self.location {
+            let number = l.line.to_string();
+            let gap = " ".repeat(number.len());
+            write!(f, "\n{gap}--> {}:{}:{}", l.path, l.line, l.column)?;
+            if !l.excerpt.is_empty() {
+                let (space, caret) = (" ".repeat(l.caret_start as usize), "^".repeat(l.caret_len.min(200) as usize));
+                write!(f, "\n{gap} |\n{number} | {}\n{gap} | {space}{caret}", l.excerpt.trim_end())?;
+            }
+        }
+        if let Some(help) = &self.help {
+            write!(f, "\n  = help: {help}")?;
+        }
+        Ok(())
+    }
+}
+
+/// The messages of one load, in the order they arose. Errors are kept up to [`Diagnostics::MAX_ERRORS`], other messages up to
+/// [`Diagnostics::MAX_OTHERS`]; what is over is counted.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Diagnostics {
+    items: Vec<Diagnostic>,
+    errors: usize,
+    suppressed: usize,
+}
+
+impl Diagnostics {
+    /// Errors kept; a reader should stop once [`Diagnostics::is_full`].
+    pub const MAX_ERRORS: usize = 100;
+    /// Warnings and notes kept.
+    pub const MAX_OTHERS: usize = 400;
+
+    /// Adds a message.
+    pub fn push(&mut self, d: Diagnostic) {
+        let error = d.severity == Severity::Error;
+        let room = if error {
+            self.errors < Self::MAX_ERRORS
+        } else {
+            self.items.len() - self.errors.min(self.items.len()) < Self::MAX_OTHERS
+        };
+        self.errors += usize::from(error);
+        if room && !self.items.contains(&d) {
+            self.items.push(d);
+        } else {
+            self.suppressed += usize::from(!room);
+        }
+    }
+
+    fn add(
+        &mut self,
+        severity: Severity,
+        fidelity: Option<Fidelity>,
+        sources: &Sources,
+        span: Option<Span>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) {
+        let location = span.and_then(|s| sources.locate(s));
+        self.push(Diagnostic { severity, fidelity, message: message.into(), location, help });
+    }
+
+    /// Adds an error.
+    pub fn error(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>) {
+        self.add(Severity::Error, None, sources, span, message, None);
+    }
+
+    /// Adds an error with advice.
+    pub fn error_help(
+        &mut self,
+        sources: &Sources,
+        span: Option<Span>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) {
+        self.add(Severity::Error, None, sources, span, message, help);
+    }
+
+    /// Adds a warning.
+    pub fn warn(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>) {
+        self.add(Severity::Warning, None, sources, span, message, None);
+    }
+
+    /// Adds a note.
+    pub fn note(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>) {
+        self.add(Severity::Note, None, sources, span, message, None);
+    }
+
+    /// Reports that something is rendered as the nearest thing there is.
+    pub fn approximated(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>) {
+        self.add(Severity::Warning, Some(Fidelity::Approximated), sources, span, message, None);
+    }
+
+    /// Reports that something is left out.
+    pub fn dropped(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>) {
+        self.add(Severity::Warning, Some(Fidelity::Dropped), sources, span, message, None);
+    }
+
+    /// Reports a parameter that nothing reads, with the nearest known name.
+    pub fn unused(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>, help: Option<String>) {
+        self.add(Severity::Warning, Some(Fidelity::Unused), sources, span, message, help);
+    }
+
+    /// Whether there is any error.
+    pub fn has_errors(&self) -> bool {
+        self.errors > 0
+    }
+
+    /// How many errors arose, kept or not.
+    pub fn error_count(&self) -> usize {
+        self.errors
+    }
+
+    /// Whether no more errors are kept.
+    pub fn is_full(&self) -> bool {
+        self.errors >= Self::MAX_ERRORS
+    }
+
+    /// Messages that were not kept.
+    pub fn suppressed(&self) -> usize {
+        self.suppressed
+    }
+
+    /// The messages.
+    pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.items.iter()
+    }
+
+    /// Whether there is no message.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
+    /// Whether something was approximated or dropped (what `--strict` refuses).
+    pub fn is_lossy(&self) -> bool {
+        self.items.iter().any(|d| matches!(d.fidelity, Some(Fidelity::Approximated | Fidelity::Dropped)))
+    }
+
+    /// Appends the messages of another load.
+    pub fn extend(&mut self, other: Self) {
+        self.suppressed += other.suppressed;
+        for d in other.items {
+            self.push(d);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn message_shows_line_and_caret() {
+        let mut sources = Sources::default();
+        let file = sources.add("a.pbrt", b"Film \"rgb\"\nMaterial \"difuse\"\n".to_vec());
+        let mut ds = Diagnostics::default();
+        let help = Some("did you mean 'diffuse'?".into());
+        ds.error_help(&sources, Some(Span::new(file, 20, 28)), "unknown material 'difuse'", help);
+        let text = ds.iter().next().unwrap().to_string();
+        assert_eq!(
+            text,
+            "error: unknown material 'difuse'\n --> a.pbrt:2:10\n  |\n2 | Material \"difuse\"\n  |          ^^^^^^^^\n  = help: did you mean 'diffuse'?"
+        );
+    }
+
+    #[test]
+    fn errors_are_capped_but_counted() {
+        let mut ds = Diagnostics::default();
+        for i in 0..250 {
+            ds.error(&Sources::default(), None, format!("fault {i}"));
+        }
+        assert_eq!((ds.iter().count(), ds.error_count(), ds.suppressed()), (100, 250, 150));
+    }
+}
