@@ -1,1 +1,22 @@
-//! (in the making)
+//! The ray-tracing acceleration structure: an 8-wide bounding volume hierarchy over triangles and user primitives, with one level
+//! of instancing and SIMD traversal of single rays.
+//!
+//! * [`Geometry`] describes what goes in: indexed triangles, or boxes of primitives that the caller intersects itself.
+//! * [`Bvh`] is the hierarchy over some geometries in one space.
+//! * [`TopLevel`] is a hierarchy over world-space geometries and [`Instance`]s of other hierarchies.
+//! * [`UserPrimitives`] is how a query calls back: user primitives, and the filtering of triangle hits (alpha masks).
+//!
+//! The traversal is compiled for several instruction sets and chosen at run time ([`Isa`]); every level gives the same bits.
+//! A hit at equal distance goes to the smaller [`PrimId`], so results do not depend on the order of traversal either.
+//!
+//! This crate knows nothing of materials, and is the only one with `unsafe` code, which each module that needs it allows by name.
+
+mod bvh;
+mod geometry;
+mod isa;
+mod top_level;
+
+pub use bvh::Bvh;
+pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
+pub use isa::Isa;
+pub use top_level::{Instance, TopLevel};
