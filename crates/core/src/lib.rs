@@ -1,1 +1,3 @@
-//! (in the making)
+//! The scene as it is rendered: [`compile`](compile::compile) turns a description into an immutable [`Scene`](scene::Scene).
+
+pub mod bsdf;

@@ -1,0 +1,1 @@
+//! Scattering at a point of a surface.
