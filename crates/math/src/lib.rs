@@ -5,13 +5,17 @@
 //! ([`Transform`]) and rounded once.
 
 pub mod bounds;
+pub mod color;
+pub mod error;
 pub mod frame;
 pub mod hash;
 pub mod ray;
+pub mod spectra;
 pub mod spectrum;
 pub mod transform;
 
 pub use bounds::Bounds3;
+pub use error::Error;
 pub use frame::Frame;
 pub use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
 pub use ray::Ray;

@@ -1,0 +1,26 @@
+//! What can be wrong with numbers that come from outside.
+
+/// Why a value of this crate could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A text file of spectral samples is malformed; `line` counts from 1.
+    #[error("line {line}: {reason}")]
+    SpectrumFile {
+        /// The line at fault, counted from 1.
+        line: usize,
+        /// What is wrong there.
+        reason: String,
+    },
+    /// Wavelengths and values do not make a curve.
+    #[error("spectrum: {0}")]
+    Curve(String),
+    /// The chromaticities do not span a colour space.
+    #[error("colour space: primaries {primaries:?} and white {white:?} do not span one")]
+    ColorSpace {
+        /// `(x, y)` of red, green and blue.
+        primaries: [[f64; 2]; 3],
+        /// `(x, y)` of the white.
+        white: [f64; 2],
+    },
+}

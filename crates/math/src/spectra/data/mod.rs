@@ -1,0 +1,8 @@
+//! Tables of measured and standard spectra.
+#![allow(clippy::approx_constant, reason = "measured values that happen to be near π")]
+
+pub(crate) mod cie1931;
+pub(crate) mod daylight;
+pub(crate) mod glasses;
+pub(crate) mod illuminants;
+pub(crate) mod metals;
