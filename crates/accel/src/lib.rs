@@ -11,10 +11,16 @@
 //!
 //! This crate knows nothing of materials, and is the only one with `unsafe` code, which each module that needs it allows by name.
 
+mod build;
 mod bvh;
+mod dispatch;
 mod geometry;
 mod isa;
+mod layout;
+mod simd;
 mod top_level;
+mod traverse;
+mod triangle;
 
 pub use bvh::Bvh;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};

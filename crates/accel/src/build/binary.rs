@@ -1,0 +1,130 @@
+//! The binary tree, and for each of its nodes the cheapest way to make a part of an eight-wide tree of it.
+//!
+//! The cost of a wide tree is the area of its nodes and blocks, each weighted with the time of its test. The cheapest tree is found
+//! from the leaves up by dynamic programming: for each binary node the cost as a forest of at most `i` wide subtrees (Ylitie,
+//! Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1).
+
+use super::primitives::PrimRef;
+use super::split::{Extent, half_area, split};
+use crate::simd::LANES;
+use steradian_math::Bounds3;
+
+/// Down to this depth ranges are cut by the surface area heuristic, below they are halved.
+pub(super) const SAH_DEPTH: u32 = 64;
+/// Ranges of triangles up to this length are not cut further.
+const SMALL: usize = 2;
+/// Ranges longer than this are cut by several threads.
+const PARALLEL: usize = 1 << 12;
+/// Time of the test of a node's boxes.
+const NODE_COST: f32 = 1.0;
+/// Time of the test of a block of triangles.
+const BLOCK_COST: f32 = 1.0;
+
+/// Costs of a binary node as a forest of at most 1, 2, … 7 subtrees.
+type Costs = [f32; LANES - 1];
+
+/// A node of the binary tree, over a range of references.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BinaryNode {
+    pub bounds: Bounds3,
+    /// Start of the range.
+    pub first: u32,
+    /// Length of the range.
+    pub count: u32,
+    /// Where the second child is, from this node; the first child is at 1. Zero: no children.
+    pub second: u32,
+    /// `forest[i]`: how many of `i + 1` subtrees the first child gets in the cheapest forest, or zero when one subtree less is
+    /// as cheap. `forest[0]` is one when the range becomes a leaf.
+    pub forest: [u8; LANES],
+}
+
+impl BinaryNode {
+    const UNUSED: Self = Self { bounds: Bounds3::EMPTY, first: 0, count: 0, second: 0, forest: [0; LANES] };
+
+    /// Whether the range becomes a leaf of the wide tree.
+    pub fn is_leaf(&self) -> bool {
+        self.forest[0] == 1
+    }
+}
+
+/// Sorts the references and builds the tree over them. A node over `n` references has `2n − 1` places beginning with its own.
+pub(super) fn build(refs: &mut [PrimRef]) -> Vec<BinaryNode> {
+    if refs.is_empty() {
+        return Vec::new();
+    }
+    let mut nodes = vec![BinaryNode::UNUSED; 2 * refs.len() - 1];
+    let extent = Extent::of(refs);
+    let half = extent.bounds.max * 0.5 - extent.bounds.min * 0.5;
+    let scale = if half.max_element() > 0.0 { half.max_element().recip().min(f32::MAX) } else { 1.0 };
+    build_range(refs, &mut nodes, 0, extent, scale, 0);
+    nodes
+}
+
+/// Builds the subtree over a range in its places. The depth of the recursion is bounded by [`super::MAX_DEPTH`].
+fn build_range(
+    refs: &mut [PrimRef],
+    nodes: &mut [BinaryNode],
+    first: u32,
+    extent: Extent,
+    scale: f32,
+    depth: u32,
+) -> Costs {
+    let count = refs.len();
+    let area = half_area(&extent.bounds, scale);
+    let fits_leaf = count == 1 || count <= LANES && refs.iter().all(|r| !r.is_user());
+    let leaf_cost = if fits_leaf { area * BLOCK_COST } else { f32::INFINITY };
+    let mut node = BinaryNode { bounds: extent.bounds, first, count: count as u32, ..BinaryNode::UNUSED };
+    if count == 1 || fits_leaf && count <= SMALL {
+        node.forest[0] = 1;
+        nodes[0] = node;
+        return [leaf_cost; LANES - 1];
+    }
+
+    let middle = split(refs, &extent, scale, depth < SAH_DEPTH);
+    node.second = 2 * middle as u32;
+    let (root, children) = nodes.split_at_mut(1);
+    let (left_nodes, right_nodes) = children.split_at_mut(2 * middle - 1);
+    let (left_refs, right_refs) = refs.split_at_mut(middle);
+    let mut left = || {
+        let extent = Extent::of(left_refs);
+        build_range(left_refs, left_nodes, first, extent, scale, depth + 1)
+    };
+    let mut right = || {
+        let extent = Extent::of(right_refs);
+        build_range(right_refs, right_nodes, first + middle as u32, extent, scale, depth + 1)
+    };
+    let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
+
+    let (costs, forest) = cheapest_forests(&left, &right, area, leaf_cost);
+    root[0] = BinaryNode { forest, ..node };
+    costs
+}
+
+/// The recurrence: from the costs of the children to those of a node, and the choices that give them.
+fn cheapest_forests(left: &Costs, right: &Costs, area: f32, leaf_cost: f32) -> (Costs, [u8; LANES]) {
+    let mut forest = [0; LANES];
+    // The cheapest forests with exactly i + 1 places given to the two children.
+    let mut shared = [f32::INFINITY; LANES];
+    for places in 2..=LANES {
+        for of_left in 1..places {
+            let cost = left[of_left - 1] + right[places - of_left - 1];
+            if cost < shared[places - 1] {
+                shared[places - 1] = cost;
+                forest[places - 1] = of_left as u8;
+            }
+        }
+    }
+    let mut costs = [0.0; LANES - 1];
+    let inner_cost = area * NODE_COST + shared[LANES - 1];
+    if leaf_cost <= inner_cost {
+        forest[0] = 1;
+    }
+    costs[0] = leaf_cost.min(inner_cost);
+    for i in 1..LANES - 1 {
+        if costs[i - 1] <= shared[i] {
+            forest[i] = 0;
+        }
+        costs[i] = costs[i - 1].min(shared[i]);
+    }
+    (costs, forest)
+}

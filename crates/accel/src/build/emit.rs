@@ -1,0 +1,105 @@
+//! From the binary tree with its choices to the wide tree.
+
+use super::binary::BinaryNode;
+use super::primitives::{PrimRef, Primitives};
+use crate::bvh::Tree;
+use crate::layout::{Block, ChildRef, Node};
+use crate::simd::LANES;
+use rayon::prelude::*;
+use steradian_math::Bounds3;
+
+/// Lays out the wide tree, depth first.
+pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNode]) -> Tree {
+    let mut layout = Layout { nodes: Vec::new(), leaves: Vec::new() };
+    let root = match binary.first() {
+        None => ChildRef::EMPTY,
+        Some(root) if root.is_leaf() => layout.leaf(root, refs),
+        Some(_) => layout.subtree(binary, refs),
+    };
+    let blocks = layout.leaves.par_iter().map(|&(first, count)| {
+        let mut block = Block::EMPTY;
+        for (lane, r) in refs[first as usize..][..count as usize].iter().enumerate() {
+            if let Some((corners, id)) = primitives.triangle(r.index()) {
+                block.set(lane, corners, id);
+            }
+        }
+        block
+    });
+    Tree {
+        blocks: blocks.collect(),
+        nodes: layout.nodes,
+        root,
+        bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
+        first: primitives.first.clone(),
+    }
+}
+
+/// Nodes, and the ranges of references that become blocks.
+struct Layout {
+    nodes: Vec<Node>,
+    leaves: Vec<(u32, u32)>,
+}
+
+impl Layout {
+    /// A leaf: a user primitive or a block of triangles.
+    fn leaf(&mut self, node: &BinaryNode, refs: &[PrimRef]) -> ChildRef {
+        let r = &refs[node.first as usize];
+        if r.is_user() {
+            return ChildRef::user(r.index());
+        }
+        self.leaves.push((node.first, node.count));
+        ChildRef::block(self.leaves.len() as u32 - 1)
+    }
+
+    /// All below the root of the binary tree, which is not a leaf.
+    fn subtree(&mut self, binary: &[BinaryNode], refs: &[PrimRef]) -> ChildRef {
+        self.nodes.push(Node::EMPTY);
+        let mut pending = vec![(0, 0)];
+        while let Some((binary_index, index)) = pending.pop() {
+            let children = children(binary, binary_index);
+            let mut node = Node::EMPTY;
+            for (lane, child_index) in children.into_iter().flatten().enumerate() {
+                let child = &binary[child_index];
+                let child_ref = if child.is_leaf() {
+                    self.leaf(child, refs)
+                } else {
+                    self.nodes.push(Node::EMPTY);
+                    pending.push((child_index, self.nodes.len() - 1));
+                    ChildRef::node(self.nodes.len() as u32 - 1)
+                };
+                node.set(lane, &child.bounds, child_ref);
+            }
+            self.nodes[index] = node;
+        }
+        ChildRef::node(0)
+    }
+}
+
+/// The binary nodes that become the children of a wide node.
+fn children(binary: &[BinaryNode], root: usize) -> [Option<usize>; LANES] {
+    let mut found = [None; LANES];
+    let mut len = 0;
+    // Parts of the forest that are still to be opened: a binary node and how many subtrees it may become.
+    let mut open = [(0, 0); LANES];
+    let mut depth = 0;
+    let (mut current, mut places) = (root, LANES);
+    loop {
+        let node = &binary[current];
+        if places == 1 || node.second == 0 {
+            found[len] = Some(current);
+            len += 1;
+            if depth == 0 {
+                return found;
+            }
+            depth -= 1;
+            (current, places) = open[depth];
+        } else if node.forest[places - 1] == 0 {
+            places -= 1;
+        } else {
+            let of_left = usize::from(node.forest[places - 1]);
+            open[depth] = (current + node.second as usize, places - of_left);
+            depth += 1;
+            (current, places) = (current + 1, of_left);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The primitives of all geometries under one index, and references to them that the builder sorts.
+
+use crate::layout::{Block, ChildRef};
+use crate::triangle::is_hittable;
+use crate::{Error, Geometry, Shape};
+use rayon::prelude::*;
+use steradian_math::{Bounds3, Vec3};
+
+/// A primitive while it is sorted: its box and its index.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PrimRef {
+    pub min: Vec3,
+    /// Index over all geometries; the top bit is set for user primitives.
+    tagged: u32,
+    pub max: Vec3,
+    /// Twin of the row above, so that a reference is half a cache line.
+    _pad: u32,
+}
+
+impl PrimRef {
+    const USER: u32 = 1 << 31;
+
+    fn new(bounds: Bounds3, index: u32, user: bool) -> Self {
+        Self { min: bounds.min, tagged: index | if user { Self::USER } else { 0 }, max: bounds.max, _pad: 0 }
+    }
+
+    /// Index over all geometries.
+    pub fn index(&self) -> u32 {
+        self.tagged & !Self::USER
+    }
+
+    /// Whether it is a user primitive.
+    pub fn is_user(&self) -> bool {
+        self.tagged & Self::USER != 0
+    }
+
+    /// The middle of the box, without overflow.
+    #[inline]
+    pub fn center(&self) -> Vec3 {
+        self.min * 0.5 + self.max * 0.5
+    }
+
+    /// The box.
+    #[inline]
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3 { min: self.min, max: self.max }
+    }
+}
+
+/// All geometries, with one index over all their primitives.
+pub(super) struct Primitives<'a> {
+    geometries: &'a [Geometry<'a>],
+    /// For each geometry the index of its first primitive, and at the end the number of all.
+    pub first: Vec<u32>,
+}
+
+impl<'a> Primitives<'a> {
+    /// Counts the primitives.
+    pub fn new(geometries: &'a [Geometry<'a>]) -> Result<Self, Error> {
+        let limit = u64::from(ChildRef::LIMIT);
+        let count = geometries.iter().map(|g| g.len() as u64).sum();
+        if count >= limit {
+            return Err(Error::TooManyPrimitives { count, limit });
+        }
+        let mut first = vec![0];
+        for geometry in geometries {
+            first.push(first[first.len() - 1] + geometry.len() as u32);
+        }
+        Ok(Self { geometries, first })
+    }
+
+    /// References to all primitives that a ray can hit, in the order of their indices.
+    pub fn refs(&self) -> Vec<PrimRef> {
+        let of_geometry = |(geometry, &first): (&'a Geometry<'a>, &u32)| {
+            (0..geometry.len()).into_par_iter().filter_map(move |prim| {
+                let (bounds, user) = match geometry.shape {
+                    Shape::Triangles { positions, indices } => {
+                        let corners = corners(positions, indices[prim]).filter(|corners| is_hittable(*corners))?;
+                        (Bounds3::from_points(corners), false)
+                    }
+                    Shape::Boxes(boxes) => (boxes[prim], true),
+                };
+                let usable = bounds.min.is_finite() && bounds.max.is_finite() && !bounds.is_empty();
+                usable.then(|| PrimRef::new(bounds, first + prim as u32, user))
+            })
+        };
+        self.geometries.par_iter().zip(&self.first).flat_map(of_geometry).collect()
+    }
+
+    /// The vertices of the triangle with an index, and what goes into [`Block::ids`]; `None` for what is not a triangle.
+    pub fn triangle(&self, index: u32) -> Option<([Vec3; 3], u32)> {
+        let geom = self.first.partition_point(|&first| first <= index) - 1;
+        let geometry = self.geometries[geom];
+        let Shape::Triangles { positions, indices } = geometry.shape else { return None };
+        let id = index | if geometry.filtered { Block::FILTERED } else { 0 };
+        Some((corners(positions, indices[(index - self.first[geom]) as usize])?, id))
+    }
+}
+
+/// The vertices of a triangle, if they exist.
+fn corners(positions: &[Vec3], indices: [u32; 3]) -> Option<[Vec3; 3]> {
+    let [a, b, c] = indices.map(|i| positions.get(i as usize).copied());
+    Some([a?, b?, c?])
+}

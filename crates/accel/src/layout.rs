@@ -1,0 +1,119 @@
+//! The hierarchy as it lies in memory.
+
+use crate::simd::{LANES, Row};
+use steradian_math::{Bounds3, Vec3};
+
+/// What a slot of a node refers to, in 32 bits: the kind above, an index below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct ChildRef(pub u32);
+
+impl ChildRef {
+    /// Number of bits of the index.
+    const INDEX_BITS: u32 = 30;
+    /// Most nodes, blocks or primitives that can be addressed.
+    pub const LIMIT: u32 = 1 << Self::INDEX_BITS;
+    /// Nothing. As a node it would be the first one, but its box is empty.
+    pub const EMPTY: Self = Self(3 << Self::INDEX_BITS);
+
+    /// An inner node.
+    pub fn node(index: u32) -> Self {
+        Self(index)
+    }
+
+    /// A block of triangles.
+    pub fn block(index: u32) -> Self {
+        Self(1 << Self::INDEX_BITS | index)
+    }
+
+    /// A user primitive.
+    pub fn user(index: u32) -> Self {
+        Self(2 << Self::INDEX_BITS | index)
+    }
+
+    /// Whether this is an inner node.
+    #[inline(always)]
+    pub fn is_node(self) -> bool {
+        self.0 < Self::LIMIT
+    }
+
+    /// Whether this is a block of triangles.
+    #[inline(always)]
+    pub fn is_block(self) -> bool {
+        self.0 >> Self::INDEX_BITS == 1
+    }
+
+    /// The index of the node, block or primitive.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        (self.0 & (Self::LIMIT - 1)) as usize
+    }
+}
+
+/// Eight children: their boxes by rows, and what they are.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    /// Minimum x, y, z, then maximum x, y, z. Empty slots have an empty box, which no ray enters.
+    pub rows: [Row; 6],
+    /// The children.
+    pub children: [ChildRef; LANES],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Self = Self {
+        rows: [
+            Row([f32::INFINITY; LANES]),
+            Row([f32::INFINITY; LANES]),
+            Row([f32::INFINITY; LANES]),
+            Row([f32::NEG_INFINITY; LANES]),
+            Row([f32::NEG_INFINITY; LANES]),
+            Row([f32::NEG_INFINITY; LANES]),
+        ],
+        children: [ChildRef::EMPTY; LANES],
+    };
+
+    /// Fills a slot.
+    pub fn set(&mut self, lane: usize, bounds: &Bounds3, child: ChildRef) {
+        for axis in 0..3 {
+            self.rows[axis].0[lane] = bounds.min[axis];
+            self.rows[axis + 3].0[lane] = bounds.max[axis];
+        }
+        self.children[lane] = child;
+    }
+
+    /// The box of a slot.
+    pub fn child_bounds(&self, lane: usize) -> Bounds3 {
+        let corner = |row: usize| Vec3::from_array(std::array::from_fn(|axis| self.rows[row + axis].0[lane]));
+        Bounds3 { min: corner(0), max: corner(3) }
+    }
+}
+
+/// Up to eight triangles by rows.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Block {
+    /// Row `3·vertex + axis`. Unused lanes are NaN, which no test passes.
+    pub rows: [Row; 9],
+    /// Primitive indices over all geometries; [`Block::FILTERED`] is set where hits must be accepted by the caller.
+    pub ids: [u32; LANES],
+}
+
+impl Block {
+    /// Flag in [`Block::ids`].
+    pub const FILTERED: u32 = 1 << 31;
+
+    /// A block without triangles.
+    pub const EMPTY: Self = Self { rows: [Row([f32::NAN; LANES]); 9], ids: [0; LANES] };
+
+    /// Fills a lane.
+    pub fn set(&mut self, lane: usize, vertices: [Vec3; 3], id: u32) {
+        for (v, p) in vertices.into_iter().enumerate() {
+            for axis in 0..3 {
+                self.rows[3 * v + axis].0[lane] = p[axis];
+            }
+        }
+        self.ids[lane] = id;
+    }
+}

@@ -1,0 +1,122 @@
+//! The watertight ray-triangle test of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, on eight
+//! triangles at once.
+//!
+//! Vertices are moved to the ray's origin and sheared so that the ray becomes the z axis. The signs of the three edge functions
+//! then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them. Where an edge function
+//! is zero it is computed again in `f64`, where its sign is exact.
+
+use crate::layout::Block;
+use crate::simd::{LANES, Simd};
+use steradian_math::{Ray, Vec3};
+
+/// What the test needs of a ray.
+#[derive(Clone, Copy)]
+pub(crate) struct Shear<S: Simd> {
+    /// Axes in the order x, y, z of the sheared space; z is where the direction is greatest.
+    axes: [usize; 3],
+    /// The origin by these axes.
+    origin: [S::F; 3],
+    /// Shear of x and y, and scale of z.
+    shear: [S::F; 3],
+}
+
+/// Candidate hits on the triangles of a block.
+pub(crate) struct Candidates {
+    /// Bit `i`: triangle `i` is hit within the interval.
+    pub lanes: u32,
+    /// Distances.
+    pub t: [f32; LANES],
+    /// Edge functions that belong to the second and third vertex, and the sum of all three.
+    pub edges: [[f32; LANES]; 3],
+}
+
+impl Candidates {
+    /// Barycentric coordinates of the second and third vertex.
+    #[inline(always)]
+    pub fn barycentrics(&self, lane: usize) -> (f32, f32) {
+        (self.edges[0][lane] / self.edges[2][lane], self.edges[1][lane] / self.edges[2][lane])
+    }
+}
+
+impl<S: Simd> Shear<S> {
+    /// For a valid ray.
+    #[inline(always)]
+    pub fn new(s: S, ray: &Ray) -> Self {
+        let d = ray.direction;
+        let a = d.abs();
+        let z = if a.x >= a.y && a.x >= a.z {
+            0
+        } else if a.y >= a.z {
+            1
+        } else {
+            2
+        };
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
+        let [x, y, z] = axes;
+        Self {
+            axes,
+            origin: axes.map(|axis| s.splat(ray.origin[axis])),
+            shear: [s.splat(d[x] / d[z]), s.splat(d[y] / d[z]), s.splat(1.0 / d[z])],
+        }
+    }
+
+    /// Tests a block: hits with `0 < t <= t_max`.
+    #[inline(always)]
+    pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
+        // Vertices relative to the origin, sheared.
+        let vertex = |v: usize| {
+            let [x, y, z]: [S::F; 3] =
+                std::array::from_fn(|i| s.sub(s.load(&block.rows[3 * v + self.axes[i]]), self.origin[i]));
+            [s.sub(x, s.mul(self.shear[0], z)), s.sub(y, s.mul(self.shear[1], z)), z]
+        };
+        let [ax, ay, az] = vertex(0);
+        let [bx, by, bz] = vertex(1);
+        let [cx, cy, cz] = vertex(2);
+
+        // Edge functions: twice the signed areas opposite to the vertices.
+        let mut u = s.sub(s.mul(cx, by), s.mul(cy, bx));
+        let mut v = s.sub(s.mul(ax, cy), s.mul(ay, cx));
+        let mut w = s.sub(s.mul(bx, ay), s.mul(by, ax));
+
+        let zero = s.splat(0.0);
+        let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
+        let on_edge = s.bits(on_edge);
+        if on_edge != 0 {
+            let corners = [s.store(ax), s.store(ay), s.store(bx), s.store(by), s.store(cx), s.store(cy)];
+            let edges = edges_in_f64(&corners, on_edge, [s.store(u), s.store(v), s.store(w)]);
+            [u, v, w] = edges.map(|row| s.load(&crate::simd::Row(row)));
+        }
+
+        // All of one sign, with zero on either side.
+        let positive = s.and(s.and(s.le(zero, u), s.le(zero, v)), s.le(zero, w));
+        let negative = s.and(s.and(s.le(u, zero), s.le(v, zero)), s.le(w, zero));
+        let inside = s.or(positive, negative);
+        if s.bits(inside) == 0 {
+            return None;
+        }
+
+        let sum = s.add(s.add(u, v), w);
+        let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
+        let t = s.div(s.mul(depth, self.shear[2]), sum);
+        let lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
+        (lanes != 0).then(|| Candidates { lanes, t: s.store(t), edges: [s.store(v), s.store(w), s.store(sum)] })
+    }
+}
+
+/// Edge functions of the lanes in `lanes` again, with an exact sign.
+#[cold]
+#[inline(never)]
+fn edges_in_f64(corners: &[[f32; LANES]; 6], lanes: u32, mut edges: [[f32; LANES]; 3]) -> [[f32; LANES]; 3] {
+    for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        let [ax, ay, bx, by, cx, cy] = std::array::from_fn(|i| f64::from(corners[i][lane]));
+        edges[0][lane] = (cx * by - cy * bx) as f32;
+        edges[1][lane] = (ax * cy - ay * cx) as f32;
+        edges[2][lane] = (bx * ay - by * ax) as f32;
+    }
+    edges
+}
+
+/// Whether a ray can hit the triangle at all: finite, and no two vertices equal.
+pub(crate) fn is_hittable([a, b, c]: [Vec3; 3]) -> bool {
+    a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a
+}
