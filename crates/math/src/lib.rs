@@ -6,13 +6,16 @@
 
 pub mod bounds;
 pub mod color;
+pub mod distribution;
 pub mod error;
 pub mod frame;
 pub mod hash;
 pub mod ray;
+pub mod sobol;
 pub mod spectra;
 pub mod spectrum;
 pub mod transform;
+pub mod warp;
 
 pub use bounds::Bounds3;
 pub use error::Error;

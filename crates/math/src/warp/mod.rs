@@ -1,0 +1,108 @@
+//! Maps from the unit square to the domains that rendering integrates over, with their densities.
+//!
+//! Every map takes `u ∈ [0,1)²` (or `u ∈ [0,1)`), is continuous where the domain allows it (so stratified points stay
+//! stratified) and allocates nothing. Hemispheres lie around `+z`. Densities are per solid angle (1/sr) unless said otherwise.
+
+mod equal_area;
+mod interval;
+mod latlong;
+mod phase;
+mod spherical_rectangle;
+mod spherical_triangle;
+
+pub use equal_area::{equal_area_sphere_to_square, equal_area_square_to_sphere, wrap_equal_area_square};
+pub use interval::{exponential, exponential_pdf, tent, tent_pdf};
+pub use latlong::{direction_from_latlong, latlong_from_direction, spherical_angles, spherical_direction};
+pub use phase::{hg_phase, sample_hg};
+pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_triangle::{spherical_triangle, spherical_triangle_area, spherical_triangle_pdf};
+
+use crate::{Vec2, Vec3};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+/// Density of [`uniform_hemisphere`], `1/2π`.
+pub const UNIFORM_HEMISPHERE_PDF: f32 = 0.5 * FRAC_1_PI;
+
+/// Density of [`uniform_sphere`], `1/4π`.
+pub const UNIFORM_SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
+
+/// A uniform point of the unit disk (Shirley and Chiu 1997): concentric squares go to concentric circles. Density `1/π` per area.
+#[inline]
+pub fn concentric_disk(u: Vec2) -> Vec2 {
+    let p = 2.0 * u - Vec2::ONE;
+    if p == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (r, phi) =
+        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * (p.y / p.x)) } else { (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y)) };
+    let (sin, cos) = phi.sin_cos();
+    Vec2::new(r * cos, r * sin)
+}
+
+/// A direction with density `cosθ/π` (M148), by Malley's method: a uniform point of the disk, lifted to the hemisphere.
+#[inline]
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let d = concentric_disk(u);
+    d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// Density of [`cosine_hemisphere`]; zero below the horizon.
+#[inline]
+pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
+    cos_theta.max(0.0) * FRAC_1_PI
+}
+
+/// A direction uniform in solid angle over the upper hemisphere (M147): `cosθ = 1 − u.x`.
+#[inline]
+pub fn uniform_hemisphere(u: Vec2) -> Vec3 {
+    uniform_cone(u, 1.0)
+}
+
+/// A direction of the upper hemisphere uniform in the two angles, `θ = u.x·π/2`, `φ = 2π·u.y` (M146).
+#[inline]
+pub fn uniform_angle_hemisphere(u: Vec2) -> Vec3 {
+    let (sin_theta, cos_theta) = (u.x * FRAC_PI_2).sin_cos();
+    spherical_direction(sin_theta, cos_theta, TAU * u.y)
+}
+
+/// Density of [`uniform_angle_hemisphere`], `1/(π² sinθ)`: unbounded at the pole.
+#[inline]
+pub fn uniform_angle_hemisphere_pdf(sin_theta: f32) -> f32 {
+    1.0 / (PI * PI * sin_theta)
+}
+
+/// A direction uniform in solid angle over the whole sphere: `cosθ = 1 − 2u.x`.
+#[inline]
+pub fn uniform_sphere(u: Vec2) -> Vec3 {
+    uniform_cone(u, 2.0)
+}
+
+/// A direction uniform in solid angle within the cone around `+z` whose half-angle `α` is given as `1 − cosα`.
+///
+/// The cone is given by `1 − cosα` and not by the cosine because `sinθ = √(x(2 − x))`, `x = 1 − cosθ`, keeps full precision for
+/// the smallest cones, where the cosine rounds to one.
+#[inline]
+pub fn uniform_cone(u: Vec2, one_minus_cos_max: f32) -> Vec3 {
+    let x = u.x * one_minus_cos_max;
+    let sin_theta = (x * (2.0 - x)).max(0.0).sqrt();
+    spherical_direction(sin_theta, 1.0 - x, TAU * u.y)
+}
+
+/// Density of [`uniform_cone`], `1/(2π(1 − cosα))`.
+#[inline]
+pub fn uniform_cone_pdf(one_minus_cos_max: f32) -> f32 {
+    1.0 / (TAU * one_minus_cos_max)
+}
+
+/// Barycentric coordinates of a uniform point of a triangle, with little distortion (Heitz 2019). Density `1/area` per area.
+#[inline]
+pub fn uniform_triangle(u: Vec2) -> [f32; 3] {
+    let (b0, b1) = if u.x < u.y {
+        let b0 = 0.5 * u.x;
+        (b0, u.y - b0)
+    } else {
+        let b1 = 0.5 * u.y;
+        (u.x - b1, b1)
+    };
+    [b0, b1, (1.0 - b0 - b1).max(0.0)]
+}

@@ -1,0 +1,77 @@
+//! Uniform sampling of the solid angle of a rectangle (Ureña, Fajardo and King 2013, "An area-preserving parametrization for
+//! spherical rectangles").
+
+use crate::{Vec2, Vec3};
+use std::f64::consts::TAU;
+
+/// A planar rectangle as seen from a point, ready to be sampled uniformly in solid angle. The angles are kept in `f64`: the solid
+/// angle is a sum of four angles less `2π`, of which a small rectangle leaves little.
+#[derive(Clone, Copy, Debug)]
+pub struct SphericalRectangle {
+    /// Solid angle in sr; 0 where the rectangle is degenerate or seen edge-on, and then it cannot be sampled.
+    pub solid_angle: f32,
+    corner: Vec3,
+    ex: Vec3,
+    ey: Vec3,
+    /// Rectangle in the local frame at the point: `[x0, x1] × [y0, y1]` at distance `z0 < 0`.
+    x0: f64,
+    x1: f64,
+    y0: f64,
+    y1: f64,
+    z0: f64,
+    /// z of the unit normals of the planes through the bottom and the top edge.
+    b0: f64,
+    b1: f64,
+    /// `2π` less the two inner angles at the right.
+    k: f64,
+    area: f64,
+}
+
+impl SphericalRectangle {
+    /// The rectangle `corner + s·ex + t·ey`, `s, t ∈ [0,1]`, `ex ⊥ ey`, seen from `p`.
+    #[inline]
+    pub fn new(corner: Vec3, ex: Vec3, ey: Vec3, p: Vec3) -> Self {
+        let (lx, ly) = (ex.as_dvec3().length(), ey.as_dvec3().length());
+        let (x, y) = (ex.as_dvec3() / lx, ey.as_dvec3() / ly);
+        let d = corner.as_dvec3() - p.as_dvec3();
+        let (x0, y0, z0) = (d.dot(x), d.dot(y), -d.dot(x.cross(y)).abs());
+        let (x1, y1) = (x0 + lx, y0 + ly);
+
+        // Unit normals of the four side planes are (0, ·, n) or (·, 0, n); only their z components are needed.
+        let n = |s: f64| s / s.hypot(z0);
+        let (n0, n1, n2, n3) = (-n(y0), n(x1), n(y1), -n(x0));
+        let angle = |a: f64, b: f64| (-a * b).clamp(-1.0, 1.0).acos();
+        let (g2, g3) = (angle(n2, n3), angle(n3, n0));
+        let area = angle(n0, n1) + angle(n1, n2) + g2 + g3 - TAU;
+        // Also false for NaN, which zero edges and a point in the plane's edges give.
+        let usable = area > 0.0 && z0 < 0.0 && area.is_finite();
+        let area = if usable { area } else { 0.0 };
+        Self { solid_angle: area as f32, corner, ex, ey, x0, x1, y0, y1, z0, b0: n0, b1: n2, k: TAU - g2 - g3, area }
+    }
+
+    /// A point of the rectangle, uniform in solid angle with density `1/solid_angle`.
+    #[inline]
+    pub fn sample(&self, u: Vec2) -> Vec3 {
+        let (s, t) = self.sample_coordinates(u);
+        self.corner + self.ex * s + self.ey * t
+    }
+
+    /// Like [`SphericalRectangle::sample`], as the coordinates `(s, t) ∈ [0,1]²` of the point.
+    #[inline]
+    pub fn sample_coordinates(&self, u: Vec2) -> (f32, f32) {
+        if self.area <= 0.0 {
+            return (u.x, u.y);
+        }
+        // x: the vertical line that cuts off u.x of the solid angle.
+        let (sin, cos) = (f64::from(u.x) * self.area + self.k).sin_cos();
+        let f = (cos * self.b0 - self.b1) / sin;
+        let c = (f.signum() / (f * f + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
+        let x = (-(c * self.z0) / (1.0 - c * c).max(f64::MIN_POSITIVE).sqrt()).clamp(self.x0, self.x1);
+        // y: uniform in the sine of the elevation along that line.
+        let d2 = x * x + self.z0 * self.z0;
+        let (h0, h1) = (self.y0 / (d2 + self.y0 * self.y0).sqrt(), self.y1 / (d2 + self.y1 * self.y1).sqrt());
+        let h = h0 + f64::from(u.y) * (h1 - h0);
+        let y = (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).clamp(self.y0, self.y1);
+        (((x - self.x0) / (self.x1 - self.x0)) as f32, ((y - self.y0) / (self.y1 - self.y0)) as f32)
+    }
+}
