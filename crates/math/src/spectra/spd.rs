@@ -1,8 +1,9 @@
 //! A spectrum of any kind: what a spectral parameter of a scene is once its units and colour space are settled.
 
-use super::{Blackbody, Curve, Dense, Wavelengths, cie};
-use crate::Spectrum;
+use super::{Blackbody, Curve, Dense, Wavelengths, cie, d65};
+use crate::color::space::REC709;
 use crate::color::upsample::{RgbAlbedo, RgbIlluminant, RgbUnbounded};
+use crate::{Spectrum, Vec3};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -68,6 +69,17 @@ impl Spd {
         cie::to_xyz(|l| self.eval(l))
     }
 
+    /// The linear Rec.709 colour of this spectrum as emitted light. The constant spectrum is not white: it is the white E, slightly
+    /// pink against D65. Components are negative outside the gamut.
+    pub fn to_rgb(&self) -> Vec3 {
+        (REC709.rgb_from_xyz() * self.to_xyz()).as_vec3()
+    }
+
+    /// The linear Rec.709 colour of this spectrum as a reflectance, seen under D65: a constant is a grey.
+    pub fn to_rgb_reflectance(&self) -> Vec3 {
+        (REC709.rgb_from_xyz() * cie::to_xyz(|l| self.eval(l) * d65().eval(l))).as_vec3()
+    }
+
     /// `∫ s ȳ dλ`, pbrt-v4's photometric integral. Of an RGB illuminant it takes the illuminant alone, without the RGB factor, as
     /// pbrt-v4 does when it scales a light to a given power.
     pub fn to_photometric(&self) -> f64 {
@@ -78,12 +90,28 @@ impl Spd {
     }
 }
 
+impl From<f32> for Spd {
+    fn from(v: f32) -> Self {
+        Self::Constant(v)
+    }
+}
+
+impl From<Curve> for Spd {
+    fn from(c: Curve) -> Self {
+        Self::Curve(Arc::new(c))
+    }
+}
+
+impl From<Dense> for Spd {
+    fn from(d: Dense) -> Self {
+        Self::Dense(Arc::new(d))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Vec3;
-    use crate::color::space::REC709;
-    use crate::spectra::{CIE_Y_INTEGRAL, d65, named};
+    use crate::spectra::{CIE_Y_INTEGRAL, named};
 
     #[test]
     fn lanes_are_evaluations_and_dense_tables_agree_at_whole_nanometres() {
@@ -106,6 +134,19 @@ mod tests {
             assert_eq!(s.to_dense().eval(610.0), s.eval(610.0));
             assert!(s.max() >= s.eval(610.0) && s.max() == s.to_dense().max());
         }
+    }
+
+    #[test]
+    fn colours_of_light_and_of_reflectance() {
+        let grey = Spd::from(0.5);
+        assert!((grey.to_rgb_reflectance() - 0.5).abs().max_element() < 1e-5);
+        let e = grey.to_rgb();
+        assert!(e.x > e.y && e.x > e.z && e.x < 0.65, "{e}");
+        let d65 = Spd::from(d65().clone());
+        assert!((d65.to_rgb() - 1.0).abs().max_element() < 1e-5);
+        let copper =
+            Spd::from(Curve::new([400.0, 560.0, 640.0, 780.0], [0.4, 0.5, 0.95, 0.97]).unwrap()).to_rgb_reflectance();
+        assert!(copper.x > copper.y && copper.y > copper.z);
     }
 
     #[test]

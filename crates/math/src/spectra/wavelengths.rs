@@ -98,3 +98,131 @@ pub fn visible_pdf(lambda: f32) -> f32 {
 pub fn sample_visible(u: f32) -> f32 {
     (CENTRE - (TANH_START - TANH_RANGE * u).atanh() / SLOPE).clamp(LAMBDA_MIN, LAMBDA_MAX)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hash::HashRng;
+    use crate::spectra::{Spd, d65};
+
+    #[test]
+    fn the_constants_are_those_of_the_density() {
+        let (slope, centre) = (0.0072f64, 538.0f64);
+        let start = (slope * (centre - 360.0)).tanh();
+        let range = start + (slope * (830.0 - centre)).tanh();
+        assert!((f64::from(TANH_START) - start).abs() < 1e-7);
+        assert!((f64::from(TANH_RANGE) - range).abs() < 2e-7);
+    }
+
+    #[test]
+    fn the_density_integrates_to_one_and_inverts() {
+        let sum: f64 = (0..47_000).map(|i| f64::from(visible_pdf(360.005 + i as f32 * 0.01)) * 0.01).sum();
+        assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+        assert!((sample_visible(0.0) - 360.0).abs() < 0.01 && (sample_visible(1.0) - 830.0).abs() < 0.02);
+        assert_eq!([359.9, 830.1, f32::NAN].map(visible_pdf), [0.0; 3]);
+        for i in 1..100 {
+            // The share below the sample of u is u.
+            let u = i as f64 / 100.0;
+            let l = f64::from(sample_visible(u as f32));
+            let share = ((0.0072 * (l - 538.0)).tanh() + f64::from(TANH_START)) / f64::from(TANH_RANGE);
+            assert!((share - u).abs() < 1e-5, "{u}: {share}");
+        }
+    }
+
+    /// Pearson's statistic of all four lanes against the integral of the density over each bin, at about four standard deviations.
+    #[test]
+    fn every_lane_follows_its_density() {
+        const BINS: usize = 47;
+        const N: usize = 100_000;
+        let cdf_visible = |l: f64| (0.0072 * (l - 538.0)).tanh() / f64::from(TANH_RANGE);
+        for (sample, cdf) in [
+            (Wavelengths::sample_visible as fn(f32) -> Wavelengths, &cdf_visible as &dyn Fn(f64) -> f64),
+            (Wavelengths::sample_uniform, &|l: f64| l / 470.0),
+        ] {
+            let mut rng = HashRng::new(7);
+            let mut counts = [[0usize; BINS]; 4];
+            for _ in 0..N {
+                let w = sample(rng.next_f32());
+                for (counts, l) in counts.iter_mut().zip(w.lambda) {
+                    counts[(((l - 360.0) / 10.0) as usize).min(BINS - 1)] += 1;
+                }
+            }
+            for (lane, counts) in counts.iter().enumerate() {
+                let chi2: f64 = (0..BINS)
+                    .map(|b| {
+                        let low = 360.0 + 10.0 * b as f64;
+                        let expected = N as f64 * (cdf(low + 10.0) - cdf(low));
+                        (counts[b] as f64 - expected).powi(2) / expected
+                    })
+                    .sum();
+                let dof = (BINS - 1) as f64;
+                assert!(chi2 < dof + 4.0 * (2.0 * dof).sqrt(), "lane {lane}: {chi2}");
+            }
+        }
+    }
+
+    /// A white surface under D65 is RGB (1, 1, 1) on average, with all lanes and with the hero alone.
+    #[test]
+    fn the_estimate_of_white_is_unbiased() {
+        for sample in [Wavelengths::sample_visible, Wavelengths::sample_uniform] {
+            for terminate in [false, true] {
+                let mut rng = HashRng::new(11);
+                let (n, mut sum, mut square) = (100_000, glam::DVec3::ZERO, glam::DVec3::ZERO);
+                for _ in 0..n {
+                    let mut w = sample(rng.next_f32());
+                    if terminate {
+                        w.terminate_secondary();
+                    }
+                    let v = w.to_rgb(d65().sample(&w)).as_dvec3();
+                    sum += v;
+                    square += v * v;
+                }
+                let mean = sum / f64::from(n);
+                let sigma = ((square / f64::from(n) - mean * mean) / f64::from(n)).map(f64::sqrt);
+                assert!(((mean - 1.0).abs() / sigma).max_element() < 4.0, "{mean} ± {sigma}");
+                assert!(sigma.max_element() < 0.02);
+            }
+        }
+    }
+
+    #[test]
+    fn the_estimate_agrees_with_the_integral_for_any_spectrum() {
+        let s = Spd::Blackbody(crate::spectra::Blackbody::normalized(3000.0));
+        let n = 50_000;
+        let mean = (0..n)
+            .map(|i| {
+                let w = Wavelengths::sample_visible((i as f32 + 0.5) / n as f32);
+                w.to_xyz(s.sample(&w)).as_dvec3()
+            })
+            .sum::<glam::DVec3>()
+            / f64::from(n);
+        let exact = s.to_xyz();
+        assert!(((mean - exact) / exact).abs().max_element() < 1e-3, "{mean} {exact}");
+    }
+
+    #[test]
+    fn lanes_are_distinct_strata_inside_the_range() {
+        for u in [0.0, 0.1, 0.25, 0.5, 0.75, 0.999_999_94] {
+            for w in [Wavelengths::sample_visible(u), Wavelengths::sample_uniform(u)] {
+                let mut sorted = w.lambda;
+                sorted.sort_by(f32::total_cmp);
+                assert!(sorted.windows(2).all(|p| p[1] - p[0] > 20.0), "{sorted:?}");
+                assert!(sorted[0] >= 360.0 && sorted[3] <= 830.0);
+                assert!(w.pdf.iter().all(|&p| p > 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn terminating_twice_is_terminating_once() {
+        let mut w = Wavelengths::sample_visible(0.3);
+        assert!(!w.is_secondary_terminated());
+        w.terminate_secondary();
+        let once = w;
+        w.terminate_secondary();
+        assert_eq!(w, once);
+        assert!(w.is_secondary_terminated());
+        // Lanes of density zero add nothing, whatever they hold.
+        assert!(w.to_xyz(Spectrum::new([1.0, f32::INFINITY, f32::NAN, 5.0])).is_finite());
+    }
+}

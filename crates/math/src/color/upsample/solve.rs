@@ -9,11 +9,10 @@ use crate::color::lab::{lab_from_xyz, lab_linear, lab_slope};
 use crate::spectra::{Dense, cie::matching_linear};
 use glam::{DMat3, DVec3};
 
-/// Segments of 5 nm, each integrated by Simpson's 3/8 rule; sample count padded to whole groups of [`LANES`].
-const SEGMENTS: usize = 94;
-const SAMPLES: usize = 3 * SEGMENTS + 1;
+/// The quadrature's nodes: every 5 nm, padded to whole groups of [`LANES`].
+const NODES: usize = 95;
 const LANES: usize = 4;
-const GROUPS: usize = SAMPLES.div_ceil(LANES);
+const GROUPS: usize = NODES.div_ceil(LANES);
 
 /// Turns polynomials into colours under the white of a space.
 pub(super) struct Solver {
@@ -33,36 +32,18 @@ struct Group {
 impl Solver {
     /// For the colours of `space` under its `white`, which is read at multiples of 5 nm.
     pub(super) fn new(space: &RgbSpace, white: &Dense) -> Self {
+        let weights = weights(white);
+        let white: DVec3 = weights.iter().sum();
         let mut groups = [Group::default(); GROUPS];
-        let mut sum = DVec3::ZERO;
-        for i in 0..SAMPLES {
-            // Observer and white are linear over each segment.
-            let at = |k: usize| {
-                let lambda = 360.0 + 5.0 * k as f64;
-                (DVec3::from(matching_linear(lambda)), f64::from(white.eval(lambda as f32)))
-            };
-            let (k, u) = ((i / 3).min(SEGMENTS - 1), i as f64 / 3.0);
-            let ((c0, w0), (c1, w1)) = (at(k), at(k + 1));
-            let f = u - k as f64;
-            let rule = match i {
-                0 => 1.0,
-                _ if i == SAMPLES - 1 => 1.0,
-                _ if i % 3 == 0 => 2.0,
-                _ => 3.0,
-            };
-            let w = c0.lerp(c1, f) * (w0 * (1.0 - f) + w1 * f) * (rule * 3.0 / 8.0 * 5.0 / 3.0);
-            sum += w;
-            let g = &mut groups[i / LANES];
-            g.t[i % LANES] = u / SEGMENTS as f64;
+        for (i, w) in weights.into_iter().enumerate() {
+            let (g, lane) = (&mut groups[i / LANES], i % LANES);
+            g.t[lane] = i as f64 / (NODES - 1) as f64;
             for c in 0..3 {
-                g.weight[c][i % LANES] = w[c];
+                // The perfect reflector has Y = 1.
+                g.weight[c][lane] = w[c] / white.y;
             }
         }
-        // Normalise: the perfect reflector has Y = 1.
-        for g in &mut groups {
-            g.weight.as_flattened_mut().iter_mut().for_each(|w| *w /= sum.y);
-        }
-        Self { groups, white: sum / sum.y, xyz_from_rgb: space.xyz_from_rgb() }
+        Self { groups, white: white / white.y, xyz_from_rgb: space.xyz_from_rgb() }
     }
 
     /// Improves the coefficients `(t², t, 1)` of the polynomial until its colour is that of `rgb`.
@@ -110,6 +91,33 @@ impl Solver {
         let total = |k: usize| DVec3::from_array(sum.map(|s| s[k].iter().sum()));
         (total(0), DMat3::from_cols(total(1), total(2), total(3)))
     }
+}
+
+/// What a reflectance's value at each node contributes to XYZ. Observer and white are linear over each 5-nm segment and their product
+/// is integrated by Simpson's 3/8 rule, at whose inner points the reflectance is interpolated between the nodes by cubics.
+fn weights(white: &Dense) -> [DVec3; NODES] {
+    let at = |k: usize| {
+        let lambda = 360.0 + 5.0 * k as f64;
+        (DVec3::from(matching_linear(lambda)), f64::from(white.eval(lambda as f32)))
+    };
+    let mut weights = [DVec3::ZERO; NODES];
+    for k in 0..NODES - 1 {
+        let ((c0, w0), (c1, w1)) = (at(k), at(k + 1));
+        let first = k.saturating_sub(1).min(NODES - 4);
+        for (i, rule) in [1.0, 3.0, 3.0, 1.0].into_iter().enumerate() {
+            let f = i as f64 / 3.0;
+            let w = c0.lerp(c1, f) * (w0 * (1.0 - f) + w1 * f) * (rule * 5.0 / 8.0);
+            for (n, l) in lagrange((k - first) as f64 + f).into_iter().enumerate() {
+                weights[first + n] += w * l;
+            }
+        }
+    }
+    weights
+}
+
+/// The weights of the values at 0, 1, 2 and 3 in the cubic through them at `x`.
+fn lagrange(x: f64) -> [f64; 4] {
+    std::array::from_fn(|i| (0..4).filter(|&j| j != i).map(|j| (x - j as f64) / (i as f64 - j as f64)).product())
 }
 
 /// `m⁻¹ b` by Cramer's rule; `None` where the matrix is singular or anything is not finite.
