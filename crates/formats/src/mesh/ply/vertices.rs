@@ -1,0 +1,181 @@
+//! The element `vertex`.
+
+use super::{
+    cursor::{Cursor, Stored},
+    header::{Element, Encoding, Type},
+    layout::{AttributeLayout, Scale, VertexLayout},
+};
+use crate::mesh::{MeshError, MeshErrorKind as Kind};
+use steradian_scene::{Attribute, Domain, Mesh};
+
+/// Reads all vertices into a mesh without faces. The count has been checked against the bytes left.
+pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element) -> Result<Mesh, MeshError> {
+    let layout = VertexLayout::new(element).map_err(|name| {
+        cursor.fault(Kind::Missing, element.offset, format!("element 'vertex' has no property '{name}'"))
+    })?;
+    let start = cursor.at;
+    let mesh = match element.fixed_record(cursor.encoding) {
+        Some(size) => {
+            // The product cannot overflow: it was held against the length of the file.
+            let block = &cursor.bytes[start..start + size * element.count];
+            cursor.at += block.len();
+            columns(block, size, element, &layout, cursor.encoding == Encoding::Big)
+        }
+        None => rows(cursor, element, &layout)?,
+    };
+    check_finite(&mesh, element, cursor, start)?;
+    Ok(mesh)
+}
+
+/// Binary records of one size: each quantity is gathered in a loop of its own, made for its type.
+fn columns(block: &[u8], size: usize, element: &Element, layout: &VertexLayout, big: bool) -> Mesh {
+    let mut offsets = Vec::with_capacity(element.properties.len());
+    let mut at = 0;
+    for p in &element.properties {
+        offsets.push((at, p.item));
+        at += p.item.size();
+    }
+    let table = Table { block, size, big, offsets };
+    let mut uvs = layout.uv.map_or_else(Vec::new, |slots| table.gather(slots));
+    for channel in 0..2 {
+        if layout.uv_scale[channel] != Scale::Plain {
+            uvs.iter_mut().for_each(|uv: &mut [f32; 2]| uv[channel] = layout.uv_scale[channel].apply(uv[channel]));
+        }
+    }
+    Mesh {
+        positions: table.gather(layout.position),
+        normals: layout.normal.map_or_else(Vec::new, |slots| table.gather(slots)),
+        uvs,
+        attributes: layout.attributes.iter().map(|a| table.attribute(a)).collect(),
+        ..Mesh::default()
+    }
+}
+
+/// Binary records of one size.
+struct Table<'a> {
+    block: &'a [u8],
+    size: usize,
+    big: bool,
+    /// Offset in the record and type of each property.
+    offsets: Vec<(usize, Type)>,
+}
+
+impl Table<'_> {
+    /// `N` properties of every record.
+    fn gather<const N: usize>(&self, slots: [usize; N]) -> Vec<[f32; N]> {
+        let fields = slots.map(|s| self.offsets[s]);
+        let t = fields[0].1;
+        if fields.iter().any(|f| f.1 != t) {
+            let mut out = vec![[0.0; N]; self.block.len() / self.size];
+            for (k, slot) in slots.into_iter().enumerate() {
+                let column = self.gather([slot]);
+                out.iter_mut().zip(column).for_each(|(o, [v])| o[k] = v);
+            }
+            return out;
+        }
+        let at = fields.map(|f| f.0);
+        match t {
+            Type::I8 => self.typed::<i8, N>(at),
+            Type::U8 => self.typed::<u8, N>(at),
+            Type::I16 => self.typed::<i16, N>(at),
+            Type::U16 => self.typed::<u16, N>(at),
+            Type::I32 => self.typed::<i32, N>(at),
+            Type::U32 => self.typed::<u32, N>(at),
+            Type::F32 => self.typed::<f32, N>(at),
+            Type::F64 => self.typed::<f64, N>(at),
+        }
+    }
+
+    fn typed<T: Stored, const N: usize>(&self, at: [usize; N]) -> Vec<[f32; N]> {
+        let (width, first) = (size_of::<T>(), at[0]);
+        let records = self.block.chunks_exact(self.size);
+        if at.iter().enumerate().all(|(k, &a)| a == first + k * width) {
+            // Neighbours: one bounds check per record.
+            let pick = |r: &[u8], big| {
+                let fields = &r[first..first + N * width];
+                std::array::from_fn(|k| T::get(fields, k * width, big).f32())
+            };
+            return if self.big { records.map(|r| pick(r, true)).collect() } else { records.map(|r| pick(r, false)).collect() };
+        }
+        records.map(|r| at.map(|a| T::get(r, a, self.big).f32())).collect()
+    }
+
+    fn attribute(&self, layout: &AttributeLayout) -> Attribute {
+        let slots: Vec<usize> = layout.slots.iter().map(|s| s.0).collect();
+        let mut data = match *slots.as_slice() {
+            [a] => self.gather([a]).into_flattened(),
+            [a, b] => self.gather([a, b]).into_flattened(),
+            [a, b, c] => self.gather([a, b, c]).into_flattened(),
+            [a, b, c, d, ..] => self.gather([a, b, c, d]).into_flattened(),
+            [] => Vec::new(),
+        };
+        for values in data.chunks_exact_mut(slots.len().max(1)) {
+            values.iter_mut().zip(&layout.slots).for_each(|(v, s)| *v = s.1.apply(*v));
+        }
+        Attribute { name: layout.name.clone(), domain: Domain::Vertex, channels: slots.len(), data }
+    }
+}
+
+/// Text, or records that hold lists: value by value.
+fn rows(cursor: &mut Cursor<'_>, element: &Element, layout: &VertexLayout) -> Result<Mesh, MeshError> {
+    let count = element.count;
+    let mut mesh = Mesh { positions: Vec::with_capacity(count), ..Mesh::default() };
+    mesh.normals.reserve_exact(if layout.normal.is_some() { count } else { 0 });
+    mesh.uvs.reserve_exact(if layout.uv.is_some() { count } else { 0 });
+    let attribute = |a: &AttributeLayout| Attribute {
+        name: a.name.clone(),
+        domain: Domain::Vertex,
+        channels: a.slots.len(),
+        data: Vec::with_capacity(count * a.slots.len()),
+    };
+    mesh.attributes = layout.attributes.iter().map(attribute).collect();
+    let mut row = vec![0.0; element.properties.len()];
+    let mut unused = Vec::new();
+    for index in 0..count {
+        cursor.record(element, index, None, &mut row, &mut unused)?;
+        mesh.positions.push(layout.position.map(|s| row[s]));
+        if let Some(slots) = layout.normal {
+            mesh.normals.push(slots.map(|s| row[s]));
+        }
+        if let Some([u, v]) = layout.uv {
+            mesh.uvs.push([layout.uv_scale[0].apply(row[u]), layout.uv_scale[1].apply(row[v])]);
+        }
+        for (a, l) in mesh.attributes.iter_mut().zip(&layout.attributes) {
+            a.data.extend(l.slots.iter().map(|&(s, scale)| scale.apply(row[s])));
+        }
+    }
+    Ok(mesh)
+}
+
+/// Refuses NaN and infinite values, and numbers past single precision.
+fn check_finite(mesh: &Mesh, element: &Element, cursor: &Cursor<'_>, start: usize) -> Result<(), MeshError> {
+    let bad = |values: &[f32]| !values.iter().fold(true, |ok, v| ok & v.is_finite());
+    let first = |values: &[f32], n: usize| bad(values).then(|| values.iter().position(|v| !v.is_finite()).unwrap_or(0) / n);
+    let found = [
+        ("position", first(mesh.positions.as_flattened(), 3)),
+        ("normal", first(mesh.normals.as_flattened(), 3)),
+        ("texture coordinate", first(mesh.uvs.as_flattened(), 2)),
+    ];
+    for (what, vertex) in found {
+        if let Some(vertex) = vertex {
+            let message = format!("the {what} of vertex {vertex} is not a finite number");
+            let offset = match element.fixed_record(cursor.encoding) {
+                Some(size) => start + vertex * size,
+                None => record_start(cursor, element, start, vertex),
+            };
+            return Err(cursor.fault(Kind::NotFinite, offset, message));
+        }
+    }
+    Ok(())
+}
+
+/// Where a record starts, found by reading up to it again.
+fn record_start(cursor: &Cursor<'_>, element: &Element, start: usize, index: usize) -> usize {
+    let mut again = Cursor { at: start, ..*cursor };
+    let before = Element { count: index, ..element.clone() };
+    let _ = again.skip(&before);
+    while again.encoding == Encoding::Ascii && again.bytes.get(again.at).is_some_and(|&b| crate::mesh::text::is_space(b)) {
+        again.at += 1;
+    }
+    again.at
+}
