@@ -34,8 +34,9 @@ impl Wavelengths {
 
     /// Four stratified wavelengths from `u` in [0, 1), distributed by [`visible_pdf`].
     pub fn sample_visible(u: f32) -> Self {
-        let lambda = strata(u).map(sample_visible);
-        Self { lambda, pdf: lambda.map(visible_pdf) }
+        let tanh = strata(u).map(tanh_at);
+        // sech² = 1 − tanh² spares the hyperbolic cosine.
+        Self { lambda: tanh.map(lambda_at), pdf: tanh.map(|t| SLOPE / TANH_RANGE * (1.0 - t * t)) }
     }
 
     /// Keeps the hero wavelength alone, for a path whose direction depends on it (dispersion): the other lanes get density zero
@@ -96,7 +97,19 @@ pub fn visible_pdf(lambda: f32) -> f32 {
 /// The wavelength (nm, in [360, 830]) below which the visible-importance distribution has the share `u` in [0, 1].
 #[inline]
 pub fn sample_visible(u: f32) -> f32 {
-    (CENTRE - (TANH_START - TANH_RANGE * u).atanh() / SLOPE).clamp(LAMBDA_MIN, LAMBDA_MAX)
+    lambda_at(tanh_at(u))
+}
+
+/// `tanh(SLOPE (CENTRE − λ))` of the wavelength below which there is the share `u`.
+#[inline]
+fn tanh_at(u: f32) -> f32 {
+    TANH_START - TANH_RANGE * u
+}
+
+/// The wavelength of such a hyperbolic tangent: `atanh t = ½ ln((1 + t) / (1 − t))`.
+#[inline]
+fn lambda_at(tanh: f32) -> f32 {
+    (CENTRE - ((1.0 + tanh) / (1.0 - tanh)).ln() * (0.5 / SLOPE)).clamp(LAMBDA_MIN, LAMBDA_MAX)
 }
 
 #[cfg(test)]
@@ -126,6 +139,10 @@ mod tests {
             let l = f64::from(sample_visible(u as f32));
             let share = ((0.0072 * (l - 538.0)).tanh() + f64::from(TANH_START)) / f64::from(TANH_RANGE);
             assert!((share - u).abs() < 1e-5, "{u}: {share}");
+            let w = Wavelengths::sample_visible(u as f32);
+            for (l, p) in w.lambda.into_iter().zip(w.pdf) {
+                assert!((p / visible_pdf(l) - 1.0).abs() < 1e-5, "{l} nm");
+            }
         }
     }
 
