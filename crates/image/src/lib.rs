@@ -1,1 +1,37 @@
-//! (in the making)
+//! Pictures: pixel images with named channels, the files they live in, tone curves that bring radiance to a display, and the
+//! metrics that compare two pictures.
+//!
+//! * [`Image`] holds linear `f32` planes with names (`R`, `albedo.G`, `Z`, …) and metadata; [`read`] and [`write`] move it between
+//!   memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM and PPM/PGM files.
+//! * [`Texels`] keeps the samples as the file stores them (8 and 16 bit, half, float), for textures.
+//! * [`tone`] maps linear Rec.709 to display values, [`encoding`] has the sRGB transfer functions.
+//! * [`metrics`] compares pictures.
+//!
+//! Row 0 is the top row in memory, whatever the file's order is. Every size that a file declares is checked against [`Limits`] and
+//! against the bytes there really are before a pixel is allocated.
+
+mod atomic;
+pub mod encoding;
+mod error;
+mod exr_file;
+mod hdr;
+mod image;
+mod limits;
+pub mod metrics;
+mod pfm;
+mod photo;
+mod png_file;
+mod pnm;
+mod read;
+mod texels;
+pub mod tone;
+mod write;
+
+pub use self::image::{Channel, Image, Metadata, RgbPlanes, Value, Window};
+pub use atomic::write_whole;
+pub use encoding::Encoding;
+pub use error::{Error, Result};
+pub use limits::Limits;
+pub use read::{FileKind, read, read_bytes, read_texels, read_texels_bytes};
+pub use texels::{TexelData, Texels};
+pub use write::{Compression, Precision, WriteOptions, encode, write};

@@ -1,0 +1,332 @@
+//! EXR pixels: every part's channels in one picture, at full resolution.
+
+use super::header;
+use crate::{Encoding, Error, FileKind, Image, Limits, Metadata, Result, TexelData, Texels, Value, Window};
+use exr::block::chunk::{Chunk, CompressedBlock};
+use exr::meta::attribute::{AttributeValue, EnvironmentMap, IntegerBounds, SampleType};
+use exr::meta::header::Header;
+use half::f16;
+use rayon::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+const KIND: FileKind = FileKind::Exr;
+
+/// Blocks that are decompressed at the same time.
+const BATCH: usize = 64;
+
+/// A channel in the precision of the file.
+enum Plane {
+    Half(Vec<f16>),
+    Float(Vec<f32>),
+    Uint(Vec<u32>),
+}
+
+impl Plane {
+    fn new(kind: SampleType, pixels: usize) -> Self {
+        match kind {
+            SampleType::F16 => Self::Half(vec![f16::ZERO; pixels]),
+            SampleType::F32 => Self::Float(vec![0.0; pixels]),
+            SampleType::U32 => Self::Uint(vec![0; pixels]),
+        }
+    }
+
+    fn sample_bytes(&self) -> usize {
+        if matches!(self, Self::Half(_)) { 2 } else { 4 }
+    }
+
+    /// Stores consecutive samples, `step` pixels apart, starting at pixel `start`.
+    fn store(&mut self, start: usize, step: usize, bytes: &[u8]) {
+        fn put<T, const N: usize>(to: &mut [T], step: usize, bytes: &[u8], parse: impl Fn([u8; N]) -> T) {
+            for (slot, sample) in to.iter_mut().step_by(step).zip(bytes.as_chunks::<N>().0) {
+                *slot = parse(*sample);
+            }
+        }
+        match self {
+            Self::Half(v) => put(&mut v[start..], step, bytes, f16::from_ne_bytes),
+            Self::Float(v) => put(&mut v[start..], step, bytes, f32::from_ne_bytes),
+            Self::Uint(v) => put(&mut v[start..], step, bytes, u32::from_ne_bytes),
+        }
+    }
+
+    fn at(&self, index: usize) -> f32 {
+        match self {
+            Self::Half(v) => v[index].to_f32(),
+            Self::Float(v) => v[index],
+            Self::Uint(v) => v[index] as f32,
+        }
+    }
+
+    fn into_f32(self) -> Vec<f32> {
+        match self {
+            Self::Half(v) => v.into_iter().map(f16::to_f32).collect(),
+            Self::Float(v) => v,
+            Self::Uint(v) => v.into_iter().map(|x| x as f32).collect(),
+        }
+    }
+}
+
+/// The decoded file: planes over the union of the parts' data windows.
+struct Picture {
+    width: usize,
+    height: usize,
+    offset: [i32; 2],
+    frame: Option<Window>,
+    planes: Vec<(String, Plane)>,
+    metadata: Metadata,
+}
+
+/// All channels, as linear `f32` planes.
+pub(crate) fn decode_image(bytes: &[u8], limits: &Limits) -> Result<Image> {
+    let picture = decode(bytes, limits)?;
+    let mut image = Image::new(picture.width, picture.height);
+    for (name, plane) in picture.planes {
+        image.push(name, plane.into_f32())?;
+    }
+    image.metadata = picture.metadata;
+    image.offset = picture.offset;
+    image.frame = picture.frame;
+    Ok(image)
+}
+
+/// The colour channels, halves kept as halves.
+pub(crate) fn decode_texels(bytes: &[u8], limits: &Limits) -> Result<Texels> {
+    let mut picture = decode(bytes, limits)?;
+    let names: Vec<&str> = picture.planes.iter().map(|(name, _)| name.as_str()).collect();
+    let Some(colour) = crate::image::colour_channels(&names) else {
+        return Err(Error::MissingChannels { wanted: "R, G, B or Y".into(), present: names.join(", ") });
+    };
+    let lanes = colour.len();
+    let chosen: Vec<&Plane> = colour.iter().map(|&i| &picture.planes[i].1).collect();
+    let pixels = picture.width * picture.height;
+    let data = if chosen.iter().all(|p| matches!(p, Plane::Half(_))) {
+        let mut data = vec![f16::ZERO; pixels * lanes];
+        for (lane, plane) in chosen.iter().enumerate() {
+            if let Plane::Half(v) = plane {
+                data.iter_mut().skip(lane).step_by(lanes).zip(v).for_each(|(to, &from)| *to = from);
+            }
+        }
+        TexelData::F16(data)
+    } else {
+        let mut data = vec![0.0; pixels * lanes];
+        for (lane, plane) in chosen.iter().enumerate() {
+            data.iter_mut().skip(lane).step_by(lanes).enumerate().for_each(|(i, to)| *to = plane.at(i));
+        }
+        TexelData::F32(data)
+    };
+    let mut texels = Texels::new(picture.width, picture.height, lanes, data, Encoding::Linear);
+    texels.metadata = std::mem::take(&mut picture.metadata);
+    Ok(texels)
+}
+
+fn decode(bytes: &[u8], limits: &Limits) -> Result<Picture> {
+    header::check(bytes, limits)?;
+    // The decoder is not ours: should it panic on a damaged block, that becomes an error here.
+    match catch_unwind(AssertUnwindSafe(|| decode_checked(bytes, limits))) {
+        Ok(result) => result,
+        Err(_) => Err(Error::malformed(KIND, "the pixel decoder gave up on damaged data")),
+    }
+}
+
+fn decode_checked(bytes: &[u8], limits: &Limits) -> Result<Picture> {
+    let reader = exr::block::read(std::io::Cursor::new(bytes), false).map_err(explain)?;
+    let meta = reader.meta_data().clone();
+    let headers = &meta.headers;
+    let Some(first) = headers.first() else { return Err(Error::malformed(KIND, "no parts")) };
+
+    let window = headers.iter().map(|h| bounds(h.data_window())).reduce(union).unwrap_or(bounds(first.data_window()));
+    let [width, height] = [0, 1].map(|axis| (i64::from(window.max[axis]) - i64::from(window.min[axis])).max(0) as u64);
+    let channel_count: usize = headers.iter().map(|h| h.channels.list.len()).sum();
+    let pixels = limits.check(KIND, width, height, 4 * channel_count as u64)?;
+    let width = width as usize;
+
+    let mut planes = Vec::with_capacity(channel_count);
+    let mut first_plane = Vec::with_capacity(headers.len());
+    for part in headers {
+        first_plane.push(planes.len());
+        for channel in &part.channels.list {
+            planes.push((
+                channel_name(part, &latin_or_utf8(channel.name.as_slice()), headers.len() > 1),
+                Plane::new(channel.sample_type, pixels),
+            ));
+        }
+    }
+
+    let mut chunks = reader.all_chunks(false).map_err(explain)?;
+    loop {
+        let batch: Vec<Chunk> = chunks.by_ref().take(BATCH).collect::<exr::error::Result<_>>().map_err(explain)?;
+        if batch.is_empty() {
+            break;
+        }
+        let blocks: Vec<Option<Block>> =
+            batch.into_par_iter().map(|chunk| decompress(chunk, headers)).collect::<Result<_>>()?;
+        for block in blocks.into_iter().flatten() {
+            let part = &headers[block.part];
+            let own = &mut planes[first_plane[block.part]..][..part.channels.list.len()];
+            place(&block, part, own, window.min, width)?;
+        }
+    }
+    Ok(Picture {
+        width,
+        height: height as usize,
+        offset: window.min,
+        frame: Some(bounds(first.shared_attributes.display_window)).filter(|frame| *frame != window),
+        planes,
+        metadata: metadata(first),
+    })
+}
+
+/// A decompressed block of the full-resolution level.
+struct Block {
+    part: usize,
+    /// Position in the part's data window, and size.
+    rect: IntegerBounds,
+    data: Vec<u8>,
+}
+
+/// Decompresses one chunk; `None` for the coarser levels of mip and rip maps.
+fn decompress(chunk: Chunk, headers: &[Header]) -> Result<Option<Block>> {
+    let bad = |what: &str| Error::malformed(KIND, what);
+    let header = headers.get(chunk.layer_index).ok_or_else(|| bad("a block of an unknown part"))?;
+    let tile = header.get_block_data_indices(&chunk.compressed_block).map_err(explain)?;
+    if (tile.level_index.x(), tile.level_index.y()) != (0, 0) {
+        return Ok(None);
+    }
+    let rect = header.get_absolute_block_pixel_coordinates(tile).map_err(explain)?;
+    rect.validate(Some(header.layer_size)).map_err(explain)?;
+    let (CompressedBlock::Tile(exr::block::chunk::CompressedTileBlock { compressed_pixels_le: stored, .. })
+    | CompressedBlock::ScanLine(exr::block::chunk::CompressedScanLineBlock {
+        compressed_pixels_le: stored, ..
+    })) = chunk.compressed_block
+    else {
+        return Err(Error::unsupported(KIND, "deep data"));
+    };
+
+    // The decoder reckons a block as area × bytes per pixel, without subsampling; it is told the average of this very block.
+    let area = rect.size.area();
+    let expected: usize = block_lines(&rect, header).map(|line| line.bytes).sum();
+    let data = if expected == area * header.channels.bytes_per_pixel {
+        header.compression.decompress_image_section_from_le(header, stored, rect, false)
+    } else if area != 0 && expected.is_multiple_of(area) {
+        let mut reckoned = header.clone();
+        reckoned.channels.bytes_per_pixel = expected / area;
+        header.compression.decompress_image_section_from_le(&reckoned, stored, rect, false)
+    } else {
+        return Err(Error::unsupported(KIND, "this pattern of subsampled channels"));
+    };
+    let data = data.map_err(explain)?;
+    if data.len() != expected {
+        return Err(bad("a block has the wrong size"));
+    }
+    Ok(Some(Block { part: chunk.layer_index, rect, data }))
+}
+
+/// The samples of one channel in one row of a block.
+struct Line {
+    channel: usize,
+    /// Row in the part.
+    y: usize,
+    step: [usize; 2],
+    bytes: usize,
+}
+
+/// The lines of a block in stored order: row by row, channel by channel; a subsampled channel is in every `step`-th row.
+fn block_lines<'a>(rect: &IntegerBounds, header: &'a Header) -> impl Iterator<Item = Line> + 'a {
+    let (top, width, height) = (rect.position.y().max(0) as usize, rect.size.x(), rect.size.y());
+    (top..top + height).flat_map(move |y| {
+        header.channels.list.iter().enumerate().filter_map(move |(channel, description)| {
+            let step = [description.sampling.x().max(1), description.sampling.y().max(1)];
+            let bytes = width.div_ceil(step[0]) * description.sample_type.bytes_per_sample();
+            y.is_multiple_of(step[1]).then_some(Line { channel, y, step, bytes })
+        })
+    })
+}
+
+/// Copies a block into the planes; a subsampled value goes to the first pixel of those it stands for.
+fn place(block: &Block, part: &Header, planes: &mut [(String, Plane)], origin: [i32; 2], width: usize) -> Result<()> {
+    let position = part.own_attributes.layer_position;
+    let left = (i64::from(position.x()) - i64::from(origin[0]) + i64::from(block.rect.position.x())) as usize;
+    let top = (i64::from(position.y()) - i64::from(origin[1])) as usize;
+    let mut at = 0;
+    for line in block_lines(&block.rect, part) {
+        let plane = &mut planes[line.channel].1;
+        debug_assert_eq!(line.bytes % plane.sample_bytes(), 0);
+        let samples = &block.data[at..at + line.bytes];
+        plane.store((top + line.y) * width + left, line.step[0], samples);
+        at += line.bytes;
+    }
+    Ok(())
+}
+
+/// `channel`, or `part.channel` in a file of several parts.
+fn channel_name(part: &Header, channel: &str, several: bool) -> String {
+    let name = part.own_attributes.layer_name.as_ref().map(|name| latin_or_utf8(name.as_slice()));
+    match name {
+        Some(name) if several && !channel.starts_with(&format!("{name}.")) => format!("{name}.{channel}"),
+        _ => channel.to_owned(),
+    }
+}
+
+fn bounds(b: IntegerBounds) -> Window {
+    let [x, y] = [b.position.x(), b.position.y()];
+    let end = |start: i32, size: usize| (i64::from(start) + size as i64).min(i64::from(i32::MAX)) as i32;
+    Window { min: [x, y], max: [end(x, b.size.x()), end(y, b.size.y())] }
+}
+
+fn union(a: Window, b: Window) -> Window {
+    Window {
+        min: [a.min[0].min(b.min[0]), a.min[1].min(b.min[1])],
+        max: [a.max[0].max(b.max[0]), a.max[1].max(b.max[1])],
+    }
+}
+
+/// The attributes that say something about the picture, sorted by name; those that describe the storage are left out.
+fn metadata(header: &Header) -> Metadata {
+    const STORAGE: [&[u8]; 4] = [b"name", b"type", b"version", b"chunkCount"];
+    let mut metadata = Metadata::default();
+    for (name, value) in header.all_named_attributes() {
+        let join = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(" ");
+        let default_value = match value {
+            AttributeValue::F32(x) => (name == b"pixelAspectRatio" || name == b"screenWindowWidth") && x == 1.0,
+            AttributeValue::FloatVec2(v) => name == b"screenWindowCenter" && (v.x(), v.y()) == (0.0, 0.0),
+            _ => false,
+        };
+        if default_value || STORAGE.contains(&&name[..]) {
+            continue;
+        }
+        let value = match value {
+            AttributeValue::Text(text) => Value::Text(latin_or_utf8(text.as_slice())),
+            AttributeValue::F32(x) => Value::Float(x),
+            AttributeValue::F64(x) => Value::Float(x as f32),
+            AttributeValue::I32(x) => Value::Int(x),
+            AttributeValue::Matrix4x4(m) => Value::Matrix(m),
+            AttributeValue::Chromaticities(c) => {
+                let xy = [c.red, c.green, c.blue, c.white].map(|v| [v.x(), v.y()]);
+                Value::Text(join(xy.as_flattened()))
+            }
+            AttributeValue::FloatVec2(v) => Value::Text(join(&[v.x(), v.y()])),
+            AttributeValue::FloatVec3((x, y, z)) => Value::Text(join(&[x, y, z])),
+            AttributeValue::Rational((n, d)) => Value::Text(format!("{n}/{d}")),
+            AttributeValue::EnvironmentMap(EnvironmentMap::LatitudeLongitude) => Value::Text("latlong".into()),
+            AttributeValue::EnvironmentMap(EnvironmentMap::Cube) => Value::Text("cube".into()),
+            _ => continue,
+        };
+        metadata.set(latin_or_utf8(name), value);
+    }
+    metadata.entries.sort_by(|a, b| a.0.cmp(&b.0));
+    metadata
+}
+
+/// Texts are bytes in EXR: UTF-8 by today's custom, Latin-1 in old files.
+fn latin_or_utf8(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect())
+}
+
+/// The decoder's error as ours.
+pub(super) fn explain(error: exr::error::Error) -> Error {
+    match error {
+        exr::error::Error::NotSupported(what) => Error::unsupported(KIND, what),
+        exr::error::Error::Invalid(what) => Error::malformed(KIND, what),
+        exr::error::Error::Io(error) => Error::malformed(KIND, format!("the file ends early ({error})")),
+        exr::error::Error::Aborted => Error::malformed(KIND, "aborted"),
+    }
+}

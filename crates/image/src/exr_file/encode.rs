@@ -1,0 +1,176 @@
+//! Writes a picture as a single-part scan-line EXR file, the same bytes every time.
+
+use super::decode::explain;
+use super::header;
+use crate::{Compression, Error, FileKind, Image, Precision, Result, Value, WriteOptions};
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
+use exr::math::Vec2;
+use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, LineOrder, Text};
+use exr::meta::header::{ImageAttributes, LayerAttributes, standard_names};
+use exr::prelude::WritableImage;
+use half::f16;
+
+const KIND: FileKind = FileKind::Exr;
+
+/// CIE xy of the Rec.709 primaries and D65 (ITU-R BT.709-6, table 1.3).
+const REC709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+/// The bytes of the file.
+pub(crate) fn encode(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
+    if image.channels().is_empty() {
+        return Err(Error::unsupported(KIND, "a picture without channels"));
+    }
+    let mut list: Vec<_> = image.channels().iter().collect();
+    list.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
+    let channels = list
+        .into_iter()
+        .map(|channel| {
+            Ok(AnyChannel::new(text(&channel.name)?, samples(&channel.name, &channel.data, options.exr_precision)))
+        })
+        .collect::<Result<_>>()?;
+
+    let size = Vec2(image.width(), image.height());
+    let mut layer_attributes = LayerAttributes::default().with_position(Vec2(image.offset[0], image.offset[1]));
+    for (name, value) in image.metadata.entries.iter().filter(|(name, _)| name != "chromaticities") {
+        set_attribute(&mut layer_attributes, name, value)?;
+    }
+    let layer = Layer::new(
+        size,
+        layer_attributes,
+        Encoding {
+            compression: match options.exr_compression {
+                Compression::None => exr::compression::Compression::Uncompressed,
+                Compression::Zip => exr::compression::Compression::ZIP16,
+                Compression::Piz => exr::compression::Compression::PIZ,
+            },
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
+        AnyChannels { list: channels },
+    );
+    let frame = match image.frame {
+        None => IntegerBounds::new(Vec2(image.offset[0], image.offset[1]), size),
+        Some(window) => {
+            let extent = |axis: usize| usize::try_from(i64::from(window.max[axis]) - i64::from(window.min[axis])).ok();
+            let (Some(w @ 1..), Some(h @ 1..)) = (extent(0), extent(1)) else {
+                return Err(Error::Invalid(format!("the frame {window:?} is empty")));
+            };
+            IntegerBounds::new(Vec2(window.min[0], window.min[1]), Vec2(w, h))
+        }
+    };
+    let attributes = ImageAttributes { chromaticities: Some(chromaticities(image)), ..ImageAttributes::new(frame) };
+    let file = exr::image::Image { attributes, layer_data: layer };
+    let mut bytes = Vec::new();
+    file.write().to_buffered(std::io::Cursor::new(&mut bytes)).map_err(explain)?;
+    sort_attributes(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A plane in the wanted precision. Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only.
+fn samples(name: &str, data: &[f32], precision: Precision) -> FlatSamples {
+    let needs_float = name == "Z"
+        || ["Z", "P", "depth", "samples", "object_id", "variance"]
+            .iter()
+            .any(|layer| name.split('.').next() == Some(layer));
+    match precision {
+        Precision::Half if !needs_float => FlatSamples::F16(data.iter().map(|&x| half_clamped(x)).collect()),
+        _ => FlatSamples::F32(data.to_vec()),
+    }
+}
+
+/// The nearest half; finite values stay finite.
+fn half_clamped(x: f32) -> f16 {
+    if x.is_finite() { f16::from_f32(x.clamp(-65504.0, 65504.0)) } else { f16::from_f32(x) }
+}
+
+/// The name of a channel or attribute.
+fn text(s: &str) -> Result<Text> {
+    if (1..256).contains(&s.len()) && !s.contains('\0') {
+        Ok(utf8(s))
+    } else {
+        Err(Error::unsupported(KIND, format!("the name {s:?} (1 to 255 bytes)")))
+    }
+}
+
+fn utf8(s: &str) -> Text {
+    Text::from_slice_unchecked(s.as_bytes())
+}
+
+/// Metadata become attributes; those that EXR itself defines by this name go to their own place.
+fn set_attribute(attributes: &mut LayerAttributes, name: &str, value: &Value) -> Result<()> {
+    let float = match value {
+        Value::Float(x) => Some(*x),
+        _ => None,
+    };
+    let string = match value {
+        Value::Text(s) => Some(utf8(s)),
+        _ => None,
+    };
+    let matrix = match value {
+        Value::Matrix(m) => Some(*m),
+        _ => None,
+    };
+    match name {
+        "owner" => attributes.owner = string,
+        "comments" => attributes.comments = string,
+        "capDate" => attributes.capture_date = string,
+        "software" => attributes.software_name = string,
+        "wrapmodes" => attributes.wrap_mode_name = string,
+        "view" => attributes.view_name = string,
+        "worldToCamera" => attributes.world_to_camera = matrix,
+        "worldToNDC" => attributes.world_to_normalized_device = matrix,
+        "whiteLuminance" => attributes.white_luminance = float,
+        "expTime" => attributes.exposure = float,
+        "aperture" => attributes.aperture = float,
+        "focus" => attributes.focus = float,
+        "isoSpeed" => attributes.iso_speed = float,
+        "near" => attributes.near_clip_plane = float,
+        "far" => attributes.far_clip_plane = float,
+        "fieldOfViewHorizontal" => attributes.horizontal_field_of_view = float,
+        "fieldOfViewVertical" => attributes.vertical_field_of_view = float,
+        "xDensity" => attributes.horizontal_density = float,
+        "utcOffset" => attributes.utc_offset = float,
+        "longitude" => attributes.longitude = float,
+        "latitude" => attributes.latitude = float,
+        "altitude" => attributes.altitude = float,
+        _ if standard_names::ALL.contains(&name.as_bytes()) => {
+            return Err(Error::unsupported(KIND, format!("metadata named `{name}`, which EXR reserves")));
+        }
+        _ => {
+            let value = match value {
+                Value::Text(s) => AttributeValue::Text(utf8(s)),
+                Value::Float(x) => AttributeValue::F32(*x),
+                Value::Int(i) => AttributeValue::I32(*i),
+                Value::Matrix(m) => AttributeValue::Matrix4x4(*m),
+            };
+            attributes.other.insert(text(name)?, value);
+        }
+    }
+    Ok(())
+}
+
+/// The primaries that the metadata name as eight numbers, as files that were read have it; Rec.709 otherwise.
+fn chromaticities(image: &Image) -> Chromaticities {
+    let Some(Value::Text(s)) = image.metadata.get("chromaticities") else { return REC709 };
+    let numbers: Vec<f32> = s.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let &[rx, ry, gx, gy, bx, by, wx, wy] = &numbers[..] else { return REC709 };
+    Chromaticities { red: Vec2(rx, ry), green: Vec2(gx, gy), blue: Vec2(bx, by), white: Vec2(wx, wy) }
+}
+
+/// Puts the header's attributes in order of their names: the encoder keeps them in a hash map, whose order changes from run to run.
+/// The length of the header, and so every offset in the file, stays.
+fn sort_attributes(bytes: &mut [u8]) -> Result<()> {
+    let parts = header::attributes(bytes)?;
+    let Some(part) = parts.first().filter(|part| !part.is_empty()) else { return Ok(()) };
+    let mut order: Vec<_> = part.iter().map(|a| (a.name, a.span.clone())).collect();
+    let start = order[0].1.start;
+    order.sort_by(|a, b| a.0.cmp(b.0));
+    let sorted: Vec<u8> = order.into_iter().flat_map(|(_, span)| bytes[span].to_vec()).collect();
+    bytes[start..start + sorted.len()].copy_from_slice(&sorted);
+    Ok(())
+}

@@ -1,0 +1,271 @@
+//! The pixel image: named planes of linear `f32` values, and metadata.
+
+use crate::{Error, Result};
+
+/// One named plane of an [`Image`], rows from the top, `width × height` values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The name, with layers before a dot: `R`, `albedo.G`, `N.X`, `Z`.
+    pub name: String,
+    /// The values, row by row from the top left.
+    pub data: Vec<f32>,
+}
+
+/// A metadata value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Text.
+    Text(String),
+    /// A real number.
+    Float(f32),
+    /// An integer.
+    Int(i32),
+    /// A 4×4 matrix in the order the file stores it (EXR `m44f`: row by row).
+    Matrix([f32; 16]),
+}
+
+/// Ordered `(name, value)` pairs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// The pairs, in order; names are unique.
+    pub entries: Vec<(String, Value)>,
+}
+
+impl Metadata {
+    /// The value with this name.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.entries.iter().find(|(n, _)| n == name).map(|(_, value)| value)
+    }
+
+    /// Sets a value, replacing one of the same name in its place.
+    pub fn set(&mut self, name: impl Into<String>, value: Value) {
+        let name = name.into();
+        match self.entries.iter_mut().find(|(n, _)| *n == name) {
+            Some(entry) => entry.1 = value,
+            None => self.entries.push((name, value)),
+        }
+    }
+
+    /// Sets a text.
+    pub fn set_text(&mut self, name: impl Into<String>, text: impl Into<String>) {
+        self.set(name, Value::Text(text.into()));
+    }
+}
+
+/// A rectangle of pixels: `min` inclusive, `max` exclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Left and top.
+    pub min: [i32; 2],
+    /// Right and bottom, exclusive.
+    pub max: [i32; 2],
+}
+
+/// A picture: named planes of linear values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    channels: Vec<Channel>,
+    /// Free-form metadata, kept by EXR and (texts and numbers) PNG.
+    pub metadata: Metadata,
+    /// Where pixel (0, 0) lies in the whole frame; not (0, 0) for crops. Kept by EXR.
+    pub offset: [i32; 2],
+    /// The whole frame, when it differs from the pixels that are there. Kept by EXR.
+    pub frame: Option<Window>,
+}
+
+/// The three colour planes of an image; all three are the same plane for a grey image.
+#[derive(Clone, Copy, Debug)]
+pub struct RgbPlanes<'a> {
+    /// Red.
+    pub r: &'a [f32],
+    /// Green.
+    pub g: &'a [f32],
+    /// Blue.
+    pub b: &'a [f32],
+}
+
+impl RgbPlanes<'_> {
+    /// The colour of the pixel with this index (`y × width + x`).
+    #[inline]
+    pub fn at(&self, index: usize) -> [f32; 3] {
+        [self.r[index], self.g[index], self.b[index]]
+    }
+}
+
+impl Image {
+    /// A picture of this size without channels.
+    pub fn new(width: usize, height: usize) -> Self {
+        Self { width, height, ..Self::default() }
+    }
+
+    /// A picture with channels `R`, `G`, `B` from `width × height` pixels.
+    ///
+    /// # Errors
+    /// [`Error::SizeMismatch`] when the number of pixels differs.
+    pub fn from_rgb(width: usize, height: usize, pixels: &[[f32; 3]]) -> Result<Self> {
+        let mut image = Self::new(width, height);
+        for (lane, name) in ["R", "G", "B"].into_iter().enumerate() {
+            image.push(name, pixels.iter().map(|p| p[lane]).collect())?;
+        }
+        Ok(image)
+    }
+
+    /// Width in pixels.
+    #[inline]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    #[inline]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Width × height.
+    #[inline]
+    pub fn pixel_count(&self) -> usize {
+        self.width * self.height
+    }
+
+    /// All channels, in order.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The plane with this name.
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        self.channels.iter().find(|c| c.name == name).map(|c| &c.data[..])
+    }
+
+    /// The plane with this name, to change.
+    pub fn channel_mut(&mut self, name: &str) -> Option<&mut [f32]> {
+        self.channels.iter_mut().find(|c| c.name == name).map(|c| &mut c.data[..])
+    }
+
+    /// Adds a plane.
+    ///
+    /// # Errors
+    /// [`Error::SizeMismatch`] when `data` is not `width × height` long, [`Error::DuplicateChannel`].
+    pub fn push(&mut self, name: impl Into<String>, data: Vec<f32>) -> Result<()> {
+        let name = name.into();
+        if data.len() != self.pixel_count() {
+            return Err(Error::SizeMismatch {
+                left: format!("{}x{} pixels", self.width, self.height),
+                right: format!("{} values of channel `{name}`", data.len()),
+            });
+        }
+        if self.channel(&name).is_some() {
+            return Err(Error::DuplicateChannel(name));
+        }
+        self.channels.push(Channel { name, data });
+        Ok(())
+    }
+
+    /// Adds the three planes `layer.R`, `layer.G`, `layer.B` (or any three suffixes, e.g. `["X", "Y", "Z"]`); an empty layer name
+    /// gives the suffixes alone.
+    ///
+    /// # Errors
+    /// As [`Image::push`].
+    pub fn push_layer(&mut self, layer: &str, suffixes: [&str; 3], pixels: &[[f32; 3]]) -> Result<()> {
+        for (lane, suffix) in suffixes.into_iter().enumerate() {
+            let name = if layer.is_empty() { suffix.to_owned() } else { format!("{layer}.{suffix}") };
+            self.push(name, pixels.iter().map(|p| p[lane]).collect())?;
+        }
+        Ok(())
+    }
+
+    /// The colour planes: `R`, `G`, `B`; else the grey plane `Y`, or the only channel, three times; else those of the first layer
+    /// that has all three.
+    pub fn rgb(&self) -> Option<RgbPlanes<'_>> {
+        let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
+        let plane = |index: usize| &self.channels[index].data[..];
+        match colour_channels(&names)?[..] {
+            [r, g, b, ..] => Some(RgbPlanes { r: plane(r), g: plane(g), b: plane(b) }),
+            [y, ..] => Some(RgbPlanes { r: plane(y), g: plane(y), b: plane(y) }),
+            [] => None,
+        }
+    }
+
+    /// The planes `layer.R`, `layer.G`, `layer.B`; of the root for an empty layer name.
+    pub fn layer_rgb(&self, layer: &str) -> Option<RgbPlanes<'_>> {
+        let plane = |suffix: &str| {
+            if layer.is_empty() { self.channel(suffix) } else { self.channel(&format!("{layer}.{suffix}")) }
+        };
+        Some(RgbPlanes { r: plane("R")?, g: plane("G")?, b: plane("B")? })
+    }
+
+    /// As [`Image::rgb`], with an error that lists the channels there are.
+    ///
+    /// # Errors
+    /// [`Error::MissingChannels`].
+    pub fn require_rgb(&self) -> Result<RgbPlanes<'_>> {
+        self.rgb()
+            .ok_or_else(|| Error::MissingChannels { wanted: "R, G, B or Y".into(), present: self.channel_names() })
+    }
+
+    /// The colours of all pixels.
+    ///
+    /// # Errors
+    /// As [`Image::require_rgb`].
+    pub fn to_rgb(&self) -> Result<Vec<[f32; 3]>> {
+        let planes = self.require_rgb()?;
+        Ok((0..self.pixel_count()).map(|i| planes.at(i)).collect())
+    }
+
+    /// Comma-separated channel names.
+    pub fn channel_names(&self) -> String {
+        self.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Which of the named channels are the picture's colour: `[r, g, b]`, `[r, g, b, a]`, `[y]` or `[y, a]`.
+pub(crate) fn colour_channels(names: &[&str]) -> Option<Vec<usize>> {
+    let find =
+        |layer: &str, suffix: &str| names.iter().position(|n| n.strip_prefix(layer).is_some_and(|rest| rest == suffix));
+    let group = |layer: &str, suffixes: &[&str]| -> Option<Vec<usize>> {
+        let mut indices = suffixes.iter().map(|s| find(layer, s)).collect::<Option<Vec<_>>>()?;
+        indices.extend(find(layer, "A"));
+        Some(indices)
+    };
+    let only = || (names.len() == 1).then(|| vec![0]);
+    group("", &["R", "G", "B"]).or_else(|| group("", &["Y"])).or_else(only).or_else(|| {
+        let layers = names.iter().filter_map(|name| name.strip_suffix('R').filter(|layer| layer.ends_with('.')));
+        layers.into_iter().find_map(|layer| group(layer, &["R", "G", "B"]))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_are_found_by_name_and_checked() {
+        let mut image = Image::from_rgb(2, 1, &[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]).unwrap();
+        image.push_layer("N", ["X", "Y", "Z"], &[[0.0; 3]; 2]).unwrap();
+        assert_eq!(image.rgb().unwrap().at(1), [4.0, 5.0, 6.0]);
+        assert_eq!(image.channel("N.Z").unwrap(), [0.0, 0.0]);
+        assert!(matches!(image.push("R", vec![0.0; 2]), Err(Error::DuplicateChannel(_))));
+        assert!(matches!(image.push("Q", vec![0.0; 3]), Err(Error::SizeMismatch { .. })));
+    }
+
+    #[test]
+    fn grey_serves_as_colour() {
+        let mut image = Image::new(1, 1);
+        assert!(image.rgb().is_none());
+        image.push("Y", vec![0.5]).unwrap();
+        assert_eq!(image.rgb().unwrap().at(0), [0.5; 3]);
+    }
+
+    #[test]
+    fn metadata_keeps_order_and_replaces() {
+        let mut metadata = Metadata::default();
+        metadata.set("b", Value::Int(1));
+        metadata.set_text("a", "x");
+        metadata.set("b", Value::Float(2.0));
+        assert_eq!(metadata.entries[0], ("b".into(), Value::Float(2.0)));
+        assert_eq!(metadata.get("a"), Some(&Value::Text("x".into())));
+    }
+}

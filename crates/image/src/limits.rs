@@ -1,0 +1,63 @@
+//! How large a picture may be: checked before a decoder allocates.
+
+use crate::{Error, FileKind, Result};
+
+/// Upper bounds on what an image file may declare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Pixels of one picture (width × height; all parts of a multi-part file together).
+    pub pixels: u64,
+    /// Bytes of decoded samples; also the largest file that is read.
+    pub bytes: u64,
+    /// Channels of one picture, over all layers.
+    pub channels: u64,
+}
+
+impl Default for Limits {
+    /// 2²⁸ pixels (16384²), 2 GiB, 1024 channels.
+    fn default() -> Self {
+        Self { pixels: 1 << 28, bytes: 2 << 30, channels: 1024 }
+    }
+}
+
+impl Limits {
+    /// Checks a declared size, with `bytes_per_pixel` of decoded storage; returns width × height.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] naming the exceeded bound, [`Error::Malformed`] for an empty picture.
+    pub(crate) fn check(&self, kind: FileKind, width: u64, height: u64, bytes_per_pixel: u64) -> Result<usize> {
+        if width == 0 || height == 0 {
+            return Err(Error::malformed(kind, format!("the picture is empty ({width}x{height})")));
+        }
+        let pixels = width.saturating_mul(height);
+        within("the number of pixels", pixels, self.pixels)?;
+        within("the decoded size in bytes", pixels.saturating_mul(bytes_per_pixel), self.bytes)?;
+        usize::try_from(pixels).map_err(|_| Error::Limit {
+            what: "the number of pixels",
+            declared: pixels,
+            limit: usize::MAX as u64,
+        })
+    }
+
+    /// As [`Limits::check`], and also refuses sizes that need more than the `available` bytes when each byte of the file can stand
+    /// for at most `pixels_per_byte` pixels.
+    pub(crate) fn check_against(
+        &self,
+        kind: FileKind,
+        (width, height): (u64, u64),
+        bytes_per_pixel: u64,
+        available: usize,
+        pixels_per_byte: f64,
+    ) -> Result<usize> {
+        let pixels = self.check(kind, width, height, bytes_per_pixel)?;
+        if pixels as f64 > available as f64 * pixels_per_byte {
+            return Err(Error::TooShort { kind, width, height, bytes: available as u64 });
+        }
+        Ok(pixels)
+    }
+}
+
+/// `Ok` when `declared` does not exceed `limit`.
+pub(crate) fn within(what: &'static str, declared: u64, limit: u64) -> Result<()> {
+    if declared > limit { Err(Error::Limit { what, declared, limit }) } else { Ok(()) }
+}

@@ -1,0 +1,119 @@
+//! JPEG, TGA and BMP: decoded by the `image` crate under our limits. Nothing but decoding is applied: no EXIF rotation, no profile.
+
+use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels};
+use image::{ColorType, ImageDecoder, ImageError};
+use std::io::Cursor;
+
+/// The largest number of pixels that a byte of such a file can stand for. Run lengths of TGA cover 128 pixels of 2 bytes, those of
+/// BMP 255 pixels in 2 bytes; a JPEG of one colour can need less than a bit per 8×8 block in its progressive form.
+const MAX_PIXELS_PER_BYTE: f64 = 4096.0;
+
+pub(crate) fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
+    let cursor = Cursor::new(bytes);
+    let explain = |error| explain(kind, error);
+    match kind {
+        FileKind::Jpeg => {
+            let [_, _] = check_jpeg_frame(bytes, limits)?;
+            decode_with(kind, image::codecs::jpeg::JpegDecoder::new(cursor).map_err(explain)?, bytes.len(), limits)
+        }
+        FileKind::Tga => {
+            check_tga_header(bytes, limits)?;
+            decode_with(kind, image::codecs::tga::TgaDecoder::new(cursor).map_err(explain)?, bytes.len(), limits)
+        }
+        _ => decode_with(kind, image::codecs::bmp::BmpDecoder::new(cursor).map_err(explain)?, bytes.len(), limits),
+    }
+}
+
+fn decode_with(kind: FileKind, decoder: impl ImageDecoder, available: usize, limits: &Limits) -> Result<Texels> {
+    let (width, height) = decoder.dimensions();
+    let colour = decoder.color_type();
+    let (channels, sixteen) = match colour {
+        ColorType::L8 => (1, false),
+        ColorType::La8 => (2, false),
+        ColorType::Rgb8 => (3, false),
+        ColorType::Rgba8 => (4, false),
+        ColorType::L16 => (1, true),
+        ColorType::Rgb16 => (3, true),
+        other => return Err(Error::unsupported(kind, format!("{other:?} pixels"))),
+    };
+    let bytes_per_pixel = u64::from(colour.bytes_per_pixel());
+    let size = (u64::from(width), u64::from(height));
+    let pixels = limits.check_against(kind, size, bytes_per_pixel, available, MAX_PIXELS_PER_BYTE)?;
+    let mut buffer = vec![0; pixels * bytes_per_pixel as usize];
+    if decoder.total_bytes() != buffer.len() as u64 {
+        return Err(Error::malformed(kind, "the decoded size is wrong"));
+    }
+    decoder.read_image(&mut buffer).map_err(|error| explain(kind, error))?;
+    let data = if sixteen {
+        TexelData::U16(buffer.as_chunks::<2>().0.iter().map(|b| u16::from_ne_bytes(*b)).collect())
+    } else {
+        TexelData::U8(buffer)
+    };
+    Ok(Texels::new(width as usize, height as usize, channels, data, Encoding::Srgb))
+}
+
+/// Finds the frame header (SOF0 to SOF15) among the segments and checks its size; refuses the lossless, hierarchical and arithmetic
+/// variants by name.
+fn check_jpeg_frame(bytes: &[u8], limits: &Limits) -> Result<[u16; 2]> {
+    const KIND: FileKind = FileKind::Jpeg;
+    let missing = || Error::malformed(KIND, "no frame header");
+    let mut at = 2;
+    loop {
+        let marker = match bytes.get(at..at + 2).ok_or_else(missing)? {
+            [0xff, 0xff] => {
+                at += 1;
+                continue;
+            }
+            [0xff, marker] => *marker,
+            _ => return Err(missing()),
+        };
+        let body = bytes.get(at + 2..).ok_or_else(missing)?;
+        match marker {
+            0xc0..=0xc2 => {
+                let frame = body.get(..8).ok_or_else(missing)?;
+                let [height, width] = [[frame[3], frame[4]], [frame[5], frame[6]]].map(u16::from_be_bytes);
+                if frame[2] != 8 {
+                    return Err(Error::unsupported(KIND, format!("{}-bit samples", frame[2])));
+                }
+                let size = (width.into(), height.into());
+                limits.check_against(KIND, size, 4, bytes.len(), MAX_PIXELS_PER_BYTE)?;
+                return Ok([width, height]);
+            }
+            0xc4 | 0xc8 | 0xcc => {}
+            0xc3 | 0xc5..=0xcf => return Err(Error::unsupported(KIND, "lossless, hierarchical or arithmetic coding")),
+            0xd9 | 0xda => return Err(missing()),
+            0x01 | 0xd0..=0xd8 => {
+                at += 2;
+                continue;
+            }
+            _ => {}
+        }
+        let length = body.get(..2).ok_or_else(missing)?;
+        at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);
+    }
+}
+
+fn check_tga_header(bytes: &[u8], limits: &Limits) -> Result<()> {
+    let header = bytes.get(..18).ok_or_else(|| Error::malformed(FileKind::Tga, "the header ends early"))?;
+    let [width, height] = [[header[12], header[13]], [header[14], header[15]]].map(u16::from_le_bytes);
+    limits.check_against(FileKind::Tga, (width.into(), height.into()), 4, bytes.len(), MAX_PIXELS_PER_BYTE)?;
+    Ok(())
+}
+
+fn explain(kind: FileKind, error: ImageError) -> Error {
+    match error {
+        ImageError::Unsupported(what) => Error::unsupported(kind, what.to_string()),
+        ImageError::IoError(error) => Error::malformed(kind, format!("the file ends early ({error})")),
+        other => Error::malformed(kind, other.to_string()),
+    }
+}
+
+/// The bytes of a JPEG file; `quality` 1 to 100, interleaved 8-bit grey (1) or RGB (3).
+pub(crate) fn encode_jpeg(width: u32, height: u32, channels: usize, samples: &[u8], quality: u8) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let colour = if channels == 1 { image::ExtendedColorType::L8 } else { image::ExtendedColorType::Rgb8 };
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality.clamp(1, 100))
+        .encode(samples, width, height, colour)
+        .map_err(|error| explain(FileKind::Jpeg, error))?;
+    Ok(bytes)
+}

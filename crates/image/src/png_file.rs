@@ -1,0 +1,129 @@
+//! PNG files: every colour type and depth in, 8 or 16 bit RGB(A) or grey out.
+//!
+//! Stored values are taken as sRGB encoded, 16-bit ones too, as pbrt-v4 and Mitsuba 3 do. A `gAMA` chunk is not applied; it is
+//! reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
+
+use crate::limits::within;
+use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
+use png::{BitDepth, ColorType, Transformations};
+
+const KIND: FileKind = FileKind::Png;
+
+/// Deflate cannot do better than 1032 to 1, and a pixel takes an eighth of a byte at least.
+const MAX_PIXELS_PER_BYTE: f64 = 1032.0 * 8.0;
+
+pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
+    let mut decoder =
+        png::Decoder::new_with_limits(std::io::Cursor::new(bytes), png::Limits { bytes: limits.bytes as usize });
+    // Palettes, 1 to 4 bit samples and transparent colours become 8 bit samples and alpha.
+    decoder.set_transformations(Transformations::EXPAND);
+    let info = decoder.read_header_info().map_err(explain)?;
+    let (width, height) = (info.width, info.height);
+    limits.check_against(KIND, (width.into(), height.into()), 8, bytes.len(), MAX_PIXELS_PER_BYTE)?;
+    let mut reader = decoder.read_info().map_err(explain)?;
+
+    let size = reader.output_buffer_size().ok_or(Error::Limit {
+        what: "the decoded size in bytes",
+        declared: u64::MAX,
+        limit: limits.bytes,
+    })?;
+    within("the decoded size in bytes", size as u64, limits.bytes)?;
+    let mut buffer = vec![0; size];
+    let frame = reader.next_frame(&mut buffer).map_err(explain)?;
+    buffer.truncate(frame.buffer_size());
+
+    let channels = match frame.color_type {
+        ColorType::Grayscale => 1,
+        ColorType::GrayscaleAlpha => 2,
+        ColorType::Rgb => 3,
+        ColorType::Rgba => 4,
+        ColorType::Indexed => return Err(Error::malformed(KIND, "a palette image without palette")),
+    };
+    let data = match frame.bit_depth {
+        BitDepth::Eight => TexelData::U8(buffer),
+        BitDepth::Sixteen => TexelData::U16(buffer.as_chunks::<2>().0.iter().map(|b| u16::from_be_bytes(*b)).collect()),
+        other => return Err(Error::unsupported(KIND, format!("{other:?} bit samples"))),
+    };
+    if data.len() != width as usize * height as usize * channels {
+        return Err(Error::malformed(KIND, "the decoded size is wrong"));
+    }
+    let mut texels = Texels::new(width as usize, height as usize, channels, data, Encoding::Srgb);
+    let info = reader.info();
+    if let Some(gamma) = info.gama_chunk {
+        texels.metadata.set("gamma", Value::Float(gamma.into_value()));
+    }
+    for chunk in &info.uncompressed_latin1_text {
+        texels.metadata.set_text(chunk.keyword.clone(), chunk.text.clone());
+    }
+    for chunk in &info.utf8_text {
+        if let Ok(text) = chunk.get_text() {
+            texels.metadata.set_text(chunk.keyword.clone(), text);
+        }
+    }
+    Ok(texels)
+}
+
+/// Interleaved display values to be stored, with 1 to 4 channels.
+pub(crate) enum Samples<'a> {
+    Eight(&'a [u8]),
+    Sixteen(&'a [u16]),
+}
+
+/// The bytes of a PNG file with the sRGB chunk and the metadata as text chunks.
+pub(crate) fn encode(
+    width: u32,
+    height: u32,
+    channels: usize,
+    samples: &Samples<'_>,
+    metadata: &Metadata,
+) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(match channels {
+        1 => ColorType::Grayscale,
+        2 => ColorType::GrayscaleAlpha,
+        3 => ColorType::Rgb,
+        _ => ColorType::Rgba,
+    });
+    encoder.set_depth(if matches!(samples, Samples::Eight(_)) { BitDepth::Eight } else { BitDepth::Sixteen });
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    for (name, value) in &metadata.entries {
+        let text = match value {
+            Value::Text(text) => text.clone(),
+            Value::Float(x) => x.to_string(),
+            Value::Int(i) => i.to_string(),
+            Value::Matrix(m) => m.map(|x| x.to_string()).join(" "),
+        };
+        if !(1..=79).contains(&name.len()) || !name.is_ascii() {
+            return Err(Error::unsupported(KIND, format!("the metadata name {name:?} (1 to 79 ASCII characters)")));
+        }
+        // International text chunks hold any text.
+        if text.is_ascii() {
+            encoder.add_text_chunk(name.clone(), text).map_err(refuse)?;
+        } else {
+            encoder.add_itxt_chunk(name.clone(), text).map_err(refuse)?;
+        }
+    }
+    let mut writer = encoder.write_header().map_err(refuse)?;
+    match samples {
+        Samples::Eight(data) => writer.write_image_data(data).map_err(refuse)?,
+        Samples::Sixteen(data) => {
+            let big_endian: Vec<u8> = data.iter().flat_map(|v| v.to_be_bytes()).collect();
+            writer.write_image_data(&big_endian).map_err(refuse)?;
+        }
+    }
+    writer.finish().map_err(refuse)?;
+    Ok(bytes)
+}
+
+fn explain(error: png::DecodingError) -> Error {
+    match error {
+        png::DecodingError::LimitsExceeded => Error::malformed(KIND, "a chunk is above the size limit"),
+        other => Error::malformed(KIND, other.to_string()),
+    }
+}
+
+fn refuse(error: png::EncodingError) -> Error {
+    Error::unsupported(KIND, error.to_string())
+}

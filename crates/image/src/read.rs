@@ -1,0 +1,139 @@
+//! Which format a file has, and reading it.
+
+use crate::limits::within;
+use crate::{Error, Image, Limits, Result, Texels};
+use std::io::Read;
+use std::path::Path;
+
+/// An image file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FileKind {
+    /// OpenEXR.
+    Exr,
+    /// Portable Network Graphics.
+    Png,
+    /// JPEG.
+    Jpeg,
+    /// Truevision TGA.
+    Tga,
+    /// Windows bitmap.
+    Bmp,
+    /// Radiance RGBE.
+    Hdr,
+    /// Portable float map.
+    Pfm,
+    /// Portable pixmap and greymap.
+    Pnm,
+}
+
+impl std::fmt::Display for FileKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Exr => "EXR",
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Tga => "TGA",
+            Self::Bmp => "BMP",
+            Self::Hdr => "Radiance HDR",
+            Self::Pfm => "PFM",
+            Self::Pnm => "PPM/PGM",
+        })
+    }
+}
+
+impl FileKind {
+    /// The kind that the first bytes tell. TGA has no signature and is never found this way, unless by its footer.
+    pub fn from_content(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            [0x76, 0x2f, 0x31, 0x01, ..] => Some(Self::Exr),
+            [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Some(Self::Png),
+            [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
+            [b'B', b'M', ..] if bytes.len() >= 26 && bytes[6..10] == [0; 4] => Some(Self::Bmp),
+            [b'#', b'?', ..] => Some(Self::Hdr),
+            [b'P', b'F' | b'f', s, ..] if s.is_ascii_whitespace() => Some(Self::Pfm),
+            [b'P', b'1'..=b'7', s, ..] if s.is_ascii_whitespace() || *s == b'#' => Some(Self::Pnm),
+            _ if bytes.ends_with(b"TRUEVISION-XFILE.\0") => Some(Self::Tga),
+            _ => None,
+        }
+    }
+
+    /// The kind that a file name's extension tells.
+    pub fn from_extension(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "exr" => Some(Self::Exr),
+            "png" => Some(Self::Png),
+            "jpg" | "jpeg" => Some(Self::Jpeg),
+            "tga" => Some(Self::Tga),
+            "bmp" => Some(Self::Bmp),
+            "hdr" | "pic" | "rgbe" => Some(Self::Hdr),
+            "pfm" => Some(Self::Pfm),
+            "ppm" | "pgm" | "pnm" => Some(Self::Pnm),
+            _ => None,
+        }
+    }
+
+    fn of(bytes: &[u8], path: Option<&Path>) -> Result<Self> {
+        Self::from_content(bytes).or_else(|| Self::from_extension(path?)).ok_or(Error::UnknownFormat)
+    }
+}
+
+/// Reads an image file as linear planes: encoded samples are decoded as the kind of file says, every channel of an EXR file is kept.
+///
+/// # Errors
+/// [`Error::File`] with the path; inside, what is wrong. Damaged, oversized and unsupported files are refused, never guessed at.
+pub fn read(path: &Path, limits: &Limits) -> Result<Image> {
+    let bytes = load(path, limits)?;
+    read_bytes(&bytes, Some(path), limits).map_err(|e| e.at(path))
+}
+
+/// As [`read`], from memory; `name` helps with formats that have no signature (TGA).
+///
+/// # Errors
+/// As [`read`], without the path.
+pub fn read_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> Result<Image> {
+    match FileKind::of(bytes, name)? {
+        FileKind::Exr => crate::exr_file::decode_image(bytes, limits),
+        kind => decode(kind, bytes, limits)?.to_image(),
+    }
+}
+
+/// Reads an image file in its own precision: colour (or grey) and alpha only.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_texels(path: &Path, limits: &Limits) -> Result<Texels> {
+    let bytes = load(path, limits)?;
+    read_texels_bytes(&bytes, Some(path), limits).map_err(|e| e.at(path))
+}
+
+/// As [`read_texels`], from memory; `name` helps with formats that have no signature (TGA).
+///
+/// # Errors
+/// As [`read`], without the path.
+pub fn read_texels_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> Result<Texels> {
+    decode(FileKind::of(bytes, name)?, bytes, limits)
+}
+
+fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
+    match kind {
+        FileKind::Exr => crate::exr_file::decode_texels(bytes, limits),
+        FileKind::Png => crate::png_file::decode(bytes, limits),
+        FileKind::Jpeg | FileKind::Tga | FileKind::Bmp => crate::photo::decode(kind, bytes, limits),
+        FileKind::Hdr => crate::hdr::decode(bytes, limits),
+        FileKind::Pfm => crate::pfm::decode(bytes, limits),
+        FileKind::Pnm => crate::pnm::decode(bytes, limits),
+    }
+}
+
+/// The whole file, when it is not above the limit.
+fn load(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+    let io = |action| move |error| Error::Io { action, error }.at(path);
+    let file = std::fs::File::open(path).map_err(io("open"))?;
+    let size = file.metadata().map_err(io("open"))?.len();
+    within("the file's size in bytes", size, limits.bytes).map_err(|e| e.at(path))?;
+    let mut bytes = Vec::with_capacity(size as usize);
+    // A device or a file that grows does not end where its metadata say.
+    file.take(limits.bytes + 1).read_to_end(&mut bytes).map_err(io("read"))?;
+    within("the file's size in bytes", bytes.len() as u64, limits.bytes).map_err(|e| e.at(path))?;
+    Ok(bytes)
+}

@@ -1,0 +1,132 @@
+//! Samples as the file stores them, for textures that should stay small in memory.
+
+use crate::{Encoding, Error, Image, Metadata, Result};
+use half::f16;
+
+/// Interleaved samples in the file's own precision.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TexelData {
+    /// 8 bits, code / 255.
+    U8(Vec<u8>),
+    /// 16 bits, code / 65535.
+    U16(Vec<u16>),
+    /// Half floats.
+    F16(Vec<f16>),
+    /// Floats.
+    F32(Vec<f32>),
+}
+
+impl TexelData {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::U8(v) => v.len(),
+            Self::U16(v) => v.len(),
+            Self::F16(v) => v.len(),
+            Self::F32(v) => v.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The stored value as a number: integer codes are scaled to [0, 1], nothing is decoded.
+    #[inline]
+    pub fn stored(&self, index: usize) -> f32 {
+        match self {
+            Self::U8(v) => f32::from(v[index]) / 255.0,
+            Self::U16(v) => f32::from(v[index]) / 65535.0,
+            Self::F16(v) => v[index].to_f32(),
+            Self::F32(v) => v[index],
+        }
+    }
+}
+
+/// A picture in the file's own precision: 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGBA) interleaved channels, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texels {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// Channels per pixel, 1 to 4; the last of 2 or 4 is alpha.
+    pub channels: usize,
+    /// `width × height × channels` samples.
+    pub data: TexelData,
+    /// How the colour samples stand for linear values, by default for this kind of file. Alpha is linear.
+    pub encoding: Encoding,
+    /// What else the file says (`gamma` of a PNG, `EXPOSURE` of a Radiance file, …); not applied to the samples.
+    pub metadata: Metadata,
+}
+
+impl Texels {
+    pub(crate) fn new(width: usize, height: usize, channels: usize, data: TexelData, encoding: Encoding) -> Self {
+        debug_assert_eq!(data.len(), width * height * channels);
+        Self { width, height, channels, data, encoding, metadata: Metadata::default() }
+    }
+
+    /// Index of the alpha channel.
+    pub fn alpha(&self) -> Option<usize> {
+        matches!(self.channels, 2 | 4).then(|| self.channels - 1)
+    }
+
+    /// The linear value of one sample; `x < width`, `y < height`, `channel < channels`.
+    #[inline]
+    pub fn linear(&self, x: usize, y: usize, channel: usize) -> f32 {
+        let stored = self.data.stored((y * self.width + x) * self.channels + channel);
+        if self.alpha() == Some(channel) { stored } else { self.encoding.decode(stored) }
+    }
+
+    /// Bytes that the samples take.
+    pub fn byte_size(&self) -> usize {
+        let sample = match self.data {
+            TexelData::U8(_) => 1,
+            TexelData::U16(_) | TexelData::F16(_) => 2,
+            TexelData::F32(_) => 4,
+        };
+        self.data.len() * sample
+    }
+
+    /// The picture as linear planes: `Y`, `Y A`, `R G B` or `R G B A`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the fields contradict each other.
+    pub fn to_image(&self) -> Result<Image> {
+        let names: &[&str] = match self.channels {
+            1 => &["Y"],
+            2 => &["Y", "A"],
+            3 => &["R", "G", "B"],
+            4 => &["R", "G", "B", "A"],
+            n => return Err(Error::Invalid(format!("texels must have 1 to 4 channels, not {n}"))),
+        };
+        let samples = self.width.checked_mul(self.height).and_then(|n| n.checked_mul(self.channels));
+        if samples != Some(self.data.len()) {
+            return Err(Error::Invalid("the number of texels does not match the size".into()));
+        }
+        let mut image = Image::new(self.width, self.height);
+        for (lane, name) in names.iter().enumerate() {
+            let encoding = if self.alpha() == Some(lane) { Encoding::Linear } else { self.encoding };
+            image.push(*name, self.plane(lane, encoding))?;
+        }
+        image.metadata = self.metadata.clone();
+        Ok(image)
+    }
+
+    /// One channel, decoded.
+    fn plane(&self, lane: usize, encoding: Encoding) -> Vec<f32> {
+        let lanes = self.channels;
+        match &self.data {
+            TexelData::U8(v) => {
+                let table = encoding.table8();
+                v.iter().skip(lane).step_by(lanes).map(|&code| table[usize::from(code)]).collect()
+            }
+            TexelData::U16(v) => {
+                v.iter().skip(lane).step_by(lanes).map(|&code| encoding.decode(f32::from(code) / 65535.0)).collect()
+            }
+            TexelData::F16(v) => v.iter().skip(lane).step_by(lanes).map(|x| encoding.decode(x.to_f32())).collect(),
+            TexelData::F32(v) => v.iter().skip(lane).step_by(lanes).map(|&x| encoding.decode(x)).collect(),
+        }
+    }
+}
