@@ -1,1 +1,9 @@
-//! (in the making)
+//! Statistics for tests: does a sample follow a density, is a mean what it should be.
+
+mod chi2;
+mod sphere;
+mod z;
+
+pub use chi2::{Chi2, chi2_test, sidak};
+pub use sphere::{SphereGrid, integrate_sphere};
+pub use z::{Moments, normal_two_sided_p, z_test};

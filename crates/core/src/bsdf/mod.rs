@@ -1,1 +1,227 @@
-//! Scattering at a point of a surface.
+//! Scattering at a point of a surface: texture-free values that can be evaluated and sampled.
+//!
+//! A material evaluates its textures at a hit into one [`Bsdf`]: a small `Copy` value that knows no texture, no scene and no
+//! allocation. Directions are unit vectors in the local shading frame (`z` is the shading normal) and both `wo` and `wi`
+//! point away from the surface. Models that only reflect are defined on the upper side and black below; a caller that wants
+//! them on both sides flips the frame. Transmitting models work from both sides.
+//!
+//! Every formula is stated once: `sample` draws a direction and asks the same pieces that `eval` uses. The registry
+//! [`MODELS`] lists every model with cases at the corners of its parameters, and the tests run the laws of scattering
+//! (density, reciprocity, energy) over all of them.
+
+pub mod coat_table;
+pub mod coated;
+pub mod conductor;
+pub mod dielectric;
+pub mod diffuse;
+pub mod diffuse_transmission;
+pub mod fresnel;
+mod gaussian;
+#[cfg(test)]
+mod laws;
+pub mod microfacet;
+pub mod registry;
+pub mod thin_dielectric;
+mod visible_normals;
+
+pub use coat_table::{CoatSeries, CoatTable};
+pub use coated::Coated;
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
+pub use diffuse::Diffuse;
+pub use diffuse_transmission::DiffuseTransmission;
+pub use microfacet::{Microfacet, NormalDistribution, Shadowing};
+pub use registry::{MODELS, Model};
+pub use thin_dielectric::ThinDielectric;
+
+use steradian_math::{Spectrum, Vec2, Vec3, warp};
+
+/// Which lobe produced a sample: a set of properties.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Lobe(u8);
+
+impl Lobe {
+    /// The sample stays on the side of `wo`.
+    pub const REFLECTION: Self = Self(1);
+    /// The sample goes to the other side.
+    pub const TRANSMISSION: Self = Self(2);
+    /// Scattered over the whole hemisphere.
+    pub const DIFFUSE: Self = Self(4);
+    /// Scattered around a direction.
+    pub const GLOSSY: Self = Self(8);
+    /// Exactly one direction: a delta distribution, never met by chance.
+    pub const SPECULAR: Self = Self(16);
+
+    /// Both sets together.
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether every property of `other` is in this set.
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether the lobe is a delta distribution.
+    pub const fn is_specular(self) -> bool {
+        self.contains(Self::SPECULAR)
+    }
+
+    /// Whether the sample crossed the surface.
+    pub const fn is_transmission(self) -> bool {
+        self.contains(Self::TRANSMISSION)
+    }
+
+    /// Whether the lobe is diffuse.
+    pub const fn is_diffuse(self) -> bool {
+        self.contains(Self::DIFFUSE)
+    }
+
+    /// Whether the lobe is glossy.
+    pub const fn is_glossy(self) -> bool {
+        self.contains(Self::GLOSSY)
+    }
+}
+
+/// A direction drawn from a [`Bsdf`].
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// The drawn direction, away from the surface.
+    pub wi: Vec3,
+    /// `f·|cosθ_i| / pdf`: what a path's throughput is multiplied by.
+    pub weight: Spectrum,
+    /// Solid-angle density of `wi` (sr⁻¹); for a specular lobe the probability with which it was chosen.
+    pub pdf: f32,
+    /// Where the sample came from.
+    pub lobe: Lobe,
+    /// Relative index of refraction met by a transmitted ray (`η_t/η_i`), else 1. Russian roulette multiplies the throughput
+    /// by its square to leave the compression of radiance out of account.
+    pub eta: f32,
+}
+
+/// The value of a [`Bsdf`] for a pair of directions; specular lobes have no part in it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BsdfEval {
+    /// `f·|cosθ_i|` (sr⁻¹).
+    pub value: Spectrum,
+    /// Density with which [`Bsdf::sample`] draws `wi` (sr⁻¹).
+    pub pdf: f32,
+}
+
+impl BsdfEval {
+    /// No light, never sampled.
+    pub const ZERO: Self = Self { value: Spectrum::ZERO, pdf: 0.0 };
+}
+
+/// What is being carried along a path: the two differ where light is refracted (Veach 1997, 5.2).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum TransportMode {
+    /// Radiance, for paths that start at the eye: scaled by `(η_i/η_t)²` on refraction.
+    Radiance,
+    /// Importance, for paths that start at a light: not scaled.
+    Importance,
+}
+
+impl TransportMode {
+    /// The mode of the path walked backwards.
+    pub const fn adjoint(self) -> Self {
+        match self {
+            Self::Radiance => Self::Importance,
+            Self::Importance => Self::Radiance,
+        }
+    }
+
+    /// The factor on transmitted light whose relative index is `eta = η_t/η_i`.
+    #[inline]
+    pub(crate) fn compression(self, eta: f32) -> f32 {
+        match self {
+            Self::Radiance => 1.0 / (eta * eta),
+            Self::Importance => 1.0,
+        }
+    }
+}
+
+/// How a surface scatters light at one point.
+#[derive(Clone, Copy, Debug)]
+pub enum Bsdf<'a> {
+    /// Lambertian reflection.
+    Diffuse(Diffuse),
+    /// Lambertian reflection and transmission.
+    DiffuseTransmission(DiffuseTransmission),
+    /// A metal, smooth or rough; also the perfect mirror.
+    Conductor(Conductor),
+    /// Glass and liquids, smooth or rough.
+    Dielectric(Dielectric),
+    /// A pane that refracts in and out again.
+    ThinDielectric(ThinDielectric),
+    /// A dielectric coat over a diffuse base: plastic, varnish.
+    Coated(Coated<'a>),
+}
+
+const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
+
+impl Bsdf<'_> {
+    /// `f·|cosθ_i|` and the density with which [`Bsdf::sample`] draws `wi`; both zero for specular lobes.
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        match self {
+            Self::Diffuse(b) => b.eval(wo, wi),
+            Self::DiffuseTransmission(b) => b.eval(wo, wi),
+            Self::Conductor(b) => b.eval(wo, wi),
+            Self::Dielectric(b) => b.eval(wo, wi, mode),
+            Self::ThinDielectric(_) => BsdfEval::ZERO,
+            Self::Coated(b) => b.eval(wo, wi),
+        }
+    }
+
+    /// Draws a direction: `u` (in `[0, 1)`) chooses the lobe, `u2` (in `[0, 1)²`) the direction in it. `None` where the
+    /// surface scatters nothing or the draw fell outside of the model (it counts as black).
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        match self {
+            Self::Diffuse(b) => b.sample(wo, u2),
+            Self::DiffuseTransmission(b) => b.sample(wo, u, u2),
+            Self::Conductor(b) => b.sample(wo, u2),
+            Self::Dielectric(b) => b.sample(wo, u, u2, mode),
+            Self::ThinDielectric(b) => b.sample(wo, u),
+            Self::Coated(b) => b.sample(wo, u, u2),
+        }
+    }
+
+    /// Whether every lobe is a delta distribution, so that next-event estimation cannot contribute.
+    #[inline]
+    pub fn is_specular(&self) -> bool {
+        match self {
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) => false,
+            Self::Conductor(b) => b.microfacet.is_smooth(),
+            Self::Dielectric(b) => b.is_specular(),
+            Self::ThinDielectric(_) => true,
+        }
+    }
+
+    /// Whether light can pass to the other side.
+    #[inline]
+    pub fn has_transmission(&self) -> bool {
+        matches!(self, Self::DiffuseTransmission(_) | Self::Dielectric(_) | Self::ThinDielectric(_))
+    }
+
+    /// A cheap estimate of the directional albedo for feature images: the reflectance of diffuse surfaces, the reflectance
+    /// at this angle for metals, and 1 (tinted) for glass, as denoisers expect it.
+    pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        match self {
+            Self::Diffuse(b) => b.reflectance,
+            Self::DiffuseTransmission(b) => b.reflectance + b.transmittance,
+            Self::Conductor(b) => b.albedo_estimate(wo),
+            Self::Dielectric(b) => b.albedo_estimate(wo),
+            Self::ThinDielectric(b) => b.albedo_estimate(wo),
+            Self::Coated(b) => b.albedo_estimate(wo),
+        }
+    }
+}
+
+/// A direction above the surface with density `cosθ/π`; `None` for the rare draw that rounds to the horizon.
+#[inline]
+fn sample_cosine_hemisphere(u: Vec2) -> Option<Vec3> {
+    let w = warp::cosine_hemisphere(u);
+    (w.z > 0.0).then_some(w)
+}

@@ -1,0 +1,102 @@
+//! A dielectric coat over a Lambertian base: plastic, varnish, lacquer.
+//!
+//! Light that enters the coat reaches the base with probability `T(wo)`, is scattered diffusely, and each time leaves or is
+//! thrown back with probability `K`. Summing all orders, with `T` by reciprocity for the way out,
+//!
+//! ```text
+//! f = f_interface + T(wo)·T(wi)/(π η²) · ρ/(1 − ρK)
+//! ```
+//!
+//! which is the expectation of pbrt-v4's random walk for `coateddiffuse` (Pharr et al. 2023, 14.3) and the model of Mitsuba's
+//! `plastic` and `roughplastic`; [`CoatSeries`](super::CoatSeries) says where the two differ. `T`, `K` and the absorption in
+//! the coat come from a [`CoatTable`].
+
+use super::coat_table::RowPlace;
+use super::{BsdfEval, BsdfSample, CoatTable, Lobe, Microfacet, fresnel, sample_cosine_hemisphere};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// A coated diffuse surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Coated<'a> {
+    table: &'a CoatTable,
+    /// `ρ/(1 − ρK)/η²`.
+    base: Spectrum,
+    /// Factor on the light that the interface reflects.
+    tint: Spectrum,
+    microfacet: Microfacet,
+    place: RowPlace,
+    /// The part of diffuse light inside that leaves, times the largest lane of `base`; for choosing a lobe.
+    base_weight: f32,
+}
+
+impl<'a> Coated<'a> {
+    /// A base of albedo `reflectance` (clamped to `[0, 1]`) under the coat of `table` with roughness `alpha_x`, `alpha_y`,
+    /// which should lie in the table's range; `tint` is a factor on what the coat itself reflects (1 is physical).
+    pub fn new(table: &'a CoatTable, reflectance: Spectrum, tint: Spectrum, alpha_x: f32, alpha_y: f32) -> Self {
+        let microfacet = table.microfacet(alpha_x, alpha_y);
+        let place = table.place(&microfacet);
+        let eta2 = table.eta() * table.eta();
+        let base = table.multiply_scattered(place, reflectance.clamp(0.0, 1.0)) / eta2;
+        let base_weight = base.max_element() * table.mean_transmitted(place);
+        Self { table, base, tint, microfacet, place, base_weight }
+    }
+
+    /// `R` and `T` of the coat at `wo`, and the probability of sampling the interface.
+    #[inline]
+    fn at(&self, wo: Vec3) -> (f32, f32, f32) {
+        let (r, t) = self.table.interface(self.place, wo.z);
+        let (interface, base) = (r * self.tint.max_element(), t * self.base_weight);
+        (r, t, if interface + base > 0.0 { interface / (interface + base) } else { 0.0 })
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let (_, t_o, p) = self.at(wo);
+        let (_, t_i) = self.table.interface(self.place, wi.z);
+        let cosine = wi.z * FRAC_1_PI;
+        let mut e = BsdfEval { value: self.base * (t_o * t_i * cosine), pdf: (1.0 - p) * cosine };
+        if !self.microfacet.is_smooth()
+            && let Some(facet) = self.microfacet.reflecting(wo, wi)
+        {
+            e.value += self.tint * (fresnel::dielectric(facet.cos_o, self.table.eta()) * facet.value);
+            e.pdf += p * facet.pdf;
+        }
+        e
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let (r, _, p) = self.at(wo);
+        let (wi, lobe) = if u >= p {
+            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        } else if self.microfacet.is_smooth() {
+            return Some(BsdfSample {
+                wi: Vec3::new(-wo.x, -wo.y, wo.z),
+                weight: self.tint * (r / p),
+                pdf: p,
+                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
+                eta: 1.0,
+            });
+        } else {
+            (fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
+        };
+        let e = self.eval(wo, wi);
+        (e.pdf > 0.0).then(|| BsdfSample {
+            wi,
+            weight: e.value / e.pdf,
+            pdf: e.pdf,
+            lobe: Lobe::REFLECTION.with(lobe),
+            eta: 1.0,
+        })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        let (r, t) = self.table.interface(self.place, wo.z.abs());
+        self.tint * r + self.base * (t * self.table.mean_transmitted(self.place))
+    }
+}

@@ -1,0 +1,74 @@
+//! Metals (M81, M92): mirror reflection tinted by the Fresnel equations of a complex index `η − ik`, from a smooth surface or
+//! from microfacets, `f = F D G₂ / (4 cosθ_o cosθ_i)` (Torrance & Sparrow 1967; Walter et al. 2007, eq. 20).
+
+use super::{BsdfEval, BsdfSample, Lobe, Microfacet, fresnel};
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// An opaque, reflecting surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Conductor {
+    /// Real part of the index, relative to the medium above, at the lanes' wavelengths (> 0; 0 reflects everything).
+    pub eta: Spectrum,
+    /// Imaginary part of the index (absorption), relative too.
+    pub k: Spectrum,
+    /// A factor on the reflectance, 1 for a physical metal.
+    pub tint: Spectrum,
+    /// The roughness of the surface.
+    pub microfacet: Microfacet,
+}
+
+impl Conductor {
+    /// The perfect mirror: a purely imaginary index reflects all light at all angles.
+    pub fn mirror(reflectance: Spectrum, microfacet: Microfacet) -> Self {
+        Self { eta: Spectrum::ZERO, k: Spectrum::ONE, tint: reflectance, microfacet }
+    }
+
+    /// A metal whose reflectance at normal incidence is `reflectance` (clamped below 1): `η = 1`, `k = 2√(r/(1−r))`, as
+    /// pbrt-v4 reads the `reflectance` of its conductor.
+    pub fn from_reflectance(reflectance: Spectrum, microfacet: Microfacet) -> Self {
+        let k = reflectance.clamp(0.0, 0.9999).map(|r| 2.0 * (r / (1.0 - r)).sqrt());
+        Self { eta: Spectrum::ONE, k, tint: Spectrum::ONE, microfacet }
+    }
+
+    fn reflectance(&self, cos: f32) -> Spectrum {
+        self.tint * fresnel::conductor(cos, self.eta, self.k)
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || self.microfacet.is_smooth() {
+            return BsdfEval::ZERO;
+        }
+        match self.microfacet.reflecting(wo, wi) {
+            Some(f) => BsdfEval { value: self.reflectance(f.cos_o) * f.value, pdf: f.pdf },
+            None => BsdfEval::ZERO,
+        }
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        if self.microfacet.is_smooth() {
+            return Some(BsdfSample {
+                wi: Vec3::new(-wo.x, -wo.y, wo.z),
+                weight: self.reflectance(wo.z),
+                pdf: 1.0,
+                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
+                eta: 1.0,
+            });
+        }
+        let wi = fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2));
+        let e = self.eval(wo, wi);
+        (e.pdf > 0.0).then(|| BsdfSample {
+            wi,
+            weight: e.value / e.pdf,
+            pdf: e.pdf,
+            lobe: Lobe::REFLECTION.with(Lobe::GLOSSY),
+            eta: 1.0,
+        })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        self.reflectance(wo.z)
+    }
+}

@@ -1,0 +1,122 @@
+//! Glass and liquids (M95): light is reflected in the ratio `F` of Fresnel's equations and refracted otherwise, at a smooth
+//! surface or at microfacets (Walter et al. 2007, eqs. 20 and 21). Refraction into a denser medium compresses radiance by
+//! `(η_t/η_i)²`, so radiance that is followed backwards is divided by it.
+
+use super::{BsdfEval, BsdfSample, Lobe, Microfacet, TransportMode, fresnel};
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// An interface between two transparent media, the same from both sides.
+#[derive(Clone, Copy, Debug)]
+pub struct Dielectric {
+    /// A factor on reflected light, 1 for a physical interface.
+    pub reflectance: Spectrum,
+    /// A factor on transmitted light, 1 for a physical interface.
+    pub transmittance: Spectrum,
+    /// Index of the medium below relative to the one above (> 0). One number: where it depends on the wavelength, the
+    /// caller follows one wavelength.
+    pub eta: f32,
+    /// The roughness of the interface.
+    pub microfacet: Microfacet,
+}
+
+impl Dielectric {
+    /// An interface without tint.
+    pub fn new(eta: f32, microfacet: Microfacet) -> Self {
+        Self { reflectance: Spectrum::ONE, transmittance: Spectrum::ONE, eta, microfacet }
+    }
+
+    /// Whether the two media do not differ: light goes straight through, however rough the interface is.
+    fn is_matched(&self) -> bool {
+        (self.eta - 1.0).abs() < 1e-4
+    }
+
+    pub(super) fn is_specular(&self) -> bool {
+        self.microfacet.is_smooth() || self.is_matched()
+    }
+
+    /// The probability of reflection where the fraction `f` is reflected; `None` where nothing is scattered.
+    fn reflection_probability(&self, f: f32) -> Option<f32> {
+        let r = f * self.reflectance.max_element();
+        let t = (1.0 - f) * self.transmittance.max_element();
+        (r + t > 0.0).then(|| r / (r + t))
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        if self.is_specular() {
+            return BsdfEval::ZERO;
+        }
+        self.eval_rough(wo, wi, mode).unwrap_or(BsdfEval::ZERO)
+    }
+
+    fn eval_rough(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Option<BsdfEval> {
+        if wo.z * wi.z > 0.0 {
+            let facet = self.microfacet.reflecting(wo, wi)?;
+            let f = fresnel::dielectric(facet.cos_o, self.eta);
+            let p = self.reflection_probability(f)?;
+            return Some(BsdfEval { value: self.reflectance * (f * facet.value), pdf: p * facet.pdf });
+        }
+        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
+        let facet = self.microfacet.refracting(wo, wi, eta)?;
+        let f = fresnel::dielectric(facet.cos_o, self.eta);
+        let p = 1.0 - self.reflection_probability(f)?;
+        let value = (1.0 - f) * facet.value * mode.compression(eta);
+        Some(BsdfEval { value: self.transmittance * value, pdf: p * facet.pdf })
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        if wo.z == 0.0 {
+            return None;
+        }
+        if self.is_specular() {
+            return self.sample_smooth(wo, u, mode);
+        }
+        let m = self.microfacet.sample_visible(wo, u2);
+        let p = self.reflection_probability(fresnel::dielectric(wo.dot(m), self.eta))?;
+        let (wi, eta, side) = if u < p {
+            (fresnel::reflect(wo, m), 1.0, Lobe::REFLECTION)
+        } else {
+            let (wi, eta) = fresnel::refract(wo, m, self.eta)?;
+            (wi, eta, Lobe::TRANSMISSION)
+        };
+        // A direction on the wrong side of the surface has hit a second facet: not modelled, black.
+        if (wo.z * wi.z > 0.0) == side.is_transmission() {
+            return None;
+        }
+        let e = self.eval_rough(wo, wi, mode)?;
+        (e.pdf > 0.0).then(|| BsdfSample {
+            wi,
+            weight: e.value / e.pdf,
+            pdf: e.pdf,
+            lobe: side.with(Lobe::GLOSSY),
+            eta,
+        })
+    }
+
+    fn sample_smooth(&self, wo: Vec3, u: f32, mode: TransportMode) -> Option<BsdfSample> {
+        let f = if self.is_matched() { 0.0 } else { fresnel::dielectric(wo.z, self.eta) };
+        let p = self.reflection_probability(f)?;
+        if u < p {
+            return Some(BsdfSample {
+                wi: Vec3::new(-wo.x, -wo.y, wo.z),
+                weight: self.reflectance * (f / p),
+                pdf: p,
+                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
+                eta: 1.0,
+            });
+        }
+        let (wi, eta) = if self.is_matched() { (-wo, 1.0) } else { fresnel::refract(wo, Vec3::Z, self.eta)? };
+        let p = 1.0 - p;
+        (p > 0.0).then(|| BsdfSample {
+            wi,
+            weight: self.transmittance * ((1.0 - f) / p * mode.compression(eta)),
+            pdf: p,
+            lobe: Lobe::TRANSMISSION.with(Lobe::SPECULAR),
+            eta,
+        })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        let f = fresnel::dielectric(wo.z, self.eta);
+        self.reflectance * f + self.transmittance * (1.0 - f)
+    }
+}

@@ -1,0 +1,298 @@
+//! How much light an interface reflects, and where the rest goes (M82, M83, M91–M93).
+//!
+//! The amplitude coefficients of the field perpendicular (`s`, senkrecht) and parallel (`p`) to the plane of incidence are
+//! (Born & Wolf 1999, 1.5.2; M91)
+//!
+//! ```text
+//! r_s = (η_i cosθ_i − η_t cosθ_t) / (η_i cosθ_i + η_t cosθ_t)
+//! r_p = (η_t cosθ_i − η_i cosθ_t) / (η_t cosθ_i + η_i cosθ_t)
+//! ```
+//!
+//! and unpolarised light is reflected in the ratio `F = (r_s² + r_p²)/2`. Relative indices are `η = η_below/η_above`, where a
+//! positive cosine means light from above; a negative cosine turns the interface around.
+
+use steradian_math::{Spectrum, Vec3};
+
+/// What happens at a dielectric interface that light passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Amplitudes {
+    /// `r_s`, the field perpendicular to the plane of incidence.
+    pub s: f32,
+    /// `r_p`, the field in the plane of incidence.
+    pub p: f32,
+    /// `cosθ_t > 0` of the refracted ray, by Snell's law.
+    pub cos_t: f32,
+}
+
+/// The index that light meets, relative to the one it comes from, and its cosine made positive.
+#[inline]
+fn oriented(cos_i: f32, eta: f32) -> (f32, f32) {
+    if cos_i < 0.0 { (-cos_i, 1.0 / eta) } else { (cos_i, eta) }
+}
+
+/// The amplitudes of reflection at a dielectric; `None` under total internal reflection.
+#[inline]
+pub fn dielectric_amplitudes(cos_i: f32, eta: f32) -> Option<Amplitudes> {
+    let (cos_i, eta) = oriented(cos_i.clamp(-1.0, 1.0), eta);
+    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
+    if sin2_t >= 1.0 {
+        return None;
+    }
+    let cos_t = (1.0 - sin2_t).sqrt();
+    Some(Amplitudes {
+        s: (cos_i - eta * cos_t) / (cos_i + eta * cos_t),
+        p: (eta * cos_i - cos_t) / (eta * cos_i + cos_t),
+        cos_t,
+    })
+}
+
+/// Reflectance of a dielectric for unpolarised light; 1 under total internal reflection.
+#[inline]
+pub fn dielectric(cos_i: f32, eta: f32) -> f32 {
+    dielectric_amplitudes(cos_i, eta).map_or(1.0, |a| 0.5 * (a.s * a.s + a.p * a.p))
+}
+
+/// Reflectance of a conductor with index `η − ik`, relative to the medium above, for unpolarised light (M92).
+///
+/// The exact complex equations in real arithmetic: with `a² + b² = √((η² − k² − sin²θ)² + 4η²k²)` and
+/// `2a² = a² + b² + η² − k² − sin²θ` (Born & Wolf 1999, 14.2). A purely imaginary index (`η = 0`) reflects everything.
+#[inline]
+pub fn conductor(cos_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+    use glam::Vec4;
+    let cos = cos_i.abs().min(1.0);
+    let (cos2, sin2) = (cos * cos, 1.0 - cos * cos);
+    let (eta2, k2) = (eta.0 * eta.0, k.0 * k.0);
+    let t = eta2 - k2 - Vec4::splat(sin2);
+    let sqrt = |v: Vec4| Spectrum(v).sqrt().0;
+    let a2_plus_b2 = sqrt(t * t + 4.0 * eta2 * k2);
+    let a = sqrt(0.5 * (a2_plus_b2 + t));
+    let tiny = Vec4::splat(f32::MIN_POSITIVE);
+    let (x, y) = (a2_plus_b2 + Vec4::splat(cos2), 2.0 * cos * a);
+    let s = (x - y) / (x + y).max(tiny);
+    let (x, y) = (a2_plus_b2 * cos2 + Vec4::splat(sin2 * sin2), y * sin2);
+    let p = s * ((x - y) / (x + y).max(tiny));
+    Spectrum(0.5 * (s + p))
+}
+
+/// The approximation for metals with large `k`, `((η−1)² + 4η(1−c)⁵ + k²) / ((η+1)² + k²)` with `c = cosθ` (Lazányi &
+/// Szirmay-Kalos 2005); for teaching and comparison, never used to render. It is off by up to 0.01 for common metals.
+pub fn conductor_approximate(cos_i: f32, eta: f32, k: f32) -> f32 {
+    let m = (1.0 - cos_i.clamp(0.0, 1.0)).powi(5);
+    ((eta - 1.0).powi(2) + 4.0 * eta * m + k * k) / ((eta + 1.0).powi(2) + k * k)
+}
+
+/// Schlick's approximation `F₀ + (1 − F₀)(1 − cosθ)⁵` (Schlick 1994); for models that are defined by it.
+#[inline]
+pub fn schlick(cos_i: f32, f0: Spectrum) -> Spectrum {
+    let m = (1.0 - cos_i.clamp(0.0, 1.0)).powi(5);
+    f0 + (Spectrum::ONE - f0) * m
+}
+
+/// Reflectance at normal incidence of a dielectric, `((η − 1)/(η + 1))²` (M93).
+pub fn f0_from_eta(eta: f32) -> f32 {
+    ((eta - 1.0) / (eta + 1.0)).powi(2)
+}
+
+/// Reflectance of a dielectric under diffuse light, `F_dr = 2∫₀¹ F(μ) μ dμ`; `eta` as seen from the side of the light.
+///
+/// The integrand has a kink at the critical angle when `η < 1`, so the interval is split there and each part is integrated
+/// in a variable that is smooth at its end. Accurate to 10⁻⁶.
+pub fn dielectric_diffuse(eta: f32) -> f32 {
+    dielectric_cosine_mean(eta, |_, _| 1.0)
+}
+
+/// `2∫₀¹ F(μ) μ g(μ, μ_t) dμ`, with the refracted cosine `μ_t` (0 under total internal reflection), in double precision.
+pub(super) fn dielectric_cosine_mean(eta: f32, g: impl Fn(f64, f64) -> f64) -> f32 {
+    let eta = f64::from(eta);
+    let reflectance = |mu: f64| {
+        let sin2_t = (1.0 - mu * mu) / (eta * eta);
+        if sin2_t >= 1.0 {
+            return (1.0, 0.0);
+        }
+        let c = (1.0 - sin2_t).sqrt();
+        let (s, p) = ((mu - eta * c) / (mu + eta * c), (eta * mu - c) / (eta * mu + c));
+        (0.5 * (s * s + p * p), c)
+    };
+    let critical = if eta < 1.0 { (1.0 - eta * eta).sqrt() } else { 0.0 };
+    const N: usize = 512;
+    let mut sum = 0.0;
+    for i in 0..N {
+        let x = (i as f64 + 0.5) / N as f64;
+        // Totally reflected part.
+        if critical > 0.0 {
+            let mu = x * critical;
+            let (f, c) = reflectance(mu);
+            sum += 2.0 * f * mu * g(mu, c) * critical;
+        }
+        // Above the critical angle, μ = critical + (1 − critical)·x² removes the square-root end.
+        let mu = critical + (1.0 - critical) * x * x;
+        let (f, c) = reflectance(mu);
+        sum += 2.0 * f * mu * g(mu, c) * (1.0 - critical) * 2.0 * x;
+    }
+    (sum / N as f64) as f32
+}
+
+/// The fit of [`dielectric_diffuse`] that Mitsuba's smooth plastic uses: Egan & Hilgeman (1973) for `η < 1`, d'Eon & Irving
+/// (2011) for `η ≥ 1`. Within 0.1 % of the integral for common glasses.
+pub fn dielectric_diffuse_fit(eta: f32) -> f32 {
+    let inv = 1.0 / eta;
+    if eta < 1.0 {
+        -1.4399 * eta * eta + 0.7099 * eta + 0.6681 + 0.0636 * inv
+    } else {
+        // d'Eon & Irving's polynomial in 1/η, by Horner's rule.
+        [-1.36881, 4.98554, -7.80989, 6.75335, -3.4793, 0.919317].iter().fold(0.0, |acc, c| acc * inv + c)
+    }
+}
+
+/// Mirrors `w` in the plane orthogonal to the unit vector `n`: `2(w·n)n − w` (M82). Both point away from the surface.
+#[inline]
+pub fn reflect(w: Vec3, n: Vec3) -> Vec3 {
+    2.0 * w.dot(n) * n - w
+}
+
+/// Refracts `w`, which points away from the surface, at a plane with unit normal `n`: the transmitted direction, also away
+/// from the surface, and the relative index `η_t/η_i` on its way (M83). `None` under total internal reflection.
+///
+/// `eta` is the index on the side that `−n` points to, relative to the side of `n`; `w` may lie on either side.
+#[inline]
+pub fn refract(w: Vec3, n: Vec3, eta: f32) -> Option<(Vec3, f32)> {
+    let c = w.dot(n);
+    let n = if c < 0.0 { -n } else { n };
+    let (cos_i, eta) = oriented(c, eta);
+    let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
+    if sin2_t >= 1.0 {
+        return None;
+    }
+    let cos_t = (1.0 - sin2_t).sqrt();
+    Some((-w / eta + (cos_i / eta - cos_t) * n, eta))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(degrees: f32) -> f32 {
+        degrees.to_radians().cos()
+    }
+
+    #[track_caller]
+    fn near(a: f32, b: f32, eps: f32) {
+        assert!((a - b).abs() <= eps, "{a} is not {b} within {eps}");
+    }
+
+    #[test]
+    fn glass_has_the_tabulated_reflectances() {
+        near(dielectric(1.0, 1.5), 0.04, 1e-7);
+        near(dielectric(at(60.0), 1.5), 0.089187, 1e-6);
+        near(dielectric(at(85.0), 1.5), 0.612800, 2e-6);
+        // Brewster's angle atan(1.5) = 56.3099°: the parallel field is not reflected.
+        let brewster = 1.5f32.atan();
+        near(brewster.to_degrees(), 56.3099, 1e-4);
+        let a = dielectric_amplitudes(brewster.cos(), 1.5).unwrap();
+        near(a.p, 0.0, 1e-6);
+        near(dielectric(brewster.cos(), 1.5), 0.5 * a.s * a.s, 1e-7);
+        near(dielectric(brewster.cos(), 1.5), 0.0740, 5e-5);
+        // The amplitudes of E6: at normal incidence r_s = (1−η)/(1+η), r_p = −r_s.
+        let a = dielectric_amplitudes(1.0, 1.5).unwrap();
+        near(a.s, -0.2, 1e-7);
+        near(a.p, 0.2, 1e-7);
+    }
+
+    #[test]
+    fn both_sides_agree_along_the_refracted_ray() {
+        for degrees in [0.0, 20.0, 45.0, 70.0, 88.0] {
+            let above = dielectric_amplitudes(at(degrees), 1.5).unwrap();
+            near(dielectric(at(degrees), 1.5), dielectric(-above.cos_t, 1.5), 3e-5);
+        }
+        // Total internal reflection beyond 41.8103° for 1.5 → 1, from below.
+        assert!(dielectric(-at(41.80), 1.5) < 1.0);
+        assert_eq!(dielectric(-at(41.82), 1.5), 1.0);
+        near((1.0f32 / 1.5).asin().to_degrees(), 41.8103, 1e-4);
+        assert_eq!(dielectric(-0.0, 1.5), 1.0);
+        assert_eq!(dielectric(0.0, 1.5), 1.0);
+        near(dielectric(0.3, 1.0), 0.0, 1e-12);
+    }
+
+    #[test]
+    fn diffuse_averages_match_the_table() {
+        near(dielectric_diffuse(1.5), 0.091778, 2e-6);
+        near(dielectric_diffuse(1.0 / 1.5), 0.596346, 2e-6);
+        near(dielectric_diffuse_fit(1.0 / 1.5), 0.596346, 1e-3);
+        near(dielectric_diffuse_fit(1.5), 0.091778, 1e-3);
+        near(dielectric_diffuse(1.0), 0.0, 1e-7);
+        // Reciprocity of the interface under diffuse light: 1 − F(1/η) = (1 − F(η))/η².
+        for eta in [1.1f32, 1.33, 1.8, 2.4] {
+            near(1.0 - dielectric_diffuse(1.0 / eta), (1.0 - dielectric_diffuse(eta)) / (eta * eta), 3e-6);
+        }
+    }
+
+    #[test]
+    fn gold_matches_the_exact_complex_equations() {
+        // Complex arithmetic in f64, straight from the definition.
+        let complex = |cos_i: f64, n: f64, k: f64| {
+            type C = (f64, f64);
+            let mul = |a: C, b: C| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+            let div = |a: C, b: C| {
+                let d = b.0 * b.0 + b.1 * b.1;
+                ((a.0 * b.0 + a.1 * b.1) / d, (a.1 * b.0 - a.0 * b.1) / d)
+            };
+            let sqrt = |a: C| {
+                let m = a.0.hypot(a.1);
+                (((m + a.0) / 2.0).max(0.0).sqrt(), ((m - a.0) / 2.0).max(0.0).sqrt().copysign(a.1))
+            };
+            let eta: C = (n, k);
+            let s2 = 1.0 - cos_i * cos_i;
+            let q = div((s2, 0.0), mul(eta, eta));
+            let ct = sqrt((1.0 - q.0, -q.1));
+            let (ec, ect) = ((eta.0 * cos_i, eta.1 * cos_i), mul(eta, ct));
+            let p = div((ec.0 - ct.0, ec.1 - ct.1), (ec.0 + ct.0, ec.1 + ct.1));
+            let s = div((cos_i - ect.0, -ect.1), (cos_i + ect.0, ect.1));
+            0.5 * (p.0 * p.0 + p.1 * p.1 + s.0 * s.0 + s.1 * s.1)
+        };
+        // The lectures' index of gold.
+        let gold = |d| conductor(at(d), Spectrum::splat(0.37), Spectrum::splat(2.82))[0];
+        near(gold(0.0), 0.84943, 1e-5);
+        near(gold(80.0), 0.88740, 1e-5);
+        for (n, k) in [(0.37, 2.82), (0.2, 3.91), (1.5, 0.0), (2.0, 0.1), (0.05, 4.0)] {
+            for degrees in [0.0f32, 15.0, 45.0, 70.0, 85.0, 89.5] {
+                let f = conductor(at(degrees), Spectrum::splat(n), Spectrum::splat(k))[0];
+                near(f, complex(f64::from(at(degrees)), f64::from(n), f64::from(k)) as f32, 2e-5);
+            }
+        }
+        // Without absorption the conductor is a dielectric.
+        near(conductor(at(50.0), Spectrum::splat(1.5), Spectrum::ZERO)[0], dielectric(at(50.0), 1.5), 1e-6);
+        // A purely imaginary index reflects everything; the empty fourth lane of RGB stays finite.
+        assert_eq!(conductor(0.37, Spectrum::ZERO, Spectrum::ONE), Spectrum::ONE);
+        assert!(conductor(1.0, Spectrum::ZERO, Spectrum::ZERO).is_finite());
+    }
+
+    #[test]
+    fn approximations_are_what_they_are_named() {
+        near(f0_from_eta(2.417), 0.1724, 1e-3);
+        near(schlick(at(80.0), Spectrum::splat(0.04))[0], 0.4099, 2e-4);
+        near(dielectric(at(80.0), 1.5), 0.3877, 2e-4);
+        // E12: the large-k form is off for copper-like metals, but agrees at normal incidence.
+        let exact = |d| conductor(at(d), Spectrum::splat(0.2), Spectrum::splat(3.91))[0];
+        near(conductor_approximate(1.0, 0.2, 3.91), exact(0.0), 1e-6);
+        assert!((conductor_approximate(at(70.0), 0.2, 3.91) - exact(70.0)).abs() > 1e-3);
+    }
+
+    #[test]
+    fn mirrored_and_refracted_rays_obey_their_laws() {
+        let n = Vec3::new(0.2, -0.1, 0.97).normalize();
+        for w in [Vec3::new(0.5, 0.3, 0.8), Vec3::new(-0.9, 0.1, 0.2), Vec3::new(0.3, 0.2, -0.9)].map(Vec3::normalize) {
+            let r = reflect(w, n);
+            assert!((reflect(r, n) - w).length() < 1e-6);
+            near(r.dot(n), w.dot(n), 1e-6);
+            let Some((t, eta)) = refract(w, n, 1.5) else { continue };
+            near(t.length(), 1.0, 1e-6);
+            near(w.cross(n).length(), eta * t.cross(n).length(), 1e-6);
+            assert!(t.dot(n) * w.dot(n) < 0.0, "crosses the surface");
+            near(t.dot(w.cross(n)), 0.0, 1e-6);
+            let (back, _) = refract(t, n, 1.5).unwrap();
+            assert!((back - w).length() < 5e-5);
+        }
+        let grazing_inside = Vec3::new(0.7, 0.0, -(1.0f32 - 0.49).sqrt());
+        assert!(refract(grazing_inside, Vec3::Z, 1.5).is_none());
+    }
+}

@@ -1,0 +1,1 @@
+//! The laws of scattering, on every registered model.

@@ -1,0 +1,142 @@
+//! Every scattering model, with cases at the corners of its parameters. Registering a model here is what gets it tested.
+
+use super::{
+    Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Microfacet,
+    NormalDistribution, Shadowing, ThinDielectric,
+};
+use steradian_math::Spectrum;
+
+/// One family of BSDFs.
+pub struct Model {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is, in a sentence.
+    pub doc: &'static str,
+    /// Hands each test case to the visitor.
+    pub cases: fn(&mut dyn FnMut(Case<'_>)),
+}
+
+/// A value of a model that the laws of scattering are checked on.
+pub struct Case<'a> {
+    /// What is special about it.
+    pub label: &'static str,
+    /// The value.
+    pub bsdf: Bsdf<'a>,
+    /// Whether it neither absorbs nor loses light, so that it is invisible in a white furnace.
+    pub lossless: bool,
+}
+
+/// All models.
+pub const MODELS: &[Model] = &[
+    Model { name: "diffuse", doc: "Lambertian reflection", cases: diffuse },
+    Model { name: "diffuse-transmission", doc: "Lambertian reflection and transmission", cases: diffuse_transmission },
+    Model { name: "conductor", doc: "metals and mirrors, smooth or rough", cases: conductor },
+    Model { name: "dielectric", doc: "glass and liquids, smooth or rough", cases: dielectric },
+    Model { name: "thin-dielectric", doc: "a thin pane of glass", cases: thin_dielectric },
+    Model { name: "coated", doc: "a dielectric coat over a diffuse base: plastic, varnish", cases: coated },
+];
+
+const GREY: Spectrum = Spectrum::new([0.2, 0.5, 0.8, 0.4]);
+
+fn diffuse(visit: &mut dyn FnMut(Case<'_>)) {
+    let mut case =
+        |label, reflectance, lossless| visit(Case { label, bsdf: Bsdf::Diffuse(Diffuse { reflectance }), lossless });
+    case("coloured", GREY, false);
+    case("white", Spectrum::ONE, true);
+}
+
+fn diffuse_transmission(visit: &mut dyn FnMut(Case<'_>)) {
+    let mut case = |label, reflectance, transmittance, lossless| {
+        visit(Case {
+            label,
+            bsdf: Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance }),
+            lossless,
+        });
+    };
+    case("half and half", Spectrum::splat(0.5), Spectrum::splat(0.5), true);
+    case("coloured", GREY * 0.5, GREY * 0.2, false);
+    case("transmits only", Spectrum::ZERO, GREY, false);
+}
+
+fn conductor(visit: &mut dyn FnMut(Case<'_>)) {
+    use NormalDistribution::{Beckmann, Ggx};
+    use Shadowing::{HeightCorrelated, Separable};
+    let gold = |microfacet| Conductor {
+        eta: Spectrum::new([0.18, 0.42, 1.37, 0.37]),
+        k: Spectrum::new([3.1, 2.35, 1.77, 2.82]),
+        tint: Spectrum::ONE,
+        microfacet,
+    };
+    let mut case = |label, value, lossless| visit(Case { label, bsdf: Bsdf::Conductor(value), lossless });
+    case("smooth mirror", Conductor::mirror(Spectrum::ONE, Microfacet::SMOOTH), true);
+    case("smooth gold", gold(Microfacet::SMOOTH), false);
+    case("GGX mirror, 0.05", Conductor::mirror(Spectrum::ONE, Microfacet::ggx(0.05, 0.05)), false);
+    case("GGX gold, 0.3", gold(Microfacet::ggx(0.3, 0.3)), false);
+    case("GGX gold, separable, 0.5", gold(Microfacet::new(Ggx, Separable, 0.5, 0.5)), false);
+    case("GGX gold, anisotropic 0.1 and 0.4", gold(Microfacet::ggx(0.1, 0.4)), false);
+    case("GGX mirror, 1", Conductor::mirror(GREY, Microfacet::ggx(1.0, 1.0)), false);
+    case("Beckmann gold, 0.05", gold(Microfacet::new(Beckmann, HeightCorrelated, 0.05, 0.05)), false);
+    case("Beckmann gold, 0.3", gold(Microfacet::new(Beckmann, Separable, 0.3, 0.3)), false);
+    case("Beckmann gold, anisotropic 0.4 and 0.1", gold(Microfacet::new(Beckmann, Separable, 0.4, 0.1)), false);
+    case("from reflectance", Conductor::from_reflectance(GREY, Microfacet::ggx(0.2, 0.2)), false);
+}
+
+fn dielectric(visit: &mut dyn FnMut(Case<'_>)) {
+    use NormalDistribution::{Beckmann, Ggx};
+    use Shadowing::Separable;
+    let mut case = |label, value, lossless| visit(Case { label, bsdf: Bsdf::Dielectric(value), lossless });
+    case("smooth glass", Dielectric::new(1.5, Microfacet::SMOOTH), true);
+    case("smooth bubble", Dielectric::new(1.0 / 1.33, Microfacet::SMOOTH), true);
+    case("index 1", Dielectric::new(1.0, Microfacet::ggx(0.3, 0.3)), true);
+    case("GGX glass, 0.1", Dielectric::new(1.5, Microfacet::ggx(0.1, 0.1)), false);
+    case("GGX glass, 0.5", Dielectric::new(1.5, Microfacet::ggx(0.5, 0.5)), false);
+    case("GGX glass, anisotropic, separable", Dielectric::new(1.33, Microfacet::new(Ggx, Separable, 0.15, 0.4)), false);
+    case("GGX bubble, 0.3", Dielectric::new(1.0 / 1.5, Microfacet::ggx(0.3, 0.3)), false);
+    case("GGX diamond, 0.2", Dielectric::new(2.417, Microfacet::ggx(0.2, 0.2)), false);
+    case("Beckmann glass, 0.2", Dielectric::new(1.5, Microfacet::new(Beckmann, Separable, 0.2, 0.2)), false);
+    let tinted = Dielectric {
+        reflectance: GREY,
+        transmittance: Spectrum::new([0.9, 0.1, 0.4, 0.2]),
+        ..Dielectric::new(1.5, Microfacet::ggx(0.25, 0.25))
+    };
+    case("tinted", tinted, false);
+}
+
+fn thin_dielectric(visit: &mut dyn FnMut(Case<'_>)) {
+    visit(Case { label: "pane", bsdf: Bsdf::ThinDielectric(ThinDielectric::new(1.5)), lossless: true });
+}
+
+fn coated(visit: &mut dyn FnMut(Case<'_>)) {
+    use NormalDistribution::{Beckmann, Ggx};
+    use Shadowing::{HeightCorrelated, Separable};
+    let pbrt = CoatSeries::Layered { thickness: 0.01, max_depth: 10 };
+    let exact = CoatSeries::Layered { thickness: 0.0, max_depth: u32::MAX };
+    let mut case = |label, table: CoatTable, rho, alpha: (f32, f32), lossless| {
+        let value = Coated::new(&table, rho, Spectrum::ONE, alpha.0, alpha.1);
+        visit(Case { label, bsdf: Bsdf::Coated(value), lossless });
+    };
+    let smooth = (0.0, 0.0);
+    case("smooth, absorbing", CoatTable::new(Ggx, HeightCorrelated, 1.5, smooth, pbrt), GREY, smooth, false);
+    case("smooth over white", CoatTable::new(Ggx, HeightCorrelated, 1.5, smooth, exact), Spectrum::ONE, smooth, true);
+    let plastic = |nonlinear| CoatSeries::Plastic { nonlinear };
+    case("smooth plastic", CoatTable::new(Beckmann, Separable, 1.49, smooth, plastic(false)), GREY, smooth, false);
+    case("nonlinear plastic", CoatTable::new(Beckmann, Separable, 1.49, smooth, plastic(true)), GREY, smooth, false);
+    let rough = (0.3, 0.3);
+    case("GGX, 0.3", CoatTable::new(Ggx, HeightCorrelated, 1.5, rough, pbrt), GREY, rough, false);
+    case(
+        "Beckmann, 0.1",
+        CoatTable::new(Beckmann, Separable, 1.49, (0.1, 0.1), plastic(false)),
+        GREY,
+        (0.1, 0.1),
+        false,
+    );
+    case(
+        "GGX, textured roughness",
+        CoatTable::new(Ggx, HeightCorrelated, 1.5, (0.0, 0.6), pbrt),
+        GREY,
+        (0.2, 0.2),
+        false,
+    );
+    case("GGX, anisotropic", CoatTable::new(Ggx, HeightCorrelated, 1.5, (0.2, 0.2), pbrt), GREY, (0.1, 0.4), false);
+    case("index 1", CoatTable::new(Ggx, HeightCorrelated, 1.0, smooth, exact), Spectrum::ONE, smooth, true);
+}

@@ -1,0 +1,58 @@
+//! A pane of glass that is thin against everything else: light is refracted in and out again and leaves without changing its
+//! direction. All reflections inside are summed: `R' = R + T²R/(1 − R²) = 2R/(1 + R)`, `T' = 1 − R'`.
+
+use super::{BsdfSample, Lobe, fresnel};
+use steradian_math::{Spectrum, Vec3};
+
+/// A thin transparent sheet, the same from both sides.
+#[derive(Clone, Copy, Debug)]
+pub struct ThinDielectric {
+    /// A factor on reflected light, 1 for a physical pane.
+    pub reflectance: Spectrum,
+    /// A factor on transmitted light, 1 for a physical pane.
+    pub transmittance: Spectrum,
+    /// Index of the pane relative to the medium around it (> 0).
+    pub eta: f32,
+}
+
+impl ThinDielectric {
+    /// A pane without tint.
+    pub fn new(eta: f32) -> Self {
+        Self { reflectance: Spectrum::ONE, transmittance: Spectrum::ONE, eta }
+    }
+
+    /// The reflected fraction with all reflections inside.
+    fn reflected(&self, wo: Vec3) -> f32 {
+        let r = fresnel::dielectric(wo.z.abs(), self.eta);
+        2.0 * r / (1.0 + r)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32) -> Option<BsdfSample> {
+        if wo.z == 0.0 {
+            return None;
+        }
+        let f = self.reflected(wo);
+        let (r, t) = (f * self.reflectance.max_element(), (1.0 - f) * self.transmittance.max_element());
+        if r + t <= 0.0 {
+            return None;
+        }
+        let p = r / (r + t);
+        let (wi, tint, fraction, p, side) = if u < p {
+            (Vec3::new(-wo.x, -wo.y, wo.z), self.reflectance, f, p, Lobe::REFLECTION)
+        } else {
+            (-wo, self.transmittance, 1.0 - f, 1.0 - p, Lobe::TRANSMISSION)
+        };
+        (p > 0.0).then(|| BsdfSample {
+            wi,
+            weight: tint * (fraction / p),
+            pdf: p,
+            lobe: side.with(Lobe::SPECULAR),
+            eta: 1.0,
+        })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        let f = self.reflected(wo);
+        self.reflectance * f + self.transmittance * (1.0 - f)
+    }
+}

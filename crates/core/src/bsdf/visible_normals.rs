@@ -1,0 +1,60 @@
+//! Drawing facet normals in proportion to their visible area, for unit roughness.
+
+use super::gaussian::{erf, erf_inv};
+use std::f32::consts::PI;
+use steradian_math::{Vec2, Vec3};
+
+/// A visible normal of GGX with `α = 1`: the mirror direction of a visible hemisphere is uniform on a spherical cap, so the
+/// normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023). `w.z ≥ 0`.
+pub(super) fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
+    let (sin_phi, cos_phi) = (2.0 * PI * u.x).sin_cos();
+    let z = (1.0 - u.y) * (1.0 + w.z) - w.z;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    Vec3::new(r * cos_phi, r * sin_phi, z) + w
+}
+
+/// A visible normal of Beckmann with `α = 1`: the slope along `w` by inverting its cumulative distribution numerically in the
+/// variable `x = erf(slope)`, the slope across is Gaussian (Heitz & d'Eon 2014; the domain is Jakob's, 2014). `w.z ≥ 0`.
+pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
+    let sin = w.x.hypot(w.y);
+    let across = erf_inv(2.0 * u.y - 1.0);
+    if sin < 1e-4 {
+        // From straight above all slopes are seen alike.
+        let (sin_phi, cos_phi) = (2.0 * PI * u.x).sin_cos();
+        let r = (-(1.0 - u.y).max(f32::MIN_POSITIVE).ln()).sqrt();
+        return Vec3::new(r * cos_phi, r * sin_phi, 1.0);
+    }
+    let along = beckmann_slope(w.z.max(1e-6) / sin, u.x);
+    let (cos_phi, sin_phi) = (w.x / sin, w.y / sin);
+    // A slope is minus the gradient of the normal.
+    Vec3::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across), 1.0)
+}
+
+/// The slope along a direction of cotangent `cot`, for the cumulative probability `u`.
+///
+/// With `t = tanθ` the unnormalised cumulative distribution is `C(x) = 1 + x + t·exp(−s²)/√π`, `s = erf⁻¹(x)`, on
+/// `[−1, erf(cot)]`, and its derivative is `1 − s·t`. Newton's method inside a shrinking bracket.
+fn beckmann_slope(cot: f32, u: f32) -> f32 {
+    let tan = 1.0 / cot;
+    let inv_sqrt_pi = 1.0 / PI.sqrt();
+    let cumulative = |x: f32, s: f32| 1.0 + x + inv_sqrt_pi * tan * (-s * s).exp();
+    let (mut lo, mut hi) = (-1.0f32, erf(cot));
+    let target = u.clamp(1e-6, 1.0 - 1e-6) * cumulative(hi, cot);
+    // The solution at grazing incidence is known and is the hardest case.
+    let mut x = (hi - (hi + 1.0) * erf((-u.clamp(1e-6, 1.0 - 1e-6).ln()).sqrt())).clamp(lo, hi);
+    for _ in 0..10 {
+        let s = erf_inv(x);
+        let excess = cumulative(x, s) - target;
+        if excess.abs() < 1e-6 * target {
+            break;
+        }
+        if excess > 0.0 {
+            hi = x;
+        } else {
+            lo = x;
+        }
+        let next = x - excess / (1.0 - s * tan);
+        x = if next > lo && next < hi { next } else { 0.5 * (lo + hi) };
+    }
+    erf_inv(x)
+}

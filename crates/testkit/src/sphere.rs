@@ -1,0 +1,103 @@
+//! Histograms and integrals over the sphere of directions.
+
+use std::f64::consts::PI;
+use steradian_math::Vec3;
+
+/// Cells of equal solid angle: bands of equal `z`, sectors of equal azimuth.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereGrid {
+    /// Bands in `z`.
+    pub bands: usize,
+    /// Sectors in azimuth.
+    pub sectors: usize,
+}
+
+impl SphereGrid {
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.bands * self.sectors
+    }
+
+    /// Index of the cell that the unit vector `w` lies in.
+    pub fn cell(&self, w: Vec3) -> usize {
+        let band = (f64::from(w.z) + 1.0) * 0.5 * self.bands as f64;
+        let sector = (f64::from(w.y).atan2(f64::from(w.x)) / (2.0 * PI)).rem_euclid(1.0) * self.sectors as f64;
+        (band as usize).min(self.bands - 1) * self.sectors + (sector as usize).min(self.sectors - 1)
+    }
+
+    /// The integral of `density` over each cell, by adaptive quadrature.
+    ///
+    /// Each cell is divided until two levels agree within `tolerance` (absolute, per cell) or 4⁹ parts are reached.
+    pub fn integrate(&self, density: impl Fn(Vec3) -> f64, tolerance: f64) -> Vec<f64> {
+        let (dz, dphi) = (2.0 / self.bands as f64, 2.0 * PI / self.sectors as f64);
+        (0..self.cells())
+            .map(|i| {
+                let (z, phi) = ((i / self.sectors) as f64 * dz - 1.0, (i % self.sectors) as f64 * dphi);
+                integrate_patch(&density, [z, z + dz], [phi, phi + dphi], tolerance, 9)
+            })
+            .collect()
+    }
+}
+
+/// The integral of `f` over the sphere, by adaptive quadrature; `tolerance` is the absolute error aimed at.
+pub fn integrate_sphere(f: impl Fn(Vec3) -> f64, tolerance: f64) -> f64 {
+    let grid = SphereGrid { bands: 16, sectors: 16 };
+    grid.integrate(f, tolerance / grid.cells() as f64).iter().sum()
+}
+
+fn direction(z: f64, phi: f64) -> Vec3 {
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32).normalize_or(Vec3::Z)
+}
+
+/// Two-point Gauss–Legendre abscissae of `[0, 1]`.
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+fn gauss(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2]) -> f64 {
+    let at = |i: usize, j: usize| f(direction(z[0] + (z[1] - z[0]) * GAUSS[i], phi[0] + (phi[1] - phi[0]) * GAUSS[j]));
+    (at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1)) * 0.25 * (z[1] - z[0]) * (phi[1] - phi[0])
+}
+
+/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ. `depth` bounds the
+/// recursion.
+fn integrate_patch(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64, depth: u32) -> f64 {
+    let whole = gauss(f, z, phi);
+    let (zm, pm) = (0.5 * (z[0] + z[1]), 0.5 * (phi[0] + phi[1]));
+    let quarters = [
+        ([z[0], zm], [phi[0], pm]),
+        ([z[0], zm], [pm, phi[1]]),
+        ([zm, z[1]], [phi[0], pm]),
+        ([zm, z[1]], [pm, phi[1]]),
+    ];
+    let parts: f64 = quarters.iter().map(|q| gauss(f, q.0, q.1)).sum();
+    if depth == 0 || (parts - whole).abs() < tolerance {
+        return parts;
+    }
+    quarters.iter().map(|q| integrate_patch(f, q.0, q.1, tolerance * 0.25, depth - 1)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_integrals() {
+        assert!((integrate_sphere(|_| 1.0, 1e-6) - 4.0 * PI).abs() < 1e-6);
+        assert!((integrate_sphere(|w| f64::from(w.z.max(0.0)), 1e-6) - PI).abs() < 1e-5);
+        // A narrow lobe: (n + 1)/(2π) cosⁿ.
+        let lobe = |w: Vec3| f64::from(w.dot(Vec3::new(0.6, 0.48, 0.64)).max(0.0)).powi(2000) * 2001.0 / (2.0 * PI);
+        assert!((integrate_sphere(lobe, 1e-5) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn cells_have_equal_measure_and_hold_their_directions() {
+        let grid = SphereGrid { bands: 6, sectors: 10 };
+        let areas = grid.integrate(|_| 1.0, 1e-6);
+        assert!(areas.iter().all(|a| (a - 4.0 * PI / 60.0).abs() < 1e-9));
+        for i in 0..grid.cells() {
+            let (z, phi) = (((i / 10) as f64 + 0.5) / 3.0 - 1.0, ((i % 10) as f64 + 0.5) * PI / 5.0);
+            assert_eq!(grid.cell(direction(z, phi)), i);
+        }
+        assert!(grid.cell(Vec3::Z) < grid.cells() && grid.cell(-Vec3::Z) < grid.cells());
+    }
+}
