@@ -5,6 +5,8 @@
 //! ([`Transform`]) and rounded once.
 
 pub mod bounds;
+#[cfg(test)]
+mod chi_square;
 pub mod color;
 pub mod distribution;
 pub mod error;

@@ -64,9 +64,7 @@ impl Transform {
         let z = (target - origin).try_normalize()?;
         let x = up.try_normalize()?.cross(z).try_normalize()?;
         let y = z.cross(x);
-        Some(Self {
-            matrix: DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0)),
-        })
+        Some(Self { matrix: DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0)) })
     }
 
     /// The inverse, or `None` for a singular or non-finite map (M19).
@@ -147,11 +145,7 @@ impl Affine {
     #[inline]
     pub fn normal(&self, n: Vec3) -> Vec3 {
         let i = &self.inv;
-        Vec3::new(
-            i.x_axis.truncate().dot(n),
-            i.y_axis.truncate().dot(n),
-            i.z_axis.truncate().dot(n),
-        )
+        Vec3::new(i.x_axis.truncate().dot(n), i.y_axis.truncate().dot(n), i.z_axis.truncate().dot(n))
     }
 
     /// Image of a ray; the direction is not normalised, so `t` keeps its meaning (M59).

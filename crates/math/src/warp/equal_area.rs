@@ -48,3 +48,60 @@ pub fn wrap_equal_area_square(p: Vec2) -> Vec2 {
     }
     p
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hash::HashRng;
+
+    #[test]
+    fn the_orientation_is_that_of_environment_images() {
+        // Evaluated in double precision from Clarberg's formula as pbrt-v4 orients it.
+        let known = [
+            ([0.5, 0.5], [0.0, 0.0, 1.0]),
+            ([0.0, 0.0], [0.0, 0.0, -1.0]),
+            ([1.0, 0.5], [1.0, 0.0, 0.0]),
+            ([0.75, 0.5], [0.661_437_8, 0.0, 0.75]),
+            ([0.9, 0.6], [0.951_056_5, 0.309_017, 0.0]),
+            ([0.1, 0.3], [-0.861_935_5, -0.357_025_4, -0.36]),
+            ([0.2, 0.95], [-0.204_395_5, 0.629_064_8, -0.75]),
+            ([0.55, 0.48], [0.177_506_5, -0.085_482_6, 0.9804]),
+            ([0.97, 0.03], [0.119_567_2, -0.119_567_2, -0.9856]),
+            ([0.5, 0.8], [0.0, 0.768_374_9, 0.64]),
+        ];
+        for (uv, d) in known {
+            let (uv, d) = (Vec2::from(uv), Vec3::from(d));
+            assert!((equal_area_square_to_sphere(uv) - d).length() < 2e-6, "{uv}");
+            if uv != Vec2::ZERO {
+                assert!((equal_area_sphere_to_square(d.normalize()) - uv).length() < 2e-6, "{d}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_maps_are_inverse() {
+        let mut rng = HashRng::new(3);
+        for _ in 0..100_000 {
+            let d = crate::warp::uniform_sphere(Vec2::new(rng.next_f32(), rng.next_f32())).normalize();
+            let uv = equal_area_sphere_to_square(d);
+            assert!((0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y));
+            assert!((equal_area_square_to_sphere(uv) - d).length() < 2e-6, "{d}");
+        }
+        for d in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z] {
+            assert!((equal_area_square_to_sphere(equal_area_sphere_to_square(d)) - d).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn wrapping_continues_over_every_edge() {
+        for t in [0.07, 0.3, 0.5, 0.81] {
+            let e = 1e-4;
+            for p in [Vec2::new(-e, t), Vec2::new(1.0 + e, t), Vec2::new(t, -e), Vec2::new(t, 1.0 + e)] {
+                let q = wrap_equal_area_square(p);
+                assert!((0.0..=1.0).contains(&q.x) && (0.0..=1.0).contains(&q.y));
+                let (near, far) = (equal_area_square_to_sphere(p), equal_area_square_to_sphere(q));
+                assert!((near - far).length() < 2e-3, "{p}");
+            }
+        }
+    }
+}

@@ -35,3 +35,36 @@ pub fn direction_from_latlong(uv: Vec2) -> (Vec3, f32) {
     let (sin_theta, cos_theta) = (uv.y * PI).sin_cos();
     (spherical_direction(sin_theta, cos_theta, uv.x * TAU), sin_theta)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hash::HashRng;
+
+    #[test]
+    fn angles_and_directions_are_inverse() {
+        let mut rng = HashRng::new(4);
+        for _ in 0..50_000 {
+            let d = crate::warp::uniform_sphere(Vec2::new(rng.next_f32(), rng.next_f32()));
+            let (theta, phi) = spherical_angles(d * 7.0);
+            assert!((0.0..=PI).contains(&theta) && (0.0..TAU).contains(&phi));
+            assert!((spherical_direction(theta.sin(), theta.cos(), phi) - d).length() < 1e-6);
+            let uv = latlong_from_direction(d);
+            let (back, sin_theta) = direction_from_latlong(uv);
+            assert!((back - d).length() < 2e-6 && (sin_theta - d.x.hypot(d.y)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn seam_and_poles_are_settled() {
+        let (_, phi) = spherical_angles(Vec3::new(1.0, -1e-12, 0.0));
+        assert_eq!(phi, 0.0);
+        assert!(latlong_from_direction(Vec3::new(1.0, -1e-6, 0.0)).x < 1.0);
+        assert!((spherical_angles(-Vec3::Y).1 - 1.5 * PI).abs() < 1e-6);
+        assert_eq!(spherical_angles(Vec3::Z), (0.0, 0.0));
+        assert!((spherical_angles(-Vec3::Z).0 - PI).abs() < 1e-7);
+        // acos of z would round this angle to zero or to 3e-4.
+        assert!((spherical_angles(Vec3::new(1e-5, 0.0, 1.0)).0 / 1e-5 - 1.0).abs() < 1e-5);
+        assert!(latlong_from_direction(Vec3::ZERO).is_finite());
+    }
+}

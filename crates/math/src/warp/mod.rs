@@ -106,3 +106,110 @@ pub fn uniform_triangle(u: Vec2) -> [f32; 3] {
     };
     [b0, b1, (1.0 - b0 - b1).max(0.0)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chi_square::{test_rectangle, test_sphere};
+    use crate::hash::{HashRng, ONE_MINUS_EPSILON};
+
+    const N: usize = 200_000;
+
+    #[test]
+    fn hemispheres_and_spheres_follow_their_densities() {
+        let up = |d: Vec3, p: f32| if d.z > 0.0 { f64::from(p) } else { 0.0 };
+        test_sphere("cosine", N, cosine_hemisphere, |d| f64::from(cosine_hemisphere_pdf(d.z)));
+        test_sphere("uniform hemisphere", N, uniform_hemisphere, |d| up(d, UNIFORM_HEMISPHERE_PDF));
+        test_sphere("uniform angle", N, uniform_angle_hemisphere, |d| {
+            up(d, uniform_angle_hemisphere_pdf(d.x.hypot(d.y)))
+        });
+        test_sphere("uniform sphere", N, uniform_sphere, |_| f64::from(UNIFORM_SPHERE_PDF));
+        test_sphere("equal area", N, equal_area_square_to_sphere, |_| f64::from(UNIFORM_SPHERE_PDF));
+    }
+
+    #[test]
+    fn mean_cosines_are_the_known_ones() {
+        // E[cosθ]: 2/π for uniform angles (M146), 1/2 for uniform solid angle (M147), 2/3 for cosine weights (M148).
+        type Map = fn(Vec2) -> Vec3;
+        let maps: [(Map, f64); 3] = [
+            (uniform_angle_hemisphere, 2.0 / std::f64::consts::PI),
+            (uniform_hemisphere, 0.5),
+            (cosine_hemisphere, 2.0 / 3.0),
+        ];
+        for (map, mean) in maps {
+            let n = 256;
+            let sum: f64 =
+                (0..n * n).map(|i| map((Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32).z as f64).sum();
+            assert!((sum / (n * n) as f64 - mean).abs() < 5e-4);
+        }
+        // A Lambert surface under a constant sky has zero variance: cosθ/π/pdf is one for every sample.
+        for d in [cosine_hemisphere(Vec2::new(0.1, 0.2)), cosine_hemisphere(Vec2::new(0.7, 0.9))] {
+            assert!((d.z * FRAC_1_PI / cosine_hemisphere_pdf(d.z) - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_disk_is_uniform_and_keeps_the_corners_inside() {
+        test_rectangle(
+            "disk",
+            (1.0, std::f64::consts::TAU),
+            (12, 24),
+            N,
+            |u| {
+                let d = concentric_disk(u).as_dvec2();
+                (d.length_squared().min(1.0), d.y.atan2(d.x).rem_euclid(std::f64::consts::TAU))
+            },
+            |_, _| 1.0 / std::f64::consts::TAU,
+        );
+        assert_eq!(concentric_disk(Vec2::splat(0.5)), Vec2::ZERO);
+        for u in [Vec2::ZERO, Vec2::new(0.0, ONE_MINUS_EPSILON), Vec2::splat(ONE_MINUS_EPSILON)] {
+            let d = concentric_disk(u);
+            assert!(d.is_finite() && d.length() < 1.0 + 1e-6);
+            let c = cosine_hemisphere(u);
+            assert!(c.is_finite() && c.z >= 0.0);
+        }
+    }
+
+    #[test]
+    fn cones_are_uniform_down_to_the_smallest() {
+        let wide = 0.4;
+        test_sphere(
+            "cone",
+            N,
+            |u| uniform_cone(u, wide),
+            |d| {
+                if d.z > 1.0 - wide { f64::from(uniform_cone_pdf(wide)) } else { 0.0 }
+            },
+        );
+        // The mean of sin²θ in a small cone of half-angle α is α²/2: at α = 1e-6 a cosine in f32 has no digits left.
+        let alpha = 1e-6_f64;
+        let m = (2.0 * (0.5 * alpha).sin().powi(2)) as f32;
+        let mut rng = HashRng::new(1);
+        let mean: f64 = (0..N)
+            .map(|_| {
+                let d = uniform_cone(Vec2::new(rng.next_f32(), rng.next_f32()), m).as_dvec3();
+                d.x * d.x + d.y * d.y
+            })
+            .sum::<f64>()
+            / N as f64;
+        assert!((mean / (alpha * alpha / 2.0) - 1.0).abs() < 0.01, "{mean}");
+    }
+
+    #[test]
+    fn triangle_points_are_uniform() {
+        // (1 − b0)² and b1/(1 − b0) are independent and uniform exactly when the point is uniform in the triangle.
+        test_rectangle(
+            "triangle",
+            (1.0, 1.0),
+            (16, 16),
+            N,
+            |u| {
+                let [b0, b1, b2] = uniform_triangle(u).map(f64::from);
+                assert!((b0 + b1 + b2 - 1.0).abs() < 1e-6 && b0 >= 0.0 && b1 >= 0.0 && b2 >= 0.0);
+                let rest = 1.0 - b0;
+                (rest * rest, if rest > 0.0 { (b1 / rest).min(1.0) } else { 0.0 })
+            },
+            |_, _| 1.0,
+        );
+    }
+}

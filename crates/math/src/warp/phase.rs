@@ -35,3 +35,44 @@ pub fn sample_hg(wo: Vec3, g: f32, u: Vec2) -> (Vec3, f32) {
     let deflected = spherical_direction(sin_theta, 1.0 - x, TAU * u.y);
     (Frame::from_z(-wo).to_world(deflected), lobe(x, g))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chi_square::test_sphere;
+    use crate::hash::ONE_MINUS_EPSILON;
+
+    #[test]
+    fn samples_follow_the_phase_function() {
+        let wo = Vec3::new(0.3, -0.5, 0.8).normalize();
+        for g in [-0.7, -0.2, 0.0, 1e-4, 0.5, 0.85] {
+            test_sphere(
+                &format!("g = {g}"),
+                200_000,
+                |u| sample_hg(wo, g, u).0,
+                |wi| f64::from(hg_phase(wo.dot(wi), g)),
+            );
+        }
+    }
+
+    #[test]
+    fn density_mean_cosine_and_extremes() {
+        let wo = Vec3::new(-0.2, 0.6, 0.7).normalize();
+        for g in [-0.99_f32, -0.9, -0.3, 0.0, 0.3, 0.9, 0.99] {
+            let n = 4096;
+            let mut mean = 0.0_f64;
+            for i in 0..n {
+                let (wi, pdf) = sample_hg(wo, g, Vec2::new((i as f32 + 0.5) / n as f32, 0.3));
+                let evaluated = hg_phase(wo.dot(wi), g);
+                assert!((pdf / evaluated - 1.0).abs() < 0.02, "g = {g}: {pdf} is not {evaluated}");
+                mean -= f64::from(wo.dot(wi)) / f64::from(n);
+            }
+            assert!((mean - f64::from(g)).abs() < 1e-3, "g = {g}: mean cosine {mean}");
+            for u in [0.0, ONE_MINUS_EPSILON] {
+                let (wi, pdf) = sample_hg(wo, g, Vec2::new(u, u));
+                assert!((wi.length() - 1.0).abs() < 1e-5 && pdf.is_finite() && pdf > 0.0);
+            }
+        }
+        assert!(hg_phase(-1.0, 1.0).is_finite() && hg_phase(1.0, -1.0).is_finite());
+    }
+}

@@ -75,3 +75,71 @@ impl SphericalRectangle {
         (((x - self.x0) / (self.x1 - self.x0)) as f32, ((y - self.y0) / (self.y1 - self.y0)) as f32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chi_square::test_rectangle;
+    use crate::hash::ONE_MINUS_EPSILON;
+
+    fn rectangles() -> [(Vec3, Vec3, Vec3, Vec3); 5] {
+        let x = Vec3::new(1.0, 2.0, -0.5).normalize();
+        let y = x.any_orthonormal_vector();
+        let z = x.cross(y);
+        [
+            (Vec3::new(-1.0, -1.0, 1.0), Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::ZERO),
+            (x + 2.0 * z, x * 1.5, y * 0.7, Vec3::new(0.1, 0.2, -0.1)),
+            // From behind, at a grazing angle, near, and far away.
+            (-0.5 * x - z, x, y, 3.0 * x),
+            (-x - y, 3.0 * x, 2.0 * y, -0.05 * z),
+            (100.0 * z, x, y, Vec3::ZERO),
+        ]
+    }
+
+    #[test]
+    fn points_are_uniform_in_solid_angle() {
+        for (i, (corner, ex, ey, p)) in rectangles().into_iter().enumerate() {
+            let r = SphericalRectangle::new(corner, ex, ey, p);
+            let (c, dx, dy) = ((corner - p).as_dvec3(), ex.as_dvec3(), ey.as_dvec3());
+            let normal = dx.cross(dy);
+            // The density also proves the solid angle: it integrates to one.
+            test_rectangle(
+                &format!("rectangle {i}"),
+                (1.0, 1.0),
+                (24, 24),
+                200_000,
+                |u| {
+                    let (s, t) = r.sample_coordinates(u);
+                    assert!((r.sample(u) - (corner + ex * s + ey * t)).length() < 1e-5);
+                    (f64::from(s), f64::from(t))
+                },
+                |s, t| {
+                    let q = c + dx * s + dy * t;
+                    normal.dot(q).abs() / q.length().powi(3) / f64::from(r.solid_angle)
+                },
+            );
+        }
+    }
+
+    #[test]
+    fn degenerate_rectangles_have_no_solid_angle() {
+        let whole = SphericalRectangle::new(Vec3::new(-1.0, -1.0, 1.0), Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::ZERO);
+        assert!((whole.solid_angle - 2.0 * std::f32::consts::PI / 3.0).abs() < 1e-6, "one face of a cube");
+        for (ex, ey, p) in [
+            (Vec3::ZERO, Vec3::Y, Vec3::Z),
+            (Vec3::X, Vec3::Y, Vec3::new(5.0, 5.0, 0.0)),
+            (Vec3::X, Vec3::Y, Vec3::ZERO),
+            (Vec3::X, Vec3::NAN, Vec3::Z),
+        ] {
+            let r = SphericalRectangle::new(Vec3::ZERO, ex, ey, p);
+            assert!(r.solid_angle >= 0.0 && r.solid_angle < 1e-6, "{ex} {ey} {p}: {}", r.solid_angle);
+        }
+        for (corner, ex, ey, p) in rectangles() {
+            let r = SphericalRectangle::new(corner, ex, ey, p);
+            for u in [Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON), Vec2::new(0.0, ONE_MINUS_EPSILON)] {
+                let (s, t) = r.sample_coordinates(u);
+                assert!((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t));
+            }
+        }
+    }
+}

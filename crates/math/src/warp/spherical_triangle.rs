@@ -85,3 +85,91 @@ pub fn spherical_triangle(v: [Vec3; 3], p: Vec3, u: Vec2) -> Option<([f32; 3], f
     let sum = k.x + k.y + k.z;
     (sum > 0.0 && sum.is_finite()).then(|| ((k / sum).to_array(), 1.0 / area))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chi_square::test_rectangle;
+    use crate::hash::{HashRng, ONE_MINUS_EPSILON};
+    use glam::DVec3;
+
+    /// Triangles seen from the origin: an octant, an ordinary one, a grazing sliver, a near one, a small one.
+    fn triangles() -> [[Vec3; 3]; 5] {
+        let v = |a: [f32; 9]| [Vec3::new(a[0], a[1], a[2]), Vec3::new(a[3], a[4], a[5]), Vec3::new(a[6], a[7], a[8])];
+        [
+            v([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
+            v([-0.5, 0.2, 2.0, 1.5, -0.4, 2.5, 0.3, 1.8, 1.7]),
+            v([-2.0, 0.05, 1.0, 3.0, 0.08, 1.0, 1.0, 0.05, 4.0]),
+            v([-2.0, -2.0, 0.2, 2.0, -2.0, 0.2, 0.0, 3.0, 0.2]),
+            v([0.0, 0.0, 9.0, 0.2, 0.0, 9.1, 0.05, 0.25, 9.2]),
+        ]
+    }
+
+    #[test]
+    fn points_are_uniform_in_solid_angle() {
+        for (i, v) in triangles().into_iter().enumerate() {
+            let area = spherical_triangle_area(v[0].normalize(), v[1].normalize(), v[2].normalize());
+            let d = v.map(|x| x.as_dvec3());
+            let normal = (d[1] - d[0]).cross(d[2] - d[0]);
+            // In s = (1 − b0)², t = b2/(1 − b0) the density per area is constant: dω/(ds dt) = |n·x|/(2|x|³).
+            test_rectangle(
+                &format!("triangle {i}"),
+                (1.0, 1.0),
+                (16, 16),
+                200_000,
+                |u| {
+                    let (b, pdf) = spherical_triangle(v, Vec3::ZERO, u).expect("a triangle that can be sampled");
+                    assert!((pdf * area - 1.0).abs() < 1e-4);
+                    assert!((b.iter().sum::<f32>() - 1.0).abs() < 1e-5 && b.iter().all(|&x| x >= 0.0));
+                    let rest = f64::from(b[1]) + f64::from(b[2]);
+                    ((rest * rest).min(1.0), if rest > 0.0 { (f64::from(b[2]) / rest).min(1.0) } else { 0.0 })
+                },
+                |s, t| {
+                    let rest = s.sqrt();
+                    let x: DVec3 = d[0] * (1.0 - rest) + d[1] * (rest * (1.0 - t)) + d[2] * (rest * t);
+                    0.5 * normal.dot(x).abs() / x.length().powi(3) / f64::from(area)
+                },
+            );
+        }
+    }
+
+    #[test]
+    fn known_areas() {
+        use std::f32::consts::{FRAC_PI_2, TAU};
+        assert!((spherical_triangle_area(Vec3::X, Vec3::Y, Vec3::Z) - FRAC_PI_2).abs() < 1e-6);
+        let third = |k: f32| Vec3::new((k * TAU / 3.0).cos(), (k * TAU / 3.0).sin(), 0.0);
+        assert!((spherical_triangle_area(third(0.0), third(1.0), third(2.0)) - TAU).abs() < 1e-5);
+        assert_eq!(spherical_triangle_area(Vec3::X, Vec3::X, Vec3::Z), 0.0);
+    }
+
+    #[test]
+    fn the_ends_of_the_unit_interval_stay_in_the_triangle() {
+        for v in triangles() {
+            for x in [0.0, 1e-7, 0.5, ONE_MINUS_EPSILON] {
+                for y in [0.0, 1e-7, 0.5, ONE_MINUS_EPSILON] {
+                    let (b, _) = spherical_triangle(v, Vec3::ZERO, Vec2::new(x, y)).expect("sampled");
+                    assert!(b.iter().all(|b| (0.0..=1.0).contains(b)), "{b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_exactly_where_the_density_does() {
+        let mut rng = HashRng::new(8);
+        let mut refused = 0;
+        for _ in 0..20_000 {
+            let mut point = |s: f32| Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5) * s;
+            let (v, p) = ([point(1.0), point(1.0), point(1.0)], point(30.0));
+            let sampled = spherical_triangle(v, p, Vec2::new(0.3, 0.6));
+            assert_eq!(sampled.map(|s| s.1), spherical_triangle_pdf(v, p));
+            refused += usize::from(sampled.is_none());
+        }
+        assert!(refused > 100 && refused < 19_000, "{refused}");
+        let [a, b, c] = triangles()[0];
+        assert!(spherical_triangle([a, b, a], Vec3::ZERO, Vec2::ZERO).is_none());
+        assert!(spherical_triangle([a, b, c], a, Vec2::ZERO).is_none());
+        assert!(spherical_triangle([a, b, c * f32::NAN], Vec3::ZERO, Vec2::ZERO).is_none());
+        assert!(spherical_triangle([a, b, c], (a + b + c) / 3.0, Vec2::ZERO).is_none());
+    }
+}
