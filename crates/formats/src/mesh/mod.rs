@@ -10,6 +10,8 @@ mod text;
 #[cfg(test)]
 mod test_files;
 
+pub mod mtl;
+pub mod obj;
 pub mod ply;
 pub mod serialized;
 

@@ -1,0 +1,83 @@
+//! Wavefront OBJ (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1): polygons and what belongs to them.
+
+mod build;
+mod lines;
+mod parse;
+
+use super::MeshError;
+pub(super) use lines::Lines;
+use steradian_scene::Mesh;
+
+/// How to read an OBJ file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ObjOptions {
+    /// All faces become one mesh, whatever objects, groups and materials there are (Mitsuba's meaning).
+    pub merge: bool,
+    /// Texture coordinates are turned over: `v` becomes `1 − v`.
+    pub flip_v: bool,
+}
+
+/// The faces of one object, group and material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjMesh {
+    /// As the last `o` before the faces names it; empty without one, and in merged meshes.
+    pub object: String,
+    /// As the last `g` names it, several names with blanks between.
+    pub group: String,
+    /// As the last `usemtl` names it.
+    pub material: Option<String>,
+    /// Offset in the file of that `usemtl`.
+    pub material_offset: usize,
+    /// Vertices are shared by corners that agree in position, texture coordinate and normal. Colours of vertices (`v x y z r g b`) are
+    /// the attribute `color`. Corners that lack a normal where others have one get that of their face.
+    pub mesh: Mesh,
+}
+
+/// A material library that the file names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Library {
+    /// The file name, as written.
+    pub name: String,
+    /// Offset of the `mtllib` in the file.
+    pub offset: usize,
+}
+
+/// What was passed over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// Statements `p`.
+    pub points: usize,
+    /// Statements `l`.
+    pub lines: usize,
+    /// Faces of less than three corners.
+    pub degenerate: usize,
+    /// Statements of free-form curves and surfaces.
+    pub free_form: usize,
+    /// Statements that OBJ does not have.
+    pub unknown: usize,
+    /// Offset of the first of those.
+    pub unknown_offset: usize,
+}
+
+/// The contents of an OBJ file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjFile {
+    /// In the order in which their first faces stand; no mesh is empty.
+    pub meshes: Vec<ObjMesh>,
+    /// Material libraries in order, each once.
+    pub libraries: Vec<Library>,
+    /// What was passed over.
+    pub skipped: Skipped,
+}
+
+/// Reads an OBJ file.
+///
+/// # Errors
+/// [`MeshError`] with the line for numbers that are malformed or not finite, and for indices that are zero or out of range.
+pub fn read(bytes: &[u8], options: &ObjOptions) -> Result<ObjFile, MeshError> {
+    let parsed = parse::parse(bytes, options)?;
+    build::build(bytes, parsed)
+}
+
+#[cfg(test)]
+mod tests;
