@@ -1,4 +1,5 @@
 //! The hierarchy over the geometries of one space.
+#![allow(unsafe_code)]
 
 use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::geometry::WORLD;
@@ -20,6 +21,28 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// The node a reference is to.
+    ///
+    /// # Safety
+    /// The reference must be to a node, and come from this tree.
+    #[inline(always)]
+    pub unsafe fn node(&self, child: ChildRef) -> &Node {
+        debug_assert!(child.is_node());
+        // SAFETY: the builder makes references to nodes that exist only, and nothing changes a tree.
+        unsafe { self.nodes.get_unchecked(child.index()) }
+    }
+
+    /// The block of triangles a reference is to.
+    ///
+    /// # Safety
+    /// The reference must be to a block, and come from this tree.
+    #[inline(always)]
+    pub unsafe fn block(&self, child: ChildRef) -> &Block {
+        debug_assert!(child.is_block());
+        // SAFETY: the builder makes references to blocks that exist only, and nothing changes a tree.
+        unsafe { self.blocks.get_unchecked(child.index()) }
+    }
+
     /// Which geometry and primitive an index over all geometries means.
     #[inline]
     pub fn locate(&self, index: u32) -> (u32, u32) {

@@ -31,6 +31,12 @@ impl ChildRef {
         Self(2 << Self::INDEX_BITS | index)
     }
 
+    /// The bits of several references.
+    #[inline(always)]
+    pub fn bits(references: &[Self; LANES]) -> [u32; LANES] {
+        references.map(|r| r.0)
+    }
+
     /// Whether this is an inner node.
     #[inline(always)]
     pub fn is_node(self) -> bool {

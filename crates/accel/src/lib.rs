@@ -18,6 +18,7 @@ mod geometry;
 mod isa;
 mod layout;
 mod simd;
+mod stack;
 mod top_level;
 mod traverse;
 mod triangle;

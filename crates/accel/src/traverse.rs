@@ -1,9 +1,11 @@
 //! Queries: single rays through the hierarchy, nearest children first.
+#![allow(unsafe_code)]
 
 use crate::UserHit;
 use crate::bvh::Tree;
-use crate::layout::{ChildRef, Node};
+use crate::layout::{Block, ChildRef, Node};
 use crate::simd::{LANES, Simd};
+use crate::stack::{OrderedStack, Stack};
 use crate::triangle::Shear;
 use steradian_math::Ray;
 
@@ -30,16 +32,14 @@ pub(crate) struct Nearest<E> {
     pub extra: E,
 }
 
-/// Depth of the stack, enough for every tree: the builder bounds the depth, and a level pushes at most seven children.
-const STACK: usize = (LANES - 1) * crate::build::MAX_DEPTH;
-
 /// What the slab test needs of a ray.
 struct Slabs<S: Simd> {
     origin: [S::F; 3],
     /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
     inverse: [[S::F; 3]; 2],
-    /// Rows of the near planes; the far ones are opposite.
+    /// Rows of the near planes and of the far planes.
     near: [usize; 3],
+    far: [usize; 3],
 }
 
 impl<S: Simd> Slabs<S> {
@@ -53,6 +53,7 @@ impl<S: Simd> Slabs<S> {
             origin: ray.origin.to_array().map(|x| s.splat(x)),
             inverse: [1.0 - WIDEN, 1.0 + WIDEN].map(|k| inverse.map(|x| s.splat(x * k))),
             near: std::array::from_fn(|axis| if inverse[axis].is_sign_negative() { axis + 3 } else { axis }),
+            far: std::array::from_fn(|axis| if inverse[axis].is_sign_negative() { axis } else { axis + 3 }),
         }
     }
 
@@ -62,10 +63,12 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
         let plane = |row: usize, axis: usize, side: usize| {
-            s.mul(s.sub(s.load(&node.rows[row]), self.origin[axis]), self.inverse[side][axis])
+            // SAFETY: both rows of an axis are less than six.
+            let row = unsafe { node.rows.get_unchecked(row) };
+            s.mul(s.sub(s.load(row), self.origin[axis]), self.inverse[side][axis])
         };
         let near: [S::F; 3] = std::array::from_fn(|axis| plane(self.near[axis], axis, 0));
-        let far: [S::F; 3] = std::array::from_fn(|axis| plane((self.near[axis] + 3) % 6, axis, 1));
+        let far: [S::F; 3] = std::array::from_fn(|axis| plane(self.far[axis], axis, 1));
         let enter = s.max(s.max(near[0], near[1]), s.max(near[2], s.splat(0.0)));
         let leave = s.min(s.min(far[0], far[1]), s.min(far[2], t_max));
         (enter, s.bits(s.le(enter, leave)))
@@ -75,54 +78,41 @@ impl<S: Simd> Slabs<S> {
 /// The nearest hit in `(0, ray.t_max)`.
 #[inline(always)]
 pub(crate) fn nearest<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> {
-    if !ray.is_valid() || !(ray.t_max > 0.0) {
+    if !ray.is_valid() || ray.t_max.is_nan() || ray.t_max <= 0.0 {
         return None;
     }
     let slabs = Slabs::new(s, ray);
     let shear = Shear::new(s, ray);
-    let mut stack = [(0_u32, ChildRef::EMPTY); STACK];
-    let mut depth = 0;
+    let mut stack = OrderedStack::new();
     let mut best: Option<Nearest<U::Extra>> = None;
     let mut t = ray.t_max;
     let mut current = tree.root;
     loop {
         if current.is_node() {
-            let node = &tree.nodes[current.index()];
-            let (enter, mut lanes) = slabs.test(s, node, s.splat(t));
+            // SAFETY: the reference comes from the tree and is to a node.
+            let node = unsafe { tree.node(current) };
+            let (enter, lanes) = slabs.test(s, node, s.splat(t));
+            if lanes & lanes.wrapping_sub(1) != 0 {
+                // The nearest child is next; the others wait, nearer ones above.
+                let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
+                // SAFETY: the number of lanes is at most LANES; the stack is deep enough for the tree.
+                current =
+                    unsafe { stack.push_all_but_nearest(keys, children.map(ChildRef), lanes.count_ones() as usize) };
+                continue;
+            }
             if lanes != 0 {
-                let enter = s.store(enter);
-                let base = depth;
-                let mut first = lanes.trailing_zeros() as usize;
-                lanes &= lanes - 1;
-                let mut key = enter[first].to_bits() & !7 | first as u32;
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    lanes &= lanes - 1;
-                    let mut other = enter[lane].to_bits() & !7 | lane as u32;
-                    if other < key {
-                        std::mem::swap(&mut key, &mut other);
-                    }
-                    // Insertion into the part of the stack that belongs to this node: farthest first.
-                    let mut slot = depth;
-                    while slot > base && stack[slot - 1].0 < other {
-                        stack[slot] = stack[slot - 1];
-                        slot -= 1;
-                    }
-                    stack[slot] = (other, node.children[other as usize & 7]);
-                    depth += 1;
-                }
-                first = key as usize & 7;
-                current = node.children[first];
+                current = node.children[lanes.trailing_zeros() as usize & (LANES - 1)];
                 continue;
             }
         } else if current.is_block() {
-            let block = &tree.blocks[current.index()];
+            // SAFETY: the reference comes from the tree and is to a block.
+            let block = unsafe { tree.block(current) };
             if let Some(candidates) = shear.test(s, block, s.splat(t)) {
                 let mut lanes = candidates.lanes;
                 while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
+                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
                     lanes &= lanes - 1;
-                    let index = block.ids[lane] & !crate::layout::Block::FILTERED;
+                    let index = block.ids[lane] & !Block::FILTERED;
                     let closer = candidates.t[lane] < t
                         || candidates.t[lane] == t && best.is_some_and(|best| index < best.index);
                     if closer {
@@ -148,16 +138,9 @@ pub(crate) fn nearest<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U
                 best = Some(Nearest { hit, index, extra });
             }
         }
-        loop {
-            if depth == 0 {
-                return best;
-            }
-            depth -= 1;
-            let (key, child) = stack[depth];
-            if f32::from_bits(key & !7) <= t {
-                current = child;
-                break;
-            }
+        match stack.pop(t) {
+            Some(child) => current = child,
+            None => return best,
         }
     }
 }
@@ -165,37 +148,38 @@ pub(crate) fn nearest<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U
 /// Whether there is any hit in `(0, ray.t_max)`.
 #[inline(always)]
 pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U) -> bool {
-    if !ray.is_valid() || !(ray.t_max > 0.0) {
+    if !ray.is_valid() || ray.t_max.is_nan() || ray.t_max <= 0.0 {
         return false;
     }
     let slabs = Slabs::new(s, ray);
     let shear = Shear::new(s, ray);
     let t_max = s.splat(ray.t_max);
-    let mut stack = [ChildRef::EMPTY; STACK];
-    let mut depth = 0;
+    let mut stack = Stack::new();
     let mut current = tree.root;
     loop {
         if current.is_node() {
-            let node = &tree.nodes[current.index()];
+            // SAFETY: the reference comes from the tree and is to a node.
+            let node = unsafe { tree.node(current) };
             let (_, mut lanes) = slabs.test(s, node, t_max);
             if lanes != 0 {
-                current = node.children[lanes.trailing_zeros() as usize];
+                current = node.children[lanes.trailing_zeros() as usize & (LANES - 1)];
                 lanes &= lanes - 1;
                 while lanes != 0 {
-                    stack[depth] = node.children[lanes.trailing_zeros() as usize];
-                    depth += 1;
+                    // SAFETY: the stack is deep enough for the tree.
+                    unsafe { stack.push(node.children[lanes.trailing_zeros() as usize & (LANES - 1)]) };
                     lanes &= lanes - 1;
                 }
                 continue;
             }
         } else if current.is_block() {
-            let block = &tree.blocks[current.index()];
+            // SAFETY: the reference comes from the tree and is to a block.
+            let block = unsafe { tree.block(current) };
             if let Some(candidates) = shear.test(s, block, t_max) {
                 let mut lanes = candidates.lanes;
                 while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
+                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
                     lanes &= lanes - 1;
-                    let index = block.ids[lane] & !crate::layout::Block::FILTERED;
+                    let index = block.ids[lane] & !Block::FILTERED;
                     if candidates.t[lane] < ray.t_max {
                         let (u, v) = candidates.barycentrics(lane);
                         let hit = UserHit { t: candidates.t[lane], u, v };
@@ -208,10 +192,9 @@ pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U) ->
         } else if current != ChildRef::EMPTY && users.occluded(current.index() as u32, ray) {
             return true;
         }
-        if depth == 0 {
-            return false;
+        match stack.pop() {
+            Some(child) => current = child,
+            None => return false,
         }
-        depth -= 1;
-        current = stack[depth];
     }
 }

@@ -4,6 +4,7 @@
 //! Vertices are moved to the ray's origin and sheared so that the ray becomes the z axis. The signs of the three edge functions
 //! then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them. Where an edge function
 //! is zero it is computed again in `f64`, where its sign is exact.
+#![allow(unsafe_code)]
 
 use crate::layout::Block;
 use crate::simd::{LANES, Simd};
@@ -65,8 +66,11 @@ impl<S: Simd> Shear<S> {
     pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
         // Vertices relative to the origin, sheared.
         let vertex = |v: usize| {
-            let [x, y, z]: [S::F; 3] =
-                std::array::from_fn(|i| s.sub(s.load(&block.rows[3 * v + self.axes[i]]), self.origin[i]));
+            let [x, y, z]: [S::F; 3] = std::array::from_fn(|i| {
+                // SAFETY: vertices and axes are less than three.
+                let row = unsafe { block.rows.get_unchecked(3 * v + self.axes[i]) };
+                s.sub(s.load(row), self.origin[i])
+            });
             [s.sub(x, s.mul(self.shear[0], z)), s.sub(y, s.mul(self.shear[1], z)), z]
         };
         let [ax, ay, az] = vertex(0);

@@ -17,7 +17,7 @@ mod sse2;
 pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx512::Avx512;
-#[cfg(any(test, not(target_arch = "x86_64")))]
+#[cfg(not(target_arch = "x86_64"))]
 pub(crate) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use sse2::Sse2;
@@ -67,4 +67,45 @@ pub(crate) trait Simd: Copy {
     fn or(self, a: Self::M, b: Self::M) -> Self::M;
     /// Bit `i` is lane `i`.
     fn bits(self, m: Self::M) -> u32;
+
+    /// Sorts numbers that are at least +0, farthest first: the keys of those in `chosen` (see [`key`]), and in the same order their
+    /// companions. What follows these has no meaning.
+    #[inline(always)]
+    fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
+        let a = self.store(a);
+        let mut keys = [0; LANES];
+        let mut len = 0;
+        for (lane, x) in a.into_iter().enumerate().filter(|(lane, _)| chosen >> lane & 1 == 1) {
+            let key = key(x, lane);
+            let mut slot = len;
+            while slot > 0 && keys[slot - 1] < key {
+                keys[slot] = keys[slot - 1];
+                slot -= 1;
+            }
+            keys[slot] = key;
+            len += 1;
+        }
+        (keys, keys.map(|key| companions[key_lane(key)]))
+    }
 }
+
+/// A number that is at least +0 and its lane as an integer that sorts like them: the lane replaces the lowest three bits.
+#[inline(always)]
+pub(crate) fn key(x: f32, lane: usize) -> u32 {
+    x.to_bits() & !LANE_BITS | lane as u32
+}
+
+/// The number in a key, or one that is a little smaller.
+#[inline(always)]
+pub(crate) fn key_number(key: u32) -> f32 {
+    f32::from_bits(key & !LANE_BITS)
+}
+
+/// The lane in a key.
+#[inline(always)]
+pub(crate) fn key_lane(key: u32) -> usize {
+    (key & LANE_BITS) as usize
+}
+
+/// The bits of a key that hold the lane.
+const LANE_BITS: u32 = LANES as u32 - 1;

@@ -1,0 +1,114 @@
+//! Prints build times and millions of rays per second, one thread, on a mesh of a million triangles, a small one, and a thousand
+//! instances of the small one.
+//!
+//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [scene]`
+#![allow(clippy::print_stdout)]
+
+mod scene;
+
+use scene::{bounce, displaced_sphere, instances, primary, shadow, shuffled, spots};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use steradian_accel::{Bvh, Error, Geometry, Instance, Isa, TopLevel};
+use steradian_math::{DVec3, Ray};
+
+fn main() -> Result<(), Error> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let chosen = Isa::ALL.into_iter().find(|isa| args.iter().any(|a| format!("{isa:?}").eq_ignore_ascii_case(a)));
+    let isa = chosen.unwrap_or(Isa::best());
+    for (name, n, instanced) in [("mesh_1M", 289, false), ("mesh_10k", 29, false), ("inst_1000x10k", 29, true)] {
+        let scenes = ["mesh_1M", "mesh_10k", "inst_1000x10k"];
+        if args.iter().any(|a| scenes.contains(&a.as_str())) && !args.iter().any(|a| a == name) {
+            continue;
+        }
+        run(name, n, instanced, isa)?;
+    }
+    Ok(())
+}
+
+fn run(name: &str, n: i32, instanced: bool, isa: Isa) -> Result<(), Error> {
+    let mesh = displaced_sphere(n);
+    let geometry = [Geometry::triangles(&mesh.0, &mesh.1)];
+    let start = Instant::now();
+    let places = if instanced { instances() } else { Vec::new() };
+    let top = if instanced {
+        let instance = |&world_from_object| Instance { object: 0, world_from_object };
+        let instances: Vec<_> = places.iter().map(instance).collect();
+        TopLevel::build(&[], vec![Bvh::build(&geometry)?], &instances)?
+    } else {
+        TopLevel::build(&geometry, Vec::new(), &[])?
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "{name}: {} triangles built in {seconds:.3} s with {} threads, {:.1} MB",
+        mesh.1.len(),
+        rayon::current_num_threads(),
+        top.bytes() as f64 / 1e6
+    );
+    let top = top.with_isa(isa);
+    // The normal stays in object space, as in the measurement of other programs that this one repeats.
+    let nearest = |ray: &Ray| {
+        let hit = top.intersect(ray, &())?;
+        let [a, b, c] = mesh.1[hit.id.prim as usize].map(|i| mesh.0[i as usize]);
+        let normal = (b - a).cross(c - a);
+        Some((hit.t, normal))
+    };
+    let views: &[(&str, DVec3, DVec3, f64)] = if instanced {
+        &[("outside", DVec3::new(24.0, 15.0, 26.0), DVec3::ZERO, 0.45)]
+    } else {
+        &[
+            ("outside", DVec3::new(1.1, 0.8, 2.2), DVec3::ZERO, 0.42),
+            ("inside", DVec3::new(0.1, 0.05, -0.08), DVec3::new(0.5, 0.3, 1.0), 1.0),
+        ]
+    };
+    for &(view, eye, at, tan_half) in views {
+        let (light, half) = match (view, instanced) {
+            ("inside", _) => (DVec3::new(0.0, 0.3, 0.0), 0.1),
+            (_, true) => (DVec3::new(0.0, 40.0, 20.0), 10.0),
+            _ => (DVec3::new(0.0, 3.0, 1.0), 0.7),
+        };
+        let rays = primary(eye, at, tan_half, 1024);
+        let first = spots(&rays, nearest);
+        let bounced = bounce(&first, 11);
+        let second = spots(&bounced, nearest);
+        let sets = [
+            ("primary", rays),
+            ("bounce1", bounced.clone()),
+            ("bounce1shuf", shuffled(bounced, 12)),
+            ("bounce2", bounce(&second, 13)),
+            ("shadow", shadow(&first, light, half, 14)),
+        ];
+        for (set, rays) in sets {
+            measure(&format!("{name:13} {set}-{view}"), isa, &top, &rays);
+        }
+    }
+    Ok(())
+}
+
+fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
+    let rate = |f: &dyn Fn() -> (usize, f64)| {
+        let mut seconds = f64::INFINITY;
+        let mut found = (0, 0.0);
+        for _ in 0..5 {
+            let start = thread_seconds();
+            found = f();
+            seconds = seconds.min(thread_seconds() - start);
+        }
+        (rays.len() as f64 / seconds / 1e6, found)
+    };
+    let sum = |(n, sum): (usize, f64), t: f32| (n + 1, sum + f64::from(t));
+    let (closest, (hits, t)) = rate(&|| rays.iter().filter_map(|r| Some(top.intersect(r, &())?.t)).fold((0, 0.0), sum));
+    let (occluded, _) = rate(&|| (rays.iter().filter(|r| top.occluded(r, &())).count(), 0.0));
+    let percent = 100.0 * hits as f64 / rays.len() as f64;
+    println!(
+        "{name:36} {isa:8?} closest {closest:6.2}  occluded {occluded:6.2}   hits {percent:5.1} %  sum of t {t:.9e}"
+    );
+}
+
+/// Seconds that this thread has run, where the system tells; else seconds since the epoch.
+fn thread_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    match stat.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()) {
+        Some(nanoseconds) => nanoseconds * 1e-9,
+        None => SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |d| d.as_secs_f64()),
+    }
+}
