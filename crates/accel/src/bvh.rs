@@ -5,12 +5,14 @@ use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::geometry::WORLD;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
+#[cfg(test)]
+use crate::simd::Row;
 use crate::traverse::Users;
 use crate::{Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build};
 use steradian_math::{Bounds3, Ray};
 
 /// The parts of a hierarchy that traversal reads. Nodes and blocks are in depth-first order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub nodes: Vec<Node>,
     pub blocks: Vec<Block>,
@@ -70,13 +72,6 @@ pub struct Bvh {
     isa: SupportedIsa,
 }
 
-/// Two hierarchies are equal when they hold the same bits, whatever instruction set they run on.
-impl PartialEq for Bvh {
-    fn eq(&self, other: &Self) -> bool {
-        self.tree == other.tree
-    }
-}
-
 impl Bvh {
     /// Builds the hierarchy, in parallel in rayon's current thread pool. The result does not depend on the number of threads.
     ///
@@ -133,6 +128,18 @@ impl Bvh {
     #[inline]
     pub(crate) fn occluded_as<U: UserPrimitives>(&self, instance: u32, ray: &Ray, user: &U) -> bool {
         any_hit(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance, user })
+    }
+
+    /// Whether two hierarchies hold the same bits.
+    #[cfg(test)]
+    pub(crate) fn same_bits(&self, other: &Self) -> bool {
+        let rows = |rows: &[Row]| rows.iter().flat_map(|row| row.0.map(f32::to_bits)).collect::<Vec<_>>();
+        let (a, b) = (&self.tree, &other.tree);
+        a.root == b.root
+            && (a.bounds, &a.first) == (b.bounds, &b.first)
+            && (a.nodes.len(), a.blocks.len()) == (b.nodes.len(), b.blocks.len())
+            && a.nodes.iter().zip(&b.nodes).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.children == b.children)
+            && a.blocks.iter().zip(&b.blocks).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
     }
 
     /// See [`Tree::root_boxes`].

@@ -19,6 +19,8 @@ mod isa;
 mod layout;
 mod simd;
 mod stack;
+#[cfg(test)]
+mod tests;
 mod top_level;
 mod traverse;
 mod triangle;

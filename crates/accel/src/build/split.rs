@@ -142,10 +142,10 @@ fn best_plane(refs: &[PrimRef], extent: &Extent, scale: f32) -> Option<(Grid, us
             costs[bin] = if count == 0 { f32::INFINITY } else { half_area(&bounds, scale) * count as f32 };
         }
         let (mut bounds, mut count) = (Bounds3::EMPTY, 0);
-        for bin in 1..grid.count {
+        for (bin, second_cost) in costs.into_iter().enumerate().take(grid.count).skip(1) {
             bounds = bounds.union(bins.bounds[axis][bin - 1]);
             count += bins.counts[axis][bin - 1];
-            let cost = half_area(&bounds, scale) * count as f32 + costs[bin];
+            let cost = half_area(&bounds, scale) * count as f32 + second_cost;
             if count > 0 && cost < best_cost {
                 best_cost = cost;
                 best = Some((grid, axis, bin));

@@ -74,16 +74,14 @@ pub(crate) trait Simd: Copy {
     fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
         let a = self.store(a);
         let mut keys = [0; LANES];
-        let mut len = 0;
-        for (lane, x) in a.into_iter().enumerate().filter(|(lane, _)| chosen >> lane & 1 == 1) {
-            let key = key(x, lane);
+        for (len, lane) in (0..LANES).filter(|lane| chosen >> lane & 1 == 1).enumerate() {
+            let key = key(a[lane], lane);
             let mut slot = len;
             while slot > 0 && keys[slot - 1] < key {
                 keys[slot] = keys[slot - 1];
                 slot -= 1;
             }
             keys[slot] = key;
-            len += 1;
         }
         (keys, keys.map(|key| companions[key_lane(key)]))
     }
@@ -109,3 +107,98 @@ pub(crate) fn key_lane(key: u32) -> usize {
 
 /// The bits of a key that hold the lane.
 const LANE_BITS: u32 = LANES as u32 - 1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use portable::Portable;
+
+    /// Numbers where instruction sets could differ.
+    const NASTY: [f32; 14] = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.5,
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::MAX,
+        f32::MIN,
+        f32::MIN_POSITIVE,
+        1e-44,
+        3.1e-7,
+        16_777_217.0,
+        -7.3e19,
+    ];
+
+    /// Compares a level with plain arrays: every pair of nasty numbers, in every operation.
+    fn same_as_portable<S: Simd>(s: S) {
+        let p = Portable;
+        // Any NaN is as good as another.
+        let bits = |a: [f32; LANES]| a.map(|x| if x.is_nan() { u32::MAX } else { x.to_bits() });
+        for (i, &x) in NASTY.iter().enumerate() {
+            for j in 0..NASTY.len() {
+                let row = Row(std::array::from_fn(|lane| NASTY[(j + lane) % NASTY.len()]));
+                let (a, b) = (s.splat(x), s.load(&row));
+                let (pa, pb) = (p.splat(x), p.load(&row));
+                macro_rules! check {
+                    ($($op:ident)*) => {$(
+                        assert_eq!(bits(s.store(s.$op(a, b))), bits(p.$op(pa, pb)), "{} {i} {j}", stringify!($op));
+                        assert_eq!(bits(s.store(s.$op(b, a))), bits(p.$op(pb, pa)), "{} {j} {i}", stringify!($op));
+                    )*};
+                }
+                check!(add sub mul div min max);
+                let compare = [s.bits(s.le(a, b)), s.bits(s.lt(a, b)), s.bits(s.eq(a, b))];
+                assert_eq!(compare, [p.bits(p.le(pa, pb)), p.bits(p.lt(pa, pb)), p.bits(p.eq(pa, pb))]);
+                let (m, n) = (s.le(a, b), s.le(b, a));
+                let (pm, pn) = (p.le(pa, pb), p.le(pb, pa));
+                assert_eq!([s.bits(s.and(m, n)), s.bits(s.or(m, n))], [p.bits(p.and(pm, pn)), p.bits(p.or(pm, pn))]);
+            }
+        }
+        sorts(s);
+    }
+
+    /// Sorts every choice of lanes, with equal numbers and infinity among them.
+    fn sorts<S: Simd>(s: S) {
+        let rows = [
+            [3.0, 1.0, 2.0, 7.0, 5.0, 0.0, 4.0, 6.0],
+            [0.0; LANES],
+            [1.0, f32::INFINITY, 1.0, 0.0, 1.0, f32::MAX, f32::INFINITY, 1e-45],
+        ];
+        let companions: [u32; LANES] = std::array::from_fn(|lane| 100 + lane as u32);
+        for row in rows {
+            for chosen in 1_u32..256 {
+                let (keys, sorted) = s.sort_descending(s.load(&Row(row)), chosen, &companions);
+                let count = chosen.count_ones() as usize;
+                let mut expected: Vec<u32> =
+                    (0..LANES).filter(|lane| chosen >> lane & 1 == 1).map(|lane| key(row[lane], lane)).collect();
+                expected.sort_by(|a, b| b.cmp(a));
+                assert_eq!(keys[..count], expected);
+                let lanes: Vec<u32> = expected.iter().map(|&key| 100 + key_lane(key) as u32).collect();
+                assert_eq!(sorted[..count], lanes);
+            }
+        }
+    }
+
+    #[test]
+    fn plain_arrays_sort() {
+        sorts(Portable);
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    #[allow(unsafe_code)]
+    fn every_level_gives_the_same_bits() {
+        use crate::Isa;
+        // SAFETY: each level is tried only where it is supported.
+        unsafe {
+            same_as_portable(Sse2::assume_supported());
+            if Isa::Avx2.is_supported() {
+                same_as_portable(Avx2::assume_supported());
+            }
+            if Isa::Avx512.is_supported() {
+                same_as_portable(Avx512::assume_supported());
+            }
+        }
+    }
+}
