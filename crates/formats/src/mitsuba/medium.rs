@@ -1,0 +1,80 @@
+//! Participating media and phase functions.
+
+use super::{
+    graph::{Category, ObjectId},
+    reader::Reader,
+    texture::Role,
+};
+use steradian_scene::{Family, NodeId};
+
+impl Reader<'_> {
+    /// A medium node; `None` after an error.
+    pub fn medium(&mut self, object: ObjectId) -> Option<NodeId> {
+        self.once(object, false, |r| r.medium_node(object))
+    }
+
+    fn medium_node(&mut self, object: ObjectId) -> Option<NodeId> {
+        match self.plugin(object) {
+            "homogeneous" => {}
+            _ if self.is_known(object) => return self.verbatim(object, Family::Medium),
+            _ => {
+                self.unknown_plugin(object);
+                return None;
+            }
+        }
+        let mut node = self.node(Family::Medium, "homogeneous", object);
+        if self.graph.has(object, "sigma_s") || self.graph.has(object, "sigma_a") {
+            self.put(&mut node, "sigma_s", object, "sigma_s", Role::Unbounded, 0.0);
+            self.put(&mut node, "sigma_a", object, "sigma_a", Role::Unbounded, 0.0);
+        } else {
+            self.put(&mut node, "sigma_t", object, "sigma_t", Role::Unbounded, 1.0);
+            self.put(&mut node, "albedo", object, "albedo", Role::Reflectance, 0.75);
+        }
+        if self.graph.has(object, "material") {
+            let span = self.value_span(object, "material");
+            self.ignore(object, &["material"]);
+            self.dropped(span, "media cannot be named; 'material' is left out");
+        }
+        let scale = self.float(object, "scale").unwrap_or(1.0);
+        node.set("scale", scale, None);
+        self.ignore(object, &["has_spectral_extinction", "sample_emitters", "to_world"]);
+        let phases = self.graph.children(object, Category::Phase);
+        if let Some((_, extra)) = phases.get(1) {
+            self.error(self.span(*extra), "a medium has one phase function");
+        }
+        let phase = match phases.first() {
+            Some(&(_, phase)) => self.phase(phase)?,
+            None => self.desc.add(steradian_scene::Node::new(Family::Phase, "isotropic", None)),
+        };
+        node.set("phase", phase, None);
+        Some(self.desc.add(node))
+    }
+
+    /// A phase function node; `None` after an error.
+    pub fn phase(&mut self, object: ObjectId) -> Option<NodeId> {
+        self.once(object, false, |r| {
+            r.graph.objects[object].visited = true;
+            match r.plugin(object) {
+                "isotropic" => {
+                    let node = r.node(Family::Phase, "isotropic", object);
+                    Some(r.desc.add(node))
+                }
+                "hg" => {
+                    let mut node = r.node(Family::Phase, "hg", object);
+                    let (g, span) = (r.float(object, "g").unwrap_or(0.8), r.value_span(object, "g"));
+                    if g.abs() >= 1.0 {
+                        r.error(span, "'g' lies between -1 and 1, both excluded");
+                        return None;
+                    }
+                    node.set("g", g, Some(span));
+                    Some(r.desc.add(node))
+                }
+                _ if r.is_known(object) => r.verbatim(object, Family::Phase),
+                _ => {
+                    r.unknown_plugin(object);
+                    None
+                }
+            }
+        })
+    }
+}

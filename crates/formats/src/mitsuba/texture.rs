@@ -1,0 +1,316 @@
+//! Textures and spectra.
+
+use super::{
+    graph::{Category, ObjectId, Raw},
+    reader::Reader,
+    values,
+};
+use steradian_math::{DVec3, Transform};
+use steradian_scene::{ColorSpace, Family, Node, NodeId, Span, SpectrumValue, Value};
+
+/// What a parameter means, which decides how Mitsuba reads a colour in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Between 0 and 1.
+    Reflectance,
+    /// Any size: an index of refraction, an extinction coefficient.
+    Unbounded,
+    /// Emitted light: plain numbers and colours are multiples of D65.
+    Emission,
+    /// One number per point: a roughness, an opacity, a height.
+    Scalar,
+}
+
+/// Linear sRGB components as a value.
+pub(super) fn rgb(components: [f64; 3]) -> Value {
+    Value::Spectrum(SpectrumValue::Rgb(components, ColorSpace::Srgb))
+}
+
+/// A plain number in a role.
+pub(super) fn plain(v: f64, role: Role) -> Value {
+    match role {
+        Role::Emission => rgb([v; 3]),
+        _ => Value::Float(v),
+    }
+}
+
+/// The same value at all wavelengths in a role. As emission it is not a multiple of D65, so it is spelt out: three components
+/// would mean D65.
+fn flat(v: f64, role: Role) -> Value {
+    Value::Spectrum(match role {
+        Role::Emission => SpectrumValue::Sampled { lambdas: vec![360.0, 830.0], values: vec![v as f32; 2] },
+        _ => SpectrumValue::Constant(v),
+    })
+}
+
+impl Reader<'_> {
+    /// Sets a parameter of a node from a property that may be a number, a spectrum or a texture, or to a default.
+    pub fn put(
+        &mut self,
+        node: &mut Node,
+        name: &str,
+        object: ObjectId,
+        property: &'static str,
+        role: Role,
+        default: f64,
+    ) {
+        if !self.put_given(node, name, object, property, role) {
+            node.set(name, plain(default, role), None);
+        }
+    }
+
+    /// Sets a parameter of a node only where the file has the property; whether it does.
+    pub fn put_given(
+        &mut self,
+        node: &mut Node,
+        name: &str,
+        object: ObjectId,
+        property: &'static str,
+        role: Role,
+    ) -> bool {
+        let Some((value, span)) = self.spectral(object, property, role) else { return false };
+        node.set(name, value, Some(span));
+        true
+    }
+
+    /// A property that may be a number, a spectrum or a texture.
+    pub fn spectral(&mut self, object: ObjectId, name: &'static str, role: Role) -> Option<(Value, Span)> {
+        let legacy = self.graph.objects[object].legacy;
+        let prop = self.graph.take(object, name)?;
+        let value = match prop.value {
+            Raw::Float(v) => plain(v, role),
+            Raw::Int(v) => plain(v as f64, role),
+            Raw::Rgb(c) => {
+                let out_of_range = role == Role::Reflectance && c.iter().any(|v| !(0.0..=1.0).contains(v));
+                if out_of_range {
+                    self.warn(prop.value_span, format!("'{name}' is a reflectance: its components are clamped to 0…1"));
+                }
+                rgb(if out_of_range { c.map(|v| v.clamp(0.0, 1.0)) } else { c })
+            }
+            // Mitsuba 0.6 takes one number as the same for red, green and blue.
+            Raw::Spectrum(SpectrumValue::Constant(v)) => {
+                if legacy {
+                    plain(v, role)
+                } else {
+                    flat(v, role)
+                }
+            }
+            Raw::Spectrum(spectrum) => Value::Spectrum(spectrum),
+            Raw::Object(child) if self.graph.objects[child].category == Category::Texture => {
+                self.texture(child, role)?
+            }
+            Raw::Object(child) if self.graph.objects[child].category == Category::Volume => self.volume(child, role)?,
+            ref other => {
+                let message = format!("'{name}' needs a number, a spectrum or a texture, not {}", other.noun());
+                self.error(prop.value_span, message);
+                return None;
+            }
+        };
+        Some((value, prop.value_span))
+    }
+
+    /// A texture object: a node, or the spectrum that a spectrum plugin stands for.
+    pub fn texture(&mut self, object: ObjectId, role: Role) -> Option<Value> {
+        if !self.is_known(object) {
+            self.unknown_plugin(object);
+            return None;
+        }
+        match self.plugin(object) {
+            "uniform" | "rawconstant" | "d65" | "blackbody" | "regular" | "irregular" | "srgb" => {
+                if !self.enter(object) {
+                    return None;
+                }
+                let value = self.spectrum_plugin(object, role);
+                self.leave();
+                value
+            }
+            _ => self.once(object, role == Role::Scalar, |r| r.texture_node(object, role)).map(Value::Node),
+        }
+    }
+
+    fn texture_node(&mut self, object: ObjectId, role: Role) -> Option<NodeId> {
+        match self.plugin(object) {
+            "bitmap" => self.bitmap(object),
+            "checkerboard" => {
+                let mut node = self.node(Family::Texture, "checkerboard", object);
+                // Evaluated as single numbers, Mitsuba's cells are the other way round.
+                let (even, odd) = if role == Role::Scalar { ("b", "a") } else { ("a", "b") };
+                self.put(&mut node, even, object, "color0", role, 0.4);
+                self.put(&mut node, odd, object, "color1", role, 0.2);
+                // One repetition of Mitsuba's board is two cells wide.
+                let to_uv = Transform::scale(DVec3::new(2.0, 2.0, 1.0)) * self.to_uv(object).unwrap_or_default();
+                node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
+                Some(self.desc.add(node))
+            }
+            "mesh_attribute" => {
+                let mut node = self.node(Family::Texture, "mesh_attribute", object);
+                let span = self.value_span(object, "name");
+                let full = self.string(object, "name").unwrap_or_default();
+                let (name, domain) = match (full.strip_prefix("vertex_"), full.strip_prefix("face_")) {
+                    (Some(name), _) => (name, "vertex"),
+                    (_, Some(name)) => (name, "face"),
+                    _ => {
+                        self.error(span, "the 'name' of a mesh attribute starts with 'vertex_' or 'face_'");
+                        return None;
+                    }
+                };
+                node.set("name", name, Some(span)).set("domain", domain, None);
+                let scale = self.float(object, "scale").unwrap_or(1.0);
+                node.set("scale", scale, None);
+                Some(self.desc.add(node))
+            }
+            "vertexcolors" => {
+                let node = self.node(Family::Texture, "mesh_attribute", object);
+                self.graph.objects[object].visited = true;
+                Some(self.desc.add(node.with("name", "color").with("domain", "vertex").with("scale", 1.0)))
+            }
+            "scale" => {
+                let mut node = self.node(Family::Texture, "scale", object);
+                let (_, inner) = self.graph.children(object, Category::Texture).into_iter().next()?;
+                let inner = self.texture(inner, role)?;
+                node.set("texture", inner, None);
+                self.put(&mut node, "scale", object, "scale", Role::Unbounded, 1.0);
+                Some(self.desc.add(node))
+            }
+            _ => self.verbatim(object, Family::Texture),
+        }
+    }
+
+    fn bitmap(&mut self, object: ObjectId) -> Option<NodeId> {
+        let mut node = self.node(Family::Texture, "image", object);
+        let file = self.needed_file(object, "filename");
+        let filters = ["bilinear", "nearest", "trilinear", "ewa"];
+        let filter = self.choice(object, "filter_type", &filters);
+        let wrap = self.choice(object, "wrap_mode", &["repeat", "mirror", "clamp"]);
+        let raw = self.bool(object, "raw").unwrap_or(false);
+        // `gamma` is what 0.6 decodes with: 1 is linear, -1 finds out.
+        let encoding = match self.float(object, "gamma") {
+            Some(1.0) => Value::from("linear"),
+            Some(gamma) if gamma > 0.0 => Value::Float(gamma),
+            _ => Value::from("auto"),
+        };
+        if let Some(to_uv) = self.to_uv(object) {
+            node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
+        }
+        self.ignore(object, &["accel", "format", "cache", "max_anisotropy", "channel"]);
+        node.set("file", file?, Some(self.value_span(object, "filename")));
+        for (name, value) in [("filter", filter), ("wrap_u", wrap), ("wrap_v", wrap), ("origin", "top")] {
+            node.set(name, value, None);
+        }
+        node.set("encoding", encoding, None).set("raw", raw, None);
+        Some(self.desc.add(node))
+    }
+
+    /// The map of texture coordinates, if any. On a disk Mitsuba has u from the centre to the rim and v around it, Steradian u
+    /// around and v from the rim to the centre: u' = 1 - v, v' = u comes first.
+    fn to_uv(&mut self, object: ObjectId) -> Option<Transform> {
+        let given = self.some_transform(object, "to_uv");
+        if !self.on_disk {
+            return given;
+        }
+        let disk = Transform::from_rows([0., -1., 0., 1., 1., 0., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]);
+        Some(given.unwrap_or_default() * disk)
+    }
+
+    fn spectrum_plugin(&mut self, object: ObjectId, role: Role) -> Option<Value> {
+        match self.plugin(object) {
+            "uniform" | "rawconstant" => {
+                self.ignore(object, &["wavelength_min", "wavelength_max"]);
+                match self.graph.take(object, "value")?.value {
+                    Raw::Rgb(c) | Raw::Vec3(c) => Some(rgb(c)),
+                    _ => self.float(object, "value").map(|v| flat(v, role)),
+                }
+            }
+            "srgb" => match self.graph.take(object, "color")?.value {
+                Raw::Rgb(c) => Some(rgb(c)),
+                _ => {
+                    self.error(self.value_span(object, "color"), "'color' needs an <rgb> value");
+                    None
+                }
+            },
+            "d65" => self.d65(object),
+            "blackbody" => {
+                let temperature = self.float(object, "temperature");
+                let range = [self.float(object, "wavelength_min"), self.float(object, "wavelength_max")];
+                let range = [range[0].unwrap_or(360.0), range[1].unwrap_or(830.0)];
+                let spectrum = values::blackbody(temperature.unwrap_or(0.0), range, 1.0);
+                self.spectrum_or_error(object, spectrum)
+            }
+            _ => {
+                let spectrum = self.tabulated(object);
+                self.spectrum_or_error(object, spectrum)
+            }
+        }
+    }
+
+    fn spectrum_or_error(&mut self, object: ObjectId, spectrum: Result<SpectrumValue, String>) -> Option<Value> {
+        spectrum.map(Value::Spectrum).map_err(|e| self.error(self.span(object), e)).ok()
+    }
+
+    /// `regular` (values over a range) and `irregular` (values at wavelengths).
+    fn tabulated(&mut self, object: ObjectId) -> Result<SpectrumValue, String> {
+        if let Some(Raw::Spectrum(s)) = self.graph.take(object, "value").map(|p| p.value) {
+            return Ok(s);
+        }
+        let range = ["lambda_min", "lambda_max", "wavelength_min", "wavelength_max"].map(|n| self.float(object, n));
+        let listed = self.string(object, "values").ok_or("a tabulated spectrum needs 'values'")?;
+        let listed = values::numbers(&listed)?;
+        let lambdas = if self.plugin(object) == "regular" {
+            let (low, high) = (range[0].or(range[2]), range[1].or(range[3]));
+            let (low, high) = low.zip(high).ok_or("a regular spectrum needs 'wavelength_min' and 'wavelength_max'")?;
+            let step = (high - low) / listed.len().saturating_sub(1).max(1) as f64;
+            (0..listed.len()).map(|i| low + step * i as f64).collect()
+        } else {
+            values::numbers(&self.string(object, "wavelengths").ok_or("an irregular spectrum needs 'wavelengths'")?)?
+        };
+        if lambdas.len() != listed.len() {
+            return Err(format!("{} wavelengths, but {} values", lambdas.len(), listed.len()));
+        }
+        values::sampled(&lambdas.into_iter().zip(listed).collect::<Vec<_>>())
+    }
+
+    /// D65 times a colour, a texture or nothing. Emission already means multiples of D65.
+    fn d65(&mut self, object: ObjectId) -> Option<Value> {
+        let scale = self.float(object, "scale").unwrap_or(1.0);
+        if let Some((_, inner)) = self.graph.children(object, Category::Texture).into_iter().next() {
+            let inner = self.texture(inner, Role::Emission)?;
+            return if scale == 1.0 { Some(inner) } else { Some(Value::Node(self.scaled(object, inner, scale))) };
+        }
+        match self.graph.take(object, "color").map(|p| p.value) {
+            Some(Raw::Rgb(c)) => Some(rgb(c.map(|v| v * scale))),
+            Some(_) => {
+                self.error(self.value_span(object, "color"), "'color' needs an <rgb> value");
+                None
+            }
+            None => Some(rgb([scale; 3])),
+        }
+    }
+
+    /// A texture times a number.
+    pub fn scaled(&mut self, object: ObjectId, texture: Value, scale: f64) -> NodeId {
+        let node = Node::new(Family::Texture, "scale", Some(self.span(object)));
+        self.desc.add(node.with("texture", texture).with("scale", scale))
+    }
+
+    /// A volume where a constant is needed: that of `constvolume`, else the volume under its own name.
+    fn volume(&mut self, object: ObjectId, role: Role) -> Option<Value> {
+        match self.plugin(object) {
+            "constvolume" => {
+                if !self.enter(object) {
+                    return None;
+                }
+                let value = self.spectral(object, "value", role).map(|(v, _)| v);
+                self.ignore(object, &["to_world"]);
+                self.leave();
+                value
+            }
+            _ if self.is_known(object) => {
+                self.once(object, false, |r| r.verbatim(object, Family::Texture)).map(Value::Node)
+            }
+            _ => {
+                self.unknown_plugin(object);
+                None
+            }
+        }
+    }
+}

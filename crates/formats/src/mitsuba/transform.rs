@@ -1,0 +1,96 @@
+//! The operations inside `<transform>`.
+
+use super::{parse::Attr, values};
+use steradian_math::{DVec3, Transform};
+use steradian_scene::{Span, names};
+
+/// Their element names.
+pub(super) const OPERATIONS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
+
+type Fault = (Option<Span>, String);
+
+/// A vector from the attributes `x`, `y`, `z` (each `missing` where absent) or from `value` (one or three numbers).
+pub(super) fn vector(attributes: &[Attr<'_>], missing: f64) -> Result<[f64; 3], String> {
+    let find = |name: &str| attributes.iter().find(|a| a.name == name);
+    let parts = ["x", "y", "z"].map(find);
+    match find("value") {
+        Some(_) if parts.iter().any(Option::is_some) => Err("'value' excludes 'x', 'y' and 'z'".into()),
+        Some(value) => values::triple(&value.value),
+        None => {
+            let part = |i: usize| parts[i].map_or(Ok(missing), |a: &Attr<'_>| values::number(&a.value));
+            Ok([part(0)?, part(1)?, part(2)?])
+        }
+    }
+}
+
+/// The map that one operation stands for, or what is wrong with it and where.
+pub(super) fn operation(tag: &str, attributes: &[Attr<'_>], legacy: bool) -> Result<Transform, Fault> {
+    let tag = if legacy && tag == "lookAt" { "lookat" } else { tag };
+    let (known, needed): (&[&str], &[&str]) = match tag {
+        "translate" | "scale" => (&["x", "y", "z", "value"], &[]),
+        "rotate" => (&["x", "y", "z", "value", "angle"], &["angle"]),
+        "lookat" => (&["origin", "target", "up"], &["origin", "target"]),
+        "matrix" => (&["value"], &["value"]),
+        _ => {
+            let help = names::did_you_mean(tag, OPERATIONS).map(|h| format!(", {h}")).unwrap_or_default();
+            return Err((None, format!("<{tag}> is no operation of a transform{help}")));
+        }
+    };
+    if let Some(a) = attributes.iter().find(|a| !known.contains(&a.name)) {
+        return Err((Some(a.name_span), format!("<{tag}> has no attribute '{}'", a.name)));
+    }
+    if let Some(n) = needed.iter().find(|n| !attributes.iter().any(|a| a.name == **n)) {
+        return Err((None, format!("<{tag}> needs the attribute '{n}'")));
+    }
+    let find = |name: &str| attributes.iter().find(|a| a.name == name);
+    let located = |name: &str, message: String| -> Fault { (find(name).map(|a| a.value_span), message) };
+    let xyz = |missing: f64| {
+        let first = attributes.iter().find(|a| ["value", "x", "y", "z"].contains(&a.name));
+        vector(attributes, missing).map(DVec3::from).map_err(|e| (first.map(|a| a.value_span), e))
+    };
+    match tag {
+        "translate" => Ok(Transform::translate(xyz(0.0)?)),
+        "scale" => {
+            let factors = xyz(1.0)?;
+            if factors.x == 0.0 || factors.y == 0.0 || factors.z == 0.0 {
+                return Err((attributes.first().map(|a| a.value_span), "a scale of zero cannot be undone".into()));
+            }
+            Ok(Transform::scale(factors))
+        }
+        "rotate" => {
+            let axis = xyz(0.0)?;
+            if axis == DVec3::ZERO {
+                return Err((None, "the axis of the rotation is zero".into()));
+            }
+            let angle = find("angle").map_or(Ok(0.0), |a| values::number(&a.value));
+            Ok(Transform::rotate(axis, angle.map_err(|e| located("angle", e))?.to_radians()))
+        }
+        "lookat" => {
+            let point = |name: &str| -> Result<DVec3, Fault> {
+                let text = find(name).map_or("0 0 0", |a| &a.value);
+                match values::numbers(text).map_err(|e| located(name, e))?[..] {
+                    [x, y, z] => Ok(DVec3::new(x, y, z)),
+                    ref other => Err(located(name, format!("'{name}' needs three numbers, not {}", other.len()))),
+                }
+            };
+            let (origin, target) = (point("origin")?, point("target")?);
+            let mut up = point("up")?;
+            if up == DVec3::ZERO {
+                let forward = (target - origin).try_normalize();
+                up = forward
+                    .ok_or_else(|| located("target", "'origin' and 'target' are the same point".into()))?
+                    .any_orthonormal_vector();
+            }
+            let fault = || located("target", "'target' equals 'origin', or 'up' is parallel to the view".into());
+            Transform::look_at(origin, target, up).ok_or_else(fault)
+        }
+        _ => {
+            let value = find("value").map_or("", |a| &a.value);
+            let matrix = values::matrix(value).map_err(|e| located("value", e))?;
+            if matrix.inverse().is_none() {
+                return Err(located("value", "the matrix cannot be inverted".into()));
+            }
+            Ok(matrix)
+        }
+    }
+}

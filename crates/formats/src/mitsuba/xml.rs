@@ -1,0 +1,120 @@
+//! From bytes to an XML tree: the checks that come before parsing, and the places of what is wrong.
+
+use std::ops::Range;
+
+/// What is wrong with an XML text, and where.
+#[derive(Debug, PartialEq)]
+pub(super) struct Fault {
+    pub at: Range<usize>,
+    pub message: String,
+}
+
+/// The text of an XML file: UTF-8, perhaps with a byte order mark, which is kept so that offsets stay those of the file.
+pub(super) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(Fault { at: 0..2, message: "the file is encoded in UTF-16; only UTF-8 is read".into() });
+    }
+    std::str::from_utf8(bytes).map_err(|e| {
+        let at = e.valid_up_to();
+        Fault { at: at..at + e.error_len().unwrap_or(1), message: "the file is not valid UTF-8".into() }
+    })
+}
+
+/// Refuses what would make parsing costly: elements nested deeper than `limit`, and document type declarations (whose entities
+/// can grow without bound). One pass over the bytes; anything else that is malformed is left to the parser.
+pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
+    let bytes = text.as_bytes();
+    let find = |from: usize, what: &str| text.get(from..).and_then(|t| t.find(what)).map(|i| from + i + what.len());
+    let (mut at, mut depth) = (0, 0usize);
+    while let Some(open) = bytes[at..].iter().position(|&b| b == b'<').map(|i| at + i) {
+        let rest = &bytes[open + 1..];
+        let end = if rest.starts_with(b"!--") {
+            find(open + 4, "-->")
+        } else if rest.starts_with(b"![CDATA[") {
+            find(open + 9, "]]>")
+        } else if rest.starts_with(b"?") {
+            find(open + 2, "?>")
+        } else if rest.starts_with(b"!") {
+            let message = "document type declarations are not read".into();
+            return Err(Fault { at: open..(open + 9).min(bytes.len()), message });
+        } else {
+            tag_end(bytes, open + 1).inspect(|&end| {
+                if rest.starts_with(b"/") {
+                    depth = depth.saturating_sub(1);
+                } else if bytes[end - 2] != b'/' {
+                    depth += 1;
+                }
+            })
+        };
+        if depth > limit {
+            return Err(Fault { at: open..open + 1, message: format!("elements nest deeper than {limit} levels") });
+        }
+        let Some(end) = end else { return Ok(()) };
+        at = end;
+    }
+    Ok(())
+}
+
+/// One past the `>` that closes a tag, skipping quoted attribute values.
+fn tag_end(bytes: &[u8], from: usize) -> Option<usize> {
+    let mut quote = None;
+    for (i, &b) in bytes.iter().enumerate().skip(from) {
+        match quote {
+            Some(q) if b == q => quote = None,
+            Some(_) => {}
+            None if b == b'"' || b == b'\'' => quote = Some(b),
+            None if b == b'>' => return Some(i + 1),
+            None => {}
+        }
+    }
+    None
+}
+
+/// Parses a text that passed [`precheck`].
+pub(super) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
+    roxmltree::Document::parse(text).map_err(|e| {
+        let pos = e.pos();
+        let at = offset(text, pos.row, pos.col);
+        let mut message = e.to_string();
+        if let Some(i) = message.rfind(" at ") {
+            message.truncate(i);
+        }
+        Fault { at: at..at + 1, message: format!("this is not well-formed XML: {message}") }
+    })
+}
+
+/// The byte at a line and column, both counted from 1, columns in characters.
+fn offset(text: &str, row: u32, column: u32) -> usize {
+    let line_start: usize = text.split_inclusive('\n').take(row.saturating_sub(1) as usize).map(str::len).sum();
+    let line = &text[line_start..];
+    let in_line = line.char_indices().nth(column.saturating_sub(1) as usize).map_or(line.len(), |(i, _)| i);
+    (line_start + in_line).min(text.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nesting_is_counted_and_bounded() {
+        assert_eq!(precheck("<a><b/><!-- <c> --><c x='>'><d y=\"/>\"></d></c></a>", 3), Ok(()));
+        let fault = precheck("<a><b/><c x='>'><d></d></c></a>", 2).unwrap_err();
+        assert_eq!(fault.at, 16..17);
+        let deep = "<a>".repeat(200_000);
+        assert!(precheck(&deep, 10_000).unwrap_err().message.contains("10000"));
+    }
+
+    #[test]
+    fn document_types_are_refused() {
+        let bomb = "<!DOCTYPE x [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]><scene>&b;</scene>";
+        assert_eq!(precheck(bomb, 10).unwrap_err().at, 0..9);
+    }
+
+    #[test]
+    fn malformed_text_is_located() {
+        assert_eq!(parse("<a>\n  <b>\n</a>").unwrap_err().at, 10..11);
+        assert!(parse("<a>").is_err());
+        assert_eq!(decode(b"<a>\xff</a>").unwrap_err().at, 3..4);
+        assert_eq!(offset("é\nßx", 2, 2), 5);
+    }
+}
