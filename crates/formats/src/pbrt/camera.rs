@@ -1,0 +1,96 @@
+//! `Camera`.
+
+use super::{build::Build, dict::Dict, param::Type, scene::Scene, state::NameRef};
+use steradian_scene::{Family, NodeId, Transform, names};
+
+const KINDS: [&str; 4] = ["perspective", "orthographic", "spherical", "realistic"];
+
+/// Translates the camera; `ctm` takes the world to camera space.
+pub(super) fn translate(scene: &mut Scene, dict: &Dict, ctm: Transform, medium: Option<&NameRef>) -> Option<NodeId> {
+    let given = dict.kind.as_str();
+    if !KINDS.contains(&given) {
+        let help = names::did_you_mean(given, KINDS);
+        scene.report.error_help(dict.span, format!("unknown camera '{given}'"), help);
+        return None;
+    }
+    let kind = if given == "realistic" { "perspective" } else { given };
+    let mut b = Build::new(scene, dict, Family::Camera, kind);
+    let Some(to_world) = ctm.inverse() else {
+        b.scene.report.error(dict.span, "the transform in force at the camera cannot be inverted");
+        return None;
+    };
+    b.set("to_world", to_world);
+    match given {
+        "perspective" => {
+            b.positive("fov", "fov", 90.0);
+            if b.node.float("fov").is_some_and(|v| v >= 180.0) {
+                b.error("fov", "parameter 'fov' must be below 180 degrees");
+            }
+            b.set("fov_axis", "smaller");
+            lens(&mut b);
+            window(&mut b);
+        }
+        "orthographic" => {
+            lens(&mut b);
+            window(&mut b);
+        }
+        "spherical" => {
+            let mappings = [("equalarea", "equalarea"), ("equirectangular", "equirectangular")];
+            b.choice("mapping", "mapping", &mappings, "equalarea");
+            // Read as pbrt does, but without effect on a camera that sees all directions.
+            for ignored in ["lensradius", "focaldistance", "frameaspectratio"] {
+                b.dict.float(&mut b.scene.report, ignored);
+            }
+            b.dict.floats(&mut b.scene.report, "screenwindow", Type::Float);
+        }
+        _ => realistic(&mut b),
+    }
+    for (from, to, default) in [("shutteropen", "shutter_open", 0.0), ("shutterclose", "shutter_close", 1.0)] {
+        b.float(from, to, default);
+    }
+    if exposure(&b) <= 0.0 {
+        b.error("shutterclose", "the shutter closes before it opens");
+    }
+    let id = b.finish();
+    if let Some(medium) = medium {
+        scene.set_medium_later(id, medium.clone());
+    }
+    Some(id)
+}
+
+fn exposure(b: &Build) -> f64 {
+    b.node.float("shutter_close").unwrap_or(1.0) - b.node.float("shutter_open").unwrap_or(0.0)
+}
+
+fn lens(b: &mut Build) {
+    b.float("lensradius", "lens_radius", 0.0);
+    b.positive("focaldistance", "focal_distance", 1e6);
+    if b.node.float("lens_radius").is_some_and(|r| r < 0.0) {
+        b.error("lensradius", "parameter 'lensradius' must not be below 0");
+    }
+}
+
+/// The part of the image plane that is seen.
+fn window(b: &mut Build) {
+    b.positive("frameaspectratio", "frame_aspect", None);
+    let Some(w) = b.dict.floats(&mut b.scene.report, "screenwindow", Type::Float) else { return };
+    match *w {
+        [x0, x1, y0, y1] if x0 < x1 && y0 < y1 => b.set("screen_window", w.to_vec()),
+        [_, _, _, _] => b.error("screenwindow", "the screen window is empty; its order is x0 x1 y0 y1"),
+        _ => b.error("screenwindow", format!("a screen window has four numbers, found {}", w.len())),
+    }
+}
+
+/// A camera of lens elements: stood in for by a pinhole with the field of view of a normal lens.
+fn realistic(b: &mut Build) {
+    let span = b.span();
+    b.scene
+        .report
+        .approximated(span, "camera 'realistic' is rendered as 'perspective' with a field of view of 40 degrees");
+    b.dict.text(&mut b.scene.report, "lensfile");
+    b.dict.text(&mut b.scene.report, "aperture");
+    b.dict.float(&mut b.scene.report, "aperturediameter");
+    b.dict.float(&mut b.scene.report, "focusdistance");
+    b.set("fov", 40.0);
+    b.set("fov_axis", "smaller");
+}

@@ -1,0 +1,91 @@
+//! Diagnostics with the sources they point into, bounded in time as well as in number.
+
+use std::collections::HashSet;
+use steradian_scene::{Diagnostic, Diagnostics, Severity, Sources, Span};
+
+/// Collects messages while a scene is read.
+///
+/// Finding the line of a span costs a pass over the file, so messages over the caps of [`Diagnostics`] are counted but not located:
+/// a million faults in a large file must not take a million passes.
+#[derive(Debug, Default)]
+pub(super) struct Report {
+    pub sources: Sources,
+    pub diagnostics: Diagnostics,
+    others: usize,
+    said: HashSet<String>,
+}
+
+impl Report {
+    /// Whether reading should stop.
+    pub fn is_full(&self) -> bool {
+        self.diagnostics.is_full()
+    }
+
+    pub fn error(&mut self, span: Span, message: impl Into<String>) {
+        self.error_help(span, message, None);
+    }
+
+    pub fn error_help(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
+        if self.is_full() {
+            self.count(Severity::Error, message.into());
+        } else {
+            self.diagnostics.error_help(&self.sources, Some(span), message, help);
+        }
+    }
+
+    /// An error about the scene as a whole.
+    pub fn error_nowhere(&mut self, message: impl Into<String>) {
+        self.diagnostics.error(&self.sources, None, message);
+    }
+
+    pub fn warn(&mut self, span: Span, message: impl Into<String>) {
+        match self.others_fit() {
+            true => self.diagnostics.warn(&self.sources, Some(span), message),
+            false => self.count(Severity::Warning, message.into()),
+        }
+    }
+
+    pub fn note(&mut self, span: Span, message: impl Into<String>) {
+        match self.others_fit() {
+            true => self.diagnostics.note(&self.sources, Some(span), message),
+            false => self.count(Severity::Note, message.into()),
+        }
+    }
+
+    pub fn unused(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
+        match self.others_fit() {
+            true => self.diagnostics.unused(&self.sources, Some(span), message, help),
+            false => self.count(Severity::Warning, message.into()),
+        }
+    }
+
+    /// Reports a stand-in, once for all places where the same message holds.
+    pub fn approximated(&mut self, span: Span, message: impl Into<String>) {
+        let message = message.into();
+        if self.first_time(&message) {
+            self.diagnostics.approximated(&self.sources, Some(span), message);
+        }
+    }
+
+    /// Reports something left out, once for all places where the same message holds.
+    pub fn dropped(&mut self, span: Span, message: impl Into<String>) {
+        let message = message.into();
+        if self.first_time(&message) {
+            self.diagnostics.dropped(&self.sources, Some(span), message);
+        }
+    }
+
+    /// Whether this is said for the first time; for messages that would otherwise repeat all over a file.
+    pub fn first_time(&mut self, message: &str) -> bool {
+        self.said.len() < Diagnostics::MAX_OTHERS && self.said.insert(message.to_string())
+    }
+
+    fn others_fit(&mut self) -> bool {
+        self.others += 1;
+        self.others <= Diagnostics::MAX_OTHERS
+    }
+
+    fn count(&mut self, severity: Severity, message: String) {
+        self.diagnostics.push(Diagnostic { severity, fidelity: None, message, location: None, help: None });
+    }
+}

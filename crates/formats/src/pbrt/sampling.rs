@@ -1,0 +1,134 @@
+//! `Sampler`, `Integrator` and `Accelerator`.
+
+use super::{build::Build, dict::Dict, param::Type, scene::Scene};
+use steradian_scene::{Family, NodeId, names};
+
+const SAMPLERS: [&str; 7] = ["zsobol", "sobol", "paddedsobol", "halton", "pmj02bn", "independent", "stratified"];
+
+/// Translates the sampler; `seed` is that of `Option "seed"`.
+pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Option<NodeId> {
+    let given = dict.kind.as_str();
+    let kind = match given {
+        "independent" | "stratified" | "sobol" => given,
+        "zsobol" | "paddedsobol" | "halton" | "pmj02bn" => "sobol",
+        _ => {
+            let help = match given {
+                "lowdiscrepancy" | "02sequence" => Some(format!("'{given}' is of pbrt-v3; use 'paddedsobol'")),
+                "random" => Some("'random' is of pbrt-v3; use 'independent'".into()),
+                "maxmindist" => Some("'maxmindist' is of pbrt-v3; use 'pmj02bn'".into()),
+                _ => names::did_you_mean(given, SAMPLERS),
+            };
+            scene.report.error_help(dict.span, format!("unknown sampler '{given}'"), help);
+            return None;
+        }
+    };
+    if !matches!(given, "sobol" | "independent" | "stratified" | "zsobol") {
+        scene.report.note(dict.span, format!("sampler '{given}' is rendered as 'sobol'; only the noise differs"));
+    }
+    let mut b = Build::new(scene, dict, Family::Sampler, kind);
+    if kind == "stratified" {
+        let [x, y] = ["xsamples", "ysamples"].map(|n| b.dict.int(&mut b.scene.report, n).unwrap_or(4));
+        b.set("samples", i64::from(x) * i64::from(y));
+        if x <= 0 || y <= 0 {
+            b.error(if x <= 0 { "xsamples" } else { "ysamples" }, "the number of samples must be above 0");
+        }
+        if b.dict.bool(&mut b.scene.report, "jitter") == Some(false) {
+            let span = b.dict.span_of("jitter");
+            b.scene.report.note(span, "samples are jittered all the same");
+        }
+    } else {
+        b.int("pixelsamples", "samples", if kind == "independent" { 4 } else { 16 });
+        if b.node.int("samples").is_none_or(|n| n <= 0) {
+            b.error("pixelsamples", "the number of samples must be above 0");
+        }
+        if given != "independent" && given != "pmj02bn" {
+            b.dict.text(&mut b.scene.report, "randomization");
+        }
+    }
+    b.int("seed", "seed", seed.unwrap_or(0));
+    Some(b.finish())
+}
+
+/// Translates the integrator.
+pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
+    let given = dict.kind.as_str();
+    let (kind, others): (&str, &[(&'static str, Type)]) = match given {
+        "path" => ("path", &[("lightsampler", Type::String)]),
+        "volpath" => ("volpath", &[("lightsampler", Type::String)]),
+        "simplepath" => ("path", &[("samplelights", Type::Bool), ("samplebsdf", Type::Bool)]),
+        "simplevolpath" => ("volpath", &[]),
+        "randomwalk" => ("path", &[]),
+        "lightpath" => ("path", &[]),
+        "bdpt" => ("volpath", &[("visualizestrategies", Type::Bool), ("visualizeweights", Type::Bool)]),
+        "mlt" => (
+            "volpath",
+            &[
+                ("bootstrapsamples", Type::Integer),
+                ("chains", Type::Integer),
+                ("mutationsperpixel", Type::Integer),
+                ("largestepprobability", Type::Float),
+                ("sigma", Type::Float),
+            ],
+        ),
+        "sppm" => ("path", &[("photonsperiteration", Type::Integer), ("radius", Type::Float), ("seed", Type::Integer)]),
+        "ambientocclusion" => ("path", &[("cossample", Type::Bool), ("maxdistance", Type::Float)]),
+        "function" => (
+            "path",
+            &[
+                ("function", Type::String),
+                ("filename", Type::String),
+                ("skipbad", Type::Bool),
+                ("imagefilename", Type::String),
+            ],
+        ),
+        _ => {
+            const KINDS: [&str; 11] = [
+                "path",
+                "volpath",
+                "simplepath",
+                "simplevolpath",
+                "randomwalk",
+                "lightpath",
+                "bdpt",
+                "mlt",
+                "sppm",
+                "ambientocclusion",
+                "function",
+            ];
+            let help = match given {
+                "directlighting" | "whitted" => Some(format!("'{given}' is of pbrt-v3; pbrt-v4 has 'path'")),
+                _ => names::did_you_mean(given, KINDS),
+            };
+            scene.report.error_help(dict.span, format!("unknown integrator '{given}'"), help);
+            return None;
+        }
+    };
+    // These estimate the same light as a path tracer, by simpler means.
+    let same_light = matches!(given, "path" | "volpath" | "simplepath" | "simplevolpath");
+    if !same_light {
+        scene.report.approximated(dict.span, format!("integrator '{given}' is rendered as '{kind}'"));
+    }
+    let mut b = Build::new(scene, dict, Family::Integrator, kind);
+    b.int("maxdepth", "max_depth", 5);
+    if b.node.int("max_depth").is_some_and(|n| n < 0) {
+        b.error("maxdepth", "parameter 'maxdepth' must not be below 0");
+    }
+    for &(name, ty) in others {
+        b.dict.find(&mut b.scene.report, name, &[ty]);
+    }
+    if b.dict.bool(&mut b.scene.report, "regularize") == Some(true) {
+        let span = b.dict.span_of("regularize");
+        b.scene.report.approximated(span, "paths are not regularized");
+    }
+    Some(b.finish())
+}
+
+/// Any accelerator gives the same picture, so its parameters are taken as read.
+pub(super) fn accelerator(scene: &mut Scene, dict: &Dict) {
+    const KINDS: [&str; 2] = ["bvh", "kdtree"];
+    dict.ignore_all();
+    if !KINDS.contains(&dict.kind.as_str()) {
+        let help = names::did_you_mean(&dict.kind, KINDS);
+        scene.report.unused(dict.span, format!("unknown accelerator '{}'", dict.kind), help);
+    }
+}
