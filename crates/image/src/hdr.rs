@@ -187,14 +187,15 @@ fn rgbe_decode([r, g, b, e]: [u8; 4]) -> [f32; 3] {
     if e == 0 {
         return [0.0; 3];
     }
-    // In two steps: 2^(e−136) alone may be below the smallest normal number.
-    let scale = f32::from_bits(u32::from(e.max(1)) << 23);
-    [r, g, b].map(|m| f32::from(m) * (1.0 / 512.0) * scale)
+    // 2^(e − 136), written as the bits of a double: 1023 is the bias of its exponent.
+    let scale = f64::from_bits((u64::from(e) + 1023 - 136) << 52);
+    [r, g, b].map(|m| (f64::from(m) * scale) as f32)
 }
 
 /// The RGBE pixel nearest to a colour. Negative values and NaN become 0, values beyond the format's range its largest.
 pub(crate) fn rgbe_encode(rgb: [f32; 3]) -> [u8; 4] {
-    let rgb = rgb.map(|v| f64::from(if v > 0.0 { v.min(1.7e38) } else { 0.0 }));
+    let most = 255.0 * 119f64.exp2();
+    let rgb = rgb.map(|v| if v > 0.0 { f64::from(v).min(most) } else { 0.0 });
     let largest = rgb[0].max(rgb[1]).max(rgb[2]);
     if largest < 1e-38 {
         return [0; 4];

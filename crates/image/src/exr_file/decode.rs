@@ -1,8 +1,10 @@
 //! EXR pixels: every part's channels in one picture, at full resolution.
 
-use super::header;
+use super::{b44, chroma, header};
 use crate::{Encoding, Error, FileKind, Image, Limits, Metadata, Result, TexelData, Texels, Value, Window};
 use exr::block::chunk::{Chunk, CompressedBlock};
+use exr::compression::Compression;
+use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use half::f16;
@@ -128,8 +130,14 @@ fn decode(bytes: &[u8], limits: &Limits) -> Result<Picture> {
 }
 
 fn decode_checked(bytes: &[u8], limits: &Limits) -> Result<Picture> {
-    let reader = exr::block::read(std::io::Cursor::new(bytes), false).map_err(explain)?;
-    let meta = reader.meta_data().clone();
+    let header::Normalized { bytes: plain, steps } = header::normalized(bytes)?;
+    let reader = exr::block::read(std::io::Cursor::new(&plain[..]), false).map_err(explain)?;
+    let mut meta = reader.meta_data().clone();
+    for (part, steps) in meta.headers.iter_mut().zip(&steps) {
+        for (channel, &[x, y]) in part.channels.list.iter_mut().zip(steps) {
+            channel.sampling = Vec2(x as usize, y as usize);
+        }
+    }
     let headers = &meta.headers;
     let Some(first) = headers.first() else { return Err(Error::malformed(KIND, "no parts")) };
 
@@ -165,6 +173,7 @@ fn decode_checked(bytes: &[u8], limits: &Limits) -> Result<Picture> {
             place(&block, part, own, window.min, width)?;
         }
     }
+    to_full_resolution(&mut planes, headers, width);
     Ok(Picture {
         width,
         height: height as usize,
@@ -173,6 +182,27 @@ fn decode_checked(bytes: &[u8], limits: &Limits) -> Result<Picture> {
         planes,
         metadata: metadata(first),
     })
+}
+
+/// Fills subsampled channels, and turns luminance and chroma into colours.
+fn to_full_resolution(planes: &mut [(String, Plane)], headers: &[Header], width: usize) {
+    let steps = headers.iter().flat_map(|part| part.channels.list.iter().map(|c| [c.sampling.x(), c.sampling.y()]));
+    for ((_, plane), step) in planes.iter_mut().zip(steps).filter(|(_, step)| *step != [1, 1]) {
+        let mut values = std::mem::replace(plane, Plane::Uint(Vec::new())).into_f32();
+        chroma::upsample(&mut values, width, step);
+        *plane = Plane::Float(values);
+    }
+    let find = |name: &str| planes.iter().position(|(n, _)| n == name);
+    let (Some(y), Some(ry), Some(by), None) = (find("Y"), find("RY"), find("BY"), find("R")) else { return };
+    let mut values = [y, ry, by].map(|i| std::mem::replace(&mut planes[i].1, Plane::Uint(Vec::new())).into_f32());
+    let [luma, red, blue] = &mut values;
+    chroma::to_rgb(luma, red, blue, headers[0].shared_attributes.chromaticities);
+    for ((index, name), plane) in [(ry, "R"), (y, "G"), (by, "B")].into_iter().zip({
+        let [g, r, b] = values;
+        [r, g, b]
+    }) {
+        planes[index] = (name.into(), Plane::Float(plane));
+    }
 }
 
 /// A decompressed block of the full-resolution level.
@@ -204,16 +234,17 @@ fn decompress(chunk: Chunk, headers: &[Header]) -> Result<Option<Block>> {
     // The decoder reckons a block as area × bytes per pixel, without subsampling; it is told the average of this very block.
     let area = rect.size.area();
     let expected: usize = block_lines(&rect, header).map(|line| line.bytes).sum();
-    let data = if expected == area * header.channels.bytes_per_pixel {
-        header.compression.decompress_image_section_from_le(header, stored, rect, false)
+    let data = if matches!(header.compression, Compression::B44 | Compression::B44A) {
+        b44::decompress(&stored, &rect, header)?
+    } else if expected == area * header.channels.bytes_per_pixel {
+        header.compression.decompress_image_section_from_le(header, stored, rect, false).map_err(explain)?
     } else if area != 0 && expected.is_multiple_of(area) {
         let mut reckoned = header.clone();
         reckoned.channels.bytes_per_pixel = expected / area;
-        header.compression.decompress_image_section_from_le(&reckoned, stored, rect, false)
+        header.compression.decompress_image_section_from_le(&reckoned, stored, rect, false).map_err(explain)?
     } else {
         return Err(Error::unsupported(KIND, "this pattern of subsampled channels"));
     };
-    let data = data.map_err(explain)?;
     if data.len() != expected {
         return Err(bad("a block has the wrong size"));
     }
@@ -221,16 +252,16 @@ fn decompress(chunk: Chunk, headers: &[Header]) -> Result<Option<Block>> {
 }
 
 /// The samples of one channel in one row of a block.
-struct Line {
-    channel: usize,
+pub(super) struct Line {
+    pub channel: usize,
     /// Row in the part.
     y: usize,
     step: [usize; 2],
-    bytes: usize,
+    pub bytes: usize,
 }
 
 /// The lines of a block in stored order: row by row, channel by channel; a subsampled channel is in every `step`-th row.
-fn block_lines<'a>(rect: &IntegerBounds, header: &'a Header) -> impl Iterator<Item = Line> + 'a {
+pub(super) fn block_lines<'a>(rect: &IntegerBounds, header: &'a Header) -> impl Iterator<Item = Line> + 'a {
     let (top, width, height) = (rect.position.y().max(0) as usize, rect.size.x(), rect.size.y());
     (top..top + height).flat_map(move |y| {
         header.channels.list.iter().enumerate().filter_map(move |(channel, description)| {
@@ -281,7 +312,7 @@ fn union(a: Window, b: Window) -> Window {
 
 /// The attributes that say something about the picture, sorted by name; those that describe the storage are left out.
 fn metadata(header: &Header) -> Metadata {
-    const STORAGE: [&[u8]; 4] = [b"name", b"type", b"version", b"chunkCount"];
+    const STORAGE: [&[u8]; 5] = [b"name", b"type", b"Type", b"version", b"chunkCount"];
     let mut metadata = Metadata::default();
     for (name, value) in header.all_named_attributes() {
         let join = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(" ");
@@ -290,7 +321,7 @@ fn metadata(header: &Header) -> Metadata {
             AttributeValue::FloatVec2(v) => name == b"screenWindowCenter" && (v.x(), v.y()) == (0.0, 0.0),
             _ => false,
         };
-        if default_value || STORAGE.contains(&&name[..]) {
+        if default_value || STORAGE.contains(&name) {
             continue;
         }
         let value = match value {

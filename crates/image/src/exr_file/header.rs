@@ -6,6 +6,7 @@
 
 use crate::limits::within;
 use crate::{Error, FileKind, Limits, Result};
+use std::borrow::Cow;
 
 const KIND: FileKind = FileKind::Exr;
 const FLAG_TILED: u32 = 0x200;
@@ -81,6 +82,36 @@ pub(super) fn check(bytes: &[u8], limits: &Limits) -> Result<()> {
     Ok(())
 }
 
+/// A file that was made acceptable to the decoder.
+pub(super) struct Normalized<'a> {
+    pub bytes: Cow<'a, [u8]>,
+    /// Sampling steps in x and y, per part and channel.
+    pub steps: Vec<Vec<[u32; 2]>>,
+}
+
+/// The file in the form that the decoder's own header check lets pass, and the true sampling steps per part and channel: every
+/// channel is declared at full resolution, and a single part has no `type`, which would overrule the flag that counts (files exist
+/// in which they contradict each other). The pixel data are as they were.
+pub(super) fn normalized(bytes: &[u8]) -> Result<Normalized<'_>> {
+    let mut patched = Cow::Borrowed(bytes);
+    let mut steps = Vec::new();
+    let multipart = Cursor { bytes, at: 4 }.u32()? & FLAG_MULTIPART != 0;
+    for part in attributes(bytes)? {
+        if let Some(kind) = part.iter().find(|a| a.name == b"type" && !multipart) {
+            patched.to_mut()[kind.span.start..][..4].copy_from_slice(b"Type");
+        }
+        let Some(list) = part.iter().find(|a| a.name == b"channels") else { continue };
+        let start = list.span.end - list.value.len();
+        let channels = channel_list(list.value)?;
+        for channel in channels.iter().filter(|c| c.step != [1, 1]) {
+            let at = start + channel.step_at;
+            patched.to_mut()[at..at + 8].copy_from_slice(&[1, 0, 0, 0, 1, 0, 0, 0]);
+        }
+        steps.push(channels.iter().map(|c| c.step).collect());
+    }
+    Ok(Normalized { bytes: patched, steps })
+}
+
 /// What decoding a part takes.
 struct PartCost {
     width: u64,
@@ -118,7 +149,7 @@ impl PartCost {
         // Bytes of a pixel, in quarters and finer for subsampled channels: counted in f64, far from its limits.
         let pixel_bytes: f64 =
             list.iter().map(|c| c.bytes as f64 / (f64::from(c.step[0]) * f64::from(c.step[1]))).sum();
-        let tiled = version & FLAG_TILED != 0 || kind == b"tiledimage";
+        let tiled = version & FLAG_TILED != 0 || (version & FLAG_MULTIPART != 0 && kind == b"tiledimage");
         let (block_pixels, blocks) = match find("tiles").filter(|_| tiled) {
             Some(value) => {
                 let mut tiles = Cursor { bytes: value, at: 0 };
@@ -132,6 +163,13 @@ impl PartCost {
         };
         if list.iter().any(|c| c.step != [1, 1]) && tiled {
             return Err(Error::malformed(KIND, "subsampled channels in a tiled image"));
+        }
+        let fits = |step: [u32; 2]| {
+            let [sx, sy] = step.map(i64::from);
+            x0 % sx == 0 && y0 % sy == 0 && (x1 - x0 + 1) % sx == 0 && (y1 - y0 + 1) % sy == 0
+        };
+        if !list.iter().all(|c| fits(c.step)) {
+            return Err(Error::malformed(KIND, "the data window is not a multiple of a channel's sampling"));
         }
         Ok(Self {
             width,
@@ -147,10 +185,11 @@ impl PartCost {
     }
 }
 
-/// A channel's sample size in bytes, and its sampling steps.
+/// A channel's sample size in bytes, its sampling steps, and where in the channel list these are.
 struct ChannelCost {
     bytes: u32,
     step: [u32; 2],
+    step_at: usize,
 }
 
 fn channel_list(value: &[u8]) -> Result<Vec<ChannelCost>> {
@@ -166,11 +205,12 @@ fn channel_list(value: &[u8]) -> Result<Vec<ChannelCost>> {
             other => return Err(Error::malformed(KIND, format!("sample type {other}"))),
         };
         cursor.take(4)?;
+        let step_at = cursor.at;
         let step = [cursor.u32()?, cursor.u32()?];
         if step.iter().any(|s| !(1..=1024).contains(s)) {
             return Err(Error::malformed(KIND, format!("channel sampling {}x{}", step[0], step[1])));
         }
-        list.push(ChannelCost { bytes, step });
+        list.push(ChannelCost { bytes, step, step_at });
     }
     if list.is_empty() {
         return Err(Error::malformed(KIND, "no channels"));

@@ -1,5 +1,7 @@
 //! OpenEXR files: our own header check, then the `exr` crate decodes and encodes the pixel blocks.
 
+mod b44;
+mod chroma;
 mod decode;
 mod encode;
 mod header;

@@ -233,3 +233,54 @@ fn hunt([l, a, b]: Colour) -> Colour {
 fn hyab(p: Colour, q: Colour) -> f32 {
     (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [usize; 2] = [96, 64];
+
+    /// Waves in red, a checkerboard in green, a sawtooth in blue.
+    fn pattern(shift: usize, gain: f32) -> Image {
+        let pixels: Vec<Colour> = (0..SIZE[0] * SIZE[1])
+            .map(|i| {
+                let (x, y) = (i % SIZE[0], i / SIZE[0]);
+                let red = 0.5 + 0.45 * (0.21 * (x + shift) as f32).sin() * (0.13 * y as f32).cos();
+                let green = ((x / 8 + y / 8) % 2) as f32 * 0.6 * gain + 0.1;
+                let blue = ((x * 7 + y * 13) % 32) as f32 / 32.0 * gain;
+                [red, green, blue]
+            })
+            .collect();
+        Image::from_rgb(SIZE[0], SIZE[1], &pixels).unwrap()
+    }
+
+    /// The numbers are those of the authors' own program (`flip-evaluator` 1.7, LDR, linear input) on the same pictures.
+    #[test]
+    fn agrees_with_the_authors_program() {
+        for (shift, gain, ppd, expected) in [
+            (1, 1.0, DEFAULT_PIXELS_PER_DEGREE, 0.110_857_494),
+            (1, 1.0, 30.0, 0.107_490_748),
+            (0, 0.9, DEFAULT_PIXELS_PER_DEGREE, 0.189_546_064),
+            (0, 0.9, 30.0, 0.190_156_922),
+            (3, 0.5, DEFAULT_PIXELS_PER_DEGREE, 0.614_546_418),
+            (3, 0.5, 30.0, 0.618_891_418),
+        ] {
+            let seen = flip(&pattern(shift, gain), &pattern(0, 1.0), ppd).unwrap();
+            assert!((seen - expected).abs() < 2e-4, "shift {shift}, gain {gain}, {ppd}: {seen}, expected {expected}");
+        }
+        let flat = |v: f32| Image::from_rgb(SIZE[0], SIZE[1], &[[v; 3]; SIZE[0] * SIZE[1]]).unwrap();
+        let black_to_white = flip(&flat(1.0), &flat(0.0), DEFAULT_PIXELS_PER_DEGREE).unwrap();
+        assert!((black_to_white - 0.967_325_21).abs() < 2e-4, "{black_to_white}");
+    }
+
+    #[test]
+    fn equal_pictures_and_bad_input() {
+        let a = pattern(0, 1.0);
+        assert_eq!(flip(&a, &a, DEFAULT_PIXELS_PER_DEGREE).unwrap(), 0.0);
+        let nan = Image::from_rgb(1, 1, &[[f32::NAN, f32::INFINITY, -1.0]]).unwrap();
+        let black = Image::from_rgb(1, 1, &[[0.0, 1.0, 0.0]]).unwrap();
+        assert_eq!(flip(&nan, &black, DEFAULT_PIXELS_PER_DEGREE).unwrap(), 0.0);
+        assert!(flip(&a, &nan, DEFAULT_PIXELS_PER_DEGREE).is_err());
+        assert!(flip(&a, &a, 0.0).is_err() && flip(&a, &a, f32::NAN).is_err());
+    }
+}

@@ -1,0 +1,148 @@
+//! Small files that claim to be huge are refused at once, by name.
+
+use std::time::{Duration, Instant};
+use steradian_image::{Error, FileKind, Image, Limits, WriteOptions, encode, read_bytes, read_texels_bytes};
+
+/// Expects a clean refusal because of size, quickly.
+fn refused(what: &str, bytes: &[u8]) {
+    let start = Instant::now();
+    for result in [
+        read_bytes(bytes, None, &Limits::default()).map(|_| ()),
+        read_texels_bytes(bytes, None, &Limits::default()).map(|_| ()),
+    ] {
+        match result {
+            Err(Error::Limit { .. } | Error::TooShort { .. } | Error::Malformed { .. }) => {}
+            other => panic!("{what}: {other:?}"),
+        }
+    }
+    assert!(start.elapsed() < Duration::from_secs(1), "{what} took {:?}", start.elapsed());
+}
+
+/// A small EXR file with bytes of one attribute's value replaced.
+fn exr_with(name: &str, at: usize, value: &[u8]) -> Vec<u8> {
+    let image = Image::from_rgb(4, 4, &[[0.5; 3]; 16]).unwrap();
+    let mut bytes = encode(FileKind::Exr, &image, &WriteOptions::default()).unwrap();
+    let key = format!("{name}\0");
+    let start = bytes.windows(key.len()).position(|w| w == key.as_bytes()).unwrap() + key.len();
+    let type_length = bytes[start..].iter().position(|&b| b == 0).unwrap() + 1;
+    let value_at = start + type_length + 4 + at;
+    bytes[value_at..value_at + value.len()].copy_from_slice(value);
+    bytes
+}
+
+#[test]
+fn exr_windows() {
+    let corner = |x: i32, y: i32| [x.to_le_bytes(), y.to_le_bytes()].concat();
+    refused("2,000,000²", &exr_with("dataWindow", 8, &corner(1_999_999, 1_999_999)));
+    refused("wide", &exr_with("dataWindow", 8, &corner(i32::MAX, 3)));
+    refused("tall", &exr_with("dataWindow", 8, &corner(3, i32::MAX)));
+    refused("10,000²", &exr_with("dataWindow", 8, &corner(9999, 9999)));
+    refused("negative", &exr_with("dataWindow", 8, &corner(-5, -5)));
+    refused(
+        "whole range",
+        &exr_with("dataWindow", 0, &[corner(i32::MIN, i32::MIN), corner(i32::MAX, i32::MAX)].concat()),
+    );
+    refused("sampling", &exr_with("channels", 2 + 8, &[0xff; 8]));
+    refused("attribute size", &{
+        let mut bytes = exr_with("dataWindow", 0, &[]);
+        let at = bytes.windows(6).position(|w| w == b"chlist").unwrap() + 7;
+        bytes[at..at + 4].copy_from_slice(&0x7fff_ffffu32.to_le_bytes());
+        bytes
+    });
+}
+
+#[test]
+fn exr_compression_by_another_name() {
+    for code in [10, 11, 12, 255] {
+        let bytes = exr_with("compression", 0, &[code]);
+        let result = read_bytes(&bytes, None, &Limits::default());
+        assert!(matches!(result, Err(Error::Unsupported { .. } | Error::Malformed { .. })), "{code}");
+    }
+}
+
+#[test]
+fn exr_tiles() {
+    // A scan-line file with the tile flag lacks its tile description.
+    let mut bytes = exr_with("compression", 0, &[]);
+    bytes[5] |= 2;
+    assert!(read_bytes(&bytes, None, &Limits::default()).is_err());
+}
+
+#[test]
+fn png_claims() {
+    let image = Image::from_rgb(4, 4, &[[0.5; 3]; 16]).unwrap();
+    let mut bytes = encode(FileKind::Png, &image, &WriteOptions::default()).unwrap();
+    bytes[16..20].copy_from_slice(&100_000u32.to_be_bytes());
+    bytes[20..24].copy_from_slice(&100_000u32.to_be_bytes());
+    refused("wrong checksum", &bytes);
+    let mut crc = flate2::Crc::new();
+    crc.update(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&crc.sum().to_be_bytes());
+    refused("right checksum", &bytes);
+}
+
+#[test]
+fn text_header_claims() {
+    refused("ppm 10⁹", b"P6\n1000000000 1000000000\n255\nxxx");
+    refused("ppm text", b"P3\n16000 16000\n255\n1 2 3");
+    refused("ppm number", b"P6\n99999999999999999999999 1\n255\nxxx");
+    refused("ppm max", b"P6\n#MAX=nan\n1 1\n255\nxxx");
+    refused("pfm", b"PF\n1000000000 1000000000\n-1.0\n");
+    refused("pfm small", b"PF\n10000 10000\n-1.0\n0000");
+    refused("pfm scale", b"PF\n1 1\n0\n000000000000");
+    refused("hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000 +X 1000000\n\x02\x02\x01\x01");
+    refused("hdr flat", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000 +X 16000\nabcd");
+    refused("hdr runs", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10 +X 4\nabcd\x01\x01\x01\xff\x01\x01\x01\xff");
+    refused("hdr zero run", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02\x00\x08\x00\x00\x00\x00");
+    refused("hdr empty", b"#?RADIANCE\n\n-Y 0 +X 0\n");
+}
+
+#[test]
+fn photo_claims() {
+    let image = Image::from_rgb(4, 4, &[[0.5; 3]; 16]).unwrap();
+    let mut bytes = encode(FileKind::Jpeg, &image, &WriteOptions::default()).unwrap();
+    let frame = bytes.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+    bytes[frame + 5..frame + 9].copy_from_slice(&[0xff; 4]);
+    refused("jpeg", &bytes);
+
+    let mut bmp = vec![0u8; 60];
+    bmp[..2].copy_from_slice(b"BM");
+    bmp[10] = 54;
+    bmp[14] = 40;
+    bmp[18..22].copy_from_slice(&1_000_000i32.to_le_bytes());
+    bmp[22..26].copy_from_slice(&1_000_000i32.to_le_bytes());
+    (bmp[26], bmp[28]) = (1, 24);
+    refused("bmp", &bmp);
+
+    let mut tga = vec![0u8; 18];
+    tga[2] = 2;
+    tga[12..16].fill(0xff);
+    tga[16] = 24;
+    let result = read_bytes(&tga, Some("a.tga".as_ref()), &Limits::default());
+    assert!(matches!(result, Err(Error::TooShort { .. } | Error::Limit { .. })), "{result:?}");
+}
+
+#[test]
+fn own_limits_are_obeyed() {
+    let image = Image::from_rgb(64, 64, &[[0.5; 3]; 4096]).unwrap();
+    for kind in [FileKind::Exr, FileKind::Png, FileKind::Jpeg, FileKind::Hdr, FileKind::Pfm, FileKind::Pnm] {
+        let bytes = encode(kind, &image, &WriteOptions::default()).unwrap();
+        assert!(read_bytes(&bytes, None, &Limits::default()).is_ok(), "{kind}");
+        for limits in [Limits { pixels: 4095, ..Limits::default() }, Limits { bytes: 4096, ..Limits::default() }] {
+            assert!(matches!(read_bytes(&bytes, None, &limits), Err(Error::Limit { .. })), "{kind} {limits:?}");
+        }
+    }
+    let bytes = encode(FileKind::Exr, &image, &WriteOptions::default()).unwrap();
+    let limits = Limits { channels: 2, ..Limits::default() };
+    assert!(matches!(read_bytes(&bytes, None, &limits), Err(Error::Limit { .. })));
+}
+
+#[test]
+fn nothing_and_nonsense() {
+    for bytes in [&b""[..], b"P", b"#?", b"BM", b"\x89PNG\r\n\x1a\n", b"\x76\x2f\x31\x01", b"\xff\xd8\xff", b"hello"] {
+        assert!(read_bytes(bytes, None, &Limits::default()).is_err());
+        assert!(read_bytes(bytes, Some("x.tga".as_ref()), &Limits::default()).is_err());
+    }
+    let result = read_bytes(b"hello", Some("x.txt".as_ref()), &Limits::default());
+    assert!(matches!(result, Err(Error::UnknownFormat)));
+}
