@@ -12,6 +12,7 @@ pub mod distribution;
 pub mod error;
 pub mod frame;
 pub mod hash;
+pub mod intersect;
 pub mod ray;
 pub mod sobol;
 pub mod spectra;

@@ -1,0 +1,108 @@
+//! Where rays meet surfaces, in closed form (M54–M57, M60).
+//!
+//! Rays and results are `f32`, the arithmetic between is `f64`: products of two `f32` are exact there, so nothing cancels that the
+//! input does not already leave open. Directions need not be of unit length. Functions that return one distance count hits in the
+//! ray's open interval `(0, t_max)`; those that return two roots return both of the whole line, in order, and [`nearest`] picks.
+
+mod plane;
+mod polygon;
+mod quadric;
+mod sphere;
+mod triangle;
+
+pub use plane::{ParametricHit, plane, plane_parametric, plane_point_normal};
+pub use polygon::{FillRule, Polygon, is_inside, winding_number};
+pub use quadric::{Quadric, ellipsoid, paraboloid};
+pub use sphere::sphere;
+pub use triangle::{TriangleHit, triangle};
+
+use crate::Ray;
+
+/// The real roots `t0 ≤ t1` of `a t² + b t + c`, without cancellation; the one root twice where `a` is zero, `None` where there is
+/// no root or every number is one.
+#[inline]
+pub fn quadratic(a: f32, b: f32, c: f32) -> Option<(f32, f32)> {
+    let [t0, t1] = roots(f64::from(a), 0.5 * f64::from(b), f64::from(c))?;
+    Some((t0 as f32, t1 as f32))
+}
+
+/// Ordered roots of `a t² + 2h t + c`.
+#[inline]
+pub(crate) fn roots(a: f64, h: f64, c: f64) -> Option<[f64; 2]> {
+    roots_with_discriminant(a, h, c, h * h - a * c)
+}
+
+/// Ordered roots of `a t² + 2h t + c`, whose discriminant `h² − a c` the caller knows, perhaps better than that difference.
+#[inline]
+pub(crate) fn roots_with_discriminant(a: f64, h: f64, c: f64, discriminant: f64) -> Option<[f64; 2]> {
+    if a == 0.0 {
+        let t = -0.5 * c / h;
+        return (h != 0.0 && t.is_finite()).then_some([t, t]);
+    }
+    if discriminant < 0.0 || discriminant.is_nan() {
+        return None;
+    }
+    // The sum of numbers of one sign gives the root of larger size, the product of the roots gives the other.
+    let q = -(h + discriminant.sqrt().copysign(h));
+    let (t0, t1) = (q / a, if q == 0.0 { 0.0 } else { c / q });
+    Some(if t0 <= t1 { [t0, t1] } else { [t1, t0] })
+}
+
+/// The smaller of two ordered roots that lies in `(0, t_max)`; from inside, that is the far one.
+#[inline]
+pub fn nearest(roots: [f32; 2], t_max: f32) -> Option<f32> {
+    roots.into_iter().find(|&t| t > 0.0 && t < t_max)
+}
+
+/// The distance as `f32` where it lies in the ray's interval.
+#[inline]
+fn within(t: f64, ray: &Ray) -> Option<f32> {
+    let t = t as f32;
+    (t > 0.0 && t < ray.t_max).then_some(t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hash::HashRng;
+
+    #[test]
+    fn quadratic_finds_the_roots_it_was_made_from() {
+        let mut rng = HashRng::new(1);
+        for _ in 0..10_000 {
+            let mut n = || (rng.next_f32() - 0.5) * 2000.0;
+            let (x, y, a) = (n().round(), n().round(), n().round());
+            if a == 0.0 {
+                continue;
+            }
+            // Small integers keep the coefficients exact enough: the roots must come back.
+            let (x, y) = (x.min(y) / 8.0, x.max(y) / 8.0);
+            let (b, c) = (-(x + y), x * y);
+            let (t0, t1) = quadratic(1.0, b, c).expect("real roots");
+            let close = |t: f32, r: f32| (t - r).abs() <= 2e-3 * r.abs().max(1.0) || (t - r).abs() < 0.05;
+            assert!(t0 <= t1 && close(t0, x) && close(t1, y), "{x} {y}: {t0} {t1}");
+        }
+    }
+
+    #[test]
+    fn quadratic_keeps_the_small_root() {
+        // x² − 10⁴x + 1: the textbook formula in f32 gives 0 for the small root 1.00000001e-4.
+        let (t0, t1) = quadratic(1.0, -1e4, 1.0).expect("real roots");
+        assert!((t0 / 1e-4 - 1.0).abs() < 1e-6 && (t1 / 1e4 - 1.0).abs() < 1e-6);
+        assert_eq!(quadratic(0.0, 2.0, -6.0), Some((3.0, 3.0)));
+        assert_eq!(quadratic(1.0, 0.0, 0.0), Some((0.0, 0.0)));
+        assert_eq!(quadratic(1.0, 0.0, -4.0), Some((-2.0, 2.0)));
+        assert_eq!(quadratic(-1.0, 0.0, 4.0), Some((-2.0, 2.0)));
+        for (a, b, c) in [(1.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (f32::NAN, 1.0, 1.0)] {
+            assert_eq!(quadratic(a, b, c), None);
+        }
+    }
+
+    #[test]
+    fn nearest_skips_what_lies_behind_or_beyond() {
+        assert_eq!(nearest([1.0, 2.0], f32::INFINITY), Some(1.0));
+        assert_eq!(nearest([-1.0, 2.0], f32::INFINITY), Some(2.0));
+        assert_eq!(nearest([-1.0, 2.0], 1.5), None);
+        assert_eq!(nearest([-2.0, -1.0], f32::INFINITY), None);
+    }
+}
