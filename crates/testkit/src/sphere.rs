@@ -27,13 +27,14 @@ impl SphereGrid {
 
     /// The integral of `density` over each cell, by adaptive quadrature.
     ///
-    /// Each cell is divided until two levels agree within `tolerance` (absolute, per cell) or 4⁹ parts are reached.
+    /// Each cell is first cut into 16 parts, then divided until two levels agree within `tolerance` (absolute, per cell) or
+    /// 4⁹ parts are reached. Features much smaller than a 64th of a cell can be missed.
     pub fn integrate(&self, density: impl Fn(Vec3) -> f64, tolerance: f64) -> Vec<f64> {
         let (dz, dphi) = (2.0 / self.bands as f64, 2.0 * PI / self.sectors as f64);
         (0..self.cells())
             .map(|i| {
                 let (z, phi) = ((i / self.sectors) as f64 * dz - 1.0, (i % self.sectors) as f64 * dphi);
-                integrate_patch(&density, [z, z + dz], [phi, phi + dphi], tolerance, 9)
+                integrate_patch(&density, [z, z + dz], [phi, phi + dphi], tolerance, 0)
             })
             .collect()
     }
@@ -58,9 +59,11 @@ fn gauss(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2]) -> f64 {
     (at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1)) * 0.25 * (z[1] - z[0]) * (phi[1] - phi[0])
 }
 
-/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ. `depth` bounds the
-/// recursion.
-fn integrate_patch(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64, depth: u32) -> f64 {
+/// Levels of division that are always made, and that are made at most.
+const LEVELS: (u32, u32) = (2, 9);
+
+/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ.
+fn integrate_patch(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64, level: u32) -> f64 {
     let whole = gauss(f, z, phi);
     let (zm, pm) = (0.5 * (z[0] + z[1]), 0.5 * (phi[0] + phi[1]));
     let quarters = [
@@ -70,10 +73,10 @@ fn integrate_patch(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], toleran
         ([zm, z[1]], [pm, phi[1]]),
     ];
     let parts: f64 = quarters.iter().map(|q| gauss(f, q.0, q.1)).sum();
-    if depth == 0 || (parts - whole).abs() < tolerance {
+    if level >= LEVELS.1 || (level >= LEVELS.0 && (parts - whole).abs() < tolerance) {
         return parts;
     }
-    quarters.iter().map(|q| integrate_patch(f, q.0, q.1, tolerance * 0.25, depth - 1)).sum()
+    quarters.iter().map(|q| integrate_patch(f, q.0, q.1, tolerance * 0.25, level + 1)).sum()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Metals (M81, M92): mirror reflection tinted by the Fresnel equations of a complex index `η − ik`, from a smooth surface or
 //! from microfacets, `f = F D G₂ / (4 cosθ_o cosθ_i)` (Torrance & Sparrow 1967; Walter et al. 2007, eq. 20).
 
+use super::microfacet::Facet;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, fresnel};
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -38,10 +39,11 @@ impl Conductor {
         if wo.z <= 0.0 || self.microfacet.is_smooth() {
             return BsdfEval::ZERO;
         }
-        match self.microfacet.reflecting(wo, wi) {
-            Some(f) => BsdfEval { value: self.reflectance(f.cos_o) * f.value, pdf: f.pdf },
-            None => BsdfEval::ZERO,
-        }
+        self.microfacet.reflecting(wo, wi).map_or(BsdfEval::ZERO, |facet| self.of(facet))
+    }
+
+    fn of(&self, facet: Facet) -> BsdfEval {
+        BsdfEval { value: self.reflectance(facet.cos_o) * facet.value, pdf: facet.pdf }
     }
 
     pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
@@ -57,9 +59,10 @@ impl Conductor {
                 eta: 1.0,
             });
         }
-        let wi = fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2));
-        let e = self.eval(wo, wi);
-        (e.pdf > 0.0).then(|| BsdfSample {
+        let m = self.microfacet.sample_visible(wo, u2);
+        let wi = fresnel::reflect(wo, m);
+        let e = self.of(self.microfacet.reflecting_at(m, wo, wi)?);
+        Some(BsdfSample {
             wi,
             weight: e.value / e.pdf,
             pdf: e.pdf,

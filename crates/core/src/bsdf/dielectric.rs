@@ -2,6 +2,7 @@
 //! surface or at microfacets (Walter et al. 2007, eqs. 20 and 21). Refraction into a denser medium compresses radiance by
 //! `(η_t/η_i)²`, so radiance that is followed backwards is divided by it.
 
+use super::microfacet::Facet;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, TransportMode, fresnel};
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -45,22 +46,30 @@ impl Dielectric {
         if self.is_specular() {
             return BsdfEval::ZERO;
         }
-        self.eval_rough(wo, wi, mode).unwrap_or(BsdfEval::ZERO)
+        let e = if wo.z * wi.z > 0.0 {
+            self.microfacet.reflecting(wo, wi).and_then(|facet| {
+                let f = fresnel::dielectric(facet.cos_o, self.eta);
+                Some(self.reflected(facet, f, self.reflection_probability(f)?))
+            })
+        } else {
+            let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
+            self.microfacet.refracting(wo, wi, eta).and_then(|facet| {
+                let f = fresnel::dielectric(facet.cos_o, self.eta);
+                Some(self.transmitted(facet, f, self.reflection_probability(f)?, eta, mode))
+            })
+        };
+        e.unwrap_or(BsdfEval::ZERO)
     }
 
-    fn eval_rough(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Option<BsdfEval> {
-        if wo.z * wi.z > 0.0 {
-            let facet = self.microfacet.reflecting(wo, wi)?;
-            let f = fresnel::dielectric(facet.cos_o, self.eta);
-            let p = self.reflection_probability(f)?;
-            return Some(BsdfEval { value: self.reflectance * (f * facet.value), pdf: p * facet.pdf });
-        }
-        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
-        let facet = self.microfacet.refracting(wo, wi, eta)?;
-        let f = fresnel::dielectric(facet.cos_o, self.eta);
-        let p = 1.0 - self.reflection_probability(f)?;
+    /// What a facet reflects that reflects the fraction `f` and is sampled to do so with probability `p`.
+    fn reflected(&self, facet: Facet, f: f32, p: f32) -> BsdfEval {
+        BsdfEval { value: self.reflectance * (f * facet.value), pdf: p * facet.pdf }
+    }
+
+    /// What such a facet transmits.
+    fn transmitted(&self, facet: Facet, f: f32, p: f32, eta: f32, mode: TransportMode) -> BsdfEval {
         let value = (1.0 - f) * facet.value * mode.compression(eta);
-        Some(BsdfEval { value: self.transmittance * value, pdf: p * facet.pdf })
+        BsdfEval { value: self.transmittance * value, pdf: (1.0 - p) * facet.pdf }
     }
 
     pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
@@ -71,18 +80,17 @@ impl Dielectric {
             return self.sample_smooth(wo, u, mode);
         }
         let m = self.microfacet.sample_visible(wo, u2);
-        let p = self.reflection_probability(fresnel::dielectric(wo.dot(m), self.eta))?;
-        let (wi, eta, side) = if u < p {
-            (fresnel::reflect(wo, m), 1.0, Lobe::REFLECTION)
+        let f = fresnel::dielectric(wo.dot(m), self.eta);
+        let p = self.reflection_probability(f)?;
+        // A direction on the wrong side of the surface has met a second facet: not modelled, black.
+        let (wi, e, eta, side) = if u < p {
+            let wi = fresnel::reflect(wo, m);
+            (wi, self.reflected(self.microfacet.reflecting_at(m, wo, wi)?, f, p), 1.0, Lobe::REFLECTION)
         } else {
             let (wi, eta) = fresnel::refract(wo, m, self.eta)?;
-            (wi, eta, Lobe::TRANSMISSION)
+            let facet = self.microfacet.refracting_at(m, wo, wi, eta)?;
+            (wi, self.transmitted(facet, f, p, eta, mode), eta, Lobe::TRANSMISSION)
         };
-        // A direction on the wrong side of the surface has hit a second facet: not modelled, black.
-        if (wo.z * wi.z > 0.0) == side.is_transmission() {
-            return None;
-        }
-        let e = self.eval_rough(wo, wi, mode)?;
         (e.pdf > 0.0).then(|| BsdfSample {
             wi,
             weight: e.value / e.pdf,

@@ -68,9 +68,8 @@ impl Microfacet {
     /// A surface of roughness `alpha_x` along the tangent and `alpha_y` along the bitangent, each in `[0, 16]` (clamped;
     /// NaN counts as 0). Where only one of them is smaller than 10⁻⁴ it is raised to that.
     pub fn new(distribution: NormalDistribution, shadowing: Shadowing, alpha_x: f32, alpha_y: f32) -> Self {
-        // `max` before `min`: NaN becomes 0.
-        let mut m =
-            Self { alpha_x: alpha_x.max(0.0).min(16.0), alpha_y: alpha_y.max(0.0).min(16.0), distribution, shadowing };
+        let in_range = |alpha: f32| if alpha > 0.0 { alpha.min(16.0) } else { 0.0 };
+        let mut m = Self { alpha_x: in_range(alpha_x), alpha_y: in_range(alpha_y), distribution, shadowing };
         if !m.is_smooth() {
             m.alpha_x = m.alpha_x.max(1e-4);
             m.alpha_y = m.alpha_y.max(1e-4);
@@ -178,36 +177,54 @@ impl Microfacet {
         Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6)).normalize_or(Vec3::Z)
     }
 
-    /// The facet that mirrors `wi` into `wo`: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
+    /// The facet that mirrors `wi` into `wo`; both must be on one side.
     #[inline]
     pub(super) fn reflecting(&self, wo: Vec3, wi: Vec3) -> Option<Facet> {
         if wo.z * wi.z <= 0.0 {
             return None;
         }
-        let m = upper(wo + wi)?;
-        let d4 = self.d(m) / (4.0 * wo.z.abs());
-        let (lambda_o, lambda_i) = (self.lambda(wo), self.lambda(wi));
-        finite(Facet { cos_o: wo.dot(m), value: d4 * self.g2_from(lambda_o, lambda_i), pdf: d4 / (1.0 + lambda_o) })
+        self.reflecting_at(upper(wo + wi)?, wo, wi)
     }
 
-    /// The facet that refracts `wi` into `wo` (Walter et al. 2007, eq. 21), for the transport of importance; `eta = η_t/η_i`
-    /// from the side of `wo` to the side of `wi`.
+    /// Reflection by the facet `m`: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
+    #[inline]
+    pub(super) fn reflecting_at(&self, m: Vec3, wo: Vec3, wi: Vec3) -> Option<Facet> {
+        if wo.z * wi.z <= 0.0 {
+            return None;
+        }
+        self.facet(wo, wi, wo.dot(m), self.d(m) / (4.0 * wo.z.abs()))
+    }
+
+    /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo` to the
+    /// side of `wi`.
     #[inline]
     pub(super) fn refracting(&self, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
         if wo.z * wi.z >= 0.0 {
             return None;
         }
-        let m = upper(wo + eta * wi)?;
+        self.refracting_at(upper(wo + eta * wi)?, wo, wi, eta)
+    }
+
+    /// Refraction by the facet `m` (Walter et al. 2007, eq. 21), for the transport of importance.
+    #[inline]
+    pub(super) fn refracting_at(&self, m: Vec3, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
         let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
         // A facet cannot be seen from behind.
-        if cos_o * wo.z <= 0.0 || cos_i * wi.z <= 0.0 {
+        if wo.z * wi.z >= 0.0 || cos_o * wo.z <= 0.0 || cos_i * wi.z <= 0.0 {
             return None;
         }
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
-        let visible = self.d(m) * cos_o.abs() * jacobian / wo.z.abs();
+        self.facet(wo, wi, cos_o, self.d(m) * cos_o.abs() * jacobian / wo.z.abs())
+    }
+
+    /// The facet whose visible density, but for masking, is `unmasked`; a density that vanishes or overflows (a grazing
+    /// direction) carries nothing.
+    #[inline]
+    fn facet(&self, wo: Vec3, wi: Vec3, cos_o: f32, unmasked: f32) -> Option<Facet> {
         let (lambda_o, lambda_i) = (self.lambda(wo), self.lambda(wi));
-        finite(Facet { cos_o, value: visible * self.g2_from(lambda_o, lambda_i), pdf: visible / (1.0 + lambda_o) })
+        let (value, pdf) = (unmasked * self.g2_from(lambda_o, lambda_i), unmasked / (1.0 + lambda_o));
+        (pdf > 0.0 && pdf.is_finite() && value.is_finite()).then_some(Facet { cos_o, value, pdf })
     }
 }
 
@@ -216,10 +233,4 @@ impl Microfacet {
 fn upper(v: Vec3) -> Option<Vec3> {
     let m = v.try_normalize()?;
     Some(if m.z < 0.0 { -m } else { m })
-}
-
-/// A facet whose density vanishes or overflows (a grazing direction) carries nothing.
-#[inline]
-fn finite(f: Facet) -> Option<Facet> {
-    (f.pdf > 0.0 && f.pdf.is_finite() && f.value.is_finite()).then_some(f)
 }

@@ -19,7 +19,11 @@ pub mod fresnel;
 mod gaussian;
 #[cfg(test)]
 mod laws;
+#[cfg(test)]
+mod layered_walk;
 pub mod microfacet;
+#[cfg(test)]
+mod reference_values;
 pub mod registry;
 pub mod thin_dielectric;
 mod visible_normals;

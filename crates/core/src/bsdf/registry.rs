@@ -13,7 +13,7 @@ pub struct Model {
     /// What it is, in a sentence.
     pub doc: &'static str,
     /// Hands each test case to the visitor.
-    pub cases: fn(&mut dyn FnMut(Case<'_>)),
+    pub cases: fn(&mut Visitor<'_>),
 }
 
 /// A value of a model that the laws of scattering are checked on.
@@ -25,6 +25,9 @@ pub struct Case<'a> {
     /// Whether it neither absorbs nor loses light, so that it is invisible in a white furnace.
     pub lossless: bool,
 }
+
+/// What is done with each case.
+pub type Visitor<'v> = dyn FnMut(Case<'_>) + 'v;
 
 /// All models.
 pub const MODELS: &[Model] = &[
@@ -38,14 +41,14 @@ pub const MODELS: &[Model] = &[
 
 const GREY: Spectrum = Spectrum::new([0.2, 0.5, 0.8, 0.4]);
 
-fn diffuse(visit: &mut dyn FnMut(Case<'_>)) {
+fn diffuse(visit: &mut Visitor<'_>) {
     let mut case =
         |label, reflectance, lossless| visit(Case { label, bsdf: Bsdf::Diffuse(Diffuse { reflectance }), lossless });
     case("coloured", GREY, false);
     case("white", Spectrum::ONE, true);
 }
 
-fn diffuse_transmission(visit: &mut dyn FnMut(Case<'_>)) {
+fn diffuse_transmission(visit: &mut Visitor<'_>) {
     let mut case = |label, reflectance, transmittance, lossless| {
         visit(Case {
             label,
@@ -58,7 +61,7 @@ fn diffuse_transmission(visit: &mut dyn FnMut(Case<'_>)) {
     case("transmits only", Spectrum::ZERO, GREY, false);
 }
 
-fn conductor(visit: &mut dyn FnMut(Case<'_>)) {
+fn conductor(visit: &mut Visitor<'_>) {
     use NormalDistribution::{Beckmann, Ggx};
     use Shadowing::{HeightCorrelated, Separable};
     let gold = |microfacet| Conductor {
@@ -81,7 +84,7 @@ fn conductor(visit: &mut dyn FnMut(Case<'_>)) {
     case("from reflectance", Conductor::from_reflectance(GREY, Microfacet::ggx(0.2, 0.2)), false);
 }
 
-fn dielectric(visit: &mut dyn FnMut(Case<'_>)) {
+fn dielectric(visit: &mut Visitor<'_>) {
     use NormalDistribution::{Beckmann, Ggx};
     use Shadowing::Separable;
     let mut case = |label, value, lossless| visit(Case { label, bsdf: Bsdf::Dielectric(value), lossless });
@@ -102,11 +105,11 @@ fn dielectric(visit: &mut dyn FnMut(Case<'_>)) {
     case("tinted", tinted, false);
 }
 
-fn thin_dielectric(visit: &mut dyn FnMut(Case<'_>)) {
+fn thin_dielectric(visit: &mut Visitor<'_>) {
     visit(Case { label: "pane", bsdf: Bsdf::ThinDielectric(ThinDielectric::new(1.5)), lossless: true });
 }
 
-fn coated(visit: &mut dyn FnMut(Case<'_>)) {
+fn coated(visit: &mut Visitor<'_>) {
     use NormalDistribution::{Beckmann, Ggx};
     use Shadowing::{HeightCorrelated, Separable};
     let pbrt = CoatSeries::Layered { thickness: 0.01, max_depth: 10 };

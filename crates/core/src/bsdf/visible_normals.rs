@@ -42,10 +42,10 @@ fn beckmann_slope(cot: f32, u: f32) -> f32 {
     let target = u.clamp(1e-6, 1.0 - 1e-6) * cumulative(hi, cot);
     // The solution at grazing incidence is known and is the hardest case.
     let mut x = (hi - (hi + 1.0) * erf((-u.clamp(1e-6, 1.0 - 1e-6).ln()).sqrt())).clamp(lo, hi);
+    let mut slope = erf_inv(x);
     for _ in 0..10 {
-        let s = erf_inv(x);
-        let excess = cumulative(x, s) - target;
-        if excess.abs() < 1e-6 * target {
+        let excess = cumulative(x, slope) - target;
+        if excess.abs() < 1e-5 * target + 2e-7 {
             break;
         }
         if excess > 0.0 {
@@ -53,8 +53,9 @@ fn beckmann_slope(cot: f32, u: f32) -> f32 {
         } else {
             lo = x;
         }
-        let next = x - excess / (1.0 - s * tan);
+        let next = x - excess / (1.0 - slope * tan);
         x = if next > lo && next < hi { next } else { 0.5 * (lo + hi) };
+        slope = erf_inv(x);
     }
-    erf_inv(x)
+    slope
 }
