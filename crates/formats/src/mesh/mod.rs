@@ -10,6 +10,7 @@ mod text;
 #[cfg(test)]
 mod test_files;
 
+pub mod model;
 pub mod mtl;
 pub mod obj;
 pub mod ply;

@@ -5,6 +5,7 @@ use super::{
     obj::Lines,
     text::{float, is_blank, shown, trim},
 };
+use steradian_scene::{FileId, Span};
 
 /// An image given for a quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +26,8 @@ pub struct Map {
     pub channel: Option<char>,
     /// Offset of the statement in the library.
     pub position: usize,
+    /// Where that is, once the library is one of the sources of a scene.
+    pub span: Option<Span>,
 }
 
 /// A material as the library gives it. What is `None` is not set.
@@ -34,6 +37,8 @@ pub struct Material {
     pub name: String,
     /// Offset of the `newmtl` in the library.
     pub position: usize,
+    /// Where that is, once the library is one of the sources of a scene.
+    pub span: Option<Span>,
     /// `Ka`: ambient reflectance.
     pub ambient: Option<[f32; 3]>,
     /// `Kd`: diffuse reflectance.
@@ -84,6 +89,34 @@ pub struct Material {
     pub roughness_map: Option<Map>,
     /// `map_Pm`
     pub metallic_map: Option<Map>,
+}
+
+impl Material {
+    /// All its images.
+    fn maps_mut(&mut self) -> impl Iterator<Item = &mut Map> {
+        [
+            &mut self.diffuse_map,
+            &mut self.specular_map,
+            &mut self.emission_map,
+            &mut self.opacity_map,
+            &mut self.shininess_map,
+            &mut self.bump_map,
+            &mut self.normal_map,
+            &mut self.displacement_map,
+            &mut self.roughness_map,
+            &mut self.metallic_map,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Fills in the spans, for messages about the material.
+    pub(crate) fn locate(&mut self, source: FileId) {
+        self.span = Some(Span::new(source, self.position, self.position + "newmtl ".len() + self.name.len()));
+        for map in self.maps_mut() {
+            map.span = Some(Span::new(source, map.position, map.position + 1));
+        }
+    }
 }
 
 /// Something in a library that was not understood.
@@ -294,20 +327,33 @@ mod tests {
         assert_eq!((a.name.as_str(), a.diffuse, a.specular), ("Red Shiny", Some([0.8, 0., 0.]), Some([0.5; 3])));
         assert_eq!((a.opacity, a.illum, a.ior, a.shininess), (Some(0.75), Some(4), Some(1.5), Some(200.)));
         let wood = a.diffuse_map.as_ref().unwrap();
-        assert_eq!((wood.file.as_str(), wood.scale, wood.offset, wood.clamp), ("my wood.png", [2., 3., 1.], [0.5, 0., 0.], true));
+        assert_eq!(
+            (wood.file.as_str(), wood.scale, wood.offset, wood.clamp),
+            ("my wood.png", [2., 3., 1.], [0.5, 0., 0.], true)
+        );
         assert_eq!((a.bump_map.as_ref().unwrap().bump, a.normal_map.as_ref().unwrap().file.as_str()), (0.2, "n.png"));
         assert_eq!(b.opacity, Some(0.5));
         let glow = b.emission_map.as_ref().unwrap();
         assert_eq!((glow.file.as_str(), glow.base_gain, glow.channel, glow.scale), ("7", [0., 2.], Some('r'), [1.; 3]));
         let remarks: Vec<_> = file.remarks.iter().map(|r| r.message.as_str()).collect();
-        let expected = ["'kd' stands before any 'newmtl'", "unknown statement 'bogus'", "'kd': 'x' is not a finite number", "'map_d' names no file"];
+        let expected = [
+            "'kd' stands before any 'newmtl'",
+            "unknown statement 'bogus'",
+            "'kd': 'x' is not a finite number",
+            "'map_d' names no file",
+        ];
         assert_eq!(remarks, expected);
     }
 
     #[test]
     fn real_libraries_read_without_remarks() {
         let Some(root) = assets() else { return };
-        for (name, count) in [("box_spaces.mtl", 12), ("concave_polygon.mtl", 1), ("cube_usemtl.mtl", 2), ("space_in_material_name.mtl", 1)] {
+        for (name, count) in [
+            ("box_spaces.mtl", 12),
+            ("concave_polygon.mtl", 1),
+            ("cube_usemtl.mtl", 2),
+            ("space_in_material_name.mtl", 1),
+        ] {
             let file = read(&std::fs::read(root.join("obj/assimp").join(name)).unwrap());
             assert_eq!((file.materials.len(), file.remarks.len()), (count, 0), "{name}: {:?}", file.remarks);
         }

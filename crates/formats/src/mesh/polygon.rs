@@ -243,14 +243,16 @@ mod tests {
         cut(&[[1.0; 3]; 9]);
         let line: Vec<[f32; 3]> = (0..9).map(|i| [i as f32, 0.0, 0.0]).collect();
         cut(&line);
-        let bow = [[0., 0., 0.], [1., 1., 0.], [1., 0., 0.], [0., 1., 0.], [2., 3., 1.], [0., -1., 5.], [0.3, 0.2, 0.1]];
+        let bow =
+            [[0., 0., 0.], [1., 1., 0.], [1., 0., 0.], [0., 1., 0.], [2., 3., 1.], [0., -1., 5.], [0.3, 0.2, 0.1]];
         cut(&bow);
         assert!(cut(&[[0.0; 3]; 2]).is_empty());
     }
 
     #[test]
     fn the_budget_stops_hostile_polygons() {
-        let comb: Vec<[f32; 3]> = (0..200_000).map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1e-3 * i as f32 }, 0.0]).collect();
+        let comb: Vec<[f32; 3]> =
+            (0..200_000).map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1e-3 * i as f32 }, 0.0]).collect();
         let mut t = Triangulator { budget: 1_000_000, ..Default::default() };
         assert_eq!(t.cut(comb.len(), |i| comb[i], |_| ()), Err(TooComplex));
     }

@@ -76,14 +76,19 @@ fn start_of(bytes: &[u8], shape_index: usize, version: u16) -> Result<usize, Mes
         return Err(MeshError::at_byte(Kind::Missing, count_at, message));
     }
     let width = if version == 4 { 8 } else { 4 };
-    let entry = (count - shape_index).checked_mul(width).and_then(|back| count_at.checked_sub(back)).ok_or_else(missing)?;
+    let entry =
+        (count - shape_index).checked_mul(width).and_then(|back| count_at.checked_sub(back)).ok_or_else(missing)?;
     let start = if version == 4 {
         u64::from_le_bytes(fixed(bytes, entry, "the table of meshes")?)
     } else {
         u64::from(u32::from_le_bytes(fixed(bytes, entry, "the table of meshes")?))
     };
     usize::try_from(start).ok().filter(|&s| s < entry).ok_or_else(|| {
-        MeshError::at_byte(Kind::Syntax, entry, format!("mesh {shape_index} is said to start at byte {start}, past the data"))
+        MeshError::at_byte(
+            Kind::Syntax,
+            entry,
+            format!("mesh {shape_index} is said to start at byte {start}, past the data"),
+        )
     })
 }
 
@@ -124,7 +129,11 @@ impl Stream<'_> {
             match self.number::<1>("the name")? {
                 [0] => return Ok(String::from_utf8_lossy(&name).into_owned()),
                 _ if name.len() == LONGEST => {
-                    return Err(MeshError::at_byte(Kind::TooLarge, self.at, format!("the name is longer than {LONGEST} bytes")));
+                    return Err(MeshError::at_byte(
+                        Kind::TooLarge,
+                        self.at,
+                        format!("the name is longer than {LONGEST} bytes"),
+                    ));
                 }
                 [b] => name.push(b),
             }
@@ -167,7 +176,11 @@ impl Stream<'_> {
         };
         if let Some(vertex) = values.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
             let offset = start + vertex * N * if double { 8 } else { 4 };
-            return Err(MeshError::at_byte(Kind::NotFinite, offset, format!("the {what} of vertex {vertex} is not a finite number")));
+            return Err(MeshError::at_byte(
+                Kind::NotFinite,
+                offset,
+                format!("the {what} of vertex {vertex} is not a finite number"),
+            ));
         }
         Ok(values)
     }
@@ -178,10 +191,12 @@ impl Stream<'_> {
         let vertices = self.count("the number of vertices")?;
         let triangles = self.count("the number of triangles")?;
         let (double, has) = (flags & DOUBLE != 0, |flag: u32| flags & flag != 0);
-        let lanes = 3 + 3 * usize::from(has(HAS_NORMALS)) + 2 * usize::from(has(HAS_UVS)) + 3 * usize::from(has(HAS_COLORS));
+        let lanes =
+            3 + 3 * usize::from(has(HAS_NORMALS)) + 2 * usize::from(has(HAS_UVS)) + 3 * usize::from(has(HAS_COLORS));
         let need = (vertices as u64) * (lanes as u64) * if double { 8 } else { 4 } + (triangles as u64) * 12;
         if need > self.most as u64 {
-            let message = format!("{vertices} vertices and {triangles} triangles take {need} bytes, more than the file can hold");
+            let message =
+                format!("{vertices} vertices and {triangles} triangles take {need} bytes, more than the file can hold");
             return Err(MeshError::at_byte(Kind::Truncated, self.at, message));
         }
 
@@ -200,7 +215,8 @@ impl Stream<'_> {
         mesh.triangles = self.groups(triangles, "the triangles", u32::from_le_bytes)?;
         if let Some(face) = mesh.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= vertices)) {
             let index = mesh.triangles[face].iter().max().copied().unwrap_or(0);
-            let message = format!("triangle {face} refers to vertex {index}, but there are {vertices} (0 is the first)");
+            let message =
+                format!("triangle {face} refers to vertex {index}, but there are {vertices} (0 is the first)");
             return Err(MeshError::at_byte(Kind::IndexOutOfRange, start + face * 12, message));
         }
         let face_normals = has(FACE_NORMALS);
@@ -208,5 +224,124 @@ impl Stream<'_> {
             mesh.normals = Vec::new();
         }
         Ok(SerializedMesh { name, mesh, face_normals })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_files::{assets, mutants};
+    use flate2::{Compression, write::ZlibEncoder};
+    use std::io::Write;
+
+    /// One mesh: a triangle with everything.
+    fn packed(version: u16, flags: u32, name: &str, counts: [u64; 2], indices: [u32; 3]) -> Vec<u8> {
+        let mut data = flags.to_le_bytes().to_vec();
+        if version == 4 {
+            data.extend(name.bytes().chain([0]));
+        }
+        counts.iter().for_each(|c| data.extend(c.to_le_bytes()));
+        let lanes = [(true, 9), (flags & HAS_NORMALS != 0, 9), (flags & HAS_UVS != 0, 6), (flags & HAS_COLORS != 0, 9)];
+        for i in 0..lanes.iter().filter(|l| l.0).map(|l| l.1).sum::<usize>() {
+            if flags & DOUBLE != 0 {
+                data.extend((i as f64).to_le_bytes());
+            } else {
+                data.extend((i as f32).to_le_bytes());
+            }
+        }
+        indices.iter().for_each(|i| data.extend(i.to_le_bytes()));
+        let mut zip = ZlibEncoder::new([MAGIC.to_le_bytes(), version.to_le_bytes()].concat(), Compression::default());
+        zip.write_all(&data).unwrap();
+        zip.finish().unwrap()
+    }
+
+    fn file(version: u16, meshes: &[Vec<u8>]) -> Vec<u8> {
+        let mut out = Vec::new();
+        let mut starts = Vec::new();
+        for m in meshes {
+            starts.push(out.len() as u64);
+            out.extend(m);
+        }
+        for s in starts {
+            let raw = s.to_le_bytes();
+            out.extend(&raw[..if version == 4 { 8 } else { 4 }]);
+        }
+        out.extend((meshes.len() as u32).to_le_bytes());
+        out
+    }
+
+    #[test]
+    fn real_files_read() {
+        let Some(root) = assets() else { return };
+        for (name, normals, uvs) in
+            [("rectangle_normals", 4, 0), ("rectangle_normals_uv", 4, 4), ("rectangle_uv", 0, 4)]
+        {
+            let bytes = std::fs::read(root.join(format!("mitsuba/tests/serialized/{name}.serialized"))).unwrap();
+            let m = read(&bytes, 0).unwrap().mesh;
+            m.validate().unwrap();
+            assert_eq!(
+                (m.positions.len(), m.triangles.len(), m.normals.len(), m.uvs.len()),
+                (4, 2, normals, uvs),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn all_versions_precisions_and_shapes_agree() {
+        let all = HAS_NORMALS | HAS_UVS | HAS_COLORS;
+        for (version, flags) in [(3, all), (4, all), (4, all | DOUBLE), (3, all | DOUBLE)] {
+            let meshes = [
+                packed(version, flags, "first", [3, 1], [0, 1, 2]),
+                packed(version, 0, "", [3, 1], [1, 1, 1]),
+                packed(version, flags | FACE_NORMALS, "third", [3, 1], [2, 1, 0]),
+            ];
+            let bytes = file(version, &meshes);
+            let first = read(&bytes, 0).unwrap();
+            first.mesh.validate().unwrap();
+            assert_eq!(first.name, if version == 4 { "first" } else { "" });
+            assert_eq!(first.mesh.positions[1], [3., 4., 5.]);
+            assert_eq!(first.mesh.normals[0], [9., 10., 11.]);
+            assert_eq!(first.mesh.uvs[2], [22., 23.]);
+            assert_eq!(first.mesh.attributes[0].data[..3], [24., 25., 26.]);
+            assert_eq!(read(&bytes, 1).unwrap().mesh.triangles, [[1, 1, 1]]);
+            let third = read(&bytes, 2).unwrap();
+            assert!(third.face_normals && third.mesh.normals.is_empty() && third.mesh.triangles == [[2, 1, 0]]);
+            let error = read(&bytes, 3).unwrap_err();
+            assert!(error.kind == Kind::Missing && error.message.contains("the file has 3"), "{error}");
+        }
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let good = file(4, &[packed(4, 0, "x", [3, 1], [0, 1, 2])]);
+        assert!(read(&good, 0).is_ok());
+        let mut version = good.clone();
+        version[2] = 5;
+        assert!(read(&version, 0).unwrap_err().to_string().contains("version 5"));
+        assert_eq!(read(b"\x1c\x05\x04\x00", 0).unwrap_err().kind, Kind::Syntax);
+        assert_eq!(read(&packed(4, 0, "x", [3, 1], [0, 1, 3]), 0).unwrap_err().kind, Kind::IndexOutOfRange);
+        assert_eq!(read(&packed(4, 0, "x", [4, 1], [0, 1, 2]), 0).unwrap_err().kind, Kind::Truncated);
+        for counts in [[4_000_000_000, 1], [3, 4_000_000_000], [u64::MAX, 1], [1 << 40, 1 << 40]] {
+            let started = std::time::Instant::now();
+            let error = read(&packed(4, 0, "x", counts, [0, 1, 2]), 0).unwrap_err();
+            assert!(matches!(error.kind, Kind::Truncated | Kind::TooLarge), "{error}");
+            assert!(started.elapsed().as_millis() < 100);
+        }
+    }
+
+    #[test]
+    fn truncations_and_mutants_neither_panic_nor_swell() {
+        let seed = file(4, &[packed(4, HAS_UVS, "a", [3, 1], [0, 1, 2]), packed(4, DOUBLE, "b", [3, 1], [0, 1, 2])]);
+        let check = |bytes: &[u8]| {
+            for index in [0, 1, 5] {
+                if let Ok(m) = read(bytes, index) {
+                    m.mesh.validate().unwrap();
+                    assert!(m.mesh.bytes() <= bytes.len() * MOST_PACKED);
+                }
+            }
+        };
+        (0..seed.len()).for_each(|end| check(&seed[..end]));
+        mutants(&seed, 10_000, check);
     }
 }

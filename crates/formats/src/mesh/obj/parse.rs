@@ -115,8 +115,8 @@ impl Parser<'_> {
             b"mtllib" => self.library(at, rest),
             b"p" => self.out.skipped.points += 1,
             b"l" => self.out.skipped.lines += 1,
-            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim" | b"hole"
-            | b"scrv" | b"sp" | b"end" | b"con" => self.out.skipped.free_form += 1,
+            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim"
+            | b"hole" | b"scrv" | b"sp" | b"end" | b"con" => self.out.skipped.free_form += 1,
             // Smoothing without normals, and attributes of display: nothing for us.
             b"s" | b"mg" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"ctech"
             | b"stech" | b"usemap" | b"maplib" | b"call" | b"csh" => {}
@@ -149,7 +149,13 @@ impl Parser<'_> {
             }
             match float(word) {
                 Some(v) if v.is_finite() => values[found] = v,
-                Some(_) => return Err(self.fault(Kind::NotFinite, at, format!("{what}: '{}' is not a finite number", shown(word)))),
+                Some(_) => {
+                    return Err(self.fault(
+                        Kind::NotFinite,
+                        at,
+                        format!("{what}: '{}' is not a finite number", shown(word)),
+                    ));
+                }
                 None => return Err(self.fault(Kind::Syntax, at, format!("{what}: '{}' is not a number", shown(word)))),
             }
             found += 1;
@@ -185,7 +191,13 @@ impl Parser<'_> {
         let next = self.out.parts.len();
         let index = *self.known.entry(names).or_insert_with_key(|n| {
             let (object, group, material) = (n.object.clone(), n.group.clone(), n.material.clone());
-            self.out.parts.push(Part { object, group, material, material_offset: self.material_offset, ..Part::default() });
+            self.out.parts.push(Part {
+                object,
+                group,
+                material,
+                material_offset: self.material_offset,
+                ..Part::default()
+            });
             next
         });
         self.current = Some(index);
@@ -213,7 +225,8 @@ impl Parser<'_> {
                 if digits {
                     *index = absolute(value, counts[k]).ok_or_else(|| {
                         const WHAT: [&str; 3] = ["vertex", "texture coordinate", "normal"];
-                        let message = format!("the face refers to {} {value}, but {} stand before it", WHAT[k], counts[k]);
+                        let message =
+                            format!("the face refers to {} {value}, but {} stand before it", WHAT[k], counts[k]);
                         MeshError::in_text(Kind::IndexOutOfRange, self.bytes, at, message)
                     })?;
                 } else if k == 0 {
@@ -226,7 +239,11 @@ impl Parser<'_> {
             }
             if !ok || rest.get(i).is_some_and(|&b| !is_blank(b)) {
                 let word = rest[word_start..].split(|&b| is_blank(b)).next().unwrap_or_default();
-                return Err(self.fault(Kind::Syntax, at, format!("face: '{}' is not a corner (v, v/vt, v//vn or v/vt/vn)", shown(word))));
+                return Err(self.fault(
+                    Kind::Syntax,
+                    at,
+                    format!("face: '{}' is not a corner (v, v/vt, v//vn or v/vt/vn)", shown(word)),
+                ));
             }
             self.out.parts[part].corners.push(corner);
         }
@@ -249,7 +266,9 @@ impl Parser<'_> {
                 name.push(' ');
             }
             name.push_str(word);
-            let ends = word.len() >= 4 && word.is_char_boundary(word.len() - 4) && word[word.len() - 4..].eq_ignore_ascii_case(".mtl");
+            let ends = word.len() >= 4
+                && word.is_char_boundary(word.len() - 4)
+                && word[word.len() - 4..].eq_ignore_ascii_case(".mtl");
             if ends || i + 1 == words.len() {
                 let name = std::mem::take(&mut name);
                 if !self.out.libraries.iter().any(|l| l.name == name) {
@@ -277,6 +296,12 @@ fn signed(text: &[u8], i: &mut usize) -> (i64, bool) {
 /// An index from 0: positive ones count from 1 at the start of the file, negative ones back from the last.
 #[inline]
 fn absolute(index: i64, count: usize) -> Option<u32> {
-    let zero_based = if index > 0 { index - 1 } else if index < 0 { index + count as i64 } else { return None };
+    let zero_based = if index > 0 {
+        index - 1
+    } else if index < 0 {
+        index + count as i64
+    } else {
+        return None;
+    };
     u32::try_from(zero_based).ok().filter(|&i| i != NONE)
 }

@@ -49,7 +49,10 @@ fn real_files_have_the_known_faces() {
         let count: usize = file.meshes.iter().map(|m| m.mesh.triangles.len()).sum();
         assert_eq!((file.meshes.len(), count), (meshes, triangles), "{name}");
         let merged = read(&bytes, &ObjOptions { merge: true, flip_v: false }).unwrap();
-        assert_eq!(merged.meshes.iter().map(|m| m.mesh.triangles.len()).collect::<Vec<_>>(), Some(triangles).into_iter().filter(|&n| n > 0).collect::<Vec<_>>());
+        assert_eq!(
+            merged.meshes.iter().map(|m| m.mesh.triangles.len()).collect::<Vec<_>>(),
+            Some(triangles).into_iter().filter(|&n| n > 0).collect::<Vec<_>>()
+        );
     }
 }
 
@@ -61,7 +64,8 @@ fn every_real_file_reads() {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|e| e == "obj") {
-                read(&std::fs::read(&path).unwrap(), &ObjOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+                read(&std::fs::read(&path).unwrap(), &ObjOptions::default())
+                    .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
                 count += 1;
             }
         }
@@ -78,12 +82,17 @@ fn concave_polygons_keep_their_area() {
     assert!(n >= 64);
     // Shoelace over the corners in the order of the file (all at one x).
     let line = std::fs::read_to_string(root.join("obj/assimp/concave_polygon.obj")).unwrap();
-    let v: Vec<[f64; 2]> = line.lines().filter(|l| l.starts_with("v ")).map(|l| {
-        let w: Vec<f64> = l.split_whitespace().skip(1).map(|w| w.parse().unwrap()).collect();
-        [w[1], w[2]]
-    }).collect();
+    let v: Vec<[f64; 2]> = line
+        .lines()
+        .filter(|l| l.starts_with("v "))
+        .map(|l| {
+            let w: Vec<f64> = l.split_whitespace().skip(1).map(|w| w.parse().unwrap()).collect();
+            [w[1], w[2]]
+        })
+        .collect();
     let f = line.lines().find(|l| l.starts_with("f ")).unwrap();
-    let ring: Vec<[f64; 2]> = f.split_whitespace().skip(1).map(|c| v[c.split('/').next().unwrap().parse::<usize>().unwrap() - 1]).collect();
+    let ring: Vec<[f64; 2]> =
+        f.split_whitespace().skip(1).map(|c| v[c.split('/').next().unwrap().parse::<usize>().unwrap() - 1]).collect();
     for i in 0..ring.len() {
         let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
         radii[0] += 0.5 * (a[0] * b[1] - a[1] * b[0]);
@@ -94,7 +103,9 @@ fn concave_polygons_keep_their_area() {
 
 #[test]
 fn corners_are_shared_where_they_agree() {
-    let file = open("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1\nf 1/2/1 3/1/1 4/1/1\n");
+    let file = open(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1\nf 1/2/1 3/1/1 4/1/1\n",
+    );
     let mesh = &file.meshes[0].mesh;
     assert_eq!(mesh.positions.len(), 5);
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [4, 2, 3]]);
@@ -133,7 +144,10 @@ fn names_libraries_and_skips_are_kept() {
     assert_eq!(file.libraries.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["a.mtl", "b.mtl", "my lib.mtl"]);
     assert_eq!(file.meshes.len(), 2);
     let first = &file.meshes[0];
-    assert_eq!((first.object.as_str(), first.group.as_str(), first.material.as_deref()), ("thing", "left arm", Some("red paint")));
+    assert_eq!(
+        (first.object.as_str(), first.group.as_str(), first.material.as_deref()),
+        ("thing", "left arm", Some("red paint"))
+    );
     assert_eq!(first.mesh.triangles.len(), 2);
     assert!(text[first.material_offset..].starts_with("usemtl red paint \nf 1"));
     let s = file.skipped;
@@ -167,7 +181,11 @@ fn faults_are_located() {
         ("vn 1 1e99 0", Kind::NotFinite, "line 4: normal: '1e99' is not a finite number"),
         ("vt", Kind::Syntax, "line 4: texture coordinate: 0 numbers"),
         ("f 1 2 4", Kind::IndexOutOfRange, "line 4: the face refers to number 4 of the vertices, but the file has 3"),
-        ("f 1/1 2 3", Kind::IndexOutOfRange, "line 4: the face refers to number 1 of the texture coordinates, but the file has 0"),
+        (
+            "f 1/1 2 3",
+            Kind::IndexOutOfRange,
+            "line 4: the face refers to number 1 of the texture coordinates, but the file has 0",
+        ),
         ("f 0 1 2", Kind::IndexOutOfRange, "line 4: the face refers to vertex 0"),
         ("f -4 1 2", Kind::IndexOutOfRange, "line 4: the face refers to vertex -4, but 3 stand before it"),
         ("f 1 2 99999999999999999999999", Kind::IndexOutOfRange, "line 4: the face refers to vertex"),
@@ -175,7 +193,9 @@ fn faults_are_located() {
         ("f 1 2 /3", Kind::Syntax, "line 4: face: '/3' is not a corner"),
         ("f 1/1/1/1 2 3", Kind::Syntax, "line 4: "),
     ] {
-        let error = read(format!("{start}{line}\nv 1\n").replace("v 1\n", "# end\n").as_bytes(), &ObjOptions::default()).unwrap_err();
+        let error =
+            read(format!("{start}{line}\nv 1\n").replace("v 1\n", "# end\n").as_bytes(), &ObjOptions::default())
+                .unwrap_err();
         assert!(error.kind == kind && error.to_string().contains(text), "{text:?} is not in {error:?}");
     }
 }

@@ -169,13 +169,20 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
                     b"binary_little_endian" => Encoding::Little,
                     b"binary_big_endian" => Encoding::Big,
                     other => {
-                        let message = format!("unknown format '{}' (known: ascii, binary_little_endian, binary_big_endian)", shown(other));
+                        let message = format!(
+                            "unknown format '{}' (known: ascii, binary_little_endian, binary_big_endian)",
+                            shown(other)
+                        );
                         return Err(text_fault(start, message));
                     }
                 });
             }
             [b"format", ..] => {
-                return Err(fault(Kind::Unsupported, start, format!("'{}': only version 1.0 of PLY is read", shown(trim(text)))));
+                return Err(fault(
+                    Kind::Unsupported,
+                    start,
+                    format!("'{}': only version 1.0 of PLY is read", shown(trim(text))),
+                ));
             }
             [b"element", name, count] => {
                 let count = integer(count).and_then(|c| usize::try_from(c).ok()).ok_or_else(|| {
@@ -202,12 +209,21 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
                 };
                 let length = length.map(typed).transpose()?;
                 if matches!(length, Some(Type::F32 | Type::F64)) {
-                    return Err(text_fault(start, format!("property '{}': the length of a list must be an integer", shown(name))));
+                    return Err(text_fault(
+                        start,
+                        format!("property '{}': the length of a list must be an integer", shown(name)),
+                    ));
                 }
-                let property = Property { name: String::from_utf8_lossy(name).into_owned(), length, item: typed(item)? };
+                let property =
+                    Property { name: String::from_utf8_lossy(name).into_owned(), length, item: typed(item)? };
                 match elements.last_mut() {
                     Some(e) => e.properties.push(property),
-                    None => return Err(text_fault(start, format!("property '{}' stands before any element", property.name))),
+                    None => {
+                        return Err(text_fault(
+                            start,
+                            format!("property '{}' stands before any element", property.name),
+                        ));
+                    }
                 }
             }
             [b"end_header"] => break,

@@ -26,7 +26,9 @@ fn write(mesh: &Mesh, format: &str) -> Vec<u8> {
     names.extend(if mesh.normals.is_empty() { &[][..] } else { &["nx", "ny", "nz"] });
     names.extend(if mesh.uvs.is_empty() { &[][..] } else { &["s", "t"] });
     names.iter().for_each(|n| out.extend(format!("property float {n}\n").bytes()));
-    out.extend(format!("element face {}\nproperty list uchar int vertex_index\nend_header\n", mesh.triangles.len()).bytes());
+    out.extend(
+        format!("element face {}\nproperty list uchar int vertex_index\nend_header\n", mesh.triangles.len()).bytes(),
+    );
     for i in 0..mesh.positions.len() {
         let mut row = mesh.positions[i].to_vec();
         row.extend(mesh.normals.get(i).into_iter().flatten());
@@ -208,7 +210,11 @@ fn faults_are_located() {
         (edit("1 0 0", "1 zero 0"), Kind::Syntax, "line 11: vertex 1, property 'y': 'zero' is not a number"),
         (edit("3 0 1 2", "3 0 1 3"), Kind::IndexOutOfRange, "face 0 refers to vertex 3, but there are 3 vertices"),
         (edit("3 0 1 2", "3 0 -1 2"), Kind::IndexOutOfRange, "face 0 refers to vertex -1"),
-        (edit("3 0 1 2", "3 0 1.5 2"), Kind::Syntax, "line 13: face 0, property 'vertex_indices': 1.5 is not a whole number"),
+        (
+            edit("3 0 1 2", "3 0 1.5 2"),
+            Kind::Syntax,
+            "line 13: face 0, property 'vertex_indices': 1.5 is not a whole number",
+        ),
         (edit("3 0 1 2", "-3 0 1 2"), Kind::Syntax, "a list cannot have -3 items"),
         (edit("3 0 1 2", "900000000 0 1 2"), Kind::Truncated, "a list of 900000000 items, but only 6 bytes are left"),
         (edit("vertex 3", "vertex 4000000000"), Kind::Truncated, "element 'vertex' declares 4000000000 records"),
@@ -226,7 +232,11 @@ fn faults_are_located() {
 
 #[test]
 fn a_small_file_cannot_ask_for_much() {
-    for (format, properties) in [("ascii", "property float x"), ("binary_little_endian", "property uchar x"), ("binary_big_endian", "property list uchar int x")] {
+    for (format, properties) in [
+        ("ascii", "property float x"),
+        ("binary_little_endian", "property uchar x"),
+        ("binary_big_endian", "property list uchar int x"),
+    ] {
         for element in ["vertex", "face", "other"] {
             let header = format!(
                 "format {format} 1.0\nelement {element} 4000000000\n{properties}\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z"
@@ -244,7 +254,12 @@ fn a_small_file_cannot_ask_for_much() {
 #[test]
 fn every_truncation_is_an_error_or_a_valid_mesh() {
     let Some(root) = assets() else { return };
-    for name in ["assimp/cube_binary.ply", "magnum/custom-components-be.ply", "trimesh/plane.ply", "magnum/per-face-colors-be.ply"] {
+    for name in [
+        "assimp/cube_binary.ply",
+        "magnum/custom-components-be.ply",
+        "trimesh/plane.ply",
+        "magnum/per-face-colors-be.ply",
+    ] {
         let bytes = std::fs::read(root.join("ply").join(name)).unwrap();
         for end in 0..bytes.len() {
             match read(&bytes[..end], &PlyOptions::default()) {
@@ -261,7 +276,9 @@ fn every_truncation_is_an_error_or_a_valid_mesh() {
 #[test]
 fn mutants_neither_panic_nor_swell() {
     let Some(root) = assets() else { return };
-    for name in ["assimp/cube_binary.ply", "assimp/cube_uv.ply", "magnum/custom-components-be.ply", "trimesh/metadata.ply"] {
+    for name in
+        ["assimp/cube_binary.ply", "assimp/cube_uv.ply", "magnum/custom-components-be.ply", "trimesh/metadata.ply"]
+    {
         let seed = std::fs::read(root.join("ply").join(name)).unwrap();
         mutants(&seed, 2_500, |bytes| {
             for keep_quads in [false, true] {

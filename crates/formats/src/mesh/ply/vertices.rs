@@ -95,7 +95,11 @@ impl Table<'_> {
                 let fields = &r[first..first + N * width];
                 std::array::from_fn(|k| T::get(fields, k * width, big).f32())
             };
-            return if self.big { records.map(|r| pick(r, true)).collect() } else { records.map(|r| pick(r, false)).collect() };
+            return if self.big {
+                records.map(|r| pick(r, true)).collect()
+            } else {
+                records.map(|r| pick(r, false)).collect()
+            };
         }
         records.map(|r| at.map(|a| T::get(r, a, self.big).f32())).collect()
     }
@@ -150,7 +154,8 @@ fn rows(cursor: &mut Cursor<'_>, element: &Element, layout: &VertexLayout) -> Re
 /// Refuses NaN and infinite values, and numbers past single precision.
 fn check_finite(mesh: &Mesh, element: &Element, cursor: &Cursor<'_>, start: usize) -> Result<(), MeshError> {
     let bad = |values: &[f32]| !values.iter().fold(true, |ok, v| ok & v.is_finite());
-    let first = |values: &[f32], n: usize| bad(values).then(|| values.iter().position(|v| !v.is_finite()).unwrap_or(0) / n);
+    let first =
+        |values: &[f32], n: usize| bad(values).then(|| values.iter().position(|v| !v.is_finite()).unwrap_or(0) / n);
     let found = [
         ("position", first(mesh.positions.as_flattened(), 3)),
         ("normal", first(mesh.normals.as_flattened(), 3)),
@@ -174,7 +179,9 @@ fn record_start(cursor: &Cursor<'_>, element: &Element, start: usize, index: usi
     let mut again = Cursor { at: start, ..*cursor };
     let before = Element { count: index, ..element.clone() };
     let _ = again.skip(&before);
-    while again.encoding == Encoding::Ascii && again.bytes.get(again.at).is_some_and(|&b| crate::mesh::text::is_space(b)) {
+    while again.encoding == Encoding::Ascii
+        && again.bytes.get(again.at).is_some_and(|&b| crate::mesh::text::is_space(b))
+    {
         again.at += 1;
     }
     again.at

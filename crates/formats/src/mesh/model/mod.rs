@@ -1,0 +1,244 @@
+//! Opening a model (OBJ, PLY) as a scene: its shapes and materials as they are, seen by a camera that frames them, under a sky.
+
+mod material;
+mod stage;
+
+use super::{MeshError, Place, mtl, obj, ply};
+use crate::{
+    Import, Options,
+    files::{self, SearchPath},
+};
+use std::{collections::HashMap, path::Path};
+use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span, Transform};
+
+/// Opens an OBJ or PLY file. What the file is decides, not what it is called.
+///
+/// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for beside it and in
+/// [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain stands in. Anything malformed in the
+/// model itself is an error.
+pub fn import(path: &Path, options: &Options) -> Import {
+    let mut import = Import::default();
+    import.desc.format = Format::Model;
+    import.desc.path = Some(path.into());
+    let bytes = match files::read(path, &options.limits) {
+        Ok(bytes) => bytes,
+        Err(e) => {
+            import.diagnostics.error(&import.desc.sources, None, e.to_string());
+            return import;
+        }
+    };
+    let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
+    search.folders.extend(options.search.iter().cloned());
+    let mut opener = Opener { import, path, options, search, materials: HashMap::new(), size: 1.0 };
+    if bytes.starts_with(b"ply") {
+        opener.ply(&bytes);
+    } else {
+        opener.obj(bytes);
+    }
+    opener.finish()
+}
+
+/// A material, and the light its surfaces give off.
+#[derive(Clone, Copy, Default)]
+struct Look {
+    material: Option<NodeId>,
+    emission: Option<NodeId>,
+}
+
+struct Opener<'a> {
+    import: Import,
+    path: &'a Path,
+    options: &'a Options,
+    search: SearchPath,
+    /// By name.
+    materials: HashMap<String, mtl::Material>,
+    /// Length of the diagonal of the bounding box.
+    size: f64,
+}
+
+impl Opener<'_> {
+    /// Reports a fault with the line it is on; binary data has no lines to show.
+    fn fault(&mut self, error: &MeshError, bytes: &[u8]) {
+        let Import { desc, diagnostics } = &mut self.import;
+        match error.place {
+            Place::Line(_) => {
+                let file = desc.sources.add(self.path, bytes);
+                let end = bytes[error.offset..].iter().position(|&b| matches!(b, b'\n' | b'\r'));
+                let end = error.offset + end.unwrap_or(bytes.len() - error.offset);
+                diagnostics.error(&desc.sources, Some(Span::new(file, error.offset, end)), &error.message);
+            }
+            Place::Byte(_) => {
+                desc.sources.add(self.path, Vec::new());
+                diagnostics.error(&desc.sources, None, format!("cannot read '{}': {error}", self.path.display()));
+            }
+        }
+    }
+
+    fn ply(&mut self, bytes: &[u8]) {
+        let mut mesh = match ply::read(bytes, &ply::PlyOptions::default()) {
+            Ok(mesh) => mesh,
+            Err(e) => return self.fault(&e, bytes),
+        };
+        self.import.desc.sources.add(self.path, Vec::new());
+        let look = self.painted(&mut mesh);
+        self.shape(mesh, look);
+    }
+
+    fn obj(&mut self, bytes: Vec<u8>) {
+        let mut file = match obj::read(&bytes, &obj::ObjOptions::default()) {
+            Ok(file) => file,
+            Err(e) => return self.fault(&e, &bytes),
+        };
+        // The text is kept for excerpts.
+        let source = self.import.desc.sources.add(self.path, bytes);
+        self.report_skipped(&file.skipped, source);
+        for library in &file.libraries {
+            let end = library.offset + "mtllib ".len() + library.name.len();
+            self.library(&library.name, Span::new(source, library.offset, end));
+        }
+        self.size = stage::diagonal(file.meshes.iter().map(|m| &m.mesh));
+        let mut looks: HashMap<Option<String>, Look> = HashMap::new();
+        for part in &mut file.meshes {
+            let mut mesh = std::mem::take(&mut part.mesh);
+            let known = part.material.as_ref().is_some_and(|name| self.materials.contains_key(name));
+            let look = match looks.get(&part.material) {
+                Some(look) => *look,
+                None if known => {
+                    let material = part.material.as_ref().and_then(|name| self.materials.get(name)).cloned();
+                    let look = material.map(|m| self.look(&m)).unwrap_or_default();
+                    *looks.entry(part.material.clone()).or_insert(look)
+                }
+                None => {
+                    if let Some(name) = &part.material {
+                        let end = part.material_offset + "usemtl ".len() + name.len();
+                        let span = Span::new(source, part.material_offset, end);
+                        let Import { desc, diagnostics } = &mut self.import;
+                        let message = format!("no library defines the material '{name}': a grey surface stands in");
+                        diagnostics.approximated(&desc.sources, Some(span), message);
+                    }
+                    self.painted(&mut mesh)
+                }
+            };
+            self.shape(mesh, look);
+        }
+    }
+
+    fn report_skipped(&mut self, skipped: &obj::Skipped, source: FileId) {
+        let Import { desc, diagnostics } = &mut self.import;
+        let drawn = [
+            (skipped.points, "point statements"),
+            (skipped.lines, "line statements"),
+            (skipped.free_form, "statements of free-form curves and surfaces"),
+            (skipped.degenerate, "faces of less than three corners"),
+        ];
+        for (count, what) in drawn.into_iter().filter(|d| d.0 > 0) {
+            diagnostics.dropped(&desc.sources, None, format!("{count} {what} in '{}'", self.path.display()));
+        }
+        if skipped.unknown > 0 {
+            let span = Span::new(source, skipped.unknown_offset, skipped.unknown_offset + 1);
+            let message = format!("{} statements that OBJ does not have; this is the first", skipped.unknown);
+            diagnostics.dropped(&desc.sources, Some(span), message);
+        }
+    }
+
+    /// Reads a material library; a material that several define is that of the first.
+    fn library(&mut self, name: &str, span: Span) {
+        let found = self.search.find(name).or_else(|e| file_name(name).and_then(|n| self.search.find(n).ok()).ok_or(e));
+        let read = found.and_then(|path| files::read(&path, &self.options.limits).map(|bytes| (path, bytes)));
+        let Import { desc, diagnostics } = &mut self.import;
+        let (path, bytes) = match read {
+            Ok(read) => read,
+            Err(e) => {
+                diagnostics.approximated(&desc.sources, Some(span), format!("{e}: grey surfaces stand in"));
+                return;
+            }
+        };
+        let library = mtl::read(&bytes);
+        let source = desc.sources.add(&path, bytes);
+        for remark in library.remarks {
+            let span = Span::new(source, remark.position, remark.position + 1);
+            diagnostics.dropped(&desc.sources, Some(span), remark.message);
+        }
+        // Textures stand beside the library.
+        if let Some(folder) = path.parent().filter(|f| !self.search.folders.iter().any(|known| known == f)) {
+            self.search.folders.push(folder.into());
+        }
+        for mut material in library.materials {
+            material.locate(source);
+            self.materials.entry(material.name.clone()).or_insert(material);
+        }
+    }
+
+    /// The look of a mesh without a material: its own colours, or nothing.
+    fn painted(&mut self, mesh: &mut Mesh) -> Look {
+        let is_color = |a: &&mut Attribute| a.name == "color" && a.channels >= 3;
+        let by_vertex =
+            mesh.attributes.iter().position(|a| a.name == "color" && a.channels >= 3 && a.domain == Domain::Vertex);
+        let chosen = match by_vertex {
+            Some(i) => mesh.attributes.get_mut(i),
+            None => mesh.attributes.iter_mut().find(is_color),
+        };
+        let Some(color) = chosen else { return Look::default() };
+        if color.channels == 4 {
+            // Opacity is not ours to guess: alpha is often zero where it means nothing.
+            color.data = color.data.chunks_exact(4).flat_map(|c| [c[0], c[1], c[2]]).collect();
+            color.channels = 3;
+        }
+        let domain = if color.domain == Domain::Vertex { "vertex" } else { "face" };
+        let brightest = color.data.iter().copied().fold(1.0, f32::max);
+        let mut texture =
+            Node::new(Family::Texture, "mesh_attribute", None).with("name", "color").with("domain", domain);
+        if brightest > 1.0 {
+            texture.set("scale", f64::from(1.0 / brightest), None);
+            let Import { desc, diagnostics } = &mut self.import;
+            let message = format!("colours reach {brightest}; they are scaled so that the brightest is 1");
+            diagnostics.approximated(&desc.sources, None, message);
+        }
+        let desc = &mut self.import.desc;
+        let texture = desc.add(texture);
+        let diffuse = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", texture));
+        let both = desc.add(Node::new(Family::Material, "two_sided", None).with("front", diffuse));
+        Look { material: Some(both), emission: None }
+    }
+
+    fn shape(&mut self, mesh: Mesh, look: Look) {
+        if mesh.triangles.is_empty() && mesh.patches.is_empty() {
+            return;
+        }
+        let desc = &mut self.import.desc;
+        let node = desc.add(Node::new(Family::Shape, "mesh", None));
+        let mesh = desc.add_mesh(mesh);
+        desc.shapes.push(Shape {
+            node,
+            mesh: Some(mesh),
+            world_from_object: Transform::IDENTITY,
+            reverse_orientation: false,
+            material: look.material,
+            emission: look.emission,
+            interior: None,
+            exterior: None,
+            is_medium_boundary: false,
+        });
+    }
+
+    fn finish(mut self) -> Import {
+        if self.import.diagnostics.has_errors() {
+            return self.import;
+        }
+        if self.import.desc.shapes.is_empty() {
+            let message = format!("'{}' has no faces: there is nothing to render", self.path.display());
+            self.import.diagnostics.error(&self.import.desc.sources, None, message);
+            return self.import;
+        }
+        stage::set(&mut self.import.desc);
+        self.import
+    }
+}
+
+/// The last part of a path of any system: exporters write the full paths of the machine they ran on.
+fn file_name(path: &str) -> Option<&str> {
+    path.rsplit(['/', '\\']).next().filter(|n| !n.is_empty() && *n != path)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,75 @@
+//! Camera, film and light for a model that comes without.
+
+use std::sync::Arc;
+use steradian_math::{DMat4, DVec3};
+use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, SpectrumValue, Transform};
+
+/// Horizontal angle of view in degrees.
+const FOV: f64 = 40.0;
+const WIDTH: i64 = 1024;
+const HEIGHT: i64 = 768;
+/// Room around the model, as a factor on the distance.
+const MARGIN: f64 = 1.08;
+
+/// Sets up what is needed to see the shapes: +y is up and +z is the front, as most exporters have it.
+pub(super) fn set(desc: &mut SceneDesc) {
+    let corners = bounding_box(desc.meshes.iter().map(Arc::as_ref));
+    let camera = Node::new(Family::Camera, "perspective", None)
+        .with("fov", FOV)
+        .with("fov_axis", "x")
+        .with("to_world", frame(corners));
+    let camera = desc.add(camera);
+    desc.cameras.push(camera);
+    let film = desc.add(Node::new(Family::Film, "rgb", None).with("width", WIDTH).with("height", HEIGHT));
+    desc.film = Some(film);
+
+    // A bluish sky of radiance one half, and a warm sun over the left shoulder that makes about as much again where it falls.
+    let rgb = |r, g, b| SpectrumValue::Rgb([r, g, b], ColorSpace::Srgb);
+    let sky = desc.add(Node::new(Family::Light, "environment", None).with("radiance", rgb(0.42, 0.5, 0.62)));
+    let sun = Node::new(Family::Light, "distant", None)
+        .with("radiance", rgb(1.75, 1.65, 1.5))
+        .with("direction", [0.45, -0.8, -0.65]);
+    let sun = desc.add(sun);
+    desc.lights.extend([sky, sun]);
+}
+
+/// The least and the greatest coordinates of the vertices of faces.
+fn bounding_box<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> [DVec3; 2] {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for mesh in meshes {
+        let used = mesh.triangles.as_flattened().iter().chain(mesh.patches.as_flattened());
+        for p in used.filter_map(|&i| mesh.positions.get(i as usize)) {
+            let p = DVec3::from(p.map(f64::from));
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
+    [low, high]
+}
+
+/// Length of the diagonal of the bounding box, at least the smallest positive number.
+pub(super) fn diagonal<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> f64 {
+    let [low, high] = bounding_box(meshes);
+    (high - low).length().max(f64::MIN_POSITIVE)
+}
+
+/// A camera that looks from the front, the right and above, as near as it can be with the whole box in view.
+fn frame([low, high]: [DVec3; 2]) -> Transform {
+    let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
+    let half = half.max(DVec3::splat((half.max_element() * 1e-3).max(1e-6)));
+    let forward = DVec3::new(-0.55, -0.4, -1.0).normalize();
+    let right = forward.cross(DVec3::Y).normalize();
+    let up = right.cross(forward);
+    let tan_x = (FOV.to_radians() * 0.5).tan();
+    let tan_y = tan_x * HEIGHT as f64 / WIDTH as f64;
+    // A corner c is in view where |c·right| ≤ (distance + c·forward) tan_x, and the same along `up`.
+    let corner = |i: usize| {
+        let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        half * DVec3::new(sign(0), sign(1), sign(2))
+    };
+    let distance = (0..8)
+        .map(corner)
+        .map(|c| (c.dot(right).abs() / tan_x).max(c.dot(up).abs() / tan_y) - c.dot(forward))
+        .fold(0.0, f64::max);
+    let origin = center - forward * distance * MARGIN;
+    Transform { matrix: DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), origin.extend(1.0)) }
+}

@@ -1,0 +1,191 @@
+use super::*;
+use crate::mesh::test_files::assets;
+use steradian_math::DVec3;
+use steradian_scene::{SpectrumValue, Value};
+
+/// A folder with these files, and the scene that the first of them opens as.
+fn open(files: &[(&str, &[u8])]) -> Import {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    import(&folder.path().join(files[0].0), &Options::default())
+}
+
+const SQUARE: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n";
+
+/// The material of a square whose library says this.
+fn material(statements: &str) -> (Import, Node) {
+    let obj = format!("{SQUARE}usemtl m\nf 1/1 2/1 3/1 4/1\n");
+    let mtl = format!("newmtl m\n{statements}\n");
+    let import = open(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes()), ("t.png", b""), ("n o.png", b"")]);
+    assert!(!import.diagnostics.has_errors());
+    let node = import.desc.node(import.desc.shapes[0].material.unwrap()).clone();
+    (import, node)
+}
+
+fn front(import: &Import, node: &Node) -> Node {
+    assert_eq!(node.kind, "two_sided");
+    import.desc.node(node.node("front").unwrap()).clone()
+}
+
+fn messages(import: &Import) -> String {
+    import.diagnostics.iter().map(|d| format!("{d}\n")).collect()
+}
+
+#[test]
+fn phong_materials_become_diffuse_and_plastic() {
+    let (i, m) = material("Kd 0.5 0.25 2\nillum 1\nKs 1 1 1\nNs 10");
+    let m = front(&i, &m);
+    assert_eq!(m.kind, "diffuse");
+    assert_eq!(m.get("reflectance"), Some(&Value::Spectrum(SpectrumValue::Rgb([0.5, 0.25, 1.0], Default::default()))));
+    let (i, m) = material("Kd 0.5 0 0\nillum 2\nKs 1 1 1\nNs 198\nNi 1.4");
+    let m = front(&i, &m);
+    assert_eq!((m.kind.as_str(), m.float("alpha_u"), m.float("eta")), ("plastic", Some(0.1), Some(f64::from(1.4f32))));
+    let (i, m) = material("Kd 0 0 0\nillum 3\nKs 0.9 0.9 0.9\nNs 1000");
+    assert_eq!(front(&i, &m).kind, "conductor");
+    assert!(i.diagnostics.is_empty());
+}
+
+#[test]
+fn transparency_is_glass_or_absence() {
+    let (_, m) = material("illum 7\nNi 1.33\nTf 0.5 1 1");
+    assert_eq!((m.kind.as_str(), m.float("eta")), ("dielectric", Some(f64::from(1.33f32))));
+    assert!(m.get("specular_transmittance").is_some());
+    let (_, m) = material("d 0.2\nNi 1.5\nillum 2");
+    assert_eq!(m.kind, "dielectric");
+    let (i, m) = material("d 0.25\nNi 1.0\nillum 2");
+    assert_eq!((m.kind.as_str(), m.float("opacity")), ("mask", Some(0.25)));
+    front(&i, i.desc.node(m.node("material").unwrap()));
+    let (i, m) = material("map_d -clamp on t.png");
+    let map = i.desc.node(m.node("opacity").unwrap());
+    assert_eq!((map.kind.as_str(), map.bool("raw"), map.string("wrap_u")), ("image", Some(true), Some("clamp")));
+}
+
+#[test]
+fn physical_parameters_become_metal_and_plastic() {
+    let (i, m) = material("Kd 1 0.8 0.2\nPr 0.5\nPm 1");
+    let m = front(&i, &m);
+    assert_eq!((m.kind.as_str(), m.float("alpha_v")), ("conductor", Some(0.25)));
+    let (i, m) = material("Kd 1 0.8 0.2\nPr 0.5");
+    assert_eq!(front(&i, &m).kind, "plastic");
+    let (i, m) = material("Pr 0.5\nPm 0.25");
+    let m = front(&i, &m);
+    assert_eq!((m.kind.as_str(), m.float("amount")), ("mix", Some(0.25)));
+}
+
+#[test]
+fn images_are_found_and_scaled() {
+    let (i, m) = material("Kd 0.5 0.5 0.5\nmap_Kd -s 2 3 C:\\work\\n o.png\nmap_bump -bm 2 t.png");
+    let bump = i.desc.node(m.node("bump").unwrap());
+    assert!((bump.float("scale").unwrap() - 2.0 * 0.01 * 2f64.sqrt()).abs() < 1e-9, "{bump:?}");
+    let m = front(&i, &m);
+    let scale = i.desc.node(m.node("reflectance").unwrap());
+    assert_eq!(scale.kind, "scale");
+    let image = i.desc.node(scale.node("texture").unwrap());
+    assert!(image.path("file").unwrap().ends_with("n o.png"));
+    assert_eq!(
+        (image.float("scale_u"), image.float("scale_v"), image.string("origin")),
+        (Some(2.0), Some(3.0), Some("bottom"))
+    );
+}
+
+#[test]
+fn emission_becomes_light() {
+    let (i, _) = material("Ke 5 5 4\nKd 0 0 0");
+    let light = i.desc.node(i.desc.shapes[0].emission.unwrap());
+    assert_eq!((light.family, light.kind.as_str()), (Family::Light, "area"));
+    let (i, _) = material("Ke 0 0 0");
+    assert!(i.desc.shapes[0].emission.is_none());
+}
+
+#[test]
+fn what_is_missing_is_reported_and_stood_in_for() {
+    let (i, m) = material("map_Kd gone.png\nbogus 1\nKd 0.1 0.2 0.3");
+    assert_eq!(front(&i, &m).kind, "diffuse");
+    let text = messages(&i);
+    assert!(text.contains("cannot find 'gone.png'") && text.contains("a.mtl:2:1"), "{text}");
+    assert!(text.contains("unknown statement 'bogus'") && text.contains("a.mtl:3:1"), "{text}");
+
+    let i = open(&[("a.obj", format!("{SQUARE}usemtl nowhere\nf 1 2 3\n").as_bytes())]);
+    let text = messages(&i);
+    assert!(!i.diagnostics.has_errors() && i.diagnostics.is_lossy());
+    assert!(text.contains("approximated: cannot find 'a.mtl'") && text.contains("a.obj:1:1"), "{text}");
+    assert!(text.contains("'nowhere'") && text.contains("7 | usemtl nowhere\n  | ^^^^^^^^^^^^^^"), "{text}");
+    assert!(i.desc.shapes[0].material.is_none());
+}
+
+#[test]
+fn malformed_models_are_errors_with_a_place() {
+    for (name, bytes, expected) in [
+        ("a.obj", &b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"[..], "a.obj:4:1\n  |\n4 | f 1 2 9\n  | ^^^^^^^"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty flat x\nend_header\n", "a.ply:4:1"),
+        ("a.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n\0\0\x80\x7f\0\0\0\0\0\0\0\0", "byte 115: the position of vertex 0"),
+        ("a.obj", b"", "has no faces"),
+        ("a.obj", b"v 1 2 3\np 1\n", "has no faces"),
+        ("a.ply", b"ply", "this is not a PLY file"),
+    ] {
+        let import = open(&[(name, bytes)]);
+        let text = messages(&import);
+        assert!(import.diagnostics.has_errors() && text.contains(expected), "{expected:?} is not in {text}");
+    }
+    let gone = import(Path::new("/nowhere/at all.obj"), &Options::default());
+    assert!(gone.diagnostics.has_errors());
+}
+
+#[test]
+fn the_camera_frames_real_models() {
+    let Some(root) = assets() else { return };
+    for name in [
+        "obj/spot/spot_triangulated.obj",
+        "obj/bathroom/Mesh238.obj",
+        "ply/large/Mesh005.ply",
+        "ply/trimesh/plane.ply",
+        "obj/assimp/cube_usemtl.obj",
+    ] {
+        let import = import(&root.join(name), &Options::default());
+        assert!(!import.diagnostics.has_errors(), "{}", messages(&import));
+        let desc = &import.desc;
+        let to_world = desc.node(desc.cameras[0]).transform("to_world").unwrap();
+        let to_camera = to_world.inverse().unwrap();
+        let (mut reach, mut nearest) = (0.0f64, f64::INFINITY);
+        for p in desc.meshes.iter().flat_map(|m| &m.positions) {
+            let q = to_camera.point(DVec3::from(p.map(f64::from)));
+            let tan = 20f64.to_radians().tan();
+            reach = reach.max((q.x / q.z / tan).abs()).max((q.y / q.z / (tan * 0.75)).abs());
+            nearest = nearest.min(q.z);
+        }
+        assert!(nearest > 0.0 && reach <= 1.0 && reach > 0.6, "{name}: {nearest} {reach}");
+        // Up in the world is up in the picture, and +x is to the right.
+        assert!(to_camera.vector(DVec3::Y).y > 0.5 && to_camera.vector(DVec3::X).x > 0.5);
+        assert_eq!(desc.lights.len(), 2);
+    }
+}
+
+#[test]
+fn vertex_and_face_colors_are_shown() {
+    let Some(root) = assets() else { return };
+    for (name, domain) in [
+        ("ply/trimesh/cycloidal.ply", "vertex"),
+        ("ply/magnum/per-face-colors-be.ply", "face"),
+        ("obj/assimp/cube_with_vertexcolors.obj", "vertex"),
+    ] {
+        let i = import(&root.join(name), &Options::default());
+        let m = front(&i, i.desc.node(i.desc.shapes[0].material.unwrap()));
+        let texture = i.desc.node(m.node("reflectance").unwrap());
+        assert_eq!((texture.kind.as_str(), texture.string("domain")), ("mesh_attribute", Some(domain)), "{name}");
+        let mesh = &i.desc.meshes[0];
+        mesh.validate().unwrap();
+        assert!(mesh.attributes.iter().any(|a| a.name == "color" && a.channels == 3));
+    }
+}
+
+#[test]
+fn a_library_shared_by_groups_makes_one_material_each() {
+    let Some(root) = assets() else { return };
+    let i = import(&root.join("obj/assimp/cube_usemtl.obj"), &Options::default());
+    assert_eq!(i.desc.shapes.len(), 3);
+    let text = messages(&i);
+    assert!(text.contains("no library defines the material 'mtl3'"), "{text}");
+    assert_eq!(i.desc.nodes.iter().filter(|n| n.kind == "plastic").count(), 2);
+}
