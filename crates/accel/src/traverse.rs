@@ -48,12 +48,14 @@ impl<S: Simd> Slabs<S> {
         // Rounding moves a distance by at most 3 units of 2^-24. Widening by more keeps every box that the exact ray touches
         // (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
         const WIDEN: f32 = 4.0 * f32::EPSILON;
-        let inverse = ray.direction.recip().to_array();
+        let inverse = ray.direction.recip();
+        let rows = |x: f32, axis: usize| if x.is_sign_negative() { (axis + 3, axis) } else { (axis, axis + 3) };
+        let (x, y, z) = (rows(inverse.x, 0), rows(inverse.y, 1), rows(inverse.z, 2));
         Self {
-            origin: ray.origin.to_array().map(|x| s.splat(x)),
-            inverse: [1.0 - WIDEN, 1.0 + WIDEN].map(|k| inverse.map(|x| s.splat(x * k))),
-            near: std::array::from_fn(|axis| if inverse[axis].is_sign_negative() { axis + 3 } else { axis }),
-            far: std::array::from_fn(|axis| if inverse[axis].is_sign_negative() { axis } else { axis + 3 }),
+            origin: s.splat3(ray.origin),
+            inverse: [s.splat3(inverse * (1.0 - WIDEN)), s.splat3(inverse * (1.0 + WIDEN))],
+            near: [x.0, y.0, z.0],
+            far: [x.1, y.1, z.1],
         }
     }
 
@@ -62,16 +64,27 @@ impl<S: Simd> Slabs<S> {
     /// A ray within a plane gives 0·∞ = NaN. NaN is always the first operand where it matters, so the other one counts.
     #[inline(always)]
     fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
-        let plane = |row: usize, axis: usize, side: usize| {
-            // SAFETY: both rows of an axis are less than six.
-            let row = unsafe { node.rows.get_unchecked(row) };
-            s.mul(s.sub(s.load(row), self.origin[axis]), self.inverse[side][axis])
-        };
-        let near: [S::F; 3] = std::array::from_fn(|axis| plane(self.near[axis], axis, 0));
-        let far: [S::F; 3] = std::array::from_fn(|axis| plane(self.far[axis], axis, 1));
+        let near = [self.near(s, node, 0), self.near(s, node, 1), self.near(s, node, 2)];
+        let far = [self.far(s, node, 0), self.far(s, node, 1), self.far(s, node, 2)];
         let enter = s.max(s.max(near[0], near[1]), s.max(near[2], s.splat(0.0)));
         let leave = s.min(s.min(far[0], far[1]), s.min(far[2], t_max));
         (enter, s.bits(s.le(enter, leave)))
+    }
+
+    /// Where the ray meets the near planes of an axis.
+    #[inline(always)]
+    fn near(&self, s: S, node: &Node, axis: usize) -> S::F {
+        // SAFETY: rows of planes are less than six.
+        let row = unsafe { node.rows.get_unchecked(self.near[axis]) };
+        s.mul(s.sub(s.load(row), self.origin[axis]), self.inverse[0][axis])
+    }
+
+    /// Where the ray meets the far planes of an axis.
+    #[inline(always)]
+    fn far(&self, s: S, node: &Node, axis: usize) -> S::F {
+        // SAFETY: rows of planes are less than six.
+        let row = unsafe { node.rows.get_unchecked(self.far[axis]) };
+        s.mul(s.sub(s.load(row), self.origin[axis]), self.inverse[1][axis])
     }
 }
 

@@ -7,7 +7,7 @@
 #![allow(unsafe_code)]
 
 use crate::layout::Block;
-use crate::simd::{LANES, Simd};
+use crate::simd::{LANES, Row, Simd};
 use steradian_math::{Ray, Vec3};
 
 /// What the test needs of a ray.
@@ -56,26 +56,34 @@ impl<S: Simd> Shear<S> {
         let [x, y, z] = axes;
         Self {
             axes,
-            origin: axes.map(|axis| s.splat(ray.origin[axis])),
+            origin: s.splat3(Vec3::new(ray.origin[x], ray.origin[y], ray.origin[z])),
             shear: [s.splat(d[x] / d[z]), s.splat(d[y] / d[z]), s.splat(1.0 / d[z])],
         }
+    }
+
+    /// A vertex of every triangle relative to the origin, sheared.
+    #[inline(always)]
+    fn vertex(&self, s: S, block: &Block, vertex: usize) -> [S::F; 3] {
+        let x = self.coordinate(s, block, 3 * vertex, 0);
+        let y = self.coordinate(s, block, 3 * vertex, 1);
+        let z = self.coordinate(s, block, 3 * vertex, 2);
+        [s.sub(x, s.mul(self.shear[0], z)), s.sub(y, s.mul(self.shear[1], z)), z]
+    }
+
+    /// A coordinate relative to the origin; `first_row` is that of the vertex.
+    #[inline(always)]
+    fn coordinate(&self, s: S, block: &Block, first_row: usize, axis: usize) -> S::F {
+        // SAFETY: the first row of a vertex is at most six, and an axis is less than three.
+        let row = unsafe { block.rows.get_unchecked(first_row + self.axes[axis]) };
+        s.sub(s.load(row), self.origin[axis])
     }
 
     /// Tests a block: hits with `0 < t <= t_max`.
     #[inline(always)]
     pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
-        // Vertices relative to the origin, sheared.
-        let vertex = |v: usize| {
-            let [x, y, z]: [S::F; 3] = std::array::from_fn(|i| {
-                // SAFETY: vertices and axes are less than three.
-                let row = unsafe { block.rows.get_unchecked(3 * v + self.axes[i]) };
-                s.sub(s.load(row), self.origin[i])
-            });
-            [s.sub(x, s.mul(self.shear[0], z)), s.sub(y, s.mul(self.shear[1], z)), z]
-        };
-        let [ax, ay, az] = vertex(0);
-        let [bx, by, bz] = vertex(1);
-        let [cx, cy, cz] = vertex(2);
+        let [ax, ay, az] = self.vertex(s, block, 0);
+        let [bx, by, bz] = self.vertex(s, block, 1);
+        let [cx, cy, cz] = self.vertex(s, block, 2);
 
         // Edge functions: twice the signed areas opposite to the vertices.
         let mut u = s.sub(s.mul(cx, by), s.mul(cy, bx));
@@ -88,7 +96,7 @@ impl<S: Simd> Shear<S> {
         if on_edge != 0 {
             let corners = [s.store(ax), s.store(ay), s.store(bx), s.store(by), s.store(cx), s.store(cy)];
             let edges = edges_in_f64(&corners, on_edge, [s.store(u), s.store(v), s.store(w)]);
-            [u, v, w] = edges.map(|row| s.load(&crate::simd::Row(row)));
+            [u, v, w] = [s.load(&Row(edges[0])), s.load(&Row(edges[1])), s.load(&Row(edges[2]))];
         }
 
         // All of one sign, with zero on either side.

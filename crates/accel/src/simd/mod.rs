@@ -22,6 +22,8 @@ pub(crate) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use sse2::Sse2;
 
+use steradian_math::Vec3;
+
 /// Number of lanes, and with it the width of nodes and triangle blocks.
 pub(crate) const LANES: usize = 8;
 
@@ -39,6 +41,11 @@ pub(crate) trait Simd: Copy {
 
     /// The same number in every lane.
     fn splat(self, x: f32) -> Self::F;
+    /// Each coordinate in every lane.
+    #[inline(always)]
+    fn splat3(self, v: Vec3) -> [Self::F; 3] {
+        [self.splat(v.x), self.splat(v.y), self.splat(v.z)]
+    }
     /// The lanes of a row.
     fn load(self, row: &Row) -> Self::F;
     /// The lanes as an array.
