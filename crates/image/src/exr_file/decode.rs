@@ -1,6 +1,6 @@
 //! EXR pixels: every part's channels in one picture, at full resolution.
 
-use super::{b44, chroma, header};
+use super::{b44, chroma, dwa, header};
 use crate::{Encoding, Error, FileKind, Image, Limits, Metadata, Result, TexelData, Texels, Value, Window};
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::compression::Compression;
@@ -231,6 +231,9 @@ fn decompress(chunk: Chunk, headers: &[Header]) -> Result<Option<Block>> {
         return Err(Error::unsupported(KIND, "deep data"));
     };
 
+    if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        dwa::check(&stored, &rect, header)?;
+    }
     // The decoder reckons a block as area × bytes per pixel, without subsampling; it is told the average of this very block.
     let area = rect.size.area();
     let expected: usize = block_lines(&rect, header).map(|line| line.bytes).sum();

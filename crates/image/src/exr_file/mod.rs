@@ -3,6 +3,7 @@
 mod b44;
 mod chroma;
 mod decode;
+mod dwa;
 mod encode;
 mod header;
 
