@@ -75,3 +75,34 @@ impl Conductor {
         self.reflectance(wo.z)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirror_reflects_its_reflectance_at_every_angle() {
+        let reflectance = Spectrum::new([0.9, 0.5, 0.1, 0.0]);
+        let mirror = Conductor::mirror(reflectance, Microfacet::SMOOTH);
+        for cos in [1.0f32, 0.7, 0.1] {
+            let wo = Vec3::new(0.6 * (1.0 - cos * cos).sqrt(), -0.8 * (1.0 - cos * cos).sqrt(), cos);
+            let s = mirror.sample(wo, Vec2::splat(0.5)).unwrap();
+            assert_eq!(s.wi, Vec3::new(-wo.x, -wo.y, wo.z));
+            assert_eq!((s.weight, s.pdf), (reflectance, 1.0));
+        }
+        assert!(mirror.sample(-Vec3::Z, Vec2::ZERO).is_none());
+    }
+
+    #[test]
+    fn a_metal_from_its_reflectance_has_it_at_normal_incidence() {
+        let reflectance = Spectrum::new([0.9, 0.5, 0.1, 0.0]);
+        let metal = Conductor::from_reflectance(reflectance, Microfacet::SMOOTH);
+        let f = metal.sample(Vec3::Z, Vec2::ZERO).unwrap().weight;
+        assert!((0..4).all(|i| (f[i] - reflectance[i]).abs() < 1e-5), "{f:?}");
+        // The rough surface has the same Fresnel factor: tint and index act on the facets.
+        let rough = Conductor { tint: Spectrum::splat(0.5), microfacet: Microfacet::ggx(0.2, 0.2), ..metal };
+        let white = Conductor::mirror(Spectrum::ONE, rough.microfacet);
+        let ratio = rough.eval(Vec3::Z, Vec3::Z).value / white.eval(Vec3::Z, Vec3::Z).value[0];
+        assert!((0..4).all(|i| (ratio[i] - 0.5 * reflectance[i]).abs() < 1e-5), "{ratio:?}");
+    }
+}

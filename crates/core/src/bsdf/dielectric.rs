@@ -128,3 +128,72 @@ impl Dielectric {
         self.reflectance * f + self.transmittance * (1.0 - f)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use TransportMode::{Importance, Radiance};
+
+    fn direction(degrees: f32) -> Vec3 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Vec3::new(sin, 0.0, cos)
+    }
+
+    #[test]
+    fn reflected_and_transmitted_light_add_up_and_radiance_is_compressed() {
+        let glass = Dielectric::new(1.5, Microfacet::SMOOTH);
+        for degrees in [0.0f32, 30.0, 60.0, 85.0, 120.0, 150.0] {
+            let wo = direction(degrees);
+            let r = glass.sample(wo, 0.0, Vec2::ZERO, Radiance).unwrap();
+            assert_eq!(r.wi, Vec3::new(-wo.x, 0.0, wo.z));
+            let Some(t) = glass.sample(wo, 0.9999, Vec2::ZERO, Radiance).filter(|t| t.lobe.is_transmission()) else {
+                assert_eq!(r.pdf, 1.0, "only total internal reflection leaves nothing to transmit");
+                continue;
+            };
+            assert!((r.pdf * r.weight[0] + t.pdf * t.weight[0] * t.eta * t.eta - 1.0).abs() < 1e-6);
+            assert_eq!(t.eta, if wo.z > 0.0 { 1.5 } else { 1.0 / 1.5 });
+            // Snell, and no compression of importance.
+            assert!((t.wi.x.abs() * t.eta - wo.x.abs()).abs() < 1e-6);
+            let adjoint = glass.sample(wo, 0.9999, Vec2::ZERO, Importance).unwrap();
+            assert!((adjoint.weight[0] - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_slab_reflects_all_orders() {
+        // Follow the expected light through two interfaces: 2F/(1 + F) comes back, and what leaves goes on in its direction.
+        let glass = Dielectric::new(1.5, Microfacet::SMOOTH);
+        for degrees in [0.0f32, 45.0, 75.0] {
+            let wo = direction(degrees);
+            let pick = |w: Vec3, transmitted: bool| {
+                let s = glass.sample(w, if transmitted { 0.99999 } else { 0.0 }, Vec2::ZERO, Radiance).unwrap();
+                (s.wi, s.pdf * s.weight[0])
+            };
+            let (inside, entered) = pick(wo, true);
+            let up = Vec3::new(inside.x, inside.y, -inside.z);
+            let (_, kept) = pick(-up, false);
+            let (left, leaves) = pick(-up, true);
+            assert!((left.z - wo.z).abs() < 1e-5, "{left} leaves {wo}");
+            let f = pick(wo, false).1;
+            let total = f + entered * leaves * kept / (1.0 - kept * kept);
+            assert!((total - 2.0 * f / (1.0 + f)).abs() < 1e-5, "{total} at {degrees}°");
+        }
+    }
+
+    #[test]
+    fn tints_act_on_their_lobe_alone() {
+        let (red, blue) = (Spectrum::rgb(1.0, 0.2, 0.0), Spectrum::rgb(0.0, 0.3, 1.0));
+        for microfacet in [Microfacet::SMOOTH, Microfacet::ggx(0.2, 0.2)] {
+            let plain = Dielectric::new(1.5, microfacet);
+            let tinted = Dielectric { reflectance: red, transmittance: blue, ..plain };
+            for (u, tint) in [(0.0, red), (0.999, blue)] {
+                // Contribution `weight·pdf` with the tint over that without, in each lane.
+                let of = |d: &Dielectric| {
+                    d.sample(direction(40.0), u, Vec2::new(0.3, 0.2), Radiance).map(|s| s.weight * s.pdf)
+                };
+                let ratio = of(&tinted).unwrap() / of(&plain).unwrap()[0];
+                assert!((0..4).all(|i| (ratio[i] - tint[i]).abs() < 1e-5), "{ratio:?} is not {tint:?}");
+            }
+        }
+    }
+}

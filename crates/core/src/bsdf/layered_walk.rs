@@ -102,7 +102,8 @@ use Shadowing::{HeightCorrelated, Separable};
 fn smooth_coats_are_the_limit_of_the_walk() {
     compare(Ggx, HeightCorrelated, 1.5, 0.0, 0.5, 0.01, 10);
     compare(Ggx, HeightCorrelated, 1.5, 0.0, 0.95, 0.2, u32::MAX);
-    compare(Ggx, HeightCorrelated, 1.33, 0.0, 0.9, 0.0, 4);
+    compare(Ggx, HeightCorrelated, 1.33, 0.0, 0.9, 0.0, 6);
+    compare(Ggx, HeightCorrelated, 1.8, 0.0, 1.0, 0.0, 2);
 }
 
 #[test]

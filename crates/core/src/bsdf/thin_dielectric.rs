@@ -56,3 +56,26 @@ impl ThinDielectric {
         self.reflectance * f + self.transmittance * (1.0 - f)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_reflections_inside_are_summed() {
+        // R + T R T (1 + R² + R⁴ + …) by explicit summation, at several angles.
+        for cos in [1.0f32, 0.6, 0.2, -0.4] {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let r = f64::from(fresnel::dielectric(cos.abs(), 1.5));
+            let series: f64 = r + (0..200).map(|n| (1.0 - r).powi(2) * r.powi(2 * n + 1)).sum::<f64>();
+            let pane = ThinDielectric::new(1.5);
+            let (reflected, transmitted) = (pane.sample(wo, 0.0).unwrap(), pane.sample(wo, 0.999).unwrap());
+            assert!((f64::from(reflected.pdf) - series).abs() < 1e-5, "{} is not {series}", reflected.pdf);
+            assert!((f64::from(transmitted.pdf) - (1.0 - series)).abs() < 1e-5);
+            assert_eq!(reflected.wi, Vec3::new(-wo.x, 0.0, wo.z));
+            assert_eq!(transmitted.wi, -wo);
+        }
+        // At normal incidence on glass 2·0.04/1.04.
+        assert!((ThinDielectric::new(1.5).sample(Vec3::Z, 0.0).unwrap().pdf - 0.076923).abs() < 1e-6);
+    }
+}
