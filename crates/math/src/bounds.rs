@@ -109,12 +109,14 @@ impl Bounds3 {
         const WIDEN: f32 = 1.0 + 2.0 * (3.0 * f32::EPSILON * 0.5) / (1.0 - 3.0 * f32::EPSILON * 0.5);
         let (mut t0, mut t1) = (0.0_f32, t_max);
         for a in 0..3 {
-            let (mut near, mut far) =
-                ((self.min[a] - origin[a]) * inv_direction[a], (self.max[a] - origin[a]) * inv_direction[a]);
-            if near > far {
-                std::mem::swap(&mut near, &mut far);
-            }
-            far *= WIDEN;
+            // Which plane comes first is a matter of the sign alone: the empty box, turned inside out, stays a miss.
+            let (first, second) = if inv_direction[a].is_sign_negative() {
+                (self.max[a], self.min[a])
+            } else {
+                (self.min[a], self.max[a])
+            };
+            let near = (first - origin[a]) * inv_direction[a];
+            let far = (second - origin[a]) * inv_direction[a] * WIDEN;
             t0 = if near > t0 { near } else { t0 };
             t1 = if far < t1 { far } else { t1 };
             if t0 > t1 {
@@ -122,5 +124,70 @@ impl Bounds3 {
             }
         }
         Some((t0, t1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hash::HashRng;
+
+    fn hit(b: &Bounds3, origin: Vec3, direction: Vec3) -> Option<(f32, f32)> {
+        b.intersect(origin, direction.recip(), f32::INFINITY)
+    }
+
+    #[test]
+    fn slabs_agree_with_points_along_the_ray() {
+        let mut rng = HashRng::new(1);
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let mut v = || Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5);
+            let b = Bounds3::new(v(), v());
+            let o = v() * 3.0;
+            let d = b.center() + v() * 0.5 - o;
+            // Where the ray is inside, by brute force.
+            let inside = |t: f32| b.contains(o + d * t);
+            let first = (0..2000).map(|i| i as f32 * 0.01).find(|&t| inside(t));
+            match hit(&b, o, d) {
+                Some((t0, t1)) => {
+                    assert!(t0 <= t1 && t0 >= 0.0);
+                    let grown = Bounds3::new(b.min - 1e-4, b.max + 1e-4);
+                    assert!(grown.contains(o + d * t0) && grown.contains(o + d * t1));
+                    assert!(first.is_none_or(|t| t >= t0 - 1e-4 && t <= t1 + 1e-4));
+                    hits += 1;
+                }
+                None => assert_eq!(first, None),
+            }
+        }
+        assert!(hits > 300);
+    }
+
+    #[test]
+    fn axis_parallel_rays_and_rays_within_a_face() {
+        let b = Bounds3::new(Vec3::ZERO, Vec3::ONE);
+        let at = |o: [f32; 3], d: [f32; 3]| hit(&b, Vec3::from(o), Vec3::from(d)).map(|(t, _)| t);
+        assert_eq!(at([-2.0, 0.5, 0.5], [1.0, 0.0, 0.0]), Some(2.0));
+        assert_eq!(at([-2.0, 0.5, 0.5], [1.0, -0.0, -0.0]), Some(2.0));
+        assert_eq!(at([-2.0, 1.5, 0.5], [1.0, 0.0, 0.0]), None);
+        assert_eq!(at([3.0, 0.5, 0.5], [-1.0, 0.0, 0.0]), Some(2.0));
+        assert_eq!(at([3.0, 0.5, 0.5], [1.0, 0.0, 0.0]), None);
+        // 0·∞ is NaN here: a ray within the plane of a face counts as inside that slab.
+        assert_eq!(at([-2.0, 0.0, 0.5], [1.0, 0.0, 0.0]), Some(2.0));
+        assert_eq!(at([-2.0, 1.0, 0.5], [1.0, -0.0, 0.0]), Some(2.0));
+        assert_eq!(at([-2.0, 0.0, 1.0], [1.0, 0.0, 0.0]), Some(2.0));
+    }
+
+    #[test]
+    fn inside_flat_empty_and_bounded() {
+        let b = Bounds3::new(Vec3::ZERO, Vec3::ONE);
+        let (t0, t1) = hit(&b, Vec3::splat(0.5), Vec3::Y).expect("inside");
+        assert!(t0 == 0.0 && (t1 - 0.5).abs() < 1e-6);
+        let flat = Bounds3::new(Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0));
+        assert!(hit(&flat, Vec3::new(0.3, 0.3, 1.0), -Vec3::Z).is_some());
+        assert!(hit(&flat, Vec3::new(0.3, 0.3, 1.0), Vec3::new(0.1, 0.1, -1.0)).is_some());
+        assert!(hit(&Bounds3::EMPTY, Vec3::ZERO, Vec3::ONE).is_none());
+        assert!(b.intersect(Vec3::new(-2.0, 0.5, 0.5), Vec3::X.recip(), 1.5).is_none());
+        assert!(Bounds3::EMPTY.is_empty() && Bounds3::EMPTY.area() == 0.0);
+        assert_eq!(b.union(Bounds3::EMPTY), b);
     }
 }

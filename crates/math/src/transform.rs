@@ -1,7 +1,10 @@
 //! Affine and projective maps with their inverses (M15–M22).
 
+mod linear;
+mod orientation;
+
 use crate::{Bounds3, Ray, Vec3};
-use glam::{DMat4, DVec3, Mat4};
+use glam::{DMat4, DVec3, DVec4, Mat4};
 use serde::{Deserialize, Serialize};
 
 /// A 4×4 map in `f64`, column vectors (`p' = M p`). Scene files compose these; [`Transform::affine`] rounds once for rendering.
@@ -67,13 +70,21 @@ impl Transform {
         Some(Self { matrix: DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0)) })
     }
 
-    /// The inverse, or `None` for a singular or non-finite map (M19).
+    /// The inverse, or `None` for a singular or non-finite map (M19). An affine map is singular where the volume of the images of the
+    /// unit vectors is below rounding error, relative to their lengths.
     pub fn inverse(&self) -> Option<Self> {
-        let det = self.matrix.determinant();
+        let m = &self.matrix;
+        let det = m.determinant();
         if !det.is_finite() || det == 0.0 {
             return None;
         }
-        let inv = self.matrix.inverse();
+        if m.row(3) == DVec4::W {
+            let edges = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
+            if det.abs() <= 4.0 * f64::EPSILON * edges {
+                return None;
+            }
+        }
+        let inv = m.inverse();
         inv.is_finite().then_some(Self { matrix: inv })
     }
 
