@@ -144,7 +144,7 @@ pub fn read(bytes: &[u8]) -> MtlFile {
         let end = line.iter().position(|&b| is_blank(b)).unwrap_or(line.len());
         let (word, rest) = (String::from_utf8_lossy(&line[..end]).to_ascii_lowercase(), trim(&line[end..]));
         let result = if word == "newmtl" {
-            let name = String::from_utf8_lossy(rest).into_owned();
+            let name = super::obj::name(rest);
             out.materials.push(Material { name, position, ..Material::default() });
             Ok(())
         } else {

@@ -4,7 +4,7 @@
 //! n becomes the microfacet roughness α = √(2 / (n + 2)) (Walter et al. 2007, section 5.2, from the widths of the lobes).
 
 use super::{Look, Opener, file_name};
-use crate::{Import, mesh::mtl};
+use crate::mesh::mtl;
 use steradian_scene::{ColorSpace, Family, Node, NodeId, SpectrumValue, Value};
 
 /// Index of refraction where none is given, or none that is meant.
@@ -74,7 +74,7 @@ impl Opener<'_> {
         let metallic = if m.metallic_map.is_some() { m.metallic.unwrap_or(1.0) } else { m.metallic.unwrap_or(0.0) };
         let rough: Value = match m.roughness_map.as_ref().and_then(|map| self.image(map, Holds::Numbers)) {
             Some(image) => {
-                self.approximated(m, "'map_Pr' is taken for the microfacet alpha itself, not for its square root");
+                self.approximated(m.span, "'map_Pr' is taken for the microfacet alpha itself, not for its square root");
                 Value::Node(image)
             }
             None => Value::Float(alpha),
@@ -183,22 +183,22 @@ impl Opener<'_> {
             let height = Value::Float(f64::from(map.bump) * BUMP_HEIGHT * self.size);
             self.import.desc.node_mut(image).set("scale", height, None);
             self.approximated(
-                m,
+                m.span,
                 "MTL gives bump maps no height: full contrast is taken for a hundredth of the model's size",
             );
             node.set("bump", image, m.span);
         }
         if m.displacement_map.is_some() {
-            self.dropped(m, "'disp' moves no vertices here and is left out");
+            self.dropped(m.span, "'disp' moves no vertices here and is left out");
         }
         if m.clearcoat.is_some_and(|c| c > 0.0) || m.sheen.is_some_and(|s| s > 0.0) {
-            self.dropped(m, "clear coat and sheen ('Pc', 'Ps') are left out");
+            self.dropped(m.span, "clear coat and sheen ('Pc', 'Ps') are left out");
         }
         if m.anisotropy.is_some_and(|a| a != 0.0) {
-            self.dropped(m, "anisotropy ('aniso') is left out");
+            self.dropped(m.span, "anisotropy ('aniso') is left out");
         }
         if m.shininess_map.is_some() {
-            self.dropped(m, "'map_Ns' is left out; 'Ns' holds everywhere");
+            self.dropped(m.span, "'map_Ns' is left out; 'Ns' holds everywhere");
         }
     }
 
@@ -207,11 +207,10 @@ impl Opener<'_> {
         let found = self.search.find(&map.file);
         let found = found.or_else(|e| file_name(&map.file).and_then(|n| self.search.find(n).ok()).ok_or(e));
         let span = map.span;
-        let Import { desc, diagnostics } = &mut self.import;
         let path = match found {
             Ok(path) => path,
             Err(e) => {
-                diagnostics.approximated(&desc.sources, span, format!("{e}: the material goes without"));
+                self.approximated(span, format!("{e}: the material goes without"));
                 return None;
             }
         };
@@ -236,18 +235,8 @@ impl Opener<'_> {
             }
         }
         if map.base_gain[0] != 0.0 {
-            diagnostics.approximated(&desc.sources, span, "the base value of '-mm' is left out; its gain is kept");
+            self.approximated(span, "the base value of '-mm' is left out; its gain is kept");
         }
-        Some(desc.add(node))
-    }
-
-    fn approximated(&mut self, m: &mtl::Material, message: &str) {
-        let Import { desc, diagnostics } = &mut self.import;
-        diagnostics.approximated(&desc.sources, m.span, format!("material '{}': {message}", m.name));
-    }
-
-    fn dropped(&mut self, m: &mtl::Material, message: &str) {
-        let Import { desc, diagnostics } = &mut self.import;
-        diagnostics.dropped(&desc.sources, m.span, format!("material '{}': {message}", m.name));
+        Some(self.import.desc.add(node))
     }
 }

@@ -8,7 +8,10 @@ use crate::{
     Import, Options,
     files::{self, SearchPath},
 };
-use std::{collections::HashMap, path::Path};
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+};
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span, Transform};
 
 /// Opens an OBJ or PLY file. What the file is decides, not what it is called.
@@ -29,7 +32,16 @@ pub fn import(path: &Path, options: &Options) -> Import {
     };
     let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
     search.folders.extend(options.search.iter().cloned());
-    let mut opener = Opener { import, path, options, search, materials: HashMap::new(), size: 1.0 };
+    let mut opener = Opener {
+        import,
+        path,
+        options,
+        search,
+        materials: HashMap::new(),
+        size: 1.0,
+        losses: 0,
+        undefined: HashSet::new(),
+    };
     if bytes.starts_with(b"ply") {
         opener.ply(&bytes);
     } else {
@@ -54,9 +66,30 @@ struct Opener<'a> {
     materials: HashMap<String, mtl::Material>,
     /// Length of the diagonal of the bounding box.
     size: f64,
+    /// Losses that were reported.
+    losses: usize,
+    /// Materials that no library defines.
+    undefined: HashSet<String>,
 }
 
+/// Losses that are shown with their place; further ones are only counted, for to find a line takes reading up to it.
+const MOST_SHOWN: usize = 100;
+
 impl Opener<'_> {
+    fn approximated(&mut self, span: Option<Span>, message: impl Into<String>) {
+        self.losses += 1;
+        if self.losses <= MOST_SHOWN {
+            self.import.diagnostics.approximated(&self.import.desc.sources, span, message);
+        }
+    }
+
+    fn dropped(&mut self, span: Option<Span>, message: impl Into<String>) {
+        self.losses += 1;
+        if self.losses <= MOST_SHOWN {
+            self.import.diagnostics.dropped(&self.import.desc.sources, span, message);
+        }
+    }
+
     /// Reports a fault with the line it is on; binary data has no lines to show.
     fn fault(&mut self, error: &MeshError, bytes: &[u8]) {
         let Import { desc, diagnostics } = &mut self.import;
@@ -112,9 +145,10 @@ impl Opener<'_> {
                     if let Some(name) = &part.material {
                         let end = part.material_offset + "usemtl ".len() + name.len();
                         let span = Span::new(source, part.material_offset, end);
-                        let Import { desc, diagnostics } = &mut self.import;
                         let message = format!("no library defines the material '{name}': a grey surface stands in");
-                        diagnostics.approximated(&desc.sources, Some(span), message);
+                        if self.undefined.insert(name.clone()) {
+                            self.approximated(Some(span), message);
+                        }
                     }
                     self.painted(&mut mesh)
                 }
@@ -124,7 +158,6 @@ impl Opener<'_> {
     }
 
     fn report_skipped(&mut self, skipped: &obj::Skipped, source: FileId) {
-        let Import { desc, diagnostics } = &mut self.import;
         let drawn = [
             (skipped.points, "point statements"),
             (skipped.lines, "line statements"),
@@ -132,12 +165,12 @@ impl Opener<'_> {
             (skipped.degenerate, "faces of less than three corners"),
         ];
         for (count, what) in drawn.into_iter().filter(|d| d.0 > 0) {
-            diagnostics.dropped(&desc.sources, None, format!("{count} {what} in '{}'", self.path.display()));
+            self.dropped(None, format!("{count} {what} in '{}'", self.path.display()));
         }
         if skipped.unknown > 0 {
             let span = Span::new(source, skipped.unknown_offset, skipped.unknown_offset + 1);
             let message = format!("{} statements that OBJ does not have; this is the first", skipped.unknown);
-            diagnostics.dropped(&desc.sources, Some(span), message);
+            self.dropped(Some(span), message);
         }
     }
 
@@ -145,19 +178,15 @@ impl Opener<'_> {
     fn library(&mut self, name: &str, span: Span) {
         let found = self.search.find(name).or_else(|e| file_name(name).and_then(|n| self.search.find(n).ok()).ok_or(e));
         let read = found.and_then(|path| files::read(&path, &self.options.limits).map(|bytes| (path, bytes)));
-        let Import { desc, diagnostics } = &mut self.import;
         let (path, bytes) = match read {
             Ok(read) => read,
-            Err(e) => {
-                diagnostics.approximated(&desc.sources, Some(span), format!("{e}: grey surfaces stand in"));
-                return;
-            }
+            Err(e) => return self.approximated(Some(span), format!("{e}: grey surfaces stand in")),
         };
         let library = mtl::read(&bytes);
-        let source = desc.sources.add(&path, bytes);
+        let source = self.import.desc.sources.add(&path, bytes);
         for remark in library.remarks {
             let span = Span::new(source, remark.position, remark.position + 1);
-            diagnostics.dropped(&desc.sources, Some(span), remark.message);
+            self.dropped(Some(span), remark.message);
         }
         // Textures stand beside the library.
         if let Some(folder) = path.parent().filter(|f| !self.search.folders.iter().any(|known| known == f)) {
@@ -190,9 +219,7 @@ impl Opener<'_> {
             Node::new(Family::Texture, "mesh_attribute", None).with("name", "color").with("domain", domain);
         if brightest > 1.0 {
             texture.set("scale", f64::from(1.0 / brightest), None);
-            let Import { desc, diagnostics } = &mut self.import;
-            let message = format!("colours reach {brightest}; they are scaled so that the brightest is 1");
-            diagnostics.approximated(&desc.sources, None, message);
+            self.approximated(None, format!("colours reach {brightest}; they are scaled so that the brightest is 1"));
         }
         let desc = &mut self.import.desc;
         let texture = desc.add(texture);
@@ -222,6 +249,10 @@ impl Opener<'_> {
     }
 
     fn finish(mut self) -> Import {
+        if self.losses > MOST_SHOWN {
+            let message = format!("{} further approximations and omissions", self.losses - MOST_SHOWN);
+            self.import.diagnostics.dropped(&self.import.desc.sources, None, message);
+        }
         if self.import.diagnostics.has_errors() {
             return self.import;
         }

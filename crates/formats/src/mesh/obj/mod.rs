@@ -4,7 +4,7 @@ mod build;
 mod lines;
 mod parse;
 
-use super::MeshError;
+use super::{MeshError, text::trim};
 pub(super) use lines::Lines;
 use steradian_scene::Mesh;
 
@@ -40,6 +40,13 @@ pub struct Library {
     pub name: String,
     /// Offset of the `mtllib` in the file.
     pub offset: usize,
+}
+
+/// A name as written, cut where it is longer than any that is meant: it is copied with each change of names.
+pub(super) fn name(text: &[u8]) -> String {
+    const LONGEST: usize = 255;
+    let text = trim(text);
+    String::from_utf8_lossy(&text[..text.len().min(LONGEST)]).into_owned()
 }
 
 /// What was passed over.

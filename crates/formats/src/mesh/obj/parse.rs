@@ -3,9 +3,9 @@
 use super::{Library, ObjOptions, Skipped, lines::Lines};
 use crate::mesh::{
     MeshError, MeshErrorKind as Kind,
-    text::{float, is_blank, shown, trim, words},
+    text::{float, is_blank, shown, words},
 };
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// No texture coordinate, or no normal.
 pub(super) const NONE: u32 = u32::MAX;
@@ -56,6 +56,8 @@ struct Parser<'a> {
     /// The part that the next face joins; `None` after a change of names.
     current: Option<usize>,
     known: HashMap<Names, usize>,
+    /// Libraries met so far.
+    named: HashSet<String>,
 }
 
 /// Reads all statements. Indices are made absolute, but not yet compared with what there is: a face may stand before its vertices.
@@ -68,6 +70,7 @@ pub(super) fn parse(bytes: &[u8], options: &ObjOptions) -> Result<Parsed, MeshEr
         material_offset: 0,
         current: None,
         known: HashMap::new(),
+        named: HashSet::new(),
     };
     for (at, line) in Lines::new(bytes) {
         p.statement(at, &line)?;
@@ -84,7 +87,7 @@ impl Parser<'_> {
     fn statement(&mut self, at: usize, line: &[u8]) -> Result<(), MeshError> {
         let word_end = line.iter().position(|&b| is_blank(b)).unwrap_or(line.len());
         let (word, rest) = line.split_at(word_end);
-        let name = || String::from_utf8_lossy(trim(rest)).into_owned();
+        let name = || super::name(rest);
         match word {
             b"v" => self.vertex(at, rest)?,
             b"vt" => {
@@ -271,7 +274,7 @@ impl Parser<'_> {
                 && word[word.len() - 4..].eq_ignore_ascii_case(".mtl");
             if ends || i + 1 == words.len() {
                 let name = std::mem::take(&mut name);
-                if !self.out.libraries.iter().any(|l| l.name == name) {
+                if self.named.insert(name.clone()) {
                     self.out.libraries.push(Library { name, offset: at });
                 }
             }

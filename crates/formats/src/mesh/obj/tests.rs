@@ -217,3 +217,19 @@ fn truncations_and_mutants_neither_panic_nor_swell() {
         mutants(&seed, 2_500, check);
     }
 }
+
+/// What is quadratic somewhere would take minutes here.
+#[test]
+fn hostile_files_are_read_in_linear_time() {
+    let started = std::time::Instant::now();
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let mut text = String::from(square);
+    (0..200_000).for_each(|i| text += &format!("mtllib {i}.mtl\nusemtl {i}\nf 1 2 3\n"));
+    let file = open(&text);
+    assert_eq!((file.meshes.len(), file.libraries.len()), (200_000, 200_000));
+    let long = format!("{square}g {}\n", "x".repeat(1 << 20));
+    let text =
+        (0..100_000).fold(long, |t, i| t + if i % 2 == 0 { "usemtl a\nf 1 2 3\n" } else { "usemtl b\nf 1 2 3\n" });
+    assert_eq!(open(&text).meshes.len(), 2);
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
+}

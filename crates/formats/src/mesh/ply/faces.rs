@@ -2,7 +2,7 @@
 
 use super::{
     PlyOptions,
-    cursor::Cursor,
+    cursor::{Cursor, Stored},
     header::{Element, Encoding, Type},
     layout::attributes,
 };
@@ -40,15 +40,17 @@ pub(super) fn read(
     };
     mesh.triangles.reserve(element.count.min(cursor.left() / triangle_bytes));
 
-    let index = if element.properties.len() == 1 && cursor.encoding == Encoding::Little {
-        match (p.length, p.item) {
-            (Some(Type::U8 | Type::I8), Type::I32 | Type::U32) => packed::<1>(cursor, element, mesh)?,
-            (Some(Type::U32 | Type::I32), Type::I32 | Type::U32) => packed::<4>(cursor, element, mesh)?,
+    let is_32_bit = |t: Type| matches!(t, Type::I32 | Type::U32);
+    let mut index = 0;
+    if element.properties.len() == 1 && is_32_bit(p.item) {
+        index = match (p.length, cursor.encoding) {
+            (Some(Type::U8 | Type::I8), Encoding::Little) => packed::<1, false>(cursor, element, mesh),
+            (Some(Type::U8 | Type::I8), Encoding::Big) => packed::<1, true>(cursor, element, mesh),
+            (Some(t), Encoding::Little) if is_32_bit(t) => packed::<4, false>(cursor, element, mesh),
+            (Some(t), Encoding::Big) if is_32_bit(t) => packed::<4, true>(cursor, element, mesh),
             _ => 0,
-        }
-    } else {
-        0
-    };
+        };
+    }
     if index < element.count {
         general(cursor, element, list, index, &layouts, mesh, options)?;
     }
@@ -57,12 +59,12 @@ pub(super) fn read(
 
 /// The usual layout: records of a length (`L` bytes) and 32-bit indices. Reads triangles up to the first face that is something else,
 /// or faulty, and returns its number.
-fn packed<const L: usize>(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut Mesh) -> Result<usize, MeshError> {
+fn packed<const L: usize, const BIG: bool>(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut Mesh) -> usize {
     let count = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
     let size = L + 12;
     let mut done = 0;
     for record in cursor.bytes[cursor.at..].chunks_exact(size).take(element.count) {
-        let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
+        let word = |at: usize| u32::get(record, at, BIG);
         let corners = if L == 1 { u32::from(record[0]) } else { word(0) };
         let triangle = [word(L), word(L + 4), word(L + 8)];
         if corners != 3 || triangle.iter().any(|&i| i >= count) {
@@ -72,7 +74,7 @@ fn packed<const L: usize>(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut
         done += 1;
     }
     cursor.at += done * size;
-    Ok(done)
+    done
 }
 
 /// Any layout, from face `first` on.

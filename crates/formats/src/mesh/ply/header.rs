@@ -101,6 +101,9 @@ impl Element {
     }
 }
 
+/// More properties than any real element has; a hostile header must not cost more than it is long.
+const MOST_PROPERTIES: usize = 1000;
+
 /// What stands before the data.
 #[derive(Clone, Debug)]
 pub(super) struct Header {
@@ -112,13 +115,14 @@ pub(super) struct Header {
 
 impl Header {
     /// Refuses an element that declares more records than the bytes left can hold.
-    pub(super) fn check_count(&self, element: &Element, bytes_left: usize) -> Result<(), MeshError> {
+    pub(super) fn check_count(&self, bytes: &[u8], element: &Element, bytes_left: usize) -> Result<(), MeshError> {
         let least = element.least_record(self.encoding);
         // The last number of a text may lack its separator.
         let room = bytes_left + usize::from(self.encoding == Encoding::Ascii);
         if least > 0 && element.count.checked_mul(least).is_none_or(|need| need > room) {
-            return Err(MeshError::at_byte(
+            return Err(MeshError::in_text(
                 Kind::Truncated,
+                bytes,
                 element.offset,
                 format!(
                     "element '{}' declares {} records of at least {least} bytes, but only {bytes_left} bytes are left",
@@ -217,6 +221,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
                 let property =
                     Property { name: String::from_utf8_lossy(name).into_owned(), length, item: typed(item)? };
                 match elements.last_mut() {
+                    Some(e) if e.properties.len() == MOST_PROPERTIES => {
+                        let message = format!("element '{}' has more than {MOST_PROPERTIES} properties", e.name);
+                        return Err(fault(Kind::TooLarge, start, message));
+                    }
                     Some(e) => e.properties.push(property),
                     None => {
                         return Err(text_fault(

@@ -37,7 +37,7 @@ pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<Mesh, MeshError> {
     // What follows the last element of interest need not be read.
     let end = header.elements.iter().rposition(meaningful).map_or(0, |i| i + 1);
     for (i, element) in header.elements[..end].iter().enumerate() {
-        header.check_count(element, cursor.left())?;
+        header.check_count(bytes, element, cursor.left())?;
         if meaningful(element) && header.elements[..i].iter().any(|e| e.name == element.name) {
             let message = format!("element '{}' is declared more than once", element.name);
             return Err(MeshError::in_text(Kind::Syntax, bytes, element.offset, message));

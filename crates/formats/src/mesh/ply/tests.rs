@@ -217,7 +217,11 @@ fn faults_are_located() {
         ),
         (edit("3 0 1 2", "-3 0 1 2"), Kind::Syntax, "a list cannot have -3 items"),
         (edit("3 0 1 2", "900000000 0 1 2"), Kind::Truncated, "a list of 900000000 items, but only 6 bytes are left"),
-        (edit("vertex 3", "vertex 4000000000"), Kind::Truncated, "element 'vertex' declares 4000000000 records"),
+        (
+            edit("vertex 3", "vertex 4000000000"),
+            Kind::Truncated,
+            "line 3: element 'vertex' declares 4000000000 records",
+        ),
         (edit("face 1", "face 4000000000"), Kind::Truncated, "element 'face' declares 4000000000 records"),
     ] {
         assert!(error.kind == kind && error.to_string().contains(text), "{text:?} is not in {error:?}");
@@ -301,4 +305,13 @@ fn attributes_are_plain_data() {
     for (found, expected) in data.iter().zip([0.0, 1.0, 0.215_861, 128.0 / 255.0]) {
         assert!((found - expected).abs() < 1e-5, "{data:?}");
     }
+}
+
+#[test]
+fn a_header_of_very_many_properties_is_refused() {
+    let mut header = String::from("format ascii 1.0\nelement vertex 1");
+    (0..200_000).for_each(|i| header += &format!("\nproperty float a{i}_x"));
+    let started = std::time::Instant::now();
+    assert_eq!(fault(&file(&header, b"")).kind, Kind::TooLarge);
+    assert!(started.elapsed().as_secs() < 2);
 }
