@@ -532,7 +532,9 @@ impl<'o> Reader<'o> {
                 let found = self.lexer().excerpt(token);
                 let known = BEFORE_WORLD.iter().chain(&IN_WORLD).chain(&ANYWHERE).copied();
                 let (message, help) = match token.kind {
-                    Kind::Word => (format!("unknown directive '{found}'"), names::did_you_mean(&found, known)),
+                    Kind::Word if found.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+                        (format!("unknown directive '{found}'"), names::did_you_mean(&found, known))
+                    }
                     _ => (format!("expected a directive, found '{found}'"), None),
                 };
                 self.scene.report.error_help(span, message, help);

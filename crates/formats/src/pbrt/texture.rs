@@ -158,7 +158,8 @@ fn image(b: &mut Build, values: Values, ctm: Transform) {
     b.float("scale", "scale", 1.0);
     b.bool("invert", "invert", false);
     b.set("origin", "bottom");
-    b.set("raw", values == Values::Float);
+    // Numbers need no colour, but pbrt decodes them where the file has an encoding.
+    b.set("raw", values == Values::Float && b.node.string("encoding") == Some("linear"));
     mapping(b, ctm);
 }
 
