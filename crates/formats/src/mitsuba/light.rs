@@ -48,11 +48,6 @@ impl Reader<'_> {
             }
             "envmap" => self.environment_map(object)?,
             "projector" => self.projector(object),
-            "area" | "directionalarea" => {
-                let message = format!("the emitter '{}' belongs inside a shape", self.plugin(object));
-                self.error(self.span(object), message);
-                return None;
-            }
             "sky" | "sunsky" | "timed_sunsky" => self.sky(object),
             "sun" | "collimated" => {
                 self.graph.objects[object].visited = false;
@@ -140,8 +135,7 @@ impl Reader<'_> {
             None => node.set("radiance", rgb([1.0; 3]), None),
         };
         self.field_of_view(&mut node, object);
-        // Mitsuba multiplies the texture by π to make it the irradiance at z = 1.
-        let scale = std::f64::consts::PI * self.float(object, "scale").unwrap_or(1.0);
+        let scale = self.float(object, "scale").unwrap_or(1.0);
         node.set("scale", scale, Some(self.value_span(object, "scale")));
         let to_world = self.transform(object, "to_world") * mirrored_x();
         node.with("to_world", to_world)

@@ -102,7 +102,7 @@ fn load(key: &MeshKey, limits: &Limits) -> Result<Mesh, String> {
     if flat {
         mesh.normals.clear();
     } else if mesh.normals.is_empty() {
-        normals::compute(&mut mesh, &key.transform());
+        normals::compute(&mut mesh, &key.transform(), key.format == MeshFormat::Obj);
     }
     if key.flip_uvs && key.format != MeshFormat::Obj {
         normals::flip_uvs(&mut mesh);

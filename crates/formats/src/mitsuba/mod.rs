@@ -7,6 +7,7 @@
 //!
 //! What Mitsuba means by a file is as Mitsuba 3 documents and does it (<https://mitsuba.readthedocs.io>).
 
+mod directives;
 mod graph;
 mod ior;
 mod light;
@@ -14,8 +15,10 @@ mod material;
 mod medium;
 mod meshes;
 mod normals;
+mod parameters;
 mod parse;
 mod plugins;
+mod property;
 mod reader;
 mod sensor;
 mod shape;
@@ -45,8 +48,13 @@ pub fn import(path: &Path, options: &Options) -> Import {
 
 /// Reads a Mitsuba scene from its text. `path` is where the text comes from, for messages and for the files it refers to.
 pub fn import_text(text: &str, path: &Path, options: &Options) -> Import {
+    import_bytes(text.as_bytes().to_vec(), path, options)
+}
+
+/// The same for bytes, which may not be text at all.
+pub fn import_bytes(bytes: Vec<u8>, path: &Path, options: &Options) -> Import {
     let mut parser = Parser::new(path.parent().unwrap_or(Path::new("")).to_path_buf(), options);
-    parser.main_text(path, text.as_bytes().to_vec());
+    parser.main_text(path, bytes);
     translate(path, parser, options)
 }
 
@@ -79,6 +87,8 @@ impl Reader<'_> {
             }
             match self.graph.objects[child].category {
                 Category::Shape => self.scene_shape(child),
+                // An emitter for shapes that refer to it by its id.
+                Category::Emitter if ["area", "directionalarea"].contains(&self.plugin(child)) => {}
                 Category::Emitter => {
                     let light = self.emitter(child);
                     self.desc.lights.extend(light);

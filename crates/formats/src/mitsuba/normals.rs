@@ -1,12 +1,15 @@
 //! What Mitsuba does to a mesh after reading it: vertex normals, orientation, texture coordinates.
 
+use std::collections::HashMap;
 use steradian_math::{DVec3, Transform};
 use steradian_scene::Mesh;
 
 /// Sets vertex normals to the mean of the face normals around each vertex as they are in the world, weighted by the angle of the face
-/// there (Thürmer and Wüthrich, Computing Vertex Normals from Polygonal Facets, JGT 3(1), 1998). The result is in object space, not
-/// normalised. Vertices without faces get +z.
-pub(super) fn compute(mesh: &mut Mesh, world_from_object: &Transform) {
+/// there (Thürmer and Wüthrich, Computing Vertex Normals from Polygonal Facets, JGT 3(1), 1998). With `weld`, vertices at the same place
+/// are one: they differ in texture coordinates only. The result is in object space. Vertices without faces get +z.
+pub(super) fn compute(mesh: &mut Mesh, world_from_object: &Transform, weld: bool) {
+    let point_of = weld.then(|| welded(&mesh.positions));
+    let point = |vertex: u32| point_of.as_ref().map_or(vertex, |p| p[vertex as usize]) as usize;
     let world: Vec<DVec3> =
         mesh.positions.iter().map(|&p| world_from_object.vector(DVec3::from(p.map(f64::from)))).collect();
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
@@ -15,20 +18,24 @@ pub(super) fn compute(mesh: &mut Mesh, world_from_object: &Transform) {
         let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else { continue };
         for corner in 0..3 {
             let (a, b) = (p[(corner + 1) % 3] - p[corner], p[(corner + 2) % 3] - p[corner]);
-            sums[t[corner] as usize] += normal * a.angle_between(b);
+            sums[point(t[corner])] += normal * a.angle_between(b);
         }
     }
     // Normals go to the world by the inverse transpose, so they come back by the transpose. Mirrored faces are computed inside out.
     let side = if world_from_object.swaps_handedness() { -1.0 } else { 1.0 };
     let m = &world_from_object.matrix;
     let axes = [m.x_axis, m.y_axis, m.z_axis].map(|c| c.truncate());
-    mesh.normals = sums
-        .into_iter()
-        .map(|sum| {
-            let object = DVec3::from(axes.map(|a| a.dot(sum))) * side;
-            object.try_normalize().unwrap_or(DVec3::Z).as_vec3().to_array()
-        })
-        .collect();
+    let normal = |vertex: u32| {
+        let object = DVec3::from(axes.map(|a| a.dot(sums[point(vertex)]))) * side;
+        object.try_normalize().unwrap_or(DVec3::Z).as_vec3().to_array()
+    };
+    mesh.normals = (0..mesh.positions.len() as u32).map(normal).collect();
+}
+
+/// The first vertex at the place of each.
+fn welded(positions: &[[f32; 3]]) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(positions.len());
+    positions.iter().zip(0..).map(|(p, i)| *first.entry(p.map(f32::to_bits)).or_insert(i)).collect()
 }
 
 /// Whether a transform keeps angles, so that normals computed in object space are right in the world.
@@ -81,7 +88,7 @@ mod tests {
     fn smooth_normals_of_a_cube_point_to_its_corners() {
         for transform in [Transform::IDENTITY, Transform::scale(DVec3::new(-2.0, 2.0, 2.0))] {
             let mut mesh = corner_cube();
-            compute(&mut mesh, &transform);
+            compute(&mut mesh, &transform, false);
             for (n, p) in mesh.normals.iter().zip(&mesh.positions) {
                 let (n, p) = (DVec3::from(n.map(f64::from)), DVec3::from(p.map(f64::from)).normalize());
                 assert!((n - p).length() < 1e-6, "{n} {p}");
@@ -93,11 +100,19 @@ mod tests {
     fn normals_are_those_of_the_stretched_shape() {
         let stretch = Transform::scale(DVec3::new(1.0, 1.0, 4.0));
         let mut there = corner_cube();
-        compute(&mut there, &stretch);
+        compute(&mut there, &stretch, false);
         // The same computed on a stretched mesh.
         let mut stretched = corner_cube();
         stretched.positions.iter_mut().for_each(|p| p[2] *= 4.0);
-        compute(&mut stretched, &Transform::IDENTITY);
+        compute(&mut stretched, &Transform::IDENTITY, false);
+        // The solid cube has its corners three times over; welded they are the same.
+        let mut solid = solids::cube();
+        compute(&mut solid, &stretch, true);
+        let at = there.positions.iter().position(|p| *p == solid.positions[5]).unwrap();
+        assert!(
+            (DVec3::from(there.normals[at].map(f64::from)) - DVec3::from(solid.normals[5].map(f64::from))).length()
+                < 1e-6
+        );
         for (a, b) in there.normals.iter().zip(&stretched.normals) {
             let a = DVec3::new(f64::from(a[0]), f64::from(a[1]), f64::from(a[2]) / 4.0).normalize();
             assert!((a - DVec3::from(b.map(f64::from))).length() < 1e-6);

@@ -6,7 +6,10 @@ use super::{
     plugins,
 };
 use crate::{Options, files::SearchPath};
-use std::{collections::HashMap, path::PathBuf};
+use std::{
+    collections::{HashMap, HashSet},
+    path::PathBuf,
+};
 use steradian_scene::{Diagnostics, Family, Node, NodeId, SceneDesc, Sources, Span, Transform, Value, names};
 
 /// Deepest nesting of objects in each other, references followed.
@@ -38,6 +41,8 @@ pub(super) struct Reader<'a> {
     pub meshes: MeshQueue,
     /// Index into [`SceneDesc::groups`] of each shape group.
     pub groups: HashMap<ObjectId, usize>,
+    /// Merged shapes that were translated.
+    pub merged: HashSet<ObjectId>,
     /// Whether the shape being translated is a disk.
     pub on_disk: bool,
     pub depth: usize,
@@ -61,6 +66,7 @@ impl<'a> Reader<'a> {
             options,
             meshes: MeshQueue::default(),
             groups: HashMap::new(),
+            merged: HashSet::new(),
             on_disk: false,
             depth: 0,
             translated: HashMap::new(),
@@ -109,6 +115,10 @@ impl<'a> Reader<'a> {
             o.props.iter_mut().for_each(|p| p.used = true);
             (o.category, o.plugin.clone(), o.span)
         };
+        // Where the type is missing, the parser has said so.
+        if plugin.is_empty() {
+            return;
+        }
         let help = names::did_you_mean(&plugin, plugins::known(category).iter().copied());
         let message = format!("unknown {} '{plugin}'", category.noun());
         self.diagnostics.error_help(&self.desc.sources, Some(span), message, help);
@@ -204,7 +214,7 @@ impl<'a> Reader<'a> {
     pub fn some_transform(&mut self, object: ObjectId, name: &'static str) -> Option<Transform> {
         let prop = self.graph.take(object, name)?;
         match prop.value {
-            Raw::Transform(t) if t.inverse().is_some() => Some(t),
+            Raw::Transform(t) if t.affine().is_some() => Some(t),
             Raw::Transform(_) => {
                 self.error(prop.value_span, format!("the transform '{name}' cannot be inverted"));
                 None

@@ -67,7 +67,18 @@ impl Reader<'_> {
             return;
         }
         self.film(films.first().map(|f| f.1));
+        self.orthographic_window(object);
         self.sampler(samplers.first().map(|s| s.1));
+    }
+
+    /// Mitsuba's orthographic camera sees -1…1 along x, whatever the shape of the film.
+    fn orthographic_window(&mut self, object: ObjectId) {
+        let Some(&camera) = self.desc.cameras.last() else { return };
+        let size = self.desc.film.map(|f| self.desc.node(f)).and_then(|f| f.float("width").zip(f.float("height")));
+        if let (Some((width, height)), "orthographic") = (size, self.plugin(object)) {
+            let y = height / width;
+            self.desc.node_mut(camera).set("screen_window", vec![-1.0, 1.0, -y, y], None);
+        }
     }
 
     /// What the scene has when no sensor says otherwise.

@@ -44,6 +44,11 @@ impl Reader<'_> {
             self.on_disk = false;
             return shape.into_iter().collect();
         }
+        // Merged shapes that merge each other in turn would double at every step.
+        if !self.merged.insert(object) {
+            self.error(self.span(object), "a merged shape can be used once");
+            return Vec::new();
+        }
         if !self.enter(object) {
             return Vec::new();
         }

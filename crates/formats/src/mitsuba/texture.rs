@@ -21,6 +21,9 @@ pub(super) enum Role {
     Scalar,
 }
 
+/// What happens to texture coordinates outside 0…1; `zero` is of version 0.6.
+const WRAPS: [&str; 4] = ["repeat", "mirror", "clamp", "zero"];
+
 /// Linear sRGB components as a value.
 pub(super) fn rgb(components: [f64; 3]) -> Value {
     Value::Spectrum(SpectrumValue::Rgb(components, ColorSpace::Srgb))
@@ -181,7 +184,10 @@ impl Reader<'_> {
         let file = self.needed_file(object, "filename");
         let filters = ["bilinear", "nearest", "trilinear", "ewa"];
         let filter = self.choice(object, "filter_type", &filters);
-        let wrap = self.choice(object, "wrap_mode", &["repeat", "mirror", "clamp"]);
+        let wrap = self.choice(object, "wrap_mode", &WRAPS);
+        let wraps = ["wrap_mode_u", "wrap_mode_v"]
+            .map(|n| if self.graph.has(object, n) { self.choice(object, n, &WRAPS) } else { wrap });
+        let [wrap_u, wrap_v] = wraps.map(|w| if w == "zero" { "black" } else { w });
         let raw = self.bool(object, "raw").unwrap_or(false);
         // `gamma` is what 0.6 decodes with: 1 is linear, -1 finds out.
         let encoding = match self.float(object, "gamma") {
@@ -194,7 +200,7 @@ impl Reader<'_> {
         }
         self.ignore(object, &["accel", "format", "cache", "max_anisotropy", "channel"]);
         node.set("file", file?, Some(self.value_span(object, "filename")));
-        for (name, value) in [("filter", filter), ("wrap_u", wrap), ("wrap_v", wrap), ("origin", "top")] {
+        for (name, value) in [("filter", filter), ("wrap_u", wrap_u), ("wrap_v", wrap_v), ("origin", "top")] {
             node.set(name, value, None);
         }
         node.set("encoding", encoding, None).set("raw", raw, None);

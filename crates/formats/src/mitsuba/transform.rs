@@ -1,6 +1,9 @@
 //! The operations inside `<transform>`.
 
-use super::{parse::Attr, values};
+use super::{
+    parse::{Attr, Attributes},
+    values,
+};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Span, names};
 
@@ -10,10 +13,9 @@ pub(super) const OPERATIONS: [&str; 5] = ["translate", "rotate", "scale", "looka
 type Fault = (Option<Span>, String);
 
 /// A vector from the attributes `x`, `y`, `z` (each `missing` where absent) or from `value` (one or three numbers).
-pub(super) fn vector(attributes: &[Attr<'_>], missing: f64) -> Result<[f64; 3], String> {
-    let find = |name: &str| attributes.iter().find(|a| a.name == name);
-    let parts = ["x", "y", "z"].map(find);
-    match find("value") {
+pub(super) fn vector(attributes: &Attributes<'_>, missing: f64) -> Result<[f64; 3], String> {
+    let parts = ["x", "y", "z"].map(|name| attributes.get(name));
+    match attributes.get("value") {
         Some(_) if parts.iter().any(Option::is_some) => Err("'value' excludes 'x', 'y' and 'z'".into()),
         Some(value) => values::triple(&value.value),
         None => {
@@ -24,7 +26,7 @@ pub(super) fn vector(attributes: &[Attr<'_>], missing: f64) -> Result<[f64; 3], 
 }
 
 /// The map that one operation stands for, or what is wrong with it and where.
-pub(super) fn operation(tag: &str, attributes: &[Attr<'_>], legacy: bool) -> Result<Transform, Fault> {
+pub(super) fn operation(tag: &str, attributes: &Attributes<'_>, legacy: bool) -> Result<Transform, Fault> {
     let tag = if legacy && tag == "lookAt" { "lookat" } else { tag };
     let (known, needed): (&[&str], &[&str]) = match tag {
         "translate" | "scale" => (&["x", "y", "z", "value"], &[]),
@@ -36,16 +38,15 @@ pub(super) fn operation(tag: &str, attributes: &[Attr<'_>], legacy: bool) -> Res
             return Err((None, format!("<{tag}> is no operation of a transform{help}")));
         }
     };
-    if let Some(a) = attributes.iter().find(|a| !known.contains(&a.name)) {
+    if let Some(a) = attributes.list.iter().find(|a| !known.contains(&a.name)) {
         return Err((Some(a.name_span), format!("<{tag}> has no attribute '{}'", a.name)));
     }
-    if let Some(n) = needed.iter().find(|n| !attributes.iter().any(|a| a.name == **n)) {
+    if let Some(n) = needed.iter().find(|n| attributes.get(n).is_none()) {
         return Err((None, format!("<{tag}> needs the attribute '{n}'")));
     }
-    let find = |name: &str| attributes.iter().find(|a| a.name == name);
-    let located = |name: &str, message: String| -> Fault { (find(name).map(|a| a.value_span), message) };
+    let located = |name: &str, message: String| -> Fault { (attributes.get(name).map(|a| a.value_span), message) };
     let xyz = |missing: f64| {
-        let first = attributes.iter().find(|a| ["value", "x", "y", "z"].contains(&a.name));
+        let first = attributes.list.iter().find(|a| ["value", "x", "y", "z"].contains(&a.name));
         vector(attributes, missing).map(DVec3::from).map_err(|e| (first.map(|a| a.value_span), e))
     };
     match tag {
@@ -53,7 +54,7 @@ pub(super) fn operation(tag: &str, attributes: &[Attr<'_>], legacy: bool) -> Res
         "scale" => {
             let factors = xyz(1.0)?;
             if factors.x == 0.0 || factors.y == 0.0 || factors.z == 0.0 {
-                return Err((attributes.first().map(|a| a.value_span), "a scale of zero cannot be undone".into()));
+                return Err((attributes.list.first().map(|a| a.value_span), "a scale of zero cannot be undone".into()));
             }
             Ok(Transform::scale(factors))
         }
@@ -62,12 +63,12 @@ pub(super) fn operation(tag: &str, attributes: &[Attr<'_>], legacy: bool) -> Res
             if axis == DVec3::ZERO {
                 return Err((None, "the axis of the rotation is zero".into()));
             }
-            let angle = find("angle").map_or(Ok(0.0), |a| values::number(&a.value));
+            let angle = attributes.text("angle").map_or(Ok(0.0), values::number);
             Ok(Transform::rotate(axis, angle.map_err(|e| located("angle", e))?.to_radians()))
         }
         "lookat" => {
             let point = |name: &str| -> Result<DVec3, Fault> {
-                let text = find(name).map_or("0 0 0", |a| &a.value);
+                let text = attributes.text(name).unwrap_or("0 0 0");
                 match values::numbers(text).map_err(|e| located(name, e))?[..] {
                     [x, y, z] => Ok(DVec3::new(x, y, z)),
                     ref other => Err(located(name, format!("'{name}' needs three numbers, not {}", other.len()))),
@@ -85,7 +86,7 @@ pub(super) fn operation(tag: &str, attributes: &[Attr<'_>], legacy: bool) -> Res
             Transform::look_at(origin, target, up).ok_or_else(fault)
         }
         _ => {
-            let value = find("value").map_or("", |a| &a.value);
+            let value = attributes.text("value").unwrap_or_default();
             let matrix = values::matrix(value).map_err(|e| located("value", e))?;
             if matrix.inverse().is_none() {
                 return Err(located("value", "the matrix cannot be inverted".into()));

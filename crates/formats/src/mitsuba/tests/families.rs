@@ -1,0 +1,264 @@
+//! What the objects of each family become.
+
+use super::*;
+use steradian_math::DVec3;
+use steradian_scene::SpectrumValue;
+
+#[test]
+fn bsdfs_have_mitsubas_defaults() {
+    let (_, m) = material("<bsdf type=\"diffuse\"/>");
+    assert_eq!((m.kind.as_str(), m.float("reflectance")), ("diffuse", Some(0.5)));
+    let (_, m) = material("<bsdf type=\"dielectric\"/>");
+    assert!((m.float("eta").unwrap() - 1.5046 / 1.000277).abs() < 1e-12 && m.get("alpha_u").is_none());
+    let (_, m) = material(
+        "<bsdf type=\"roughdielectric\"><string name=\"int_ior\" value=\"Water\"/><float name=\"ext_ior\" value=\"1\"/></bsdf>",
+    );
+    assert_eq!(
+        (m.float("eta"), m.float("alpha_u"), m.string("distribution")),
+        (Some(1.333), Some(0.1), Some("beckmann"))
+    );
+    assert_eq!(m.bool("remap_roughness"), Some(false));
+    let (_, m) = material(
+        "<bsdf type=\"roughplastic\"><string name=\"distribution\" value=\"GGX\"/><float name=\"alpha\" value=\"0.3\"/></bsdf>",
+    );
+    assert_eq!((m.kind.as_str(), m.float("alpha_v"), m.string("distribution")), ("plastic", Some(0.3), Some("ggx")));
+    assert_eq!((m.bool("nonlinear"), m.float("diffuse_reflectance")), (Some(false), Some(0.5)));
+    assert!((m.float("eta").unwrap() - 1.49 / 1.000277).abs() < 1e-12);
+    let (_, m) = material("<bsdf type=\"null\"/>");
+    assert_eq!(m.kind, "interface");
+}
+
+#[test]
+fn conductors() {
+    let (_, mirror) = material("<bsdf type=\"conductor\"/>");
+    assert!(mirror.get("eta").is_none() && mirror.get("k").is_none() && mirror.get("alpha_u").is_none());
+    let (_, gold) = material("<bsdf type=\"roughconductor\"><string name=\"material\" value=\"Au\"/></bsdf>");
+    assert_eq!(gold.get("k"), Some(&Value::Spectrum(SpectrumValue::Named("metal-Au-k".into()))));
+    let (_, given) = material("<bsdf type=\"conductor\"><rgb name=\"eta\" value=\"0.2 1.5 3\"/></bsdf>");
+    assert_eq!((given.get("eta"), given.float("k")), (Some(&rgb([0.2, 1.5, 3.0])), Some(1.0)));
+    let import =
+        read("<shape type=\"sphere\"><bsdf type=\"conductor\"><string name=\"material\" value=\"Cr\"/></bsdf></shape>");
+    assert!(import.diagnostics.is_lossy() && !import.diagnostics.has_errors());
+}
+
+#[test]
+fn nested_bsdfs() {
+    let (desc, m) = material("<bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf>");
+    assert_eq!((m.node("front"), m.kind.as_str()), (m.node("back"), "two_sided"));
+    assert_eq!(child(&desc, &m, "front").kind, "diffuse");
+    let (desc, m) = material(
+        "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.25\"/><bsdf type=\"diffuse\"/><bsdf type=\"plastic\"/></bsdf>",
+    );
+    let Some(Value::Nodes(both)) = m.get("materials") else { panic!() };
+    assert_eq!((desc.node(both[0]).kind.as_str(), desc.node(both[1]).kind.as_str()), ("diffuse", "plastic"));
+    assert_eq!(m.float("amount"), Some(0.25));
+    let (desc, m) = material(
+        "<bsdf type=\"mask\"><texture type=\"checkerboard\" name=\"opacity\"/><bsdf type=\"diffuse\"/></bsdf>",
+    );
+    // Read as single numbers, Mitsuba's checkerboard is the other way round.
+    assert_eq!(
+        (child(&desc, &m, "opacity").float("a"), child(&desc, &m, "material").kind.as_str()),
+        (Some(0.2), "diffuse")
+    );
+    let (desc, m) = material(
+        "<bsdf type=\"bumpmap\"><texture type=\"checkerboard\"/><float name=\"scale\" value=\"3\"/><bsdf type=\"plastic\"/></bsdf>",
+    );
+    assert_eq!((m.kind.as_str(), child(&desc, &m, "bump").float("scale")), ("plastic", Some(3.0)));
+}
+
+#[test]
+fn bsdfs_that_steradian_lacks_keep_their_parameters() {
+    let (desc, m) = material(
+        "<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"1 .5 0\"/><float name=\"metallic\" value=\".7\"/>
+         <texture name=\"roughness\" type=\"checkerboard\"/></bsdf>",
+    );
+    assert_eq!(
+        (m.kind.as_str(), m.float("metallic"), m.get("base_color")),
+        ("principled", Some(0.7), Some(&rgb([1.0, 0.5, 0.0])))
+    );
+    assert_eq!(child(&desc, &m, "roughness").kind, "checkerboard");
+    let (desc, m) =
+        material("<bsdf type=\"coating\"><float name=\"thickness\" value=\"2\"/><bsdf type=\"diffuse\"/></bsdf>");
+    assert_eq!(child(&desc, &m, "material").kind, "diffuse");
+}
+
+#[test]
+fn emission_means_multiples_of_d65() {
+    let radiance = |value: &str| {
+        let desc = good(&format!("<shape type=\"sphere\"><emitter type=\"area\">{value}</emitter></shape>"));
+        // Without a BSDF, a shape that emits is black.
+        let black = desc.node(desc.shapes[0].material.unwrap()).get("reflectance").cloned();
+        assert_eq!(black, Some(rgb([0.0; 3])));
+        let light = desc.node(desc.shapes[0].emission.unwrap());
+        assert_eq!((light.bool("normalize"), light.bool("two_sided")), (Some(false), Some(false)));
+        light.get("radiance").unwrap().clone()
+    };
+    assert_eq!(radiance(""), rgb([1.0; 3]));
+    assert_eq!(radiance("<rgb name=\"radiance\" value=\"1 2 3\"/>"), rgb([1.0, 2.0, 3.0]));
+    assert_eq!(radiance("<float name=\"radiance\" value=\"4\"/>"), rgb([4.0; 3]));
+    assert_eq!(
+        radiance("<spectrum type=\"d65\" name=\"radiance\"><float name=\"scale\" value=\"5\"/></spectrum>"),
+        rgb([5.0; 3])
+    );
+    // A constant spectrum is not D65, and not neutral in RGB.
+    let flat = SpectrumValue::Sampled { lambdas: vec![360.0, 830.0], values: vec![2.0, 2.0] };
+    assert_eq!(radiance("<spectrum name=\"radiance\" value=\"2\"/>"), Value::Spectrum(flat));
+    let listed = SpectrumValue::Sampled { lambdas: vec![400.0, 500.0, 700.0], values: vec![0.0, 8.0, 15.6] };
+    assert_eq!(radiance("<spectrum name=\"radiance\" value=\"400:0, 500:8, 700:15.6\"/>"), Value::Spectrum(listed));
+    let hot = radiance(
+        "<spectrum type=\"blackbody\" name=\"radiance\"><float name=\"temperature\" value=\"5000\"/></spectrum>",
+    );
+    assert!(matches!(hot, Value::Spectrum(SpectrumValue::Sampled { lambdas, .. }) if lambdas[0] == 360.0));
+}
+
+#[test]
+fn emitters_of_their_own() {
+    let light = |text: &str| {
+        let desc = good(text);
+        let node = only(&desc, &desc.lights).clone();
+        (desc, node)
+    };
+    let (_, l) = light(
+        "<emitter type=\"point\"><point name=\"position\" x=\"1\" y=\"2\" z=\"3\"/><rgb name=\"intensity\" value=\"2\"/></emitter>",
+    );
+    assert_eq!(l.transform("to_world").unwrap().point(DVec3::ZERO), DVec3::new(1.0, 2.0, 3.0));
+    let (_, l) = light("<emitter type=\"spot\"><float name=\"cutoff_angle\" value=\"40\"/></emitter>");
+    assert_eq!(
+        (l.float("cone_angle"), l.float("falloff_start"), l.string("falloff")),
+        (Some(40.0), Some(30.0), Some("linear"))
+    );
+    let (_, l) = light("<emitter type=\"directional\"><vector name=\"direction\" value=\"0, -2, 0\"/></emitter>");
+    assert_eq!((l.kind.as_str(), l.vec3("direction")), ("distant", Some([0.0, -1.0, 0.0])));
+    let (_, l) = light(
+        "<emitter type=\"directional\"><transform name=\"to_world\"><rotate y=\"1\" angle=\"90\"/></transform></emitter>",
+    );
+    assert!((DVec3::from(l.vec3("direction").unwrap()) - DVec3::X).length() < 1e-12);
+    let (_, l) = light("<emitter type=\"constant\"/>");
+    assert_eq!((l.kind.as_str(), l.get("radiance")), ("environment", Some(&rgb([1.0; 3]))));
+    let (_, l) = light(
+        "<emitter type=\"projector\"><rgb name=\"irradiance\" value=\"1\"/><float name=\"fov\" value=\"45\"/></emitter>",
+    );
+    assert_eq!(
+        (l.float("fov"), l.string("fov_axis"), l.get("radiance")),
+        (Some(45.0), Some("x"), Some(&rgb([1.0; 3])))
+    );
+    // Local +x is on the left of the slide.
+    assert_eq!(l.transform("to_world").unwrap().vector(DVec3::X), -DVec3::X);
+    assert!(read("<emitter type=\"sunsky\"/>").diagnostics.is_lossy());
+}
+
+#[test]
+fn sensors() {
+    let camera = |inside: &str| {
+        let desc = good(&format!("<sensor type=\"perspective\">{inside}</sensor>"));
+        let node = only(&desc, &desc.cameras).clone();
+        (desc, node)
+    };
+    let (desc, c) = camera("");
+    let diagonal = 2.0 * (36f64.hypot(24.0) / 100.0).atan().to_degrees();
+    assert_eq!((c.float("fov"), c.string("fov_axis")), (Some(diagonal), Some("diagonal")));
+    assert_eq!((c.float("near"), c.float("far")), (Some(0.01), Some(1e4)));
+    let film = desc.node(desc.film.unwrap());
+    assert_eq!((film.int("width"), film.int("height")), (Some(768), Some(576)));
+    let filter = desc.node(desc.filter.unwrap());
+    assert_eq!(
+        (filter.kind.as_str(), filter.float("sigma"), filter.float("radius_x")),
+        ("gaussian", Some(0.5), Some(2.0))
+    );
+    assert_eq!(desc.node(desc.sampler.unwrap()).int("samples"), Some(4));
+    let (_, c) = camera("<string name=\"focal_length\" value=\"35mm\"/>");
+    assert!(c.float("fov").unwrap() > diagonal);
+    let (_, c) = camera(
+        "<float name=\"fov\" value=\"30\"/><transform name=\"to_world\"><lookat origin=\"0 0 5\" target=\"0 0 0\" up=\"0 1 0\"/></transform>",
+    );
+    let t = c.transform("to_world").unwrap();
+    // Looking along -z with y up, +x is on the right.
+    assert!((t.vector(DVec3::X) - DVec3::X).length() < 1e-12 && (t.vector(DVec3::Z) + DVec3::Z).length() < 1e-12);
+    let desc = good(
+        "<sensor type=\"thinlens\"><float name=\"aperture_radius\" value=\"0.1\"/><float name=\"focus_distance\" value=\"4\"/>
+         <float name=\"fov\" value=\"45\"/><film type=\"hdrfilm\"><integer name=\"width\" value=\"64\"/><integer name=\"height\" value=\"32\"/>
+         <integer name=\"crop_offset_x\" value=\"8\"/><integer name=\"crop_width\" value=\"16\"/><rfilter type=\"lanczos\"/></film></sensor>",
+    );
+    let c = only(&desc, &desc.cameras);
+    assert_eq!((c.float("lens_radius"), c.float("focal_distance")), (Some(0.1), Some(4.0)));
+    assert_eq!(desc.node(desc.film.unwrap()).get("crop"), Some(&Value::Ints(vec![8, 24, 0, 32])));
+    let filter = desc.node(desc.filter.unwrap());
+    assert_eq!(
+        (filter.kind.as_str(), filter.float("tau"), filter.float("radius_y")),
+        ("lanczos", Some(3.0), Some(3.0))
+    );
+    let desc = good("<sensor type=\"orthographic\"/>");
+    assert_eq!(only(&desc, &desc.cameras).floats("screen_window"), Some(&[-1.0, 1.0, -0.75, 0.75][..]));
+}
+
+#[test]
+fn integrators() {
+    let integrator = |text: &str| {
+        let desc = good(text);
+        desc.node(desc.integrator.unwrap()).clone()
+    };
+    let i = integrator(
+        "<integrator type=\"path\"><integer name=\"max_depth\" value=\"6\"/><boolean name=\"hide_emitters\" value=\"true\"/></integrator>",
+    );
+    assert_eq!((i.int("max_depth"), i.int("rr_depth"), i.bool("hide_emitters")), (Some(5), Some(5), Some(true)));
+    assert_eq!(integrator("<integrator type=\"volpathmis\"/>").int("max_depth"), Some(-1));
+    assert_eq!(integrator("<integrator type=\"ptracer\"/>").kind, "path");
+    assert_eq!(integrator("<integrator type=\"ptracer\"/><medium type=\"homogeneous\" id=\"m\"/>").kind, "volpath");
+    assert_eq!(integrator("<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/><integrator type=\"direct\"/></integrator>").kind, "direct");
+}
+
+#[test]
+fn media() {
+    let desc = good(
+        "<medium id=\"fog\" type=\"homogeneous\"><float name=\"scale\" value=\"2\"/><rgb name=\"albedo\" value=\"0.9 0.8 0.7\"/>
+         <phase type=\"hg\"/></medium>
+         <shape type=\"sphere\"><bsdf type=\"null\"/><ref name=\"interior\" id=\"fog\"/></shape>
+         <sensor type=\"perspective\"><ref id=\"fog\"/></sensor>",
+    );
+    let shape = &desc.shapes[0];
+    assert!(shape.is_medium_boundary && shape.exterior.is_none());
+    let fog = desc.node(shape.interior.unwrap());
+    assert_eq!(
+        (fog.float("scale"), fog.float("sigma_t"), fog.get("albedo")),
+        (Some(2.0), Some(1.0), Some(&rgb([0.9, 0.8, 0.7])))
+    );
+    assert_eq!(child(&desc, fog, "phase").float("g"), Some(0.8));
+    assert_eq!(only(&desc, &desc.cameras).node("medium"), shape.interior);
+    let desc = good(
+        "<shape type=\"cube\"><medium name=\"interior\" type=\"homogeneous\"><volume name=\"sigma_t\" type=\"constvolume\">
+         <float name=\"value\" value=\"7\"/></volume></medium></shape>",
+    );
+    let medium = desc.node(desc.shapes[0].interior.unwrap());
+    assert_eq!((medium.float("sigma_t"), medium.float("albedo")), (Some(7.0), Some(0.75)));
+    assert_eq!(child(&desc, medium, "phase").kind, "isotropic");
+}
+
+#[test]
+fn textures() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.png"), "").unwrap();
+    let text = "<scene version=\"3.0.0\"><shape type=\"cube\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">
+        <string name=\"filename\" value=\"a.png\"/><string name=\"wrap_mode\" value=\"mirror\"/><boolean name=\"raw\" value=\"true\"/>
+        <string name=\"filter_type\" value=\"nearest\"/></texture></bsdf></shape></scene>";
+    let import = import_text(text, &folder.path().join("s.xml"), &Options::default());
+    assert_eq!(errors(&import), Vec::<String>::new());
+    let desc = &import.desc;
+    let image = child(desc, desc.node(desc.shapes[0].material.unwrap()), "reflectance");
+    assert_eq!(
+        (image.string("wrap_u"), image.string("filter"), image.bool("raw")),
+        (Some("mirror"), Some("nearest"), Some(true))
+    );
+    assert_eq!(image.string("origin"), Some("top"));
+    let (desc, m) = material(
+        "<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"><rgb name=\"color0\" value=\"1\"/>
+         <transform name=\"to_uv\"><scale value=\"5\"/></transform></texture></bsdf>",
+    );
+    let board = child(&desc, &m, "reflectance");
+    assert_eq!((board.get("a"), board.float("b")), (Some(&rgb([1.0; 3])), Some(0.2)));
+    assert_eq!(board.transform("to_uv").unwrap().point(DVec3::new(1.0, 1.0, 0.0)), DVec3::new(10.0, 10.0, 0.0));
+    let (desc, m) = material(
+        "<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"mesh_attribute\"><string name=\"name\" value=\"face_color\"/></texture></bsdf>",
+    );
+    let attribute = child(&desc, &m, "reflectance");
+    assert_eq!((attribute.string("name"), attribute.string("domain")), (Some("color"), Some("face")));
+}

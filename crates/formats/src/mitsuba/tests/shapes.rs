@@ -1,0 +1,98 @@
+//! Shapes, groups, instances and mesh files.
+
+use super::*;
+use steradian_math::DVec3;
+
+#[test]
+fn spheres_keep_mitsubas_texture_coordinates() {
+    let desc = good(
+        "<shape type=\"sphere\"><point name=\"center\" value=\"1, 2, 3\"/><float name=\"radius\" value=\"2\"/></shape>",
+    );
+    let shape = &desc.shapes[0];
+    assert_eq!((desc.node(shape.node).float("radius"), shape.reverse_orientation), (Some(2.0), false));
+    // Mitsuba's pole v = 0 is at +z, Steradian's at -z.
+    let pole = shape.world_from_object.point(DVec3::new(0.0, 0.0, -2.0));
+    assert_eq!(pole, DVec3::new(1.0, 2.0, 5.0));
+    assert!(
+        good("<shape type=\"sphere\"><boolean name=\"flip_normals\" value=\"true\"/></shape>").shapes[0]
+            .reverse_orientation
+    );
+}
+
+#[test]
+fn cylinders_run_from_p0_to_p1() {
+    let desc = good(
+        "<shape type=\"cylinder\"><point name=\"p0\" value=\"1, 0, 0\"/><point name=\"p1\" value=\"1, 4, 0\"/><float name=\"radius\" value=\"0.5\"/></shape>",
+    );
+    let shape = &desc.shapes[0];
+    let node = desc.node(shape.node);
+    assert_eq!((node.float("radius"), node.float("z_max")), (Some(0.5), Some(4.0)));
+    assert!((shape.world_from_object.point(DVec3::new(0.0, 0.0, 4.0)) - DVec3::new(1.0, 4.0, 0.0)).length() < 1e-12);
+    assert!(!shape.world_from_object.swaps_handedness());
+}
+
+#[test]
+fn textures_on_disks_are_turned() {
+    let desc = good(
+        "<bsdf id=\"b\" type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"/></bsdf>
+         <shape type=\"disk\"><ref id=\"b\"/></shape><shape type=\"cube\"><ref id=\"b\"/></shape>",
+    );
+    let to_uv =
+        |i: usize| child(&desc, desc.node(desc.shapes[i].material.unwrap()), "reflectance").transform("to_uv").unwrap();
+    // On the rim (v = 0) a quarter round: Mitsuba's u = 1, v = 0.25, doubled for the cells.
+    assert!((to_uv(0).point(DVec3::new(0.25, 0.0, 0.0)) - DVec3::new(2.0, 0.5, 0.0)).length() < 1e-12);
+    assert_eq!(to_uv(1).point(DVec3::new(0.25, 0.0, 0.0)), DVec3::new(0.5, 0.0, 0.0));
+}
+
+#[test]
+fn groups_and_instances() {
+    let desc = good(
+        "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"/><shape type=\"sphere\"/></shape>
+         <shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><translate x=\"3\"/></transform></shape>
+         <shape type=\"instance\"><ref id=\"g\"/></shape>
+         <shape type=\"merge\"><shape type=\"rectangle\"/><shape type=\"rectangle\"/></shape>",
+    );
+    assert_eq!((desc.groups.len(), desc.instances.len(), desc.shapes.len()), (1, 2, 2));
+    assert_eq!((desc.groups[0].name.as_str(), desc.groups[0].shapes.len()), ("g", 2));
+    assert_eq!(desc.instances[0].world_from_group.point(DVec3::ZERO), DVec3::new(3.0, 0.0, 0.0));
+    assert_eq!(desc.face_count(), 2 * 12 + 2 * 2);
+}
+
+/// Reads a scene with an OBJ file beside it: one triangle with texture coordinates, then one more that shares an edge.
+fn with_obj(obj: &str, properties: &str) -> Import {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.obj"), obj).unwrap();
+    let shape = |extra: &str| {
+        format!("<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/>{properties}{extra}</shape>")
+    };
+    let moved = shape("<transform name=\"to_world\"><translate x=\"1\"/></transform>");
+    let text = format!("<scene version=\"3.0.0\">{}{moved}</scene>", shape(""));
+    import_text(&text, &folder.path().join("s.xml"), &Options::default())
+}
+
+#[test]
+fn meshes_get_normals_and_upright_textures() {
+    let roof = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 0.25\nf 1/1 2/2 3/3\nf 2/2 4/1 3/3\n";
+    let import = with_obj(roof, "");
+    assert_eq!(errors(&import), Vec::<String>::new());
+    // Both shapes share one mesh.
+    assert_eq!((import.desc.meshes.len(), import.desc.shapes.len()), (1, 2));
+    let mesh = &import.desc.meshes[0];
+    assert_eq!(mesh.normals, vec![[0.0, 0.0, 1.0]; mesh.positions.len()]);
+    assert!(mesh.uvs.contains(&[0.0, 0.75]), "{:?}", mesh.uvs);
+    let import = with_obj(
+        roof,
+        "<boolean name=\"face_normals\" value=\"true\"/><boolean name=\"flip_tex_coords\" value=\"false\"/>",
+    );
+    assert!(import.desc.meshes[0].normals.is_empty() && import.desc.meshes[0].uvs.contains(&[0.0, 0.25]));
+    let import = with_obj(roof, "<boolean name=\"flip_normals\" value=\"true\"/>");
+    assert_eq!(import.desc.meshes[0].normals[0], [0.0, 0.0, -1.0]);
+}
+
+#[test]
+fn faults_of_mesh_files_name_the_file_and_the_line() {
+    let import = with_obj("v 0 0 0\nv 1 0 zero\n", "");
+    let error = &errors(&import)[0];
+    assert!(error.contains("m.obj") && error.contains("line 2") && error.contains("s.xml:1:"), "{error}");
+    assert_eq!(import.diagnostics.error_count(), 1);
+}
