@@ -4,12 +4,12 @@
 //! `mantissa · 2^(e − 136)`, zero when e = 0; the half that Radiance adds to a mantissa is left out, as in pbrt-v4 and Mitsuba 3.
 //! `EXPOSURE` lines are reported as metadata and not applied, as there. `32-bit_rle_xyze` pixels are turned into Rec.709.
 
+use crate::limits::check_metadata;
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
 
 const KIND: FileKind = FileKind::Hdr;
 
-/// Four runs of 127 bytes are eight bytes; old-style repeat counts of consecutive run pixels grow by powers of 256 and are checked
-/// against the declared size as they come.
+/// In the new coding four runs of 127 values are eight bytes. In the old one a scan line has a pixel of four bytes at least.
 const MAX_PIXELS_PER_BYTE: f64 = 127.0 / 8.0;
 
 /// CIE XYZ to linear Rec.709 (IEC 61966-2-1), scaled so that equal-energy white stays as Radiance's own conversion has it.
@@ -26,8 +26,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     let resolution = Resolution::parse(&lines.next()?)?;
     let data = &bytes[lines.at..];
     let (rows, row) = (resolution.rows, resolution.row);
-    // Old-style runs may stand for more pixels than MAX_PIXELS_PER_BYTE; only files that use them may be denser.
-    let density = if starts_new_style(data, row) { MAX_PIXELS_PER_BYTE } else { 1e6 };
+    let density = if starts_new_style(data, row) { MAX_PIXELS_PER_BYTE } else { row as f64 / 4.0 };
     let pixels = limits.check_against(KIND, (row as u64, rows as u64), 12, data.len(), density)?;
 
     let mut stored = Stored { bytes: data, at: 0 };
@@ -52,6 +51,7 @@ fn header(lines: &mut Lines<'_>) -> Result<(Metadata, bool)> {
     let (mut metadata, mut xyz) = (Metadata::default(), false);
     loop {
         let line = lines.next()?;
+        check_metadata(metadata.entries.len())?;
         if line.is_empty() {
             return Ok((metadata, xyz));
         }

@@ -57,6 +57,14 @@ impl Limits {
     }
 }
 
+/// Most metadata entries of a file; far more than any real one has.
+const METADATA_ENTRIES: u64 = 4096;
+
+/// Refuses files that are made of metadata.
+pub(crate) fn check_metadata(entries: usize) -> Result<()> {
+    within("the number of metadata entries", entries as u64, METADATA_ENTRIES)
+}
+
 /// `Ok` when `declared` does not exceed `limit`.
 pub(crate) fn within(what: &'static str, declared: u64, limit: u64) -> Result<()> {
     if declared > limit { Err(Error::Limit { what, declared, limit }) } else { Ok(()) }

@@ -18,10 +18,14 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     if !scale.is_finite() || scale == 0.0 {
         return Err(Error::malformed(KIND, format!("scale {scale}")));
     }
-    let data = words.rest();
     let bytes_per_pixel = 4 * channels as u64;
     let pixels = limits.check(KIND, width, height, bytes_per_pixel)?;
     let needed = pixels * bytes_per_pixel as usize;
+    let mut data = words.rest();
+    // Headers with DOS line ends.
+    if data.len() > needed && data.starts_with(b"\n") {
+        data = &data[1..];
+    }
     let Some(data) = data.get(..needed) else {
         return Err(Error::TooShort { kind: KIND, width, height, bytes: data.len() as u64 });
     };

@@ -13,7 +13,7 @@ pub(crate) fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Te
     let explain = |error| explain(kind, error);
     match kind {
         FileKind::Jpeg => {
-            let [_, _] = check_jpeg_frame(bytes, limits)?;
+            check_jpeg(bytes, limits)?;
             decode_with(kind, image::codecs::jpeg::JpegDecoder::new(cursor).map_err(explain)?, bytes.len(), limits)
         }
         FileKind::Tga => {
@@ -52,12 +52,12 @@ fn decode_with(kind: FileKind, decoder: impl ImageDecoder, available: usize, lim
     Ok(Texels::new(width as usize, height as usize, channels, data, Encoding::Srgb))
 }
 
-/// Finds the frame header (SOF0 to SOF15) among the segments and checks its size; refuses the lossless, hierarchical and arithmetic
-/// variants by name.
-fn check_jpeg_frame(bytes: &[u8], limits: &Limits) -> Result<[u16; 2]> {
+/// Walks the segments up to the first scan: checks the size in the frame header (SOF0 to SOF2), refuses the lossless, hierarchical
+/// and arithmetic variants by name, and files that are cut off: those the decoder would fill up with grey.
+fn check_jpeg(bytes: &[u8], limits: &Limits) -> Result<()> {
     const KIND: FileKind = FileKind::Jpeg;
-    let missing = || Error::malformed(KIND, "no frame header");
-    let mut at = 2;
+    let missing = || Error::malformed(KIND, "no frame header before the first scan");
+    let (mut at, mut framed) = (2, false);
     loop {
         let marker = match bytes.get(at..at + 2).ok_or_else(missing)? {
             [0xff, 0xff] => {
@@ -77,10 +77,14 @@ fn check_jpeg_frame(bytes: &[u8], limits: &Limits) -> Result<[u16; 2]> {
                 }
                 let size = (width.into(), height.into());
                 limits.check_against(KIND, size, 4, bytes.len(), MAX_PIXELS_PER_BYTE)?;
-                return Ok([width, height]);
+                framed = true;
             }
-            0xc4 | 0xc8 | 0xcc => {}
-            0xc3 | 0xc5..=0xcf => return Err(Error::unsupported(KIND, "lossless, hierarchical or arithmetic coding")),
+            0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf => {
+                return Err(Error::unsupported(KIND, "lossless, hierarchical or arithmetic coding"));
+            }
+            // Start of scan; inside scans 0xff is followed by 0, a restart or a true marker.
+            0xda if framed && body.windows(2).any(|w| w == [0xff, 0xd9]) => return Ok(()),
+            0xda if framed => return Err(Error::malformed(KIND, "the file ends early (no end marker)")),
             0xd9 | 0xda => return Err(missing()),
             0x01 | 0xd0..=0xd8 => {
                 at += 2;

@@ -3,7 +3,7 @@
 //! Stored values are taken as sRGB encoded, 16-bit ones too, as pbrt-v4 and Mitsuba 3 do. A `gAMA` chunk is not applied; it is
 //! reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
-use crate::limits::within;
+use crate::limits::{check_metadata, within};
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
 use png::{BitDepth, ColorType, Transformations};
 
@@ -31,6 +31,8 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     let mut buffer = vec![0; size];
     let frame = reader.next_frame(&mut buffer).map_err(explain)?;
     buffer.truncate(frame.buffer_size());
+    // Texts may follow the pixels; should the file be damaged only there, its picture is whole.
+    let _ = reader.finish();
 
     let channels = match frame.color_type {
         ColorType::Grayscale => 1,
@@ -52,6 +54,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     if let Some(gamma) = info.gama_chunk {
         texels.metadata.set("gamma", Value::Float(gamma.into_value()));
     }
+    check_metadata(info.uncompressed_latin1_text.len() + info.utf8_text.len())?;
     for chunk in &info.uncompressed_latin1_text {
         texels.metadata.set_text(chunk.keyword.clone(), chunk.text.clone());
     }

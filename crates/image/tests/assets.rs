@@ -3,7 +3,7 @@
 
 use half::f16;
 use std::path::{Path, PathBuf};
-use steradian_image::{Error, Image, Limits, TexelData, Value, read, read_bytes, read_texels};
+use steradian_image::{Error, FileKind, Image, Limits, TexelData, Value, metrics, read, read_bytes, read_texels};
 
 /// The folder with real pictures, where there is one.
 fn assets(sub: &str) -> Option<PathBuf> {
@@ -70,6 +70,40 @@ fn everything_is_read_or_refused_by_name() {
         }
     }
     assert!(count > 100);
+}
+
+#[test]
+fn pictures_of_the_scenes_are_read() {
+    let mut kinds = std::collections::BTreeMap::new();
+    for sub in ["pbrt", "mitsuba", "gltf", "obj"] {
+        let Some(folder) = assets(sub) else { return };
+        for path in files(&folder) {
+            let Some(kind) = FileKind::from_extension(&path) else { continue };
+            let texels = read_texels(&path, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(texels.data.len(), texels.width * texels.height * texels.channels);
+            *kinds.entry(kind.to_string()).or_insert(0) += 1;
+        }
+    }
+    for kind in ["EXR", "PNG", "JPEG", "TGA", "BMP", "PFM"] {
+        assert!(kinds.get(kind).is_some_and(|&n| n > 0), "no {kind} in {kinds:?}");
+    }
+}
+
+#[test]
+fn mitsuba_references_pass_their_own_test() {
+    let Some(folder) = assets("mitsuba/tests/scenes") else { return };
+    let mut count = 0;
+    for variance in files(&folder).iter().filter(|p| p.to_string_lossy().ends_with("_rgb_var.exr")) {
+        let mean = PathBuf::from(variance.to_string_lossy().replace("_var.exr", ".exr"));
+        let (mean, variance) = (load(&mean), load(variance));
+        let same = metrics::z_test(&mean, &mean, &variance, 64.0).unwrap();
+        assert!(same.passes && same.min_p == 1.0);
+        let mut brighter = mean.clone();
+        brighter.channel_mut("G").unwrap().iter_mut().for_each(|v| *v = *v * 1.5 + 0.1);
+        assert!(!metrics::z_test(&brighter, &mean, &variance, 1e4).unwrap().passes);
+        count += 1;
+    }
+    assert!(count > 3);
 }
 
 /// Largest difference over all channels, relative to the magnitude where that is above 1.

@@ -98,6 +98,46 @@ fn text_header_claims() {
 }
 
 #[test]
+fn metadata_by_the_thousand() {
+    let mut hdr = b"#?RADIANCE\n".to_vec();
+    (0..100_000).for_each(|i| hdr.extend(format!("V{i}=1\n").bytes()));
+    refused("hdr", &[&hdr[..], b"\n-Y 1 +X 1\nabcd"].concat());
+
+    let image = Image::from_rgb(1, 1, &[[0.5; 3]]).unwrap();
+    let png = encode(FileKind::Png, &image, &WriteOptions::default()).unwrap();
+    let mut many = png[..33].to_vec();
+    for i in 0..100_000u32 {
+        let chunk = [&b"tEXt"[..], format!("{i:06}\0x").as_bytes()].concat();
+        let mut crc = flate2::Crc::new();
+        crc.update(&chunk);
+        many.extend(((chunk.len() - 4) as u32).to_be_bytes());
+        many.extend(chunk);
+        many.extend(crc.sum().to_be_bytes());
+    }
+    many.extend(&png[33..]);
+    refused("png", &many);
+
+    let exr = encode(FileKind::Exr, &image, &WriteOptions::default()).unwrap();
+    let mut many = exr[..8].to_vec();
+    (0..100_000).for_each(|i| many.extend(format!("a{i}\0int\0\x04\0\0\0\0\0\0\0").bytes()));
+    many.extend(&exr[8..]);
+    refused("exr", &many);
+}
+
+#[test]
+fn cut_off_pictures_are_errors() {
+    let pixels: Vec<_> = (0..4096).map(|i| [(i % 64) as f32 / 64.0, (i / 64) as f32 / 64.0, 0.5]).collect();
+    let image = Image::from_rgb(64, 64, &pixels).unwrap();
+    for kind in [FileKind::Exr, FileKind::Png, FileKind::Jpeg, FileKind::Hdr, FileKind::Pfm, FileKind::Pnm] {
+        let bytes = encode(kind, &image, &WriteOptions::default()).unwrap();
+        for part in [0.1, 0.5, 0.9, 0.95] {
+            let cut = &bytes[..(bytes.len() as f64 * part) as usize];
+            assert!(read_bytes(cut, None, &Limits::default()).is_err(), "{kind} cut to {part}");
+        }
+    }
+}
+
+#[test]
 fn photo_claims() {
     let image = Image::from_rgb(4, 4, &[[0.5; 3]; 16]).unwrap();
     let mut bytes = encode(FileKind::Jpeg, &image, &WriteOptions::default()).unwrap();

@@ -85,6 +85,7 @@ fn exr_metadata_and_windows() {
         ("steradian:scene", Value::Text("Küche – Ω".into())),
         ("a", Value::Int(-1)),
         ("another", Value::Float(-0.5)),
+        ("a name of more than thirty-one characters", Value::Int(31)),
     ];
     for (name, value) in entries.clone() {
         image.metadata.set(name, value);
@@ -128,6 +129,8 @@ fn pfm_of_both_byte_orders_from_the_bottom() {
         let image = read_bytes(&bytes, None, &Limits::default()).unwrap();
         assert_eq!(image.channel("Y").unwrap(), [4.0, 3.0]);
     }
+    let dos = [&b"Pf\r\n1 1\r\n-1.0\r\n"[..], &1.5f32.to_le_bytes()].concat();
+    assert_eq!(read_bytes(&dos, None, &Limits::default()).unwrap().channel("Y").unwrap(), [1.5]);
     let scaled = [&b"Pf\n1 1\n-2.0\n"[..], &1.5f32.to_le_bytes()].concat();
     assert_eq!(read_bytes(&scaled, None, &Limits::default()).unwrap().channel("Y").unwrap(), [3.0]);
 }

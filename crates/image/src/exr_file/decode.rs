@@ -364,3 +364,49 @@ pub(super) fn explain(error: exr::error::Error) -> Error {
         exr::error::Error::Aborted => Error::malformed(KIND, "aborted"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::image::{AnyChannel, AnyChannels, FlatSamples, Layer};
+    use exr::meta::header::LayerAttributes;
+    use exr::prelude::WritableImage;
+
+    /// A part with one constant channel.
+    fn part(
+        name: &str,
+        channel: &str,
+        value: f32,
+        position: [i32; 2],
+        size: [usize; 2],
+    ) -> Layer<AnyChannels<FlatSamples>> {
+        let samples = FlatSamples::F32(vec![value; size[0] * size[1]]);
+        Layer::new(
+            Vec2(size[0], size[1]),
+            LayerAttributes::named(name).with_position(Vec2(position[0], position[1])),
+            exr::image::Encoding::SMALL_LOSSLESS,
+            AnyChannels::sort(smallvec_of(AnyChannel::new(channel, samples))),
+        )
+    }
+
+    fn smallvec_of<T>(item: T) -> exr::prelude::SmallVec<[T; 4]> {
+        std::iter::once(item).collect()
+    }
+
+    #[test]
+    fn parts_are_layers_in_one_picture() {
+        let layers = [part("beauty", "R", 1.0, [0, 0], [4, 4]), part("depth", "Z", 2.0, [2, 1], [4, 4])];
+        let frame = IntegerBounds::new(Vec2(0, 0), Vec2(4, 4));
+        let file = exr::image::Image::from_layers(exr::meta::header::ImageAttributes::new(frame), layers.to_vec());
+        let mut bytes = Vec::new();
+        file.write().to_buffered(std::io::Cursor::new(&mut bytes)).unwrap();
+
+        let image = decode_image(&bytes, &Limits::default()).unwrap();
+        assert_eq!((image.width(), image.height()), (6, 5));
+        let at = |name: &str, x: usize, y: usize| image.channel(name).unwrap()[y * 6 + x];
+        // Outside its own window a part is zero.
+        assert_eq!((at("beauty.R", 3, 3), at("beauty.R", 4, 3)), (1.0, 0.0));
+        assert_eq!((at("depth.Z", 1, 1), at("depth.Z", 2, 1), at("depth.Z", 5, 4)), (0.0, 2.0, 2.0));
+        assert_eq!(image.frame, Some(Window { min: [0, 0], max: [4, 4] }));
+    }
+}

@@ -4,7 +4,7 @@
 //! that ends with an empty name; in a multi-part file an empty header ends the list of parts. The decoder behind this check
 //! allocates what a header declares, so that every count is compared here with the limits and with the length of the file.
 
-use crate::limits::within;
+use crate::limits::{check_metadata, within};
 use crate::{Error, FileKind, Limits, Result};
 use std::borrow::Cow;
 
@@ -63,6 +63,7 @@ pub(super) fn check(bytes: &[u8], limits: &Limits) -> Result<()> {
     }
     let (mut pixels, mut decoded, mut channels, mut blocks) = (0u64, 0u64, 0u64, 0u64);
     for part in attributes(bytes)? {
+        check_metadata(part.len())?;
         let cost = PartCost::of(&part, version)?;
         pixels = pixels.saturating_add(cost.pixels);
         decoded = decoded.saturating_add(cost.decoded_bytes);
