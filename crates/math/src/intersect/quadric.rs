@@ -166,4 +166,42 @@ mod tests {
         let direct = Quadric::ellipsoid(DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 0.5));
         assert!(image.matrix.abs_diff_eq(direct.matrix, 1e-12));
     }
+
+    #[test]
+    fn closed_roots_are_those_of_a_dense_mesh() {
+        use crate::geometry::{Point3, surface};
+        let (center, radii) = (DVec3::new(0.5, -0.25, 1.0), DVec3::new(1.0, 0.5, 0.75));
+        let anchor = Point3::from_vector(center);
+        let meshes = [
+            surface::tessellate(&surface::Ellipsoid::new(anchor, radii).expect("an ellipsoid"), 64, 32),
+            surface::tessellate(&surface::Paraboloid::new(anchor, 1.0, 0.5, 2.0).expect("a paraboloid"), 48, 48),
+        ]
+        .map(|m| m.expect("a mesh"));
+        let mut rng = HashRng::new(8);
+        let mut hits = [0; 2];
+        for _ in 0..150 {
+            // From above, into the bowl or on the ellipsoid.
+            let origin = center.as_vec3() + Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, 4.0);
+            let target = center.as_vec3() + random(&mut rng) * 0.2;
+            let ray = Ray::new(origin, (target - origin).normalize());
+            let closed =
+                [ellipsoid(center.as_vec3(), radii.as_vec3(), &ray), paraboloid(center.as_vec3(), 1.0, 0.5, &ray)];
+            for (i, (mesh, closed)) in meshes.iter().zip(closed).enumerate() {
+                let nearest_facet = mesh
+                    .triangles
+                    .iter()
+                    .filter_map(|t| {
+                        let v = t.map(|k| mesh.positions[k as usize].to_vector().as_vec3());
+                        crate::intersect::triangle(v, &ray).map(|h| h.t)
+                    })
+                    .min_by(f32::total_cmp);
+                let Some(t) = nearest_facet else { continue };
+                let exact = closed.and_then(|c| crate::intersect::nearest(c, ray.t_max)).expect("facets lie inside");
+                // Facets lie within h²/8 of the surface, and are met at an angle.
+                assert!((t - exact).abs() < 0.03, "{i}: {t} {exact}");
+                hits[i] += 1;
+            }
+        }
+        assert!(hits[0] > 75 && hits[1] > 75, "{hits:?}");
+    }
 }
