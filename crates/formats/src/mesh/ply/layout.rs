@@ -1,6 +1,7 @@
 //! What the properties of an element mean, by their names.
 
 use super::header::{Element, Type};
+use steradian_math::color::transfer::srgb_decode;
 
 /// How a stored number becomes a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +22,6 @@ impl Scale {
             Self::Srgb(max) => srgb_decode(v / max),
         }
     }
-}
-
-/// IEC 61966-2-1.
-fn srgb_decode(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 
 /// A group of properties that make one attribute.
