@@ -26,7 +26,7 @@ impl Reader<'_> {
                 return None;
             }
         };
-        self.once(object, false, |r| {
+        self.once(object, Role::Emission, |r| {
             let mut node = r.node(Family::Light, kind, object);
             r.put(&mut node, "radiance", object, "radiance", Role::Emission, 1.0);
             r.ignore(object, &["sampling_weight"]);

@@ -10,7 +10,7 @@ use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 impl Reader<'_> {
     /// A BSDF as a material node; `None` after an error.
     pub fn material(&mut self, object: ObjectId) -> Option<NodeId> {
-        self.once(object, false, |r| r.material_node(object))
+        self.once(object, Role::Unbounded, |r| r.material_node(object))
     }
 
     fn material_node(&mut self, object: ObjectId) -> Option<NodeId> {

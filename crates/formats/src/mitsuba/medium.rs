@@ -10,7 +10,7 @@ use steradian_scene::{Family, NodeId};
 impl Reader<'_> {
     /// A medium node; `None` after an error.
     pub fn medium(&mut self, object: ObjectId) -> Option<NodeId> {
-        self.once(object, false, |r| r.medium_node(object))
+        self.once(object, Role::Unbounded, |r| r.medium_node(object))
     }
 
     fn medium_node(&mut self, object: ObjectId) -> Option<NodeId> {
@@ -52,7 +52,7 @@ impl Reader<'_> {
 
     /// A phase function node; `None` after an error.
     pub fn phase(&mut self, object: ObjectId) -> Option<NodeId> {
-        self.once(object, false, |r| {
+        self.once(object, Role::Unbounded, |r| {
             r.graph.objects[object].visited = true;
             match r.plugin(object) {
                 "isotropic" => {

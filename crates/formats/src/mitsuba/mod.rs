@@ -9,6 +9,7 @@
 
 mod directives;
 mod graph;
+mod integrator;
 mod ior;
 mod light;
 mod material;
@@ -23,6 +24,7 @@ mod reader;
 mod sensor;
 mod shape;
 mod solids;
+mod spectrum;
 mod texture;
 mod transform;
 mod upgrade;
@@ -112,5 +114,6 @@ impl Reader<'_> {
             }
             self.default_recording();
         }
+        self.default_integrator();
     }
 }

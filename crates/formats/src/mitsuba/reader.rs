@@ -4,6 +4,7 @@ use super::{
     graph::{Category, Graph, ObjectId, Prop, Raw},
     meshes::MeshQueue,
     plugins,
+    texture::{Role, rgb},
 };
 use crate::{Options, files::SearchPath};
 use std::{
@@ -19,8 +20,8 @@ const NESTING: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Use {
     pub object: ObjectId,
-    /// As one number per point, where Mitsuba evaluates some textures differently.
-    pub scalar: bool,
+    /// What a texture is for.
+    pub role: Role,
     /// On a disk, whose texture coordinates Mitsuba lays out differently.
     pub disk: bool,
 }
@@ -263,10 +264,10 @@ impl<'a> Reader<'a> {
     pub fn once(
         &mut self,
         object: ObjectId,
-        scalar: bool,
+        role: Role,
         make: impl FnOnce(&mut Self) -> Option<NodeId>,
     ) -> Option<NodeId> {
-        let key = Use { object, scalar, disk: self.on_disk };
+        let key = Use { object, role, disk: self.on_disk };
         match self.translated.get(&key) {
             Some(Translated::Done(node)) => return *node,
             Some(Translated::Open) => {
@@ -302,7 +303,7 @@ impl<'a> Reader<'a> {
 
     /// A node of the file's own kind with all its parameters, for models that Steradian renders as the nearest one it has.
     pub fn verbatim(&mut self, object: ObjectId, family: Family) -> Option<NodeId> {
-        let mut node = self.node(family, &self.plugin(object).to_owned(), object);
+        let mut node = self.node(family, self.plugin(object), object);
         let o = &mut self.graph.objects[object];
         o.visited = true;
         o.props.iter_mut().for_each(|p| p.used = true);
@@ -317,7 +318,7 @@ impl<'a> Reader<'a> {
                 },
                 Raw::String(v) => Value::String(v),
                 Raw::Vec3(v) => Value::Vec3(v),
-                Raw::Rgb(v) => super::texture::rgb(v),
+                Raw::Rgb(v) => rgb(v),
                 Raw::Spectrum(s) => Value::Spectrum(s),
                 Raw::Transform(t) => Value::Transform(t),
                 Raw::Object(child) => match self.any(child) {
@@ -347,10 +348,12 @@ impl<'a> Reader<'a> {
     fn any(&mut self, child: ObjectId) -> Option<Value> {
         match self.graph.objects[child].category {
             Category::Bsdf => self.material(child).map(Value::Node),
-            Category::Texture => self.texture(child, super::texture::Role::Unbounded),
+            Category::Texture => self.texture(child, Role::Unbounded),
             Category::Medium => self.medium(child).map(Value::Node),
             Category::Phase => self.phase(child).map(Value::Node),
-            Category::Volume => self.once(child, false, |r| r.verbatim(child, Family::Texture)).map(Value::Node),
+            Category::Volume => {
+                self.once(child, Role::Unbounded, |r| r.verbatim(child, Family::Texture)).map(Value::Node)
+            }
             category => {
                 let span = self.span(child);
                 self.dropped(span, format!("a {} cannot be a parameter here; it is left out", category.noun()));

@@ -6,7 +6,7 @@ use super::{
     values,
 };
 use steradian_math::{DVec3, Transform};
-use steradian_scene::{Family, Node, NodeId, Value};
+use steradian_scene::{Family, Node, Value};
 
 /// Mitsuba's cameras have local +x on the left of the picture, Steradian's on the right.
 pub(super) fn mirrored_x() -> Transform {
@@ -61,7 +61,7 @@ impl Reader<'_> {
         let films = self.graph.children(object, Category::Film);
         let samplers = self.graph.children(object, Category::Sampler);
         if self.desc.cameras.len() > 1 {
-            if films.first().is_some() {
+            if !films.is_empty() {
                 self.note(self.span(object), "all sensors share the film and the sampler of the first");
             }
             return;
@@ -92,8 +92,9 @@ impl Reader<'_> {
         for (name, property) in
             [("principal_x", "principal_point_offset_x"), ("principal_y", "principal_point_offset_y")]
         {
+            // Mitsuba's offsets move the window over the scene: the principal point goes the other way.
             if let Some(offset) = self.float(object, property) {
-                node.set(name, offset, Some(self.value_span(object, property)));
+                node.set(name, -offset, Some(self.value_span(object, property)));
             }
         }
         let focus = self.float(object, "focus_distance");
@@ -300,87 +301,5 @@ impl Reader<'_> {
         }
         self.ignore(object, &["jitter", "strength", "dimension", "scramble"]);
         self.desc.sampler = Some(self.desc.add(node));
-    }
-
-    /// The integrator, unwrapped from those that only add outputs to another.
-    pub fn integrator(&mut self, object: ObjectId) -> Option<NodeId> {
-        if !self.enter(object) {
-            return None;
-        }
-        let node = self.integrator_node(object);
-        self.leave();
-        node
-    }
-
-    fn integrator_node(&mut self, object: ObjectId) -> Option<NodeId> {
-        let plugin = self.plugin(object).to_owned();
-        let kind = match plugin.as_str() {
-            "aov" | "moment" | "stokes" | "multichannel" | "adaptive" => {
-                let inner = self.graph.children(object, Category::Integrator);
-                self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
-                if let Some(&(_, inner)) = inner.first() {
-                    self.note(
-                        self.span(object),
-                        format!("the outputs that '{plugin}' adds are asked for on the command line"),
-                    );
-                    return self.integrator(inner);
-                }
-                "path"
-            }
-            "direct" => "direct",
-            "path" => "path",
-            "volpath" | "volpathmis" => "volpath",
-            "volpath_simple" | "prbvolpath" => "volpath",
-            "field" | "depth" | "ao" | "irrcache" | "vpl" => {
-                self.approximated(self.span(object), format!("there is no integrator '{plugin}'; 'path' is used"));
-                "path"
-            }
-            // Other estimators of the same picture.
-            _ if self.is_known(object) => {
-                let media = self.graph.objects.iter().any(|o| o.category == Category::Medium);
-                let kind = if media { "volpath" } else { "path" };
-                self.note(self.span(object), format!("'{kind}' estimates the picture of '{plugin}'"));
-                kind
-            }
-            _ => {
-                self.unknown_plugin(object);
-                return None;
-            }
-        };
-        let mut node = self.node(Family::Integrator, kind, object);
-        if kind != "direct" {
-            let depth = self.int(object, "max_depth").unwrap_or(-1);
-            let span = self.value_span(object, "max_depth");
-            if depth < -1 {
-                self.error(span, "'max_depth' is -1 for no limit, or the number of segments of a path");
-            } else if depth == 0 {
-                self.approximated(span, "a 'max_depth' of 0 is a black picture; emitters are shown");
-            }
-            // Mitsuba counts the segments of a path, Steradian the scattering events between them.
-            let events = if depth < 0 { -1 } else { (depth - 1).max(0) };
-            node.set("max_depth", events, Some(span));
-            let rr_depth = self.int(object, "rr_depth").unwrap_or(5);
-            node.set("rr_depth", rr_depth, Some(self.value_span(object, "rr_depth")));
-        }
-        let hide = self.bool(object, "hide_emitters").unwrap_or(false);
-        node.set("hide_emitters", hide, Some(self.value_span(object, "hide_emitters")));
-        self.ignore(
-            object,
-            &[
-                "timeout",
-                "block_size",
-                "samples_per_pass",
-                "emitter_samples",
-                "bsdf_samples",
-                "shading_samples",
-                "use_spectral_mis",
-                "strict_normals",
-            ],
-        );
-        if kind != plugin {
-            // Settings of another estimator change nothing here.
-            self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
-        }
-        Some(self.desc.add(node))
     }
 }

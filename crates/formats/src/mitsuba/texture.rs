@@ -1,15 +1,14 @@
-//! Textures and spectra.
+//! Textures, and the properties that hold them.
 
 use super::{
     graph::{Category, ObjectId, Raw},
     reader::Reader,
-    values,
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{ColorSpace, Family, Node, NodeId, Span, SpectrumValue, Value};
 
 /// What a parameter means, which decides how Mitsuba reads a colour in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Role {
     /// Between 0 and 1.
     Reflectance,
@@ -39,7 +38,7 @@ pub(super) fn plain(v: f64, role: Role) -> Value {
 
 /// The same value at all wavelengths in a role. As emission it is not a multiple of D65, so it is spelt out: three components
 /// would mean D65.
-fn flat(v: f64, role: Role) -> Value {
+pub(super) fn flat(v: f64, role: Role) -> Value {
     Value::Spectrum(match role {
         Role::Emission => SpectrumValue::Sampled { lambdas: vec![360.0, 830.0], values: vec![v as f32; 2] },
         _ => SpectrumValue::Constant(v),
@@ -127,7 +126,7 @@ impl Reader<'_> {
                 self.leave();
                 value
             }
-            _ => self.once(object, role == Role::Scalar, |r| r.texture_node(object, role)).map(Value::Node),
+            _ => self.once(object, role, |r| r.texture_node(object, role)).map(Value::Node),
         }
     }
 
@@ -141,7 +140,7 @@ impl Reader<'_> {
                 self.put(&mut node, even, object, "color0", role, 0.4);
                 self.put(&mut node, odd, object, "color1", role, 0.2);
                 // One repetition of Mitsuba's board is two cells wide.
-                let to_uv = Transform::scale(DVec3::new(2.0, 2.0, 1.0)) * self.to_uv(object).unwrap_or_default();
+                let to_uv = Transform::scale(DVec3::new(2.0, 2.0, 1.0)) * self.uv_map(object).unwrap_or_default();
                 node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
                 Some(self.desc.add(node))
             }
@@ -195,7 +194,7 @@ impl Reader<'_> {
             Some(gamma) if gamma > 0.0 => Value::Float(gamma),
             _ => Value::from("auto"),
         };
-        if let Some(to_uv) = self.to_uv(object) {
+        if let Some(to_uv) = self.uv_map(object) {
             node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
         }
         self.ignore(object, &["accel", "format", "cache", "max_anisotropy", "channel"]);
@@ -209,87 +208,13 @@ impl Reader<'_> {
 
     /// The map of texture coordinates, if any. On a disk Mitsuba has u from the centre to the rim and v around it, Steradian u
     /// around and v from the rim to the centre: u' = 1 - v, v' = u comes first.
-    fn to_uv(&mut self, object: ObjectId) -> Option<Transform> {
+    fn uv_map(&mut self, object: ObjectId) -> Option<Transform> {
         let given = self.some_transform(object, "to_uv");
         if !self.on_disk {
             return given;
         }
         let disk = Transform::from_rows([0., -1., 0., 1., 1., 0., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]);
         Some(given.unwrap_or_default() * disk)
-    }
-
-    fn spectrum_plugin(&mut self, object: ObjectId, role: Role) -> Option<Value> {
-        match self.plugin(object) {
-            "uniform" | "rawconstant" => {
-                self.ignore(object, &["wavelength_min", "wavelength_max"]);
-                match self.graph.take(object, "value")?.value {
-                    Raw::Rgb(c) | Raw::Vec3(c) => Some(rgb(c)),
-                    _ => self.float(object, "value").map(|v| flat(v, role)),
-                }
-            }
-            "srgb" => match self.graph.take(object, "color")?.value {
-                Raw::Rgb(c) => Some(rgb(c)),
-                _ => {
-                    self.error(self.value_span(object, "color"), "'color' needs an <rgb> value");
-                    None
-                }
-            },
-            "d65" => self.d65(object),
-            "blackbody" => {
-                let temperature = self.float(object, "temperature");
-                let range = [self.float(object, "wavelength_min"), self.float(object, "wavelength_max")];
-                let range = [range[0].unwrap_or(360.0), range[1].unwrap_or(830.0)];
-                let spectrum = values::blackbody(temperature.unwrap_or(0.0), range, 1.0);
-                self.spectrum_or_error(object, spectrum)
-            }
-            _ => {
-                let spectrum = self.tabulated(object);
-                self.spectrum_or_error(object, spectrum)
-            }
-        }
-    }
-
-    fn spectrum_or_error(&mut self, object: ObjectId, spectrum: Result<SpectrumValue, String>) -> Option<Value> {
-        spectrum.map(Value::Spectrum).map_err(|e| self.error(self.span(object), e)).ok()
-    }
-
-    /// `regular` (values over a range) and `irregular` (values at wavelengths).
-    fn tabulated(&mut self, object: ObjectId) -> Result<SpectrumValue, String> {
-        if let Some(Raw::Spectrum(s)) = self.graph.take(object, "value").map(|p| p.value) {
-            return Ok(s);
-        }
-        let range = ["lambda_min", "lambda_max", "wavelength_min", "wavelength_max"].map(|n| self.float(object, n));
-        let listed = self.string(object, "values").ok_or("a tabulated spectrum needs 'values'")?;
-        let listed = values::numbers(&listed)?;
-        let lambdas = if self.plugin(object) == "regular" {
-            let (low, high) = (range[0].or(range[2]), range[1].or(range[3]));
-            let (low, high) = low.zip(high).ok_or("a regular spectrum needs 'wavelength_min' and 'wavelength_max'")?;
-            let step = (high - low) / listed.len().saturating_sub(1).max(1) as f64;
-            (0..listed.len()).map(|i| low + step * i as f64).collect()
-        } else {
-            values::numbers(&self.string(object, "wavelengths").ok_or("an irregular spectrum needs 'wavelengths'")?)?
-        };
-        if lambdas.len() != listed.len() {
-            return Err(format!("{} wavelengths, but {} values", lambdas.len(), listed.len()));
-        }
-        values::sampled(&lambdas.into_iter().zip(listed).collect::<Vec<_>>())
-    }
-
-    /// D65 times a colour, a texture or nothing. Emission already means multiples of D65.
-    fn d65(&mut self, object: ObjectId) -> Option<Value> {
-        let scale = self.float(object, "scale").unwrap_or(1.0);
-        if let Some((_, inner)) = self.graph.children(object, Category::Texture).into_iter().next() {
-            let inner = self.texture(inner, Role::Emission)?;
-            return if scale == 1.0 { Some(inner) } else { Some(Value::Node(self.scaled(object, inner, scale))) };
-        }
-        match self.graph.take(object, "color").map(|p| p.value) {
-            Some(Raw::Rgb(c)) => Some(rgb(c.map(|v| v * scale))),
-            Some(_) => {
-                self.error(self.value_span(object, "color"), "'color' needs an <rgb> value");
-                None
-            }
-            None => Some(rgb([scale; 3])),
-        }
     }
 
     /// A texture times a number.
@@ -311,7 +236,7 @@ impl Reader<'_> {
                 value
             }
             _ if self.is_known(object) => {
-                self.once(object, false, |r| r.verbatim(object, Family::Texture)).map(Value::Node)
+                self.once(object, role, |r| r.verbatim(object, Family::Texture)).map(Value::Node)
             }
             _ => {
                 self.unknown_plugin(object);

@@ -187,6 +187,8 @@ fn sensors() {
         (filter.kind.as_str(), filter.float("tau"), filter.float("radius_y")),
         ("lanczos", Some(3.0), Some(3.0))
     );
+    let (_, c) = camera("<float name=\"principal_point_offset_x\" value=\"0.25\"/>");
+    assert_eq!((c.float("principal_x"), c.float("principal_y")), (Some(-0.25), None));
     let desc = good("<sensor type=\"orthographic\"/>");
     assert_eq!(only(&desc, &desc.cameras).floats("screen_window"), Some(&[-1.0, 1.0, -0.75, 0.75][..]));
 }

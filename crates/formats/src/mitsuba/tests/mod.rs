@@ -1,5 +1,7 @@
 //! Tests of the whole reader.
 
+#![allow(clippy::print_stdout, reason = "says what was skipped")]
+
 mod families;
 mod faults;
 mod language;

@@ -1,0 +1,99 @@
+//! Integrators. Mitsuba's many estimators of one picture become the few that Steradian has for it.
+
+use super::{
+    graph::{Category, ObjectId},
+    reader::Reader,
+};
+use steradian_scene::{Family, Node, NodeId};
+
+impl Reader<'_> {
+    /// The integrator, unwrapped from those that only add outputs to another.
+    pub fn integrator(&mut self, object: ObjectId) -> Option<NodeId> {
+        if !self.enter(object) {
+            return None;
+        }
+        let node = self.integrator_node(object);
+        self.leave();
+        node
+    }
+
+    fn integrator_node(&mut self, object: ObjectId) -> Option<NodeId> {
+        let plugin = self.plugin(object).to_owned();
+        let kind = match plugin.as_str() {
+            "aov" | "moment" | "stokes" | "multichannel" | "adaptive" => {
+                let inner = self.graph.children(object, Category::Integrator);
+                self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
+                if let Some(&(_, inner)) = inner.first() {
+                    self.note(
+                        self.span(object),
+                        format!("the outputs that '{plugin}' adds are asked for on the command line"),
+                    );
+                    return self.integrator(inner);
+                }
+                "path"
+            }
+            "direct" => "direct",
+            "path" => "path",
+            "volpath" | "volpathmis" => "volpath",
+            "volpath_simple" | "prbvolpath" => "volpath",
+            "field" | "depth" | "ao" | "irrcache" | "vpl" => {
+                self.approximated(self.span(object), format!("there is no integrator '{plugin}'; 'path' is used"));
+                "path"
+            }
+            // Other estimators of the same picture.
+            _ if self.is_known(object) => {
+                let media = self.graph.objects.iter().any(|o| o.category == Category::Medium);
+                let kind = if media { "volpath" } else { "path" };
+                self.note(self.span(object), format!("'{kind}' estimates the picture of '{plugin}'"));
+                kind
+            }
+            _ => {
+                self.unknown_plugin(object);
+                return None;
+            }
+        };
+        let mut node = self.node(Family::Integrator, kind, object);
+        if kind != "direct" {
+            let depth = self.int(object, "max_depth").unwrap_or(-1);
+            let span = self.value_span(object, "max_depth");
+            if depth < -1 {
+                self.error(span, "'max_depth' is -1 for no limit, or the number of segments of a path");
+            } else if depth == 0 {
+                self.approximated(span, "a 'max_depth' of 0 is a black picture; emitters are shown");
+            }
+            // Mitsuba counts the segments of a path, Steradian the scattering events between them.
+            let events = if depth < 0 { -1 } else { (depth - 1).max(0) };
+            node.set("max_depth", events, Some(span));
+            let rr_depth = self.int(object, "rr_depth").unwrap_or(5);
+            node.set("rr_depth", rr_depth, Some(self.value_span(object, "rr_depth")));
+        }
+        let hide = self.bool(object, "hide_emitters").unwrap_or(false);
+        node.set("hide_emitters", hide, Some(self.value_span(object, "hide_emitters")));
+        self.ignore(
+            object,
+            &[
+                "timeout",
+                "block_size",
+                "samples_per_pass",
+                "emitter_samples",
+                "bsdf_samples",
+                "shading_samples",
+                "use_spectral_mis",
+                "strict_normals",
+            ],
+        );
+        if kind != plugin {
+            // Settings of another estimator change nothing here.
+            self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
+        }
+        Some(self.desc.add(node))
+    }
+
+    /// Mitsuba renders scenes without an integrator with `path`.
+    pub fn default_integrator(&mut self) {
+        if self.desc.integrator.is_none() {
+            let node = Node::new(Family::Integrator, "path", None).with("max_depth", -1i64).with("rr_depth", 5i64);
+            self.desc.integrator = Some(self.desc.add(node));
+        }
+    }
+}
