@@ -3,7 +3,9 @@
 
 use half::f16;
 use std::path::{Path, PathBuf};
-use steradian_image::{Error, FileKind, Image, Limits, TexelData, Value, metrics, read, read_bytes, read_texels};
+use steradian_image::{
+    Error, FileKind, Image, Limits, TexelData, Value, WriteOptions, encode, metrics, read, read_bytes, read_texels,
+};
 
 /// The folder with real pictures, where there is one.
 fn assets(sub: &str) -> Option<PathBuf> {
@@ -46,6 +48,10 @@ fn everything_is_read_or_refused_by_name() {
             match read(&path, &Limits::default()) {
                 Ok(image) => {
                     assert!(!deep && image.pixel_count() > 0 && !image.channels().is_empty(), "{}", path.display());
+                    let again =
+                        encode(FileKind::Exr, &image, &WriteOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+                    let again = read_bytes(&again, None, &Limits::default()).unwrap();
+                    assert_eq!(again.channels().len(), image.channels().len());
                     let texels = read_texels(&path, &Limits::default());
                     match texels {
                         Ok(texels) => {

@@ -313,15 +313,28 @@ fn union(a: Window, b: Window) -> Window {
     }
 }
 
-/// The attributes that say something about the picture, sorted by name; those that describe the storage are left out.
+/// The attributes that say something about the picture, sorted by name; those that describe the storage, and a few that have no
+/// place in ours, are left out.
 fn metadata(header: &Header) -> Metadata {
-    const STORAGE: [&[u8]; 5] = [b"name", b"type", b"Type", b"version", b"chunkCount"];
+    const STORAGE: [&[u8]; 12] = [
+        b"name",
+        b"type",
+        b"Type",
+        b"version",
+        b"chunkCount",
+        b"dwaCompressionLevel",
+        b"screenWindowCenter",
+        b"adoptedNeutral",
+        b"renderingTransform",
+        b"lookModTransform",
+        b"framesPerSecond",
+        b"deepImageState",
+    ];
     let mut metadata = Metadata::default();
     for (name, value) in header.all_named_attributes() {
         let join = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(" ");
         let default_value = match value {
             AttributeValue::F32(x) => (name == b"pixelAspectRatio" || name == b"screenWindowWidth") && x == 1.0,
-            AttributeValue::FloatVec2(v) => name == b"screenWindowCenter" && (v.x(), v.y()) == (0.0, 0.0),
             _ => false,
         };
         if default_value || STORAGE.contains(&name) {

@@ -5,7 +5,7 @@ use super::header;
 use crate::{Compression, Error, FileKind, Image, Precision, Result, Value, WriteOptions};
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, LineOrder, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, EnvironmentMap, IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes, standard_names};
 use exr::prelude::WritableImage;
 use half::f16;
@@ -36,7 +36,8 @@ pub(crate) fn encode(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
 
     let size = Vec2(image.width(), image.height());
     let mut layer_attributes = LayerAttributes::default().with_position(Vec2(image.offset[0], image.offset[1]));
-    for (name, value) in image.metadata.entries.iter().filter(|(name, _)| name != "chromaticities") {
+    let elsewhere = |name: &str| name == "chromaticities" || name == "pixelAspectRatio";
+    for (name, value) in image.metadata.entries.iter().filter(|(name, _)| !elsewhere(name)) {
         set_attribute(&mut layer_attributes, name, value)?;
     }
     let layer = Layer::new(
@@ -63,7 +64,12 @@ pub(crate) fn encode(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
             IntegerBounds::new(Vec2(window.min[0], window.min[1]), Vec2(w, h))
         }
     };
-    let attributes = ImageAttributes { chromaticities: Some(chromaticities(image)), ..ImageAttributes::new(frame) };
+    let pixel_aspect = match image.metadata.get("pixelAspectRatio") {
+        Some(Value::Float(ratio)) if (1e-6..=1e6).contains(ratio) => *ratio,
+        _ => 1.0,
+    };
+    let attributes =
+        ImageAttributes { pixel_aspect, chromaticities: Some(chromaticities(image)), ..ImageAttributes::new(frame) };
     let file = exr::image::Image { attributes, layer_data: layer };
     let mut bytes = Vec::new();
     file.write().to_buffered(std::io::Cursor::new(&mut bytes)).map_err(explain)?;
@@ -102,44 +108,38 @@ fn utf8(s: &str) -> Text {
 }
 
 /// Metadata become attributes; those that EXR itself defines by this name go to their own place.
-fn set_attribute(attributes: &mut LayerAttributes, name: &str, value: &Value) -> Result<()> {
-    let float = match value {
-        Value::Float(x) => Some(*x),
-        _ => None,
-    };
-    let string = match value {
-        Value::Text(s) => Some(utf8(s)),
-        _ => None,
-    };
-    let matrix = match value {
-        Value::Matrix(m) => Some(*m),
-        _ => None,
-    };
-    match name {
-        "owner" => attributes.owner = string,
-        "comments" => attributes.comments = string,
-        "capDate" => attributes.capture_date = string,
-        "software" => attributes.software_name = string,
-        "wrapmodes" => attributes.wrap_mode_name = string,
-        "view" => attributes.view_name = string,
-        "worldToCamera" => attributes.world_to_camera = matrix,
-        "worldToNDC" => attributes.world_to_normalized_device = matrix,
-        "whiteLuminance" => attributes.white_luminance = float,
-        "expTime" => attributes.exposure = float,
-        "aperture" => attributes.aperture = float,
-        "focus" => attributes.focus = float,
-        "isoSpeed" => attributes.iso_speed = float,
-        "near" => attributes.near_clip_plane = float,
-        "far" => attributes.far_clip_plane = float,
-        "fieldOfViewHorizontal" => attributes.horizontal_field_of_view = float,
-        "fieldOfViewVertical" => attributes.vertical_field_of_view = float,
-        "xDensity" => attributes.horizontal_density = float,
-        "utcOffset" => attributes.utc_offset = float,
-        "longitude" => attributes.longitude = float,
-        "latitude" => attributes.latitude = float,
-        "altitude" => attributes.altitude = float,
+fn set_attribute(to: &mut LayerAttributes, name: &str, value: &Value) -> Result<()> {
+    match (name, value) {
+        ("owner", Value::Text(s)) => to.owner = Some(utf8(s)),
+        ("comments", Value::Text(s)) => to.comments = Some(utf8(s)),
+        ("capDate", Value::Text(s)) => to.capture_date = Some(utf8(s)),
+        ("software", Value::Text(s)) => to.software_name = Some(utf8(s)),
+        ("wrapmodes", Value::Text(s)) => to.wrap_mode_name = Some(utf8(s)),
+        ("view", Value::Text(s)) => to.view_name = Some(utf8(s)),
+        ("whiteLuminance", Value::Float(x)) => to.white_luminance = Some(*x),
+        ("expTime", Value::Float(x)) => to.exposure = Some(*x),
+        ("aperture", Value::Float(x)) => to.aperture = Some(*x),
+        ("focus", Value::Float(x)) => to.focus = Some(*x),
+        ("isoSpeed", Value::Float(x)) => to.iso_speed = Some(*x),
+        ("near", Value::Float(x)) => to.near_clip_plane = Some(*x),
+        ("far", Value::Float(x)) => to.far_clip_plane = Some(*x),
+        ("fieldOfViewHorizontal", Value::Float(x)) => to.horizontal_field_of_view = Some(*x),
+        ("fieldOfViewVertical", Value::Float(x)) => to.vertical_field_of_view = Some(*x),
+        ("xDensity", Value::Float(x)) => to.horizontal_density = Some(*x),
+        ("utcOffset", Value::Float(x)) => to.utc_offset = Some(*x),
+        ("longitude", Value::Float(x)) => to.longitude = Some(*x),
+        ("latitude", Value::Float(x)) => to.latitude = Some(*x),
+        ("altitude", Value::Float(x)) => to.altitude = Some(*x),
+        ("screenWindowWidth", Value::Float(x)) => to.screen_window_width = *x,
+        ("worldToCamera", Value::Matrix(m)) => to.world_to_camera = Some(*m),
+        ("worldToNDC", Value::Matrix(m)) => to.world_to_normalized_device = Some(*m),
+        ("envmap", Value::Text(s)) if s == "latlong" => to.environment_map = Some(EnvironmentMap::LatitudeLongitude),
+        ("envmap", Value::Text(s)) if s == "cube" => to.environment_map = Some(EnvironmentMap::Cube),
         _ if standard_names::ALL.contains(&name.as_bytes()) => {
-            return Err(Error::unsupported(KIND, format!("metadata named `{name}`, which EXR reserves")));
+            return Err(Error::unsupported(
+                KIND,
+                format!("metadata `{name}` = {value:?}: EXR uses this name for something else"),
+            ));
         }
         _ => {
             let value = match value {
@@ -148,7 +148,7 @@ fn set_attribute(attributes: &mut LayerAttributes, name: &str, value: &Value) ->
                 Value::Int(i) => AttributeValue::I32(*i),
                 Value::Matrix(m) => AttributeValue::Matrix4x4(*m),
             };
-            attributes.other.insert(text(name)?, value);
+            to.other.insert(text(name)?, value);
         }
     }
     Ok(())
