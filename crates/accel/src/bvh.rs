@@ -7,6 +7,7 @@ use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
 #[cfg(test)]
 use crate::simd::Row;
+use crate::storage::Storage;
 use crate::traverse::Users;
 use crate::{Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build};
 use steradian_math::{Bounds3, Ray};
@@ -14,8 +15,8 @@ use steradian_math::{Bounds3, Ray};
 /// The parts of a hierarchy that traversal reads. Nodes and blocks are in depth-first order.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
-    pub nodes: Vec<Node>,
-    pub blocks: Vec<Block>,
+    pub nodes: Storage<Node>,
+    pub blocks: Storage<Block>,
     pub root: ChildRef,
     pub bounds: Bounds3,
     /// For each geometry the index of its first primitive over all geometries, and at the end the number of primitives.

@@ -19,6 +19,7 @@ mod isa;
 mod layout;
 mod simd;
 mod stack;
+mod storage;
 #[cfg(test)]
 mod tests;
 mod top_level;

@@ -5,7 +5,7 @@ use super::primitives::{PrimRef, Primitives};
 use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
-use rayon::prelude::*;
+use crate::storage::Storage;
 use steradian_math::Bounds3;
 
 /// Lays out the wide tree, depth first.
@@ -16,7 +16,8 @@ pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNo
         Some(root) if root.is_leaf() => layout.leaf(root, refs),
         Some(_) => layout.subtree(binary, refs),
     };
-    let blocks = layout.leaves.par_iter().map(|&(first, count)| {
+    let block = |i: usize| {
+        let (first, count) = layout.leaves[i];
         let mut block = Block::EMPTY;
         for (lane, r) in refs[first as usize..][..count as usize].iter().enumerate() {
             if let Some((corners, id)) = primitives.triangle(r.index()) {
@@ -24,10 +25,10 @@ pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNo
             }
         }
         block
-    });
+    };
     Tree {
-        blocks: blocks.collect(),
-        nodes: layout.nodes,
+        blocks: Storage::from_fn(layout.leaves.len(), block),
+        nodes: Storage::from_fn(layout.nodes.len(), |i| layout.nodes[i]),
         root,
         bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
