@@ -89,6 +89,16 @@ impl Reader<'_> {
         Some(self.desc.add(node))
     }
 
+    /// Says so where the file asks for an integrator that sees no media.
+    pub fn ignored_media(&mut self) {
+        let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) else { return };
+        let (blind, span) = (node.kind != "volpath", node.span);
+        let boundary = self.desc.shapes.iter().any(|s| s.is_medium_boundary);
+        if let (true, true, Some(span)) = (blind, boundary, span) {
+            self.note(span, "this integrator does not see participating media; 'volpath' does");
+        }
+    }
+
     /// Mitsuba renders scenes without an integrator with `path`.
     pub fn default_integrator(&mut self) {
         if self.desc.integrator.is_none() {

@@ -115,5 +115,6 @@ impl Reader<'_> {
             self.default_recording();
         }
         self.default_integrator();
+        self.ignored_media();
     }
 }

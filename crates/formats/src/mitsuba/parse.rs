@@ -19,6 +19,8 @@ use steradian_scene::{Diagnostics, FileId, Sources, Span, names};
 
 /// Largest XML file, in bytes.
 const XML_BYTES: u64 = 1 << 30;
+/// Most ids that a misspelt one is compared with.
+const COMPARED_IDS: usize = 20_000;
 
 /// An attribute after parameters were put in.
 pub(super) struct Attr<'n> {
@@ -122,7 +124,8 @@ impl<'a> Parser<'a> {
     }
 
     pub fn error(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.error(&self.sources, Some(span), message);
+        let place = Some(span).filter(|_| !self.diagnostics.is_full());
+        self.diagnostics.error(&self.sources, place, message);
     }
 
     /// Parses one file.
@@ -287,14 +290,17 @@ impl<'a> Parser<'a> {
             }
             self.graph.objects[parent].props.retain(|p| p.name != prop.name);
             let message = format!("'{}' replaces an earlier property of this name", prop.name);
-            self.diagnostics.warn(&self.sources, Some(prop.span), message);
+            let place = Some(prop.span).filter(|_| self.diagnostics.suppressed() == 0);
+            self.diagnostics.warn(&self.sources, place, message);
         }
         self.graph.objects[parent].props.push(prop);
     }
 
     /// Reports an id that nothing has.
     pub fn undefined(&mut self, id: &str, span: Span) {
-        let help = names::did_you_mean(id, self.graph.ids.keys().map(String::as_str));
+        // Comparing with every id of a huge scene takes too long.
+        let ids = Some(&self.graph.ids).filter(|ids| ids.len() <= COMPARED_IDS);
+        let help = ids.and_then(|ids| names::did_you_mean(id, ids.keys().map(String::as_str)));
         self.diagnostics.error_help(&self.sources, Some(span), format!("nothing has the id '{id}'"), help);
     }
 
@@ -311,6 +317,9 @@ impl<'a> Parser<'a> {
             }
         }
         for (id, span) in undefined {
+            if self.diagnostics.is_full() {
+                break;
+            }
             self.undefined(&id, span);
         }
         for object in &mut self.graph.objects {

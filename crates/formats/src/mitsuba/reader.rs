@@ -1,7 +1,7 @@
 //! What all translators share: typed access to properties, messages, and the memory of what is translated already.
 
 use super::{
-    graph::{Category, Graph, ObjectId, Prop, Raw},
+    graph::{Category, Graph, Object, ObjectId, Prop, Raw},
     meshes::MeshQueue,
     plugins,
     texture::{Role, rgb},
@@ -74,24 +74,30 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The place of a message. Finding its line means counting lines, which messages that are not kept are not worth.
+    fn place(&self, span: Span) -> Option<Span> {
+        (self.diagnostics.suppressed() == 0).then_some(span)
+    }
+
     pub fn error(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.error(&self.desc.sources, Some(span), message);
+        let place = Some(span).filter(|_| !self.diagnostics.is_full());
+        self.diagnostics.error(&self.desc.sources, place, message);
     }
 
     pub fn warn(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.warn(&self.desc.sources, Some(span), message);
+        self.diagnostics.warn(&self.desc.sources, self.place(span), message);
     }
 
     pub fn note(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.note(&self.desc.sources, Some(span), message);
+        self.diagnostics.note(&self.desc.sources, self.place(span), message);
     }
 
     pub fn approximated(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.approximated(&self.desc.sources, Some(span), message);
+        self.diagnostics.approximated(&self.desc.sources, self.place(span), message);
     }
 
     pub fn dropped(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.dropped(&self.desc.sources, Some(span), message);
+        self.diagnostics.dropped(&self.desc.sources, self.place(span), message);
     }
 
     pub fn plugin(&self, object: ObjectId) -> &str {
@@ -362,19 +368,29 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reports the properties that no translator asked for, with the nearest name that one asked for.
+    /// Reports the properties that no translator asked for, with the nearest name that one asked for. What recurs is said once.
     pub fn report_unused(&mut self) {
+        let mut unused: Vec<(&Object, &Prop, usize)> = Vec::new();
+        let mut known = HashMap::new();
         for object in self.graph.objects.iter().filter(|o| o.visited) {
             for prop in object.props.iter().filter(|p| !p.used) {
-                let what = match object.category {
-                    Category::Scene => "the scene".to_owned(),
-                    category => format!("the {} '{}'", category.noun(), object.plugin),
-                };
-                let named = if prop.name.is_empty() { "this object".into() } else { format!("'{}'", prop.name) };
-                let help = names::did_you_mean(&prop.name, object.asked.iter().copied());
-                let message = format!("{what} does not use {named}");
-                self.diagnostics.unused(&self.desc.sources, Some(prop.span), message, help);
+                let at = *known.entry((object.category, &object.plugin, &prop.name)).or_insert(unused.len());
+                match unused.get_mut(at) {
+                    Some((.., more)) => *more += 1,
+                    None => unused.push((object, prop, 0)),
+                }
             }
+        }
+        for (object, prop, more) in unused.into_iter().take(Diagnostics::MAX_OTHERS) {
+            let what = match object.category {
+                Category::Scene => "the scene".to_owned(),
+                category => format!("the {} '{}'", category.noun(), object.plugin),
+            };
+            let named = if prop.name.is_empty() { "this object".into() } else { format!("'{}'", prop.name) };
+            let places = if more > 0 { format!(" (here and in {more} more places)") } else { String::new() };
+            let help = names::did_you_mean(&prop.name, object.asked.iter().copied());
+            let message = format!("{what} does not use {named}{places}");
+            self.diagnostics.unused(&self.desc.sources, Some(prop.span), message, help);
         }
     }
 }

@@ -204,6 +204,12 @@ fn unused_properties_name_their_neighbours() {
     assert_eq!(unused[0].message, "the shape 'sphere' does not use 'radios'");
     assert_eq!(unused[0].help.as_deref(), Some("did you mean 'radius'?"));
     assert!(!import.diagnostics.has_errors());
+    let many = "<shape type=\"sphere\"><float name=\"radios\" value=\"1\"/></shape>".repeat(30_000);
+    let start = Instant::now();
+    let import = read(&format!("{many}<sensor type=\"perspective\"/>"));
+    assert_eq!(import.diagnostics.iter().count(), 1);
+    assert!(import.diagnostics.iter().next().unwrap().message.ends_with("(here and in 29999 more places)"));
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }
 
 #[test]
@@ -237,6 +243,11 @@ fn deep_and_swelling_files_are_refused_quickly() {
 
 #[test]
 fn errors_stop_when_there_are_enough() {
+    let references = (0..50_000)
+        .map(|i| format!("<bsdf id=\"b{i}\" type=\"diffuse\"/><shape type=\"cube\"><ref id=\"x{i}\"/></shape>"));
+    let start = Instant::now();
+    assert!(read(&references.collect::<String>()).diagnostics.is_full());
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
     let import = read(&"<shape type=\"banana\"/>".repeat(100_000));
     assert!(import.diagnostics.is_full() && import.diagnostics.iter().count() < 1000);
 }

@@ -90,6 +90,37 @@ fn meshes_get_normals_and_upright_textures() {
 }
 
 #[test]
+fn mesh_files_of_every_format() {
+    let folder = shared("assets/mitsuba/tests");
+    if !folder.exists() {
+        println!("skipped: {} is absent", folder.display());
+        return;
+    }
+    let mesh = |kind: &str, name: &str, properties: &str| {
+        let text = format!(
+            "<scene version=\"3.0.0\"><shape type=\"{kind}\"><string name=\"filename\" value=\"{name}\"/>{properties}</shape></scene>"
+        );
+        let import = import_text(&text, &folder.join("scene.xml"), &Options::default());
+        assert_eq!(errors(&import), Vec::<String>::new());
+        import.desc.meshes[0].as_ref().clone()
+    };
+    let [obj, ply] = [mesh("obj", "obj/rectangle_normals_uv.obj", ""), mesh("ply", "ply/rectangle_normals_uv.ply", "")];
+    assert_eq!((obj.triangles.len(), ply.triangles.len()), (2, 2));
+    assert!(obj.normals.len() == obj.positions.len() && ply.uvs.len() == ply.positions.len());
+    // Mitsuba turns the coordinates of OBJ files over, those of PLY files only when asked.
+    let flipped = mesh("ply", "ply/rectangle_normals_uv.ply", "<boolean name=\"flip_tex_coords\" value=\"true\"/>");
+    assert_eq!(flipped.uvs[1][1], 1.0 - ply.uvs[1][1]);
+    let first = mesh("serialized", "serialized/rectangle_normals_uv.serialized", "");
+    assert!(!first.triangles.is_empty() && first.normals.len() == first.positions.len());
+    let flat = mesh(
+        "serialized",
+        "serialized/rectangle_normals_uv.serialized",
+        "<boolean name=\"face_normals\" value=\"true\"/>",
+    );
+    assert!(flat.normals.is_empty());
+}
+
+#[test]
 fn faults_of_mesh_files_name_the_file_and_the_line() {
     let import = with_obj("v 0 0 0\nv 1 0 zero\n", "");
     let error = &errors(&import)[0];
