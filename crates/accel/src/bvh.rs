@@ -8,7 +8,7 @@ use crate::simd::LANES;
 #[cfg(test)]
 use crate::simd::Row;
 use crate::storage::Storage;
-use crate::traverse::Users;
+use crate::traverse::{Nearest, Users};
 use crate::{Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build};
 use steradian_math::{Bounds3, Ray};
 
@@ -46,18 +46,25 @@ impl Tree {
         unsafe { self.blocks.get_unchecked(child.index()) }
     }
 
-    /// Which geometry and primitive an index over all geometries means.
+    /// The name of the primitive with an index over all geometries, when the tree is seen as an instance with a number.
     #[inline]
-    pub fn locate(&self, index: u32) -> (u32, u32) {
+    pub fn id(&self, instance: u32, index: u32) -> PrimId {
         let geom = if self.first.len() == 2 { 0 } else { self.first.partition_point(|&first| first <= index) - 1 };
-        (geom as u32, index - self.first[geom])
+        PrimId { instance, geom: geom as u32, prim: index - self.first[geom] }
     }
 
-    /// The boxes of the root's children, or of the tree if its root is not a node.
-    pub fn root_boxes(&self) -> impl Iterator<Item = Bounds3> + '_ {
-        let node = self.root.is_node().then(|| &self.nodes[self.root.index()]);
-        let lanes = if node.is_some() { LANES } else { 1 };
-        (0..lanes).map(move |lane| node.map_or(self.bounds, |node| node.child_bounds(lane))).filter(|b| !b.is_empty())
+    /// Boxes that contain everything in the tree, tighter together than its bounds: about `count` of its upper levels, where the
+    /// greatest ones are opened.
+    pub fn upper_boxes(&self, count: usize) -> Vec<Bounds3> {
+        let mut boxes = vec![(self.bounds, self.root)];
+        while boxes.len() < count {
+            let nodes = boxes.iter().enumerate().filter(|(_, (_, child))| child.is_node());
+            let Some((greatest, _)) = nodes.max_by(|a, b| a.1.0.area().total_cmp(&b.1.0.area())) else { break };
+            let node = &self.nodes[boxes.swap_remove(greatest).1.index()];
+            let children = (0..LANES).map(|lane| (node.child_bounds(lane), node.children[lane]));
+            boxes.extend(children.filter(|(bounds, _)| !bounds.is_empty()));
+        }
+        boxes.into_iter().map(|(bounds, _)| bounds).filter(|bounds| !bounds.is_empty()).collect()
     }
 
     /// Memory in bytes.
@@ -107,7 +114,8 @@ impl Bvh {
     /// The nearest hit in `(0, ray.t_max)`; `None` for a ray that is not valid.
     #[inline]
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
-        self.intersect_as(WORLD, ray, user)
+        let Nearest { hit: UserHit { t, u, v }, index, .. } = self.nearest_as(WORLD, ray, user)?;
+        Some(Hit { t, u, v, id: self.tree.id(WORLD, index) })
     }
 
     /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
@@ -116,13 +124,10 @@ impl Bvh {
         self.occluded_as(WORLD, ray, user)
     }
 
-    /// [`Bvh::intersect`] with the number of the instance that this hierarchy is seen as.
+    /// The nearest hit, when this hierarchy is seen as an instance with a number.
     #[inline]
-    pub(crate) fn intersect_as<U: UserPrimitives>(&self, instance: u32, ray: &Ray, user: &U) -> Option<Hit> {
-        let leaves = Leaves { tree: &self.tree, instance, user };
-        let nearest = nearest_hit(self.isa, &self.tree, ray, &leaves)?;
-        let UserHit { t, u, v } = nearest.hit;
-        Some(Hit { t, u, v, id: leaves.id(nearest.index) })
+    pub(crate) fn nearest_as<U: UserPrimitives>(&self, instance: u32, ray: &Ray, user: &U) -> Option<Nearest<()>> {
+        nearest_hit(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance, user })
     }
 
     /// [`Bvh::occluded`] with the number of the instance that this hierarchy is seen as.
@@ -143,9 +148,9 @@ impl Bvh {
             && a.blocks.iter().zip(&b.blocks).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
     }
 
-    /// See [`Tree::root_boxes`].
-    pub(crate) fn root_boxes(&self) -> impl Iterator<Item = Bounds3> + '_ {
-        self.tree.root_boxes()
+    /// The tree alone.
+    pub(crate) fn tree(&self) -> &Tree {
+        &self.tree
     }
 }
 
@@ -156,28 +161,20 @@ struct Leaves<'a, U> {
     user: &'a U,
 }
 
-impl<U> Leaves<'_, U> {
-    #[inline]
-    fn id(&self, index: u32) -> PrimId {
-        let (geom, prim) = self.tree.locate(index);
-        PrimId { instance: self.instance, geom, prim }
-    }
-}
-
 impl<U: UserPrimitives> Users for Leaves<'_, U> {
     type Extra = ();
 
     fn triangle(&self) {}
 
     fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, ())> {
-        self.user.intersect(self.id(index), ray).map(|hit| (hit, ()))
+        self.user.intersect(self.tree.id(self.instance, index), ray).map(|hit| (hit, ()))
     }
 
     fn occluded(&self, index: u32, ray: &Ray) -> bool {
-        self.user.occluded(self.id(index), ray)
+        self.user.occluded(self.tree.id(self.instance, index), ray)
     }
 
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
-        self.user.accept(&Hit { t, u, v, id: self.id(index) }, ray)
+        self.user.accept(&Hit { t, u, v, id: self.tree.id(self.instance, index) }, ray)
     }
 }

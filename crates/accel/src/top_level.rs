@@ -4,7 +4,9 @@ use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::geometry::WORLD;
 use crate::traverse::Users;
-use crate::{Bvh, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build};
+use crate::{Bvh, Error, Geometry, Hit, Isa, UserHit, UserPrimitives, build};
+use glam::Mat4;
+use rayon::prelude::*;
 use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
 
 /// A placement of an object. Instances whose transform is not finite are left out.
@@ -16,6 +18,13 @@ pub struct Instance {
     pub world_from_object: Affine,
 }
 
+/// What traversal needs of an instance.
+#[derive(Clone, Debug)]
+struct Placement {
+    object_from_world: Mat4,
+    object: u32,
+}
+
 /// World-space geometry and instances of objects. The instances are user primitives of the tree over the geometry, so that both
 /// are visited in the order of distance, and a scene without instances costs what its [`Bvh`] costs.
 #[derive(Clone, Debug)]
@@ -23,7 +32,7 @@ pub struct TopLevel {
     tree: Tree,
     isa: SupportedIsa,
     objects: Vec<Bvh>,
-    instances: Vec<Instance>,
+    placements: Vec<Placement>,
     /// Index of the first instance among the primitives of the tree.
     first_instance: u32,
 }
@@ -35,20 +44,25 @@ impl TopLevel {
     /// # Errors
     /// When there are too many primitives, or an instance refers to an object that does not exist.
     pub fn build(world: &[Geometry], objects: Vec<Bvh>, instances: &[Instance]) -> Result<Self, Error> {
-        let boxes = instances
-            .iter()
-            .enumerate()
-            .map(|(i, instance)| {
-                let unknown = Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() };
-                let object = objects.get(instance.object as usize).ok_or(unknown)?;
-                Ok(world_box(object, &instance.world_from_object))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        for (i, instance) in instances.iter().enumerate() {
+            if instance.object as usize >= objects.len() {
+                return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
+            }
+        }
+        let shapes: Vec<Vec<Bounds3>> = objects.iter().map(|object| object.tree().upper_boxes(BOXES)).collect();
+        let world_box = |i: &Instance| world_box(&shapes[i.object as usize], &i.world_from_object);
+        let boxes: Vec<Bounds3> = instances.par_iter().map(world_box).collect();
         let mut geometries = world.to_vec();
         geometries.push(Geometry::boxes(&boxes));
         let tree = build::build(&geometries)?;
-        let first_instance = tree.first[world.len()];
-        Ok(Self { tree, isa: SupportedIsa::best(), objects, instances: instances.to_vec(), first_instance })
+        let place = |i: &Instance| Placement { object_from_world: i.world_from_object.inv, object: i.object };
+        Ok(Self {
+            first_instance: tree.first[world.len()],
+            tree,
+            isa: SupportedIsa::best(),
+            objects,
+            placements: instances.iter().map(place).collect(),
+        })
     }
 
     /// The box around everything, in world space.
@@ -58,7 +72,7 @@ impl TopLevel {
 
     /// Memory of the hierarchy and its objects, in bytes.
     pub fn bytes(&self) -> usize {
-        self.tree.bytes() + self.objects.iter().map(Bvh::bytes).sum::<usize>() + size_of_val(&self.instances[..])
+        self.tree.bytes() + self.objects.iter().map(Bvh::bytes).sum::<usize>() + size_of_val(&self.placements[..])
     }
 
     /// The instruction set that queries run on.
@@ -79,7 +93,14 @@ impl TopLevel {
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
         let nearest = nearest_hit(self.isa, &self.tree, ray, &Leaves { scene: self, user })?;
         let UserHit { t, u, v } = nearest.hit;
-        Some(Hit { t, u, v, id: nearest.extra.unwrap_or_else(|| self.world_id(nearest.index)) })
+        let id = match nearest.index.checked_sub(self.first_instance) {
+            None => self.tree.id(WORLD, nearest.index),
+            Some(instance) => {
+                let object = self.placements[instance as usize].object;
+                self.objects[object as usize].tree().id(instance, nearest.extra)
+            }
+        };
+        Some(Hit { t, u, v, id })
     }
 
     /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
@@ -87,26 +108,32 @@ impl TopLevel {
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         any_hit(self.isa, &self.tree, ray, &Leaves { scene: self, user })
     }
-
-    /// The name of a primitive that is not instanced.
-    fn world_id(&self, index: u32) -> PrimId {
-        let (geom, prim) = self.tree.locate(index);
-        PrimId { instance: WORLD, geom, prim }
-    }
 }
 
+/// How many boxes of an object the box of an instance is made from.
+const BOXES: usize = 100;
+
 /// A box in world space that contains an instance, and every point where a ray that was transformed to object space may hit it.
-fn world_box(object: &Bvh, world_from_object: &Affine) -> Bounds3 {
-    let object_from_world = world_from_object.inverse();
-    let corners = object.root_boxes().flat_map(|b| (0..8).map(move |i| b.corner(i)));
-    let bounds = corners.fold(Bounds3::EMPTY, |bounds, p| {
-        let q = world_from_object.point(p);
-        // Rounding of the ray's way to object space, seen from the world.
-        let error = world_from_object.point_error(p, object_from_world.point_error(q, Vec3::ZERO) * 2.0);
-        bounds.union_point(q - error).union_point(q + error)
-    });
-    let finite = world_from_object.m.is_finite() && object_from_world.m.is_finite();
-    if finite { bounds } else { Bounds3::EMPTY }
+fn world_box(shape: &[Bounds3], world_from_object: &Affine) -> Bounds3 {
+    let Affine { m, inv } = world_from_object;
+    if !m.is_finite() || !inv.is_finite() {
+        return Bounds3::EMPTY;
+    }
+    let around = |bounds: Bounds3, b: &Bounds3| {
+        let (center, half) = (b.center(), b.max * 0.5 - b.min * 0.5);
+        let reach = m.x_axis.truncate().abs() * half.x
+            + m.y_axis.truncate().abs() * half.y
+            + m.z_axis.truncate().abs() * half.z;
+        let center = world_from_object.point(center);
+        bounds.union(Bounds3 { min: center - reach, max: center + reach })
+    };
+    let bounds = shape.iter().fold(Bounds3::EMPTY, around);
+    // Rounding: of the numbers above, and of the ray on its way to object space, seen from the world.
+    let greatest = |b: &Bounds3| b.min.abs().max(b.max.abs());
+    let in_object = shape.iter().fold(Vec3::ZERO, |p, b| p.max(greatest(b)));
+    let error = world_from_object.inverse().point_error(greatest(&bounds), Vec3::ZERO);
+    let error = world_from_object.point_error(in_object, error) * 2.0;
+    Bounds3 { min: bounds.min - error, max: bounds.max + error }
 }
 
 /// What is at the user references of the tree: primitives of the world, and instances behind them.
@@ -117,38 +144,44 @@ struct Leaves<'a, U> {
 
 impl<'a, U> Leaves<'a, U> {
     /// The instance with an index in the tree: its number, its object, and the ray in the object's space.
-    #[inline]
+    #[inline(always)]
     fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &'a Bvh, Ray)> {
         let number = index.checked_sub(self.scene.first_instance)?;
-        let instance = &self.scene.instances[number as usize];
-        let object_ray = instance.world_from_object.inverse().ray(ray);
-        Some((number, &self.scene.objects[instance.object as usize], object_ray))
+        let Placement { object_from_world, object } = &self.scene.placements[number as usize];
+        let ray = Ray {
+            origin: object_from_world.transform_point3(ray.origin),
+            direction: object_from_world.transform_vector3(ray.direction),
+            t_max: ray.t_max,
+        };
+        Some((number, &self.scene.objects[*object as usize], ray))
     }
 }
 
 impl<U: UserPrimitives> Users for Leaves<'_, U> {
-    type Extra = Option<PrimId>;
+    /// The index of the primitive within the instance's object.
+    type Extra = u32;
 
-    fn triangle(&self) -> Option<PrimId> {
-        None
+    fn triangle(&self) -> u32 {
+        0
     }
 
-    fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, Option<PrimId>)> {
-        let Some((number, object, object_ray)) = self.enter(index, ray) else {
-            return self.user.intersect(self.scene.world_id(index), ray).map(|hit| (hit, None));
-        };
-        let Hit { t, u, v, id } = object.intersect_as(number, &object_ray, self.user)?;
-        Some((UserHit { t, u, v }, Some(id)))
+    #[inline]
+    fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, u32)> {
+        match self.enter(index, ray) {
+            Some((number, object, ray)) => object.nearest_as(number, &ray, self.user).map(|n| (n.hit, n.index)),
+            None => self.user.intersect(self.scene.tree.id(WORLD, index), ray).map(|hit| (hit, 0)),
+        }
     }
 
+    #[inline]
     fn occluded(&self, index: u32, ray: &Ray) -> bool {
         match self.enter(index, ray) {
-            Some((number, object, object_ray)) => object.occluded_as(number, &object_ray, self.user),
-            None => self.user.occluded(self.scene.world_id(index), ray),
+            Some((number, object, ray)) => object.occluded_as(number, &ray, self.user),
+            None => self.user.occluded(self.scene.tree.id(WORLD, index), ray),
         }
     }
 
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
-        self.user.accept(&Hit { t, u, v, id: self.scene.world_id(index) }, ray)
+        self.user.accept(&Hit { t, u, v, id: self.scene.tree.id(WORLD, index) }, ray)
     }
 }
