@@ -322,6 +322,8 @@ impl<'a> Reader<'a> {
                     Some(path) => Value::Path(path),
                     None => continue,
                 },
+                Raw::String(_) if prop.name == "int_ior" => Value::Float(self.ior(object, "int_ior", "bk7")),
+                Raw::String(_) if prop.name == "ext_ior" => Value::Float(self.ior(object, "ext_ior", "air")),
                 Raw::String(v) => Value::String(v),
                 Raw::Vec3(v) => Value::Vec3(v),
                 Raw::Rgb(v) => rgb(v),
@@ -342,6 +344,7 @@ impl<'a> Reader<'a> {
     /// What an unnamed nested object is called: after what it is, numbered from the second on.
     fn free_name(&self, node: &Node, value: &Value) -> String {
         let noun = match value {
+            Value::Node(n) if self.desc.node(*n).family == Family::Phase => "phase",
             Value::Node(n) => self.desc.node(*n).family.noun(),
             _ => "value",
         };
@@ -357,9 +360,7 @@ impl<'a> Reader<'a> {
             Category::Texture => self.texture(child, Role::Unbounded),
             Category::Medium => self.medium(child).map(Value::Node),
             Category::Phase => self.phase(child).map(Value::Node),
-            Category::Volume => {
-                self.once(child, Role::Unbounded, |r| r.verbatim(child, Family::Texture)).map(Value::Node)
-            }
+            Category::Volume => self.volume(child, Role::Unbounded),
             category => {
                 let span = self.span(child);
                 self.dropped(span, format!("a {} cannot be a parameter here; it is left out", category.noun()));

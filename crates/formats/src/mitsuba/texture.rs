@@ -224,7 +224,7 @@ impl Reader<'_> {
     }
 
     /// A volume where a constant is needed: that of `constvolume`, else the volume under its own name.
-    fn volume(&mut self, object: ObjectId, role: Role) -> Option<Value> {
+    pub fn volume(&mut self, object: ObjectId, role: Role) -> Option<Value> {
         match self.plugin(object) {
             "constvolume" => {
                 if !self.enter(object) {

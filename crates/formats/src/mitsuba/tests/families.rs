@@ -78,8 +78,15 @@ fn bsdfs_that_steradian_lacks_keep_their_parameters() {
     );
     assert_eq!(child(&desc, &m, "roughness").kind, "checkerboard");
     let (desc, m) =
-        material("<bsdf type=\"coating\"><float name=\"thickness\" value=\"2\"/><bsdf type=\"diffuse\"/></bsdf>");
-    assert_eq!(child(&desc, &m, "material").kind, "diffuse");
+        material("<bsdf type=\"coating\"><string name=\"int_ior\" value=\"water\"/><bsdf type=\"diffuse\"/></bsdf>");
+    assert_eq!((child(&desc, &m, "material").kind.as_str(), m.float("int_ior")), ("diffuse", Some(1.333)));
+    let desc = good(
+        "<shape type=\"cube\"><medium name=\"interior\" type=\"heterogeneous\"><phase type=\"rayleigh\"/>
+         <volume name=\"albedo\" type=\"constvolume\"><rgb name=\"value\" value=\".5\"/></volume></medium></shape>",
+    );
+    let cloud = desc.node(desc.shapes[0].interior.unwrap());
+    assert_eq!((cloud.kind.as_str(), child(&desc, cloud, "phase").kind.as_str()), ("heterogeneous", "rayleigh"));
+    assert_eq!(cloud.get("albedo"), Some(&rgb([0.5; 3])));
 }
 
 #[test]
