@@ -207,7 +207,6 @@ impl<'a, 'o> Build<'a, 'o> {
 pub(super) enum Field {
     Float(&'static str, f64),
     Int(&'static str, i64),
-    Bool(&'static str, bool),
     Text(&'static str),
     File(&'static str),
     FloatTexture(&'static str, f64),
@@ -235,7 +234,6 @@ impl Build<'_, '_> {
             match field {
                 Field::Float(n, v) => self.float(n, n, v),
                 Field::Int(n, v) => self.int(n, n, v),
-                Field::Bool(n, v) => self.bool(n, n, v),
                 Field::Text(n) => self.text(n, n, None),
                 Field::File(n) => self.required_file(n, n),
                 Field::FloatTexture(n, v) => _ = self.float_texture(n, n, v),

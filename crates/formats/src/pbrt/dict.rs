@@ -4,11 +4,11 @@ use super::{
     param::{Param, Type, Values},
     report::Report,
 };
-use std::{cell::RefCell, sync::Arc};
+use std::{cell::RefCell, rc::Rc};
 use steradian_scene::{ColorSpace, Span, names};
 
 /// Parameters set for all directives of a block by `Attribute`.
-pub(super) type Inherited = Arc<Vec<Arc<Param>>>;
+pub(super) type Inherited = Rc<Vec<Rc<Param>>>;
 
 /// What a directive is given: the name of a model and parameters.
 ///
@@ -175,8 +175,8 @@ impl Dict {
     /// Reports the parameters that nobody asked for.
     pub fn report_unused(&self, report: &mut Report, what: &str) {
         for p in self.own.iter().filter(|p| !p.used.get()) {
-            let help = names::did_you_mean(&p.name, self.asked.borrow().iter().copied());
-            report.unused(p.span, format!("{what} '{}' has no parameter '{}'", self.kind, p.name), help);
+            let message = format!("{what} '{}' has no parameter '{}'", self.kind, p.name);
+            report.unused(p.span, message, || names::did_you_mean(&p.name, self.asked.borrow().iter().copied()));
         }
     }
 
@@ -198,11 +198,11 @@ fn single(report: &mut Report, p: &Param, found: usize, wanted: usize) -> bool {
 /// Whether a parameter holds whole values; an error if not.
 fn whole(report: &mut Report, p: &Param, found: usize) -> bool {
     let n = p.ty.arity();
-    if found % n != 0 {
+    if !found.is_multiple_of(n) {
         let message = format!("parameter '{}' holds {found} numbers, which is not a multiple of {n}", p.name);
         report.error(p.value_span, message);
     }
-    found % n == 0
+    found.is_multiple_of(n)
 }
 
 #[cfg(test)]
@@ -213,12 +213,12 @@ mod tests {
     fn dict(text: &str, inherited: &str) -> (Dict, Report) {
         let mut report = Report::default();
         let mut read = |text: &str| {
-            let bytes: Arc<[u8]> = text.as_bytes().into();
+            let bytes: std::sync::Arc<[u8]> = text.as_bytes().into();
             let mut lexer = Lexer::new(report.sources.add("t", bytes.clone()), bytes);
             param::read(&mut lexer, ColorSpace::Srgb, &mut report)
         };
         let own = read(text);
-        let inherited = Arc::new(read(inherited).into_iter().map(Arc::new).collect());
+        let inherited = Rc::new(read(inherited).into_iter().map(Rc::new).collect());
         let span = Span::new(steradian_scene::FileId(0), 0, 0);
         (Dict::new("test".into(), span, own, inherited, ColorSpace::Srgb), report)
     }

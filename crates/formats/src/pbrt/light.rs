@@ -46,10 +46,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, ctm: Transform, medium: 
         }
         "goniometric" => {
             emission(&mut b, "I", "intensity", white);
-            if !b.file("filename", "file") {
-                let span = b.span();
-                b.scene.report.warn(span, "a goniometric light without \"string filename\" shines evenly");
-            }
+            b.required_file("filename", "file");
             // The distribution's pole is local +y: pbrt swaps y and z before it looks a direction up.
             let swap_yz = [1., 0., 0., 0., 0., 0., 1., 0., 0., 1., 0., 0., 0., 0., 0., 1.];
             b.set("to_world", ctm * Transform::from_rows(swap_yz));

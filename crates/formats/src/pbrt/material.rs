@@ -44,6 +44,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str) -> Option<No
     let ours = match kind {
         "thindielectric" => "thin_dielectric",
         "coateddiffuse" => "coated_diffuse",
+        "diffusetransmission" => "diffuse_transmission",
         "" | "none" => "interface",
         other => other,
     };
@@ -70,11 +71,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str) -> Option<No
             b.int("nsamples", "samples", 1);
         }
         "coatedconductor" => coated_conductor(&mut b),
-        "diffusetransmission" => b.fields(&[
-            Field::SpectrumTexture("reflectance", Role::Albedo, 0.25),
-            Field::SpectrumTexture("transmittance", Role::Albedo, 0.25),
-            Field::Float("scale", 1.0),
-        ]),
+        "diffusetransmission" => diffuse_transmission(&mut b),
         "hair" => b.fields(&[
             Field::OptionalSpectrumTexture("sigma_a", Role::Unbounded),
             Field::OptionalSpectrumTexture("reflectance", Role::Albedo),
@@ -119,6 +116,30 @@ fn roughness(b: &mut Build) {
     b.bool("remaproughness", "remap_roughness", true);
 }
 
+/// `scale` multiplies both colours.
+fn diffuse_transmission(b: &mut Build) {
+    let scale = b.dict.float_or(&mut b.scene.report, "scale", 1.0);
+    for name in ["reflectance", "transmittance"] {
+        b.spectrum_texture(name, name, Role::Albedo, grey(0.25));
+        if scale == 1.0 {
+            continue;
+        }
+        let scaled = match b.node.get(name).cloned() {
+            Some(Value::Spectrum(SpectrumValue::Constant(v))) => grey(v * scale).into(),
+            Some(Value::Spectrum(SpectrumValue::Rgb(v, space))) => {
+                SpectrumValue::Rgb(v.map(|c| c * scale), space).into()
+            }
+            Some(value) => {
+                let mut texture = Node::new(Family::Texture, "scale", Some(b.dict.span_of("scale")));
+                texture.set("texture", value, None).set("scale", scale, None);
+                Value::Node(b.scene.desc.add(texture))
+            }
+            None => continue,
+        };
+        b.set(name, scaled);
+    }
+}
+
 fn copper(part: &str) -> SpectrumValue {
     SpectrumValue::Named(format!("metal-Cu-{part}"))
 }
@@ -157,6 +178,10 @@ fn coated_conductor(b: &mut Build) {
                 b.float_texture(both, one, 0.0);
             }
         }
+        // For readers that know one roughness only.
+        if let Some(value) = b.node.get(u).cloned() {
+            b.set(both, value);
+        }
     }
     let eta = b.spectrum_texture("conductor.eta", "conductor.eta", Role::Unbounded, None);
     let k = b.spectrum_texture("conductor.k", "conductor.k", Role::Unbounded, None);
@@ -169,8 +194,8 @@ fn coated_conductor(b: &mut Build) {
         Field::Int("nsamples", 1),
         Field::FloatTexture("g", 0.0),
         Field::SpectrumTexture("albedo", Role::Albedo, 0.0),
-        Field::Bool("remaproughness", true),
     ]);
+    b.bool("remaproughness", "remap_roughness", true);
 }
 
 /// By name, by coefficients, or by reflectance and mean free path; whole milk if nothing is given.
@@ -210,7 +235,7 @@ fn subsurface(b: &mut Build) {
             b.float_texture("roughness", one, 0.0);
         }
     }
-    b.bool("remaproughness", "remaproughness", true);
+    b.bool("remaproughness", "remap_roughness", true);
 }
 
 /// Chooses between two named materials.

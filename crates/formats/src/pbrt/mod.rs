@@ -1,18 +1,22 @@
 //! Scenes of pbrt-v4 (<https://pbrt.org/fileformat-v4>).
 //!
-//! The text is read once, front to back: [`lexer`] makes tokens, [`param`] the typed parameters of a directive, [`reader`] carries
+//! The text is read once, front to back: [`lexer`] makes tokens, [`param`] the typed parameters of a directive, [`directive`] carries
 //! directives out on a graphics state, and one file per family (`camera`, `film`, `light`, `material`, …) translates models into
 //! Steradian's vocabulary. Nothing recurses on the input, and every fault is reported where it stands while reading goes on.
 
+mod arguments;
+mod blocks;
 mod build;
 mod camera;
 mod dict;
+mod directive;
 mod film;
 mod lexer;
 mod light;
 mod material;
 mod medium;
 mod mesh_files;
+mod option;
 mod param;
 mod preset;
 mod reader;
@@ -23,6 +27,7 @@ mod shape;
 mod spectrum;
 mod state;
 mod texture;
+mod transform;
 
 #[cfg(test)]
 mod tests;

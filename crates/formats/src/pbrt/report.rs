@@ -1,7 +1,7 @@
 //! Diagnostics with the sources they point into, bounded in time as well as in number.
 
 use std::collections::HashSet;
-use steradian_scene::{Diagnostic, Diagnostics, Severity, Sources, Span};
+use steradian_scene::{Diagnostic, Diagnostics, Severity, Sources, Span, names};
 
 /// Collects messages while a scene is read.
 ///
@@ -52,10 +52,11 @@ impl Report {
         }
     }
 
-    pub fn unused(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
+    /// The help is looked for only where the message is kept.
+    pub fn unused(&mut self, span: Span, message: String, help: impl FnOnce() -> Option<String>) {
         match self.others_fit() {
-            true => self.diagnostics.unused(&self.sources, Some(span), message, help),
-            false => self.count(Severity::Warning, message.into()),
+            true => self.diagnostics.unused(&self.sources, Some(span), message, help()),
+            false => self.count(Severity::Warning, message),
         }
     }
 
@@ -88,4 +89,9 @@ impl Report {
     fn count(&mut self, severity: Severity, message: String) {
         self.diagnostics.push(Diagnostic { severity, fidelity: None, message, location: None, help: None });
     }
+}
+
+/// `did you mean 'x'?` over names that the file defines, of which only so many are compared.
+pub(super) fn did_you_mean<'a>(name: &str, defined: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    names::did_you_mean(name, defined.into_iter().take(1000))
 }

@@ -128,7 +128,7 @@ pub(super) fn accelerator(scene: &mut Scene, dict: &Dict) {
     const KINDS: [&str; 2] = ["bvh", "kdtree"];
     dict.ignore_all();
     if !KINDS.contains(&dict.kind.as_str()) {
-        let help = names::did_you_mean(&dict.kind, KINDS);
-        scene.report.unused(dict.span, format!("unknown accelerator '{}'", dict.kind), help);
+        let message = format!("unknown accelerator '{}'", dict.kind);
+        scene.report.unused(dict.span, message, || names::did_you_mean(&dict.kind, KINDS));
     }
 }

@@ -197,7 +197,7 @@ fn curve(b: &mut Build) -> Option<()> {
     b.choice("type", "type", &[("flat", "flat"), ("cylinder", "cylinder"), ("ribbon", "ribbon")], "flat");
     let count = points.len() / 3;
     let bezier = b.node.string("basis") == Some("bezier");
-    if count <= degree || (bezier && (count - 1) % degree != 0) {
+    if count <= degree || (bezier && !(count - 1).is_multiple_of(degree)) {
         let rule = if bezier { format!("{} + n × {degree}", degree + 1) } else { format!("at least {}", degree + 1) };
         b.error("P", format!("the curve has {count} control points, but needs {rule}"));
         return None;

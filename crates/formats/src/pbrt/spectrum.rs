@@ -84,7 +84,7 @@ fn rgb(scene: &mut Scene, p: &Param, mut c: [f64; 3], role: Role) -> Option<Spec
 
 /// Pairs of wavelength and value.
 fn samples(scene: &mut Scene, p: &Param, v: &[f64]) -> Option<SpectrumValue> {
-    if v.len() % 2 != 0 {
+    if !v.len().is_multiple_of(2) {
         let message = format!("parameter '{}': a spectrum is pairs of wavelength and value, found {}", p.name, v.len());
         scene.report.error(p.value_span, message);
         return None;

@@ -101,6 +101,7 @@ const CASES: &[Case] = &[
     ("WorldBegin\nLightSource \"infinite\" \"string filename\" \"gone.exr\"", 2, 42, "cannot find"),
     ("WorldBegin\nLightSource \"infinite\" \"point3 portal\" [1 2 3]", 2, 40, "four corners"),
     ("WorldBegin\nLightSource \"projection\"", 2, 13, "needs \"string filename\""),
+    ("WorldBegin\nLightSource \"goniometric\"", 2, 13, "needs \"string filename\""),
     ("WorldBegin\nAreaLightSource \"area\"", 2, 17, "unknown area light source"),
     ("WorldBegin\nMaterial \"matte\"", 2, 10, "unknown material 'matte'"),
     ("WorldBegin\nMaterial \"mix\"", 2, 10, "needs \"string materials\""),
@@ -218,7 +219,7 @@ fn warnings_do_not_stop_a_scene() {
         "Film \"rgb\" \"integer pixelbounds\" [0 5000 0 5] WorldBegin",
         "Integrator \"bdpt\" WorldBegin",
         "Integrator \"path\" \"bool regularize\" true WorldBegin",
-        "WorldBegin LightSource \"goniometric\"",
+        "Integrator \"path\" WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" MediumInterface \"m\" \"\" Shape \"sphere\"",
         "ColorSpace \"rec2020\" Film \"rgb\" WorldBegin",
     ] {
         let import = load(text);

@@ -372,12 +372,16 @@ fn materials_that_keep_their_own_words() {
             ("maxdepth", some(10)),
         ],
     );
-    let m = one_material("Material \"diffusetransmission\" \"float scale\" 2");
+    let m = one_material("Material \"diffusetransmission\" \"float scale\" 2 \"rgb transmittance\" [0.1 0.2 0.3]");
     check(
         &m,
-        "diffusetransmission",
-        &[("reflectance", some(constant(0.25))), ("transmittance", some(constant(0.25))), ("scale", some(2.0))],
+        "diffuse_transmission",
+        &[("reflectance", some(constant(0.5))), ("transmittance", some(rgb(0.2, 0.4, 0.6)))],
     );
+    let d = world(
+        "Texture \"t\" \"spectrum\" \"constant\" Material \"diffusetransmission\" \"float scale\" 2 \"texture reflectance\" \"t\" Shape \"sphere\"",
+    );
+    check(d.node(material(&d).node("reflectance").unwrap()), "scale", &[("scale", some(2.0))]);
     let m = one_material("Material \"hair\" \"float eumelanin\" 0.8");
     check(
         &m,
