@@ -1,3 +1,18 @@
-//! The scene as it is rendered: [`compile`](compile::compile) turns a description into an immutable [`Scene`](scene::Scene).
+//! The scene as it is rendered: [`compile`](compile::compile) turns a description into an immutable [`Scene`].
 
 pub mod bsdf;
+pub mod camera;
+pub mod color;
+pub mod compile;
+pub mod film;
+pub mod light;
+pub mod material;
+pub mod medium;
+pub mod sampler;
+pub mod scene;
+pub mod shape;
+pub mod texture;
+
+pub use color::ColorMode;
+pub use compile::{Compiled, compile};
+pub use scene::Scene;

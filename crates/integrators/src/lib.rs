@@ -1,1 +1,108 @@
-//! (in the making)
+//! Light transport: estimators of the radiance that a camera ray carries, and the session that turns them into a film.
+
+pub mod features;
+pub mod path;
+pub mod path_recursive;
+pub mod raycast;
+pub mod registry;
+pub mod session;
+pub mod volpath;
+pub mod whitted;
+
+mod nee;
+
+pub use registry::{INTEGRATORS, IntegratorKind};
+pub use session::{Control, Film, Plan, Session};
+
+use steradian_core::{Scene, sampler::PixelSampler};
+use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
+
+/// What was done, for reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays traced, shadow rays among them.
+    pub rays: u64,
+    /// Camera samples taken.
+    pub samples: u64,
+    /// Samples that were not finite and count as black.
+    pub nonfinite: u64,
+}
+
+impl std::ops::AddAssign for Counters {
+    fn add_assign(&mut self, o: Self) {
+        self.rays += o.rays;
+        self.samples += o.samples;
+        self.nonfinite += o.nonfinite;
+    }
+}
+
+/// How far paths are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Depth {
+    /// Most scattering events; `u32::MAX` for no limit.
+    pub max: u32,
+    /// Scattering events before Russian roulette.
+    pub roulette_after: u32,
+    /// Whether lights are invisible to the camera.
+    pub hide_emitters: bool,
+}
+
+/// An estimator of radiance.
+pub trait Integrator: Sync {
+    /// The radiance that arrives along a camera ray. A pure function of its arguments, `counters` aside; `lambda` loses its secondary
+    /// wavelengths where the path disperses.
+    fn radiance(
+        &self, scene: &Scene, ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+    ) -> Spectrum;
+}
+
+/// The dimensions of a camera sample and of each scattering event. Fixed, so that every number is a function of what it is for.
+pub(crate) mod dimension {
+    /// Place on the film.
+    pub const FILM: u32 = 0;
+    /// Place on the lens.
+    pub const LENS: u32 = 1;
+    /// Wavelengths.
+    pub const WAVELENGTH: u32 = 2;
+    const FIRST_EVENT: u32 = 4;
+    const PER_EVENT: u32 = 10;
+    /// Choice of a light.
+    pub const LIGHT: u32 = 0;
+    /// Place on the light.
+    pub const LIGHT_POINT: u32 = 1;
+    /// Choice of a lobe.
+    pub const LOBE: u32 = 2;
+    /// Direction.
+    pub const DIRECTION: u32 = 3;
+    /// Russian roulette.
+    pub const ROULETTE: u32 = 4;
+    /// Choice in a mixture of materials.
+    pub const MIXTURE: u32 = 5;
+    /// Free flight in a medium.
+    pub const FLIGHT: u32 = 6;
+    /// Lane by which the flight is drawn.
+    pub const LANE: u32 = 7;
+
+    /// The dimension of a decision at a scattering event.
+    #[inline]
+    pub const fn at(event: u32, decision: u32) -> u32 {
+        FIRST_EVENT + event.wrapping_mul(PER_EVENT) + decision
+    }
+}
+
+/// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).
+#[inline]
+pub fn power_heuristic(a: f32, b: f32) -> f32 {
+    if a == 0.0 {
+        return 0.0;
+    }
+    // By the ratio, so that squares of large densities stay finite.
+    let r = b / a;
+    1.0 / (1.0 + r * r)
+}
+
+/// The largest throughput over the lanes that still count.
+#[inline]
+pub(crate) fn live_max(beta: Spectrum, lambda: &Wavelengths) -> f32 {
+    if lambda.is_secondary_terminated() { beta[0] } else { beta.max_element() }
+}

@@ -1,1 +1,63 @@
-//! (in the making)
+//! Steradian: load a scene, compile it, render it, save the picture.
+//!
+//! ```
+//! use steradian::{Quality, cornell, render};
+//!
+//! let desc = cornell::point_light();
+//! let compiled = steradian::compile(&desc, &steradian::CompileOptions { size: Some((32, 32)), ..Default::default() });
+//! let scene = compiled.scene.expect("the built-in scene is sound");
+//! let quality = Quality { spp: Some(4), ..Quality::default() };
+//! let picture = render(&scene, &quality)?;
+//! assert_eq!((picture.width(), picture.height()), (32, 32));
+//! # Ok::<(), steradian::Error>(())
+//! ```
+
+pub mod cornell;
+pub mod develop;
+mod error;
+pub mod load;
+pub mod quality;
+
+pub use develop::{Layer, develop};
+pub use error::Error;
+pub use load::{Loaded, load};
+pub use quality::Quality;
+pub use steradian_core::{
+    ColorMode, Compiled, Scene,
+    compile::{Options as CompileOptions, compile},
+};
+pub use steradian_formats as formats;
+pub use steradian_image as image;
+pub use steradian_integrators as integrators;
+pub use steradian_integrators::{Control, Film, INTEGRATORS, Session};
+pub use steradian_math as math;
+pub use steradian_scene as scene;
+
+/// The registry of models of the core, family by family: plural name of the family, and name and description of each model.
+pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
+    use steradian_core as core;
+    vec![
+        ("integrators", INTEGRATORS.to_vec()),
+        ("materials", core::material::MATERIALS.to_vec()),
+        ("textures", core::texture::TEXTURES.to_vec()),
+        ("lights", core::light::LIGHTS.to_vec()),
+        ("shapes", core::shape::SHAPES.to_vec()),
+        ("cameras", core::camera::CAMERAS.to_vec()),
+        ("media", core::medium::MEDIA.to_vec()),
+        ("filters", core::film::filter::FILTERS.to_vec()),
+        ("samplers", core::sampler::SAMPLERS.iter().map(|s| (s.0, s.2)).collect()),
+        ("tones", steradian_image::tone::CURVES.iter().map(|c| (c.name, c.doc)).collect()),
+        ("layers", Layer::ALL.iter().map(|l| (l.name(), l.doc())).collect()),
+    ]
+}
+
+/// Renders a scene to the end and develops it, without watching. For progress, stopping and saving on the way use [`Session`].
+///
+/// # Errors
+/// [`Error::UnknownIntegrator`] when the scene or the quality names an integrator that does not exist.
+pub fn render(scene: &Scene, quality: &Quality) -> Result<image::Image, Error> {
+    let plan = quality.plan(scene)?;
+    let mut session = Session::new(scene, plan);
+    session.step(u32::MAX, &Control::default());
+    Ok(develop(scene, &session.film(), &quality.layers))
+}

@@ -1,0 +1,210 @@
+//! Cameras: from a point on the film to a ray. Camera space has +x to the right, +y up and +z forward.
+
+use crate::film::FilmSpec;
+use steradian_math::{Ray, Vec2, Vec3, transform::Affine, warp};
+
+/// The cameras by name, for the registry.
+pub const CAMERAS: &[(&str, &str)] = &[
+    ("perspective", "pinhole or thin lens; fov (degrees), fov_axis, lens_radius, focal_distance, screen_window, frame_aspect"),
+    ("orthographic", "parallel rays; screen_window, frame_aspect, lens_radius, focal_distance"),
+    ("spherical", "all directions; mapping equalarea or equirectangular"),
+];
+
+/// How the film maps to directions.
+#[derive(Clone, Copy, Debug)]
+pub enum Projection {
+    /// Through a point: window coordinates are tangents.
+    Perspective,
+    /// Parallel: window coordinates are positions.
+    Orthographic,
+    /// All directions, by the equal-area octahedral map.
+    SphericalEqualArea,
+    /// All directions, by longitude and latitude.
+    SphericalEquirectangular,
+}
+
+/// A camera.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// How the film maps to directions.
+    pub projection: Projection,
+    /// Places camera space in the world.
+    pub world_from_camera: Affine,
+    /// Window on the plane z = 1 that the frame covers: x0, x1 (left to right), y0, y1 (bottom to top).
+    pub window: [f32; 4],
+    /// Radius of the thin lens; zero for a pinhole.
+    pub lens_radius: f32,
+    /// Distance of the plane in focus.
+    pub focal_distance: f32,
+    /// Distance from the eye, along the axis, where rays start.
+    pub near: f32,
+    /// Index of the medium the camera is in.
+    pub medium: Option<u32>,
+}
+
+/// Which extent of the frame an angle of view is across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FovAxis {
+    /// The width.
+    X,
+    /// The height.
+    Y,
+    /// The shorter of both.
+    Smaller,
+    /// The longer of both.
+    Larger,
+    /// Corner to corner.
+    Diagonal,
+}
+
+impl FovAxis {
+    /// By name.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "x" => Self::X,
+            "y" => Self::Y,
+            "smaller" => Self::Smaller,
+            "larger" => Self::Larger,
+            "diagonal" => Self::Diagonal,
+            _ => return None,
+        })
+    }
+
+    /// Half extents (x, y) of the window on z = 1 for a full angle of view in radians and an aspect (width over height).
+    pub fn half_window(self, fov: f32, aspect: f32) -> Vec2 {
+        let t = (fov * 0.5).tan();
+        match self {
+            Self::X => Vec2::new(t, t / aspect),
+            Self::Y => Vec2::new(t * aspect, t),
+            Self::Smaller => if aspect >= 1.0 { Self::Y } else { Self::X }.half_window(fov, aspect),
+            Self::Larger => if aspect >= 1.0 { Self::X } else { Self::Y }.half_window(fov, aspect),
+            Self::Diagonal => {
+                let height = t / (1.0 + aspect * aspect).sqrt();
+                Vec2::new(height * aspect, height)
+            }
+        }
+    }
+}
+
+impl Camera {
+    /// The ray through a point of the full frame in pixels (origin at the top left, y down) and a point of the lens (`u` in the unit
+    /// square). Directions have unit length.
+    #[inline]
+    pub fn ray(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2) -> Ray {
+        let s = Vec2::new(pixel.x / film.width as f32, pixel.y / film.height as f32);
+        let [x0, x1, y0, y1] = self.window;
+        let w = Vec2::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y);
+        let (mut origin, mut direction) = match self.projection {
+            Projection::Perspective => (Vec3::ZERO, Vec3::new(w.x, w.y, 1.0)),
+            Projection::Orthographic => (Vec3::new(w.x, w.y, 0.0), Vec3::Z),
+            Projection::SphericalEqualArea => (Vec3::ZERO, swap_yz(warp::equal_area_square_to_sphere(s))),
+            Projection::SphericalEquirectangular => {
+                let (theta, phi) = (std::f32::consts::PI * s.y, std::f32::consts::TAU * s.x);
+                (Vec3::ZERO, swap_yz(Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())))
+            }
+        };
+        if self.lens_radius > 0.0 && direction.z > 0.0 {
+            let p = warp::concentric_disk(lens) * self.lens_radius;
+            let focus = origin + direction * (self.focal_distance / direction.z);
+            origin += Vec3::new(p.x, p.y, 0.0);
+            direction = focus - origin;
+        }
+        if self.near > 0.0 && direction.z > 0.0 {
+            origin += direction * (self.near / direction.z);
+        }
+        let d = self.world_from_camera.vector(direction);
+        Ray::new(self.world_from_camera.point(origin), d.normalize())
+    }
+
+    /// The camera's forward axis in the world, unit length.
+    pub fn forward(&self) -> Vec3 {
+        self.world_from_camera.vector(Vec3::Z).normalize()
+    }
+
+    /// The lab's camera (M52): origin O, left L, up U and forward F; the image plane spans O + F ± L ± U.
+    pub fn lab(origin: Vec3, left: Vec3, up: Vec3, forward: Vec3) -> Option<Self> {
+        let columns = [-left.normalize(), up.normalize(), forward.normalize()];
+        let m = steradian_math::Transform {
+            matrix: glam::DMat4::from_cols(
+                columns[0].as_dvec3().extend(0.0),
+                columns[1].as_dvec3().extend(0.0),
+                columns[2].as_dvec3().extend(0.0),
+                origin.as_dvec3().extend(1.0),
+            ),
+        };
+        let (x, y) = (left.length() / forward.length(), up.length() / forward.length());
+        Some(Self {
+            projection: Projection::Perspective,
+            world_from_camera: m.affine()?,
+            window: [-x, x, -y, y],
+            lens_radius: 0.0,
+            focal_distance: 1.0,
+            near: 0.0,
+            medium: None,
+        })
+    }
+}
+
+/// The spherical maps have +z up; cameras have +y up.
+fn swap_yz(v: Vec3) -> Vec3 {
+    Vec3::new(v.x, v.z, v.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{Crop, Filter, FilterKind};
+
+    fn film(width: u32, height: u32) -> FilmSpec {
+        FilmSpec {
+            width,
+            height,
+            crop: Crop { x0: 0, y0: 0, x1: width, y1: height },
+            filter: Filter::new(FilterKind::Box, Vec2::splat(0.5)).unwrap(),
+            imaging_ratio: 1.0,
+            max_component: f32::INFINITY,
+        }
+    }
+
+    /// M51: rays of the pinhole camera invert the perspective projection; M52: the lab's camera is the same one.
+    #[test]
+    fn pinhole_rays_invert_the_projection() {
+        let o = Vec3::new(0.0, 0.0, -3.5);
+        let lab = Camera::lab(o, -Vec3::X, Vec3::Y, Vec3::Z * 3.0).unwrap();
+        let film = film(256, 256);
+        for pixel in [Vec2::new(0.5, 0.5), Vec2::new(128.0, 128.0), Vec2::new(200.5, 13.5)] {
+            let ray = lab.ray(&film, pixel, Vec2::splat(0.5));
+            // Project a point of the ray onto the image plane z = -0.5, and back to pixels.
+            let p = ray.at(2.7);
+            let on_plane = o + (p - o) * (3.0 / (p.z - o.z));
+            let back = Vec2::new((on_plane.x + 1.0) * 128.0, (1.0 - on_plane.y) * 128.0);
+            assert!((back - pixel).length() < 1e-3, "{back} {pixel}");
+        }
+        // The lab's L = (-1, 0, 0) points to the left of the picture.
+        assert!(lab.ray(&film, Vec2::new(0.5, 128.0), Vec2::ZERO).direction.x < 0.0);
+        let fov = 2.0 * (1.0_f32 / 3.0).atan();
+        assert!((FovAxis::X.half_window(fov, 1.0) - Vec2::splat(1.0 / 3.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn angles_of_view_span_their_axis() {
+        let fov = 1.0_f32;
+        let t = 0.5_f32.tan();
+        assert!((FovAxis::Smaller.half_window(fov, 2.0).y - t).abs() < 1e-6);
+        assert!((FovAxis::Smaller.half_window(fov, 0.5).x - t).abs() < 1e-6);
+        assert!((FovAxis::Larger.half_window(fov, 2.0).x - t).abs() < 1e-6);
+        assert!((FovAxis::Diagonal.half_window(fov, 1.7).length() - t).abs() < 1e-6);
+    }
+
+    #[test]
+    fn lens_rays_meet_in_the_plane_of_focus() {
+        let mut c = Camera::lab(Vec3::ZERO, -Vec3::X, Vec3::Y, Vec3::Z).unwrap();
+        (c.lens_radius, c.focal_distance) = (0.3, 4.0);
+        let film = film(64, 64);
+        let meet = |lens| {
+            let r = c.ray(&film, Vec2::new(10.0, 20.0), lens);
+            r.at((4.0 - r.origin.z) / r.direction.z)
+        };
+        assert!((meet(Vec2::new(0.1, 0.9)) - meet(Vec2::new(0.7, 0.2))).length() < 1e-5);
+    }
+}

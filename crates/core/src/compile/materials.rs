@@ -1,0 +1,411 @@
+//! Compiling materials and media.
+
+use super::{Compiler, ResolvedMaterial};
+use crate::{
+    bsdf::{CoatSeries, CoatTable, NormalDistribution, Shadowing},
+    color::{Color, Role},
+    material::{Eta, MATERIALS, Material, Model, Roughness},
+    medium::{MEDIA, Medium},
+    texture::{FloatTexture, SpectrumTexture, Texture},
+};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
+
+const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
+const HALF: SpectrumValue = SpectrumValue::Constant(0.5);
+/// Deepest nesting of materials in materials.
+const MAX_DEPTH: usize = 32;
+
+impl Compiler<'_> {
+    /// The compiled form of a material node; the default material for none.
+    pub(super) fn material(&mut self, id: Option<NodeId>) -> ResolvedMaterial {
+        id.map_or(ResolvedMaterial { id: 0, alpha: None }, |id| self.material_at(id, 0))
+    }
+
+    fn material_at(&mut self, id: NodeId, depth: usize) -> ResolvedMaterial {
+        if let Some(&m) = self.material_ids.get(&id) {
+            return m;
+        }
+        let node = self.node(id);
+        let failed = ResolvedMaterial { id: 0, alpha: None };
+        if node.family != Family::Material {
+            self.error(node.span, format!("a material is needed here, but this is a {}", node.family.noun()));
+            return failed;
+        }
+        if depth > MAX_DEPTH {
+            self.error(node.span, format!("materials are nested more than {MAX_DEPTH} deep"));
+            return failed;
+        }
+        for wrapper in ["normal_map", "bump", "displacement"] {
+            if let Some(p) = node.param(wrapper) {
+                let what = format!("'{wrapper}' on material '{}' is not implemented; the surface stays as it is", node.kind);
+                self.approximated(p.span.or(node.span), what);
+            }
+        }
+        let resolved = self.new_material(node, depth);
+        self.material_ids.insert(id, resolved);
+        resolved
+    }
+
+    fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
+        let two_sided = self.desc.format != Format::Mitsuba;
+        self.materials.push(Material { model, two_sided });
+        self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
+        ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
+    }
+
+    fn nested(&mut self, node: &Node, name: &str, depth: usize) -> ResolvedMaterial {
+        match node.get(name) {
+            Some(Value::Node(id)) => self.material_at(*id, depth + 1),
+            _ => {
+                self.error(node.span, format!("material '{}' needs a material as '{name}'", node.kind));
+                ResolvedMaterial { id: 0, alpha: None }
+            }
+        }
+    }
+
+    fn new_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
+        let model = match node.kind.as_str() {
+            "diffuse" => Model::Diffuse(self.spectrum(node, "reflectance", Role::Albedo, HALF)),
+            "diffuse_transmission" => {
+                let quarter = SpectrumValue::Constant(0.25);
+                Model::DiffuseTransmission(
+                    self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
+                    self.spectrum(node, "transmittance", Role::Albedo, quarter),
+                )
+            }
+            "conductor" => self.conductor(node, ["eta", "k", "reflectance"]),
+            "dielectric" => Model::Dielectric {
+                eta: self.eta(node, 1.5),
+                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+                roughness: self.roughness(node, "alpha_u", "alpha_v"),
+            },
+            "thin_dielectric" => Model::ThinDielectric {
+                eta: self.eta(node, 1.5),
+                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+            },
+            "coated_diffuse" => {
+                self.refuse_coat_medium(node);
+                let thickness = match self.float_texture(node, "thickness", 0.01) {
+                    FloatTexture::Constant(v) => v,
+                    FloatTexture::Texture(_) => {
+                        self.approximated(node.span, "a textured coat thickness is not implemented; 0.01 is used");
+                        0.01
+                    }
+                };
+                let max_depth = u32::try_from(node.int("max_depth").unwrap_or(10)).unwrap_or(10);
+                let series = CoatSeries::Layered { thickness, max_depth };
+                self.coated(node, "reflectance", 1.5, series)
+            }
+            "plastic" => {
+                let nonlinear = self.bool(node, "nonlinear", false);
+                self.coated(node, "diffuse_reflectance", 1.49, CoatSeries::Plastic { nonlinear })
+            }
+            "interface" => Model::Interface,
+            "mask" => {
+                let inner = self.nested(node, "material", depth);
+                let opacity = self.float_texture(node, "opacity", 0.5);
+                return ResolvedMaterial { id: inner.id, alpha: Some(self.product(inner.alpha, opacity)) };
+            }
+            "two_sided" => {
+                let front = self.nested(node, "front", depth);
+                let back = if node.get("back").is_some() { self.nested(node, "back", depth) } else { front };
+                if back.alpha.is_some() && back.id != front.id {
+                    self.approximated(node.span, "the mask of the back side counts for the front side's mask");
+                }
+                let mut m = self.add(node, Model::TwoSided(front.id, back.id));
+                m.alpha = front.alpha;
+                return m;
+            }
+            "mix" => match node.get("materials") {
+                Some(Value::Nodes(parts)) if parts.len() == 2 => {
+                    let [a, b] = [parts[0], parts[1]].map(|p| self.material_at(p, depth + 1));
+                    if a.alpha.is_some() || b.alpha.is_some() {
+                        self.approximated(node.span, "masks of the parts of a mix are ignored");
+                    }
+                    Model::Mix(a.id, b.id, self.float_texture(node, "amount", 0.5))
+                }
+                _ => {
+                    self.error(node.span, "material 'mix' needs two materials");
+                    Model::Interface
+                }
+            },
+            _ => return self.nearest_material(node, depth),
+        };
+        self.add(node, model)
+    }
+
+    /// Opacities multiply.
+    fn product(&mut self, a: Option<FloatTexture>, b: FloatTexture) -> FloatTexture {
+        match (a, b) {
+            (None, b) => b,
+            (Some(FloatTexture::Constant(a)), FloatTexture::Constant(b)) => FloatTexture::Constant(a * b),
+            (Some(a), b) => {
+                let [a, b] = [a, b].map(|t| match t {
+                    FloatTexture::Texture(id) => id,
+                    FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
+                });
+                FloatTexture::Texture(self.textures.add(Texture::Scale(a, b)))
+            }
+        }
+    }
+
+    /// Materials that are not implemented: the nearest one that is, reported.
+    fn nearest_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
+        // Wrappers (bump and normal maps, layers of unknown kinds) leave what they wrap.
+        let inner = node.params.iter().find_map(|p| match &p.value {
+            Value::Node(id) if self.node(*id).family == Family::Material => Some(*id),
+            Value::Nodes(ids) => ids.iter().copied().find(|id| self.node(*id).family == Family::Material),
+            _ => None,
+        });
+        let say = |c: &mut Self, stand_in: &str| {
+            let known = MATERIALS.iter().map(|m| m.0);
+            let help = steradian_scene::names::nearest(&node.kind, known).map(|k| format!("the nearest name is '{k}'"));
+            let _ = help;
+            c.approximated(node.span, format!("material '{}' is not implemented; {stand_in} stands in", node.kind));
+        };
+        if let Some(inner) = inner {
+            say(self, "the material inside it");
+            return self.material_at(inner, depth + 1);
+        }
+        let color = |c: &mut Self, names: &[&str], default: SpectrumValue| {
+            let name = names.iter().find(|n| node.get(n).is_some()).copied().unwrap_or("reflectance");
+            c.spectrum(node, name, Role::Albedo, default)
+        };
+        let model = match node.kind.as_str() {
+            "coatedconductor" | "coated_conductor" => {
+                say(self, "the conductor under the coat");
+                self.conductor(node, ["conductor.eta", "conductor.k", "reflectance"])
+            }
+            "principled" | "principledthin" => {
+                say(self, "a plastic or a metal of the base colour");
+                let metal = match node.get("metallic") {
+                    Some(Value::Node(_)) => 0.5,
+                    _ => self.float(node, "metallic", 0.0),
+                };
+                let base = color(self, &["base_color"], HALF);
+                let rough = self.float_texture(node, "roughness", 0.5);
+                let FloatTexture::Constant(r) = rough else {
+                    return self.add(node, Model::Diffuse(base));
+                };
+                let roughness = Roughness {
+                    u: FloatTexture::Constant(r * r),
+                    v: FloatTexture::Constant(r * r),
+                    remap: false,
+                    distribution: NormalDistribution::Ggx,
+                    shadowing: self.shadowing(),
+                };
+                if metal >= 0.5 {
+                    Model::ConductorReflectance(base, roughness)
+                } else {
+                    let table = CoatTable::new(
+                        roughness.distribution,
+                        roughness.shadowing,
+                        1.5,
+                        (r * r, r * r),
+                        CoatSeries::Plastic { nonlinear: false },
+                    );
+                    let tint = SpectrumTexture::Constant(Color::constant(1.0));
+                    Model::Coated { reflectance: base, tint, roughness, table: Box::new(table) }
+                }
+            }
+            "diffusetransmission" => {
+                say(self, "diffuse reflection and transmission");
+                let quarter = SpectrumValue::Constant(0.25);
+                Model::DiffuseTransmission(
+                    self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
+                    self.spectrum(node, "transmittance", Role::Albedo, quarter),
+                )
+            }
+            "hair" => {
+                say(self, "a diffuse surface of a hair's colour");
+                let brown = SpectrumValue::Rgb([0.35, 0.21, 0.11], steradian_scene::ColorSpace::Srgb);
+                Model::Diffuse(color(self, &["color", "reflectance"], brown))
+            }
+            "subsurface" => {
+                say(self, "a diffuse surface");
+                Model::Diffuse(color(self, &["reflectance"], SpectrumValue::Constant(0.7)))
+            }
+            _ => {
+                say(self, "a diffuse surface");
+                Model::Diffuse(color(self, &["reflectance", "base_color", "diffuse_reflectance", "color"], HALF))
+            }
+        };
+        self.add(node, model)
+    }
+
+    fn refuse_coat_medium(&mut self, node: &Node) {
+        let scatters = match node.get("albedo") {
+            None => false,
+            Some(Value::Float(v)) => *v != 0.0,
+            Some(Value::Spectrum(SpectrumValue::Constant(v))) => *v != 0.0,
+            Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) => *v != [0.0; 3],
+            Some(_) => true,
+        };
+        if scatters {
+            self.approximated(node.span, "scattering inside a coat (albedo) is not implemented; the coat only absorbs");
+        }
+    }
+
+    fn shadowing(&self) -> Shadowing {
+        match self.desc.format {
+            Format::Mitsuba => Shadowing::Separable,
+            _ => Shadowing::HeightCorrelated,
+        }
+    }
+
+    fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
+        let u_value = self.float_texture(node, u, 0.0);
+        let v_value = if node.get(v).is_some() { self.float_texture(node, v, 0.0) } else { u_value };
+        Roughness {
+            u: u_value,
+            v: v_value,
+            remap: self.bool(node, "remap_roughness", false),
+            distribution: self.choice(
+                node,
+                "distribution",
+                NormalDistribution::Ggx,
+                &[("ggx", NormalDistribution::Ggx), ("beckmann", NormalDistribution::Beckmann)],
+            ),
+            shadowing: self.shadowing(),
+        }
+    }
+
+    fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
+        let roughness = if eta == "eta" {
+            self.roughness(node, "alpha_u", "alpha_v")
+        } else {
+            self.roughness(node, "conductor.roughness", "conductor.roughness")
+        };
+        if node.get(reflectance).is_some() {
+            let r = self.spectrum(node, reflectance, Role::Albedo, ONE);
+            return Model::ConductorReflectance(r, roughness);
+        }
+        let tint = self.spectrum(node, "specular_reflectance", Role::Albedo, ONE);
+        if node.get(eta).is_none() && node.get(k).is_none() {
+            return Model::Mirror(tint, roughness);
+        }
+        Model::Conductor {
+            eta: self.spectrum(node, eta, Role::Unbounded, ONE),
+            k: self.spectrum(node, k, Role::Unbounded, SpectrumValue::Constant(0.0)),
+            tint,
+            roughness,
+        }
+    }
+
+    fn eta(&mut self, node: &Node, default: f64) -> Eta {
+        let sodium = self.at_sodium_line(node, "eta", default);
+        if sodium <= 0.0 {
+            self.error(node.span, format!("an index of refraction of {sodium} is not possible"));
+            return Eta::Constant(default as f32);
+        }
+        if self.mode == crate::color::ColorMode::Spectral {
+            let color = self.constant_color(node, "eta", Role::Unbounded, SpectrumValue::Constant(default));
+            if let Color::Spectral(_) = color {
+                return Eta::Dispersive(color);
+            }
+        }
+        Eta::Constant(sodium)
+    }
+
+    fn coated(&mut self, node: &Node, base: &str, eta: f64, series: CoatSeries) -> Model {
+        let roughness = self.roughness(node, "alpha_u", "alpha_v");
+        let range = |t: FloatTexture| match t {
+            FloatTexture::Constant(v) if roughness.remap => (v.max(0.0).sqrt(), v.max(0.0).sqrt()),
+            FloatTexture::Constant(v) => (v, v),
+            FloatTexture::Texture(_) => (0.0, 1.0),
+        };
+        let (u, v) = (range(roughness.u), range(roughness.v));
+        let eta = self.at_sodium_line(node, "eta", eta);
+        let alpha = (u.0.min(v.0), u.1.max(v.1));
+        Model::Coated {
+            reflectance: self.spectrum(node, base, Role::Albedo, HALF),
+            tint: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+            table: Box::new(CoatTable::new(roughness.distribution, roughness.shadowing, eta, alpha, series)),
+            roughness,
+        }
+    }
+
+    /// The index of a compiled medium; `None` for none, and for media that are not implemented (reported).
+    pub(super) fn medium(&mut self, id: Option<NodeId>) -> Option<u32> {
+        let id = id?;
+        if let Some(&m) = self.medium_ids.get(&id) {
+            return m;
+        }
+        let node = self.node(id);
+        let compiled = match node.kind.as_str() {
+            "homogeneous" => {
+                let medium = self.homogeneous(node);
+                self.media.push(medium);
+                Some(self.media.len() as u32 - 1)
+            }
+            other => {
+                let known = MEDIA.iter().map(|m| m.0).collect::<Vec<_>>().join(", ");
+                let what = format!("medium '{other}' is not implemented (there is {known}); it is left out");
+                self.diagnostics.dropped(&self.desc.sources, node.span, what);
+                None
+            }
+        };
+        self.medium_ids.insert(id, compiled);
+        compiled
+    }
+
+    fn homogeneous(&mut self, node: &Node) -> Medium {
+        let zero = SpectrumValue::Constant(0.0);
+        let (sigma_a, sigma_s) = if node.get("sigma_t").is_some() || node.get("albedo").is_some() {
+            let t = self.constant_color(node, "sigma_t", Role::Unbounded, ONE);
+            let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.75));
+            (combine(&t, &albedo, |t, a| t * (1.0 - a)), combine(&t, &albedo, |t, a| t * a))
+        } else {
+            (
+                self.constant_color(node, "sigma_a", Role::Unbounded, zero.clone()),
+                self.constant_color(node, "sigma_s", Role::Unbounded, zero),
+            )
+        };
+        if let Some(p) = node.param("Le") {
+            self.diagnostics.dropped(&self.desc.sources, p.span, "emission of media is not implemented");
+        }
+        let mut g = self.float(node, "g", 0.0);
+        if let Some(Value::Node(phase)) = node.get("phase") {
+            let phase = self.node(*phase);
+            match phase.kind.as_str() {
+                "isotropic" => g = 0.0,
+                "hg" => g = self.float(phase, "g", 0.8),
+                other => {
+                    let what = format!("phase function '{other}' is not implemented; Henyey–Greenstein stands in");
+                    self.approximated(phase.span, what);
+                    g = self.float(phase, "g", 0.0);
+                }
+            }
+        }
+        if g.abs() >= 1.0 {
+            self.error(node.span, format!("the mean cosine g of a phase function lies between -1 and 1, not at {g}"));
+            g = 0.0;
+        }
+        let scale = self.float(node, "scale", 1.0);
+        if scale < 0.0 {
+            self.error(node.span, format!("a medium's scale of {scale} is negative"));
+        }
+        Medium { sigma_a, sigma_s, scale: scale.max(0.0), g }
+    }
+}
+
+/// A function of two colours, lane by lane or wavelength by wavelength.
+fn combine(a: &Color, b: &Color, f: impl Fn(f32, f32) -> f32) -> Color {
+    use std::sync::Arc;
+    use steradian_math::{
+        Spectrum,
+        spectra::{Dense, Spd, Wavelengths},
+    };
+    match (a, b) {
+        (Color::Lanes(a), Color::Lanes(b)) => {
+            let (a, b) = (a.to_array(), b.to_array());
+            Color::Lanes(Spectrum::new(std::array::from_fn(|i| f(a[i], b[i]))))
+        }
+        _ => Color::Spectral(Spd::Dense(Arc::new(Dense::new(|l| {
+            let w = Wavelengths { lambda: [l; 4], pdf: [1.0; 4] };
+            f(a.eval(&w)[0], b.eval(&w)[0])
+        })))),
+    }
+}

@@ -1,0 +1,218 @@
+//! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is reported with its
+//! place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
+
+mod lights;
+mod materials;
+mod params;
+mod shapes;
+mod textures;
+mod view;
+
+use crate::{
+    color::ColorMode,
+    light::{Emitter, Light, Lights},
+    material::Material,
+    medium::Medium,
+    scene::{Geometry, Placement, Scene},
+    texture::{FloatTexture, TextureId, Textures},
+};
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+use steradian_accel::TopLevel;
+use steradian_image::Texels;
+use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
+
+/// What the user decides about a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Colour mode; `None` follows the format: spectral for pbrt scenes, RGB for others.
+    pub mode: Option<ColorMode>,
+    /// Frame size instead of the scene's.
+    pub size: Option<(u32, u32)>,
+    /// Pixels to render (x0, y0, x1, y1) instead of the scene's.
+    pub crop: Option<[u32; 4]>,
+    /// Camera by name or number instead of the first.
+    pub camera: Option<String>,
+    /// Limits on images.
+    pub image_limits: steradian_image::Limits,
+}
+
+/// What compiling gave.
+#[derive(Debug)]
+pub struct Compiled {
+    /// The scene; `None` where there are errors.
+    pub scene: Option<Scene>,
+    /// Everything there is to say.
+    pub diagnostics: Diagnostics,
+    /// Time spent on the hierarchy.
+    pub build_time: Duration,
+}
+
+/// A material that was compiled: its index, and the opacity a mask gave it.
+#[derive(Clone, Copy, Debug)]
+struct ResolvedMaterial {
+    id: u32,
+    alpha: Option<FloatTexture>,
+}
+
+struct Compiler<'a> {
+    desc: &'a SceneDesc,
+    mode: ColorMode,
+    options: &'a Options,
+    diagnostics: Diagnostics,
+    textures: Textures,
+    texture_ids: HashMap<NodeId, TextureId>,
+    images: HashMap<PathBuf, Result<Arc<Texels>, String>>,
+    materials: Vec<Material>,
+    material_names: Vec<String>,
+    material_ids: HashMap<NodeId, ResolvedMaterial>,
+    media: Vec<Medium>,
+    medium_ids: HashMap<NodeId, Option<u32>>,
+    emitters: Vec<Emitter>,
+    lights: Vec<Light>,
+    geometries: Vec<Geometry>,
+}
+
+/// Compiles a description.
+pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
+    let mode = options.mode.unwrap_or(match desc.format {
+        Format::Pbrt => ColorMode::Spectral,
+        _ => ColorMode::Rgb,
+    });
+    let mut c = Compiler {
+        desc,
+        mode,
+        options,
+        diagnostics: Diagnostics::default(),
+        textures: Textures::new(mode),
+        texture_ids: HashMap::new(),
+        images: HashMap::new(),
+        materials: vec![Material::default_diffuse()],
+        material_names: vec!["default".into()],
+        material_ids: HashMap::new(),
+        media: Vec::new(),
+        medium_ids: HashMap::new(),
+        emitters: Vec::new(),
+        lights: Vec::new(),
+        geometries: Vec::new(),
+    };
+    let (scene, build_time) = c.run();
+    let scene = if c.diagnostics.has_errors() { None } else { scene };
+    Compiled { scene, diagnostics: c.diagnostics, build_time }
+}
+
+impl Compiler<'_> {
+    fn run(&mut self) -> (Option<Scene>, Duration) {
+        self.load_images();
+        let camera = self.camera();
+        let film = self.film();
+        let settings = self.settings();
+        let world = self.shapes(&self.desc.shapes, true);
+        let mut groups = Vec::new();
+        for group in &self.desc.groups {
+            let base = self.geometries.len() as u32;
+            groups.push((base, self.shapes(&group.shapes, false)));
+        }
+        for &light in &self.desc.lights {
+            self.light(light);
+        }
+        let instances = self.instances(&groups);
+        let (Some(camera), Some(film)) = (camera, film) else { return (None, Duration::ZERO) };
+        if self.diagnostics.has_errors() {
+            return (None, Duration::ZERO);
+        }
+        let start = Instant::now();
+        let accel = self.hierarchy(&world, &groups, &instances);
+        let build_time = start.elapsed();
+        let Some(accel) = accel else { return (None, build_time) };
+        let placements = instances
+            .iter()
+            .map(|i| Placement { world_from_group: i.world_from_object, base: groups[i.object as usize].0 })
+            .collect();
+        let planes = (0..world.len() as u32)
+            .filter(|&g| matches!(self.geometries[g as usize].shape, crate::scene::Shape::Plane(_)))
+            .collect();
+        let textures = std::mem::take(&mut self.textures);
+        let lights = Lights::new(
+            std::mem::take(&mut self.lights),
+            std::mem::take(&mut self.emitters),
+            self.mode,
+            &textures,
+        );
+        if lights.lights.is_empty() && lights.emitters.is_empty() {
+            self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
+        }
+        let has_media = camera.medium.is_some()
+            || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
+        let scene = Scene {
+            mode: self.mode,
+            has_media,
+            has_mixtures: self.materials.iter().any(|m| matches!(m.model, crate::material::Model::Mix(..))),
+            geometries: std::mem::take(&mut self.geometries),
+            accel,
+            placements,
+            planes,
+            materials: std::mem::take(&mut self.materials),
+            material_names: std::mem::take(&mut self.material_names),
+            textures,
+            lights,
+            media: std::mem::take(&mut self.media),
+            camera,
+            film,
+            settings,
+        };
+        (Some(scene), build_time)
+    }
+
+    fn instances(&mut self, groups: &[(u32, shapes::Boxes)]) -> Vec<steradian_accel::Instance> {
+        let mut out = Vec::with_capacity(self.desc.instances.len());
+        for instance in &self.desc.instances {
+            let Some(world_from_object) = instance.world_from_group.affine() else {
+                self.error(instance.span, "this instance's transform is singular or not finite");
+                continue;
+            };
+            if instance.group >= groups.len() {
+                self.error(instance.span, "this instance refers to a group that does not exist");
+                continue;
+            }
+            out.push(steradian_accel::Instance { object: instance.group as u32, world_from_object });
+        }
+        out
+    }
+
+    fn hierarchy(
+        &mut self, world: &shapes::Boxes, groups: &[(u32, shapes::Boxes)], instances: &[steradian_accel::Instance],
+    ) -> Option<TopLevel> {
+        let objects: Result<Vec<_>, _> = groups
+            .iter()
+            .map(|(base, boxes)| {
+                steradian_accel::Bvh::build(&shapes::accel_geometries(&self.geometries, *base as usize, boxes))
+            })
+            .collect();
+        let world = shapes::accel_geometries(&self.geometries, 0, world);
+        match objects.and_then(|objects| TopLevel::build(&world, objects, instances)) {
+            Ok(accel) => Some(accel),
+            Err(e) => {
+                drop(world);
+                self.error(None, e.to_string());
+                None
+            }
+        }
+    }
+
+    fn error(&mut self, span: Option<Span>, message: impl Into<String>) {
+        self.diagnostics.error(&self.desc.sources, span, message);
+    }
+
+    fn error_help(&mut self, span: Option<Span>, message: impl Into<String>, help: Option<String>) {
+        self.diagnostics.error_help(&self.desc.sources, span, message, help);
+    }
+
+    fn approximated(&mut self, span: Option<Span>, message: impl Into<String>) {
+        self.diagnostics.approximated(&self.desc.sources, span, message);
+    }
+}

@@ -1,0 +1,205 @@
+//! Reading the parameters of nodes: types and ranges are checked here, once.
+
+use super::Compiler;
+use crate::{
+    color::{Color, Role},
+    texture::{FloatTexture, SpectrumTexture},
+};
+use std::sync::Arc;
+use steradian_math::{
+    Vec3,
+    color::{RgbSpace, space},
+    spectra::{self, Blackbody, Curve, Spd},
+};
+use steradian_scene::{ColorSpace, Node, NodeId, Param, SpectrumValue, Value, names};
+
+/// The RGB space of the mathematics crate.
+pub fn rgb_space(space: ColorSpace) -> &'static RgbSpace {
+    match space {
+        ColorSpace::Srgb => &space::REC709,
+        ColorSpace::DciP3 => &space::DCI_P3,
+        ColorSpace::Rec2020 => &space::REC2020,
+        ColorSpace::Aces => &space::ACES2065_1,
+    }
+}
+
+impl Compiler<'_> {
+    /// A node of the description, for as long as the description lives.
+    pub(super) fn node<'n>(&self, id: NodeId) -> &'n Node
+    where
+        Self: 'n,
+    {
+        self.desc.node(id)
+    }
+
+    fn wrong_type(&mut self, node: &Node, p: &Param, expected: &str) {
+        let what = format!("parameter '{}' of {} '{}' must be {expected}", p.name, node.family.noun(), node.kind);
+        self.error(p.span.or(node.span), what);
+    }
+
+    /// A finite number, or the default where it is absent.
+    pub(super) fn float(&mut self, node: &Node, name: &str, default: f64) -> f32 {
+        let Some(p) = node.param(name) else { return default as f32 };
+        match node.float(name) {
+            Some(v) if (v as f32).is_finite() => v as f32,
+            Some(v) => {
+                self.error(p.span.or(node.span), format!("parameter '{name}' is {v}, which is not a usable number"));
+                default as f32
+            }
+            None => {
+                self.wrong_type(node, p, "a number");
+                default as f32
+            }
+        }
+    }
+
+    /// A number greater than zero, or the default where it is absent.
+    pub(super) fn positive(&mut self, node: &Node, name: &str, default: f64) -> f32 {
+        let v = self.float(node, name, default);
+        if v > 0.0 {
+            return v;
+        }
+        let span = node.param(name).and_then(|p| p.span).or(node.span);
+        self.error(span, format!("parameter '{name}' of {} '{}' is {v}; it must be greater than zero", node.family.noun(), node.kind));
+        default as f32
+    }
+
+    /// A truth value, or the default where it is absent.
+    pub(super) fn bool(&mut self, node: &Node, name: &str, default: bool) -> bool {
+        let Some(p) = node.param(name) else { return default };
+        node.bool(name).unwrap_or_else(|| {
+            self.wrong_type(node, p, "true or false");
+            default
+        })
+    }
+
+    /// A word from a table, or the default where it is absent.
+    pub(super) fn choice<T: Copy>(&mut self, node: &Node, name: &str, default: T, table: &[(&str, T)]) -> T {
+        let Some(p) = node.param(name) else { return default };
+        let Some(word) = node.string(name) else {
+            self.wrong_type(node, p, "a string");
+            return default;
+        };
+        match table.iter().find(|t| t.0 == word) {
+            Some(t) => t.1,
+            None => {
+                let known = table.iter().map(|t| t.0);
+                let list = table.iter().map(|t| t.0).collect::<Vec<_>>().join(", ");
+                self.error_help(
+                    p.span.or(node.span),
+                    format!("'{word}' is not a {name}; known are {list}"),
+                    names::did_you_mean(word, known),
+                );
+                default
+            }
+        }
+    }
+
+    /// A spectrum in a role. Errors are reported and give black.
+    pub(super) fn color(&mut self, node: &Node, p: Option<&Param>, value: &SpectrumValue, role: Role) -> Color {
+        let span = p.and_then(|p| p.span).or(node.span);
+        let name = p.map_or("value", |p| p.name.as_str());
+        match value {
+            SpectrumValue::Constant(v) if (*v as f32).is_finite() => match role {
+                Role::Albedo => Color::constant((*v as f32).clamp(0.0, 1.0)),
+                _ => Color::constant((*v as f32).max(0.0)),
+            },
+            SpectrumValue::Rgb(v, space) if v.iter().all(|v| (*v as f32).is_finite()) => {
+                Color::rgb(Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32), rgb_space(*space), role, self.mode)
+            }
+            SpectrumValue::Constant(_) | SpectrumValue::Rgb(..) => {
+                self.error(span, format!("parameter '{name}' has a value that is not a finite number"));
+                Color::BLACK
+            }
+            SpectrumValue::Sampled { lambdas, values } => match Curve::new(lambdas.clone(), values.clone()) {
+                Ok(curve) => Color::curve(&Spd::Curve(Arc::new(curve)), role, self.mode),
+                Err(e) => {
+                    self.error(span, format!("parameter '{name}': {e}"));
+                    Color::BLACK
+                }
+            },
+            SpectrumValue::Blackbody(kelvin) if kelvin.is_finite() && *kelvin > 0.0 => {
+                Color::curve(&Spd::Blackbody(Blackbody::normalized(*kelvin)), role, self.mode)
+            }
+            SpectrumValue::Blackbody(kelvin) => {
+                self.error(span, format!("a black body cannot have the temperature {kelvin} K"));
+                Color::BLACK
+            }
+            SpectrumValue::Named(word) => match spectra::named(word) {
+                Some(curve) => Color::curve(&Spd::Curve(Arc::new(curve)), role, self.mode),
+                None => {
+                    self.error_help(
+                        span,
+                        format!("unknown spectrum '{word}'"),
+                        names::did_you_mean(word, spectra::named::names()),
+                    );
+                    Color::BLACK
+                }
+            },
+        }
+    }
+
+    /// A spectrum or texture in a role, or the default where it is absent.
+    pub(super) fn spectrum(&mut self, node: &Node, name: &str, role: Role, default: SpectrumValue) -> SpectrumTexture {
+        let Some(p) = node.param(name) else {
+            return SpectrumTexture::Constant(self.color(node, None, &default, role));
+        };
+        match &p.value {
+            Value::Float(v) => SpectrumTexture::Constant(self.color(node, Some(p), &SpectrumValue::Constant(*v), role)),
+            Value::Int(v) => {
+                SpectrumTexture::Constant(self.color(node, Some(p), &SpectrumValue::Constant(*v as f64), role))
+            }
+            Value::Spectrum(s) => SpectrumTexture::Constant(self.color(node, Some(p), s, role)),
+            Value::Node(id) => self.texture(*id, role, 0),
+            _ => {
+                self.wrong_type(node, p, "a number, a spectrum or a texture");
+                SpectrumTexture::Constant(self.color(node, None, &default, role))
+            }
+        }
+    }
+
+    /// A constant spectrum in a role; the first value of textures, which are reported.
+    pub(super) fn constant_color(&mut self, node: &Node, name: &str, role: Role, default: SpectrumValue) -> Color {
+        match self.spectrum(node, name, role, default) {
+            SpectrumTexture::Constant(c) => c,
+            SpectrumTexture::Texture(..) => {
+                let span = node.param(name).and_then(|p| p.span).or(node.span);
+                self.approximated(span, format!("parameter '{name}' cannot be textured here; one is used"));
+                Color::constant(1.0)
+            }
+        }
+    }
+
+    /// A number or texture, or the default where it is absent.
+    pub(super) fn float_texture(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
+        let Some(p) = node.param(name) else { return FloatTexture::Constant(default as f32) };
+        match &p.value {
+            Value::Node(id) => match self.texture(*id, Role::Unbounded, 0) {
+                SpectrumTexture::Texture(id, _) => FloatTexture::Texture(id),
+                SpectrumTexture::Constant(c) => FloatTexture::Constant(c.luminance(self.mode)),
+            },
+            Value::Spectrum(SpectrumValue::Rgb(v, _)) => FloatTexture::Constant((v.iter().sum::<f64>() / 3.0) as f32),
+            _ => FloatTexture::Constant(self.float(node, name, default)),
+        }
+    }
+
+    /// The value of a spectral parameter at the sodium line (589.3 nm), for what cannot depend on the wavelength.
+    pub(super) fn at_sodium_line(&mut self, node: &Node, name: &str, default: f64) -> f32 {
+        let value = match node.get(name) {
+            Some(Value::Spectrum(SpectrumValue::Named(word))) => spectra::named(word).map(|c| c.eval(589.3)),
+            Some(Value::Spectrum(SpectrumValue::Sampled { lambdas, values })) => {
+                Curve::new(lambdas.clone(), values.clone()).ok().map(|c| c.extended().eval(589.3))
+            }
+            Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) => Some(v[1] as f32),
+            _ => return self.float(node, name, default),
+        };
+        match value {
+            Some(v) if v.is_finite() => v,
+            _ => {
+                // Reports what is wrong with it.
+                self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
+                default as f32
+            }
+        }
+    }
+}

@@ -1,0 +1,392 @@
+//! Compiling shapes: geometry placed in the space it is traced in, with material, emission and media.
+
+use super::Compiler;
+use crate::{
+    color::Role,
+    light::{AreaLight, AreaShape, Emitter, Light},
+    scene::{self, Geometry, Shape},
+    shape::{
+        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SHAPES, TriMesh,
+        curve::{CurveBasis, CurveKind, CurveParams},
+        subdivision::loop_subdivide,
+    },
+    texture::FloatTexture,
+};
+use std::sync::Arc;
+use steradian_accel::Geometry as AccelGeometry;
+use steradian_math::{Bounds3, DVec3, Transform, Vec3, transform::Affine};
+use steradian_scene::{Mesh, Node, SpectrumValue, Value, names};
+
+/// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
+pub(super) type Boxes = Vec<Vec<Bounds3>>;
+
+/// What the hierarchy is built from, for `boxes.len()` geometries from `base` on.
+pub(super) fn accel_geometries<'g>(geometries: &'g [Geometry], base: usize, boxes: &'g Boxes) -> Vec<AccelGeometry<'g>> {
+    geometries[base..]
+        .iter()
+        .zip(boxes)
+        .map(|(g, boxes)| {
+            let shape = match &g.shape {
+                Shape::Mesh(m) => AccelGeometry::triangles(&m.positions, &m.triangles),
+                _ => AccelGeometry::boxes(boxes),
+            };
+            shape.filtered(g.alpha.is_some() || g.is_interface)
+        })
+        .collect()
+}
+
+impl Compiler<'_> {
+    /// Compiles a list of shapes to geometries; gives the boxes of each.
+    pub(super) fn shapes(&mut self, shapes: &[steradian_scene::Shape], world: bool) -> Boxes {
+        let mut boxes = Boxes::new();
+        for shape in shapes {
+            self.shape(shape, world, &mut boxes);
+        }
+        boxes
+    }
+
+    fn shape(&mut self, shape: &steradian_scene::Shape, world: bool, boxes: &mut Boxes) {
+        let node = self.node(shape.node);
+        let Some(place) = shape.world_from_object.affine() else {
+            self.error(node.span, format!("the transform of shape '{}' is singular or not finite", node.kind));
+            return;
+        };
+        let material = self.material(shape.material);
+        let mut alpha = material.alpha;
+        if node.get("alpha").is_some() {
+            let own = self.float_texture(node, "alpha", 1.0);
+            alpha = match (alpha, own) {
+                (None, own) => Some(own),
+                (Some(mask), FloatTexture::Constant(v)) if v >= 1.0 => Some(mask),
+                (Some(_), own) => Some(own),
+            };
+        }
+        if matches!(alpha, Some(FloatTexture::Constant(v)) if v >= 1.0) {
+            alpha = None;
+        }
+        let media = shape
+            .is_medium_boundary
+            .then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
+        let emission = shape.emission.map(|id| self.node(id));
+        let swaps = shape.world_from_object.swaps_handedness();
+        let parts = self.parts(shape, node, &place, swaps, emission.is_some());
+        let is_interface = scene::is_interface(&self.materials[material.id as usize]);
+        for part in parts {
+            let part_boxes = match &part {
+                Shape::Mesh(_) | Shape::Plane(_) => Vec::new(),
+                Shape::Quadric(q) => vec![q.bounds()],
+                Shape::Patches(m) => (0..m.patches.len() as u32).map(|i| m.bounds(i)).collect(),
+                Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
+            };
+            let mut geometry = Geometry {
+                shape: part,
+                material: material.id,
+                alpha,
+                emitter: None,
+                lights: Box::default(),
+                media,
+                is_interface,
+                id: shape.node.0 + 1,
+            };
+            if let Some(light) = emission {
+                if world {
+                    self.emission(light, &mut geometry);
+                } else {
+                    let what = "lights on instanced shapes are not supported; this one is left out";
+                    self.diagnostics.dropped(&self.desc.sources, light.span, what);
+                }
+            }
+            self.geometries.push(geometry);
+            boxes.push(part_boxes);
+        }
+    }
+
+    /// The geometry of a shape; none where it is refused.
+    fn parts(
+        &mut self, shape: &steradian_scene::Shape, node: &Node, place: &Affine, swaps: bool, emits: bool,
+    ) -> Vec<Shape> {
+        let reverse = shape.reverse_orientation;
+        let quadric = |kind: QuadricKind, phi_max: f32, place: Affine| {
+            let q = Quadric { kind, phi_max: phi_max.to_radians(), place, flip: reverse };
+            // Lights need uniform samples of their area, which only similarities (and disks) give.
+            if emits && q.similarity().is_none() && !matches!(kind, QuadricKind::Disk { .. }) {
+                let mesh = q.tessellate(128, 64);
+                return vec![Shape::Mesh(Arc::new(TriMesh::new(&mesh, &place, swaps, reverse, false)))];
+            }
+            vec![Shape::Quadric(Arc::new(q))]
+        };
+        match node.kind.as_str() {
+            "mesh" => {
+                let flat = self.bool(node, "flat", false);
+                match shape.mesh.and_then(|m| self.desc.meshes.get(m)) {
+                    Some(mesh) => self.mesh_parts(node, mesh, place, swaps, reverse, flat, emits),
+                    None => Vec::new(),
+                }
+            }
+            "loop_subdivision" => {
+                let levels = node.int("levels").unwrap_or(3).clamp(0, 16) as u32;
+                match shape.mesh.and_then(|m| self.desc.meshes.get(m)).map(|m| loop_subdivide(m, levels)) {
+                    Some(Ok(mesh)) => self.mesh_parts(node, &mesh, place, swaps, reverse, false, emits),
+                    Some(Err(e)) => {
+                        self.error(node.span, format!("cannot subdivide this mesh: {e}"));
+                        Vec::new()
+                    }
+                    None => Vec::new(),
+                }
+            }
+            "sphere" => {
+                let radius = self.positive(node, "radius", 1.0);
+                let (z0, z1) = (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
+                let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
+                let center = node.vec3("center").unwrap_or_default();
+                let moved = shape.world_from_object * Transform::translate(DVec3::from_array(center));
+                let Some(place) = moved.affine() else {
+                    self.error(node.span, "the centre of this sphere is not finite");
+                    return Vec::new();
+                };
+                let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+                quadric(QuadricKind::Sphere { radius, z_min, z_max }, phi, place)
+            }
+            "disk" => {
+                let kind = QuadricKind::Disk {
+                    height: self.float(node, "height", 0.0),
+                    radius: self.positive(node, "radius", 1.0),
+                    inner: self.float(node, "inner_radius", 0.0).max(0.0),
+                };
+                quadric(kind, self.float(node, "phi_max", 360.0).clamp(0.0, 360.0), *place)
+            }
+            "cylinder" => {
+                let radius = self.positive(node, "radius", 1.0);
+                let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+                let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
+                let mut placed = shape.world_from_object;
+                if let (Some(a), Some(b)) = (node.vec3("p0"), node.vec3("p1")) {
+                    let (a, b) = (DVec3::from_array(a), DVec3::from_array(b));
+                    let Some(axis) = (b - a).try_normalize() else {
+                        self.error(node.span, "the two ends of this cylinder are the same point");
+                        return Vec::new();
+                    };
+                    let x = axis.any_orthonormal_vector();
+                    let m = glam::DMat4::from_cols(x.extend(0.0), axis.cross(x).extend(0.0), axis.extend(0.0), a.extend(1.0));
+                    placed = placed * Transform { matrix: m };
+                    (z0, z1) = (0.0, (b - a).length() as f32);
+                }
+                let Some(place) = placed.affine() else {
+                    self.error(node.span, "the ends of this cylinder are not finite");
+                    return Vec::new();
+                };
+                quadric(QuadricKind::Cylinder { radius, z_min: z0.min(z1), z_max: z0.max(z1) }, phi, place)
+            }
+            "plane" => {
+                let n = Vec3::from(node.vec3("normal").unwrap_or([0.0, 1.0, 0.0]).map(|v| v as f32));
+                let d = self.float(node, "distance", 0.0);
+                // n·x + d = 0 in object space: the plane's covector goes by the inverse transpose.
+                let covector = place.inv.transpose() * n.extend(d);
+                match Plane::new(covector.truncate(), covector.w, reverse) {
+                    Some(plane) => vec![Shape::Plane(plane)],
+                    None => {
+                        self.error(node.span, "the normal of this plane is zero or not finite");
+                        Vec::new()
+                    }
+                }
+            }
+            "curve" => self.curve(node, place, swaps, reverse, emits),
+            other => {
+                let help = names::did_you_mean(other, SHAPES.iter().map(|s| s.0));
+                self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
+                Vec::new()
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn mesh_parts(
+        &mut self, node: &Node, mesh: &Mesh, place: &Affine, swaps: bool, reverse: bool, flat: bool, emits: bool,
+    ) -> Vec<Shape> {
+        if let Err(e) = mesh.validate() {
+            self.error(node.span, format!("malformed mesh: {e}"));
+            return Vec::new();
+        }
+        let mut parts = Vec::new();
+        let (extra, curved) = shape::mesh::split_patches(mesh, emits);
+        if !mesh.triangles.is_empty() || !extra.is_empty() {
+            let mut triangles = TriMesh::new(mesh, place, swaps, reverse, flat);
+            triangles.triangles.extend(extra);
+            parts.push(Shape::Mesh(Arc::new(triangles)));
+        }
+        if !curved.is_empty() {
+            let curved = Mesh { patches: curved, triangles: Vec::new(), attributes: Vec::new(), ..mesh.clone() };
+            parts.push(Shape::Patches(Arc::new(PatchMesh::new(&curved, place, swaps, reverse, flat))));
+        }
+        parts
+    }
+
+    fn curve(&mut self, node: &Node, place: &Affine, swaps: bool, reverse: bool, emits: bool) -> Vec<Shape> {
+        if emits {
+            let what = "curves cannot emit light yet; the light is left out";
+            self.diagnostics.dropped(&self.desc.sources, node.span, what);
+        }
+        let vectors = |name: &str| -> Vec<Vec3> {
+            let floats = node.floats(name).unwrap_or_default();
+            floats.chunks_exact(3).map(|c| Vec3::new(c[0] as f32, c[1] as f32, c[2] as f32)).collect()
+        };
+        let params = CurveParams {
+            points: vectors("points"),
+            degree: node.int("degree").unwrap_or(3).clamp(0, 255) as u32,
+            basis: self.choice(
+                node,
+                "basis",
+                CurveBasis::Bezier,
+                &[("bezier", CurveBasis::Bezier), ("bspline", CurveBasis::BSpline)],
+            ),
+            kind: self.choice(
+                node,
+                "type",
+                CurveKind::Flat,
+                &[("flat", CurveKind::Flat), ("cylinder", CurveKind::Cylinder), ("ribbon", CurveKind::Ribbon)],
+            ),
+            width: [self.float(node, "width0", 1.0), self.float(node, "width1", 1.0)],
+            normals: vectors("normals"),
+        };
+        let split = node.int("split_depth").unwrap_or(3).clamp(0, 8) as u32;
+        match Curves::new(&params, place, split, swaps, reverse) {
+            Ok(curves) => vec![Shape::Curves(Arc::new(curves))],
+            Err(e) => {
+                self.error(node.span, format!("malformed curve: {e}"));
+                Vec::new()
+            }
+        }
+    }
+
+    /// Makes a geometry emit: adds its emitter and a light for each of its parts.
+    fn emission(&mut self, light: &Node, geometry: &mut Geometry) {
+        let directional = match light.kind.as_str() {
+            "area" => false,
+            "directional_area" => true,
+            other => {
+                self.error(light.span, format!("light '{other}' cannot be attached to a shape"));
+                return;
+            }
+        };
+        let area = match &geometry.shape {
+            Shape::Mesh(m) => (0..m.triangles.len() as u32).map(|t| triangle_area(m.corners(t))).sum(),
+            Shape::Quadric(q) => q.area(),
+            Shape::Plane(_) => 1.0,
+            _ => return,
+        };
+        let Some(emitter) = self.emitter(light, area) else { return };
+        if emitter.luminance <= 0.0 {
+            return;
+        }
+        self.emitters.push(emitter);
+        let emitter = self.emitters.len() as u32 - 1;
+        let add = |lights: &mut Vec<Light>, shape: AreaShape, mesh: Option<(Arc<TriMesh>, u32)>| {
+            let light = AreaLight { shape, emitter, mesh };
+            lights.push(if directional { Light::DirectionalArea(light) } else { Light::Area(light) });
+            lights.len() as u32 - 1
+        };
+        let lights: Vec<u32> = match &geometry.shape {
+            Shape::Quadric(q) => {
+                let scale = q.similarity();
+                let shape = match (q.kind, scale) {
+                    (QuadricKind::Sphere { radius, .. }, Some(scale)) if q.is_whole_sphere() => {
+                        AreaShape::Sphere(q.place.point(Vec3::ZERO), radius * scale, q.flip)
+                    }
+                    _ => AreaShape::Quadric(q.clone()),
+                };
+                vec![add(&mut self.lights, shape, None)]
+            }
+            Shape::Mesh(m) => {
+                let textured = matches!(
+                    self.emitters[emitter as usize].radiance,
+                    crate::texture::SpectrumTexture::Texture(..)
+                );
+                let mut of_triangle = Vec::with_capacity(m.triangles.len());
+                let mut t = 0;
+                while t < m.triangles.len() as u32 {
+                    let rectangle = if textured { None } else { rectangle(m, t) };
+                    let n = m.geometric_normal(t);
+                    if let Some((corner, ex, ey)) = rectangle {
+                        let area = ex.cross(ey).length();
+                        let l = add(&mut self.lights, AreaShape::Rectangle { corner, ex, ey, n, area }, None);
+                        of_triangle.extend([l, l]);
+                        t += 2;
+                    } else {
+                        let corners = m.corners(t);
+                        let shape = AreaShape::Triangle(corners, n, triangle_area(corners));
+                        of_triangle.push(add(&mut self.lights, shape, Some((m.clone(), t))));
+                        t += 1;
+                    }
+                }
+                of_triangle
+            }
+            // Infinite planes are found by scattering alone: no point of theirs can be chosen evenly.
+            _ => Vec::new(),
+        };
+        // Light that leaves along the normal alone is never met by chance.
+        if !directional {
+            geometry.emitter = Some(emitter);
+            geometry.lights = lights.into();
+        }
+    }
+
+    fn emitter(&mut self, light: &Node, area: f32) -> Option<Emitter> {
+        let two_sided = self.bool(light, "two_sided", false);
+        let mut scale = self.float(light, "scale", 1.0);
+        let white = SpectrumValue::Rgb([1.0; 3], steradian_scene::ColorSpace::Srgb);
+        let (radiance, mean) = if light.get("file").is_some() {
+            let texels = self.image(light)?;
+            let mean = super::lights::mean_luminance(&texels);
+            let image = self.image_texture(light, texels);
+            // `scale` of an image texture is the light's own.
+            let image = crate::texture::ImageTexture { scale: 1.0, ..image };
+            let id = self.textures.add(crate::texture::Texture::Image(Arc::new(image)));
+            (crate::texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
+        } else {
+            let radiance = self.spectrum(light, "radiance", Role::Illuminant, white);
+            scale *= self.normalization(light, "radiance");
+            let mean = match &radiance {
+                crate::texture::SpectrumTexture::Constant(c) => c.luminance(self.mode),
+                crate::texture::SpectrumTexture::Texture(..) => self.texture_luminance(light, "radiance"),
+            };
+            (radiance, mean)
+        };
+        if let Some(Value::Float(power)) = light.get("power")
+            && *power > 0.0
+        {
+            let sides = if two_sided { 2.0 } else { 1.0 };
+            let k = if light.get("file").is_some() { mean } else { 1.0 };
+            scale *= *power as f32 / (k * sides * area * std::f32::consts::PI);
+        }
+        if !(scale.is_finite() && scale >= 0.0) {
+            self.error(light.span, format!("the scale of this light comes to {scale}"));
+            return None;
+        }
+        Some(Emitter { radiance, scale, two_sided, luminance: mean * scale })
+    }
+}
+
+fn triangle_area([a, b, c]: [Vec3; 3]) -> f32 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// The rectangle that a triangle and the next one make up, as corner and edges.
+fn rectangle(m: &TriMesh, t: u32) -> Option<(Vec3, Vec3, Vec3)> {
+    let a = m.corners(t);
+    let b = (t as usize + 1 < m.triangles.len()).then(|| m.corners(t + 1))?;
+    // The corner of each triangle that the other lacks, and the two they share.
+    let lonely = |x: &[Vec3; 3], y: &[Vec3; 3]| {
+        let mut it = x.iter().enumerate().filter(|(_, p)| !y.contains(p));
+        let first = it.next()?;
+        it.next().is_none().then_some(first.0)
+    };
+    let (i, j) = (lonely(&a, &b)?, lonely(&b, &a)?);
+    let (corner, s0, s1) = (a[i], a[(i + 1) % 3], a[(i + 2) % 3]);
+    let (ex, ey) = (s0 - corner, s1 - corner);
+    let scale = ex.length().max(ey.length());
+    let right_angle = ex.dot(ey).abs() < 1e-5 * ex.length() * ey.length();
+    let closes = (corner + ex + ey - b[j]).length() < 1e-5 * scale;
+    // Both must shine to the same side.
+    let same_side = m.geometric_normal(t).dot(m.geometric_normal(t + 1)) > 0.99;
+    (right_angle && closes && same_side).then_some((corner, ex, ey))
+}

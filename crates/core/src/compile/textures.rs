@@ -1,0 +1,208 @@
+//! Compiling textures and loading images.
+
+use super::Compiler;
+use crate::{
+    color::{Color, Role},
+    texture::{self, ImageTexture, Mapping, SpectrumTexture, Texture, image::Wrap, mapping::Projector},
+};
+use rayon::prelude::*;
+use std::{collections::BTreeSet, path::Path, sync::Arc};
+use steradian_image::{Encoding, TexelData, Texels};
+use steradian_math::{Vec2, Vec3};
+use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
+
+impl Compiler<'_> {
+    /// Loads every image that a node names, each once, in parallel. Failures are reported where the image is used.
+    pub(super) fn load_images(&mut self) {
+        let wants_texels =
+            |n: &&Node| matches!((n.family, n.kind.as_str()), (Family::Texture, "image") | (Family::Light, _));
+        let paths: BTreeSet<&Path> =
+            self.desc.nodes.iter().filter(wants_texels).filter_map(|n| n.path("file")).collect();
+        let limits = self.options.image_limits.clone();
+        let load = |p: &&Path| {
+            let texels = steradian_image::read_texels(p, &limits).map(Arc::new).map_err(|e| e.to_string());
+            (p.to_path_buf(), texels)
+        };
+        self.images = paths.par_iter().map(load).collect();
+    }
+
+    /// The image a node names in its parameter `file`; a failure is reported.
+    pub(super) fn image(&mut self, node: &Node) -> Option<Arc<Texels>> {
+        let span = node.param("file").and_then(|p| p.span).or(node.span);
+        match node.path("file").and_then(|p| self.images.get(p)).cloned() {
+            Some(Ok(texels)) => Some(texels),
+            Some(Err(e)) => {
+                self.error(span, e);
+                None
+            }
+            None => {
+                self.error(span, format!("{} '{}' needs a file", node.family.noun(), node.kind));
+                None
+            }
+        }
+    }
+
+    /// Compiles a texture used in a role. `depth` counts the nesting.
+    pub(super) fn texture(&mut self, id: NodeId, role: Role, depth: usize) -> SpectrumTexture {
+        let node = self.node(id);
+        let grey = SpectrumTexture::Constant(Color::constant(0.5));
+        if depth > texture::MAX_DEPTH {
+            self.error(node.span, format!("textures are nested more than {} deep", texture::MAX_DEPTH));
+            return grey;
+        }
+        if node.family != Family::Texture {
+            self.error(node.span, format!("a texture is needed here, but this is a {}", node.family.noun()));
+            return grey;
+        }
+        // Constants depend on their role; other textures learn it when they are evaluated.
+        if node.kind == "constant" {
+            return self.spectrum(node, "value", role, SpectrumValue::Constant(1.0));
+        }
+        let compiled = match self.texture_ids.get(&id) {
+            Some(&t) => Some(t),
+            None => {
+                let t = self.new_texture(node, role, depth).map(|t| self.textures.add(t));
+                if let Some(t) = t {
+                    self.texture_ids.insert(id, t);
+                }
+                t
+            }
+        };
+        compiled.map_or(grey, |t| SpectrumTexture::Texture(t, role))
+    }
+
+    /// A part of a texture tree, as an index.
+    fn part(&mut self, node: &Node, name: &str, role: Role, default: f64, depth: usize) -> texture::TextureId {
+        let t = match node.get(name) {
+            Some(Value::Node(id)) => self.texture(*id, role, depth + 1),
+            _ => self.spectrum(node, name, role, SpectrumValue::Constant(default)),
+        };
+        match t {
+            SpectrumTexture::Constant(c) => self.textures.add(Texture::Constant(c)),
+            SpectrumTexture::Texture(id, _) => id,
+        }
+    }
+
+    fn new_texture(&mut self, node: &Node, role: Role, depth: usize) -> Option<Texture> {
+        Some(match node.kind.as_str() {
+            "image" => {
+                let texels = self.image(node)?;
+                Texture::Image(Arc::new(self.image_texture(node, texels)))
+            }
+            "checkerboard" => Texture::Checkerboard {
+                a: self.part(node, "a", role, 1.0, depth),
+                b: self.part(node, "b", role, 0.0, depth),
+                solid: node.int("dimension") == Some(3),
+                mapping: self.mapping(node),
+            },
+            "scale" => Texture::Scale(
+                self.part(node, "texture", role, 1.0, depth),
+                self.part(node, "scale", Role::Unbounded, 1.0, depth),
+            ),
+            "mix" => Texture::Mix(
+                self.part(node, "a", role, 0.0, depth),
+                self.part(node, "b", role, 1.0, depth),
+                self.part(node, "amount", Role::Unbounded, 0.5, depth),
+            ),
+            "mesh_attribute" => Texture::MeshAttribute {
+                name: node.string("name").unwrap_or_default().into(),
+                scale: self.float(node, "scale", 1.0),
+            },
+            other => {
+                self.approximated(node.span, format!("texture '{other}' is not implemented; a constant stands in"));
+                // The mean of the parts where there are two, grey elsewhere.
+                let pair = [("tex1", "tex2"), ("inside", "outside"), ("a", "b"), ("color0", "color1")]
+                    .into_iter()
+                    .find(|(a, b)| node.get(a).is_some() && node.get(b).is_some());
+                match pair {
+                    Some((a, b)) => {
+                        let (a, b) = (self.part(node, a, role, 1.0, depth), self.part(node, b, role, 0.0, depth));
+                        let half = self.textures.add(Texture::Constant(Color::constant(0.5)));
+                        Texture::Mix(a, b, half)
+                    }
+                    None => Texture::Constant(Color::constant(0.5)),
+                }
+            }
+        })
+    }
+
+    /// An image with the lookup parameters of a node.
+    pub(super) fn image_texture(&mut self, node: &Node, texels: Arc<Texels>) -> ImageTexture {
+        let wraps =
+            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
+        let filters = [("nearest", true), ("bilinear", false), ("trilinear", false), ("ewa", false)];
+        let raw = self.bool(node, "raw", false);
+        let encoding = match node.get("encoding") {
+            None => texels.encoding,
+            Some(Value::String(s)) => match s.as_str() {
+                "auto" => texels.encoding,
+                "srgb" => Encoding::Srgb,
+                "linear" => Encoding::Linear,
+                other => {
+                    self.error(node.span, format!("'{other}' is not an encoding; known are auto, srgb, linear, or a gamma"));
+                    texels.encoding
+                }
+            },
+            Some(_) => Encoding::Gamma(self.positive(node, "encoding", 2.2)),
+        };
+        let encoding = if raw { Encoding::Linear } else { encoding };
+        let texels = if encoding == texels.encoding || matches!(texels.data, TexelData::U8(_)) {
+            texels
+        } else {
+            Arc::new(Texels { encoding, ..(*texels).clone() })
+        };
+        ImageTexture {
+            texels,
+            decode: Box::new(encoding.table8()),
+            wrap_u: self.choice(node, "wrap_u", Wrap::Repeat, &wraps),
+            wrap_v: self.choice(node, "wrap_v", Wrap::Repeat, &wraps),
+            nearest: self.choice(node, "filter", false, &filters),
+            origin_bottom: self.choice(node, "origin", true, &[("bottom", true), ("top", false)]),
+            scale: self.float(node, "scale", 1.0),
+            invert: self.bool(node, "invert", false),
+            mapping: self.mapping(node),
+        }
+    }
+
+    fn mapping(&mut self, node: &Node) -> Mapping {
+        let local = match node.transform("texture_from_world") {
+            None => steradian_math::transform::Affine::IDENTITY,
+            Some(t) => t.affine().unwrap_or_else(|| {
+                self.error(node.span, "the texture's transform is singular or not finite");
+                steradian_math::transform::Affine::IDENTITY
+            }),
+        };
+        let axis = |name: &str, default: Vec3| {
+            node.vec3(name).map_or(default, |v| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32))
+        };
+        let (v1, v2) = (axis("v1", Vec3::X), axis("v2", Vec3::Y));
+        let kind = self.choice(node, "mapping", 0, &[("uv", 0), ("spherical", 1), ("cylindrical", 2), ("planar", 3)]);
+        let projector = match kind {
+            1 => Projector::Spherical(local),
+            2 => Projector::Cylindrical(local),
+            3 => Projector::Planar(local, v1, v2),
+            // Solid textures need the transform alone.
+            _ if node.int("dimension") == Some(3) => Projector::Planar(local, v1, v2),
+            _ => Projector::Uv,
+        };
+        let to_uv = node.transform("to_uv").unwrap_or_default();
+        let at = |x: f64, y: f64| {
+            let p = to_uv.point(steradian_math::DVec3::new(x, y, 0.0));
+            Vec2::new(p.x as f32, p.y as f32)
+        };
+        let origin = at(0.0, 0.0);
+        let matrix = [at(1.0, 0.0) - origin, at(0.0, 1.0) - origin, origin];
+        let matrix = if matrix.iter().all(|m| m.is_finite()) {
+            matrix
+        } else {
+            self.error(node.span, "the transform of texture coordinates is not finite");
+            [Vec2::X, Vec2::Y, Vec2::ZERO]
+        };
+        Mapping {
+            projector,
+            scale: Vec2::new(self.float(node, "scale_u", 1.0), self.float(node, "scale_v", 1.0)),
+            delta: Vec2::new(self.float(node, "delta_u", 0.0), self.float(node, "delta_v", 0.0)),
+            matrix,
+        }
+    }
+}

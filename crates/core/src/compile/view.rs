@@ -1,0 +1,243 @@
+//! Compiling camera, film, filter, sampler and integrator.
+
+use super::Compiler;
+use crate::{
+    camera::{CAMERAS, Camera, FovAxis, Projection},
+    film::{
+        Crop, FilmSpec, Filter, FilterKind,
+        filter::FILTERS,
+    },
+    sampler::{SAMPLERS, SamplerKind},
+    scene::Settings,
+};
+use steradian_math::Vec2;
+use steradian_scene::{Family, Format, Node, names};
+
+impl Compiler<'_> {
+    /// The frame: the user's size or the film's.
+    fn frame(&self) -> (i64, i64) {
+        let film = self.desc.film.map(|f| self.desc.node(f));
+        let default = if self.desc.format == Format::Mitsuba { (768, 576) } else { (1280, 720) };
+        let get = |name: &str, d: i64| film.and_then(|f| f.int(name)).unwrap_or(d);
+        match self.options.size {
+            Some((w, h)) => (i64::from(w), i64::from(h)),
+            None => (get("width", default.0), get("height", default.1)),
+        }
+    }
+
+
+    /// Compiles the chosen camera.
+    pub(super) fn camera(&mut self) -> Option<Camera> {
+        let cameras = &self.desc.cameras;
+        let id = match &self.options.camera {
+            None => cameras.first().copied(),
+            Some(want) => {
+                let by_name = cameras.iter().find(|c| self.desc.node(**c).name.as_ref() == Some(want));
+                let by_number = want.parse::<usize>().ok().and_then(|i| cameras.get(i));
+                let found = by_name.or(by_number).copied();
+                if found.is_none() {
+                    let what = format!("the scene has no camera '{want}'; it has {}", cameras.len());
+                    self.error(None, what);
+                    return None;
+                }
+                found
+            }
+        };
+        let Some(id) = id else {
+            self.error(None, "the scene has no camera");
+            return None;
+        };
+        let node = self.node(id);
+        let Some(place) = node.transform("to_world").unwrap_or_default().affine() else {
+            self.error(node.span, "the camera's transform is singular or not finite");
+            return None;
+        };
+        let (w, h) = self.frame();
+        let aspect = match node.get("frame_aspect") {
+            Some(_) => self.positive(node, "frame_aspect", 1.0),
+            None => (w.max(1) as f32) / (h.max(1) as f32),
+        };
+        let unit = if aspect >= 1.0 { Vec2::new(aspect, 1.0) } else { Vec2::new(1.0, 1.0 / aspect) };
+        let (projection, half) = match node.kind.as_str() {
+            "perspective" => {
+                let fov = self.positive(node, "fov", 90.0);
+                if fov >= 180.0 {
+                    self.error(node.span, format!("a perspective camera cannot have a field of view of {fov} degrees"));
+                    return None;
+                }
+                let axis_name = node.string("fov_axis").unwrap_or("smaller");
+                let Some(axis) = FovAxis::named(axis_name) else {
+                    self.error(node.span, format!("'{axis_name}' is not an axis of view; known are x, y, smaller, larger, diagonal"));
+                    return None;
+                };
+                (Projection::Perspective, axis.half_window(fov.to_radians(), aspect))
+            }
+            "orthographic" => {
+                let half = if self.desc.format == Format::Mitsuba { Vec2::new(1.0, 1.0 / aspect) } else { unit };
+                (Projection::Orthographic, half)
+            }
+            "spherical" => {
+                let p = self.choice(
+                    node,
+                    "mapping",
+                    Projection::SphericalEqualArea,
+                    &[
+                        ("equalarea", Projection::SphericalEqualArea),
+                        ("equirectangular", Projection::SphericalEquirectangular),
+                    ],
+                );
+                (p, Vec2::ONE)
+            }
+            other => {
+                let help = names::did_you_mean(other, CAMERAS.iter().map(|c| c.0));
+                self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
+                return None;
+            }
+        };
+        let mut window = [-half.x, half.x, -half.y, half.y];
+        if let Some(s) = node.floats("screen_window") {
+            if s.len() != 4 || s[0] == s[1] || s[2] == s[3] || !s.iter().all(|v| v.is_finite()) {
+                self.error(node.span, "a screen window is four numbers x0 x1 y0 y1 that span an area");
+                return None;
+            }
+            // The window is in units of the shorter half axis.
+            let k = match projection {
+                Projection::Perspective => half.x / unit.x,
+                _ => 1.0,
+            };
+            window = [s[0], s[1], s[2], s[3]].map(|v| v as f32 * k);
+        }
+        if let Projection::Perspective | Projection::Orthographic = projection {
+            let (dx, dy) = (self.float(node, "principal_x", 0.0), self.float(node, "principal_y", 0.0));
+            let (ww, wh) = (window[1] - window[0], window[3] - window[2]);
+            window = [window[0] - dx * ww, window[1] - dx * ww, window[2] + dy * wh, window[3] + dy * wh];
+        }
+        let lens_radius = self.float(node, "lens_radius", 0.0).max(0.0);
+        let focal_distance = self.positive(node, "focal_distance", 1e6);
+        let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
+        let medium = node.node("medium");
+        Some(Camera {
+            projection,
+            world_from_camera: place,
+            window,
+            lens_radius,
+            focal_distance,
+            near,
+            medium: self.medium(medium),
+        })
+    }
+
+    /// Compiles film and filter.
+    pub(super) fn film(&mut self) -> Option<FilmSpec> {
+        let empty = Node::new(Family::Film, "rgb", None);
+        let node = self.desc.film.map_or(&empty, |f| self.desc.node(f));
+        let (w, h) = self.frame();
+        if w < 1 || h < 1 || w > 1 << 20 || h > 1 << 20 || (w * h) as u64 > FilmSpec::MAX_PIXELS {
+            let span = node.param("width").or(node.param("height")).and_then(|p| p.span).or(node.span);
+            self.error(span, format!("a film of {w} x {h} pixels cannot be made; at most {} pixels", FilmSpec::MAX_PIXELS));
+            return None;
+        }
+        let (width, height) = (w as u32, h as u32);
+        let whole = Crop { x0: 0, y0: 0, x1: width, y1: height };
+        let crop = match (self.options.crop, node.get("crop")) {
+            (Some(c), _) => Some(c.map(i64::from)),
+            // A size of the user's own makes pixel numbers of the file meaningless.
+            (None, Some(_)) if self.options.size.is_some() => None,
+            (None, Some(steradian_scene::Value::Ints(c))) if c.len() == 4 => Some([c[0], c[1], c[2], c[3]]),
+            _ => None,
+        };
+        let crop = match crop {
+            None => whole,
+            Some([x0, y0, x1, y1]) => {
+                let at = |v: i64, limit: u32| v.clamp(0, i64::from(limit)) as u32;
+                let c = Crop { x0: at(x0, width), y0: at(y0, height), x1: at(x1, width), y1: at(y1, height) };
+                if c.x0 >= c.x1 || c.y0 >= c.y1 {
+                    self.error(node.span, format!("the crop {x0},{y0},{x1},{y1} leaves nothing of {width} x {height} pixels"));
+                    return None;
+                }
+                c
+            }
+        };
+        if let Some(sensor) = node.string("sensor")
+            && sensor != "cie1931"
+        {
+            self.approximated(node.span, format!("film sensor '{sensor}' is not implemented; the CIE 1931 observer stands in"));
+        }
+        if self.float(node, "white_balance", 0.0) != 0.0 {
+            self.approximated(node.span, "white balance is not implemented; colours are those of D65");
+        }
+        let imaging_ratio = self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
+        let max_component = node.float("max_component").map_or(f32::INFINITY, |v| v as f32);
+        let filter = self.filter()?;
+        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component })
+    }
+
+    fn filter(&mut self) -> Option<Filter> {
+        let empty = Node::new(Family::Filter, "box", None);
+        let node = self.desc.filter.map_or(&empty, |f| self.desc.node(f));
+        let third = 1.0 / 3.0;
+        let (kind, radius) = match node.kind.as_str() {
+            "box" => (FilterKind::Box, 0.5),
+            "tent" => (FilterKind::Tent, 1.0),
+            "gaussian" => (FilterKind::Gaussian { sigma: self.positive(node, "sigma", 0.5) }, 1.5),
+            "mitchell" => {
+                (FilterKind::Mitchell { b: self.float(node, "b", third), c: self.float(node, "c", third) }, 2.0)
+            }
+            "catmull_rom" => (FilterKind::Mitchell { b: 0.0, c: 0.5 }, 2.0),
+            "lanczos" => (FilterKind::Lanczos { tau: self.positive(node, "tau", 3.0) }, 3.0),
+            "blackman_harris" => (FilterKind::BlackmanHarris, 1.5),
+            other => {
+                let known = FILTERS.iter().map(|f| f.0);
+                let help = names::did_you_mean(other, known);
+                self.error_help(node.span, format!("pixel filter '{other}' is not implemented"), help);
+                return None;
+            }
+        };
+        let radius = Vec2::new(self.positive(node, "radius_x", radius), self.positive(node, "radius_y", radius));
+        let filter = Filter::new(kind, radius);
+        if filter.is_none() {
+            self.error(node.span, format!("pixel filter '{}' with these parameters has no volume", node.kind));
+        }
+        filter
+    }
+
+    /// What the scene asks for.
+    pub(super) fn settings(&mut self) -> Settings {
+        let mut settings = Settings {
+            integrator: "path".into(),
+            max_depth: u32::MAX,
+            rr_depth: 1,
+            hide_emitters: false,
+            spp: 16,
+            sampler: SamplerKind::Sobol,
+            seed: 0,
+        };
+        if let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) {
+            settings.integrator = node.kind.clone();
+            settings.max_depth = match node.int("max_depth") {
+                Some(d) if d >= 0 => d.min(i64::from(u32::MAX)) as u32,
+                _ => u32::MAX,
+            };
+            settings.hide_emitters = self.bool(node, "hide_emitters", false);
+        }
+        if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
+            match SAMPLERS.iter().find(|s| s.0 == node.kind) {
+                Some(s) => settings.sampler = s.1,
+                None => {
+                    let what = format!("sampler '{}' is not implemented; 'sobol' stands in", node.kind);
+                    self.diagnostics.note(&self.desc.sources, node.span, what);
+                }
+            }
+            settings.seed = node.int("seed").unwrap_or(0) as u64;
+            match node.int("samples") {
+                Some(n) if n >= 1 => settings.spp = n.min(1 << 24) as u32,
+                Some(n) => {
+                    let span = node.param("samples").and_then(|p| p.span).or(node.span);
+                    self.error(span, format!("{n} samples per pixel make no picture"));
+                }
+                None => {}
+            }
+        }
+        settings
+    }
+}

@@ -1,0 +1,298 @@
+//! Emission of surfaces.
+//!
+//! Every emitting triangle is a light of its own; two triangles that form a rectangle are one. Triangles and rectangles that look
+//! large are sampled uniformly in solid angle, small ones uniformly in area; spheres by the cone they subtend (Shirley, Wang,
+//! Zimmerman 1996).
+
+use super::{LightSample, tree::LightBounds};
+use crate::{
+    color::{Color, ColorMode, Role},
+    shape::{Quadric, TriMesh, quadric::one_minus_cos_max},
+    texture::{SpectrumTexture, TextureContext, Textures},
+};
+use std::sync::Arc;
+use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+
+/// What a surface emits.
+#[derive(Clone, Debug)]
+pub struct Emitter {
+    /// Radiance.
+    pub radiance: SpectrumTexture,
+    /// Factor on it.
+    pub scale: f32,
+    /// Whether the side against the normal shines too.
+    pub two_sided: bool,
+    /// Luminance of the radiance (of the mean of a texture), scale included.
+    pub luminance: f32,
+}
+
+impl Emitter {
+    /// Radiance at a point of the surface in direction `w`.
+    #[inline]
+    pub fn radiance(
+        &self, n: Vec3, w: Vec3, at: &TextureContext, lambda: &Wavelengths, textures: &Textures,
+    ) -> Spectrum {
+        if !self.two_sided && n.dot(w) <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        self.radiance.eval(textures, at, lambda) * self.scale
+    }
+
+    /// A constant emitter.
+    pub fn constant(color: Color, two_sided: bool, mode: ColorMode) -> Self {
+        let luminance = color.luminance(mode);
+        Self { radiance: SpectrumTexture::Constant(color), scale: 1.0, two_sided, luminance }
+    }
+
+    /// Whether the radiance depends on the point.
+    fn is_textured(&self) -> bool {
+        matches!(self.radiance, SpectrumTexture::Texture(_, Role::Albedo | Role::Illuminant | Role::Unbounded))
+    }
+}
+
+/// The part of a surface that is one light.
+#[derive(Clone, Debug)]
+pub enum AreaShape {
+    /// A triangle of a mesh: corners, unit normal (oriented), area.
+    Triangle([Vec3; 3], Vec3, f32),
+    /// Corner, edges, unit normal (oriented), area; the two triangles of the mesh that make it up.
+    Rectangle {
+        /// A corner.
+        corner: Vec3,
+        /// First edge.
+        ex: Vec3,
+        /// Second edge, orthogonal to the first.
+        ey: Vec3,
+        /// Unit normal, oriented.
+        n: Vec3,
+        /// Area.
+        area: f32,
+    },
+    /// A whole sphere: centre, radius, whether it shines inwards.
+    Sphere(Vec3, f32, bool),
+    /// Any other quadric.
+    Quadric(Arc<Quadric>),
+}
+
+/// A part of a surface that emits.
+#[derive(Clone, Debug)]
+pub struct AreaLight {
+    /// Its shape.
+    pub shape: AreaShape,
+    /// Index of what it emits.
+    pub emitter: u32,
+    /// The mesh and triangle to look textures up on, where it is one.
+    pub mesh: Option<(Arc<TriMesh>, u32)>,
+}
+
+/// From this (rough) solid angle on, in sr, sampling by solid angle pays for its cost.
+const SOLID_ANGLE_FROM: f32 = 0.02;
+
+impl AreaLight {
+    /// Whether the light looks large from `p`: a pure function of `p`, so that sampling and density agree.
+    #[inline]
+    fn looks_large(center: Vec3, n: Vec3, area: f32, p: Vec3) -> bool {
+        let d = p - center;
+        let d2 = d.length_squared();
+        // area·|cos|/d² > limit, without the root: |n·d| area > limit d³.
+        let c = n.dot(d).abs() * area;
+        c * c > SOLID_ANGLE_FROM * SOLID_ANGLE_FROM * d2 * d2 * d2
+    }
+
+    /// Light that arrives at `p`.
+    #[inline]
+    pub fn sample(
+        &self, emitter: &Emitter, p: Vec3, u: Vec2, lambda: &Wavelengths, textures: &Textures,
+    ) -> Option<LightSample> {
+        let (q, n, pdf, uv) = match &self.shape {
+            AreaShape::Triangle(v, n, area) => {
+                let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
+                let solid = if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle(*v, p, u) } else { None };
+                let (b, pdf) = match solid {
+                    Some((b, pdf)) => (b, Some(pdf)),
+                    None => (warp::uniform_triangle(u), None),
+                };
+                (v[0] * b[0] + v[1] * b[1] + v[2] * b[2], *n, pdf.ok_or(*area), Vec2::new(b[1], b[2]))
+            }
+            AreaShape::Rectangle { corner, ex, ey, n, area } => {
+                let center = *corner + (*ex + *ey) * 0.5;
+                if Self::looks_large(center, *n, *area, p) {
+                    let rectangle = warp::SphericalRectangle::new(*corner, *ex, *ey, p);
+                    if rectangle.solid_angle <= 0.0 {
+                        return None;
+                    }
+                    (rectangle.sample(u), *n, Ok(1.0 / rectangle.solid_angle), u)
+                } else {
+                    (*corner + *ex * u.x + *ey * u.y, *n, Err(*area), u)
+                }
+            }
+            AreaShape::Sphere(c, r, inward) => return self.sample_sphere(*c, *r, *inward, emitter, p, u, lambda, textures),
+            AreaShape::Quadric(q) => {
+                let s = q.surface_at(q.sample(u));
+                (s.p, s.n, Err(q.area()), s.uv)
+            }
+        };
+        let to = q - p;
+        let d2 = to.length_squared();
+        if d2 <= 0.0 {
+            return None;
+        }
+        let distance = d2.sqrt();
+        let wi = to / distance;
+        let cos = n.dot(wi).abs();
+        let pdf = match pdf {
+            Ok(pdf) => pdf,
+            Err(area) => d2 / (cos * area),
+        };
+        if !(pdf > 0.0 && pdf.is_finite()) || cos == 0.0 {
+            return None;
+        }
+        let radiance = if emitter.is_textured() {
+            let at = self.texture_context(q, uv);
+            emitter.radiance(n, -wi, &at, lambda, textures)
+        } else {
+            let at = TextureContext { p: q, uv, mesh: None };
+            emitter.radiance(n, -wi, &at, lambda, textures)
+        };
+        (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
+    }
+
+    /// Where on the texture a sampled point lies. `uv` are barycentric coordinates on triangles, surface parameters on quadrics.
+    fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
+        match (&self.mesh, &self.shape) {
+            (Some((mesh, t)), AreaShape::Triangle(..)) => {
+                TextureContext { p: q, uv: mesh.uv(*t, uv.x, uv.y), mesh: Some((mesh, *t, uv)) }
+            }
+            _ => TextureContext { p: q, uv, mesh: None },
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn sample_sphere(
+        &self, c: Vec3, r: f32, inward: bool, emitter: &Emitter, p: Vec3, u: Vec2, lambda: &Wavelengths,
+        textures: &Textures,
+    ) -> Option<LightSample> {
+        let to_center = c - p;
+        let d2 = to_center.length_squared();
+        let (wi, distance, n, pdf) = if d2 > r * r * 1.000_01 {
+            let m = one_minus_cos_max(r, d2);
+            let w = warp::uniform_cone(u, m);
+            let wi = Frame::from_z(to_center / d2.sqrt()).to_world(w);
+            // Nearest point along wi; tangent rays count as touching.
+            let b = to_center.dot(wi);
+            let h2 = (r * r - (to_center - wi * b).length_squared()).max(0.0);
+            let distance = b - h2.sqrt();
+            let n = (p + wi * distance - c) / r;
+            (wi, distance, n, warp::uniform_cone_pdf(m))
+        } else {
+            let n = warp::uniform_sphere(u);
+            let to = c + n * r - p;
+            let t2 = to.length_squared();
+            let distance = t2.sqrt();
+            let wi = to / distance;
+            (wi, distance, n, t2 / (n.dot(wi).abs() * 4.0 * std::f32::consts::PI * r * r))
+        };
+        if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {
+            return None;
+        }
+        let n = if inward { -n } else { n };
+        let at = TextureContext { p: p + wi * distance, uv: Vec2::ZERO, mesh: None };
+        let radiance = emitter.radiance(n, -wi, &at, lambda, textures);
+        (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
+    }
+
+    /// The density per solid angle at `p` of the point at `distance` in direction `wi`, where the normal is `n`.
+    #[inline]
+    pub fn pdf(&self, p: Vec3, wi: Vec3, distance: f32, n: Vec3) -> f32 {
+        let by_area = |area: f32| {
+            let pdf = distance * distance / (n.dot(wi).abs() * area);
+            if pdf.is_finite() { pdf } else { 0.0 }
+        };
+        match &self.shape {
+            AreaShape::Triangle(v, n, area) => {
+                let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
+                let solid = if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle_pdf(*v, p) } else { None };
+                solid.unwrap_or_else(|| by_area(*area))
+            }
+            AreaShape::Rectangle { corner, ex, ey, n, area } => {
+                if Self::looks_large(*corner + (*ex + *ey) * 0.5, *n, *area, p) {
+                    let s = warp::SphericalRectangle::new(*corner, *ex, *ey, p).solid_angle;
+                    if s > 0.0 { 1.0 / s } else { 0.0 }
+                } else {
+                    by_area(*area)
+                }
+            }
+            AreaShape::Sphere(c, r, _) => {
+                let d2 = (*c - p).length_squared();
+                if d2 > r * r * 1.000_01 {
+                    warp::uniform_cone_pdf(one_minus_cos_max(*r, d2))
+                } else {
+                    by_area(4.0 * std::f32::consts::PI * r * r)
+                }
+            }
+            AreaShape::Quadric(q) => by_area(q.area()),
+        }
+    }
+
+    /// For emission along the normal alone: the point of the surface that shines at `p`, if any.
+    pub fn along_normal(
+        &self, emitter: &Emitter, p: Vec3, lambda: &Wavelengths, textures: &Textures,
+    ) -> Option<LightSample> {
+        let (n, inside, distance) = match &self.shape {
+            AreaShape::Triangle(v, n, _) => {
+                let distance = n.dot(p - v[0]);
+                let q = p - *n * distance;
+                let side = |a: Vec3, b: Vec3| (b - a).cross(q - a).dot((v[1] - v[0]).cross(v[2] - v[0]));
+                let inside = side(v[0], v[1]) >= 0.0 && side(v[1], v[2]) >= 0.0 && side(v[2], v[0]) >= 0.0;
+                (*n, inside, distance)
+            }
+            AreaShape::Rectangle { corner, ex, ey, n, .. } => {
+                let distance = n.dot(p - *corner);
+                let q = p - *n * distance - *corner;
+                let (s, t) = (q.dot(*ex) / ex.length_squared(), q.dot(*ey) / ey.length_squared());
+                (*n, (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t), distance)
+            }
+            AreaShape::Quadric(q) => {
+                let center = q.surface_at(q.sample(Vec2::splat(0.5)));
+                let distance = center.n.dot(p - center.p);
+                let hit = q.intersect(&Ray { origin: p, direction: -center.n, t_max: f32::INFINITY });
+                (center.n, hit.is_some(), distance)
+            }
+            AreaShape::Sphere(..) => return None,
+        };
+        if !inside || distance <= 0.0 {
+            return None;
+        }
+        let at = TextureContext { p: p - n * distance, uv: Vec2::ZERO, mesh: None };
+        let radiance = emitter.radiance(n, n, &at, lambda, textures);
+        (!radiance.is_black()).then_some(LightSample { wi: -n, distance, radiance, pdf: 1.0, is_delta: true })
+    }
+
+    /// Bounds for choosing among lights.
+    pub fn bounds(&self, emitter: &Emitter, _mode: ColorMode) -> LightBounds {
+        let (bounds, axis, cos_o, area) = match &self.shape {
+            AreaShape::Triangle(v, n, area) => (Bounds3::from_points(*v), *n, 1.0, *area),
+            AreaShape::Rectangle { corner, ex, ey, n, area } => {
+                let c = [*corner, *corner + *ex, *corner + *ey, *corner + *ex + *ey];
+                (Bounds3::from_points(c), *n, 1.0, *area)
+            }
+            // A sphere shines everywhere; what a point sees of it is its disk.
+            AreaShape::Sphere(c, r, _) => {
+                let b = Bounds3::new(*c - Vec3::splat(*r), *c + Vec3::splat(*r));
+                (b, Vec3::Z, -1.0, std::f32::consts::PI * r * r)
+            }
+            AreaShape::Quadric(q) => match q.kind {
+                crate::shape::QuadricKind::Disk { .. } => (q.bounds(), q.surface_at(q.sample(Vec2::ZERO)).n, 1.0, q.area()),
+                _ => (q.bounds(), Vec3::Z, -1.0, q.area() * 0.25),
+            },
+        };
+        LightBounds {
+            bounds,
+            axis,
+            cos_o,
+            cos_e: 0.0,
+            intensity: emitter.luminance.max(0.0) * area,
+            two_sided: emitter.two_sided,
+        }
+    }
+}

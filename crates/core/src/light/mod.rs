@@ -1,0 +1,251 @@
+//! Lights: where light comes from, and how a point of the scene finds it.
+
+pub mod area;
+pub mod environment;
+pub mod punctual;
+pub mod tree;
+
+pub use area::{AreaLight, AreaShape, Emitter};
+pub use environment::Environment;
+pub use punctual::{Goniometric, Projection, Spot};
+
+use crate::{
+    color::{Color, ColorMode},
+    texture::Textures,
+};
+use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use tree::{LightBounds, LightTree};
+
+/// The lights by name, for the registry.
+pub const LIGHTS: &[(&str, &str)] = &[
+    ("area", "emission of a shape; radiance, two_sided, scale, normalize, power, file"),
+    ("directional_area", "emission of a flat shape along its normal alone; radiance"),
+    ("point", "intensity, position, scale, normalize, power"),
+    ("spot", "intensity, cone_angle, falloff_start (degrees), falloff (smoothstep, linear), texture, scale, normalize, power"),
+    ("distant", "parallel light; radiance, direction, scale, normalize, illuminance"),
+    ("environment", "light from all directions, constant or an image; radiance or file, parametrization, scale, normalize, illuminance, portal"),
+    ("goniometric", "a point light with an image of directions; file, intensity, scale, normalize, power"),
+    ("projection", "a slide projector; file or texture, radiance, fov, fov_axis, scale, normalize, power"),
+];
+
+/// Where light is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct LightContext {
+    /// The point.
+    pub p: Vec3,
+    /// Unit normal on the side from which light matters; zero where it may come from any side (media, transmitting surfaces).
+    pub n: Vec3,
+}
+
+/// Light that arrives from a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction to the light.
+    pub wi: Vec3,
+    /// Distance to the point on the light; infinite for infinite lights.
+    pub distance: f32,
+    /// Radiance; for delta lights the irradiance on a facing surface.
+    pub radiance: Spectrum,
+    /// Density per solid angle; 1 for delta lights.
+    pub pdf: f32,
+    /// Whether no other way of sampling can find it.
+    pub is_delta: bool,
+}
+
+/// A source of light.
+#[derive(Clone, Debug)]
+pub enum Light {
+    /// All directions from a point: position and intensity.
+    Point(Vec3, Color),
+    /// A cone from a point.
+    Spot(Box<Spot>),
+    /// Parallel light: the unit direction to the light, and the irradiance on a facing surface.
+    Distant(Vec3, Color),
+    /// Light from all directions.
+    Environment(Box<Environment>),
+    /// A point with an image of directions.
+    Goniometric(Box<Goniometric>),
+    /// A slide projector.
+    Projection(Box<Projection>),
+    /// Part of a surface.
+    Area(AreaLight),
+    /// A flat part of a surface that shines along its normal.
+    DirectionalArea(AreaLight),
+}
+
+/// All lights of a scene and the means to choose among them.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// What surfaces emit.
+    pub emitters: Vec<Emitter>,
+    /// Indices of environments.
+    pub environments: Vec<u32>,
+    /// Lights without bounds that can be chosen, with an estimate of their irradiance: environments with bright parts, distant lights.
+    infinite: Vec<(u32, f32)>,
+    /// The others.
+    tree: LightTree,
+    mode: ColorMode,
+}
+
+/// The share of choices that goes evenly to all lights, whatever their estimates.
+const UNIFORM_SHARE: f32 = 0.1;
+
+impl Lights {
+    /// Prepares the choice among lights.
+    pub fn new(lights: Vec<Light>, emitters: Vec<Emitter>, mode: ColorMode, textures: &Textures) -> Self {
+        let mut bounded = Vec::new();
+        let (mut infinite, mut environments) = (Vec::new(), Vec::new());
+        for (i, light) in lights.iter().enumerate() {
+            let i = i as u32;
+            let point = |p: Vec3, intensity: f32| LightBounds::point(p, intensity);
+            match light {
+                Light::Environment(e) => {
+                    environments.push(i);
+                    if e.sampled_irradiance() > 0.0 {
+                        infinite.push((i, e.sampled_irradiance()));
+                    }
+                }
+                Light::Distant(_, irradiance) => infinite.push((i, irradiance.luminance(mode))),
+                Light::Point(p, intensity) => bounded.push((i, point(*p, intensity.luminance(mode)))),
+                Light::Spot(s) => bounded.push((i, s.bounds(mode))),
+                Light::Goniometric(g) => bounded.push((i, point(g.position, g.max_intensity(mode)))),
+                Light::Projection(p) => bounded.push((i, point(p.position(), p.max_intensity(mode, textures)))),
+                Light::Area(a) | Light::DirectionalArea(a) => {
+                    bounded.push((i, a.bounds(&emitters[a.emitter as usize], mode)));
+                }
+            }
+        }
+        infinite.retain(|l| l.1 > 0.0);
+        bounded.retain(|l| l.1.intensity > 0.0);
+        Self { tree: LightTree::new(&bounded, lights.len()), lights, emitters, environments, infinite, mode }
+    }
+
+    /// Whether next-event estimation can find anything.
+    pub fn can_sample(&self) -> bool {
+        !self.infinite.is_empty() || !self.tree.is_empty()
+    }
+
+    /// The colour mode that radiances are in.
+    pub fn mode(&self) -> ColorMode {
+        self.mode
+    }
+
+    /// Probability of the tree, and the factor from an infinite light's irradiance to its probability and the even share each gets.
+    #[inline]
+    fn shares(&self, ctx: &LightContext) -> Shares {
+        let groups = self.infinite.len() as f32 + f32::from(!self.tree.is_empty());
+        if self.infinite.is_empty() {
+            return Shares { tree: 1.0, per_irradiance: 0.0, even: 0.0 };
+        }
+        if self.tree.is_empty() && self.infinite.len() == 1 {
+            return Shares { tree: 0.0, per_irradiance: 0.0, even: 1.0 };
+        }
+        let tree = self.tree.importance(ctx);
+        let total = tree + self.infinite.iter().map(|l| l.1).sum::<f32>();
+        let even = UNIFORM_SHARE / groups;
+        let per_irradiance = (1.0 - UNIFORM_SHARE) / total;
+        let tree = if self.tree.is_empty() { 0.0 } else { tree * per_irradiance + even };
+        Shares { tree, per_irradiance, even }
+    }
+
+    /// Chooses a light for a point in proportion to an estimate of what it can contribute: index, probability, and `u` made anew.
+    #[inline]
+    pub fn choose(&self, ctx: &LightContext, u: f32) -> Option<(u32, f32)> {
+        let shares = self.shares(ctx);
+        let mut u = u;
+        for &(light, irradiance) in &self.infinite {
+            let p = irradiance * shares.per_irradiance + shares.even;
+            if u < p {
+                return Some((light, p));
+            }
+            u -= p;
+        }
+        if shares.tree <= 0.0 {
+            return None;
+        }
+        let u = (u / shares.tree).min(steradian_math::hash::ONE_MINUS_EPSILON);
+        self.tree.sample(ctx, u).map(|(light, p)| (light, p * shares.tree))
+    }
+
+    /// The probability with which [`Lights::choose`] gives a light.
+    #[inline]
+    pub fn probability(&self, ctx: &LightContext, light: u32) -> f32 {
+        let shares = self.shares(ctx);
+        match self.infinite.iter().find(|l| l.0 == light) {
+            Some(l) => l.1 * shares.per_irradiance + shares.even,
+            None => self.tree.probability(ctx, light) * shares.tree,
+        }
+    }
+
+    /// Light that arrives at a point from one light, with `u` choosing where on the light.
+    #[inline]
+    pub fn sample(
+        &self, light: u32, ctx: &LightContext, u: Vec2, lambda: &Wavelengths, textures: &Textures,
+    ) -> Option<LightSample> {
+        let delta = |to: Vec3, intensity: Spectrum| {
+            let d2 = to.length_squared();
+            let distance = d2.sqrt();
+            (d2 > 0.0 && !intensity.is_black()).then(|| LightSample {
+                wi: to / distance,
+                distance,
+                radiance: intensity / d2,
+                pdf: 1.0,
+                is_delta: true,
+            })
+        };
+        match &self.lights[light as usize] {
+            Light::Point(p, intensity) => delta(*p - ctx.p, intensity.eval(lambda)),
+            Light::Spot(s) => delta(s.position - ctx.p, s.intensity(ctx.p, lambda, textures)),
+            Light::Goniometric(g) => delta(g.position - ctx.p, g.intensity(ctx.p, lambda)),
+            Light::Projection(s) => delta(s.position() - ctx.p, s.intensity(ctx.p, lambda, textures, self.mode)),
+            Light::Distant(wi, irradiance) => Some(LightSample {
+                wi: *wi,
+                distance: f32::INFINITY,
+                radiance: irradiance.eval(lambda),
+                pdf: 1.0,
+                is_delta: true,
+            }),
+            Light::Environment(e) => {
+                let (wi, pdf) = e.sample(ctx.p, u)?;
+                let radiance = e.radiance(ctx.p, wi, lambda);
+                Some(LightSample { wi, distance: f32::INFINITY, radiance, pdf, is_delta: false })
+            }
+            Light::Area(a) => a.sample(&self.emitters[a.emitter as usize], ctx.p, u, lambda, textures),
+            Light::DirectionalArea(a) => {
+                a.along_normal(&self.emitters[a.emitter as usize], ctx.p, lambda, textures)
+            }
+        }
+    }
+
+    /// The density per solid angle, choice of light included, with which next-event estimation at `ctx` gives a point on an area
+    /// light that was found otherwise: at `distance` in direction `wi`, with unit geometric normal `n`.
+    #[inline]
+    pub fn area_pdf(&self, light: u32, ctx: &LightContext, wi: Vec3, distance: f32, n: Vec3) -> f32 {
+        match &self.lights[light as usize] {
+            Light::Area(a) => match self.probability(ctx, light) {
+                p if p > 0.0 => p * a.pdf(ctx.p, wi, distance, n),
+                _ => 0.0,
+            },
+            _ => 0.0,
+        }
+    }
+
+    /// The same for an environment in a direction.
+    #[inline]
+    pub fn environment_pdf(&self, light: u32, ctx: &LightContext, wi: Vec3) -> f32 {
+        match &self.lights[light as usize] {
+            Light::Environment(e) if e.sampled_irradiance() > 0.0 => {
+                self.probability(ctx, light) * e.pdf(ctx.p, wi)
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+struct Shares {
+    tree: f32,
+    per_irradiance: f32,
+    even: f32,
+}

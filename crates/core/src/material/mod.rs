@@ -1,0 +1,265 @@
+//! Materials: textures and constants that become a [`Bsdf`] at a hit.
+
+use crate::{
+    bsdf::{
+        Bsdf, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Microfacet, NormalDistribution,
+        Shadowing, ThinDielectric,
+    },
+    color::Color,
+    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
+};
+use steradian_math::{Spectrum, spectra::Wavelengths};
+
+/// The materials by name, for the registry.
+pub const MATERIALS: &[(&str, &str)] = &[
+    ("diffuse", "Lambertian reflection; reflectance (0.5)"),
+    ("conductor", "metal, smooth or rough; eta, k or reflectance; alpha_u, alpha_v, remap_roughness, distribution (ggx, beckmann), specular_reflectance"),
+    ("dielectric", "glass, smooth or rough; eta (1.5), alpha_u, alpha_v, remap_roughness, distribution, specular_reflectance, specular_transmittance"),
+    ("thin_dielectric", "a pane without thickness; eta (1.5), specular_reflectance, specular_transmittance"),
+    ("coated_diffuse", "a dielectric coat over a diffuse base (pbrt's coateddiffuse, in closed form); reflectance (0.5), eta (1.5), alpha_u, alpha_v, remap_roughness, thickness (0.01)"),
+    ("plastic", "a dielectric coat over a diffuse base (Mitsuba's plastic and roughplastic); diffuse_reflectance (0.5), eta (1.49), alpha_u, alpha_v, distribution, nonlinear, specular_reflectance"),
+    ("diffuse_transmission", "Lambertian reflection and transmission; reflectance (0.25), transmittance (0.25)"),
+    ("two_sided", "one material on each side; front, back"),
+    ("mask", "opacity over a material; opacity (0.5), material"),
+    ("mix", "one of two materials at each point, in proportion; materials, amount (0.5)"),
+    ("interface", "no scattering: the boundary of a medium"),
+];
+
+/// Microfacet roughness as a scene gives it.
+#[derive(Clone, Copy, Debug)]
+pub struct Roughness {
+    /// Along the tangent.
+    pub u: FloatTexture,
+    /// Along the bitangent.
+    pub v: FloatTexture,
+    /// Whether values are roughnesses `r` with α = √r, rather than α.
+    pub remap: bool,
+    /// Distribution of normals.
+    pub distribution: NormalDistribution,
+    /// Masking and shadowing.
+    pub shadowing: Shadowing,
+}
+
+impl Roughness {
+    /// Both α at a point.
+    #[inline]
+    fn alpha(&self, textures: &Textures, at: &TextureContext) -> (f32, f32) {
+        let remap = |v: f32| {
+            let v = if v.is_finite() { v.max(0.0) } else { 0.0 };
+            if self.remap { v.sqrt() } else { v }
+        };
+        (remap(self.u.eval(textures, at)), remap(self.v.eval(textures, at)))
+    }
+
+    #[inline]
+    fn microfacet(&self, textures: &Textures, at: &TextureContext) -> Microfacet {
+        let (u, v) = self.alpha(textures, at);
+        Microfacet::new(self.distribution, self.shadowing, u, v)
+    }
+
+    /// Whether the two α may differ, so that the orientation of the tangent matters.
+    fn is_anisotropic(&self) -> bool {
+        match (self.u, self.v) {
+            (FloatTexture::Constant(a), FloatTexture::Constant(b)) => a != b,
+            (FloatTexture::Texture(a), FloatTexture::Texture(b)) => a != b,
+            _ => true,
+        }
+    }
+}
+
+/// An index of refraction.
+#[derive(Clone, Debug)]
+pub enum Eta {
+    /// The same for all wavelengths.
+    Constant(f32),
+    /// Dispersion: paths keep their hero wavelength alone.
+    Dispersive(Color),
+}
+
+impl Eta {
+    #[inline]
+    fn eval(&self, lambda: &mut Wavelengths) -> f32 {
+        match self {
+            Self::Constant(v) => *v,
+            Self::Dispersive(c) => {
+                lambda.terminate_secondary();
+                c.eval(lambda)[0]
+            }
+        }
+    }
+}
+
+/// How a surface scatters.
+#[derive(Clone, Debug)]
+pub enum Model {
+    /// Lambert.
+    Diffuse(SpectrumTexture),
+    /// Lambert on both sides: reflectance, transmittance.
+    DiffuseTransmission(SpectrumTexture, SpectrumTexture),
+    /// Metal by its complex index.
+    Conductor {
+        /// Real part.
+        eta: SpectrumTexture,
+        /// Imaginary part.
+        k: SpectrumTexture,
+        /// Factor.
+        tint: SpectrumTexture,
+        /// Roughness.
+        roughness: Roughness,
+    },
+    /// Metal by its reflectance at normal incidence.
+    ConductorReflectance(SpectrumTexture, Roughness),
+    /// A mirror of constant reflectance, smooth or rough.
+    Mirror(SpectrumTexture, Roughness),
+    /// Glass.
+    Dielectric {
+        /// Interior over exterior.
+        eta: Eta,
+        /// Factor on reflection.
+        reflectance: SpectrumTexture,
+        /// Factor on transmission.
+        transmittance: SpectrumTexture,
+        /// Roughness.
+        roughness: Roughness,
+    },
+    /// A pane.
+    ThinDielectric {
+        /// Interior over exterior.
+        eta: Eta,
+        /// Factor on reflection.
+        reflectance: SpectrumTexture,
+        /// Factor on transmission.
+        transmittance: SpectrumTexture,
+    },
+    /// A coat over a diffuse base.
+    Coated {
+        /// Albedo of the base.
+        reflectance: SpectrumTexture,
+        /// Factor on the specular part.
+        tint: SpectrumTexture,
+        /// Roughness of the coat.
+        roughness: Roughness,
+        /// What passes the coat.
+        table: Box<CoatTable>,
+    },
+    /// One of two materials (indices), chosen at each point with the probability of the second.
+    Mix(u32, u32, FloatTexture),
+    /// Different materials (indices) on the side the normal points to and the other.
+    TwoSided(u32, u32),
+    /// No scattering.
+    Interface,
+}
+
+/// A material.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// How it scatters.
+    pub model: Model,
+    /// Whether the model, if it only reflects, does so on both sides.
+    pub two_sided: bool,
+}
+
+/// A material that scatters, chosen for the side and point that were hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattering<'a> {
+    /// The value.
+    pub bsdf: Bsdf<'a>,
+    /// Whether it is defined with the normal turned over.
+    pub flipped: bool,
+}
+
+impl Material {
+    /// Grey, for shapes without a material.
+    pub fn default_diffuse() -> Self {
+        Self { model: Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), two_sided: true }
+    }
+
+    /// Whether the shading frame must follow the surface's parametrisation.
+    pub fn needs_tangent(&self) -> bool {
+        match &self.model {
+            Model::Conductor { roughness, .. }
+            | Model::Dielectric { roughness, .. }
+            | Model::Coated { roughness, .. }
+            | Model::ConductorReflectance(_, roughness)
+            | Model::Mirror(_, roughness) => roughness.is_anisotropic(),
+            Model::Mix(..) | Model::TwoSided(..) => true,
+            _ => false,
+        }
+    }
+}
+
+/// Reflectances beyond [0, 1] and non-finite values from textures are brought back: energy is not made, NaN does not enter.
+#[inline]
+fn albedo(s: Spectrum) -> Spectrum {
+    if s.is_finite() { s.clamp(0.0, 1.0) } else { s.map(|v| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 }) }
+}
+
+/// Evaluates the material with index `id` at a point: resolves mixtures (`choice` in [0, 1)) and sides (`front`: whether the viewer is
+/// on the side of the normal). `None` where nothing scatters.
+#[inline]
+pub fn scattering<'a>(
+    materials: &'a [Material], textures: &Textures, mut id: u32, at: &TextureContext, front: bool, mut choice: f32,
+    lambda: &mut Wavelengths,
+) -> Option<Scattering<'a>> {
+    let (mut flipped, mut two_sided) = (false, false);
+    // Wrappers refer to materials with smaller indices, so this ends.
+    let material = loop {
+        let m = &materials[id as usize];
+        match &m.model {
+            Model::Mix(a, b, amount) => {
+                let t = amount.eval(textures, at);
+                id = if choice < t { *b } else { *a };
+                choice = if choice < t { choice / t } else { (choice - t) / (1.0 - t) };
+                two_sided |= m.two_sided;
+            }
+            Model::TwoSided(a, b) => {
+                id = if front { *a } else { *b };
+                flipped = !front;
+                two_sided = true;
+            }
+            _ => break m,
+        }
+    };
+    let spectrum = |t: &SpectrumTexture, lambda: &Wavelengths| albedo(t.eval(textures, at, lambda));
+    let bsdf = match &material.model {
+        Model::Diffuse(r) => Bsdf::Diffuse(Diffuse { reflectance: spectrum(r, lambda) }),
+        Model::DiffuseTransmission(r, t) => {
+            let (r, t) = (spectrum(r, lambda), spectrum(t, lambda));
+            let over = (r + t).max_element().max(1.0);
+            Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance: r / over, transmittance: t / over })
+        }
+        Model::Conductor { eta, k, tint, roughness } => Bsdf::Conductor(Conductor {
+            eta: eta.eval(textures, at, lambda).max(0.0),
+            k: k.eval(textures, at, lambda).max(0.0),
+            tint: spectrum(tint, lambda),
+            microfacet: roughness.microfacet(textures, at),
+        }),
+        Model::ConductorReflectance(r, roughness) => Bsdf::Conductor(Conductor::from_reflectance(
+            spectrum(r, lambda),
+            roughness.microfacet(textures, at),
+        )),
+        Model::Mirror(r, roughness) => {
+            Bsdf::Conductor(Conductor::mirror(spectrum(r, lambda), roughness.microfacet(textures, at)))
+        }
+        Model::Dielectric { eta, reflectance, transmittance, roughness } => Bsdf::Dielectric(Dielectric {
+            eta: eta.eval(lambda),
+            reflectance: spectrum(reflectance, lambda),
+            transmittance: spectrum(transmittance, lambda),
+            microfacet: roughness.microfacet(textures, at),
+        }),
+        Model::ThinDielectric { eta, reflectance, transmittance } => Bsdf::ThinDielectric(ThinDielectric {
+            eta: eta.eval(lambda),
+            reflectance: spectrum(reflectance, lambda),
+            transmittance: spectrum(transmittance, lambda),
+        }),
+        Model::Coated { reflectance, tint, roughness, table } => {
+            let (u, v) = roughness.alpha(textures, at);
+            Bsdf::Coated(Coated::new(table, spectrum(reflectance, lambda), spectrum(tint, lambda), u, v))
+        }
+        Model::Interface | Model::Mix(..) | Model::TwoSided(..) => return None,
+    };
+    if !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided) {
+        flipped = true;
+    }
+    Some(Scattering { bsdf, flipped })
+}

@@ -1,0 +1,72 @@
+//! Participating media: Beer–Lambert attenuation and scattering.
+
+use crate::color::Color;
+use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+
+/// The media by name, for the registry.
+pub const MEDIA: &[(&str, &str)] = &[(
+    "homogeneous",
+    "constant coefficients: sigma_a, sigma_s (per scene unit) or sigma_t and albedo; scale; phase (isotropic, or hg with g)",
+)];
+
+/// A homogeneous medium with a Henyey–Greenstein phase function.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    /// Absorption coefficient per unit length.
+    pub sigma_a: Color,
+    /// Scattering coefficient per unit length.
+    pub sigma_s: Color,
+    /// Factor on both coefficients.
+    pub scale: f32,
+    /// Mean cosine of the phase function; 0 is isotropic.
+    pub g: f32,
+}
+
+impl Medium {
+    /// Absorption and scattering coefficients at the wavelengths of a path.
+    #[inline]
+    pub fn coefficients(&self, lambda: &Wavelengths) -> (Spectrum, Spectrum) {
+        (self.sigma_a.eval(lambda) * self.scale, self.sigma_s.eval(lambda) * self.scale)
+    }
+
+    /// Beer–Lambert transmittance over a distance; 1 over no distance, 0 over an infinite one where there is any extinction.
+    #[inline]
+    pub fn transmittance(&self, distance: f32, lambda: &Wavelengths) -> Spectrum {
+        let (a, s) = self.coefficients(lambda);
+        transmittance(a + s, distance)
+    }
+
+    /// Phase function and density (they are equal) for directions pointing away from the point.
+    #[inline]
+    pub fn phase(&self, wo: Vec3, wi: Vec3) -> f32 {
+        warp::hg_phase(-wo.dot(wi), self.g)
+    }
+
+    /// A direction by the phase function, and its density.
+    #[inline]
+    pub fn sample_phase(&self, wo: Vec3, u: Vec2) -> (Vec3, f32) {
+        warp::sample_hg(wo, self.g, u)
+    }
+}
+
+/// `exp(−σ_t d)`, with lanes of no extinction kept at one over infinite distances.
+#[inline]
+pub fn transmittance(sigma_t: Spectrum, distance: f32) -> Spectrum {
+    sigma_t.map(|s| if s == 0.0 { 1.0 } else { (-s * distance).exp() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transmittance_multiplies_over_segments() {
+        let m = Medium { sigma_a: Color::constant(0.3), sigma_s: Color::constant(0.2), scale: 2.0, g: 0.0 };
+        let w = Wavelengths::sample_uniform(0.3);
+        let (a, b) = (m.transmittance(0.7, &w)[0], m.transmittance(1.1, &w)[0]);
+        assert!((a * b - m.transmittance(1.8, &w)[0]).abs() < 1e-6);
+        assert!((a - (-0.7_f32).exp()).abs() < 1e-6);
+        let empty = Medium { sigma_a: Color::BLACK, sigma_s: Color::BLACK, scale: 1.0, g: 0.0 };
+        assert_eq!(empty.transmittance(f32::INFINITY, &w), Spectrum::ONE);
+    }
+}

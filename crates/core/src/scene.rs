@@ -1,0 +1,370 @@
+//! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
+
+use crate::{
+    camera::Camera,
+    color::ColorMode,
+    film::FilmSpec,
+    light::Lights,
+    material::{self, Material, Model, Scattering},
+    medium::Medium,
+    sampler::SamplerKind,
+    shape::{Curves, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
+    texture::{FloatTexture, TextureContext, Textures, hash_point},
+};
+use std::sync::Arc;
+use steradian_accel::{Hit, PrimId, TopLevel, UserHit, UserPrimitives, WORLD};
+use steradian_math::{Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine};
+
+/// The geometry of a shape.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Triangles.
+    Mesh(Arc<TriMesh>),
+    /// Sphere, disk or cylinder.
+    Quadric(Arc<Quadric>),
+    /// Bilinear patches.
+    Patches(Arc<PatchMesh>),
+    /// Curves.
+    Curves(Arc<Curves>),
+    /// An infinite plane.
+    Plane(Plane),
+}
+
+/// A shape with what is attached to it.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// Where it is.
+    pub shape: Shape,
+    /// Index of its material.
+    pub material: u32,
+    /// Opacity that lets rays through by chance.
+    pub alpha: Option<FloatTexture>,
+    /// Index of what it emits.
+    pub emitter: Option<u32>,
+    /// For emitting shapes the light of each primitive; one entry when all belong to the same.
+    pub lights: Box<[u32]>,
+    /// The media on the side against the normal and on the side of it, where the shape separates media.
+    pub media: Option<(Option<u32>, Option<u32>)>,
+    /// Whether it scatters nothing.
+    pub is_interface: bool,
+    /// Number of the shape in the description, from one.
+    pub id: u32,
+}
+
+impl Geometry {
+    /// The light that a primitive belongs to.
+    #[inline]
+    pub fn light(&self, prim: u32) -> Option<u32> {
+        match &*self.lights {
+            [] => None,
+            [one] => Some(*one),
+            many => many.get(prim as usize).copied(),
+        }
+    }
+}
+
+/// A placed group.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement {
+    /// Where it is.
+    pub world_from_group: Affine,
+    /// First geometry of the group in [`Scene::geometries`].
+    pub base: u32,
+}
+
+/// What a scene asks of the renderer; what the user asks goes before it.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Integrator by name.
+    pub integrator: String,
+    /// Most scattering events on a path; `u32::MAX` for no limit.
+    pub max_depth: u32,
+    /// Scattering events before Russian roulette.
+    pub rr_depth: u32,
+    /// Whether lights are invisible to the camera.
+    pub hide_emitters: bool,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// The point set.
+    pub sampler: SamplerKind,
+    /// Chooses among statistically equal images.
+    pub seed: u64,
+}
+
+/// A scene that can be rendered.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What the lanes of spectra are.
+    pub mode: ColorMode,
+    /// World geometry first, then that of each group.
+    pub geometries: Vec<Geometry>,
+    /// The hierarchy.
+    pub accel: TopLevel,
+    /// Placed groups, by the hierarchy's instance index.
+    pub placements: Vec<Placement>,
+    /// Indices of infinite planes among the geometries.
+    pub planes: Vec<u32>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Textures.
+    pub textures: Textures,
+    /// Lights.
+    pub lights: Lights,
+    /// Media.
+    pub media: Vec<Medium>,
+    /// Camera.
+    pub camera: Camera,
+    /// Film.
+    pub film: FilmSpec,
+    /// What the scene asks for.
+    pub settings: Settings,
+    /// Names of materials, by index, for reports.
+    pub material_names: Vec<String>,
+    /// Whether any material is a mixture.
+    pub has_mixtures: bool,
+    /// Whether light is lost or scattered between surfaces.
+    pub has_media: bool,
+}
+
+/// A point of a surface that a ray met.
+#[derive(Clone, Copy, Debug)]
+pub struct Interaction {
+    /// The surface there.
+    pub surface: SurfacePoint,
+    /// Unit direction back along the ray.
+    pub wo: Vec3,
+    /// Distance along the ray, in units of its direction.
+    pub t: f32,
+    /// Index of the geometry.
+    pub geometry: u32,
+    /// The primitive.
+    pub id: PrimId,
+    /// Barycentric or surface coordinates of the hit.
+    pub coordinates: Vec2,
+}
+
+impl Interaction {
+    /// A ray that leaves the surface in a direction.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        let s = &self.surface;
+        Ray::new(offset_ray_origin(s.p, s.error, s.n, direction), direction)
+    }
+
+    /// A ray to a point at a distance in a unit direction, that ends just before it.
+    #[inline]
+    pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {
+        Ray { t_max: distance * SHADOW_END, ..self.spawn(direction) }
+    }
+}
+
+/// Shadow rays end this share of the way to the light, so that they do not meet it.
+pub const SHADOW_END: f32 = 1.0 - 1e-4;
+
+/// The callbacks of the hierarchy. `SHADOW` queries pass through shapes that scatter nothing.
+struct Query<'a, const SHADOW: bool>(&'a Scene);
+
+impl<const SHADOW: bool> Query<'_, SHADOW> {
+    #[inline]
+    fn passes(&self, geometry: &Geometry, hit: &Hit, ray: &Ray) -> bool {
+        if SHADOW && geometry.is_interface {
+            return false;
+        }
+        match &geometry.alpha {
+            None => true,
+            Some(alpha) => self.0.is_opaque_at(geometry, alpha, hit, ray),
+        }
+    }
+}
+
+impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
+    #[inline]
+    fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit> {
+        let geometry = self.0.geometry(id);
+        let passes = |h: &UserHit| self.passes(geometry, &Hit { t: h.t, u: h.u, v: h.v, id }, ray);
+        match &geometry.shape {
+            Shape::Quadric(q) => {
+                let first = q.intersect(ray)?;
+                if passes(&first) {
+                    return Some(first);
+                }
+                // The far side may count where the near one does not.
+                let beyond = q.intersect_after(ray, first.t)?;
+                passes(&beyond).then_some(beyond)
+            }
+            Shape::Patches(m) => m.intersect(id.prim, ray).filter(passes),
+            Shape::Curves(c) => c.intersect(id.prim, ray).filter(passes),
+            Shape::Mesh(_) | Shape::Plane(_) => None,
+        }
+    }
+
+    #[inline]
+    fn accept(&self, hit: &Hit, ray: &Ray) -> bool {
+        self.passes(self.0.geometry(hit.id), hit, ray)
+    }
+}
+
+impl Scene {
+    /// The geometry of a primitive.
+    #[inline]
+    pub fn geometry(&self, id: PrimId) -> &Geometry {
+        &self.geometries[self.geometry_index(id) as usize]
+    }
+
+    #[inline]
+    fn geometry_index(&self, id: PrimId) -> u32 {
+        if id.instance == WORLD { id.geom } else { self.placements[id.instance as usize].base + id.geom }
+    }
+
+    /// Whether an alpha-tested hit counts: by chance, with a random number that is a function of ray and point.
+    fn is_opaque_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> bool {
+        let at = match &geometry.shape {
+            Shape::Mesh(m) => TextureContext {
+                p: ray.at(hit.t),
+                uv: m.uv(hit.id.prim, hit.u, hit.v),
+                mesh: Some((m, hit.id.prim, Vec2::new(hit.u, hit.v))),
+            },
+            _ => {
+                let s = surface(&geometry.shape, hit, ray);
+                TextureContext { p: s.p, uv: s.uv, mesh: None }
+            }
+        };
+        let a = alpha.eval(&self.textures, &at);
+        a >= 1.0 || (a > 0.0 && hash_point(at.p, ray.direction, hit.id.prim) < a)
+    }
+
+    /// The nearest surface along a ray.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let mut ray = *ray;
+        let plane = self.nearest_plane::<false>(&mut ray);
+        self.accel.intersect(&ray, &Query::<false>(self)).or(plane)
+    }
+
+    /// Whether anything that scatters is met within the ray's interval.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.nearest_plane::<true>(&mut ray.clone()).is_some() || self.accel.occluded(ray, &Query::<true>(self))
+    }
+
+    /// The nearest infinite plane; the ray is cut there.
+    #[inline]
+    fn nearest_plane<const SHADOW: bool>(&self, ray: &mut Ray) -> Option<Hit> {
+        let mut best = None;
+        for &g in &self.planes {
+            let geometry = &self.geometries[g as usize];
+            let Shape::Plane(plane) = &geometry.shape else { continue };
+            let Some(t) = plane.intersect(ray) else { continue };
+            let hit = Hit { t, u: 0.0, v: 0.0, id: PrimId { instance: WORLD, geom: g, prim: 0 } };
+            if Query::<SHADOW>(self).passes(geometry, &hit, ray) {
+                ray.t_max = t;
+                best = Some(hit);
+            }
+        }
+        best
+    }
+
+    /// The surface at a hit.
+    #[inline]
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
+        let index = self.geometry_index(hit.id);
+        let shape = &self.geometries[index as usize].shape;
+        let surface = if hit.id.instance == WORLD {
+            surface(shape, hit, ray)
+        } else {
+            let place = &self.placements[hit.id.instance as usize].world_from_group;
+            let s = surface(shape, hit, &place.inverse().ray(ray));
+            // Normals keep to their side: the inverse transpose does not turn them over against each other.
+            SurfacePoint {
+                p: place.point(s.p),
+                error: place.point_error(s.p, s.error),
+                n: place.normal(s.n).normalize_or_zero(),
+                ns: place.normal(s.ns).normalize_or_zero(),
+                dpdu: place.vector(s.dpdu),
+                uv: s.uv,
+            }
+        };
+        Interaction {
+            surface,
+            wo: -ray.direction.normalize(),
+            t: hit.t,
+            geometry: index,
+            id: hit.id,
+            coordinates: Vec2::new(hit.u, hit.v),
+        }
+    }
+
+    /// Where textures are looked up at a point of a surface.
+    #[inline]
+    pub fn texture_context<'a>(&'a self, i: &Interaction) -> TextureContext<'a> {
+        let mesh = match &self.geometries[i.geometry as usize].shape {
+            Shape::Mesh(m) => Some((&**m, i.id.prim, i.coordinates)),
+            _ => None,
+        };
+        TextureContext { p: i.surface.p, uv: i.surface.uv, mesh }
+    }
+
+    /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only reflect.
+    /// `None` where nothing scatters.
+    #[inline]
+    pub fn scattering<'a>(
+        &'a self, i: &Interaction, choice: f32, lambda: &mut Wavelengths,
+    ) -> Option<(Scattering<'a>, Frame)> {
+        let geometry = &self.geometries[i.geometry as usize];
+        if geometry.is_interface {
+            return None;
+        }
+        let at = self.texture_context(i);
+        let front = i.surface.ns.dot(i.wo) > 0.0;
+        let s = material::scattering(&self.materials, &self.textures, geometry.material, &at, front, choice, lambda)?;
+        let z = if s.flipped { -i.surface.ns } else { i.surface.ns };
+        let frame = if self.materials[geometry.material as usize].needs_tangent() {
+            Frame::from_zx(z, i.surface.dpdu)
+        } else {
+            Frame::from_z(z)
+        };
+        Some((s, frame))
+    }
+
+    /// The medium on the side of a surface that a direction points to; `current` where the surface separates none.
+    #[inline]
+    pub fn medium_towards(&self, i: &Interaction, w: Vec3, current: Option<u32>) -> Option<u32> {
+        match self.geometries[i.geometry as usize].media {
+            Some((interior, exterior)) => if w.dot(i.surface.n) > 0.0 { exterior } else { interior },
+            None => current,
+        }
+    }
+
+    /// Box around all bounded geometry.
+    pub fn bounds(&self) -> Bounds3 {
+        self.accel.bounds()
+    }
+
+    /// Bytes of hierarchy and mesh data.
+    pub fn bytes(&self) -> usize {
+        let shapes = self.geometries.iter().map(|g| match &g.shape {
+            Shape::Mesh(m) => m.bytes(),
+            Shape::Patches(m) => m.bytes(),
+            Shape::Curves(c) => c.bytes(),
+            Shape::Quadric(_) | Shape::Plane(_) => size_of::<Quadric>(),
+        });
+        self.accel.bytes() + shapes.sum::<usize>()
+    }
+}
+
+/// The surface at a hit, in the space of the shape.
+#[inline]
+fn surface(shape: &Shape, hit: &Hit, ray: &Ray) -> SurfacePoint {
+    match shape {
+        Shape::Mesh(m) => m.surface(hit.id.prim, hit.u, hit.v),
+        Shape::Quadric(q) => q.surface(ray, hit.t),
+        Shape::Patches(m) => m.surface(hit.id.prim, hit.u, hit.v),
+        Shape::Curves(c) => c.surface(hit.id.prim, hit.u, hit.v, ray, hit.t),
+        Shape::Plane(p) => p.surface(ray, hit.t),
+    }
+}
+
+/// Whether a material scatters nothing.
+pub fn is_interface(material: &Material) -> bool {
+    matches!(material.model, Model::Interface)
+}

@@ -1,0 +1,198 @@
+//! Triangle meshes in world (or group) space.
+
+use super::SurfacePoint;
+use steradian_math::{Vec2, Vec3, ray::gamma, transform::Affine};
+use steradian_scene::{Domain, Mesh};
+
+/// Data on a mesh, such as colours.
+#[derive(Clone, Debug)]
+pub struct MeshAttribute {
+    /// Name without a domain prefix.
+    pub name: String,
+    /// What there is one value per.
+    pub domain: Domain,
+    /// Numbers per value.
+    pub channels: usize,
+    /// The numbers.
+    pub data: Vec<f32>,
+}
+
+/// A triangle mesh placed in the space it is traced in.
+#[derive(Clone, Debug, Default)]
+pub struct TriMesh {
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Unit vertex normals: none or one per vertex.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates: none or one per vertex.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices.
+    pub triangles: Vec<[u32; 3]>,
+    /// Further data.
+    pub attributes: Vec<MeshAttribute>,
+    /// Whether geometric normals point against the winding (only where there are no vertex normals to follow).
+    pub flip: bool,
+}
+
+impl TriMesh {
+    /// Places a mesh. `reverse` turns normals over; vertex normals are left out where `flat` is set.
+    pub fn new(mesh: &Mesh, place: &Affine, swaps_handedness: bool, reverse: bool, flat: bool) -> Self {
+        let sign = if reverse { -1.0 } else { 1.0 };
+        let normals = if flat { &[][..] } else { &mesh.normals[..] };
+        Self {
+            positions: mesh.positions.iter().map(|&p| place.point(Vec3::from(p))).collect(),
+            normals: normals
+                .iter()
+                .map(|&n| (place.normal(Vec3::from(n)) * sign).normalize_or_zero())
+                .collect(),
+            uvs: mesh.uvs.iter().map(|&uv| Vec2::from(uv)).collect(),
+            triangles: mesh.triangles.clone(),
+            attributes: mesh
+                .attributes
+                .iter()
+                .map(|a| MeshAttribute {
+                    name: a.name.clone(),
+                    domain: a.domain,
+                    channels: a.channels,
+                    data: a.data.clone(),
+                })
+                .collect(),
+            flip: reverse ^ swaps_handedness,
+        }
+    }
+
+    /// The corners of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// Unit geometric normal of a triangle, oriented: to the side of the vertex normals where there are any, by winding elsewhere.
+    /// Zero for a degenerate triangle.
+    pub fn geometric_normal(&self, triangle: u32) -> Vec3 {
+        let [p0, p1, p2] = self.corners(triangle);
+        let n = face_normal(p0, p1, p2);
+        if self.normals.is_empty() {
+            return if self.flip { -n } else { n };
+        }
+        let sum: Vec3 = self.triangles[triangle as usize].iter().map(|&i| self.normals[i as usize]).sum();
+        if sum.dot(n) < 0.0 { -n } else { n }
+    }
+
+    /// The surface at barycentric coordinates `(1 − u − v, u, v)` of a triangle.
+    #[inline]
+    pub fn surface(&self, triangle: u32, u: f32, v: f32) -> SurfacePoint {
+        let index = self.triangles[triangle as usize];
+        let [p0, p1, p2] = index.map(|i| self.positions[i as usize]);
+        let w = 1.0 - u - v;
+        let p = p0 * w + p1 * u + p2 * v;
+        let error = ((p0 * w).abs() + (p1 * u).abs() + (p2 * v).abs()) * gamma(7);
+        let mut n = face_normal(p0, p1, p2);
+        let mut ns = n;
+        if self.normals.is_empty() {
+            if self.flip {
+                n = -n;
+            }
+            ns = n;
+        } else {
+            let [n0, n1, n2] = index.map(|i| self.normals[i as usize]);
+            let s = n0 * w + n1 * u + n2 * v;
+            let len2 = s.length_squared();
+            if len2 > 0.0 {
+                ns = s / len2.sqrt();
+                n = if n.dot(ns) < 0.0 { -n } else { n };
+            }
+        }
+        let (uv0, uv1, uv2) = if self.uvs.is_empty() {
+            (Vec2::ZERO, Vec2::X, Vec2::ONE)
+        } else {
+            let [a, b, c] = index.map(|i| self.uvs[i as usize]);
+            (a, b, c)
+        };
+        SurfacePoint { p, error, n, ns, dpdu: tangent([p0, p1, p2], [uv0, uv1, uv2]), uv: uv0 * w + uv1 * u + uv2 * v }
+    }
+
+    /// Texture coordinates at barycentric coordinates of a triangle.
+    #[inline]
+    pub fn uv(&self, triangle: u32, u: f32, v: f32) -> Vec2 {
+        let w = 1.0 - u - v;
+        if self.uvs.is_empty() {
+            return Vec2::X * u + Vec2::ONE * v;
+        }
+        let [a, b, c] = self.triangles[triangle as usize].map(|i| self.uvs[i as usize]);
+        a * w + b * u + c * v
+    }
+
+    /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
+    pub fn attribute(&self, name: &str, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
+        let a = self.attributes.iter().find(|a| a.name == name)?;
+        let n = a.channels.min(4);
+        let at = |i: usize| -> [f32; 4] {
+            std::array::from_fn(|c| if c < n { a.data.get(i * a.channels + c).copied().unwrap_or(0.0) } else { 0.0 })
+        };
+        let value = match a.domain {
+            Domain::Face => at(triangle as usize),
+            Domain::Vertex => {
+                let [x, y, z] = self.triangles[triangle as usize].map(|i| at(i as usize));
+                let w = 1.0 - uv.x - uv.y;
+                std::array::from_fn(|c| x[c] * w + y[c] * uv.x + z[c] * uv.y)
+            }
+        };
+        Some((value, n))
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        (self.positions.len() + self.normals.len()) * 12
+            + self.uvs.len() * 8
+            + self.triangles.len() * 12
+            + self.attributes.iter().map(|a| a.data.len() * 4).sum::<usize>()
+    }
+}
+
+/// Unit normal by winding; zero where the corners lie on a line.
+#[inline]
+fn face_normal(p0: Vec3, p1: Vec3, p2: Vec3) -> Vec3 {
+    let n = (p1 - p0).cross(p2 - p0);
+    let len2 = n.length_squared();
+    if len2 > 0.0 && len2.is_finite() {
+        return n / len2.sqrt();
+    }
+    // Tiny or huge triangles: the squares leave the range of f32.
+    (p1 - p0).as_dvec3().cross((p2 - p0).as_dvec3()).normalize_or_zero().as_vec3()
+}
+
+/// ∂p/∂u of a triangle; zero where the parametrisation is degenerate.
+#[inline]
+fn tangent([p0, p1, p2]: [Vec3; 3], [uv0, uv1, uv2]: [Vec2; 3]) -> Vec3 {
+    let (duv02, duv12) = (uv0 - uv2, uv1 - uv2);
+    let det = duv02.x * duv12.y - duv02.y * duv12.x;
+    if det.abs() < 1e-20 {
+        return Vec3::ZERO;
+    }
+    ((p0 - p2) * duv12.y - (p1 - p2) * duv02.y) / det
+}
+
+/// Bilinear patches as triangles where that is the same surface with the same parametrisation (parallelograms), or where `all` asks for
+/// it; the other patches are given back.
+pub fn split_patches(mesh: &Mesh, all: bool) -> (Vec<[u32; 3]>, Vec<[u32; 4]>) {
+    let mut triangles = Vec::new();
+    let mut curved = Vec::new();
+    let faces = mesh.attributes.iter().any(|a| a.domain == Domain::Face);
+    for &[a, b, c, d] in &mesh.patches {
+        let p = [a, b, c, d].map(|i| Vec3::from(mesh.positions[i as usize]));
+        let size = (p[3] - p[0]).abs().max((p[2] - p[1]).abs()).max_element();
+        let straight = (p[0] + p[3] - p[1] - p[2]).length() <= 1e-6 * size;
+        let uv_straight = mesh.uvs.is_empty() || {
+            let t = [a, b, c, d].map(|i| Vec2::from(mesh.uvs[i as usize]));
+            (t[0] + t[3] - t[1] - t[2]).length() <= 1e-6
+        };
+        // Without coordinates of its own a patch has those of the unit square, which triangles cannot state.
+        if all || (straight && uv_straight && !mesh.uvs.is_empty() && !faces) {
+            triangles.extend([[a, b, d], [a, d, c]]);
+        } else {
+            curved.push([a, b, c, d]);
+        }
+    }
+    (triangles, curved)
+}

@@ -1,0 +1,44 @@
+//! Shapes: what rays meet.
+
+pub mod curve;
+pub mod mesh;
+pub mod patch;
+pub mod plane;
+pub mod quadric;
+pub mod subdivision;
+
+pub use curve::Curves;
+pub use mesh::TriMesh;
+pub use patch::PatchMesh;
+pub use plane::Plane;
+pub use quadric::{Quadric, QuadricKind};
+
+use steradian_math::{Vec2, Vec3};
+
+/// The shapes by name, for the registry.
+pub const SHAPES: &[(&str, &str)] = &[
+    ("mesh", "triangles and bilinear patches; alpha, flat"),
+    ("sphere", "center, radius, z_min, z_max, phi_max (degrees)"),
+    ("disk", "height, radius, inner_radius, phi_max (degrees)"),
+    ("cylinder", "radius, z_min, z_max, phi_max (degrees); or p0, p1, radius"),
+    ("plane", "the infinite plane n·x + d = 0; normal, distance"),
+    ("loop_subdivision", "the limit surface of a mesh by Loop's rules; levels"),
+    ("curve", "cubic or quadratic Bézier or B-spline; points, degree, basis, type, width0, width1, normals"),
+];
+
+/// The surface at a point, in the space of the shape's placement.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// The point.
+    pub p: Vec3,
+    /// Half size of a box around `p` that holds the true point.
+    pub error: Vec3,
+    /// Unit geometric normal, oriented.
+    pub n: Vec3,
+    /// Unit shading normal.
+    pub ns: Vec3,
+    /// ∂p/∂u; may be zero.
+    pub dpdu: Vec3,
+    /// Surface parameters.
+    pub uv: Vec2,
+}

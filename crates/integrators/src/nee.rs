@@ -1,0 +1,100 @@
+//! Next-event estimation: what a light, chosen in proportion to what it can contribute, adds at a scattering event.
+
+use crate::{Counters, dimension, power_heuristic};
+use steradian_core::{
+    Scene,
+    bsdf::{Bsdf, TransportMode},
+    light::{LightContext, LightSample},
+    sampler::PixelSampler,
+    scene::Interaction,
+};
+use steradian_math::{Frame, Spectrum, Vec3, spectra::Wavelengths};
+
+/// Where light is asked for at a surface: models that only reflect take none from below.
+#[inline]
+pub fn context(i: &Interaction, frame: &Frame, bsdf: &Bsdf) -> LightContext {
+    LightContext { p: i.surface.p, n: if bsdf.has_transmission() { Vec3::ZERO } else { frame.z } }
+}
+
+/// A light chosen for the context and a point on it, with the density of both.
+#[inline]
+pub fn sample_light(
+    scene: &Scene, ctx: &LightContext, event: u32, sampler: &PixelSampler, lambda: &Wavelengths,
+) -> Option<LightSample> {
+    let (light, p) = scene.lights.choose(ctx, sampler.get_1d(dimension::at(event, dimension::LIGHT)))?;
+    let u = sampler.get_2d(dimension::at(event, dimension::LIGHT_POINT));
+    let mut s = scene.lights.sample(light, ctx, u, lambda, &scene.textures)?;
+    s.pdf *= p;
+    Some(s)
+}
+
+/// Light reflected from one light sample, without regard to visibility: `f |cos| L w / p`, with the weight `w` of multiple
+/// importance sampling against sampling by the surface.
+#[inline]
+pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, bsdf: &Bsdf) -> Spectrum {
+    let e = bsdf.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
+    if e.value.is_black() {
+        return Spectrum::ZERO;
+    }
+    let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, e.pdf) };
+    e.value * s.radiance * (weight / s.pdf)
+}
+
+/// The estimate of direct light at a surface.
+#[inline]
+pub fn direct(
+    scene: &Scene, i: &Interaction, frame: &Frame, bsdf: &Bsdf, event: u32, sampler: &PixelSampler,
+    lambda: &Wavelengths, counters: &mut Counters,
+) -> Spectrum {
+    let ctx = context(i, frame, bsdf);
+    let Some(s) = sample_light(scene, &ctx, event, sampler, lambda) else { return Spectrum::ZERO };
+    let light = unoccluded(&s, frame.to_local(i.wo), frame, bsdf);
+    if light.is_black() {
+        return Spectrum::ZERO;
+    }
+    counters.rays += 1;
+    if scene.occluded(&i.spawn_towards(s.wi, s.distance)) { Spectrum::ZERO } else { light }
+}
+
+/// Where a path last scattered, for the weight of light that it then meets; `None` from the camera and after specular events, when no
+/// light sample could have found it.
+pub type Origin = Option<(LightContext, f32)>;
+
+/// Emission of the surface that a path met, weighted.
+#[inline]
+pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
+    let geometry = &scene.geometries[i.geometry as usize];
+    let Some(emitter) = geometry.emitter else { return Spectrum::ZERO };
+    let at = scene.texture_context(i);
+    let e = scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, &at, lambda, &scene.textures);
+    if e.is_black() {
+        return e;
+    }
+    match (origin, geometry.light(i.id.prim)) {
+        (Some((ctx, pdf)), Some(light)) => {
+            let distance = (i.surface.p - ctx.p).length();
+            let other = scene.lights.area_pdf(light, ctx, -i.wo, distance, i.surface.n);
+            e * power_heuristic(*pdf, other)
+        }
+        _ => e,
+    }
+}
+
+/// Light of the environments in a direction, weighted.
+#[inline]
+pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
+    let mut sum = Spectrum::ZERO;
+    for &light in &scene.lights.environments {
+        let steradian_core::light::Light::Environment(e) = &scene.lights.lights[light as usize] else { continue };
+        let radiance = e.radiance(p, w, lambda);
+        if radiance.is_black() {
+            continue;
+        }
+        let weight = match origin {
+            None => 1.0,
+            Some((ctx, pdf)) => power_heuristic(*pdf, scene.lights.environment_pdf(light, ctx, w)),
+        };
+        sum += radiance * weight;
+    }
+    sum
+}

@@ -1,0 +1,90 @@
+//! Path tracing, iterative: next-event estimation at every event, weighted with scattering by the power heuristic; Russian roulette
+//! on the throughput (M150, M151, M155, M161).
+
+use crate::{Counters, Depth, Integrator, dimension, live_max, nee};
+use steradian_core::{Scene, bsdf::TransportMode, sampler::PixelSampler};
+use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
+
+/// Surfaces that scatter nothing are passed at most this often on the way to the next event.
+pub(crate) const MAX_PASSES: u32 = 1 << 16;
+
+/// The path tracer. Media are ignored, surfaces that scatter nothing are passed.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// How far paths are followed.
+    pub depth: Depth,
+}
+
+/// The probability of going on, from the throughput with the compression of radiance by refraction taken out; one where the path goes
+/// on for sure.
+#[inline]
+pub(crate) fn survival(throughput: f32, events: u32, depth: &Depth) -> f32 {
+    if events <= depth.roulette_after { 1.0 } else { throughput.min(1.0) }
+}
+
+impl Integrator for Path {
+    #[inline]
+    fn radiance(
+        &self, scene: &Scene, mut ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+    ) -> Spectrum {
+        let mut sum = Spectrum::ZERO;
+        let mut beta = Spectrum::ONE;
+        let mut eta2 = 1.0_f32;
+        let mut origin: nee::Origin = None;
+        let mut events = 0;
+        let mut passes = 0;
+        loop {
+            // Follow the ray to the next surface; collect what shines there.
+            counters.rays += 1;
+            let hidden = events == 0 && self.depth.hide_emitters;
+            let Some(hit) = scene.intersect(&ray) else {
+                if !hidden {
+                    sum += beta * nee::background(scene, ray.origin, ray.direction, &origin, lambda);
+                }
+                return sum;
+            };
+            let i = scene.interaction(&ray, &hit);
+            if !hidden {
+                sum += beta * nee::emission(scene, &i, &origin, lambda);
+            }
+            if events >= self.depth.max {
+                return sum;
+            }
+            // Pass surfaces that scatter nothing.
+            let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
+            let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
+                passes += 1;
+                if passes > MAX_PASSES {
+                    return sum;
+                }
+                ray = i.spawn(ray.direction);
+                continue;
+            };
+            let bsdf = &scattering.bsdf;
+            // Light that arrives straight from a light.
+            if !bsdf.is_specular() && scene.lights.can_sample() {
+                sum += beta * nee::direct(scene, &i, &frame, bsdf, events, sampler, lambda, counters);
+            }
+            // Scatter.
+            let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
+            let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
+            let Some(s) = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) else { return sum };
+            beta *= s.weight;
+            eta2 *= s.eta * s.eta;
+            origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
+            ray = i.spawn(frame.to_world(s.wi));
+            events += 1;
+            // Russian roulette.
+            let p = survival(live_max(beta, lambda) * eta2, events, &self.depth);
+            if p < 1.0 {
+                if sampler.get_1d(dimension::at(events, dimension::ROULETTE)) >= p {
+                    return sum;
+                }
+                beta = beta / p;
+            }
+            if !(live_max(beta, lambda) > 0.0) {
+                return sum;
+            }
+        }
+    }
+}

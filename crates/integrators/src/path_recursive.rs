@@ -1,0 +1,93 @@
+//! Path tracing in the recursive form of the lab (M160): the light that leaves a point is what it emits, what lights send it, and what
+//! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
+
+use crate::{
+    Counters, Depth, Integrator, dimension, live_max, nee,
+    path::{MAX_PASSES, survival},
+};
+use steradian_core::{Scene, bsdf::TransportMode, sampler::PixelSampler};
+use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
+
+/// Recursion goes no deeper than this, whatever the scene asks for: the stack is finite.
+pub const DEEPEST: u32 = 256;
+
+/// The recursive path tracer.
+#[derive(Clone, Copy, Debug)]
+pub struct PathRecursive {
+    /// How far paths are followed.
+    pub depth: Depth,
+}
+
+/// What a path is when it sets out along a ray.
+struct Leg {
+    ray: Ray,
+    beta: Spectrum,
+    eta2: f32,
+    origin: nee::Origin,
+    events: u32,
+    passes: u32,
+}
+
+impl PathRecursive {
+    /// Adds to `sum` what arrives along a leg.
+    fn follow(
+        &self, scene: &Scene, leg: Leg, sum: Spectrum, sampler: &PixelSampler, lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let Leg { ray, beta, eta2, origin, events, passes } = leg;
+        counters.rays += 1;
+        let hidden = events == 0 && self.depth.hide_emitters;
+        // (2) Nothing is hit: the background.
+        let Some(hit) = scene.intersect(&ray) else {
+            let background = nee::background(scene, ray.origin, ray.direction, &origin, lambda);
+            return if hidden { sum } else { sum + beta * background };
+        };
+        // (1) A light is hit.
+        let i = scene.interaction(&ray, &hit);
+        let sum = if hidden { sum } else { sum + beta * nee::emission(scene, &i, &origin, lambda) };
+        // (3) The path is long enough.
+        if events >= self.depth.max.min(DEEPEST) {
+            return sum;
+        }
+        let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
+        let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
+            if passes >= MAX_PASSES.min(DEEPEST) {
+                return sum;
+            }
+            let leg = Leg { ray: i.spawn(ray.direction), beta, eta2, origin, events, passes: passes + 1 };
+            return self.follow(scene, leg, sum, sampler, lambda, counters);
+        };
+        let bsdf = &scattering.bsdf;
+        let sum = if bsdf.is_specular() || !scene.lights.can_sample() {
+            sum
+        } else {
+            sum + beta * nee::direct(scene, &i, &frame, bsdf, events, sampler, lambda, counters)
+        };
+        let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
+        let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
+        let Some(s) = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) else { return sum };
+        let (mut beta, eta2, events) = (beta * s.weight, eta2 * (s.eta * s.eta), events + 1);
+        let p = survival(live_max(beta, lambda) * eta2, events, &self.depth);
+        if p < 1.0 {
+            if sampler.get_1d(dimension::at(events, dimension::ROULETTE)) >= p {
+                return sum;
+            }
+            beta = beta / p;
+        }
+        if !(live_max(beta, lambda) > 0.0) {
+            return sum;
+        }
+        let origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
+        let leg = Leg { ray: i.spawn(frame.to_world(s.wi)), beta, eta2, origin, events, passes };
+        self.follow(scene, leg, sum, sampler, lambda, counters)
+    }
+}
+
+impl Integrator for PathRecursive {
+    fn radiance(
+        &self, scene: &Scene, ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+    ) -> Spectrum {
+        let leg = Leg { ray, beta: Spectrum::ONE, eta2: 1.0, origin: None, events: 0, passes: 0 };
+        self.follow(scene, leg, Spectrum::ZERO, sampler, lambda, counters)
+    }
+}

@@ -1,0 +1,31 @@
+//! Ray casting (M156): the colour of the first surface, as if the light were everywhere the same.
+
+use crate::{Counters, Integrator, nee, path::MAX_PASSES};
+use steradian_core::{Scene, sampler::PixelSampler};
+use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
+
+/// The ray caster.
+#[derive(Clone, Copy, Debug)]
+pub struct Raycast;
+
+impl Integrator for Raycast {
+    fn radiance(
+        &self, scene: &Scene, mut ray: Ray, _: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+    ) -> Spectrum {
+        for _ in 0..MAX_PASSES {
+            counters.rays += 1;
+            let Some(hit) = scene.intersect(&ray) else {
+                return nee::background(scene, ray.origin, ray.direction, &None, lambda);
+            };
+            let i = scene.interaction(&ray, &hit);
+            match scene.scattering(&i, 0.5, lambda) {
+                Some((s, frame)) => {
+                    let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
+                    return albedo + nee::emission(scene, &i, &None, lambda);
+                }
+                None => ray = i.spawn(ray.direction),
+            }
+        }
+        Spectrum::ZERO
+    }
+}

@@ -1,0 +1,134 @@
+//! From the sums on a film to a picture with layers.
+
+use steradian_core::{Scene, film::FirstHit};
+use steradian_image::{Image, Value};
+use steradian_integrators::Film;
+
+/// An auxiliary layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Reflectance of the first surface.
+    Albedo,
+    /// Shading normal.
+    Normal,
+    /// World position.
+    Position,
+    /// Distance along the camera's axis.
+    Depth,
+    /// Surface parameters.
+    Uv,
+    /// Shape and material numbers.
+    Ids,
+    /// Variance of the pixel's mean.
+    Variance,
+    /// Samples taken.
+    Samples,
+}
+
+impl Layer {
+    /// All layers.
+    pub const ALL: [Self; 8] = [
+        Self::Albedo,
+        Self::Normal,
+        Self::Position,
+        Self::Depth,
+        Self::Uv,
+        Self::Ids,
+        Self::Variance,
+        Self::Samples,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Position => "position",
+            Self::Depth => "depth",
+            Self::Uv => "uv",
+            Self::Ids => "ids",
+            Self::Variance => "variance",
+            Self::Samples => "samples",
+        }
+    }
+
+    /// What it holds, and the channels it has in a file.
+    pub fn doc(self) -> &'static str {
+        match self {
+            Self::Albedo => "reflectance of the first surface, linear Rec.709 in [0, 1]: albedo.R albedo.G albedo.B",
+            Self::Normal => "shading normal in the world, zero where nothing is hit: N.X N.Y N.Z",
+            Self::Position => "world position of the first surface: P.X P.Y P.Z",
+            Self::Depth => "distance along the camera's axis (Z) and along the ray (depth.Z)",
+            Self::Uv => "surface parameters: uv.U uv.V",
+            Self::Ids => "numbers of shape and material from one, zero for nothing: object_id.Y material_id.Y",
+            Self::Variance => "estimated variance of the pixel's mean: variance.R variance.G variance.B",
+            Self::Samples => "samples taken: samples.Y",
+        }
+    }
+
+    /// By name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|l| l.name() == name)
+    }
+
+    /// Whether it comes from the first hits of camera rays.
+    pub fn needs_features(self) -> bool {
+        !matches!(self, Self::Variance | Self::Samples)
+    }
+}
+
+/// The picture: linear Rec.709 in `R G B`, and the layers asked for. Layers of first hits need a film on which they were gathered.
+pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
+    let (w, h) = (film.crop.width() as usize, film.crop.height() as usize);
+    let mut image = Image::new(w, h);
+    let means: Vec<[f64; 3]> = film.pixels.iter().map(|p| p.mean()).collect();
+    let plane = |c: usize| means.iter().map(|m| m[c] as f32).collect::<Vec<_>>();
+    push(&mut image, "R", plane(0));
+    push(&mut image, "G", plane(1));
+    push(&mut image, "B", plane(2));
+    let hits: Vec<FirstHit> = film.features.iter().map(|f| f.mean()).collect();
+    for layer in layers {
+        if layer.needs_features() && hits.is_empty() {
+            continue;
+        }
+        let of = |f: &dyn Fn(&FirstHit) -> f32| hits.iter().map(f).collect::<Vec<f32>>();
+        match layer {
+            Layer::Albedo => ["R", "G", "B"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("albedo.{n}"), of(&|h| h.albedo[c]));
+            }),
+            Layer::Normal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("N.{n}"), of(&|h| h.normal[c]));
+            }),
+            Layer::Position => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("P.{n}"), of(&|h| h.position[c]));
+            }),
+            Layer::Depth => {
+                push(&mut image, "Z", of(&|h| h.depth));
+                push(&mut image, "depth.Z", of(&|h| h.distance));
+            }
+            Layer::Uv => ["U", "V"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("uv.{n}"), of(&|h| h.uv[c]));
+            }),
+            Layer::Ids => {
+                push(&mut image, "object_id.Y", of(&|h| h.shape as f32));
+                push(&mut image, "material_id.Y", of(&|h| h.material as f32));
+            }
+            Layer::Variance => ["R", "G", "B"].iter().enumerate().for_each(|(c, n)| {
+                let v = film.pixels.iter().map(|p| p.variance_of_mean()[c] as f32).collect();
+                push(&mut image, &format!("variance.{n}"), v);
+            }),
+            Layer::Samples => {
+                push(&mut image, "samples.Y", film.pixels.iter().map(|p| p.samples as f32).collect());
+            }
+        }
+    }
+    let world_from_camera = scene.camera.world_from_camera;
+    image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
+    image
+}
+
+/// Layers have distinct names and the length of the picture, so this adds them.
+fn push(image: &mut Image, name: &str, data: Vec<f32>) {
+    let added = image.push(name, data);
+    debug_assert!(added.is_ok(), "{name}: {added:?}");
+}

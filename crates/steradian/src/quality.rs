@@ -1,0 +1,81 @@
+//! What the user decides about a render; what is left open follows the scene.
+
+use crate::{Error, Layer};
+use steradian_core::{
+    Scene,
+    sampler::{SAMPLERS, Sampler},
+};
+use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, Plan};
+use steradian_scene::names::did_you_mean;
+
+/// Integrator, samples, depth, threads and layers.
+#[derive(Clone, Debug, Default)]
+pub struct Quality {
+    /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`.
+    pub integrator: Option<String>,
+    /// Samples per pixel.
+    pub spp: Option<u32>,
+    /// Chooses among statistically equal images.
+    pub seed: Option<u64>,
+    /// Threads; 0 for one per processor.
+    pub threads: usize,
+    /// Most scattering events.
+    pub max_depth: Option<u32>,
+    /// Sampler by name.
+    pub sampler: Option<String>,
+    /// Auxiliary layers.
+    pub layers: Vec<Layer>,
+}
+
+impl Quality {
+    /// The plan for a scene.
+    ///
+    /// # Errors
+    /// [`Error`] for unknown names and options.
+    pub fn plan(&self, scene: &Scene) -> Result<Plan, Error> {
+        let asked = self.integrator.as_deref().unwrap_or(&scene.settings.integrator);
+        let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
+        let mut depth = Depth {
+            max: scene.settings.max_depth,
+            roulette_after: scene.settings.rr_depth,
+            hide_emitters: scene.settings.hide_emitters,
+        };
+        for option in options.split(',').filter(|o| !o.is_empty()) {
+            let fault = || Error::IntegratorOption(option.into());
+            let (key, value) = option.split_once('=').ok_or_else(fault)?;
+            match key.trim() {
+                "max_depth" if value == "-1" => depth.max = u32::MAX,
+                "max_depth" => depth.max = value.parse().map_err(|_| fault())?,
+                "rr_depth" => depth.roulette_after = value.parse().map_err(|_| fault())?,
+                "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
+                _ => return Err(fault()),
+            }
+        }
+        depth.max = self.max_depth.unwrap_or(depth.max);
+        let integrator = IntegratorKind::named(name, depth).ok_or_else(|| Error::UnknownIntegrator {
+            name: name.into(),
+            hint: did_you_mean(name, INTEGRATORS.iter().map(|i| i.0)),
+            known: INTEGRATORS.iter().map(|i| i.0).collect::<Vec<_>>().join(", "),
+        })?;
+        let kind = match self.sampler.as_deref() {
+            None => scene.settings.sampler,
+            Some(name) => SAMPLERS.iter().find(|s| s.0 == name).map(|s| s.1).ok_or_else(|| Error::UnknownSampler {
+                name: name.into(),
+                hint: did_you_mean(name, SAMPLERS.iter().map(|s| s.0)),
+                known: SAMPLERS.iter().map(|s| s.0).collect::<Vec<_>>().join(", "),
+            })?,
+        };
+        let sampler = Sampler {
+            kind,
+            spp: self.spp.unwrap_or(scene.settings.spp),
+            seed: self.seed.unwrap_or(scene.settings.seed),
+        };
+        Ok(Plan { integrator, sampler, threads: self.threads, features: self.layers.iter().any(|l| l.needs_features()) })
+    }
+
+    /// The integrator's name in the plan, without options.
+    pub fn integrator_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
+        let asked = self.integrator.as_deref().unwrap_or(&scene.settings.integrator);
+        asked.split_once(':').map_or(asked, |s| s.0)
+    }
+}
