@@ -144,8 +144,8 @@ impl Bvh {
         a.root == b.root
             && (a.bounds, &a.first) == (b.bounds, &b.first)
             && (a.nodes.len(), a.blocks.len()) == (b.nodes.len(), b.blocks.len())
-            && a.nodes.iter().zip(&b.nodes).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.children == b.children)
-            && a.blocks.iter().zip(&b.blocks).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
+            && a.nodes.iter().zip(&b.nodes[..]).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.children == b.children)
+            && a.blocks.iter().zip(&b.blocks[..]).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
     }
 
     /// The tree alone.

@@ -8,7 +8,7 @@
 
 use crate::layout::Block;
 use crate::simd::{LANES, Row, Simd};
-use steradian_math::{Ray, Vec3};
+use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// What the test needs of a ray.
 #[derive(Clone, Copy)]
@@ -78,7 +78,28 @@ impl<S: Simd> Shear<S> {
         s.sub(s.load(row), self.origin[axis])
     }
 
-    /// Tests a block: hits with `0 < t <= t_max`.
+    #[inline(always)]
+    fn abs(&self, s: S, x: S::F) -> S::F {
+        s.max(x, s.sub(s.splat(0.0), x))
+    }
+
+    /// A bound on the rounding error of `t` times the sum of the edge functions. Nearer hits may lie behind the origin: a ray that
+    /// leaves a large triangle would meet it again (Pharr, Jakob, Humphreys, PBR 4th ed., 6.8.7).
+    #[inline(always)]
+    fn depth_error(&self, s: S, corners: [[S::F; 3]; 3], edges: [S::F; 3]) -> S::F {
+        let largest = |v: [S::F; 3]| s.max(s.max(self.abs(s, v[0]), self.abs(s, v[1])), self.abs(s, v[2]));
+        let [x, y, z] = corners.map(largest);
+        let z = s.mul(z, self.abs(s, self.shear[2]));
+        let e = largest(edges);
+        let [g2, g3, g5] = [2, 3, 5].map(|n| s.splat(gamma(n)));
+        let (dx, dy, dz) = (s.mul(g5, s.add(x, z)), s.mul(g5, s.add(y, z)), s.mul(g3, z));
+        let de = s.add(s.mul(g2, s.mul(x, y)), s.add(s.mul(dy, x), s.mul(dx, y)));
+        let de = s.add(de, de);
+        let sum = s.add(s.add(s.mul(g3, s.mul(e, z)), s.mul(de, z)), s.mul(dz, e));
+        s.mul(s.splat(3.0), sum)
+    }
+
+    /// Tests a block: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin.
     #[inline(always)]
     pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
         let [ax, ay, az] = self.vertex(s, block, 0);
@@ -108,9 +129,14 @@ impl<S: Simd> Shear<S> {
         }
 
         let sum = s.add(s.add(u, v), w);
-        let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
-        let t = s.div(s.mul(depth, self.shear[2]), sum);
+        let depth = s.mul(s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz)), self.shear[2]);
+        let t = s.div(depth, sum);
         let lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
+        if lanes == 0 {
+            return None;
+        }
+        let error = self.depth_error(s, [[ax, bx, cx], [ay, by, cy], [az, bz, cz]], [u, v, w]);
+        let lanes = lanes & s.bits(s.lt(error, self.abs(s, depth)));
         (lanes != 0).then(|| Candidates { lanes, t: s.store(t), edges: [s.store(v), s.store(w), s.store(sum)] })
     }
 }

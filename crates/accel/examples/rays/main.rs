@@ -85,15 +85,19 @@ fn run(name: &str, n: i32, instanced: bool, isa: Isa) -> Result<(), Error> {
 }
 
 fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
+    // The clock ticks in milliseconds.
+    let repeat = 1_000_000_usize.div_ceil(rays.len().max(1));
     let rate = |f: &dyn Fn() -> (usize, f64)| {
         let mut seconds = f64::INFINITY;
         let mut found = (0, 0.0);
         for _ in 0..5 {
             let start = thread_seconds();
-            found = f();
+            for _ in 0..repeat {
+                found = f();
+            }
             seconds = seconds.min(thread_seconds() - start);
         }
-        (rays.len() as f64 / seconds / 1e6, found)
+        ((repeat * rays.len()) as f64 / seconds / 1e6, found)
     };
     let sum = |(n, sum): (usize, f64), t: f32| (n + 1, sum + f64::from(t));
     let (closest, (hits, t)) = rate(&|| rays.iter().filter_map(|r| Some(top.intersect(r, &())?.t)).fold((0, 0.0), sum));
