@@ -81,6 +81,11 @@ impl Report {
         self.said.len() < Diagnostics::MAX_OTHERS && self.said.insert(message.to_string())
     }
 
+    /// `did you mean 'x'?` over names that the file defines, of which only so many are compared, and only for errors that are kept.
+    pub fn did_you_mean<'a>(&self, name: &str, defined: impl IntoIterator<Item = &'a str>) -> Option<String> {
+        if self.is_full() { None } else { names::did_you_mean(name, defined.into_iter().take(1000)) }
+    }
+
     fn others_fit(&mut self) -> bool {
         self.others += 1;
         self.others <= Diagnostics::MAX_OTHERS
@@ -89,9 +94,4 @@ impl Report {
     fn count(&mut self, severity: Severity, message: String) {
         self.diagnostics.push(Diagnostic { severity, fidelity: None, message, location: None, help: None });
     }
-}
-
-/// `did you mean 'x'?` over names that the file defines, of which only so many are compared.
-pub(super) fn did_you_mean<'a>(name: &str, defined: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    names::did_you_mean(name, defined.into_iter().take(1000))
 }

@@ -7,7 +7,7 @@ use super::{
     dict::Dict,
     light, material, medium,
     mesh_files::MeshFiles,
-    report::{Report, did_you_mean},
+    report::Report,
     shape,
     state::{MaterialRef, NameRef, State},
     texture::{self, Values},
@@ -241,7 +241,7 @@ impl<'o> Scene<'o> {
             (format!("'{name}' is a {} texture, but a {wanted} texture is needed here", other.name()), None)
         } else {
             let known = self.texture_names.iter().filter(|t| t.0 == values).map(|t| t.1.as_str());
-            (format!("there is no {wanted} texture '{name}'"), did_you_mean(name, known))
+            (format!("there is no {wanted} texture '{name}'"), self.report.did_you_mean(name, known))
         };
         self.report.error_help(span, message, help);
         None
@@ -256,7 +256,7 @@ impl<'o> Scene<'o> {
             true => (format!("the material '{name}' is used before it is defined"), None),
             false => {
                 let known = self.named_names.iter().map(String::as_str);
-                (format!("there is no material '{name}'"), did_you_mean(name, known))
+                (format!("there is no material '{name}'"), self.report.did_you_mean(name, known))
             }
         };
         self.report.error_help(span, message, help);
@@ -378,7 +378,7 @@ impl<'o> Scene<'o> {
         if let Some(&known) = self.media.get(&m.name) {
             return known;
         }
-        let help = did_you_mean(&m.name, self.media.keys().map(|k| &**k));
+        let help = self.report.did_you_mean(&m.name, self.media.keys().map(|k| &**k));
         self.report.error_help(m.span, format!("there is no medium '{}'", m.name), help);
         self.media.insert(m.name.clone(), None);
         None
@@ -392,7 +392,7 @@ impl<'o> Scene<'o> {
                 let placed = Instance { group, world_from_group: instance.transform, span: Some(span) };
                 self.desc.instances.push(placed);
             } else if unknown.insert(name.clone()) {
-                let help = did_you_mean(&name, self.object_names.keys().map(String::as_str));
+                let help = self.report.did_you_mean(&name, self.object_names.keys().map(String::as_str));
                 self.report.error_help(span, format!("there is no object '{name}'"), help);
             }
         }

@@ -2,7 +2,6 @@
 
 use super::{
     reader::{Done, Reader},
-    report::did_you_mean,
     state::Active,
 };
 use steradian_math::DVec3;
@@ -58,7 +57,8 @@ impl Reader<'_> {
                 match self.coordinate_systems.get(&name) {
                     Some(&ctm) => self.state.ctm = ctm,
                     None => {
-                        let help = did_you_mean(&name, self.coordinate_systems.keys().map(String::as_str));
+                        let help =
+                            self.scene.report.did_you_mean(&name, self.coordinate_systems.keys().map(String::as_str));
                         let message = format!("there is no coordinate system '{name}'");
                         self.scene.report.error_help(span, message, help);
                     }

@@ -45,6 +45,15 @@ fn floods_of_faults_end() {
 }
 
 #[test]
+fn nearest_names_are_not_looked_for_without_end() {
+    let defined: String =
+        (0..50_000).map(|i| format!("MakeNamedMaterial \"m{i}\" \"string type\" \"diffuse\"\n")).collect();
+    let used: String = (0..5_000).map(|i| format!("NamedMaterial \"x{i}\" Shape \"sphere\"\n")).collect();
+    let import = quickly(format!("WorldBegin\n{defined}{used}"));
+    assert_eq!(import.diagnostics.error_count(), 5_000);
+}
+
+#[test]
 fn floods_of_valid_directives_end() {
     for (flood, shapes) in [
         ("Shape \"sphere\"\n", 100_000),
