@@ -1,6 +1,6 @@
 //! Scenes of pbrt-v4 (<https://pbrt.org/fileformat-v4>).
 //!
-//! The text is read once, front to back: [`lexer`] makes tokens, [`param`] the typed parameters of a directive, [`directive`] carries
+//! The text is read once, front to back: `lexer` makes tokens, `param` the typed parameters of a directive, `directive` carries
 //! directives out on a graphics state, and one file per family (`camera`, `film`, `light`, `material`, …) translates models into
 //! Steradian's vocabulary. Nothing recurses on the input, and every fault is reported where it stands while reading goes on.
 
