@@ -78,20 +78,13 @@ impl<S: Simd> Shear<S> {
         s.sub(s.load(row), self.origin[axis])
     }
 
+    /// A bound on the rounding error of the sum of the edge functions times the depths of their vertices. A hit whose sum is not
+    /// greater may lie behind the origin: a ray that leaves a large triangle would meet it again (Pharr, Jakob, Humphreys, PBR
+    /// 4th ed., 6.8.7). Depths are not scaled here, so that the length of the direction does not matter.
     #[inline(always)]
-    fn abs(&self, s: S, x: S::F) -> S::F {
-        s.max(x, s.sub(s.splat(0.0), x))
-    }
-
-    /// A bound on the rounding error of `t` times the sum of the edge functions. Nearer hits may lie behind the origin: a ray that
-    /// leaves a large triangle would meet it again (Pharr, Jakob, Humphreys, PBR 4th ed., 6.8.7).
-    #[inline(always)]
-    fn depth_error(&self, s: S, corners: [[S::F; 3]; 3], edges: [S::F; 3]) -> S::F {
-        let largest = |v: [S::F; 3]| s.max(s.max(self.abs(s, v[0]), self.abs(s, v[1])), self.abs(s, v[2]));
-        let [x, y, z] = corners.map(largest);
-        let z = s.mul(z, self.abs(s, self.shear[2]));
-        let e = largest(edges);
-        let [g2, g3, g5] = [2, 3, 5].map(|n| s.splat(gamma(n)));
+    fn depth_error(s: S, x: [S::F; 3], y: [S::F; 3], z: [S::F; 3], edges: [S::F; 3]) -> S::F {
+        let (x, y, z, e) = (greatest(s, x), greatest(s, y), greatest(s, z), greatest(s, edges));
+        let (g2, g3, g5) = (s.splat(gamma(2)), s.splat(gamma(3)), s.splat(gamma(5)));
         let (dx, dy, dz) = (s.mul(g5, s.add(x, z)), s.mul(g5, s.add(y, z)), s.mul(g3, z));
         let de = s.add(s.mul(g2, s.mul(x, y)), s.add(s.mul(dy, x), s.mul(dx, y)));
         let de = s.add(de, de);
@@ -129,16 +122,35 @@ impl<S: Simd> Shear<S> {
         }
 
         let sum = s.add(s.add(u, v), w);
-        let depth = s.mul(s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz)), self.shear[2]);
-        let t = s.div(depth, sum);
-        let lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
+        let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
+        let t = s.div(s.mul(depth, self.shear[2]), sum);
+        let mut lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
         if lanes == 0 {
             return None;
         }
-        let error = self.depth_error(s, [[ax, bx, cx], [ay, by, cy], [az, bz, cz]], [u, v, w]);
-        let lanes = lanes & s.bits(s.lt(error, self.abs(s, depth)));
+
+        // A triangle that is in front of the origin as a whole is hit in front of it. Else rounding may have brought the hit there.
+        let scale = self.shear[2];
+        let nearest = s.min(s.min(s.mul(az, scale), s.mul(bz, scale)), s.mul(cz, scale));
+        let in_front = s.bits(s.lt(zero, nearest));
+        if lanes & !in_front != 0 {
+            let error = Self::depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
+            lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
+        }
         (lanes != 0).then(|| Candidates { lanes, t: s.store(t), edges: [s.store(v), s.store(w), s.store(sum)] })
     }
+}
+
+/// The absolute value.
+#[inline(always)]
+fn abs<S: Simd>(s: S, x: S::F) -> S::F {
+    s.max(x, s.sub(s.splat(0.0), x))
+}
+
+/// The greatest absolute value of three numbers.
+#[inline(always)]
+fn greatest<S: Simd>(s: S, [a, b, c]: [S::F; 3]) -> S::F {
+    s.max(s.max(abs(s, a), abs(s, b)), abs(s, c))
 }
 
 /// Edge functions of the lanes in `lanes` again, with an exact sign.

@@ -96,7 +96,7 @@ impl UserPrimitives for EvenOnly {
 
     fn accept(&self, hit: &Hit, ray: &Ray) -> bool {
         assert!(hit.t > 0.0 && hit.t < ray.t_max && hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.0 + 1e-6);
-        hit.id.prim % 2 == 0
+        hit.id.prim.is_multiple_of(2)
     }
 }
 
