@@ -1,5 +1,6 @@
 //! Path tracing through participating media (M171): free flights are drawn from the transmittance of one lane chosen at random and
-//! weighted by the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface on their way.
+//! weighted by the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin pane on their
+//! way, and passing straight through such a pane is no scattering event.
 
 use crate::{
     Counters, Depth, Integrator, dimension, live_max, nee,
@@ -79,8 +80,12 @@ fn visibility(
         }
         let Some(hit) = hit else { return t };
         let i = scene.interaction(&ray, &hit);
-        if !scene.geometries[i.geometry as usize].is_interface {
-            return Spectrum::ZERO;
+        // Interfaces pass everything, thin panes a part; what bends or stops light blocks the way.
+        if let Some((s, frame)) = scene.scattering(&i, 0.5, &mut lambda.clone()) {
+            match s.bsdf.straight_transmission(frame.to_local(i.wo)) {
+                Some(part) => t *= part,
+                None => return Spectrum::ZERO,
+            }
         }
         medium = scene.medium_towards(&i, ray.direction, medium);
         let next = i.spawn(ray.direction);
@@ -100,7 +105,7 @@ impl VolPath {
         scene: &Scene, ray: Ray, s: &LightSample, medium: Option<u32>, lambda: &Wavelengths, counters: &mut Counters,
     ) -> Spectrum {
         let ray = Ray { t_max: s.distance * SHADOW_END, ..ray };
-        if scene.has_media {
+        if scene.is_see_through {
             visibility(scene, ray, medium, lambda, counters)
         } else {
             counters.rays += 1;
@@ -123,11 +128,11 @@ impl Integrator for VolPath {
             counters.rays += 1;
             let hit = scene.intersect(&ray);
             let hidden = events == 0 && self.depth.hide_emitters;
+            // Numbers are drawn anew after each surface that was passed on the way to the next event.
+            let salt = passes << 16;
             // Fly through the medium, if the ray is in one.
             if let Some(m) = medium {
                 let medium_here = &scene.media[m as usize];
-                // Flights are drawn anew after each pass: their dimension counts passes too.
-                let salt = passes.min(63) << 24;
                 let u = sampler.get_1d(dimension::at(events, dimension::FLIGHT) ^ salt);
                 let lane = sampler.get_1d(dimension::at(events, dimension::LANE) ^ salt);
                 let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
@@ -181,7 +186,7 @@ impl Integrator for VolPath {
             if !hidden {
                 sum += beta * nee::emission(scene, &i, &origin, lambda);
             }
-            let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
+            let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE) ^ salt, scene.has_mixtures);
             let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
                 passes += 1;
                 if passes > MAX_PASSES {
@@ -206,11 +211,21 @@ impl Integrator for VolPath {
                     }
                 }
             }
-            let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
+            let u = sampler.get_1d(dimension::at(events, dimension::LOBE) ^ salt);
             let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
             let Some(s) = bsdf.sample(wo, u, u2, TransportMode::Radiance) else { return sum };
             beta *= s.weight;
             eta2 *= s.eta * s.eta;
+            // Light that goes straight on has not scattered: next-event estimation sees through such surfaces too.
+            if s.lobe.is_transmission() && bsdf.straight_transmission(wo).is_some() {
+                passes += 1;
+                if passes > MAX_PASSES || !(live_max(beta, lambda) > 0.0) {
+                    return sum;
+                }
+                medium = scene.medium_towards(&i, ray.direction, medium);
+                ray = i.spawn(ray.direction);
+                continue;
+            }
             origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
             let direction = frame.to_world(s.wi);
             medium = scene.medium_towards(&i, direction, medium);

@@ -209,6 +209,15 @@ impl Bsdf<'_> {
         matches!(self, Self::DiffuseTransmission(_) | Self::Dielectric(_) | Self::ThinDielectric(_))
     }
 
+    /// The part of light that passes straight through, for models that let it: what a shadow ray loses on its way.
+    #[inline]
+    pub fn straight_transmission(&self, wo: Vec3) -> Option<Spectrum> {
+        match self {
+            Self::ThinDielectric(b) => Some(b.straight_transmission(wo)),
+            _ => None,
+        }
+    }
+
     /// A cheap estimate of the directional albedo for feature images: the reflectance of diffuse surfaces, the reflectance
     /// at this angle for metals, and 1 (tinted) for glass, as denoisers expect it.
     pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

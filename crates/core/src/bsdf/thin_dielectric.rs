@@ -51,6 +51,11 @@ impl ThinDielectric {
         })
     }
 
+    /// The tinted fraction that passes straight through.
+    pub(super) fn straight_transmission(&self, wo: Vec3) -> Spectrum {
+        self.transmittance * (1.0 - self.reflected(wo))
+    }
+
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let f = self.reflected(wo);
         self.reflectance * f + self.transmittance * (1.0 - f)

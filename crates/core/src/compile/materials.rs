@@ -6,7 +6,7 @@ use crate::{
     color::{Color, Role},
     material::{Eta, MATERIALS, Material, Model, Roughness},
     medium::{MEDIA, Medium},
-    texture::{FloatTexture, SpectrumTexture, Texture},
+    texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
 use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
 
@@ -124,7 +124,20 @@ impl Compiler<'_> {
                     if a.alpha.is_some() || b.alpha.is_some() {
                         self.approximated(node.span, "masks of the parts of a mix are ignored");
                     }
-                    Model::Mix(a.id, b.id, self.float_texture(node, "amount", 0.5))
+                    let amount = self.float_texture(node, "amount", 0.5);
+                    match (&self.materials[a.id as usize].model, &self.materials[b.id as usize].model) {
+                        // Lambertian parts mix exactly: their reflectances do.
+                        (Model::Diffuse(a), Model::Diffuse(b)) => {
+                            let parts = [a.clone(), b.clone()].map(|t| self.as_texture(t));
+                            let amount = match amount {
+                                FloatTexture::Texture(id) => id,
+                                FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
+                            };
+                            let mixed = self.textures.add(Texture::Mix(parts[0], parts[1], amount));
+                            Model::Diffuse(SpectrumTexture::Texture(mixed, Role::Albedo))
+                        }
+                        _ => Model::Mix(a.id, b.id, amount),
+                    }
                 }
                 _ => {
                     self.error(node.span, "material 'mix' needs two materials");
@@ -134,6 +147,13 @@ impl Compiler<'_> {
             _ => return self.nearest_material(node, depth),
         };
         self.add(node, model)
+    }
+
+    fn as_texture(&mut self, t: SpectrumTexture) -> TextureId {
+        match t {
+            SpectrumTexture::Texture(id, _) => id,
+            SpectrumTexture::Constant(c) => self.textures.add(Texture::Constant(c)),
+        }
     }
 
     /// Opacities multiply.

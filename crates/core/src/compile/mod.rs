@@ -151,6 +151,8 @@ impl Compiler<'_> {
         let scene = Scene {
             mode: self.mode,
             has_media,
+            is_see_through: has_media
+                || self.materials.iter().any(|m| matches!(m.model, crate::material::Model::ThinDielectric { .. })),
             has_mixtures: self.materials.iter().any(|m| matches!(m.model, crate::material::Model::Mix(..))),
             geometries: std::mem::take(&mut self.geometries),
             accel,

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::{collections::BTreeSet, path::Path, sync::Arc};
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::{Vec2, Vec3};
-use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
+use steradian_scene::{Domain, Family, Node, NodeId, SpectrumValue, Value};
 
 impl Compiler<'_> {
     /// Loads every image that a node names, each once, in parallel. Failures are reported where the image is used.
@@ -106,6 +106,11 @@ impl Compiler<'_> {
             ),
             "mesh_attribute" => Texture::MeshAttribute {
                 name: node.string("name").unwrap_or_default().into(),
+                domain: match node.string("domain") {
+                    Some("vertex") => Some(Domain::Vertex),
+                    Some("face") => Some(Domain::Face),
+                    _ => None,
+                },
                 scale: self.float(node, "scale", 1.0),
             },
             other => {

@@ -124,8 +124,10 @@ impl TriMesh {
     }
 
     /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
-    pub fn attribute(&self, name: &str, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
-        let a = self.attributes.iter().find(|a| a.name == name)?;
+    pub fn attribute(
+        &self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2,
+    ) -> Option<([f32; 4], usize)> {
+        let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;
         let n = a.channels.min(4);
         let at = |i: usize| -> [f32; 4] {
             std::array::from_fn(|c| if c < n { a.data.get(i * a.channels + c).copied().unwrap_or(0.0) } else { 0.0 })

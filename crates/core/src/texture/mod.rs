@@ -10,6 +10,7 @@ use crate::{
 pub use image::ImageTexture;
 pub use mapping::Mapping;
 use std::sync::Arc;
+use steradian_scene::Domain;
 use steradian_math::{Spectrum, Vec2, Vec3, hash::mix32, spectra::Wavelengths};
 
 /// The textures by name, for the registry.
@@ -61,8 +62,10 @@ pub enum Texture {
     Mix(TextureId, TextureId, TextureId),
     /// Data on the mesh.
     MeshAttribute {
-        /// Index into [`TriMesh::attributes`] is looked up by this name.
+        /// The attribute's name, without domain prefix.
         name: Arc<str>,
+        /// What it has one value per; `None` for either.
+        domain: Option<Domain>,
         /// Factor.
         scale: f32,
     },
@@ -124,7 +127,7 @@ impl Textures {
                 t if t >= 1.0 => self.spectrum(*b, at, role, lambda),
                 t => self.spectrum(*a, at, role, lambda).lerp(self.spectrum(*b, at, role, lambda), t),
             },
-            Texture::MeshAttribute { name, scale } => match attribute(name, at) {
+            Texture::MeshAttribute { name, domain, scale } => match attribute(name, *domain, at) {
                 Some((v, 1)) => Spectrum::splat(v[0] * scale),
                 Some((v, _)) => color::texel(Vec3::new(v[0], v[1], v[2]) * *scale, role, lambda, self.mode),
                 None => Spectrum::ZERO,
@@ -149,7 +152,7 @@ impl Textures {
                 let t = self.float(*amount, at);
                 self.float(*a, at) * (1.0 - t) + self.float(*b, at) * t
             }
-            Texture::MeshAttribute { name, scale } => match attribute(name, at) {
+            Texture::MeshAttribute { name, domain, scale } => match attribute(name, *domain, at) {
                 Some((v, 1)) => v[0] * scale,
                 Some((v, _)) => (v[0] + v[1] + v[2]) / 3.0 * scale,
                 None => 0.0,
@@ -170,9 +173,9 @@ fn checker_is_even(solid: bool, mapping: &Mapping, at: &TextureContext) -> bool 
     sum & 1 == 0
 }
 
-fn attribute(name: &str, at: &TextureContext) -> Option<([f32; 4], usize)> {
+fn attribute(name: &str, domain: Option<Domain>, at: &TextureContext) -> Option<([f32; 4], usize)> {
     let (mesh, triangle, uv) = at.mesh?;
-    mesh.attribute(name, triangle, uv)
+    mesh.attribute(name, domain, triangle, uv)
 }
 
 /// A spectral parameter: one colour, or a texture in a role.
