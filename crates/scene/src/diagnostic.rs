@@ -92,6 +92,8 @@ impl fmt::Display for Diagnostic {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,
+    /// Errors among the items.
+    kept_errors: usize,
     errors: usize,
     suppressed: usize,
 }
@@ -102,19 +104,28 @@ impl Diagnostics {
     /// Warnings and notes kept.
     pub const MAX_OTHERS: usize = 400;
 
-    /// Adds a message.
+    /// Adds a message. One that was added before is not kept twice.
     pub fn push(&mut self, d: Diagnostic) {
-        let error = d.severity == Severity::Error;
-        let room = if error {
-            self.errors < Self::MAX_ERRORS
-        } else {
-            self.items.len() - self.errors.min(self.items.len()) < Self::MAX_OTHERS
-        };
-        self.errors += usize::from(error);
-        if room && !self.items.contains(&d) {
-            self.items.push(d);
-        } else {
-            self.suppressed += usize::from(!room);
+        if !self.count(d.severity) || self.items.contains(&d) {
+            return;
+        }
+        self.kept_errors += usize::from(d.severity == Severity::Error);
+        self.items.push(d);
+    }
+
+    /// Counts a message that arose; says whether there is room to keep it.
+    fn count(&mut self, severity: Severity) -> bool {
+        let room = self.has_room(severity);
+        self.errors += usize::from(severity == Severity::Error);
+        self.suppressed += usize::from(!room);
+        room
+    }
+
+    /// Whether a message would be kept.
+    fn has_room(&self, severity: Severity) -> bool {
+        match severity {
+            Severity::Error => self.kept_errors < Self::MAX_ERRORS,
+            Severity::Warning | Severity::Note => self.items.len() - self.kept_errors < Self::MAX_OTHERS,
         }
     }
 
@@ -127,6 +138,11 @@ impl Diagnostics {
         message: impl Into<String>,
         help: Option<String>,
     ) {
+        // Messages past the limit need no place and no text.
+        if !self.has_room(severity) {
+            self.count(severity);
+            return;
+        }
         let location = span.and_then(|s| sources.locate(s));
         self.push(Diagnostic { severity, fidelity, message: message.into(), location, help });
     }
@@ -210,6 +226,7 @@ impl Diagnostics {
     /// Appends the messages of another load.
     pub fn extend(&mut self, other: Self) {
         self.suppressed += other.suppressed;
+        self.errors += other.errors - other.kept_errors;
         for d in other.items {
             self.push(d);
         }
@@ -241,5 +258,32 @@ mod tests {
             ds.error(&Sources::default(), None, format!("fault {i}"));
         }
         assert_eq!((ds.iter().count(), ds.error_count(), ds.suppressed()), (100, 250, 150));
+    }
+    #[test]
+    fn other_messages_are_capped_after_many_errors() {
+        let mut ds = Diagnostics::default();
+        for i in 0..5000 {
+            ds.error(&Sources::default(), None, format!("fault {i}"));
+            ds.warn(&Sources::default(), None, format!("doubt {i}"));
+        }
+        assert_eq!(ds.iter().count(), Diagnostics::MAX_ERRORS + Diagnostics::MAX_OTHERS);
+        assert_eq!((ds.error_count(), ds.suppressed()), (5000, 10_000 - 500));
+        let mut joined = Diagnostics::default();
+        joined.extend(ds);
+        assert_eq!((joined.error_count(), joined.suppressed()), (5000, 10_000 - 500));
+    }
+
+    /// A flood of messages about one huge line takes a moment, not a scan of the file for each.
+    #[test]
+    fn messages_are_placed_without_scanning_the_file() {
+        let mut sources = Sources::default();
+        let file = sources.add("huge.pbrt", vec![b'1'; 64 << 20]);
+        let mut ds = Diagnostics::default();
+        let start = std::time::Instant::now();
+        for i in 0..1_000_000 {
+            ds.warn(&sources, Some(Span::new(file, (64 << 20) - i - 1, 64 << 20)), "doubt");
+        }
+        assert_eq!(ds.iter().next().unwrap().location.as_ref().unwrap().column, 64 << 20);
+        assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
     }
 }

@@ -7,6 +7,7 @@ pub mod node;
 pub mod source;
 
 mod desc;
+mod lines;
 
 pub use desc::{Format, Group, Instance, SceneDesc, Shape};
 pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Location, Severity};

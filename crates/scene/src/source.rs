@@ -1,7 +1,11 @@
 //! Where things stand in the files that were read.
 
+use crate::lines::Lines;
 use serde::{Deserialize, Serialize};
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::{Arc, OnceLock},
+};
 
 /// Index of a file in [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -39,6 +43,9 @@ pub struct Source {
     /// The file's bytes; empty for files shown without excerpts (binary ones).
     #[serde(skip)]
     pub text: Arc<[u8]>,
+    /// Made when the first message about the file is placed.
+    #[serde(skip)]
+    lines: OnceLock<Lines>,
 }
 
 /// All files of a scene.
@@ -50,7 +57,7 @@ pub struct Sources {
 impl Sources {
     /// Registers a file and its text.
     pub fn add(&mut self, path: impl Into<PathBuf>, text: impl Into<Arc<[u8]>>) -> FileId {
-        self.files.push(Source { path: path.into(), text: text.into() });
+        self.files.push(Source { path: path.into(), text: text.into(), lines: OnceLock::new() });
         FileId(self.files.len() as u32 - 1)
     }
 
@@ -69,11 +76,11 @@ impl Sources {
         const CONTEXT: usize = 60;
         let source = self.get(span.file)?;
         let text = &source.text;
+        let lines = source.lines.get_or_init(|| Lines::new(text));
         let start = (span.start as usize).min(text.len());
-        let line_start = text[..start].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        let line_end = text[start..].iter().position(|&b| b == b'\n').map_or(text.len(), |i| start + i);
+        let (line, line_start) = lines.line(start);
+        let line_end = lines.end(line, text);
         let end = (span.end as usize).clamp(start, line_end);
-        let line = text[..line_start].iter().filter(|&&b| b == b'\n').count() as u32 + 1;
         // Long lines (a million vertices on one) are shown in part.
         let from = if start - line_start > 2 * CONTEXT { start - CONTEXT } else { line_start };
         let to = line_end.min(end.max(start) + CONTEXT).min(from + 4 * CONTEXT);
@@ -82,8 +89,8 @@ impl Sources {
         let marked = clean(&text[start..end.min(to)]);
         Some(crate::Location {
             path: source.path.display().to_string(),
-            line,
-            column: clean(&text[line_start..start]).chars().count() as u32 + 1,
+            line: line as u32 + 1,
+            column: lines.characters(text, line_start, start) + 1,
             excerpt: clean(&text[from..to]),
             caret_start: before.chars().count() as u32,
             caret_len: (marked.chars().count() as u32).max(1),
