@@ -1,2 +1,66 @@
-//! (in the making)
-fn main() {}
+//! `steradian`, the command line: a thin shell over the library. Data goes to stdout, talk to stderr.
+//!
+//! Exit codes: 0 done; 1 the work failed (an output cannot be written); 2 bad command line or scene; 4 `compare --fail-above` says
+//! the pictures differ; 130 and 143 stopped by SIGINT and SIGTERM.
+
+mod args;
+mod compare;
+mod convert;
+mod diagnostics;
+mod failure;
+mod info;
+mod list;
+mod memory;
+mod open;
+mod output;
+mod panics;
+mod progress;
+mod render;
+mod report;
+mod signals;
+mod terminal;
+mod values;
+mod watch;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
+use failure::{Failure, Outcome};
+use std::process::ExitCode;
+use terminal::Terminal;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => {
+            // Also `--help` and `--version` arrive here. A reader that has gone away is no failure.
+            let _ = answer.print();
+            return ExitCode::from(answer.exit_code() as u8);
+        }
+    };
+    let terminal = Terminal::new(cli.command.is_quiet());
+    panics::explain(terminal);
+    let code = match panics::contain(|| run(&cli.command, terminal)) {
+        Ok(Ok(code)) => code,
+        Ok(Err(failure)) => {
+            terminal.error(&failure.message);
+            failure.code
+        }
+        Err(panics::Contained) => failure::FAILED,
+    };
+    ExitCode::from(code)
+}
+
+fn run(command: &Command, terminal: Terminal) -> Outcome {
+    match command {
+        Command::Render(args) => render::run(args, terminal),
+        Command::Info(args) => info::run(args, terminal),
+        Command::List(args) => list::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Convert(args) => convert::run(args),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "steradian", &mut script);
+            terminal::data(&script).map(|()| failure::DONE).map_err(Failure::from)
+        }
+    }
+}

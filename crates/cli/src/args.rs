@@ -1,0 +1,314 @@
+//! The command line.
+
+use crate::values::{self, Layers, MAX_SPP, Rectangle, Size, Threshold};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
+use std::{path::PathBuf, time::Duration};
+use steradian::image::{Compression, Precision, WriteOptions, tone::Tone};
+
+/// A physically based renderer for pbrt-v4 and Mitsuba scenes.
+#[derive(Debug, Parser)]
+#[command(
+    name = "steradian",
+    version,
+    about,
+    propagate_version = true,
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+#[command(
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures differ (compare), 130/143 stopped."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene into pictures; without SCENE, the built-in Cornell box
+    Render(Box<RenderArgs>),
+    /// Tell what is in a scene, and what of it was approximated or dropped
+    Info(InfoArgs),
+    /// List what is there by name: integrators, materials, tones, layers, …
+    List(ListArgs),
+    /// Measure how far pictures are apart
+    Compare(CompareArgs),
+    /// Convert a picture to another format
+    Convert(ConvertArgs),
+    /// Print the completions of a shell
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+impl Command {
+    /// Whether only errors are to be told.
+    pub fn is_quiet(&self) -> bool {
+        matches!(self, Self::Render(args) if args.quiet)
+    }
+}
+
+/// Which scene, and how to read it.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SceneOptions {
+    /// Frame size in pixels instead of the scene's
+    #[arg(long, value_name = "WxH", help_heading = "Scene")]
+    pub size: Option<Size>,
+    /// Pixels to render, from the top left, the last ones exclusive
+    #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = "Scene")]
+    pub crop: Option<Rectangle>,
+    /// Camera by name, or by number from 0, instead of the first
+    #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
+    pub camera: Option<String>,
+    /// Colour: the format's way (pbrt is spectral, others RGB), or always one of both
+    #[arg(long, value_enum, default_value_t, help_heading = "Scene")]
+    pub color: Color,
+    /// Set a parameter ($NAME) of a Mitsuba scene; may be repeated
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
+    pub define: Vec<(String, String)>,
+    /// Refuse scenes of which something would be approximated or dropped
+    #[arg(long, help_heading = "Scene")]
+    pub strict: bool,
+    /// Threads; 0 for one per processor. The picture has the same bits for any number
+    #[arg(long, alias = "nthreads", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+}
+
+/// How colours are computed with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// As the scene's format has it.
+    #[default]
+    Auto,
+    /// Linear Rec.709.
+    Rgb,
+    /// Wavelengths.
+    Spectral,
+}
+
+/// `steradian render`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
+)]
+pub struct RenderArgs {
+    /// Scene file (.pbrt .pbrt.gz .xml .obj .ply), or builtin:NAME (see `steradian list scenes`)
+    pub scene: Option<String>,
+    /// Output file, its format by extension: .exr .png .hdr .pfm .ppm .jpg; may be repeated. Without it SCENE's name with .exr and
+    /// .png in the current folder
+    #[arg(short, long = "output", alias = "outfile", value_name = "OUT")]
+    pub output: Vec<PathBuf>,
+    /// How light is followed, instead of the scene's way
+    #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator, help_heading = "Quality")]
+    pub integrator: Option<String>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)), help_heading = "Quality")]
+    pub spp: Option<u32>,
+    /// Time of rendering (10s, 2m, 1h30m) after which to stop; without --spp as many samples are taken as it allows
+    #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = "Quality")]
+    pub time: Option<Duration>,
+    /// Chooses among statistically equal pictures
+    #[arg(long, value_name = "N", help_heading = "Quality")]
+    pub seed: Option<u64>,
+    /// Most scattering events on a path; -1 for no limit
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
+    pub max_depth: Option<i64>,
+    /// Random numbers
+    #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
+    pub sampler: Option<String>,
+    /// Layers to add to .exr files (a comma-separated list of `steradian list layers`, or `all`)
+    #[arg(long, value_name = "LIST")]
+    pub aov: Vec<Layers>,
+    /// The scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+    /// Files.
+    #[command(flatten)]
+    pub files: FileOptions,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Print one line of JSON about the render to stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn sampler_names() -> PossibleValuesParser {
+    let family = steradian::registry().into_iter().find(|f| f.0 == "samplers");
+    PossibleValuesParser::new(family.into_iter().flat_map(|f| f.1).map(|s| s.0))
+}
+
+/// How pictures are stored.
+#[derive(Args, Clone, Debug)]
+pub struct FileOptions {
+    /// Tone curve of .png, .jpg and .ppm (`steradian list tones`); none is plain sRGB. A .ppm without it keeps linear values, scaled by
+    /// the #MAX= in its comment
+    #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::tone, help_heading = "Files")]
+    pub tonemap: Option<Tone>,
+    /// Exposure of .png, .jpg and .ppm in stops, -64 to 64
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, help_heading = "Files")]
+    pub exposure: Option<f32>,
+    /// Precision of .exr
+    #[arg(long, value_enum, default_value_t, help_heading = "Files")]
+    pub exr: ExrPrecision,
+    /// Compression of .exr; all are lossless
+    #[arg(long, value_enum, default_value_t, help_heading = "Files")]
+    pub compression: ExrCompression,
+}
+
+/// Sample type of EXR files.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum ExrPrecision {
+    /// 16 bits; depth, positions, ids and counts stay 32.
+    Half,
+    /// 32 bits.
+    #[default]
+    Float,
+}
+
+/// Compression of EXR files.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum ExrCompression {
+    /// As it is.
+    None,
+    /// Deflate.
+    #[default]
+    Zip,
+    /// Wavelets.
+    Piz,
+}
+
+impl FileOptions {
+    /// What the image library is told.
+    ///
+    /// # Errors
+    /// An exposure out of range.
+    pub fn write_options(&self) -> Result<WriteOptions, String> {
+        let mut tone = self.tonemap.clone().unwrap_or_default();
+        if let Some(ev) = self.exposure {
+            tone = tone.with_exposure(ev).map_err(|e| e.to_string())?;
+        }
+        Ok(WriteOptions {
+            exr_precision: match self.exr {
+                ExrPrecision::Half => Precision::Half,
+                ExrPrecision::Float => Precision::Float,
+            },
+            exr_compression: match self.compression {
+                ExrCompression::None => Compression::None,
+                ExrCompression::Zip => Compression::Zip,
+                ExrCompression::Piz => Compression::Piz,
+            },
+            ppm_radiance: self.tonemap.is_none() && self.exposure.is_none(),
+            tone,
+            ..WriteOptions::default()
+        })
+    }
+}
+
+/// `steradian info`.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// Scene file, or builtin:NAME
+    pub scene: String,
+    /// The scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+    /// Print one line of JSON to stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `steradian list`.
+#[derive(Args, Debug)]
+pub struct ListArgs {
+    /// Which kind of thing (integrators, materials, tones, …); all without it
+    pub family: Option<String>,
+    /// Print one line of JSON to stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `steradian compare`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Without --reference B is what A is compared to; with it, A and B are each compared to every reference.\n\
+    The z-test needs the variance of one sample per pixel (as Mitsuba stores it) and the number of samples of A. Pictures that carry\n\
+    `variance` layers and `samplesPerPixel` of their own are tested without being asked."
+)]
+pub struct CompareArgs {
+    /// A picture
+    pub a: PathBuf,
+    /// Another, or what the first is compared to
+    #[arg(required_unless_present = "reference")]
+    pub b: Option<PathBuf>,
+    /// What the pictures are compared to; may be repeated
+    #[arg(short, long, value_name = "R")]
+    pub reference: Vec<PathBuf>,
+    /// Picture with the variance of one sample per pixel, for a z-test
+    #[arg(long, value_name = "VAR")]
+    pub variance: Option<PathBuf>,
+    /// Samples per pixel of the tested pictures, for the z-test; by default what their metadata say
+    #[arg(long, value_name = "N", requires = "variance")]
+    pub samples: Option<f64>,
+    /// Exit with code 4 when a metric of any pair is above a value (or not a number); may be repeated
+    #[arg(long, value_name = "METRIC=VALUE")]
+    pub fail_above: Vec<Threshold>,
+    /// Print one line of JSON to stdout; infinite numbers are null
+    #[arg(long, action = ArgAction::SetTrue)]
+    pub json: bool,
+}
+
+/// `steradian convert`.
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm
+    pub input: PathBuf,
+    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg
+    pub output: PathBuf,
+    /// Files.
+    #[command(flatten)]
+    pub files: FileOptions,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn spellings_of_pbrt_are_accepted() {
+        let cli =
+            Cli::parse_from(["steradian", "render", "a.pbrt", "--nthreads", "3", "--outfile", "x.exr", "--spp", "8"]);
+        let Command::Render(args) = cli.command else { panic!("render was asked for") };
+        assert_eq!((args.scene_options.threads, args.spp), (3, Some(8)));
+        assert_eq!(args.output, [PathBuf::from("x.exr")]);
+    }
+
+    #[test]
+    fn numbers_are_checked() {
+        for bad in [
+            &["--spp", "0"][..],
+            &["--spp", "99999999"],
+            &["--threads", "5000"],
+            &["--max-depth", "-2"],
+            &["--sampler", "sobl"],
+            &["--size", "0x0"],
+            &["--color", "cmyk"],
+        ] {
+            let line = ["steradian", "render"].iter().chain(bad);
+            assert!(Cli::try_parse_from(line).is_err(), "{bad:?}");
+        }
+        for good in [&["--max-depth", "-1"][..], &["--exposure", "-2.5"], &["--time", "1.5s"]] {
+            let line = ["steradian", "render"].iter().chain(good);
+            assert!(Cli::try_parse_from(line).is_ok(), "{good:?}");
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! How a command ends.
+
+/// Exit code: done.
+pub const DONE: u8 = 0;
+/// Exit code: the work failed.
+pub const FAILED: u8 = 1;
+/// Exit code: bad command line, scene or picture.
+pub const BAD_INPUT: u8 = 2;
+/// Exit code: pictures differ by more than was allowed.
+pub const DIFFERENT: u8 = 4;
+
+/// The exit code of a command that ran to its end, or why it did not.
+pub type Outcome = Result<u8, Failure>;
+
+/// Why a command ends early, and its exit code.
+#[derive(Debug)]
+pub struct Failure {
+    /// The exit code.
+    pub code: u8,
+    /// What is said on stderr.
+    pub message: String,
+}
+
+impl Failure {
+    /// The work could not be done.
+    pub fn failed(message: impl Into<String>) -> Self {
+        Self { code: FAILED, message: message.into() }
+    }
+
+    /// What was given is wrong.
+    pub fn bad_input(message: impl Into<String>) -> Self {
+        Self { code: BAD_INPUT, message: message.into() }
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    /// Standard output that cannot be written.
+    fn from(error: std::io::Error) -> Self {
+        Self::failed(format!("cannot write to standard output: {error}"))
+    }
+}

@@ -1,0 +1,255 @@
+//! `steradian info`: what is in a scene.
+
+use crate::{
+    args::InfoArgs,
+    diagnostics::{self, Counts},
+    failure::{self, Failure, Outcome},
+    memory,
+    open::{self, Opened},
+    terminal::{self, Terminal},
+};
+use serde::Serialize;
+use std::{
+    collections::{BTreeMap, HashSet},
+    fmt::Write,
+    path::PathBuf,
+};
+use steradian::{
+    ColorMode, Scene,
+    scene::{Diagnostic, Format, NodeId, SceneDesc},
+};
+
+/// What is told about a scene.
+#[derive(Debug, Serialize)]
+struct Info {
+    schema: u32,
+    scene: String,
+    format: Format,
+    files: Vec<PathBuf>,
+    counts: Counted,
+    cameras: Vec<Named>,
+    film: Option<Film>,
+    settings: Option<Settings>,
+    bounds: Option<[[f32; 3]; 2]>,
+    memory: Memory,
+    load_seconds: f64,
+    build_seconds: f64,
+    diagnostics: Counts,
+    messages: Vec<Diagnostic>,
+}
+
+/// How much there is of what.
+#[derive(Debug, Serialize)]
+struct Counted {
+    /// Models by family and kind; names in Steradian's vocabulary.
+    models: BTreeMap<&'static str, BTreeMap<String, usize>>,
+    shapes: usize,
+    groups: usize,
+    instances: usize,
+    /// Of meshes as they are stored, before subdivision.
+    triangles: u64,
+    patches: u64,
+    /// Triangles and patches, instances counted each time they are placed.
+    faces_placed: u64,
+    lights: usize,
+    emitting_shapes: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Named {
+    kind: String,
+    name: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Film {
+    width: u32,
+    height: u32,
+    crop: [u32; 4],
+}
+
+#[derive(Debug, Serialize)]
+struct Settings {
+    integrator: String,
+    sampler: Option<String>,
+    filter: Option<String>,
+    color: &'static str,
+    spp: u32,
+    seed: u64,
+    /// Null for no limit.
+    max_depth: Option<u32>,
+}
+
+/// Bytes.
+#[derive(Debug, Serialize)]
+struct Memory {
+    /// Hierarchy and geometry.
+    geometry_bytes: Option<usize>,
+    /// Film of a render without layers.
+    film_bytes: Option<u64>,
+    /// The whole process while it opened the scene, images too; null where the system does not tell.
+    peak_rss_bytes: Option<u64>,
+}
+
+/// Opens a scene and tells about it, whether it can be rendered or not.
+pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
+    open::limit_threads(args.scene_options.threads);
+    let mut opened = open::open(&args.scene, &args.scene_options);
+    if args.scene_options.strict {
+        opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
+    }
+    let info = Info::of(&args.scene, &opened);
+    if args.json {
+        terminal::json(&info)?;
+    } else {
+        // Of a file that could not be opened there is nothing to tell but why.
+        if !opened.desc.nodes.is_empty() {
+            terminal::data(info.text().as_bytes())?;
+        }
+        diagnostics::tell(&opened.diagnostics, terminal);
+    }
+    match info.diagnostics.errors {
+        0 => Ok(failure::DONE),
+        n => Err(Failure::bad_input(format!("'{}' has {n} error{}", args.scene, if n == 1 { "" } else { "s" }))),
+    }
+}
+
+impl Info {
+    fn of(name: &str, opened: &Opened) -> Self {
+        let (desc, scene) = (&opened.desc, opened.scene.as_ref());
+        let kind = |id: Option<NodeId>| id.map(|id| desc.node(id).kind.clone());
+        let bounds = scene.map(Scene::bounds).map(|b| [b.min.to_array(), b.max.to_array()]);
+        let film = scene.map(|s| {
+            let c = s.film.crop;
+            Film { width: s.film.width, height: s.film.height, crop: [c.x0, c.y0, c.x1, c.y1] }
+        });
+        let film_bytes = film.as_ref().map(|f| {
+            let [x0, y0, x1, y1] = f.crop.map(u64::from);
+            (x1 - x0) * (y1 - y0) * memory::film_bytes_per_pixel(0)
+        });
+        Self {
+            schema: 1,
+            scene: name.into(),
+            format: desc.format,
+            files: desc.sources.iter().map(|s| s.path.clone()).collect(),
+            counts: Counted::of(desc),
+            cameras: desc
+                .cameras
+                .iter()
+                .map(|c| desc.node(*c))
+                .map(|c| Named { kind: c.kind.clone(), name: c.name.clone() })
+                .collect(),
+            film,
+            settings: scene.map(|s| Settings {
+                integrator: s.settings.integrator.clone(),
+                sampler: kind(desc.sampler),
+                filter: kind(desc.filter),
+                color: if s.mode == ColorMode::Spectral { "spectral" } else { "rgb" },
+                spp: s.settings.spp,
+                seed: s.settings.seed,
+                max_depth: Some(s.settings.max_depth).filter(|d| *d != u32::MAX),
+            }),
+            // A scene of infinite planes alone has no bounds.
+            bounds: bounds.filter(|b| b.iter().flatten().all(|v| v.is_finite()) && b[0][0] <= b[1][0]),
+            memory: Memory { geometry_bytes: scene.map(Scene::bytes), film_bytes, peak_rss_bytes: memory::peak() },
+            load_seconds: opened.load.as_secs_f64(),
+            build_seconds: opened.build.as_secs_f64(),
+            diagnostics: Counts::of(&opened.diagnostics),
+            messages: opened.diagnostics.iter().cloned().collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut out = String::new();
+        let mut row = |name: &str, value: String| {
+            let _ = writeln!(out, "{name:<14} {value}");
+        };
+        let format = match self.format {
+            Format::Native => "built in",
+            Format::Pbrt => "pbrt-v4",
+            Format::Mitsuba => "Mitsuba",
+            Format::Model => "model",
+        };
+        row("scene", format!("{} ({format}, {} file{})", self.scene, self.files.len(), plural(self.files.len())));
+        for (i, camera) in self.cameras.iter().enumerate() {
+            let name = camera.name.as_ref().map(|n| format!(" '{n}'")).unwrap_or_default();
+            row(if i == 0 { "cameras" } else { "" }, format!("{i}: {}{name}", camera.kind));
+        }
+        if let Some(film) = &self.film {
+            let [x0, y0, x1, y1] = film.crop;
+            let whole = film.crop == [0, 0, film.width, film.height];
+            let part = if whole { String::new() } else { format!(", pixels {x0},{y0} to {x1},{y1}") };
+            row("film", format!("{} x {}{part}", film.width, film.height));
+        }
+        if let Some(s) = &self.settings {
+            let depth = s.max_depth.map_or("no limit of depth".into(), |d| format!("depth {d}"));
+            row("integrator", format!("{}, {depth}, {} colour", s.integrator, s.color));
+            let or_default = |name: &Option<String>| name.clone().unwrap_or_else(|| "default".into());
+            row("sampler", format!("{}, {} spp, seed {}", or_default(&s.sampler), s.spp, s.seed));
+            row("filter", or_default(&s.filter));
+        }
+        let c = &self.counts;
+        row("shapes", format!("{} in the file, {} emit light", c.shapes, c.emitting_shapes));
+        row("faces", format!("{} triangles, {} patches; {} when placed", c.triangles, c.patches, c.faces_placed));
+        if c.groups > 0 || c.instances > 0 {
+            row("instances", format!("{} of {} groups", c.instances, c.groups));
+        }
+        row("lights", format!("{} besides emitting shapes", c.lights));
+        for (family, kinds) in &c.models {
+            let kinds: Vec<String> = kinds.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+            row(&format!("  {family}"), kinds.join(", "));
+        }
+        if let Some([low, high]) = self.bounds {
+            let point = |p: [f32; 3]| p.map(|v| format!("{v}")).join(" ");
+            row("bounds", format!("({}) to ({})", point(low), point(high)));
+        }
+        let bytes = |b: Option<u64>| b.map_or("unknown".into(), memory::readable);
+        row(
+            "memory",
+            format!(
+                "{} hierarchy and geometry, {} film, {} at most while opening",
+                bytes(self.memory.geometry_bytes.map(|b| b as u64)),
+                bytes(self.memory.film_bytes),
+                bytes(self.memory.peak_rss_bytes),
+            ),
+        );
+        row("time", format!("load {:.2} s, build {:.2} s", self.load_seconds, self.build_seconds));
+        let d = &self.diagnostics;
+        row(
+            "messages",
+            format!(
+                "{} errors, {} approximated, {} dropped, {} unused, {} warnings, {} notes",
+                d.errors, d.approximated, d.dropped, d.unused, d.warnings, d.notes
+            ),
+        );
+        out
+    }
+}
+
+impl Counted {
+    fn of(desc: &SceneDesc) -> Self {
+        let mut models: BTreeMap<&str, BTreeMap<String, usize>> = BTreeMap::new();
+        for node in &desc.nodes {
+            *models.entry(node.family.noun()).or_default().entry(node.kind.clone()).or_default() += 1;
+        }
+        let shapes = || desc.shapes.iter().chain(desc.groups.iter().flat_map(|g| &g.shapes));
+        // A mesh that many shapes share is stored once.
+        let used: HashSet<usize> = shapes().filter_map(|s| s.mesh).collect();
+        let meshes = || used.iter().filter_map(|m| desc.meshes.get(*m));
+        Self {
+            models,
+            shapes: shapes().count(),
+            groups: desc.groups.len(),
+            instances: desc.instances.len(),
+            triangles: meshes().map(|m| m.triangles.len() as u64).sum(),
+            patches: meshes().map(|m| m.patches.len() as u64).sum(),
+            faces_placed: desc.face_count(),
+            lights: desc.lights.len(),
+            emitting_shapes: shapes().filter(|s| s.emission.is_some()).count(),
+        }
+    }
+}
+
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}

@@ -1,0 +1,68 @@
+//! Memory: how much was used, and how much there is.
+
+/// The largest resident size of this process so far, in bytes; `None` where the system does not tell.
+pub fn peak() -> Option<u64> {
+    kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
+/// Bytes that can still be had without swapping, of the machine and of the control group; `None` where the system does not tell.
+pub fn available() -> Option<u64> {
+    let machine = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
+    let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
+    let group = number("/sys/fs/cgroup/memory.max")
+        .zip(number("/sys/fs/cgroup/memory.current"))
+        .map(|(limit, used)| limit.saturating_sub(used));
+    Some(machine.min(group.unwrap_or(u64::MAX)))
+}
+
+/// The value of a `Name:   123 kB` line, in bytes.
+fn kilobytes(table: &str, name: &str) -> Option<u64> {
+    let rest = table.lines().find_map(|line| line.strip_prefix(name))?;
+    rest.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+}
+
+/// Bytes per pixel of a film while it is rendered, copied, developed and encoded, for `layers` auxiliary layers.
+///
+/// A pixel's sums take 56 bytes and those of its first hits 64, both twice while the film is copied; a layer has up to three planes
+/// of four bytes, that are there again in the encoded file.
+pub fn film_bytes_per_pixel(layers: usize) -> u64 {
+    let sums = 56 + if layers > 0 { 64 } else { 0 };
+    2 * sums + 2 * 12 * (1 + layers as u64)
+}
+
+/// A size for people.
+pub fn readable(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let power = (bytes.max(1).ilog2() / 10).min(4) as usize;
+    match power {
+        0 => format!("{bytes} B"),
+        _ => format!("{:.1} {}", bytes as f64 / (1u64 << (10 * power)) as f64, UNITS[power]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_of_the_system_are_read() {
+        let table = "Name:\tsteradian\nVmHWM:\t    2048 kB\nThreads:\t1\n";
+        assert_eq!(kilobytes(table, "VmHWM:"), Some(2048 * 1024));
+        assert_eq!(kilobytes(table, "Threads:"), None);
+        assert_eq!(kilobytes(table, "VmPeak:"), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn this_process_has_a_size() {
+        assert!(peak().unwrap() > 100_000 && available().unwrap() > 1_000_000);
+    }
+
+    #[test]
+    fn sizes_are_readable() {
+        assert_eq!(readable(0), "0 B");
+        assert_eq!(readable(1023), "1023 B");
+        assert_eq!(readable(1536), "1.5 KiB");
+        assert_eq!(readable(3 << 30), "3.0 GiB");
+    }
+}

@@ -1,0 +1,105 @@
+//! Opening a scene: reading, compiling, and telling what there is to tell.
+
+use crate::{
+    args::{Color, SceneOptions},
+    diagnostics::{self, Counts},
+    failure::Failure,
+    terminal::Terminal,
+    values::{Rectangle, Size},
+};
+use std::time::Duration;
+use steradian::{
+    ColorMode, CompileOptions, Scene,
+    formats::Options,
+    scene::{Diagnostics, Format, SceneDesc},
+};
+
+/// A scene that was opened, with or without success.
+#[derive(Debug)]
+pub struct Opened {
+    /// As it was read.
+    pub desc: SceneDesc,
+    /// As it is rendered; `None` where there are errors.
+    pub scene: Option<Scene>,
+    /// Everything there is to say.
+    pub diagnostics: Diagnostics,
+    /// Time of reading files.
+    pub load: Duration,
+    /// Time of making what is rendered, the hierarchy among it.
+    pub build: Duration,
+}
+
+/// Reads and compiles a scene.
+pub fn open(name: &str, options: &SceneOptions) -> Opened {
+    let reading = Options { defines: options.define.iter().cloned().collect(), ..Options::default() };
+    let loaded = steradian::load(name, &reading);
+    let (desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
+    if !options.define.is_empty() && desc.format != Format::Mitsuba {
+        diagnostics.warn(&desc.sources, None, "-D sets parameters of Mitsuba scenes; this is none, it has no effect");
+    }
+    let mut opened = Opened { desc, scene: None, diagnostics, load: loaded.time, build: Duration::ZERO };
+    if opened.diagnostics.has_errors() {
+        return opened;
+    }
+    let compiling = CompileOptions {
+        mode: match options.color {
+            Color::Auto => None,
+            Color::Rgb => Some(ColorMode::Rgb),
+            Color::Spectral => Some(ColorMode::Spectral),
+        },
+        size: options.size.map(|Size(w, h)| (w, h)),
+        crop: options.crop.map(|Rectangle(r)| r),
+        camera: options.camera.clone(),
+        ..CompileOptions::default()
+    };
+    // Whatever compiling does besides the hierarchy is loading: images are read there.
+    let start = std::time::Instant::now();
+    let compiled = steradian::compile(&opened.desc, &compiling);
+    opened.load += start.elapsed().saturating_sub(compiled.build_time);
+    opened.build = compiled.build_time;
+    opened.diagnostics.extend(compiled.diagnostics);
+    opened.scene = compiled.scene;
+    opened
+}
+
+impl Opened {
+    /// Tells the messages and gives the scene, if it can be rendered.
+    ///
+    /// # Errors
+    /// Where there are errors among the messages, or losses when these are refused.
+    pub fn into_scene(mut self, name: &str, strict: bool, terminal: Terminal) -> Result<Ready, Failure> {
+        if strict {
+            self.diagnostics = diagnostics::refuse_losses(&self.diagnostics);
+        }
+        diagnostics::tell(&self.diagnostics, terminal);
+        let counts = Counts::of(&self.diagnostics);
+        match self.scene {
+            Some(scene) if !self.diagnostics.has_errors() => {
+                Ok(Ready { scene, counts, load: self.load, build: self.build })
+            }
+            _ => {
+                let n = self.diagnostics.error_count();
+                Err(Failure::bad_input(format!("'{name}' has {n} error{}", if n == 1 { "" } else { "s" })))
+            }
+        }
+    }
+}
+
+/// A scene that can be rendered; its description is gone, to leave the memory to the render.
+#[derive(Debug)]
+pub struct Ready {
+    /// The scene.
+    pub scene: Scene,
+    /// How many messages of each kind there were.
+    pub counts: Counts,
+    /// Time of reading files.
+    pub load: Duration,
+    /// Time of building the hierarchy.
+    pub build: Duration,
+}
+
+/// Lets everything that runs in parallel, loading too, run on so many threads (0: one per processor).
+pub fn limit_threads(threads: u16) {
+    // Fails only when a pool is there already, and nothing has started one before.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+}

@@ -1,0 +1,162 @@
+//! The files a render is written to: which, whether they can be, and what they carry.
+
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
+use steradian::{
+    Scene,
+    image::{self, FileKind, Image, Value, Window, WriteOptions},
+};
+
+/// Extensions of pictures that can be written.
+const WRITTEN: &str = ".exr .png .hdr .pfm .ppm .jpg";
+
+/// The kind of picture that a name's extension stands for.
+///
+/// # Errors
+/// [`Failure`] for names that stand for nothing that can be written.
+pub fn kind(path: &Path) -> Result<FileKind, Failure> {
+    let refuse = |why: String| Failure::bad_input(format!("'{}' {why}; known are {WRITTEN}", path.display()));
+    match FileKind::from_extension(path) {
+        Some(FileKind::Tga | FileKind::Bmp) => Err(refuse("is of a kind that can be read, but not written".into())),
+        Some(kind) => Ok(kind),
+        None => Err(refuse("has no extension that names a kind of picture".into())),
+    }
+}
+
+/// The files that a render of `scene` is written to when none are given: in the current folder, named after the scene.
+pub fn default_names(scene: &str) -> Vec<PathBuf> {
+    let name = scene.strip_prefix("builtin:").unwrap_or(scene);
+    let file = Path::new(name).file_name().and_then(|n| n.to_str()).unwrap_or("scene");
+    let file = file.strip_suffix(".gz").unwrap_or(file);
+    let stem = Path::new(file).file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+    ["exr", "png"].iter().map(|e| PathBuf::from(format!("{stem}.{e}"))).collect()
+}
+
+/// Finds out now, not after hours, that a file cannot be written.
+///
+/// # Errors
+/// [`Failure`] naming the file and the system's answer.
+pub fn check_writable(path: &Path) -> Result<(), Failure> {
+    let refuse = |why: String| Err(Failure::failed(format!("cannot write '{}': {why}", path.display())));
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => return refuse("it is a folder".into()),
+        Ok(there) if !there.is_file() => return Ok(()), // a device or a pipe
+        Ok(there) if there.permissions().readonly() => return refuse("it is read-only".into()),
+        _ => {}
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match tempfile::Builder::new().prefix(".steradian-").tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+            refuse(format!("there is no folder '{}'", folder.display()))
+        }
+        Err(e) => refuse(e.to_string()),
+    }
+}
+
+/// Finds out now that a picture is too large for a format.
+///
+/// # Errors
+/// [`Failure`] naming the file.
+pub fn check_size(path: &Path, kind: FileKind, (width, height): (u32, u32)) -> Result<(), Failure> {
+    if kind == FileKind::Jpeg && width.max(height) > 65535 {
+        let why = format!(
+            "cannot write '{}': a JPEG file holds at most 65535 pixels a side, not {width}x{height}",
+            path.display()
+        );
+        return Err(Failure::bad_input(why));
+    }
+    Ok(())
+}
+
+/// What a picture's metadata say about its making.
+#[derive(Debug)]
+pub struct Provenance<'a> {
+    /// Scene as named on the command line.
+    pub scene: &'a str,
+    /// Integrator by name.
+    pub integrator: &'a str,
+    /// Mean samples per pixel.
+    pub spp: f64,
+    /// The seed.
+    pub seed: u64,
+    /// Wall time of rendering, seconds.
+    pub seconds: f64,
+    /// Samples that were not finite.
+    pub nonfinite: u64,
+    /// `rgb` or `spectral`.
+    pub color: &'a str,
+}
+
+/// Writes into the picture how it was made and, where it is a part of its frame, which part.
+pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
+    let crop = scene.film.crop;
+    let frame = (scene.film.width, scene.film.height);
+    if (crop.width(), crop.height()) != frame {
+        picture.offset = [crop.x0 as i32, crop.y0 as i32];
+        picture.frame = Some(Window { min: [0, 0], max: [frame.0 as i32, frame.1 as i32] });
+    }
+    // No folder: a picture that is passed on does not tell where it was made.
+    let file = Path::new(provenance.scene).file_name().map_or(provenance.scene.into(), |n| n.to_string_lossy());
+    let integer = |v: u64| i32::try_from(v).map_or_else(|_| Value::Text(v.to_string()), Value::Int);
+    let whole = provenance.spp.fract() == 0.0 && provenance.spp < f64::from(i32::MAX);
+    let samples = if whole { Value::Int(provenance.spp as i32) } else { Value::Float(provenance.spp as f32) };
+    let m = &mut picture.metadata;
+    m.set_text("Software", concat!("Steradian ", env!("CARGO_PKG_VERSION")));
+    m.set_text("steradian:scene", file);
+    m.set_text("steradian:integrator", provenance.integrator);
+    m.set_text("steradian:color", provenance.color);
+    m.set("samplesPerPixel", samples);
+    m.set("steradian:seed", integer(provenance.seed));
+    m.set("renderTimeSeconds", Value::Float(provenance.seconds as f32));
+    m.set("steradian:nonfinite_dropped", integer(provenance.nonfinite));
+}
+
+/// Writes all files, those after one that fails too.
+///
+/// # Errors
+/// [`Failure`] listing the files that could not be written.
+pub fn save(paths: &[PathBuf], picture: &Image, options: &WriteOptions) -> Result<(), Failure> {
+    let faults: Vec<String> =
+        paths.iter().filter_map(|p| image::write(p, picture, options).err()).map(|e| e.to_string()).collect();
+    if faults.is_empty() { Ok(()) } else { Err(Failure::failed(faults.join("\n"))) }
+}
+
+/// The paths in a list.
+pub fn listed(paths: &[PathBuf]) -> String {
+    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_follow_the_scene() {
+        let of = |scene: &str| listed(&default_names(scene));
+        assert_eq!(of("builtin:cornell-box"), "cornell-box.exr, cornell-box.png");
+        assert_eq!(of("/a/b.c/scene-v4.pbrt.gz"), "scene-v4.exr, scene-v4.png");
+        assert_eq!(of("x/room.night.xml"), "room.night.exr, room.night.png");
+        assert_eq!(of(".."), "scene.exr, scene.png");
+    }
+
+    #[test]
+    fn only_what_can_be_written_is_accepted() {
+        for good in ["a.exr", "a.PNG", "a.jpeg", "a.ppm", "b/a.hdr", "a.pfm"] {
+            assert!(kind(Path::new(good)).is_ok(), "{good}");
+        }
+        for bad in ["a", "a.tga", "a.bmp", "a.gif", ".exr", "a.exr/"] {
+            let refused = kind(Path::new(bad));
+            assert_eq!(refused.is_err(), bad != "a.exr/", "{bad}: {refused:?}");
+        }
+    }
+
+    #[test]
+    fn folders_must_exist() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_writable(&folder.path().join("a.exr")).is_ok());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
+        assert!(check_writable(&folder.path().join("no/a.exr")).is_err());
+        assert!(check_writable(folder.path()).is_err());
+    }
+}

@@ -1,0 +1,170 @@
+//! How far a render is: a bar on a terminal, a line every ten seconds elsewhere.
+
+use crate::terminal::Terminal;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::{
+    io::IsTerminal,
+    time::{Duration, Instant},
+};
+
+/// How often a line is written where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+/// Steps of the bar.
+const STEPS: u64 = 10_000;
+
+/// What is known of a render on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot {
+    /// Samples taken.
+    pub samples: u64,
+    /// Rays traced.
+    pub rays: u64,
+    /// Samples of the whole render.
+    pub planned: u64,
+    /// Pixels.
+    pub pixels: u64,
+    /// Time since it started.
+    pub elapsed: Duration,
+    /// Time it may take.
+    pub budget: Option<Duration>,
+}
+
+impl Snapshot {
+    /// The part that is done, by samples or by time, whichever ends it.
+    pub fn fraction(&self) -> f64 {
+        let by_samples = self.samples as f64 / self.planned.max(1) as f64;
+        let by_time = self.budget.map_or(0.0, |b| self.elapsed.as_secs_f64() / b.as_secs_f64().max(1e-9));
+        by_samples.max(by_time).clamp(0.0, 1.0)
+    }
+
+    /// Time until it is done, at the pace so far.
+    pub fn left(&self) -> Option<Duration> {
+        let fraction = self.fraction();
+        (fraction > 0.0)
+            .then(|| Duration::try_from_secs_f64(self.elapsed.as_secs_f64() * (1.0 - fraction) / fraction).ok())?
+    }
+
+    /// `42 % · 108/256 spp · 3.10 Msamples/s · 12.10 Mray/s · 0:16 left · 0:12`: what matters least is where a narrow terminal cuts.
+    pub fn line(&self) -> String {
+        let seconds = self.elapsed.as_secs_f64().max(1e-9);
+        let spp = self.samples / self.pixels.max(1);
+        let planned = self.planned / self.pixels.max(1);
+        // The number of samples is no goal where time alone ends the render.
+        let of = if planned < u64::from(crate::values::MAX_SPP) { format!("/{planned}") } else { String::new() };
+        let left = self.left().map_or("–".into(), clock);
+        format!(
+            "{:3.0} % · {spp}{of} spp · {} · {:.2} Mray/s · {left} left · {}",
+            (100.0 * self.fraction()).floor(),
+            rate(self.samples as f64 / seconds),
+            self.rays as f64 / seconds * 1e-6,
+            clock(self.elapsed),
+        )
+    }
+}
+
+/// Samples per second for people.
+pub fn rate(per_second: f64) -> String {
+    match per_second {
+        r if r >= 1e5 => format!("{:.2} Msamples/s", r * 1e-6),
+        r if r >= 1e2 => format!("{:.2} ksamples/s", r * 1e-3),
+        r => format!("{r:.1} samples/s"),
+    }
+}
+
+/// `1:02:03` or `2:03`.
+pub fn clock(time: Duration) -> String {
+    let s = time.as_secs();
+    match s / 3600 {
+        0 => format!("{}:{:02}", s / 60, s % 60),
+        h => format!("{h}:{:02}:{:02}", s / 60 % 60, s % 60),
+    }
+}
+
+/// Shows snapshots.
+#[derive(Debug)]
+pub enum Progress {
+    /// On a terminal.
+    Bar(ProgressBar),
+    /// Elsewhere: since the last line.
+    Lines(Terminal, Instant),
+    /// Not at all.
+    Silent,
+}
+
+impl Progress {
+    /// As fits stderr.
+    pub fn new(terminal: Terminal) -> Self {
+        if terminal.quiet {
+            return Self::Silent;
+        }
+        if !std::io::stderr().is_terminal() {
+            return Self::Lines(terminal, Instant::now());
+        }
+        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
+        if let Ok(style) = ProgressStyle::with_template("{bar:8} {wide_msg}") {
+            bar.set_style(style.progress_chars("━━╌"));
+        }
+        Self::Bar(bar)
+    }
+
+    /// Shows how far it is.
+    pub fn show(&mut self, snapshot: &Snapshot) {
+        match self {
+            Self::Bar(bar) => {
+                bar.set_position((snapshot.fraction() * STEPS as f64) as u64);
+                bar.set_message(snapshot.line());
+            }
+            Self::Lines(terminal, last) if last.elapsed() >= LINE_EVERY => {
+                *last = Instant::now();
+                terminal.say(snapshot.line().trim_start());
+            }
+            Self::Lines(..) | Self::Silent => {}
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn half() -> Snapshot {
+        Snapshot {
+            samples: 500_000,
+            rays: 2_000_000,
+            planned: 1_000_000,
+            pixels: 10_000,
+            elapsed: Duration::from_secs(2),
+            budget: None,
+        }
+    }
+
+    #[test]
+    fn line_of_a_render_half_done() {
+        assert_eq!(half().line(), " 50 % · 50/100 spp · 0.25 Msamples/s · 1.00 Mray/s · 0:02 left · 0:02");
+    }
+
+    #[test]
+    fn whichever_ends_first_counts() {
+        let timed = Snapshot { budget: Some(Duration::from_millis(2500)), ..half() };
+        assert_eq!(timed.fraction(), 0.8);
+        assert_eq!(timed.left(), Some(Duration::from_millis(500)));
+        let none = Snapshot { samples: 0, ..half() };
+        assert_eq!((none.fraction(), none.left()), (0.0, None));
+    }
+
+    #[test]
+    fn clocks_and_rates() {
+        assert_eq!(clock(Duration::from_secs(3723)), "1:02:03");
+        assert_eq!(clock(Duration::from_secs(59)), "0:59");
+        assert_eq!(rate(12.0), "12.0 samples/s");
+        assert_eq!(rate(1234.0), "1.23 ksamples/s");
+        assert_eq!(rate(2.5e6), "2.50 Msamples/s");
+    }
+}

@@ -1,0 +1,165 @@
+//! `steradian render`: from a scene to pictures.
+
+use crate::{
+    args::RenderArgs,
+    failure::{self, Failure, Outcome},
+    memory,
+    open::{self, Ready},
+    output::{self, Provenance},
+    progress::Progress,
+    report::{self, Report},
+    signals::{self, Signals},
+    terminal::{self, Terminal},
+    values::MAX_SPP,
+    watch::{self, Stop},
+};
+use std::time::Instant;
+use steradian::{ColorMode, Layer, Quality, Scene, Session, image::FileKind};
+
+/// The scene that is rendered when none is named.
+const DEFAULT_SCENE: &str = "builtin:cornell-box";
+
+/// Renders, saves, reports.
+pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
+    // Everything that can be wrong with the command line is found before anything takes long.
+    let name = args.scene.as_deref().unwrap_or(DEFAULT_SCENE);
+    let outputs = if args.output.is_empty() { output::default_names(name) } else { args.output.clone() };
+    let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
+    let quality = quality(args);
+    if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
+        return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
+    }
+    let write_options = args.files.write_options().map_err(Failure::bad_input)?;
+    outputs.iter().try_for_each(|o| output::check_writable(o))?;
+
+    open::limit_threads(args.scene_options.threads);
+    let Ready { scene, counts, load, build } =
+        open::open(name, &args.scene_options).into_scene(name, args.scene_options.strict, terminal)?;
+    let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
+    let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
+    outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
+    check_memory(&scene, quality.layers.len())?;
+
+    let integrator = quality.integrator_name(&scene);
+    let pixels = u64::from(width) * u64::from(height);
+    let planned = pixels * u64::from(plan.sampler.spp);
+    terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
+    let signals = Signals::watch().map_err(|e| Failure::failed(format!("cannot watch for signals: {e}")))?;
+    let mut session = Session::new(&scene, plan);
+    let stop = watch::render(&mut session, pixels, planned, args.time, &signals, Progress::new(terminal));
+
+    let saving = Instant::now();
+    let done = session.counters();
+    let spp = done.samples as f64 / pixels as f64;
+    let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
+    let film = session.film();
+    let mut picture = steradian::develop(&scene, &film, &quality.layers);
+    let empty_pixels = film.pixels.iter().filter(|p| p.samples == 0).count() as u64;
+    drop(film);
+    let provenance = Provenance {
+        scene: name,
+        integrator,
+        spp,
+        seed: plan.sampler.seed,
+        seconds: session.wall().as_secs_f64(),
+        nonfinite: done.nonfinite,
+        color,
+    };
+    output::label(&mut picture, &scene, &provenance);
+    output::save(&outputs, &picture, &write_options)?;
+
+    let report = Report {
+        schema: 1,
+        software: concat!("Steradian ", env!("CARGO_PKG_VERSION")),
+        scene: name,
+        integrator,
+        color,
+        seed: plan.sampler.seed,
+        spp: report::number(spp),
+        width,
+        height,
+        threads: session.threads(),
+        samples: done.samples,
+        rays: done.rays,
+        load_seconds: load.as_secs_f64(),
+        build_seconds: build.as_secs_f64(),
+        render_seconds: session.wall().as_secs_f64(),
+        cpu_seconds: session.cpu().as_secs_f64(),
+        save_seconds: saving.elapsed().as_secs_f64(),
+        peak_rss_bytes: memory::peak(),
+        nonfinite_dropped: done.nonfinite,
+        empty_pixels,
+        stopped: stop.map(|s| match s {
+            Stop::Time => "time",
+            Stop::Signal(signal) => signals::name(signal),
+        }),
+        outputs: &outputs,
+        diagnostics: counts,
+    };
+    tell(&report, stop, terminal);
+    terminal.say(&format!("wrote {}", output::listed(&outputs)));
+    if args.json {
+        terminal::json(&report)?;
+    }
+    Ok(match stop {
+        Some(Stop::Signal(signal)) => 128 + signal,
+        _ => failure::DONE,
+    })
+}
+
+/// What the command line says about the render.
+fn quality(args: &RenderArgs) -> Quality {
+    let mut layers: Vec<Layer> = Vec::new();
+    for &layer in args.aov.iter().flat_map(|l| &l.0) {
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    Quality {
+        integrator: args.integrator.clone(),
+        // Time alone ends the render where it is all that is asked for.
+        spp: args.spp.or(args.time.map(|_| MAX_SPP)),
+        seed: args.seed,
+        threads: usize::from(args.scene_options.threads),
+        max_depth: args.max_depth.map(|d| u32::try_from(d).unwrap_or(u32::MAX)),
+        sampler: args.sampler.clone(),
+        layers,
+    }
+}
+
+/// Refuses films that would not fit into memory, before the system ends the process for it.
+fn check_memory(scene: &Scene, layers: usize) -> Result<(), Failure> {
+    let pixels = u64::from(scene.film.crop.width()) * u64::from(scene.film.crop.height());
+    let needed = pixels.saturating_mul(memory::film_bytes_per_pixel(layers));
+    match memory::available() {
+        Some(available) if needed > available => Err(Failure::bad_input(format!(
+            "a picture of {} x {} pixels needs about {} of memory, and {} are there; a smaller --size or a --crop helps",
+            scene.film.crop.width(),
+            scene.film.crop.height(),
+            memory::readable(needed),
+            memory::readable(available),
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The summary and what is remarkable about it.
+fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
+    terminal.say(&report.line());
+    match stop {
+        Some(Stop::Signal(signal)) => {
+            terminal.warn(&format!("stopped by {}: what there is was saved", signals::name(signal)))
+        }
+        Some(Stop::Time) => terminal.say("stopped when the time was up"),
+        None => {}
+    }
+    if report.empty_pixels > 0 {
+        terminal.warn(&format!("{} pixels have no sample yet and are black", report.empty_pixels));
+    }
+    if report.nonfinite_dropped > 0 {
+        terminal.warn(&format!(
+            "{} of {} samples were not finite and count as black",
+            report.nonfinite_dropped, report.samples
+        ));
+    }
+}

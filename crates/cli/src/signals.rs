@@ -1,0 +1,48 @@
+//! SIGINT and SIGTERM: the first asks for an orderly end, the second does not ask.
+
+use signal_hook::{
+    consts::{SIGINT, SIGTERM},
+    flag,
+};
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicUsize, Ordering},
+};
+
+/// Which signal came, if any.
+#[derive(Clone, Debug)]
+pub struct Signals(Arc<AtomicUsize>);
+
+impl Signals {
+    /// Takes over both signals. Until then they end the process as usual.
+    ///
+    /// # Errors
+    /// When the system does not allow it.
+    pub fn watch() -> std::io::Result<Self> {
+        let came = Arc::new(AtomicUsize::new(0));
+        let again = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            // Handlers run in this order: the first signal arms what the second one meets.
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))?;
+            flag::register(signal, Arc::clone(&again))?;
+            flag::register_usize(signal, Arc::clone(&came), signal as usize)?;
+        }
+        Ok(Self(came))
+    }
+
+    /// The number of the signal that came.
+    pub fn came(&self) -> Option<u8> {
+        match self.0.load(Ordering::Relaxed) {
+            0 => None,
+            signal => Some(signal as u8),
+        }
+    }
+}
+
+/// The name of a signal that [`Signals`] watches.
+pub fn name(signal: u8) -> &'static str {
+    match i32::from(signal) {
+        SIGINT => "SIGINT",
+        _ => "SIGTERM",
+    }
+}

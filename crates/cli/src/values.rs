@@ -1,0 +1,178 @@
+//! The values of options: sizes, rectangles, durations, names.
+
+use std::{str::FromStr, time::Duration};
+use steradian::{Layer, image::tone::Tone, scene::names};
+
+/// Most samples per pixel.
+pub const MAX_SPP: u32 = 1 << 24;
+
+/// A frame, `WxH`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub u32, pub u32);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+        match sides {
+            Some((w, h)) if w > 0 && h > 0 => Ok(Self(w, h)),
+            Some(_) => Err("a picture has at least one pixel in each direction".into()),
+            None => Err("write it as WIDTHxHEIGHT, such as 1280x720".into()),
+        }
+    }
+}
+
+/// A rectangle of pixels, `X0,Y0,X1,Y1`, half open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rectangle(pub [u32; 4]);
+
+impl FromStr for Rectangle {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Self([x0, y0, x1, y1])),
+            Ok([_, _, _, _]) => Err("the rectangle is empty: X0 < X1 and Y0 < Y1 are needed".into()),
+            _ => Err("write it as X0,Y0,X1,Y1 in pixels from the top left".into()),
+        }
+    }
+}
+
+/// A time such as `90`, `10s`, `2m`, `1h30m`, `250ms`.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let fault = || "write it as 10s, 2m, 1h30m or 250ms".to_owned();
+    let mut seconds = 0.0;
+    let mut rest = text.trim();
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let number: f64 = rest[..digits].parse().map_err(|_| fault())?;
+        rest = &rest[digits..];
+        let letters = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
+        let unit = match &rest[..letters] {
+            "h" => 3600.0,
+            "m" | "min" => 60.0,
+            "s" | "" => 1.0,
+            "ms" => 1e-3,
+            _ => return Err(fault()),
+        };
+        rest = &rest[letters..];
+        seconds += number * unit;
+    }
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(d) if !d.is_zero() => Ok(d),
+        _ => Err("a time above zero is needed, such as 10s or 2m".into()),
+    }
+}
+
+/// `NAME=VALUE`.
+pub fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
+        _ => Err("write it as NAME=VALUE".into()),
+    }
+}
+
+/// An integrator with its options; the name is looked up now, so that a slip is not found out after a long load.
+pub fn integrator(text: &str) -> Result<String, String> {
+    let name = text.split_once(':').map_or(text, |s| s.0);
+    known_name(name, "integrator", steradian::INTEGRATORS.iter().map(|i| i.0)).map(|_| text.to_owned())
+}
+
+/// A tone curve with its parameters.
+pub fn tone(text: &str) -> Result<Tone, String> {
+    Tone::parse(text).map_err(|e| e.to_string())
+}
+
+/// Layers by name, `all` for every one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layers(pub Vec<Layer>);
+
+impl FromStr for Layers {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut layers = Vec::new();
+        let known = Layer::ALL.iter().map(|l| l.name()).chain(["all"]);
+        for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
+            match known_name(name, "layer", known.clone())? {
+                "all" => layers.extend(Layer::ALL),
+                name => layers.extend(Layer::named(name)),
+            }
+        }
+        Ok(Self(layers))
+    }
+}
+
+/// A threshold, `METRIC=VALUE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threshold {
+    /// The metric's name.
+    pub metric: &'static str,
+    /// What it must not exceed.
+    pub limit: f64,
+}
+
+impl FromStr for Threshold {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.split_once('=').ok_or("write it as METRIC=VALUE, such as relmse=0.01")?;
+        let metric = known_name(name, "metric", crate::compare::METRICS.iter().copied())?;
+        match value.parse::<f64>() {
+            Ok(limit) if !limit.is_nan() => Ok(Self { metric, limit }),
+            _ => Err(format!("'{value}' is not a number")),
+        }
+    }
+}
+
+/// `name` if it is one of the known, else a message with the nearest and all of them.
+pub fn known_name<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a str> + Clone) -> Result<&'a str, String> {
+    known.clone().find(|k| *k == name).ok_or_else(|| {
+        let hint = names::did_you_mean(name, known.clone()).map(|h| format!("; {h}")).unwrap_or_default();
+        format!("there is no {what} '{name}'{hint} (known: {})", known.collect::<Vec<_>>().join(", "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_rectangles() {
+        assert_eq!("1280x720".parse(), Ok(Size(1280, 720)));
+        for bad in ["0x5", "5x0", "5", "x", "-1x5", "5x5x5", "99999999999x1", ""] {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+        assert_eq!("1,2,3,4".parse(), Ok(Rectangle([1, 2, 3, 4])));
+        for bad in ["1,2,1,4", "3,2,1,4", "1,2,3", "1,2,3,4,5", "a,b,c,d", "0.5,0,1,1", ""] {
+            assert!(bad.parse::<Rectangle>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn durations() {
+        for (text, seconds) in
+            [("90", 90.0), ("10s", 10.0), ("2m", 120.0), ("1h30m", 5400.0), ("250ms", 0.25), ("1.5s", 1.5)]
+        {
+            assert_eq!(duration(text).map(|d| d.as_secs_f64()), Ok(seconds), "{text}");
+        }
+        for bad in ["", "0", "-1s", "s", "10q", "1e400", "1.2.3s", "inf", "10 days"] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn names_and_suggestions() {
+        assert!(integrator("path:max_depth=3").is_ok());
+        assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
+        assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
+        assert_eq!("all".parse(), Ok(Layers(Layer::ALL.to_vec())));
+        assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
+        assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
+        assert!("relmse=x".parse::<Threshold>().is_err() && "relms=1".parse::<Threshold>().is_err());
+        assert!(definition("=x").is_err() && definition("x").is_err());
+        assert_eq!(definition("a=b=c"), Ok(("a".into(), "b=c".into())));
+    }
+}

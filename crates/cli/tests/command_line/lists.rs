@@ -1,0 +1,46 @@
+//! `steradian list`, help, version, completions.
+
+use crate::Place;
+
+#[test]
+fn every_family_is_listed() {
+    let place = Place::new();
+    let all = place.succeed(&["list"]).stdout;
+    for part in [
+        "integrators",
+        "  path ",
+        "materials",
+        "  diffuse ",
+        "tones",
+        "  agx ",
+        "layers",
+        "scenes",
+        "  cornell-box-area",
+        "formats",
+    ] {
+        assert!(all.contains(part), "{part}");
+    }
+    let one = place.succeed(&["list", "samplers"]).stdout;
+    assert!(one.contains("sobol") && !one.contains("diffuse"));
+    assert_eq!(one, place.succeed(&["list", "sampler"]).stdout, "the singular will do");
+    assert!(place.succeed(&["list", "medium"]).stdout.starts_with("media"));
+    place.refuse(2, &["list", "integraters"], &["did you mean 'integrators'?"]);
+    let json = place.succeed(&["list", "integrators", "--json"]).json();
+    assert_eq!(json["families"][0]["entries"][0]["name"], "path");
+    assert!(!json["families"][0]["entries"][0]["description"].as_str().unwrap().is_empty());
+}
+
+#[test]
+fn help_version_and_completions() {
+    let place = Place::new();
+    assert_eq!(place.succeed(&["--version"]).stdout, concat!("steradian ", env!("CARGO_PKG_VERSION"), "\n"));
+    for command in ["render", "info", "list", "compare", "convert", "completions"] {
+        assert!(place.succeed(&[command, "--help"]).stdout.contains("Usage: steradian"), "{command}");
+    }
+    assert!(place.succeed(&["completions", "bash"]).stdout.contains("_steradian()"));
+    place.refuse(2, &["rendr"], &["'render'"]);
+    place.refuse(2, &[], &["Usage"]);
+    // What is not there is not shown.
+    let help = place.succeed(&["render", "--help"]).stdout;
+    assert!(!help.contains("--nthreads") && !help.contains("--resume") && !help.contains("--error"));
+}

@@ -1,0 +1,95 @@
+//! The program as a user meets it: command lines in, files, text and exit codes out.
+
+// Tests say on stdout what they skip.
+#![allow(clippy::print_stdout)]
+
+mod lists;
+mod pictures;
+mod render;
+mod scenes;
+#[cfg(unix)]
+mod stopping;
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+use steradian::image::{Image, Limits, read};
+use tempfile::TempDir;
+
+/// The program in a folder of its own.
+struct Place(TempDir);
+
+/// What a command came to.
+struct Run {
+    code: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Place {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a file.
+    fn file(&self, name: &str, text: &str) -> &Self {
+        std::fs::write(self.path(name), text).unwrap();
+        self
+    }
+
+    fn picture(&self, name: &str) -> Image {
+        read(&self.path(name), &Limits::default()).unwrap()
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_steradian"));
+        command.args(arguments).current_dir(&self.0).env("NO_COLOR", "1").stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Run {
+        let Output { status, stdout, stderr } = self.command(arguments).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).expect("the program writes UTF-8");
+        Run { code: status.code().unwrap_or(-1), stdout: text(stdout), stderr: text(stderr) }
+    }
+
+    /// Runs a command that must succeed.
+    fn succeed(&self, arguments: &[&str]) -> Run {
+        let run = self.run(arguments);
+        assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
+        run
+    }
+
+    /// Runs a command that must end with a code and talk of something.
+    fn refuse(&self, code: i32, arguments: &[&str], about: &[&str]) {
+        let run = self.run(arguments);
+        assert_eq!(run.code, code, "{arguments:?}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{arguments:?}");
+        for word in about {
+            assert!(run.stderr.contains(word), "{arguments:?} does not mention '{word}': {}", run.stderr);
+        }
+    }
+}
+
+impl Run {
+    /// The one line of JSON on stdout.
+    fn json(&self) -> serde_json::Value {
+        assert_eq!(self.stdout.lines().count(), 1, "{}", self.stdout);
+        serde_json::from_str(&self.stdout).unwrap()
+    }
+}
+
+/// A file of the assets, where these are.
+fn asset(name: &str) -> Option<PathBuf> {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets")).join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("skipped: {name} is not here");
+    None
+}

@@ -1,0 +1,108 @@
+//! `steradian compare` and `steradian convert`.
+
+use crate::Place;
+use steradian::image::{Image, WriteOptions, write};
+
+/// A place with a smooth picture, `a.exr`, one that is a tenth brighter, `b.exr`, and one of another size.
+fn place() -> Place {
+    let place = Place::new();
+    let pixels = |gain: f32| -> Vec<[f32; 3]> {
+        (0..256).map(|i| [(i % 16) as f32 / 32.0, (i / 16) as f32 / 32.0, 0.25].map(|v| v * gain + 0.1)).collect()
+    };
+    for (name, side, gain) in [("a.exr", 16, 1.0), ("b.exr", 16, 1.1), ("small.exr", 8, 1.0)] {
+        let image = Image::from_rgb(side, side, &pixels(gain)[..side * side]).unwrap();
+        write(&place.path(name), &image, &WriteOptions::default()).unwrap();
+    }
+    place
+}
+
+#[test]
+fn a_round_trip_through_formats_keeps_the_picture() {
+    let place = place();
+    for name in ["c.pfm", "c.hdr", "c.png", "c.ppm", "c.jpg"] {
+        place.succeed(&["convert", "a.exr", name]);
+        place.succeed(&["convert", name, "back.exr"]);
+        let pair = place.succeed(&["compare", "back.exr", "a.exr", "--json"]).json()["pairs"][0].clone();
+        let mse = pair["mse"].as_f64().unwrap();
+        // Floats exactly, RGBE to one part in 256, 8 bits to half a step, JPEG to a few.
+        let limit = match name {
+            "c.pfm" => 0.0,
+            "c.jpg" => 1e-3,
+            _ => 2e-5,
+        };
+        assert!(mse <= limit, "{name}: {mse}");
+    }
+    place.succeed(&["convert", "a.exr", "bright.png", "--exposure", "1"]);
+    place.succeed(&["convert", "bright.png", "bright.exr"]);
+    let ratio =
+        place.succeed(&["compare", "bright.exr", "a.exr", "--json"]).json()["pairs"][0]["ratio"][2].as_f64().unwrap();
+    assert!((ratio - 2.0).abs() < 0.02, "{ratio}");
+}
+
+#[test]
+fn conversion_refuses_what_it_cannot_do() {
+    let place = place();
+    place.file("broken.png", "\u{89}PNG").file("s.pbrt", "");
+    place.refuse(2, &["convert", "s.pbrt", "s.xml"], &["not implemented"]);
+    place.refuse(2, &["convert", "a.exr", "a.gltf"], &["not implemented"]);
+    place.refuse(2, &["convert", "a.exr", "a.gif"], &["a.gif"]);
+    place.refuse(2, &["convert", "none.exr", "a.png"], &["none.exr"]);
+    place.refuse(2, &["convert", "broken.png", "a.exr"], &["broken.png"]);
+    place.refuse(1, &["convert", "a.exr", "no/a.png"], &["no/a.png"]);
+}
+
+#[test]
+fn comparison_has_the_known_figures() {
+    let place = place();
+    let json = place.succeed(&["compare", "b.exr", "a.exr", "--json"]).json();
+    let pair = &json["pairs"][0];
+    assert_eq!((&json["schema"], &pair["width"], &pair["nonfinite"]), (&1.into(), &16.into(), &0.into()));
+    // The blue channel is 0.375 and 0.35.
+    let ratio = pair["ratio"][2].as_f64().unwrap();
+    assert!((ratio - 0.375 / 0.35).abs() < 1e-5, "{ratio}");
+    assert!((pair["rmse"].as_f64().unwrap().powi(2) / pair["mse"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    assert!(pair["flip"].as_f64().unwrap() > 0.0 && pair["psnr"].as_f64().unwrap() > 20.0 && pair["z_test"].is_null());
+    let same = place.succeed(&["compare", "a.exr", "a.exr"]);
+    assert!(same.stdout.contains("MSE       0.0") && same.stdout.contains("inf dB"), "{}", same.stdout);
+    let both = place.succeed(&["compare", "a.exr", "b.exr", "--reference", "a.exr", "--json"]).json();
+    assert_eq!(both["pairs"].as_array().unwrap().len(), 2);
+    assert_eq!(both["pairs"][0]["mse"], 0.0);
+    assert_eq!(both["pairs"][1]["mse"], pair["mse"]);
+}
+
+#[test]
+fn thresholds_decide_the_exit_code() {
+    let place = place();
+    place.succeed(&["compare", "b.exr", "a.exr", "--fail-above", "rmse=0.1", "--fail-above", "mean_ratio_error=0.2"]);
+    let run = place.run(&["compare", "b.exr", "a.exr", "--fail-above", "rmse=0.001"]);
+    assert!(run.code == 4 && run.stderr.contains("rmse") && run.stdout.contains("RMSE"), "{} {}", run.code, run.stderr);
+    place.refuse(2, &["compare", "b.exr", "a.exr", "--fail-above", "rsme=1"], &["did you mean 'rmse'?"]);
+    assert_eq!(place.run(&["compare", "b.exr", "a.exr", "--fail-above", "z_rejected=1"]).code, 2);
+    place.refuse(2, &["compare", "a.exr", "small.exr"], &["16x16", "8x8"]);
+    place.refuse(2, &["compare", "a.exr", "none.exr"], &["none.exr"]);
+    place.refuse(2, &["compare", "a.exr"], &["<B>"]);
+}
+
+#[test]
+fn renders_are_tested_by_their_own_variance() {
+    let place = Place::new();
+    let render = |name: &str, seed: &str, more: &[&str]| {
+        let arguments =
+            ["render", "builtin:cornell-box-area", "--size", "32x32", "--spp", "64", "--sampler", "independent", "-q"];
+        let output = ["--aov", "variance", "-o", name, "--seed", seed];
+        place.succeed(&[&arguments[..], &output[..], more].concat());
+    };
+    render("a.exr", "1", &[]);
+    render("b.exr", "2", &[]);
+    render("short.exr", "3", &["--max-depth", "1"]);
+    let z = |a: &str, b: &str| place.succeed(&["compare", a, b, "--json"]).json()["pairs"][0]["z_test"].clone();
+    let fair = z("a.exr", "b.exr");
+    assert_eq!((&fair["passes"], &fair["samples"]), (&true.into(), &64.0.into()));
+    assert_eq!(z("short.exr", "a.exr")["passes"], false, "indirect light is missing");
+    // The same test with the variance given: one whose noise is far above that of the render accepts even the wrong one.
+    let flat = Image::from_rgb(32, 32, &[[100.0; 3]; 1024]).unwrap();
+    write(&place.path("var.exr"), &flat, &WriteOptions::default()).unwrap();
+    let given =
+        place.succeed(&["compare", "short.exr", "a.exr", "--variance", "var.exr", "--samples", "64", "--json"]).json();
+    assert_eq!(given["pairs"][0]["z_test"]["passes"], true);
+}
