@@ -266,7 +266,7 @@ impl Scene {
         best
     }
 
-    /// The surface at a hit.
+    /// The surface at a hit of a ray whose direction has unit length.
     #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
         let index = self.geometry_index(hit.id);
@@ -288,7 +288,7 @@ impl Scene {
         };
         Interaction {
             surface,
-            wo: -ray.direction.normalize(),
+            wo: -ray.direction,
             t: hit.t,
             geometry: index,
             id: hit.id,

@@ -15,11 +15,14 @@ pub struct Path {
     pub depth: Depth,
 }
 
+/// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
+const ROULETTE_BELOW: f32 = 1.0 / 3.0;
+
 /// The probability of going on, from the throughput with the compression of radiance by refraction taken out; one where the path goes
 /// on for sure.
 #[inline]
 pub(crate) fn survival(throughput: f32, events: u32, depth: &Depth) -> f32 {
-    if events <= depth.roulette_after { 1.0 } else { throughput.min(1.0) }
+    if events <= depth.roulette_after { 1.0 } else { (throughput * (1.0 / ROULETTE_BELOW)).min(1.0) }
 }
 
 impl Integrator for Path {

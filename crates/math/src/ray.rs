@@ -39,16 +39,12 @@ pub const fn gamma(n: u32) -> f32 {
 /// Moves a hit point off the surface, just past its error box, to the side that `w` points to.
 ///
 /// `error` is the half-size of the box that is known to contain the true point, `n` the geometric normal.
+#[inline]
 pub fn offset_ray_origin(p: Vec3, error: Vec3, n: Vec3, w: Vec3) -> Vec3 {
     let d = n.abs().dot(error);
-    let offset = if w.dot(n) < 0.0 { n * -d } else { n * d };
-    let mut o = p + offset;
-    for a in 0..3 {
-        if offset[a] > 0.0 {
-            o[a] = o[a].next_up();
-        } else if offset[a] < 0.0 {
-            o[a] = o[a].next_down();
-        }
-    }
-    o
+    let offset = n * d.copysign(w.dot(n));
+    let o = p + offset;
+    // Away from the surface by the rounding of that sum too.
+    let nudge = (o.abs() * f32::EPSILON + Vec3::splat(f32::MIN_POSITIVE)).copysign(offset);
+    o + Vec3::select(offset.cmpeq(Vec3::ZERO), Vec3::ZERO, nudge)
 }

@@ -206,7 +206,7 @@ impl Compiler<'_> {
         let mut settings = Settings {
             integrator: "path".into(),
             max_depth: u32::MAX,
-            rr_depth: 1,
+            rr_depth: 2,
             hide_emitters: false,
             spp: 16,
             sampler: SamplerKind::Sobol,
@@ -221,12 +221,19 @@ impl Compiler<'_> {
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
         }
         if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
-            match SAMPLERS.iter().find(|s| s.0 == node.kind) {
-                Some(s) => settings.sampler = s.1,
-                None => {
-                    let what = format!("sampler '{}' is not implemented; 'sobol' stands in", node.kind);
-                    self.diagnostics.note(&self.desc.sources, node.span, what);
+            // The point set changes the noise of a picture, not the picture: files of other programs name theirs, which are not
+            // better than the default.
+            if self.desc.format == Format::Native {
+                match SAMPLERS.iter().find(|s| s.0 == node.kind) {
+                    Some(s) => settings.sampler = s.1,
+                    None => {
+                        let help = names::did_you_mean(&node.kind, SAMPLERS.iter().map(|s| s.0));
+                        self.error_help(node.span, format!("sampler '{}' is not implemented", node.kind), help);
+                    }
                 }
+            } else if node.kind != "sobol" {
+                let what = format!("sampler '{}' is replaced by 'sobol'; --sampler decides otherwise", node.kind);
+                self.diagnostics.note(&self.desc.sources, node.span, what);
             }
             settings.seed = node.int("seed").unwrap_or(0) as u64;
             match node.int("samples") {

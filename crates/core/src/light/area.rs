@@ -86,7 +86,7 @@ pub struct AreaLight {
 }
 
 /// From this (rough) solid angle on, in sr, sampling by solid angle pays for its cost.
-const SOLID_ANGLE_FROM: f32 = 0.02;
+const SOLID_ANGLE_FROM: f32 = 0.25;
 
 impl AreaLight {
     /// Whether the light looks large from `p`: a pure function of `p`, so that sampling and density agree.

@@ -187,7 +187,7 @@ impl LightTree {
         loop {
             let node = self.nodes.get(at)?;
             if node.leaf {
-                return (at > 0 || node.light.importance(ctx) > 0.0).then_some((node.index, p));
+                return Some((node.index, p));
             }
             let (a, b) = (at + 1, node.index as usize);
             let (ia, ib) = (self.nodes[a].light.importance(ctx), self.nodes[b].light.importance(ctx));
@@ -347,7 +347,7 @@ mod tests {
                 }
                 assert!(sum < 1.0 + 1e-3);
                 let lost = none as f32 / samples as f32;
-                assert!((1.0 - sum - lost).abs() < 0.02 || (n == 1 && lost == 1.0), "{n}: sum {sum}, none {lost}");
+                assert!((1.0 - sum - lost).abs() < 0.02, "{n}: sum {sum}, none {lost}");
                 // Point lights that emit everywhere and face the surface can contribute.
                 for (i, l) in &lights {
                     let facing = normal == Vec3::ZERO || (l.bounds.center() - p).normalize().dot(normal) > 0.05;

@@ -38,7 +38,7 @@ impl SphericalRectangle {
         let (x1, y1) = (x0 + lx, y0 + ly);
 
         // Unit normals of the four side planes are (0, ·, n) or (·, 0, n); only their z components are needed.
-        let n = |s: f64| s / s.hypot(z0);
+        let n = |s: f64| s / (s * s + z0 * z0).sqrt();
         let (n0, n1, n2, n3) = (-n(y0), n(x1), n(y1), -n(x0));
         let angle = |a: f64, b: f64| (-a * b).clamp(-1.0, 1.0).acos();
         let (g2, g3) = (angle(n2, n3), angle(n3, n0));
