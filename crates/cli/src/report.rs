@@ -71,7 +71,8 @@ impl Report<'_> {
             "{} x {}, {} spp, {}: {:.2} s ({} · {:.2} Mray/s), load {:.2} s, build {:.2} s{memory}",
             self.width,
             self.height,
-            self.spp,
+            // At most three digits after the point.
+            number((self.spp.as_f64().unwrap_or(0.0) * 1e3).round() / 1e3),
             self.integrator,
             self.render_seconds,
             progress::rate(self.samples as f64 / seconds),
