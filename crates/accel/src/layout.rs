@@ -57,7 +57,7 @@ impl ChildRef {
 }
 
 /// Eight children: their boxes by rows, and what they are.
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
     /// Minimum x, y, z, then maximum x, y, z. Empty slots have an empty box, which no ray enters.

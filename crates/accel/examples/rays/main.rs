@@ -1,7 +1,8 @@
 //! Prints build times and millions of rays per second, one thread, on a mesh of a million triangles, a small one, and a thousand
 //! instances of the small one.
 //!
-//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [scene]`
+//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [SCENE…] [RAYS…]`, where the names are those that are
+//! printed; without them everything is measured, on the best level.
 #![allow(clippy::print_stdout)]
 
 mod scene;
@@ -11,21 +12,27 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use steradian_accel::{Bvh, Error, Geometry, Instance, Isa, TopLevel};
 use steradian_math::{DVec3, Ray};
 
+const SCENES: [&str; 3] = ["mesh_1M", "mesh_10k", "inst_1000x10k"];
+const SETS: [&str; 5] = ["primary", "bounce1", "bounce1shuf", "bounce2", "shadow"];
+
+/// Whether a name is among the arguments, or none of its kind is.
+fn is_wanted(args: &[String], names: &[&str], name: &str) -> bool {
+    args.iter().any(|a| a == name) || !args.iter().any(|a| names.contains(&a.as_str()))
+}
+
 fn main() -> Result<(), Error> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let chosen = Isa::ALL.into_iter().find(|isa| args.iter().any(|a| format!("{isa:?}").eq_ignore_ascii_case(a)));
     let isa = chosen.unwrap_or(Isa::best());
-    for (name, n, instanced) in [("mesh_1M", 289, false), ("mesh_10k", 29, false), ("inst_1000x10k", 29, true)] {
-        let scenes = ["mesh_1M", "mesh_10k", "inst_1000x10k"];
-        if args.iter().any(|a| scenes.contains(&a.as_str())) && !args.iter().any(|a| a == name) {
-            continue;
+    for (name, (n, instanced)) in SCENES.into_iter().zip([(289, false), (29, false), (29, true)]) {
+        if is_wanted(&args, &SCENES, name) {
+            run(name, n, instanced, isa, &args)?;
         }
-        run(name, n, instanced, isa)?;
     }
     Ok(())
 }
 
-fn run(name: &str, n: i32, instanced: bool, isa: Isa) -> Result<(), Error> {
+fn run(name: &str, n: i32, instanced: bool, isa: Isa, args: &[String]) -> Result<(), Error> {
     let mesh = displaced_sphere(n);
     let geometry = [Geometry::triangles(&mesh.0, &mesh.1)];
     let start = Instant::now();
@@ -70,14 +77,8 @@ fn run(name: &str, n: i32, instanced: bool, isa: Isa) -> Result<(), Error> {
         let first = spots(&rays, nearest);
         let bounced = bounce(&first, 11);
         let second = spots(&bounced, nearest);
-        let sets = [
-            ("primary", rays),
-            ("bounce1", bounced.clone()),
-            ("bounce1shuf", shuffled(bounced, 12)),
-            ("bounce2", bounce(&second, 13)),
-            ("shadow", shadow(&first, light, half, 14)),
-        ];
-        for (set, rays) in sets {
+        let sets = [rays, bounced.clone(), shuffled(bounced, 12), bounce(&second, 13), shadow(&first, light, half, 14)];
+        for (set, rays) in SETS.into_iter().zip(sets).filter(|(set, _)| is_wanted(args, &SETS, set)) {
             measure(&format!("{name:13} {set}-{view}"), isa, &top, &rays);
         }
     }

@@ -1,8 +1,9 @@
 //! The hierarchy finds what a look at every triangle finds.
 
-use super::{Mesh, assorted_rays, build, icosphere, levels, soup};
+use super::{Mesh, assorted_rays, build, direction, icosphere, in_cube, levels, soup};
 use crate::Hit;
-use steradian_math::{DVec3, Ray, Vec3};
+use steradian_math::ray::{gamma, offset_ray_origin};
+use steradian_math::{DVec3, Ray, Vec3, hash::HashRng};
 
 /// The nearest of the hits on every triangle alone, ties to the smaller index.
 fn one_by_one(mesh: &Mesh) -> impl Fn(&Ray) -> Option<Hit> {
@@ -93,5 +94,30 @@ fn the_interval_is_open_at_both_ends() {
     assert!(bvh.intersect(&on_it, &()).is_none() && !bvh.occluded(&on_it, &()));
     for t_max in [0.0, -1.0, f32::NAN] {
         assert!(bvh.intersect(&ray(t_max), &()).is_none() && !bvh.occluded(&ray(t_max), &()));
+    }
+}
+
+#[test]
+fn rays_that_leave_a_triangle_do_not_meet_it_again() {
+    let mut rng = HashRng::new(31);
+    for i in 0..20_000 {
+        let size = [1e-3, 1.0, 1e4][i % 3];
+        let center = in_cube(&mut rng) * size * 3.0;
+        let corners = [0; 3].map(|_| center + in_cube(&mut rng) * size);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        if normal == Vec3::ZERO {
+            continue;
+        }
+        let bvh = build(&(corners.to_vec(), vec![[0, 1, 2]]));
+        // A point as rendering would find it: interpolated, and moved off the surface by the bound on its error.
+        let (a, b) = (rng.next_f32(), rng.next_f32());
+        let (u, v) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+        let parts = [corners[0] * (1.0 - u - v), corners[1] * u, corners[2] * v];
+        let error = (parts[0].abs() + parts[1].abs() + parts[2].abs()) * gamma(7);
+        let d = direction(&mut rng);
+        let d = if i % 2 == 0 { d } else { (d - normal * d.dot(normal) * 0.999).normalize() };
+        let origin = offset_ray_origin(parts[0] + parts[1] + parts[2], error, normal, d);
+        let ray = Ray::new(origin, d * [1.0, 1e-4, 1e4][i / 3 % 3]);
+        assert!(bvh.intersect(&ray, &()).is_none(), "{i}: {corners:?} {ray:?} {:?}", bvh.intersect(&ray, &()));
     }
 }
