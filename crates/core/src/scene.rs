@@ -124,7 +124,7 @@ pub struct Scene {
     pub has_mixtures: bool,
     /// Whether light is lost or scattered between surfaces.
     pub has_media: bool,
-    /// Whether shadow rays may lose a part of their light on the way: in media and at thin panes.
+    /// Whether there are surfaces that light passes straight: interfaces and thin panes.
     pub is_see_through: bool,
 }
 

@@ -100,17 +100,19 @@ fn visibility(
 }
 
 impl VolPath {
-    /// Whether the way to a light is free, with its transmittance.
+    /// The transmittance of the way to a light along `ray`; zero where it is blocked.
     fn towards(
         scene: &Scene, ray: Ray, s: &LightSample, medium: Option<u32>, lambda: &Wavelengths, counters: &mut Counters,
     ) -> Spectrum {
         let ray = Ray { t_max: s.distance * SHADOW_END, ..ray };
         if scene.is_see_through {
-            visibility(scene, ray, medium, lambda, counters)
-        } else {
-            counters.rays += 1;
-            if scene.occluded(&ray) { Spectrum::ZERO } else { Spectrum::ONE }
+            return visibility(scene, ray, medium, lambda, counters);
         }
+        counters.rays += 1;
+        if scene.occluded(&ray) {
+            return Spectrum::ZERO;
+        }
+        medium.map_or(Spectrum::ONE, |m| scene.media[m as usize].transmittance(s.distance, lambda))
     }
 }
 

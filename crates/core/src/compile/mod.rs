@@ -11,7 +11,7 @@ mod view;
 use crate::{
     color::ColorMode,
     light::{Emitter, Light, Lights},
-    material::Material,
+    material::{Material, Model},
     medium::Medium,
     scene::{Geometry, Placement, Scene},
     texture::{FloatTexture, TextureId, Textures},
@@ -151,9 +151,11 @@ impl Compiler<'_> {
         let scene = Scene {
             mode: self.mode,
             has_media,
-            is_see_through: has_media
-                || self.materials.iter().any(|m| matches!(m.model, crate::material::Model::ThinDielectric { .. })),
-            has_mixtures: self.materials.iter().any(|m| matches!(m.model, crate::material::Model::Mix(..))),
+            is_see_through: self
+                .materials
+                .iter()
+                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
             geometries: std::mem::take(&mut self.geometries),
             accel,
             placements,

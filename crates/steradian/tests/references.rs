@@ -1,0 +1,200 @@
+//! Real scenes against the pictures that their own renderers made of them. Slow (about a minute); skipped where the assets are not
+//! beside the project.
+//!
+//! Few samples are enough: means over a frame and over blocks are compared within the noise of both pictures.
+
+use std::path::PathBuf;
+use steradian::{
+    ColorMode, CompileOptions, Control, Layer, Quality, Session, compile, develop,
+    image::{self, Image, Limits, metrics},
+    load,
+};
+
+fn assets() -> Option<PathBuf> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets"));
+    if !folder.is_dir() {
+        println!("skipped: there are no assets beside the project");
+        return None;
+    }
+    Some(folder)
+}
+
+fn render(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u32) -> Image {
+    let loaded = load(&scene.display().to_string(), &Default::default());
+    assert!(!loaded.diagnostics.has_errors(), "{}: {:#?}", scene.display(), loaded.diagnostics);
+    let options = CompileOptions { mode: Some(mode), size, ..CompileOptions::default() };
+    let compiled = compile(&loaded.desc, &options);
+    let scene = compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics));
+    let quality = Quality { spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
+    let mut session = Session::new(&scene, quality.plan(&scene).expect("the scene's own integrator exists"));
+    session.step(u32::MAX, &Control::default());
+    assert_eq!(session.counters().nonfinite, 0);
+    develop(&scene, &session.film(), &quality.layers)
+}
+
+fn read(path: PathBuf) -> Image {
+    image::read(&path, &Limits::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Means of 8 × 8 blocks of one channel.
+fn blocks(image: &Image, channel: usize) -> Vec<f64> {
+    let planes = image.require_rgb().expect("pictures have colour");
+    let plane = [planes.r, planes.g, planes.b][channel];
+    let (w, h) = (image.width(), image.height());
+    let mut out = Vec::new();
+    for by in 0..h / 8 {
+        for bx in 0..w / 8 {
+            let sum: f64 = (0..64).map(|k| f64::from(plane[(by * 8 + k / 8) * w + bx * 8 + k % 8])).sum();
+            out.push(sum / 64.0);
+        }
+    }
+    out
+}
+
+/// Frame mean, its standard error by the picture's own variance layer.
+fn mean_and_error(image: &Image, channel: usize) -> (f64, f64) {
+    let planes = image.require_rgb().expect("pictures have colour");
+    let plane = [planes.r, planes.g, planes.b][channel];
+    let variance = image.layer_rgb("variance").map(|v| [v.r, v.g, v.b][channel].to_vec()).unwrap_or_default();
+    let n = plane.len() as f64;
+    let mean = plane.iter().map(|&v| f64::from(v)).sum::<f64>() / n;
+    let error = (variance.iter().map(|&v| f64::from(v)).sum::<f64>()).sqrt() / n;
+    (mean, error)
+}
+
+struct PbrtScene {
+    name: &'static str,
+    spp: u32,
+    /// Relative noise of the reference's mean (its two halves differ by this much), beyond what 384 samples of a quiet scene leave.
+    reference_noise: f64,
+}
+
+/// Each scene in spectral mode: RGB means within 1.5 % plus the noise of both pictures; the median over blocks too, which fireflies do
+/// not move.
+#[test]
+fn pbrt_scenes_match_pbrt() {
+    let Some(assets) = assets() else { return };
+    let scenes = [
+        PbrtScene { name: "cornell-box", spp: 8, reference_noise: 0.0 },
+        PbrtScene { name: "veach-mis", spp: 8, reference_noise: 0.001 },
+        PbrtScene { name: "coffee", spp: 8, reference_noise: 0.0005 },
+        PbrtScene { name: "staircase2", spp: 16, reference_noise: 0.001 },
+    ];
+    for s in scenes {
+        let folder = assets.join("pbrt").join(s.name);
+        let reference = read(folder.join("pbrt-v4-reference.exr"));
+        let size = (reference.width() as u32, reference.height() as u32);
+        let picture = render(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Spectral, s.spp);
+        for c in 0..3 {
+            let ((a, error), (b, _)) = (mean_and_error(&picture, c), mean_and_error(&reference, c));
+            let allowed = 0.015 + s.reference_noise + 4.0 * error / b;
+            println!("{} channel {c}: mean {a:.5} reference {b:.5} ratio {:.4} (±{allowed:.4})", s.name, a / b);
+            assert!((a / b - 1.0).abs() < allowed, "{} channel {c}: {a} against {b}", s.name);
+        }
+    }
+}
+
+/// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: its median over blocks and its
+/// mean without the brightest blocks are compared.
+#[test]
+fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
+    let Some(assets) = assets() else { return };
+    let folder = assets.join("pbrt/volumetric-caustic");
+    let reference = read(folder.join("pbrt-v4-reference.exr"));
+    let size = (reference.width() as u32, reference.height() as u32);
+    let picture = render(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Spectral, 64);
+    for c in 0..3 {
+        let trimmed = |image: &Image| {
+            let mut b = blocks(image, c);
+            b.sort_by(f64::total_cmp);
+            let kept = &b[..b.len() * 4 / 5];
+            kept.iter().sum::<f64>() / kept.len() as f64
+        };
+        let (a, b) = (trimmed(&picture), trimmed(&reference));
+        println!("volumetric-caustic channel {c}: {a:.5} against {b:.5}");
+        assert!((a / b - 1.0).abs() < 0.06, "channel {c}: {a} against {b}");
+    }
+}
+
+/// Hair is not implemented: its geometry must be where pbrt's is.
+#[test]
+fn the_hair_scene_covers_the_same_pixels() {
+    let Some(assets) = assets() else { return };
+    let folder = assets.join("pbrt/hair-curl");
+    let reference = read(folder.join("pbrt-v4-reference.exr"));
+    let size = (reference.width() as u32, reference.height() as u32);
+    let picture = render(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Rgb, 16);
+    let lit = |i: &Image| i.to_rgb().expect("colour").iter().map(|c| c.iter().sum::<f32>() > 1e-4).collect::<Vec<_>>();
+    let (a, b) = (lit(&picture), lit(&reference));
+    let both = a.iter().zip(&b).filter(|(a, b)| **a && **b).count();
+    let (ours, theirs) = (a.iter().filter(|v| **v).count(), b.iter().filter(|v| **v).count());
+    assert!(both * 10 > ours * 9 && both * 10 > theirs * 6, "{both} of {ours} and {theirs}");
+}
+
+/// Per-pixel z-test against Mitsuba's mean and variance images, in RGB and in spectral mode: at least 99.5 % of the pixel-channels are
+/// accepted at α = 0.01 with Šidák's correction.
+#[test]
+fn mitsuba_scenes_pass_the_z_test() {
+    let Some(assets) = assets() else { return };
+    let folder = assets.join("mitsuba/tests/scenes");
+    let scenes = [
+        ("bsdf_spheres/test_arealight_path", "bsdf_spheres/refs/test_arealight", 256),
+        ("bsdf_spheres/test_constant_path", "bsdf_spheres/refs/test_constant", 256),
+        ("bsdf_spheres/test_pointlight_path", "bsdf_spheres/refs/test_pointlight", 256),
+        ("orthographic_sensor/test_orthographic_path", "orthographic_sensor/refs/test_orthographic", 32),
+        ("projector/test_projector_constant_direct", "projector/refs/test_projector_constant", 256),
+        (
+            "mesh_attributes/test_mesh_attributes_1_face_direct",
+            "mesh_attributes/refs/test_mesh_attributes_1_face",
+            256,
+        ),
+        (
+            "mesh_attributes/test_mesh_attributes_3_face_direct",
+            "mesh_attributes/refs/test_mesh_attributes_3_face",
+            256,
+        ),
+        ("various_emitters/test_various_emitters_ptracer", "various_emitters/refs/test_various_emitters", 64),
+        (
+            "participating_media/test_homo_area_light_volpath",
+            "participating_media/refs/test_homo_area_light",
+            512,
+        ),
+    ];
+    let mut failures = Vec::new();
+    for (scene, reference, spp) in scenes {
+        for (mode, suffix) in [(ColorMode::Rgb, "rgb"), (ColorMode::Spectral, "spectral")] {
+            let mean = folder.join(format!("{reference}_ref_{suffix}.exr"));
+            if !mean.is_file() {
+                continue;
+            }
+            let picture = render(folder.join(format!("{scene}.xml")), None, mode, spp);
+            let variance = read(folder.join(format!("{reference}_ref_{suffix}_var.exr")));
+            let z = metrics::z_test(&picture, &read(mean), &variance, f64::from(spp)).expect("sizes agree");
+            println!("{scene} {suffix}: {z:?}");
+            if z.accepted < 0.995 {
+                failures.push(format!("{scene} {suffix}: {z:?}"));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// The two copies of the Cornell box agree with each other, and every other Mitsuba scene renders.
+#[test]
+fn other_mitsuba_scenes_render() {
+    let Some(assets) = assets() else { return };
+    let folder = assets.join("mitsuba");
+    for scene in ["scenes/cbox/cbox.xml", "scenes/cbox/cbox-rgb.xml", "scenes/cbox/cbox-spectral.xml", "scenes/hello.xml"] {
+        for mode in [ColorMode::Rgb, ColorMode::Spectral] {
+            let picture = render(folder.join(scene), Some((48, 48)), mode, 4);
+            let (mean, _) = mean_and_error(&picture, 1);
+            assert!(mean > 0.01, "{scene}: {mean}");
+        }
+    }
+    let ours = render(folder.join("cornell-box/scene_v3.xml"), Some((64, 64)), ColorMode::Rgb, 64);
+    let pbrt = render(assets.join("pbrt/cornell-box/scene-v4.pbrt"), Some((64, 64)), ColorMode::Rgb, 64);
+    for c in 0..3 {
+        let ((a, ea), (b, eb)) = (mean_and_error(&ours, c), mean_and_error(&pbrt, c));
+        assert!((a - b).abs() < 4.0 * ea.hypot(eb) + 0.002 * b, "channel {c}: {a} against {b}");
+    }
+}
