@@ -170,3 +170,28 @@ fn edges_in_f64(corners: &[[f32; LANES]; 6], lanes: u32, mut edges: [[f32; LANES
 pub(crate) fn is_hittable([a, b, c]: [Vec3; 3]) -> bool {
     a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Bvh, Geometry};
+    use steradian_math::{Ray, Vec3};
+
+    #[test]
+    fn signs_that_single_precision_cannot_tell_are_right() {
+        // The ray passes the shared edge of two triangles so closely that the edge function is zero in `f32`: the products
+        // (1 + e)² and 1 + 2e round to the same number. Exactly one of the triangles is hit.
+        let e = f32::EPSILON;
+        let positions = [
+            Vec3::new(-1.0, -(1.0 + e), 1.0),
+            Vec3::new(1.0 + e, 1.0 + 2.0 * e, 1.0),
+            Vec3::new(1.0, -1.0, 1.0),
+            Vec3::new(-1.0, 1.0, 1.0),
+        ];
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let is_hit = |third: u32| {
+            let bvh = Bvh::build(&[Geometry::triangles(&positions, &[[third, 0, 1]])]);
+            bvh.is_ok_and(|bvh| bvh.occluded(&ray, &()))
+        };
+        assert_eq!([is_hit(2), is_hit(3)], [false, true]);
+    }
+}
