@@ -13,7 +13,9 @@ use crate::{
 };
 use std::sync::Arc;
 use steradian_accel::{Hit, PrimId, TopLevel, UserHit, UserPrimitives, WORLD};
-use steradian_math::{Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine};
+use steradian_math::{
+    Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
+};
 
 /// The geometry of a shape.
 #[derive(Clone, Debug)]
@@ -310,7 +312,10 @@ impl Scene {
     /// `None` where nothing scatters.
     #[inline]
     pub fn scattering<'a>(
-        &'a self, i: &Interaction, choice: f32, lambda: &mut Wavelengths,
+        &'a self,
+        i: &Interaction,
+        choice: f32,
+        lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
         let geometry = &self.geometries[i.geometry as usize];
         if geometry.is_interface {
@@ -332,7 +337,13 @@ impl Scene {
     #[inline]
     pub fn medium_towards(&self, i: &Interaction, w: Vec3, current: Option<u32>) -> Option<u32> {
         match self.geometries[i.geometry as usize].media {
-            Some((interior, exterior)) => if w.dot(i.surface.n) > 0.0 { exterior } else { interior },
+            Some((interior, exterior)) => {
+                if w.dot(i.surface.n) > 0.0 {
+                    exterior
+                } else {
+                    interior
+                }
+            }
             None => current,
         }
     }

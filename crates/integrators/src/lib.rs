@@ -52,7 +52,12 @@ pub trait Integrator: Sync {
     /// The radiance that arrives along a camera ray. A pure function of its arguments, `counters` aside; `lambda` loses its secondary
     /// wavelengths where the path disperses.
     fn radiance(
-        &self, scene: &Scene, ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum;
 }
 
@@ -105,4 +110,10 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
 #[inline]
 pub(crate) fn live_max(beta: Spectrum, lambda: &Wavelengths) -> f32 {
     if lambda.is_secondary_terminated() { beta[0] } else { beta.max_element() }
+}
+
+/// Whether a path carries nothing any more.
+#[inline]
+pub(crate) fn is_dead(beta: Spectrum, lambda: &Wavelengths) -> bool {
+    live_max(beta, lambda) <= 0.0
 }

@@ -19,7 +19,11 @@ pub fn context(i: &Interaction, frame: &Frame, bsdf: &Bsdf) -> LightContext {
 /// A light chosen for the context and a point on it, with the density of both.
 #[inline]
 pub fn sample_light(
-    scene: &Scene, ctx: &LightContext, event: u32, sampler: &PixelSampler, lambda: &Wavelengths,
+    scene: &Scene,
+    ctx: &LightContext,
+    event: u32,
+    sampler: &PixelSampler,
+    lambda: &Wavelengths,
 ) -> Option<LightSample> {
     let (light, p) = scene.lights.choose(ctx, sampler.get_1d(dimension::at(event, dimension::LIGHT)))?;
     let u = sampler.get_2d(dimension::at(event, dimension::LIGHT_POINT));
@@ -41,10 +45,17 @@ pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, bsdf: &Bsdf) -> Spec
 }
 
 /// The estimate of direct light at a surface.
+#[allow(clippy::too_many_arguments)]
 #[inline]
 pub fn direct(
-    scene: &Scene, i: &Interaction, frame: &Frame, bsdf: &Bsdf, event: u32, sampler: &PixelSampler,
-    lambda: &Wavelengths, counters: &mut Counters,
+    scene: &Scene,
+    i: &Interaction,
+    frame: &Frame,
+    bsdf: &Bsdf,
+    event: u32,
+    sampler: &PixelSampler,
+    lambda: &Wavelengths,
+    counters: &mut Counters,
 ) -> Spectrum {
     let ctx = context(i, frame, bsdf);
     let Some(s) = sample_light(scene, &ctx, event, sampler, lambda) else { return Spectrum::ZERO };

@@ -18,17 +18,37 @@ pub struct Path {
 /// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
 const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 
-/// The probability of going on, from the throughput with the compression of radiance by refraction taken out; one where the path goes
-/// on for sure.
+/// Russian roulette after `events` scattering events: the throughput to go on with, or `None` where the path ends. It plays on the
+/// throughput with the compression of radiance by refraction (`eta2`) taken out.
 #[inline]
-pub(crate) fn survival(throughput: f32, events: u32, depth: &Depth) -> f32 {
-    if events <= depth.roulette_after { 1.0 } else { (throughput * (1.0 / ROULETTE_BELOW)).min(1.0) }
+pub(crate) fn roulette(
+    beta: Spectrum,
+    eta2: f32,
+    events: u32,
+    depth: &Depth,
+    sampler: &PixelSampler,
+    lambda: &Wavelengths,
+) -> Option<Spectrum> {
+    let live = live_max(beta, lambda);
+    if live <= 0.0 {
+        return None;
+    }
+    let survival = live * eta2 * (1.0 / ROULETTE_BELOW);
+    if events <= depth.roulette_after || survival >= 1.0 {
+        return Some(beta);
+    }
+    (sampler.get_1d(dimension::at(events, dimension::ROULETTE)) < survival).then(|| beta / survival)
 }
 
 impl Integrator for Path {
     #[inline]
     fn radiance(
-        &self, scene: &Scene, mut ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+        &self,
+        scene: &Scene,
+        mut ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
         let mut beta = Spectrum::ONE;
@@ -73,20 +93,17 @@ impl Integrator for Path {
             let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
             let Some(s) = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) else { return sum };
             beta *= s.weight;
+            if !beta.is_finite() {
+                // Handed to the film, which counts it.
+                return beta;
+            }
             eta2 *= s.eta * s.eta;
             origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
             ray = i.spawn(frame.to_world(s.wi));
             events += 1;
-            // Russian roulette.
-            let p = survival(live_max(beta, lambda) * eta2, events, &self.depth);
-            if p < 1.0 {
-                if sampler.get_1d(dimension::at(events, dimension::ROULETTE)) >= p {
-                    return sum;
-                }
-                beta = beta / p;
-            }
-            if !(live_max(beta, lambda) > 0.0) {
-                return sum;
+            match roulette(beta, eta2, events, &self.depth, sampler, lambda) {
+                Some(b) => beta = b,
+                None => return sum,
             }
         }
     }

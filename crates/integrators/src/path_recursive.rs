@@ -2,8 +2,8 @@
 //! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, dimension, live_max, nee,
-    path::{MAX_PASSES, survival},
+    Counters, Depth, Integrator, dimension, nee,
+    path::{MAX_PASSES, roulette},
 };
 use steradian_core::{Scene, bsdf::TransportMode, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -31,7 +31,12 @@ struct Leg {
 impl PathRecursive {
     /// Adds to `sum` what arrives along a leg.
     fn follow(
-        &self, scene: &Scene, leg: Leg, sum: Spectrum, sampler: &PixelSampler, lambda: &mut Wavelengths,
+        &self,
+        scene: &Scene,
+        leg: Leg,
+        sum: Spectrum,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
         let Leg { ray, beta, eta2, origin, events, passes } = leg;
@@ -66,17 +71,12 @@ impl PathRecursive {
         let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
         let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
         let Some(s) = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) else { return sum };
-        let (mut beta, eta2, events) = (beta * s.weight, eta2 * (s.eta * s.eta), events + 1);
-        let p = survival(live_max(beta, lambda) * eta2, events, &self.depth);
-        if p < 1.0 {
-            if sampler.get_1d(dimension::at(events, dimension::ROULETTE)) >= p {
-                return sum;
-            }
-            beta = beta / p;
+        let beta = beta * s.weight;
+        if !beta.is_finite() {
+            return beta;
         }
-        if !(live_max(beta, lambda) > 0.0) {
-            return sum;
-        }
+        let (eta2, events) = (eta2 * (s.eta * s.eta), events + 1);
+        let Some(beta) = roulette(beta, eta2, events, &self.depth, sampler, lambda) else { return sum };
         let origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
         let leg = Leg { ray: i.spawn(frame.to_world(s.wi)), beta, eta2, origin, events, passes };
         self.follow(scene, leg, sum, sampler, lambda, counters)
@@ -85,7 +85,12 @@ impl PathRecursive {
 
 impl Integrator for PathRecursive {
     fn radiance(
-        &self, scene: &Scene, ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum {
         let leg = Leg { ray, beta: Spectrum::ONE, eta2: 1.0, origin: None, events: 0, passes: 0 };
         self.follow(scene, leg, Spectrum::ZERO, sampler, lambda, counters)

@@ -10,7 +10,12 @@ pub struct Raycast;
 
 impl Integrator for Raycast {
     fn radiance(
-        &self, scene: &Scene, mut ray: Ray, _: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+        &self,
+        scene: &Scene,
+        mut ray: Ray,
+        _: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum {
         for _ in 0..MAX_PASSES {
             counters.rays += 1;

@@ -1,22 +1,21 @@
 //! The integrators by name.
 
-use crate::{
-    Depth,
-    path::Path,
-    path_recursive::PathRecursive,
-    raycast::Raycast,
-    volpath::VolPath,
-    whitted::Whitted,
-};
+use crate::{Depth, path::Path, path_recursive::PathRecursive, raycast::Raycast, volpath::VolPath, whitted::Whitted};
 
 /// The integrators: name, and what it does.
 pub const INTEGRATORS: &[(&str, &str)] = &[
-    ("path", "path tracing with next-event estimation, multiple importance sampling and Russian roulette; max_depth, rr_depth, hide_emitters"),
+    (
+        "path",
+        "path tracing with next-event estimation, multiple importance sampling and Russian roulette; max_depth, rr_depth, hide_emitters",
+    ),
     ("volpath", "path tracing through participating media; max_depth, rr_depth, hide_emitters"),
     ("direct", "light that scattered once; hide_emitters"),
     ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
     ("raycast", "the colour of the first surface"),
-    ("path-recursive", "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters"),
+    (
+        "path-recursive",
+        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters",
+    ),
 ];
 
 /// An integrator, ready to run.

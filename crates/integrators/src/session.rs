@@ -214,11 +214,8 @@ impl<'s> Session<'s> {
                     let sampler = self.plan.sampler.pixel(x, y, index);
                     let (offset, weight) = film.filter.sample(sampler.get_2d(dimension::FILM));
                     let point = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-                    let lens = if scene.camera.lens_radius > 0.0 {
-                        sampler.get_2d(dimension::LENS)
-                    } else {
-                        Vec2::splat(0.5)
-                    };
+                    let lens =
+                        if scene.camera.lens_radius > 0.0 { sampler.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
                     let ray = scene.camera.ray(film, point, lens);
                     let mut lambda = match scene.mode {
                         ColorMode::Rgb => Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] },

@@ -3,8 +3,8 @@
 //! way, and passing straight through such a pane is no scattering event.
 
 use crate::{
-    Counters, Depth, Integrator, dimension, live_max, nee,
-    path::{MAX_PASSES, survival},
+    Counters, Depth, Integrator, dimension, is_dead, nee,
+    path::{MAX_PASSES, roulette},
     power_heuristic,
 };
 use steradian_core::{
@@ -65,7 +65,11 @@ fn fly(medium: &Medium, distance: f32, lane: f32, u: f32, lanes: usize, lambda: 
 
 /// Transmittance towards a light: zero behind anything that scatters.
 fn visibility(
-    scene: &Scene, mut ray: Ray, mut medium: Option<u32>, lambda: &Wavelengths, counters: &mut Counters,
+    scene: &Scene,
+    mut ray: Ray,
+    mut medium: Option<u32>,
+    lambda: &Wavelengths,
+    counters: &mut Counters,
 ) -> Spectrum {
     let mut t = Spectrum::ONE;
     for _ in 0..MAX_PASSES {
@@ -102,7 +106,12 @@ fn visibility(
 impl VolPath {
     /// The transmittance of the way to a light along `ray`; zero where it is blocked.
     fn towards(
-        scene: &Scene, ray: Ray, s: &LightSample, medium: Option<u32>, lambda: &Wavelengths, counters: &mut Counters,
+        scene: &Scene,
+        ray: Ray,
+        s: &LightSample,
+        medium: Option<u32>,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum {
         let ray = Ray { t_max: s.distance * SHADOW_END, ..ray };
         if scene.is_see_through {
@@ -118,7 +127,12 @@ impl VolPath {
 
 impl Integrator for VolPath {
     fn radiance(
-        &self, scene: &Scene, mut ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+        &self,
+        scene: &Scene,
+        mut ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
         let mut beta = Spectrum::ONE;
@@ -142,7 +156,7 @@ impl Integrator for VolPath {
                     Flight::Passed(factor) => beta *= factor,
                     Flight::Scattered(t, factor) => {
                         beta *= factor;
-                        if events >= self.depth.max || !(live_max(beta, lambda) > 0.0) {
+                        if events >= self.depth.max || is_dead(beta, lambda) {
                             return sum;
                         }
                         let p = ray.at(t);
@@ -164,17 +178,14 @@ impl Integrator for VolPath {
                         origin = Some((ctx, pdf));
                         ray = Ray::new(p, wi);
                         events += 1;
-                        let p = survival(live_max(beta, lambda) * eta2, events, &self.depth);
-                        if p < 1.0 {
-                            if sampler.get_1d(dimension::at(events, dimension::ROULETTE)) >= p {
-                                return sum;
-                            }
-                            beta = beta / p;
+                        match roulette(beta, eta2, events, &self.depth, sampler, lambda) {
+                            Some(b) => beta = b,
+                            None => return sum,
                         }
                         continue;
                     }
                 }
-                if !(live_max(beta, lambda) > 0.0) {
+                if is_dead(beta, lambda) {
                     return sum;
                 }
             }
@@ -217,11 +228,15 @@ impl Integrator for VolPath {
             let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
             let Some(s) = bsdf.sample(wo, u, u2, TransportMode::Radiance) else { return sum };
             beta *= s.weight;
+            if !beta.is_finite() {
+                // Handed to the film, which counts it.
+                return beta;
+            }
             eta2 *= s.eta * s.eta;
             // Light that goes straight on has not scattered: next-event estimation sees through such surfaces too.
             if s.lobe.is_transmission() && bsdf.straight_transmission(wo).is_some() {
                 passes += 1;
-                if passes > MAX_PASSES || !(live_max(beta, lambda) > 0.0) {
+                if passes > MAX_PASSES || is_dead(beta, lambda) {
                     return sum;
                 }
                 medium = scene.medium_towards(&i, ray.direction, medium);
@@ -233,15 +248,9 @@ impl Integrator for VolPath {
             medium = scene.medium_towards(&i, direction, medium);
             ray = i.spawn(direction);
             events += 1;
-            let p = survival(live_max(beta, lambda) * eta2, events, &self.depth);
-            if p < 1.0 {
-                if sampler.get_1d(dimension::at(events, dimension::ROULETTE)) >= p {
-                    return sum;
-                }
-                beta = beta / p;
-            }
-            if !(live_max(beta, lambda) > 0.0) {
-                return sum;
+            match roulette(beta, eta2, events, &self.depth, sampler, lambda) {
+                Some(b) => beta = b,
+                None => return sum,
             }
         }
     }

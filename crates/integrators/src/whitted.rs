@@ -17,7 +17,12 @@ pub struct Whitted {
 
 impl Whitted {
     fn trace(
-        &self, scene: &Scene, mut ray: Ray, events: u32, sampler: &PixelSampler, lambda: &mut Wavelengths,
+        &self,
+        scene: &Scene,
+        mut ray: Ray,
+        events: u32,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
@@ -58,7 +63,8 @@ impl Whitted {
             // The lobe choice runs from reflection to transmission: its two ends give both.
             let center = Vec2::splat(0.5);
             let first = bsdf.sample(wo, 0.0, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
-            let last = bsdf.sample(wo, ONE_MINUS_EPSILON, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
+            let last =
+                bsdf.sample(wo, ONE_MINUS_EPSILON, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
             let last = last.filter(|l| first.is_none_or(|f| f.lobe != l.lobe));
             for s in [first, last].into_iter().flatten() {
                 let next = i.spawn(frame.to_world(s.wi));
@@ -72,7 +78,12 @@ impl Whitted {
 
 impl Integrator for Whitted {
     fn radiance(
-        &self, scene: &Scene, ray: Ray, sampler: &PixelSampler, lambda: &mut Wavelengths, counters: &mut Counters,
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
     ) -> Spectrum {
         self.trace(scene, ray, 0, sampler, lambda, counters)
     }

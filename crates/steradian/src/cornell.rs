@@ -27,7 +27,8 @@ fn rgb(r: f64, g: f64, b: f64) -> Value {
 /// The box with the lab's point light at (0, 0.5, 0) of intensity one.
 pub fn point_light() -> SceneDesc {
     let mut scene = empty_box();
-    let light = Node::new(Family::Light, "point", None).with("position", [0.0, 0.5, 0.0]).with("intensity", rgb(1.0, 1.0, 1.0));
+    let light =
+        Node::new(Family::Light, "point", None).with("position", [0.0, 0.5, 0.0]).with("intensity", rgb(1.0, 1.0, 1.0));
     let light = scene.add(light);
     scene.lights.push(light);
     scene

@@ -27,16 +27,8 @@ pub enum Layer {
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 8] = [
-        Self::Albedo,
-        Self::Normal,
-        Self::Position,
-        Self::Depth,
-        Self::Uv,
-        Self::Ids,
-        Self::Variance,
-        Self::Samples,
-    ];
+    pub const ALL: [Self; 8] =
+        [Self::Albedo, Self::Normal, Self::Position, Self::Depth, Self::Uv, Self::Ids, Self::Variance, Self::Samples];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {

@@ -25,6 +25,8 @@ pub enum Error {
         known: String,
     },
     /// An integrator option that does not exist or has no such value.
-    #[error("integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters")]
+    #[error(
+        "integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters"
+    )]
     IntegratorOption(String),
 }

@@ -3,7 +3,7 @@
 use crate::cornell;
 use std::{path::Path, time::Duration, time::Instant};
 use steradian_formats::{Import, Options};
-use steradian_scene::{Diagnostics, SceneDesc, Severity, Diagnostic};
+use steradian_scene::{Diagnostic, Diagnostics, SceneDesc, Severity};
 
 /// A scene as it was read.
 #[derive(Debug)]

@@ -70,7 +70,12 @@ impl Quality {
             spp: self.spp.unwrap_or(scene.settings.spp),
             seed: self.seed.unwrap_or(scene.settings.seed),
         };
-        Ok(Plan { integrator, sampler, threads: self.threads, features: self.layers.iter().any(|l| l.needs_features()) })
+        Ok(Plan {
+            integrator,
+            sampler,
+            threads: self.threads,
+            features: self.layers.iter().any(|l| l.needs_features()),
+        })
     }
 
     /// The integrator's name in the plan, without options.

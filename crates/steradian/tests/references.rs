@@ -143,22 +143,10 @@ fn mitsuba_scenes_pass_the_z_test() {
         ("bsdf_spheres/test_pointlight_path", "bsdf_spheres/refs/test_pointlight", 256),
         ("orthographic_sensor/test_orthographic_path", "orthographic_sensor/refs/test_orthographic", 32),
         ("projector/test_projector_constant_direct", "projector/refs/test_projector_constant", 256),
-        (
-            "mesh_attributes/test_mesh_attributes_1_face_direct",
-            "mesh_attributes/refs/test_mesh_attributes_1_face",
-            256,
-        ),
-        (
-            "mesh_attributes/test_mesh_attributes_3_face_direct",
-            "mesh_attributes/refs/test_mesh_attributes_3_face",
-            256,
-        ),
+        ("mesh_attributes/test_mesh_attributes_1_face_direct", "mesh_attributes/refs/test_mesh_attributes_1_face", 256),
+        ("mesh_attributes/test_mesh_attributes_3_face_direct", "mesh_attributes/refs/test_mesh_attributes_3_face", 256),
         ("various_emitters/test_various_emitters_ptracer", "various_emitters/refs/test_various_emitters", 64),
-        (
-            "participating_media/test_homo_area_light_volpath",
-            "participating_media/refs/test_homo_area_light",
-            512,
-        ),
+        ("participating_media/test_homo_area_light_volpath", "participating_media/refs/test_homo_area_light", 512),
     ];
     let mut failures = Vec::new();
     for (scene, reference, spp) in scenes {
@@ -184,7 +172,9 @@ fn mitsuba_scenes_pass_the_z_test() {
 fn other_mitsuba_scenes_render() {
     let Some(assets) = assets() else { return };
     let folder = assets.join("mitsuba");
-    for scene in ["scenes/cbox/cbox.xml", "scenes/cbox/cbox-rgb.xml", "scenes/cbox/cbox-spectral.xml", "scenes/hello.xml"] {
+    for scene in
+        ["scenes/cbox/cbox.xml", "scenes/cbox/cbox-rgb.xml", "scenes/cbox/cbox-spectral.xml", "scenes/hello.xml"]
+    {
         for mode in [ColorMode::Rgb, ColorMode::Spectral] {
             let picture = render(folder.join(scene), Some((48, 48)), mode, 4);
             let (mean, _) = mean_and_error(&picture, 1);

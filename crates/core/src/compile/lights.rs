@@ -167,7 +167,8 @@ impl Compiler<'_> {
         let image = if node.get("file").is_some() {
             let texels = (*self.image(node)?).clone();
             let octahedral = texels.width == texels.height;
-            let latlong = if self.desc.format == Format::Pbrt { Parametrization::LatLongZ } else { Parametrization::LatLongY };
+            let latlong =
+                if self.desc.format == Format::Pbrt { Parametrization::LatLongZ } else { Parametrization::LatLongY };
             let auto = if octahedral { Parametrization::Octahedral } else { latlong };
             let parametrization = self.choice(
                 node,
@@ -204,7 +205,7 @@ impl Compiler<'_> {
                 }
             }),
             TexelData::F16(d) => d.iter_mut().for_each(|v| {
-                if !fix(v.is_finite() && !(v.to_f32() < 0.0)) {
+                if !fix(v.is_finite() && v.to_f32() >= 0.0) {
                     *v = Default::default();
                 }
             }),

@@ -37,7 +37,8 @@ impl Compiler<'_> {
         }
         for wrapper in ["normal_map", "bump", "displacement"] {
             if let Some(p) = node.param(wrapper) {
-                let what = format!("'{wrapper}' on material '{}' is not implemented; the surface stays as it is", node.kind);
+                let what =
+                    format!("'{wrapper}' on material '{}' is not implemented; the surface stays as it is", node.kind);
                 self.approximated(p.span.or(node.span), what);
             }
         }

@@ -137,17 +137,13 @@ impl Compiler<'_> {
             .filter(|&g| matches!(self.geometries[g as usize].shape, crate::scene::Shape::Plane(_)))
             .collect();
         let textures = std::mem::take(&mut self.textures);
-        let lights = Lights::new(
-            std::mem::take(&mut self.lights),
-            std::mem::take(&mut self.emitters),
-            self.mode,
-            &textures,
-        );
+        let lights =
+            Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode, &textures);
         if lights.lights.is_empty() && lights.emitters.is_empty() {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
-        let has_media = camera.medium.is_some()
-            || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
+        let has_media =
+            camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
         let scene = Scene {
             mode: self.mode,
             has_media,
@@ -189,7 +185,10 @@ impl Compiler<'_> {
     }
 
     fn hierarchy(
-        &mut self, world: &shapes::Boxes, groups: &[(u32, shapes::Boxes)], instances: &[steradian_accel::Instance],
+        &mut self,
+        world: &shapes::Boxes,
+        groups: &[(u32, shapes::Boxes)],
+        instances: &[steradian_accel::Instance],
     ) -> Option<TopLevel> {
         let objects: Result<Vec<_>, _> = groups
             .iter()

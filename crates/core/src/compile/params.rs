@@ -60,7 +60,14 @@ impl Compiler<'_> {
             return v;
         }
         let span = node.param(name).and_then(|p| p.span).or(node.span);
-        self.error(span, format!("parameter '{name}' of {} '{}' is {v}; it must be greater than zero", node.family.noun(), node.kind));
+        self.error(
+            span,
+            format!(
+                "parameter '{name}' of {} '{}' is {v}; it must be greater than zero",
+                node.family.noun(),
+                node.kind
+            ),
+        );
         default as f32
     }
 

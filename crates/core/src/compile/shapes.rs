@@ -21,7 +21,11 @@ use steradian_scene::{Mesh, Node, SpectrumValue, Value, names};
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
 
 /// What the hierarchy is built from, for `boxes.len()` geometries from `base` on.
-pub(super) fn accel_geometries<'g>(geometries: &'g [Geometry], base: usize, boxes: &'g Boxes) -> Vec<AccelGeometry<'g>> {
+pub(super) fn accel_geometries<'g>(
+    geometries: &'g [Geometry],
+    base: usize,
+    boxes: &'g Boxes,
+) -> Vec<AccelGeometry<'g>> {
     geometries[base..]
         .iter()
         .zip(boxes)
@@ -64,9 +68,7 @@ impl Compiler<'_> {
         if matches!(alpha, Some(FloatTexture::Constant(v)) if v >= 1.0) {
             alpha = None;
         }
-        let media = shape
-            .is_medium_boundary
-            .then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
+        let media = shape.is_medium_boundary.then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
         let emission = shape.emission.map(|id| self.node(id));
         let swaps = shape.world_from_object.swaps_handedness();
         let parts = self.parts(shape, node, &place, swaps, emission.is_some());
@@ -103,7 +105,12 @@ impl Compiler<'_> {
 
     /// The geometry of a shape; none where it is refused.
     fn parts(
-        &mut self, shape: &steradian_scene::Shape, node: &Node, place: &Affine, swaps: bool, emits: bool,
+        &mut self,
+        shape: &steradian_scene::Shape,
+        node: &Node,
+        place: &Affine,
+        swaps: bool,
+        emits: bool,
     ) -> Vec<Shape> {
         let reverse = shape.reverse_orientation;
         let quadric = |kind: QuadricKind, phi_max: f32, place: Affine| {
@@ -136,7 +143,8 @@ impl Compiler<'_> {
             }
             "sphere" => {
                 let radius = self.positive(node, "radius", 1.0);
-                let (z0, z1) = (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
+                let (z0, z1) =
+                    (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
                 let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
                 let center = node.vec3("center").unwrap_or_default();
                 let moved = shape.world_from_object * Transform::translate(DVec3::from_array(center));
@@ -167,7 +175,12 @@ impl Compiler<'_> {
                         return Vec::new();
                     };
                     let x = axis.any_orthonormal_vector();
-                    let m = glam::DMat4::from_cols(x.extend(0.0), axis.cross(x).extend(0.0), axis.extend(0.0), a.extend(1.0));
+                    let m = glam::DMat4::from_cols(
+                        x.extend(0.0),
+                        axis.cross(x).extend(0.0),
+                        axis.extend(0.0),
+                        a.extend(1.0),
+                    );
                     placed = placed * Transform { matrix: m };
                     (z0, z1) = (0.0, (b - a).length() as f32);
                 }
@@ -201,7 +214,14 @@ impl Compiler<'_> {
 
     #[allow(clippy::too_many_arguments)]
     fn mesh_parts(
-        &mut self, node: &Node, mesh: &Mesh, place: &Affine, swaps: bool, reverse: bool, flat: bool, emits: bool,
+        &mut self,
+        node: &Node,
+        mesh: &Mesh,
+        place: &Affine,
+        swaps: bool,
+        reverse: bool,
+        flat: bool,
+        emits: bool,
     ) -> Vec<Shape> {
         if let Err(e) = mesh.validate() {
             self.error(node.span, format!("malformed mesh: {e}"));
@@ -297,10 +317,8 @@ impl Compiler<'_> {
                 vec![add(&mut self.lights, shape, None)]
             }
             Shape::Mesh(m) => {
-                let textured = matches!(
-                    self.emitters[emitter as usize].radiance,
-                    crate::texture::SpectrumTexture::Texture(..)
-                );
+                let textured =
+                    matches!(self.emitters[emitter as usize].radiance, crate::texture::SpectrumTexture::Texture(..));
                 let mut of_triangle = Vec::with_capacity(m.triangles.len());
                 let mut t = 0;
                 while t < m.triangles.len() as u32 {

@@ -18,7 +18,7 @@ impl Compiler<'_> {
             |n: &&Node| matches!((n.family, n.kind.as_str()), (Family::Texture, "image") | (Family::Light, _));
         let paths: BTreeSet<&Path> =
             self.desc.nodes.iter().filter(wants_texels).filter_map(|n| n.path("file")).collect();
-        let limits = self.options.image_limits.clone();
+        let limits = self.options.image_limits;
         let load = |p: &&Path| {
             let texels = steradian_image::read_texels(p, &limits).map(Arc::new).map_err(|e| e.to_string());
             (p.to_path_buf(), texels)
@@ -144,7 +144,10 @@ impl Compiler<'_> {
                 "srgb" => Encoding::Srgb,
                 "linear" => Encoding::Linear,
                 other => {
-                    self.error(node.span, format!("'{other}' is not an encoding; known are auto, srgb, linear, or a gamma"));
+                    self.error(
+                        node.span,
+                        format!("'{other}' is not an encoding; known are auto, srgb, linear, or a gamma"),
+                    );
                     texels.encoding
                 }
             },

@@ -3,10 +3,7 @@
 use super::Compiler;
 use crate::{
     camera::{CAMERAS, Camera, FovAxis, Projection},
-    film::{
-        Crop, FilmSpec, Filter, FilterKind,
-        filter::FILTERS,
-    },
+    film::{Crop, FilmSpec, Filter, FilterKind, filter::FILTERS},
     sampler::{SAMPLERS, SamplerKind},
     scene::Settings,
 };
@@ -24,7 +21,6 @@ impl Compiler<'_> {
             None => (get("width", default.0), get("height", default.1)),
         }
     }
-
 
     /// Compiles the chosen camera.
     pub(super) fn camera(&mut self) -> Option<Camera> {
@@ -67,7 +63,10 @@ impl Compiler<'_> {
                 }
                 let axis_name = node.string("fov_axis").unwrap_or("smaller");
                 let Some(axis) = FovAxis::named(axis_name) else {
-                    self.error(node.span, format!("'{axis_name}' is not an axis of view; known are x, y, smaller, larger, diagonal"));
+                    self.error(
+                        node.span,
+                        format!("'{axis_name}' is not an axis of view; known are x, y, smaller, larger, diagonal"),
+                    );
                     return None;
                 };
                 (Projection::Perspective, axis.half_window(fov.to_radians(), aspect))
@@ -134,7 +133,10 @@ impl Compiler<'_> {
         let (w, h) = self.frame();
         if w < 1 || h < 1 || w > 1 << 20 || h > 1 << 20 || (w * h) as u64 > FilmSpec::MAX_PIXELS {
             let span = node.param("width").or(node.param("height")).and_then(|p| p.span).or(node.span);
-            self.error(span, format!("a film of {w} x {h} pixels cannot be made; at most {} pixels", FilmSpec::MAX_PIXELS));
+            self.error(
+                span,
+                format!("a film of {w} x {h} pixels cannot be made; at most {} pixels", FilmSpec::MAX_PIXELS),
+            );
             return None;
         }
         let (width, height) = (w as u32, h as u32);
@@ -152,7 +154,10 @@ impl Compiler<'_> {
                 let at = |v: i64, limit: u32| v.clamp(0, i64::from(limit)) as u32;
                 let c = Crop { x0: at(x0, width), y0: at(y0, height), x1: at(x1, width), y1: at(y1, height) };
                 if c.x0 >= c.x1 || c.y0 >= c.y1 {
-                    self.error(node.span, format!("the crop {x0},{y0},{x1},{y1} leaves nothing of {width} x {height} pixels"));
+                    self.error(
+                        node.span,
+                        format!("the crop {x0},{y0},{x1},{y1} leaves nothing of {width} x {height} pixels"),
+                    );
                     return None;
                 }
                 c
@@ -161,7 +166,10 @@ impl Compiler<'_> {
         if let Some(sensor) = node.string("sensor")
             && sensor != "cie1931"
         {
-            self.approximated(node.span, format!("film sensor '{sensor}' is not implemented; the CIE 1931 observer stands in"));
+            self.approximated(
+                node.span,
+                format!("film sensor '{sensor}' is not implemented; the CIE 1931 observer stands in"),
+            );
         }
         if self.float(node, "white_balance", 0.0) != 0.0 {
             self.approximated(node.span, "white balance is not implemented; colours are those of D65");

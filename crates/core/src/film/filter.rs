@@ -136,7 +136,8 @@ impl Filter {
         match self.kind {
             FilterKind::Box => ((u * 2.0 - 1.0) * self.radius, 1.0),
             FilterKind::Tent => {
-                let tent = |u: f32| if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).max(0.0).sqrt() };
+                let tent =
+                    |u: f32| if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).max(0.0).sqrt() };
                 (Vec2::new(tent(u.x), tent(u.y)) * self.radius, 1.0)
             }
             _ => {

@@ -85,7 +85,9 @@ pub struct FirstHitSums {
 impl FirstHitSums {
     /// Adds the first hit of a sample.
     pub fn add(&mut self, hit: &FirstHit) {
-        let add = |a: &mut [f32], b: &[f32]| a.iter_mut().zip(b).for_each(|(a, b)| *a += if b.is_finite() { *b } else { 0.0 });
+        let add = |a: &mut [f32], b: &[f32]| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += if b.is_finite() { *b } else { 0.0 })
+        };
         let s = &mut self.sum;
         add(&mut s.albedo, &hit.albedo);
         add(&mut s.normal, &hit.normal);

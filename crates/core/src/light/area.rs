@@ -30,7 +30,12 @@ impl Emitter {
     /// Radiance at a point of the surface in direction `w`.
     #[inline]
     pub fn radiance(
-        &self, n: Vec3, w: Vec3, at: &TextureContext, lambda: &Wavelengths, textures: &Textures,
+        &self,
+        n: Vec3,
+        w: Vec3,
+        at: &TextureContext,
+        lambda: &Wavelengths,
+        textures: &Textures,
     ) -> Spectrum {
         if !self.two_sided && n.dot(w) <= 0.0 {
             return Spectrum::ZERO;
@@ -102,12 +107,18 @@ impl AreaLight {
     /// Light that arrives at `p`.
     #[inline]
     pub fn sample(
-        &self, emitter: &Emitter, p: Vec3, u: Vec2, lambda: &Wavelengths, textures: &Textures,
+        &self,
+        emitter: &Emitter,
+        p: Vec3,
+        u: Vec2,
+        lambda: &Wavelengths,
+        textures: &Textures,
     ) -> Option<LightSample> {
         let (q, n, pdf, uv) = match &self.shape {
             AreaShape::Triangle(v, n, area) => {
                 let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
-                let solid = if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle(*v, p, u) } else { None };
+                let solid =
+                    if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle(*v, p, u) } else { None };
                 let (b, pdf) = match solid {
                     Some((b, pdf)) => (b, Some(pdf)),
                     None => (warp::uniform_triangle(u), None),
@@ -126,7 +137,9 @@ impl AreaLight {
                     (*corner + *ex * u.x + *ey * u.y, *n, Err(*area), u)
                 }
             }
-            AreaShape::Sphere(c, r, inward) => return self.sample_sphere(*c, *r, *inward, emitter, p, u, lambda, textures),
+            AreaShape::Sphere(c, r, inward) => {
+                return self.sample_sphere(*c, *r, *inward, emitter, p, u, lambda, textures);
+            }
             AreaShape::Quadric(q) => {
                 let s = q.surface_at(q.sample(u));
                 (s.p, s.n, Err(q.area()), s.uv)
@@ -169,7 +182,14 @@ impl AreaLight {
 
     #[allow(clippy::too_many_arguments)]
     fn sample_sphere(
-        &self, c: Vec3, r: f32, inward: bool, emitter: &Emitter, p: Vec3, u: Vec2, lambda: &Wavelengths,
+        &self,
+        c: Vec3,
+        r: f32,
+        inward: bool,
+        emitter: &Emitter,
+        p: Vec3,
+        u: Vec2,
+        lambda: &Wavelengths,
         textures: &Textures,
     ) -> Option<LightSample> {
         let to_center = c - p;
@@ -211,7 +231,8 @@ impl AreaLight {
         match &self.shape {
             AreaShape::Triangle(v, n, area) => {
                 let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
-                let solid = if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle_pdf(*v, p) } else { None };
+                let solid =
+                    if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle_pdf(*v, p) } else { None };
                 solid.unwrap_or_else(|| by_area(*area))
             }
             AreaShape::Rectangle { corner, ex, ey, n, area } => {
@@ -236,7 +257,11 @@ impl AreaLight {
 
     /// For emission along the normal alone: the point of the surface that shines at `p`, if any.
     pub fn along_normal(
-        &self, emitter: &Emitter, p: Vec3, lambda: &Wavelengths, textures: &Textures,
+        &self,
+        emitter: &Emitter,
+        p: Vec3,
+        lambda: &Wavelengths,
+        textures: &Textures,
     ) -> Option<LightSample> {
         let (n, inside, distance) = match &self.shape {
             AreaShape::Triangle(v, n, _) => {
@@ -282,7 +307,9 @@ impl AreaLight {
                 (b, Vec3::Z, -1.0, std::f32::consts::PI * r * r)
             }
             AreaShape::Quadric(q) => match q.kind {
-                crate::shape::QuadricKind::Disk { .. } => (q.bounds(), q.surface_at(q.sample(Vec2::ZERO)).n, 1.0, q.area()),
+                crate::shape::QuadricKind::Disk { .. } => {
+                    (q.bounds(), q.surface_at(q.sample(Vec2::ZERO)).n, 1.0, q.area())
+                }
                 _ => (q.bounds(), Vec3::Z, -1.0, q.area() * 0.25),
             },
         };

@@ -68,7 +68,13 @@ impl EnvironmentImage {
             let mut m = 0.0_f32;
             for dy in [h - 1, 0, 1] {
                 for dx in [w - 1, 0, 1] {
-                    let yy = if dy == 1 { (y + 1).min(h - 1) } else if dy == 0 { y } else { y.saturating_sub(1) };
+                    let yy = if dy == 1 {
+                        (y + 1).min(h - 1)
+                    } else if dy == 0 {
+                        y
+                    } else {
+                        y.saturating_sub(1)
+                    };
                     m = m.max(light((x + dx) % w, yy) * if (dx, dy) == (0, 0) { 1.0 } else { 0.5 });
                 }
             }
@@ -305,7 +311,9 @@ mod tests {
                 integral += pdf;
                 z += pdf * f64::from(w.z * w.x);
                 let (wi, pdf) = env.sample(Vec3::ZERO, Vec2::new(rng.next_f32(), rng.next_f32())).unwrap();
-                assert!((env.pdf(Vec3::ZERO, wi) / pdf - 1.0).abs() < 0.02 || (env.pdf(Vec3::ZERO, wi) - pdf).abs() > 0.0);
+                assert!(
+                    (env.pdf(Vec3::ZERO, wi) / pdf - 1.0).abs() < 0.02 || (env.pdf(Vec3::ZERO, wi) - pdf).abs() > 0.0
+                );
                 z_sampled += f64::from(wi.z * wi.x);
             }
             let k = 4.0 * std::f64::consts::PI / f64::from(n);

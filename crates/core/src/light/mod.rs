@@ -21,9 +21,15 @@ pub const LIGHTS: &[(&str, &str)] = &[
     ("area", "emission of a shape; radiance, two_sided, scale, normalize, power, file"),
     ("directional_area", "emission of a flat shape along its normal alone; radiance"),
     ("point", "intensity, position, scale, normalize, power"),
-    ("spot", "intensity, cone_angle, falloff_start (degrees), falloff (smoothstep, linear), texture, scale, normalize, power"),
+    (
+        "spot",
+        "intensity, cone_angle, falloff_start (degrees), falloff (smoothstep, linear), texture, scale, normalize, power",
+    ),
     ("distant", "parallel light; radiance, direction, scale, normalize, illuminance"),
-    ("environment", "light from all directions, constant or an image; radiance or file, parametrization, scale, normalize, illuminance, portal"),
+    (
+        "environment",
+        "light from all directions, constant or an image; radiance or file, parametrization, scale, normalize, illuminance, portal",
+    ),
     ("goniometric", "a point light with an image of directions; file, intensity, scale, normalize, power"),
     ("projection", "a slide projector; file or texture, radiance, fov, fov_axis, scale, normalize, power"),
 ];
@@ -182,7 +188,12 @@ impl Lights {
     /// Light that arrives at a point from one light, with `u` choosing where on the light.
     #[inline]
     pub fn sample(
-        &self, light: u32, ctx: &LightContext, u: Vec2, lambda: &Wavelengths, textures: &Textures,
+        &self,
+        light: u32,
+        ctx: &LightContext,
+        u: Vec2,
+        lambda: &Wavelengths,
+        textures: &Textures,
     ) -> Option<LightSample> {
         let delta = |to: Vec3, intensity: Spectrum| {
             let d2 = to.length_squared();
@@ -213,9 +224,7 @@ impl Lights {
                 Some(LightSample { wi, distance: f32::INFINITY, radiance, pdf, is_delta: false })
             }
             Light::Area(a) => a.sample(&self.emitters[a.emitter as usize], ctx.p, u, lambda, textures),
-            Light::DirectionalArea(a) => {
-                a.along_normal(&self.emitters[a.emitter as usize], ctx.p, lambda, textures)
-            }
+            Light::DirectionalArea(a) => a.along_normal(&self.emitters[a.emitter as usize], ctx.p, lambda, textures),
         }
     }
 
@@ -236,9 +245,7 @@ impl Lights {
     #[inline]
     pub fn environment_pdf(&self, light: u32, ctx: &LightContext, wi: Vec3) -> f32 {
         match &self.lights[light as usize] {
-            Light::Environment(e) if e.sampled_irradiance() > 0.0 => {
-                self.probability(ctx, light) * e.pdf(ctx.p, wi)
-            }
+            Light::Environment(e) if e.sampled_irradiance() > 0.0 => self.probability(ctx, light) * e.pdf(ctx.p, wi),
             _ => 0.0,
         }
     }

@@ -13,11 +13,23 @@ use steradian_math::{Spectrum, spectra::Wavelengths};
 /// The materials by name, for the registry.
 pub const MATERIALS: &[(&str, &str)] = &[
     ("diffuse", "Lambertian reflection; reflectance (0.5)"),
-    ("conductor", "metal, smooth or rough; eta, k or reflectance; alpha_u, alpha_v, remap_roughness, distribution (ggx, beckmann), specular_reflectance"),
-    ("dielectric", "glass, smooth or rough; eta (1.5), alpha_u, alpha_v, remap_roughness, distribution, specular_reflectance, specular_transmittance"),
+    (
+        "conductor",
+        "metal, smooth or rough; eta, k or reflectance; alpha_u, alpha_v, remap_roughness, distribution (ggx, beckmann), specular_reflectance",
+    ),
+    (
+        "dielectric",
+        "glass, smooth or rough; eta (1.5), alpha_u, alpha_v, remap_roughness, distribution, specular_reflectance, specular_transmittance",
+    ),
     ("thin_dielectric", "a pane without thickness; eta (1.5), specular_reflectance, specular_transmittance"),
-    ("coated_diffuse", "a dielectric coat over a diffuse base (pbrt's coateddiffuse, in closed form); reflectance (0.5), eta (1.5), alpha_u, alpha_v, remap_roughness, thickness (0.01)"),
-    ("plastic", "a dielectric coat over a diffuse base (Mitsuba's plastic and roughplastic); diffuse_reflectance (0.5), eta (1.49), alpha_u, alpha_v, distribution, nonlinear, specular_reflectance"),
+    (
+        "coated_diffuse",
+        "a dielectric coat over a diffuse base (pbrt's coateddiffuse, in closed form); reflectance (0.5), eta (1.5), alpha_u, alpha_v, remap_roughness, thickness (0.01)",
+    ),
+    (
+        "plastic",
+        "a dielectric coat over a diffuse base (Mitsuba's plastic and roughplastic); diffuse_reflectance (0.5), eta (1.49), alpha_u, alpha_v, distribution, nonlinear, specular_reflectance",
+    ),
     ("diffuse_transmission", "Lambertian reflection and transmission; reflectance (0.25), transmittance (0.25)"),
     ("two_sided", "one material on each side; front, back"),
     ("mask", "opacity over a material; opacity (0.5), material"),
@@ -198,7 +210,12 @@ fn albedo(s: Spectrum) -> Spectrum {
 /// on the side of the normal). `None` where nothing scatters.
 #[inline]
 pub fn scattering<'a>(
-    materials: &'a [Material], textures: &Textures, mut id: u32, at: &TextureContext, front: bool, mut choice: f32,
+    materials: &'a [Material],
+    textures: &Textures,
+    mut id: u32,
+    at: &TextureContext,
+    front: bool,
+    mut choice: f32,
     lambda: &mut Wavelengths,
 ) -> Option<Scattering<'a>> {
     let (mut flipped, mut two_sided) = (false, false);
@@ -234,10 +251,9 @@ pub fn scattering<'a>(
             tint: spectrum(tint, lambda),
             microfacet: roughness.microfacet(textures, at),
         }),
-        Model::ConductorReflectance(r, roughness) => Bsdf::Conductor(Conductor::from_reflectance(
-            spectrum(r, lambda),
-            roughness.microfacet(textures, at),
-        )),
+        Model::ConductorReflectance(r, roughness) => {
+            Bsdf::Conductor(Conductor::from_reflectance(spectrum(r, lambda), roughness.microfacet(textures, at)))
+        }
         Model::Mirror(r, roughness) => {
             Bsdf::Conductor(Conductor::mirror(spectrum(r, lambda), roughness.microfacet(textures, at)))
         }

@@ -41,10 +41,7 @@ impl TriMesh {
         let normals = if flat { &[][..] } else { &mesh.normals[..] };
         Self {
             positions: mesh.positions.iter().map(|&p| place.point(Vec3::from(p))).collect(),
-            normals: normals
-                .iter()
-                .map(|&n| (place.normal(Vec3::from(n)) * sign).normalize_or_zero())
-                .collect(),
+            normals: normals.iter().map(|&n| (place.normal(Vec3::from(n)) * sign).normalize_or_zero()).collect(),
             uvs: mesh.uvs.iter().map(|&uv| Vec2::from(uv)).collect(),
             triangles: mesh.triangles.clone(),
             attributes: mesh
@@ -124,9 +121,7 @@ impl TriMesh {
     }
 
     /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
-    pub fn attribute(
-        &self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2,
-    ) -> Option<([f32; 4], usize)> {
+    pub fn attribute(&self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
         let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;
         let n = a.channels.min(4);
         let at = |i: usize| -> [f32; 4] {

@@ -1,9 +1,9 @@
 //! Spheres, disks and cylinders, whole or in part, under any affine placement (M57, M59).
 
 use super::SurfacePoint;
+use std::f32::consts::TAU;
 use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, ray::gamma, transform::Affine};
-use std::f32::consts::TAU;
 
 /// Which quadric, in object space; angles in radians.
 #[derive(Clone, Copy, Debug)]
@@ -84,10 +84,9 @@ impl Quadric {
 
     /// Surface area where it is placed; exact for similarity placements and for disks.
     pub fn area(&self) -> f32 {
-        let scale = self.similarity().map_or_else(
-            || self.place.vector(Vec3::X).cross(self.place.vector(Vec3::Y)).length(),
-            |s| s * s,
-        );
+        let scale = self
+            .similarity()
+            .map_or_else(|| self.place.vector(Vec3::X).cross(self.place.vector(Vec3::Y)).length(), |s| s * s);
         scale
             * match self.kind {
                 QuadricKind::Sphere { radius, z_min, z_max } | QuadricKind::Cylinder { radius, z_min, z_max } => {
@@ -247,7 +246,11 @@ impl Quadric {
                     QuadricKind::Sphere { radius, z_min, z_max } => {
                         let theta = |z: f32| (z / radius).clamp(-1.0, 1.0).acos();
                         let a = theta(z_min) + (theta(z_max) - theta(z_min)) * t;
-                        (radius * a.sin(), radius * a.cos(), Vec3::new(a.sin() * phi.cos(), a.sin() * phi.sin(), a.cos()))
+                        (
+                            radius * a.sin(),
+                            radius * a.cos(),
+                            Vec3::new(a.sin() * phi.cos(), a.sin() * phi.sin(), a.cos()),
+                        )
                     }
                     QuadricKind::Cylinder { radius, z_min, z_max } => {
                         (radius, z_min + (z_max - z_min) * t, Vec3::new(phi.cos(), phi.sin(), 0.0))

@@ -104,9 +104,7 @@ impl ImageTexture {
         let (x0, y0) = (x0 as i64, y0 as i64);
         let (a, b) = (fetch(x0, y0), fetch(x0.saturating_add(1), y0));
         let (c, d) = (fetch(x0, y0.saturating_add(1)), fetch(x0.saturating_add(1), y0.saturating_add(1)));
-        std::array::from_fn(|i| {
-            (a[i] * (1.0 - dx) + b[i] * dx) * (1.0 - dy) + (c[i] * (1.0 - dx) + d[i] * dx) * dy
-        })
+        std::array::from_fn(|i| (a[i] * (1.0 - dx) + b[i] * dx) * (1.0 - dy) + (c[i] * (1.0 - dx) + d[i] * dx) * dy)
     }
 
     #[inline]

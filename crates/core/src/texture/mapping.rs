@@ -68,7 +68,9 @@ impl Mapping {
     pub fn solid(&self, p: Vec3) -> Vec3 {
         match &self.projector {
             Projector::Uv => p,
-            Projector::Spherical(local) | Projector::Cylindrical(local) | Projector::Planar(local, ..) => local.point(p),
+            Projector::Spherical(local) | Projector::Cylindrical(local) | Projector::Planar(local, ..) => {
+                local.point(p)
+            }
         }
     }
 }

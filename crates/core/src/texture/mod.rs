@@ -10,13 +10,16 @@ use crate::{
 pub use image::ImageTexture;
 pub use mapping::Mapping;
 use std::sync::Arc;
-use steradian_scene::Domain;
 use steradian_math::{Spectrum, Vec2, Vec3, hash::mix32, spectra::Wavelengths};
+use steradian_scene::Domain;
 
 /// The textures by name, for the registry.
 pub const TEXTURES: &[(&str, &str)] = &[
     ("constant", "the same everywhere; value"),
-    ("image", "a picture by bilinear (or nearest) lookup; file, filter, wrap_u, wrap_v, encoding, raw, origin, scale, invert, mapping"),
+    (
+        "image",
+        "a picture by bilinear (or nearest) lookup; file, filter, wrap_u, wrap_v, encoding, raw, origin, scale, invert, mapping",
+    ),
     ("checkerboard", "squares or cubes of two values; a, b, dimension (2 or 3), mapping"),
     ("scale", "the product of two textures; texture, scale"),
     ("mix", "linear interpolation; a, b, amount"),

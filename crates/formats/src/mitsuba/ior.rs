@@ -5,34 +5,8 @@ use super::{
     plugins,
     reader::Reader,
 };
+use steradian_math::spectra::ior::DIELECTRICS;
 use steradian_scene::names;
-
-/// Indices of refraction at 589 nm, 0–20 °C (Hecht, Optics, 4th edition; the names are Mitsuba's).
-const REFRACTION: [(&str, f64); 23] = [
-    ("vacuum", 1.0),
-    ("helium", 1.000036),
-    ("hydrogen", 1.000132),
-    ("air", 1.000277),
-    ("carbon dioxide", 1.00045),
-    ("water", 1.333),
-    ("acetone", 1.36),
-    ("ethanol", 1.361),
-    ("carbon tetrachloride", 1.461),
-    ("glycerol", 1.4729),
-    ("benzene", 1.501),
-    ("silicone oil", 1.52045),
-    ("bromine", 1.661),
-    ("water ice", 1.31),
-    ("fused quartz", 1.458),
-    ("pyrex", 1.47),
-    ("acrylic glass", 1.49),
-    ("polypropylene", 1.49),
-    ("bk7", 1.5046),
-    ("sodium chloride", 1.544),
-    ("amber", 1.55),
-    ("pet", 1.575),
-    ("diamond", 2.419),
-];
 
 /// Conductors that Mitsuba has data for, each with the one of Steradian's table that is the same or looks most alike.
 const CONDUCTORS: [(&str, &str); 47] = [
@@ -109,7 +83,7 @@ const OTHER_CONDUCTORS: [&str; 17] = [
 impl Reader<'_> {
     /// An index of refraction, by number or name.
     pub fn ior(&mut self, object: ObjectId, name: &'static str, default: &str) -> f64 {
-        let look_up = |text: &str| REFRACTION.iter().find(|(n, _)| n.eq_ignore_ascii_case(text)).map(|(_, v)| *v);
+        let look_up = |text: &str| DIELECTRICS.iter().find(|(n, _)| n.eq_ignore_ascii_case(text)).map(|(_, v)| *v);
         let fallback = look_up(default).unwrap_or(1.0);
         let Some(prop) = self.graph.take(object, name) else { return fallback };
         let Raw::String(text) = &prop.value else {
@@ -121,7 +95,7 @@ impl Reader<'_> {
             return value;
         };
         look_up(text).unwrap_or_else(|| {
-            let known: Vec<&str> = REFRACTION.iter().map(|(n, _)| *n).collect();
+            let known: Vec<&str> = DIELECTRICS.iter().map(|(n, _)| *n).collect();
             let help = names::did_you_mean(text, known.iter().copied());
             let help = help.or_else(|| Some(format!("known are {}, or a number", plugins::list(&known))));
             let message = format!("no index of refraction is known for '{text}'");

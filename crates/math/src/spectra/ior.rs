@@ -3,7 +3,7 @@
 use super::{Curve, named};
 
 /// Dielectrics and their index of refraction at 589 nm, 0 °C to 20 °C (after Hecht, *Optics*), under Mitsuba's names.
-pub const DIELECTRICS: &[(&str, f32)] = &[
+pub const DIELECTRICS: &[(&str, f64)] = &[
     ("vacuum", 1.0),
     ("helium", 1.000036),
     ("hydrogen", 1.000132),
@@ -30,7 +30,7 @@ pub const DIELECTRICS: &[(&str, f32)] = &[
 ];
 
 /// The index of refraction of a dielectric of Mitsuba's list; case does not matter.
-pub fn dielectric(name: &str) -> Option<f32> {
+pub fn dielectric(name: &str) -> Option<f64> {
     DIELECTRICS.iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, ior)| *ior)
 }
 

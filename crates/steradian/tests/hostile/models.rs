@@ -1,0 +1,85 @@
+//! Materials with impossible parameters, in both languages. The poison here is milder than elsewhere: values of the right type.
+
+use crate::case::{Case, Expect::Either};
+
+/// Values that materials are given.
+const VALUES: [&str; 10] = ["nan", "inf", "-inf", "1e39", "1e30", "-1", "0", "1e-45", "7", "0.9999999"];
+
+/// pbrt materials with a number left open.
+const PBRT: [&str; 22] = [
+    "\"diffuse\" \"rgb reflectance\" [@ 0.5 0.5]",
+    "\"diffuse\" \"float reflectance\" @",
+    "\"diffuse\" \"spectrum reflectance\" [400 @ 700 1]",
+    "\"diffusetransmission\" \"rgb transmittance\" [@ 1 1] \"float scale\" @",
+    "\"conductor\" \"float roughness\" @",
+    "\"conductor\" \"float uroughness\" @ \"float vroughness\" 0.1 \"bool remaproughness\" false",
+    "\"conductor\" \"rgb reflectance\" [@ 1 1]",
+    "\"conductor\" \"spectrum eta\" [400 @ 700 1] \"spectrum k\" [400 1 700 @]",
+    "\"dielectric\" \"float eta\" @",
+    "\"dielectric\" \"float roughness\" @",
+    "\"dielectric\" \"spectrum eta\" [400 1.5 700 @]",
+    "\"thindielectric\" \"float eta\" @",
+    "\"coateddiffuse\" \"float eta\" @",
+    "\"coateddiffuse\" \"float roughness\" @",
+    "\"coateddiffuse\" \"float thickness\" @",
+    "\"coateddiffuse\" \"rgb reflectance\" [@ @ @] \"float g\" @ \"rgb albedo\" [@ 1 1]",
+    "\"coateddiffuse\" \"integer maxdepth\" @ \"integer nsamples\" @",
+    "\"coatedconductor\" \"float conductor.roughness\" @ \"float interface.roughness\" @",
+    "\"subsurface\" \"float scale\" @ \"float eta\" @",
+    "\"hair\" \"float beta_m\" @ \"float eta\" @",
+    "\"interface\" \"float displacement\" @",
+    "\"diffuse\" \"float displacement\" @",
+];
+
+/// Mitsuba BSDFs with a number left open.
+const MITSUBA: [&str; 20] = [
+    "<bsdf type='diffuse'><rgb name='reflectance' value='@, 0.5, 0.5'/></bsdf>",
+    "<bsdf type='diffuse'><spectrum name='reflectance' value='@'/></bsdf>",
+    "<bsdf type='diffuse'><spectrum name='reflectance' value='400:@, 700:1'/></bsdf>",
+    "<bsdf type='conductor'><spectrum name='eta' value='@'/><spectrum name='k' value='@'/></bsdf>",
+    "<bsdf type='roughconductor'><float name='alpha' value='@'/></bsdf>",
+    "<bsdf type='roughconductor'><float name='alpha_u' value='@'/><float name='alpha_v' value='0.1'/></bsdf>",
+    "<bsdf type='roughconductor'><rgb name='specular_reflectance' value='@, 1, 1'/></bsdf>",
+    "<bsdf type='dielectric'><float name='int_ior' value='@'/></bsdf>",
+    "<bsdf type='dielectric'><float name='ext_ior' value='@'/></bsdf>",
+    "<bsdf type='roughdielectric'><float name='alpha' value='@'/></bsdf>",
+    "<bsdf type='roughdielectric'><string name='distribution' value='beckmann'/><float name='alpha' value='@'/></bsdf>",
+    "<bsdf type='thindielectric'><float name='int_ior' value='@'/></bsdf>",
+    "<bsdf type='plastic'><float name='int_ior' value='@'/><rgb name='diffuse_reflectance' value='@, 1, 0'/></bsdf>",
+    "<bsdf type='plastic'><boolean name='nonlinear' value='true'/><rgb name='diffuse_reflectance' value='@, 1, 0'/></bsdf>",
+    "<bsdf type='roughplastic'><float name='alpha' value='@'/></bsdf>",
+    "<bsdf type='mask'><float name='opacity' value='@'/><bsdf type='diffuse'/></bsdf>",
+    "<bsdf type='blendbsdf'><float name='weight' value='@'/><bsdf type='diffuse'/><bsdf type='conductor'/></bsdf>",
+    "<bsdf type='twosided'><bsdf type='roughconductor'><float name='alpha' value='@'/></bsdf></bsdf>",
+    "<bsdf type='principled'><float name='roughness' value='@'/><float name='metallic' value='@'/></bsdf>",
+    "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'><rgb name='color0' value='@,1,0'/>\
+     <transform name='to_uv'><scale value='@'/></transform></texture></bsdf>",
+];
+
+/// pbrt materials on a sphere, and inside a mix.
+pub fn pbrt() -> Vec<Case> {
+    let fill = |t: &str, v: &str| t.replace('@', v);
+    let alone = PBRT.iter().flat_map(|t| VALUES.iter().map(move |v| fill(t, v)));
+    let alone = alone.map(|m| Case::pbrt(m.clone(), format!("Material {m}\nShape \"sphere\""), Either));
+    let mixed = VALUES.iter().map(|v| {
+        let text = format!(
+            "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"float reflectance\" {v}\nMakeNamedMaterial \"b\" \"string type\" \"conductor\"\n\
+             Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" {v}\nShape \"sphere\""
+        );
+        Case::pbrt(format!("mix of amount {v}"), text, Either)
+    });
+    let media = VALUES.iter().map(|v| {
+        let text = format!(
+            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [{v} 1 1] \"rgb sigma_a\" [0 {v} 1] \"float g\" {v}\n\
+             MediumInterface \"m\" \"\"\nMaterial \"dielectric\"\nShape \"sphere\""
+        );
+        Case::pbrt(format!("medium of {v}"), text, Either)
+    });
+    alone.chain(mixed).chain(media).collect()
+}
+
+/// Mitsuba BSDFs on a sphere.
+pub fn mitsuba() -> Vec<Case> {
+    let alone = MITSUBA.iter().flat_map(|t| VALUES.iter().map(move |v| t.replace('@', v)));
+    alone.map(|b| Case::mitsuba(b.clone(), format!("<shape type='sphere'>{b}</shape>"), Either)).collect()
+}

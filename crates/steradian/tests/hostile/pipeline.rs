@@ -1,0 +1,100 @@
+//! The whole way of an input: load, compile, render, develop.
+
+use crate::case::{Case, Expect};
+use std::{io, path::Path};
+use steradian::{
+    CompileOptions, Control, Layer, Quality, Session, compile, develop, formats, load,
+    scene::{Diagnostic, Diagnostics, SceneDesc},
+};
+
+/// How it ended.
+pub enum Outcome {
+    /// With errors among the messages.
+    Refused(Vec<Diagnostic>),
+    /// With a finite picture, the messages, and how many samples were not finite.
+    Picture(Vec<Diagnostic>, u64),
+}
+
+/// Writes the files of a case to a folder and takes the scene all the way.
+pub fn run(case: &Case, folder: &Path) -> Result<Outcome, String> {
+    let write = || -> io::Result<()> {
+        for (name, bytes) in &case.files {
+            let path = folder.join(name);
+            std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
+            std::fs::write(path, bytes)?;
+        }
+        Ok(())
+    };
+    write().map_err(|e| format!("cannot write the files: {e}"))?;
+    let scene = folder.join(&case.files[0].0);
+    // Models have no film of their own; the one they are given is for pictures, not for tests.
+    let is_model = scene.extension().is_some_and(|e| e == "obj" || e == "ply");
+    open(&scene, &CompileOptions { size: is_model.then_some((16, 16)), ..CompileOptions::default() })
+}
+
+/// Takes a scene file all the way.
+pub fn open(path: &Path, options: &CompileOptions) -> Result<Outcome, String> {
+    let loaded = load(path.to_str().unwrap_or_default(), &formats::Options::default());
+    if loaded.diagnostics.has_errors() {
+        return refused(&loaded.diagnostics);
+    }
+    render(&loaded.desc, options, &loaded.diagnostics)
+}
+
+/// Compiles a description and renders it with one sample per pixel.
+pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics) -> Result<Outcome, String> {
+    let compiled = compile(desc, options);
+    let Some(scene) = compiled.scene else { return refused(&compiled.diagnostics) };
+    if compiled.diagnostics.has_errors() {
+        return Err("there is a scene in spite of errors".into());
+    }
+    let messages = earlier.iter().chain(compiled.diagnostics.iter()).cloned().collect();
+    let layers = Layer::ALL.to_vec();
+    let quality = Quality { spp: Some(1), threads: 1, layers: layers.clone(), ..Quality::default() };
+    // Integrators of other names are refused before the render.
+    let plan = match quality.plan(&scene) {
+        Ok(plan) => plan,
+        Err(e) => {
+            return if e.to_string().is_empty() {
+                Err("an empty error".into())
+            } else {
+                Ok(Outcome::Refused(Vec::new()))
+            };
+        }
+    };
+    let mut session = Session::new(&scene, plan);
+    session.step(1, &Control::default());
+    let picture = develop(&scene, &session.film(), &layers);
+    for channel in picture.channels() {
+        if let Some(i) = channel.data.iter().position(|v| !v.is_finite()) {
+            return Err(format!("pixel {i} of {} is {}", channel.name, channel.data[i]));
+        }
+    }
+    Ok(Outcome::Picture(messages, session.counters().nonfinite))
+}
+
+fn refused(diagnostics: &Diagnostics) -> Result<Outcome, String> {
+    if !diagnostics.has_errors() {
+        return Err("refused without an error".into());
+    }
+    if diagnostics.iter().count() > Diagnostics::MAX_ERRORS + Diagnostics::MAX_OTHERS {
+        return Err(format!("{} messages", diagnostics.iter().count()));
+    }
+    Ok(Outcome::Refused(diagnostics.iter().cloned().collect()))
+}
+
+/// What speaks against an outcome, if anything.
+pub fn judge(outcome: &Outcome, expect: Expect) -> Result<(), String> {
+    let said = |messages: &[Diagnostic]| messages.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    match (outcome, expect) {
+        (Outcome::Refused(m), Expect::Refused(what)) if said(m).contains(what) => Ok(()),
+        (Outcome::Refused(m), Expect::Refused(what)) => Err(format!("the errors do not say '{what}':\n{}", said(m))),
+        (Outcome::Picture(m, _), Expect::Warned(what)) if said(m).contains(what) => Ok(()),
+        (Outcome::Picture(m, _), Expect::Warned(what)) => Err(format!("no message says '{what}':\n{}", said(m))),
+        (Outcome::Refused(m), Expect::Warned(_) | Expect::Picture) => Err(format!("refused:\n{}", said(m))),
+        (Outcome::Picture(m, _), Expect::Refused(what)) => {
+            Err(format!("rendered without the error '{what}':\n{}", said(m)))
+        }
+        (Outcome::Picture(..), Expect::Picture) | (_, Expect::Either) => Ok(()),
+    }
+}

@@ -1,0 +1,1 @@
+//! Placeholder while the tables are brought up.
