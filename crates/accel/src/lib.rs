@@ -9,6 +9,9 @@
 //! The traversal is compiled for several instruction sets and chosen at run time ([`Isa`]); every level gives the same bits.
 //! A hit at equal distance goes to the smaller [`PrimId`], so results do not depend on the order of traversal either.
 //!
+//! Triangles are tested watertight, and a hit that rounding cannot tell from the origin of the ray is none: no ray slips between two
+//! triangles that share an edge, and none meets again the triangle that it leaves. There is no epsilon to choose.
+//!
 //! This crate knows nothing of materials, and is the only one with `unsafe` code, which each module that needs it allows by name.
 
 mod build;

@@ -1,6 +1,7 @@
 //! Lanes in one 256-bit register, masks in mask registers.
 #![allow(unsafe_code)]
 
+use super::sort::sort_descending;
 use super::{LANES, Row, Simd};
 use std::arch::x86_64::*;
 
@@ -101,32 +102,13 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
-        let (mut out, mut sorted) = ([0; LANES], [0; LANES]);
         // SAFETY: see above.
         unsafe {
             // Keys are not negative as signed integers; lanes that are not chosen become -1 and go to the end.
             let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
             let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), lanes);
             let keys = _mm256_mask_blend_epi32(chosen as __mmask8, _mm256_set1_epi32(-1), keys);
-            // A bitonic network: each stage compares with a permutation of the lanes and keeps the greater key at the lower one.
-            macro_rules! stage {
-                ($keys:expr, $permuted:expr, $lower:literal) => {{
-                    let other = $permuted;
-                    let (min, max) = (_mm256_min_epi32($keys, other), _mm256_max_epi32($keys, other));
-                    _mm256_blend_epi32::<$lower>(min, max)
-                }};
-            }
-            let keys = stage!(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys), 0b0101_0101);
-            let keys = stage!(keys, _mm256_shuffle_epi32::<0b00_01_10_11>(keys), 0b0011_0011);
-            let keys = stage!(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys), 0b0101_0101);
-            let reversed = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
-            let keys = stage!(keys, _mm256_permutevar8x32_epi32(keys, reversed), 0b0000_1111);
-            let keys = stage!(keys, _mm256_shuffle_epi32::<0b01_00_11_10>(keys), 0b0011_0011);
-            let keys = stage!(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys), 0b0101_0101);
-            let companions = _mm256_loadu_si256(companions.as_ptr().cast());
-            _mm256_storeu_si256(out.as_mut_ptr().cast(), keys);
-            _mm256_storeu_si256(sorted.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(companions, keys));
+            sort_descending(keys, companions)
         }
-        (out, sorted)
     }
 }

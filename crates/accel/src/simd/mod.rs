@@ -11,6 +11,8 @@ mod avx512;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
 #[cfg(target_arch = "x86_64")]
+mod sort;
+#[cfg(target_arch = "x86_64")]
 mod sse2;
 
 #[cfg(target_arch = "x86_64")]
