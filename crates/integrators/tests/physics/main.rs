@@ -4,6 +4,7 @@
 //! spread allow for rounding alone.
 
 mod furnace;
+mod irradiance;
 mod lab;
 mod materials;
 mod shot;
