@@ -3,6 +3,8 @@
 //!
 //! Few samples are enough: means over a frame and over blocks are compared within the noise of both pictures.
 
+#![allow(clippy::print_stdout)]
+
 use std::path::PathBuf;
 use steradian::{
     ColorMode, CompileOptions, Control, Layer, Quality, Session, compile, develop,
