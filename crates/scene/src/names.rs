@@ -21,11 +21,18 @@ fn distance(a: &str, b: &str) -> usize {
     rows[1][b.len()]
 }
 
+/// Most names that a misspelt one is compared with: what comes after them is not offered.
+const COMPARED: usize = 10_000;
+
 /// The known name nearest to a misspelt one, if any is near enough to be worth offering.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (name.chars().count() / 3).max(1) + 1;
+    let length = name.chars().count();
+    let limit = (length / 3).max(1) + 1;
     known
         .into_iter()
+        // Each character more or less is an edit of its own.
+        .filter(|k| k.chars().count().abs_diff(length) <= limit)
+        .take(COMPARED)
         .map(|k| (distance(name, k), k))
         .filter(|&(d, _)| d <= limit)
         .min_by_key(|&(d, k)| (d, k))

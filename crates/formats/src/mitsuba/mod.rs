@@ -67,6 +67,7 @@ fn translate(path: &Path, parser: Parser<'_>, options: &Options) -> Import {
     if !reader.graph.objects.is_empty() {
         reader.scene();
         reader.read_meshes();
+        reader.report_unknown();
         reader.report_unused();
     }
     Import { desc: reader.desc, diagnostics: reader.diagnostics }

@@ -1,20 +1,20 @@
 //! `$parameters`: values that the caller or `<default>` elements give, put in wherever attributes name them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most bytes that parameters may put into attributes: a chain of defaults that double each other would have no bound.
 const MOST_BYTES: usize = 64 << 20;
 
 struct Parameter {
-    name: String,
     value: String,
     used: bool,
 }
 
 /// All parameters known so far.
 pub(super) struct Parameters {
-    /// Longer names first, so that `$resx` is not taken for `$res` with an x.
-    list: Vec<Parameter>,
+    by_name: BTreeMap<String, Parameter>,
+    /// The lengths of names: longer ones go first, so that `$resx` is not taken for `$res` with an x.
+    lengths: BTreeSet<usize>,
     bytes: usize,
 }
 
@@ -29,7 +29,7 @@ pub(super) enum Fault {
 impl Parameters {
     /// What the caller defines.
     pub fn new(defines: &BTreeMap<String, String>) -> Self {
-        let mut parameters = Self { list: Vec::new(), bytes: 0 };
+        let mut parameters = Self { by_name: BTreeMap::new(), lengths: BTreeSet::new(), bytes: 0 };
         for (name, value) in defines {
             parameters.insert(name, value, false);
         }
@@ -37,25 +37,31 @@ impl Parameters {
     }
 
     fn insert(&mut self, name: &str, value: &str, used: bool) {
-        let at = self.list.partition_point(|p| p.name.len() >= name.len());
-        self.list.insert(at, Parameter { name: name.into(), value: value.into(), used });
+        self.lengths.insert(name.len());
+        self.by_name.insert(name.into(), Parameter { value: value.into(), used });
     }
 
     /// Gives a parameter a value where it has none.
     pub fn default(&mut self, name: &str, value: &str) {
-        if !self.list.iter().any(|p| p.name == name) {
+        if !self.by_name.contains_key(name) {
             self.insert(name, value, true);
         }
     }
 
     /// The names of all parameters.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.list.iter().map(|p| p.name.as_str())
+        self.by_name.keys().map(String::as_str)
     }
 
     /// The names of what the caller defined and no attribute asked for.
     pub fn unused(&self) -> impl Iterator<Item = &str> {
-        self.list.iter().filter(|p| !p.used).map(|p| p.name.as_str())
+        self.by_name.iter().filter(|(_, p)| !p.used).map(|(name, _)| name.as_str())
+    }
+
+    /// The name of the parameter that a text starts with.
+    fn at_start<'t>(&self, text: &'t str) -> Option<&'t str> {
+        let mut candidates = self.lengths.range(1..=text.len()).rev().filter_map(|&length| text.get(..length));
+        candidates.find(|name| self.by_name.contains_key(*name))
     }
 
     /// A text with the values of parameters where it has `$name`; `\$` is a dollar sign.
@@ -71,8 +77,8 @@ impl Parameters {
                 continue;
             }
             out.push_str(before);
-            let named = |p: &&mut Parameter| !p.name.is_empty() && after.starts_with(&p.name);
-            let Some(p) = self.list.iter_mut().find(named) else {
+            let named = self.at_start(after);
+            let Some((name, p)) = named.and_then(|name| Some((name, self.by_name.get_mut(name)?))) else {
                 let name = after.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
                 return Err(Fault::Undefined(name));
             };
@@ -82,7 +88,7 @@ impl Parameters {
                 return Err(Fault::TooLong);
             }
             out.push_str(&p.value);
-            rest = &after[p.name.len()..];
+            rest = &after[name.len()..];
         }
         out.push_str(rest);
         Ok(out)

@@ -12,6 +12,7 @@ use crate::{
 use roxmltree::Node;
 use std::{
     borrow::Cow,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -21,6 +22,8 @@ use steradian_scene::{Diagnostics, FileId, Sources, Span, names};
 const XML_BYTES: u64 = 1 << 30;
 /// Most ids that a misspelt one is compared with.
 const COMPARED_IDS: usize = 20_000;
+/// Objects with more properties than this have the names of them indexed.
+const FEW_PROPERTIES: usize = 32;
 
 /// An attribute after parameters were put in.
 pub(super) struct Attr<'n> {
@@ -79,6 +82,8 @@ pub(super) struct Parser<'a> {
     pub parameters: Parameters,
     /// Files included so far.
     pub includes: usize,
+    /// The names that are set on objects with more than a few properties.
+    names: HashMap<ObjectId, HashSet<String>>,
 }
 
 impl<'a> Parser<'a> {
@@ -94,6 +99,7 @@ impl<'a> Parser<'a> {
             options,
             parameters: Parameters::new(&options.defines),
             includes: 0,
+            names: HashMap::new(),
         }
     }
 
@@ -284,7 +290,7 @@ impl<'a> Parser<'a> {
         let is_object = matches!(prop.value, Raw::Object(_) | Raw::Ref(_));
         // Names of what stands directly in the scene mean nothing.
         let named = !prop.name.is_empty() && self.graph.objects[parent].category != Category::Scene;
-        if named && self.graph.has(parent, &prop.name) {
+        if named && self.is_set(parent, &prop.name) {
             if !is_object {
                 return self.error(prop.span, format!("'{}' is set twice", prop.name));
             }
@@ -294,6 +300,16 @@ impl<'a> Parser<'a> {
             self.diagnostics.warn(&self.sources, place, message);
         }
         self.graph.objects[parent].props.push(prop);
+    }
+
+    /// Whether a property is set that is about to be; from now on it is.
+    fn is_set(&mut self, object: ObjectId, name: &str) -> bool {
+        let props = &self.graph.objects[object].props;
+        if props.len() <= FEW_PROPERTIES {
+            return self.graph.has(object, name);
+        }
+        let index = || props.iter().map(|p| p.name.clone()).collect();
+        !self.names.entry(object).or_insert_with(index).insert(name.to_owned())
     }
 
     /// Reports an id that nothing has.

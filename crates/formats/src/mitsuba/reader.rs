@@ -118,6 +118,7 @@ impl<'a> Reader<'a> {
     pub fn unknown_plugin(&mut self, object: ObjectId) {
         let (category, plugin, span) = {
             let o = &mut self.graph.objects[object];
+            o.visited = true;
             // Its properties would all be "unused".
             o.props.iter_mut().for_each(|p| p.used = true);
             (o.category, o.plugin.clone(), o.span)
@@ -129,6 +130,18 @@ impl<'a> Reader<'a> {
         let help = names::did_you_mean(&plugin, plugins::known(category).iter().copied());
         let message = format!("unknown {} '{plugin}'", category.noun());
         self.diagnostics.error_help(&self.desc.sources, Some(span), message, help);
+    }
+
+    /// Refuses plugins that Mitsuba does not have among the objects that nothing uses; the others are refused where they are used.
+    pub fn report_unknown(&mut self) {
+        for object in 1..self.graph.objects.len() {
+            if self.diagnostics.is_full() {
+                return;
+            }
+            if !self.graph.objects[object].visited && !self.is_known(object) {
+                self.unknown_plugin(object);
+            }
+        }
     }
 
     /// Whether Mitsuba (of any version) has this plugin.

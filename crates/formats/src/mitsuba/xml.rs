@@ -20,8 +20,11 @@ pub(super) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
     })
 }
 
-/// Refuses what would make parsing costly: elements nested deeper than `limit`, and document type declarations (whose entities
-/// can grow without bound). One pass over the bytes; anything else that is malformed is left to the parser.
+/// Most attributes of one element. Real ones have five; the parser's time grows with the square of their number.
+const MOST_ATTRIBUTES: usize = 1000;
+
+/// Refuses what would make parsing costly: elements nested deeper than `limit` or with attributes without end, and document type
+/// declarations (whose entities can grow without bound). One pass over the bytes; anything else that is malformed is left to the parser.
 pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
     let bytes = text.as_bytes();
     let find = |from: usize, what: &str| text.get(from..).and_then(|t| t.find(what)).map(|i| from + i + what.len());
@@ -38,7 +41,13 @@ pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
             let message = "document type declarations are not read".into();
             return Err(Fault { at: open..(open + 9).min(bytes.len()), message });
         } else {
-            tag_end(bytes, open + 1).inspect(|&end| {
+            let Some((end, attributes)) = tag_end(bytes, open + 1) else { return Ok(()) };
+            if attributes > MOST_ATTRIBUTES {
+                let message =
+                    format!("an element with {attributes} attributes is not read; at most {MOST_ATTRIBUTES} are");
+                return Err(Fault { at: open..open + 1, message });
+            }
+            Some(end).inspect(|&end| {
                 if rest.starts_with(b"/") {
                     depth = depth.saturating_sub(1);
                 } else if bytes[end - 2] != b'/' {
@@ -55,15 +64,18 @@ pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
     Ok(())
 }
 
-/// One past the `>` that closes a tag, skipping quoted attribute values.
-fn tag_end(bytes: &[u8], from: usize) -> Option<usize> {
-    let mut quote = None;
+/// One past the `>` that closes a tag, skipping quoted attribute values, and how many of these there are.
+fn tag_end(bytes: &[u8], from: usize) -> Option<(usize, usize)> {
+    let (mut quote, mut values) = (None, 0);
     for (i, &b) in bytes.iter().enumerate().skip(from) {
         match quote {
-            Some(q) if b == q => quote = None,
+            Some(q) if b == q => {
+                quote = None;
+                values += 1;
+            }
             Some(_) => {}
             None if b == b'"' || b == b'\'' => quote = Some(b),
-            None if b == b'>' => return Some(i + 1),
+            None if b == b'>' => return Some((i + 1, values)),
             None => {}
         }
     }
@@ -102,6 +114,13 @@ mod tests {
         assert_eq!(fault.at, 16..17);
         let deep = "<a>".repeat(200_000);
         assert!(precheck(&deep, 10_000).unwrap_err().message.contains("10000"));
+    }
+
+    #[test]
+    fn attributes_are_counted_and_bounded() {
+        let with = |n: usize| format!("<a {}>", (0..n).map(|i| format!("b{i}='>' ")).collect::<String>());
+        assert_eq!(precheck(&with(MOST_ATTRIBUTES), 9), Ok(()));
+        assert!(precheck(&with(MOST_ATTRIBUTES + 1), 9).unwrap_err().message.contains("1001 attributes"));
     }
 
     #[test]
