@@ -16,7 +16,7 @@ use std::f32::consts::PI;
 use steradian_math::{Vec2, Vec3};
 
 /// The shape of the distribution of facet normals.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum NormalDistribution {
     /// Trowbridge–Reitz (1975), known as GGX: long tails.
     Ggx,
@@ -25,7 +25,7 @@ pub enum NormalDistribution {
 }
 
 /// How masking and shadowing combine into `G₂`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Shadowing {
     /// `1/(1 + Λ(wo) + Λ(wi))`: high facets are both visible and lit (Heitz 2014, eq. 99); pbrt-v4's choice.
     HeightCorrelated,

@@ -176,7 +176,7 @@ impl Compiler<'_> {
                 auto,
                 &[("auto", auto), ("latlong", latlong), ("octahedral", Parametrization::Octahedral)],
             );
-            let texels = self.finite_texels(node, texels);
+            let texels = self.emitted_texels(node, texels);
             if let Some(e) = illuminance {
                 scale *= e / upper_illuminance(&texels, parametrization).max(1e-20);
             }
@@ -190,29 +190,23 @@ impl Compiler<'_> {
         Some(Light::Environment(Box::new(Environment { radiance, scale, image, portal, mode: self.mode })))
     }
 
-    /// Images that light the scene must be finite and not negative.
-    fn finite_texels(&mut self, node: &Node, mut texels: Texels) -> Texels {
+    /// Images that light the scene must not be negative. Infinite values and NaN are gone when an image was loaded.
+    pub(super) fn emitted_texels(&mut self, node: &Node, mut texels: Texels) -> Texels {
         use steradian_image::TexelData;
         let mut faults = 0_usize;
-        let mut fix = |ok: bool| {
-            faults += usize::from(!ok);
-            ok
-        };
         match &mut texels.data {
-            TexelData::F32(d) => d.iter_mut().for_each(|v| {
-                if !fix(v.is_finite() && *v >= 0.0) {
-                    *v = 0.0;
-                }
+            TexelData::F32(data) => data.iter_mut().filter(|v| **v < 0.0).for_each(|v| {
+                *v = 0.0;
+                faults += 1;
             }),
-            TexelData::F16(d) => d.iter_mut().for_each(|v| {
-                if !fix(v.is_finite() && v.to_f32() >= 0.0) {
-                    *v = Default::default();
-                }
+            TexelData::F16(data) => data.iter_mut().filter(|v| v.to_f32() < 0.0).for_each(|v| {
+                *v = Default::default();
+                faults += 1;
             }),
             TexelData::U8(_) | TexelData::U16(_) => {}
         }
         if faults > 0 {
-            let what = format!("{faults} values of this image are negative, infinite or NaN; they count as black");
+            let what = format!("{faults} values of this image are negative; they count as black");
             self.diagnostics.warn(&self.desc.sources, node.param("file").and_then(|p| p.span), what);
         }
         texels
@@ -243,7 +237,7 @@ impl Compiler<'_> {
         let place = self.light_place(node)?;
         let (color, mut scale) = self.emission_color(node, "intensity");
         let texels = (*self.image(node)?).clone();
-        let image = self.finite_texels(node, texels);
+        let image = self.emitted_texels(node, texels);
         let mut light =
             Goniometric { position: place.point(Vec3::ZERO), world_from_light: place, intensity: Color::BLACK, image };
         if let Some(power) = self.power(node) {
@@ -265,7 +259,7 @@ impl Compiler<'_> {
         let is_irradiance = self.desc.format == Format::Mitsuba;
         let (slide, aspect) = if node.get("file").is_some() {
             let texels = (*self.image(node)?).clone();
-            let image = self.finite_texels(node, texels);
+            let image = self.emitted_texels(node, texels);
             let aspect = image.width as f32 / image.height.max(1) as f32;
             (Slide::Image(image), aspect)
         } else {

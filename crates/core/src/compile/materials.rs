@@ -2,7 +2,7 @@
 
 use super::{Compiler, ResolvedMaterial};
 use crate::{
-    bsdf::{CoatSeries, CoatTable, NormalDistribution, Shadowing},
+    bsdf::{CoatSeries, NormalDistribution, Shadowing},
     color::{Color, Role},
     material::{Eta, MATERIALS, Material, Model, Roughness},
     medium::{MEDIA, Medium},
@@ -42,7 +42,12 @@ impl Compiler<'_> {
                 self.approximated(p.span.or(node.span), what);
             }
         }
+        if !self.open.insert(id) {
+            self.error(node.span, "this material contains itself");
+            return failed;
+        }
         let resolved = self.new_material(node, depth);
+        self.open.remove(&id);
         self.material_ids.insert(id, resolved);
         resolved
     }
@@ -107,7 +112,7 @@ impl Compiler<'_> {
             "mask" => {
                 let inner = self.nested(node, "material", depth);
                 let opacity = self.float_texture(node, "opacity", 0.5);
-                return ResolvedMaterial { id: inner.id, alpha: Some(self.product(inner.alpha, opacity)) };
+                return ResolvedMaterial { id: inner.id, alpha: Some(self.product(node, inner.alpha, opacity)) };
             }
             "two_sided" => {
                 let front = self.nested(node, "front", depth);
@@ -134,7 +139,7 @@ impl Compiler<'_> {
                                 FloatTexture::Texture(id) => id,
                                 FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
                             };
-                            let mixed = self.textures.add(Texture::Mix(parts[0], parts[1], amount));
+                            let mixed = self.add_texture(node, Texture::Mix(parts[0], parts[1], amount));
                             Model::Diffuse(SpectrumTexture::Texture(mixed, Role::Albedo))
                         }
                         _ => Model::Mix(a.id, b.id, amount),
@@ -158,7 +163,7 @@ impl Compiler<'_> {
     }
 
     /// Opacities multiply.
-    fn product(&mut self, a: Option<FloatTexture>, b: FloatTexture) -> FloatTexture {
+    fn product(&mut self, node: &Node, a: Option<FloatTexture>, b: FloatTexture) -> FloatTexture {
         match (a, b) {
             (None, b) => b,
             (Some(FloatTexture::Constant(a)), FloatTexture::Constant(b)) => FloatTexture::Constant(a * b),
@@ -167,7 +172,7 @@ impl Compiler<'_> {
                     FloatTexture::Texture(id) => id,
                     FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
                 });
-                FloatTexture::Texture(self.textures.add(Texture::Scale(a, b)))
+                FloatTexture::Texture(self.add_texture(node, Texture::Scale(a, b)))
             }
         }
     }
@@ -220,7 +225,7 @@ impl Compiler<'_> {
                 if metal >= 0.5 {
                     Model::ConductorReflectance(base, roughness)
                 } else {
-                    let table = CoatTable::new(
+                    let table = self.coats.table(
                         roughness.distribution,
                         roughness.shadowing,
                         1.5,
@@ -228,7 +233,7 @@ impl Compiler<'_> {
                         CoatSeries::Plastic { nonlinear: false },
                     );
                     let tint = SpectrumTexture::Constant(Color::constant(1.0));
-                    Model::Coated { reflectance: base, tint, roughness, table: Box::new(table) }
+                    Model::Coated { reflectance: base, tint, roughness, table }
                 }
             }
             "diffusetransmission" => {
@@ -343,7 +348,7 @@ impl Compiler<'_> {
         Model::Coated {
             reflectance: self.spectrum(node, base, Role::Albedo, HALF),
             tint: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
-            table: Box::new(CoatTable::new(roughness.distribution, roughness.shadowing, eta, alpha, series)),
+            table: self.coats.table(roughness.distribution, roughness.shadowing, eta, alpha, series),
             roughness,
         }
     }

@@ -1,6 +1,7 @@
 //! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is reported with its
 //! place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
+mod coats;
 mod lights;
 mod materials;
 mod params;
@@ -17,7 +18,7 @@ use crate::{
     texture::{FloatTexture, TextureId, Textures},
 };
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     path::PathBuf,
     sync::Arc,
     time::{Duration, Instant},
@@ -59,6 +60,14 @@ struct ResolvedMaterial {
     alpha: Option<FloatTexture>,
 }
 
+/// An image file that was read.
+#[derive(Clone, Debug)]
+struct LoadedImage {
+    texels: Arc<Texels>,
+    /// How many of its values were infinite or NaN.
+    faults: usize,
+}
+
 struct Compiler<'a> {
     desc: &'a SceneDesc,
     mode: ColorMode,
@@ -66,12 +75,15 @@ struct Compiler<'a> {
     diagnostics: Diagnostics,
     textures: Textures,
     texture_ids: HashMap<NodeId, TextureId>,
-    images: HashMap<PathBuf, Result<Arc<Texels>, String>>,
+    images: HashMap<PathBuf, Result<LoadedImage, String>>,
     materials: Vec<Material>,
     material_names: Vec<String>,
     material_ids: HashMap<NodeId, ResolvedMaterial>,
     media: Vec<Medium>,
     medium_ids: HashMap<NodeId, Option<u32>>,
+    /// Materials and textures that are being compiled: one that is met again contains itself.
+    open: HashSet<NodeId>,
+    coats: coats::Coats,
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
     geometries: Vec<Geometry>,
@@ -96,6 +108,8 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         material_ids: HashMap::new(),
         media: Vec::new(),
         medium_ids: HashMap::new(),
+        open: HashSet::new(),
+        coats: coats::Coats::default(),
         emitters: Vec::new(),
         lights: Vec::new(),
         geometries: Vec::new(),

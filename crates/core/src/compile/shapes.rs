@@ -353,7 +353,8 @@ impl Compiler<'_> {
         let mut scale = self.float(light, "scale", 1.0);
         let white = SpectrumValue::Rgb([1.0; 3], steradian_scene::ColorSpace::Srgb);
         let (radiance, mean) = if light.get("file").is_some() {
-            let texels = self.image(light)?;
+            let texels = (*self.image(light)?).clone();
+            let texels = Arc::new(self.emitted_texels(light, texels));
             let mean = super::lights::mean_luminance(&texels);
             let image = self.image_texture(light, texels);
             // `scale` of an image texture is the light's own.

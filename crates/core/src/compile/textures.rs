@@ -1,6 +1,6 @@
 //! Compiling textures and loading images.
 
-use super::Compiler;
+use super::{Compiler, LoadedImage};
 use crate::{
     color::{Color, Role},
     texture::{self, ImageTexture, Mapping, SpectrumTexture, Texture, image::Wrap, mapping::Projector},
@@ -20,8 +20,12 @@ impl Compiler<'_> {
             self.desc.nodes.iter().filter(wants_texels).filter_map(|n| n.path("file")).collect();
         let limits = self.options.image_limits;
         let load = |p: &&Path| {
-            let texels = steradian_image::read_texels(p, &limits).map(Arc::new).map_err(|e| e.to_string());
-            (p.to_path_buf(), texels)
+            let texels = steradian_image::read_texels(p, &limits).map_err(|e| e.to_string());
+            let image = texels.map(|mut texels| {
+                let faults = blacken_non_finite(&mut texels);
+                LoadedImage { texels: Arc::new(texels), faults }
+            });
+            (p.to_path_buf(), image)
         };
         self.images = paths.par_iter().map(load).collect();
     }
@@ -30,7 +34,13 @@ impl Compiler<'_> {
     pub(super) fn image(&mut self, node: &Node) -> Option<Arc<Texels>> {
         let span = node.param("file").and_then(|p| p.span).or(node.span);
         match node.path("file").and_then(|p| self.images.get(p)).cloned() {
-            Some(Ok(texels)) => Some(texels),
+            Some(Ok(LoadedImage { texels, faults })) => {
+                if faults > 0 {
+                    let what = format!("{faults} values of this image are infinite or NaN; they count as black");
+                    self.diagnostics.warn(&self.desc.sources, span, what);
+                }
+                Some(texels)
+            }
             Some(Err(e)) => {
                 self.error(span, e);
                 None
@@ -61,14 +71,32 @@ impl Compiler<'_> {
         let compiled = match self.texture_ids.get(&id) {
             Some(&t) => Some(t),
             None => {
-                let t = self.new_texture(node, role, depth).map(|t| self.textures.add(t));
+                if !self.open.insert(id) {
+                    self.error(node.span, "this texture contains itself");
+                    return grey;
+                }
+                let t = self.new_texture(node, role, depth).map(|t| self.add_texture(node, t));
                 if let Some(t) = t {
                     self.texture_ids.insert(id, t);
                 }
+                self.open.remove(&id);
                 t
             }
         };
         compiled.map_or(grey, |t| SpectrumTexture::Texture(t, role))
+    }
+
+    /// Adds a texture; one that takes too long to evaluate is an error.
+    pub(super) fn add_texture(&mut self, node: &Node, texture: Texture) -> texture::TextureId {
+        let id = self.textures.add(texture);
+        let texture::Effort { lookups, depth } = self.textures.effort(id);
+        if depth as usize > texture::MAX_DEPTH {
+            self.error(node.span, format!("textures are nested more than {} deep", texture::MAX_DEPTH));
+        } else if lookups > texture::MAX_LOOKUPS {
+            let what = "to evaluate this takes more than";
+            self.error(node.span, format!("{what} {} textures, counting shared ones each time", texture::MAX_LOOKUPS));
+        }
+        id
     }
 
     /// A part of a texture tree, as an index.
@@ -213,4 +241,21 @@ impl Compiler<'_> {
             matrix,
         }
     }
+}
+
+/// Infinite and NaN values become black; gives how many there were.
+fn blacken_non_finite(texels: &mut Texels) -> usize {
+    let mut faults = 0;
+    match &mut texels.data {
+        TexelData::F32(data) => data.iter_mut().filter(|v| !v.is_finite()).for_each(|v| {
+            *v = 0.0;
+            faults += 1;
+        }),
+        TexelData::F16(data) => data.iter_mut().filter(|v| !v.is_finite()).for_each(|v| {
+            *v = Default::default();
+            faults += 1;
+        }),
+        TexelData::U8(_) | TexelData::U16(_) => {}
+    }
+    faults
 }

@@ -8,6 +8,7 @@ use crate::{
     color::Color,
     texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
 };
+use std::sync::Arc;
 use steradian_math::{Spectrum, spectra::Wavelengths};
 
 /// The materials by name, for the registry.
@@ -152,7 +153,7 @@ pub enum Model {
         /// Roughness of the coat.
         roughness: Roughness,
         /// What passes the coat.
-        table: Box<CoatTable>,
+        table: Arc<CoatTable>,
     },
     /// One of two materials (indices), chosen at each point with the probability of the second.
     Mix(u32, u32, FloatTexture),

@@ -78,22 +78,52 @@ pub enum Texture {
 #[derive(Clone, Debug, Default)]
 pub struct Textures {
     nodes: Vec<Texture>,
+    efforts: Vec<Effort>,
     mode: ColorMode,
+}
+
+/// What it takes to evaluate a texture at a point. Parts that are shared count each time they are met, so it may be far more than
+/// there are textures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Textures met; held at the limit of the type.
+    pub lookups: u32,
+    /// The longest chain of textures in textures.
+    pub depth: u32,
 }
 
 /// Deepest tree of textures.
 pub const MAX_DEPTH: usize = 64;
 
+/// Most textures met in one evaluation.
+pub const MAX_LOOKUPS: u32 = 4096;
+
 impl Textures {
     /// An empty set for a colour mode.
     pub fn new(mode: ColorMode) -> Self {
-        Self { nodes: Vec::new(), mode }
+        Self { nodes: Vec::new(), efforts: Vec::new(), mode }
     }
 
     /// Adds a texture whose parts are already there.
     pub fn add(&mut self, texture: Texture) -> TextureId {
+        let parts = match texture {
+            Texture::Constant(_) | Texture::Image(_) | Texture::MeshAttribute { .. } => [None; 3],
+            Texture::Checkerboard { a, b, .. } | Texture::Scale(a, b) => [Some(a), Some(b), None],
+            Texture::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
+        };
+        let mut effort = Effort { lookups: 1, depth: 1 };
+        for part in parts.into_iter().flatten().map(|id| self.effort(id)) {
+            effort.lookups = effort.lookups.saturating_add(part.lookups);
+            effort.depth = effort.depth.max(part.depth.saturating_add(1));
+        }
         self.nodes.push(texture);
+        self.efforts.push(effort);
         TextureId(self.nodes.len() as u32 - 1)
+    }
+
+    /// What it takes to evaluate a texture.
+    pub fn effort(&self, id: TextureId) -> Effort {
+        self.efforts[id.0 as usize]
     }
 
     /// The texture with this id.
