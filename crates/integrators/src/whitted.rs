@@ -2,8 +2,14 @@
 //! nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
 use crate::{Counters, Depth, Integrator, dimension, nee, path::MAX_PASSES};
-use steradian_core::{Scene, bsdf::TransportMode, light::LightContext, sampler::PixelSampler};
-use steradian_math::{Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
+use steradian_core::{
+    Scene,
+    bsdf::{Bsdf, TransportMode},
+    light::{Light, LightContext},
+    sampler::PixelSampler,
+    scene::Interaction,
+};
+use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
 
 /// Rays branch in two at glass, so the depth is held to this, whatever the scene asks for.
 pub const DEEPEST: u32 = 16;
@@ -16,6 +22,36 @@ pub struct Whitted {
 }
 
 impl Whitted {
+    /// Light of the environments, which are found by scattering alone: one direction.
+    #[allow(clippy::too_many_arguments)]
+    fn sky(
+        scene: &Scene,
+        i: &Interaction,
+        frame: &Frame,
+        bsdf: &Bsdf,
+        event: u32,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        if scene.lights.environments.is_empty() || bsdf.is_specular() {
+            return Spectrum::ZERO;
+        }
+        let u = sampler.get_1d(dimension::at(event, dimension::LOBE));
+        let u2 = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
+        match bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) {
+            Some(s) if !s.lobe.is_specular() => {
+                let ray = i.spawn(frame.to_world(s.wi));
+                counters.rays += 1;
+                if scene.occluded(&ray) {
+                    return Spectrum::ZERO;
+                }
+                s.weight * nee::background(scene, ray.origin, ray.direction, &None, lambda)
+            }
+            _ => Spectrum::ZERO,
+        }
+    }
+
     fn trace(
         &self,
         scene: &Scene,
@@ -43,8 +79,9 @@ impl Whitted {
             // Every light in turn.
             let ctx = LightContext { p: i.surface.p, n: nee::context(&i, &frame, bsdf).n };
             for light in 0..scene.lights.lights.len() as u32 {
-                if bsdf.is_specular() {
-                    break;
+                let environment = matches!(scene.lights.lights[light as usize], Light::Environment(_));
+                if bsdf.is_specular() || environment {
+                    continue;
                 }
                 let u = sampler.get_2d(dimension::at(events, dimension::LIGHT_POINT) ^ (light + 1) << 8);
                 let Some(s) = scene.lights.sample(light, &ctx, u, lambda, &scene.textures) else { continue };
@@ -57,6 +94,7 @@ impl Whitted {
                     sum += e.value * s.radiance / s.pdf;
                 }
             }
+            sum += Self::sky(scene, &i, &frame, bsdf, events, sampler, lambda, counters);
             if events >= self.depth.max.min(DEEPEST) {
                 return sum;
             }
