@@ -4,7 +4,7 @@ use super::{Compiler, ResolvedMaterial};
 use crate::{
     bsdf::{CoatSeries, NormalDistribution, Shadowing},
     color::{Color, Role},
-    material::{Eta, MATERIALS, Material, Model, Roughness},
+    material::{Eta, Material, Model, Roughness},
     medium::{MEDIA, Medium},
     texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
@@ -186,9 +186,6 @@ impl Compiler<'_> {
             _ => None,
         });
         let say = |c: &mut Self, stand_in: &str| {
-            let known = MATERIALS.iter().map(|m| m.0);
-            let help = steradian_scene::names::nearest(&node.kind, known).map(|k| format!("the nearest name is '{k}'"));
-            let _ = help;
             c.approximated(node.span, format!("material '{}' is not implemented; {stand_in} stands in", node.kind));
         };
         if let Some(inner) = inner {

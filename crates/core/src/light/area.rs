@@ -6,7 +6,7 @@
 
 use super::{LightSample, tree::LightBounds};
 use crate::{
-    color::{Color, ColorMode, Role},
+    color::{Color, ColorMode},
     shape::{Quadric, TriMesh, quadric::one_minus_cos_max},
     texture::{SpectrumTexture, TextureContext, Textures},
 };
@@ -51,7 +51,7 @@ impl Emitter {
 
     /// Whether the radiance depends on the point.
     fn is_textured(&self) -> bool {
-        matches!(self.radiance, SpectrumTexture::Texture(_, Role::Albedo | Role::Illuminant | Role::Unbounded))
+        matches!(self.radiance, SpectrumTexture::Texture(..))
     }
 }
 
@@ -160,13 +160,9 @@ impl AreaLight {
         if !(pdf > 0.0 && pdf.is_finite()) || cos == 0.0 {
             return None;
         }
-        let radiance = if emitter.is_textured() {
-            let at = self.texture_context(q, uv);
-            emitter.radiance(n, -wi, &at, lambda, textures)
-        } else {
-            let at = TextureContext { p: q, uv, mesh: None };
-            emitter.radiance(n, -wi, &at, lambda, textures)
-        };
+        let at =
+            if emitter.is_textured() { self.texture_context(q, uv) } else { TextureContext { p: q, uv, mesh: None } };
+        let radiance = emitter.radiance(n, -wi, &at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
@@ -294,7 +290,7 @@ impl AreaLight {
     }
 
     /// Bounds for choosing among lights.
-    pub fn bounds(&self, emitter: &Emitter, _mode: ColorMode) -> LightBounds {
+    pub fn bounds(&self, emitter: &Emitter) -> LightBounds {
         let (bounds, axis, cos_o, area) = match &self.shape {
             AreaShape::Triangle(v, n, area) => (Bounds3::from_points(*v), *n, 1.0, *area),
             AreaShape::Rectangle { corner, ex, ey, n, area } => {

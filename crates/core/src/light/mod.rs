@@ -119,7 +119,7 @@ impl Lights {
                 Light::Goniometric(g) => bounded.push((i, point(g.position, g.max_intensity(mode)))),
                 Light::Projection(p) => bounded.push((i, point(p.position(), p.max_intensity(mode, textures)))),
                 Light::Area(a) | Light::DirectionalArea(a) => {
-                    bounded.push((i, a.bounds(&emitters[a.emitter as usize], mode)));
+                    bounded.push((i, a.bounds(&emitters[a.emitter as usize])));
                 }
             }
         }
