@@ -145,7 +145,8 @@ impl Compiler<'_> {
             (Some(c), _) => Some(c.map(i64::from)),
             // A size of the user's own makes pixel numbers of the file meaningless.
             (None, Some(_)) if self.options.size.is_some() => None,
-            (None, Some(steradian_scene::Value::Ints(c))) if c.len() == 4 => Some([c[0], c[1], c[2], c[3]]),
+            // In the description the two bounds of an axis stand side by side: x0 x1 y0 y1.
+            (None, Some(steradian_scene::Value::Ints(c))) if c.len() == 4 => Some([c[0], c[2], c[1], c[3]]),
             _ => None,
         };
         let crop = match crop {
@@ -254,5 +255,40 @@ impl Compiler<'_> {
             }
         }
         settings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        compile::{Options, compile},
+        film::Crop,
+    };
+    use steradian_scene::{Family, Node, SceneDesc, Value};
+
+    fn crop(options: Options) -> Option<Crop> {
+        let mut desc = SceneDesc::default();
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        desc.cameras.push(camera);
+        let film = Node::new(Family::Film, "rgb", None)
+            .with("width", 64_i64)
+            .with("height", 32_i64)
+            .with("crop", Value::Ints(vec![8, 40, 4, 12]));
+        desc.film = Some(desc.add(film));
+        compile(&desc, &options).scene.map(|s| s.film.crop)
+    }
+
+    #[test]
+    fn the_crop_of_a_film_is_two_columns_then_two_rows() {
+        assert_eq!(crop(Options::default()), Some(Crop { x0: 8, y0: 4, x1: 40, y1: 12 }));
+    }
+
+    #[test]
+    fn the_user_goes_before_the_film() {
+        let own = Options { crop: Some([1, 2, 3, 4]), ..Options::default() };
+        assert_eq!(crop(own), Some(Crop { x0: 1, y0: 2, x1: 3, y1: 4 }));
+        // A frame of another size has other pixels.
+        let resized = Options { size: Some((16, 8)), ..Options::default() };
+        assert_eq!(crop(resized), Some(Crop { x0: 0, y0: 0, x1: 16, y1: 8 }));
     }
 }

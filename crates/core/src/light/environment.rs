@@ -305,17 +305,21 @@ mod tests {
             let mut rng = HashRng::new(4);
             let n = 200_000;
             let (mut integral, mut z, mut z_sampled) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let (mut none, mut strays) = (0, 0);
             for _ in 0..n {
                 let w = warp::uniform_sphere(Vec2::new(rng.next_f32(), rng.next_f32()));
                 let pdf = f64::from(env.pdf(Vec3::ZERO, w));
                 integral += pdf;
                 z += pdf * f64::from(w.z * w.x);
-                let (wi, pdf) = env.sample(Vec3::ZERO, Vec2::new(rng.next_f32(), rng.next_f32())).unwrap();
-                assert!(
-                    (env.pdf(Vec3::ZERO, wi) / pdf - 1.0).abs() < 0.02 || (env.pdf(Vec3::ZERO, wi) - pdf).abs() > 0.0
-                );
+                let Some((wi, pdf)) = env.sample(Vec3::ZERO, Vec2::new(rng.next_f32(), rng.next_f32())) else {
+                    none += 1;
+                    continue;
+                };
+                // Rounding may move a direction at the border of a texel into the next one.
+                strays += i32::from((env.pdf(Vec3::ZERO, wi) / pdf - 1.0).abs() > 1e-3);
                 z_sampled += f64::from(wi.z * wi.x);
             }
+            assert!(none < n / 10_000 && strays < n / 1000, "{p:?}: {none} lost, {strays} astray of {n}");
             let k = 4.0 * std::f64::consts::PI / f64::from(n);
             assert!((integral * k - 1.0).abs() < 0.03, "{p:?}: {}", integral * k);
             assert!((z * k - z_sampled / f64::from(n)).abs() < 0.02, "{p:?}");
