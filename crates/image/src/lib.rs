@@ -1,7 +1,7 @@
 //! Pictures: pixel images with named channels, the files they live in, tone curves that bring radiance to a display, and the
 //! metrics that compare two pictures.
 //!
-//! * [`Image`] holds linear `f32` planes with names (`R`, `albedo.G`, `Z`, …) and metadata; [`read`] and [`write`] move it between
+//! * [`Image`] holds linear `f32` planes with names (`R`, `albedo.G`, `Z`, …) and metadata; [`read`] and [`write()`] move it between
 //!   memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM and PPM/PGM files.
 //! * [`Texels`] keeps the samples as the file stores them (8 and 16 bit, half, float), for textures.
 //! * [`tone`] maps linear Rec.709 to display values, [`encoding`] has the sRGB transfer functions.

@@ -27,7 +27,7 @@ pub enum Compression {
     Piz,
 }
 
-/// How [`write`] stores a picture. Each format uses what concerns it.
+/// How [`write()`] stores a picture. Each format uses what concerns it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriteOptions {
     /// EXR: sample type.
@@ -75,10 +75,10 @@ pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<()> {
     crate::write_whole(path, &bytes)
 }
 
-/// The bytes of the file that [`write`] would write. The same picture and options give the same bytes.
+/// The bytes of the file that [`write()`] would write. The same picture and options give the same bytes.
 ///
 /// # Errors
-/// As [`write`], without the path.
+/// As [`write()`], without the path.
 pub fn encode(kind: FileKind, image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
     let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
