@@ -17,8 +17,11 @@ use steradian_testkit::integrate_sphere;
 fn furnace(case: &Case, closed_mesh: bool) -> Stage {
     let mut stage = Stage::new();
     let made_of = (case.make)(&mut stage.desc);
-    let body =
-        if closed_mesh { stage.place_mesh(icosphere([0.1, -0.2, 0.3], 1.0, 2)) } else { stage.place(sphere([0.1, -0.2, 0.3], 1.0)) };
+    let body = if closed_mesh {
+        stage.place_mesh(icosphere([0.1, -0.2, 0.3], 1.0, 2))
+    } else {
+        stage.place(sphere([0.1, -0.2, 0.3], 1.0))
+    };
     body.material = Some(made_of);
     stage.sky(1.0).film(24, 24).look([0.3, 1.0, -5.0], [0.1, -0.2, 0.3], 26.0);
     stage
@@ -55,7 +58,11 @@ fn lossless_bodies_are_invisible_in_spectral_mode() {
             for (a, b) in film.pixels.iter().zip(&surroundings.pixels) {
                 for c in 0..3 {
                     let (a, b) = (a.mean()[c], b.mean()[c]);
-                    assert!((a - b).abs() < 2e-3 * b.abs().max(1.0), "{}, mesh: {closed_mesh}: {a} for {b}", case.label);
+                    assert!(
+                        (a - b).abs() < 2e-3 * b.abs().max(1.0),
+                        "{}, mesh: {closed_mesh}: {a} for {b}",
+                        case.label
+                    );
                 }
             }
         }
@@ -65,10 +72,13 @@ fn lossless_bodies_are_invisible_in_spectral_mode() {
 /// `∫ f |cos| dω` over all directions, delta distributions added.
 fn albedo(bsdf: &Bsdf, wo: Vec3) -> [f64; 3] {
     let mode = TransportMode::Radiance;
-    let lane = |c: usize| if bsdf.is_specular() { 0.0 } else { integrate_sphere(|w| f64::from(bsdf.eval(wo, w, mode).value[c]), 1e-4) };
+    let lane = |c: usize| {
+        if bsdf.is_specular() { 0.0 } else { integrate_sphere(|w| f64::from(bsdf.eval(wo, w, mode).value[c]), 1e-4) }
+    };
     let mut sum: [f64; 3] = std::array::from_fn(lane);
     // The choice of lobe runs from reflection to transmission; a specular lobe weighs what it is worth times its probability.
-    let ends = [0.0, ONE_MINUS_EPSILON].map(|u| bsdf.sample(wo, u, Vec2::splat(0.5), mode).filter(|s| s.lobe.is_specular()));
+    let ends =
+        [0.0, ONE_MINUS_EPSILON].map(|u| bsdf.sample(wo, u, Vec2::splat(0.5), mode).filter(|s| s.lobe.is_specular()));
     let second = ends[1].filter(|l| ends[0].is_none_or(|f| f.lobe != l.lobe));
     for s in [ends[0], second].into_iter().flatten() {
         for (c, sum) in sum.iter_mut().enumerate() {

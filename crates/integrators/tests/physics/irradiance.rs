@@ -16,7 +16,8 @@ const AT: [f64; 3] = [0.3, -0.2, 0.5];
 /// lamps are relative to the receiver.
 fn receiver(height: f64) -> Stage {
     let mut stage = Stage::new();
-    stage.solid(shape("disk").with("radius", 1e-3), diffuse(1.0)).world_from_object = Transform::translate(DVec3::from_array(AT));
+    stage.solid(shape("disk").with("radius", 1e-3), diffuse(1.0)).world_from_object =
+        Transform::translate(DVec3::from_array(AT));
     stage.probe([AT[0] + 0.2 * height, AT[1] + 0.1 * height, AT[2] + height], AT);
     stage
 }
@@ -75,7 +76,8 @@ fn disk() {
         let mut stage = receiver(h * 0.5);
         let lamp = stage.lamp(shape("disk").with("radius", r), 1.0);
         // Its normal +z is turned down.
-        (lamp.world_from_object, lamp.reverse_orientation) = (Transform::translate(DVec3::from_array(at([a, 0.0, h]))), true);
+        (lamp.world_from_object, lamp.reverse_orientation) =
+            (Transform::translate(DVec3::from_array(at([a, 0.0, h]))), true);
         check_area_sampled(&stage, &format!("disk of {r} at {h}, {a} aside"), expected, r > 0.5 * h);
     }
 }
@@ -142,7 +144,8 @@ fn triangles() {
         let expected = triangles.iter().map(|t| lambert(&t.map(|i| p[i as usize]))).sum();
         let positions = points.iter().map(|p| at(*p).map(|v| v as f32)).collect();
         let mut stage = receiver(0.004);
-        let emission = stage.add(crate::stage::light("area").with("radiance", crate::stage::white(1.0)).with("two_sided", true));
+        let emission =
+            stage.add(crate::stage::light("area").with("radiance", crate::stage::white(1.0)).with("two_sided", true));
         stage.mesh_lamp(Mesh { positions, triangles, ..Mesh::default() }, 1.0).emission = Some(emission);
         check(&stage, &format!("triangles at {:?}", points[0]), expected, expected > 0.1);
     }
@@ -151,7 +154,9 @@ fn triangles() {
 /// M72: a sphere of radius r at distance d wholly above the horizon gives E = π (r/d)² cos θ; from the inside it gives π.
 #[test]
 fn spheres() {
-    for (center, r) in [([0.0, 0.0, 1.5], 1.0), ([0.0, 0.0, 1.01], 1.0), ([2.0, 1.0, 2.0], 0.5), ([0.0, 30.0, 40.0], 0.5)] {
+    for (center, r) in
+        [([0.0, 0.0, 1.5], 1.0), ([0.0, 0.0, 1.01], 1.0), ([2.0, 1.0, 2.0], 0.5), ([0.0, 30.0, 40.0], 0.5)]
+    {
         let c = DVec3::from_array(center);
         let expected = PI * r * r / c.length_squared() * c.z / c.length();
         let mut stage = receiver(0.004);
@@ -224,8 +229,9 @@ fn sides_of_lamps() {
     for two_sided in [false, true] {
         for reverse in [false, true] {
             let mut stage = receiver(0.1);
-            let emission = stage
-                .add(crate::stage::light("area").with("radiance", crate::stage::white(1.0)).with("two_sided", two_sided));
+            let emission = stage.add(
+                crate::stage::light("area").with("radiance", crate::stage::white(1.0)).with("two_sided", two_sided),
+            );
             let lamp = stage.mesh_lamp(rectangle(at([-1.0, -1.0, 1.0]), [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]), 1.0);
             (lamp.emission, lamp.reverse_orientation) = (Some(emission), reverse);
             if reverse || two_sided {

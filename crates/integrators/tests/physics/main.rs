@@ -3,9 +3,13 @@
 //! Statistical comparisons are made at four standard errors, estimated by the film itself, with fixed seeds. Comparisons without
 //! spread allow for rounding alone.
 
+mod determinism;
 mod furnace;
 mod irradiance;
 mod lab;
+mod lights;
 mod materials;
+mod scales;
 mod shot;
 mod stage;
+mod transport;

@@ -36,7 +36,9 @@ pub fn cases() -> Vec<Case> {
     let case = |label, kind, lossless, transmits, make| Case { label, kind, make, lossless, transmits };
     let cases = vec![
         case("diffuse, white", "diffuse", true, false, |d| d.add(diffuse(1.0))),
-        case("diffuse, coloured", "diffuse", false, false, |d| d.add(material("diffuse").with("reflectance", rgb([0.8, 0.4, 0.1])))),
+        case("diffuse, coloured", "diffuse", false, false, |d| {
+            d.add(material("diffuse").with("reflectance", rgb([0.8, 0.4, 0.1])))
+        }),
         case("mirror", "conductor", true, false, |d| d.add(material("conductor"))),
         case("mirror, tinted", "conductor", false, false, |d| {
             d.add(material("conductor").with("specular_reflectance", rgb([0.9, 0.6, 0.3])))
@@ -45,22 +47,38 @@ pub fn cases() -> Vec<Case> {
         case("gold, GGX 0.3", "conductor", false, false, |d| metal(d, [0.3; 2])),
         case("gold, anisotropic", "conductor", false, false, |d| metal(d, [0.4, 0.15])),
         case("rough metal from reflectance", "conductor", false, false, |d| {
-            d.add(material("conductor").with("reflectance", rgb([0.9, 0.7, 0.4])).with("alpha_u", 0.25).with("distribution", "beckmann"))
+            d.add(
+                material("conductor")
+                    .with("reflectance", rgb([0.9, 0.7, 0.4]))
+                    .with("alpha_u", 0.25)
+                    .with("distribution", "beckmann"),
+            )
         }),
         case("glass", "dielectric", true, true, |d| d.add(material("dielectric").with("eta", 1.5))),
         case("index one", "dielectric", true, true, |d| d.add(material("dielectric").with("eta", 1.0))),
-        case("rough glass", "dielectric", false, true, |d| d.add(material("dielectric").with("eta", 1.5).with("alpha_u", 0.3))),
+        case("rough glass", "dielectric", false, true, |d| {
+            d.add(material("dielectric").with("eta", 1.5).with("alpha_u", 0.3))
+        }),
         case("stained glass", "dielectric", false, true, |d| {
             d.add(material("dielectric").with("eta", 1.33).with("specular_transmittance", rgb([0.2, 0.8, 0.4])))
         }),
         case("pane", "thin_dielectric", true, true, |d| d.add(material("thin_dielectric").with("eta", 1.5))),
-        case("smooth coat", "coated_diffuse", false, false, |d| d.add(material("coated_diffuse").with("reflectance", white(0.6)))),
+        case("smooth coat", "coated_diffuse", false, false, |d| {
+            d.add(material("coated_diffuse").with("reflectance", white(0.6)))
+        }),
         case("rough coat", "coated_diffuse", false, false, |d| {
             d.add(material("coated_diffuse").with("reflectance", white(0.6)).with("alpha_u", 0.25))
         }),
-        case("plastic", "plastic", false, false, |d| d.add(material("plastic").with("diffuse_reflectance", rgb([0.2, 0.7, 0.3])))),
+        case("plastic", "plastic", false, false, |d| {
+            d.add(material("plastic").with("diffuse_reflectance", rgb([0.2, 0.7, 0.3])))
+        }),
         case("rough plastic", "plastic", false, false, |d| {
-            d.add(material("plastic").with("diffuse_reflectance", white(0.5)).with("alpha_u", 0.2).with("nonlinear", true))
+            d.add(
+                material("plastic")
+                    .with("diffuse_reflectance", white(0.5))
+                    .with("alpha_u", 0.2)
+                    .with("nonlinear", true),
+            )
         }),
         case("paper", "diffuse_transmission", true, true, |d| {
             d.add(material("diffuse_transmission").with("reflectance", white(0.5)).with("transmittance", white(0.5)))
