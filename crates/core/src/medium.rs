@@ -39,7 +39,7 @@ impl Medium {
     /// Phase function and density (they are equal) for directions pointing away from the point.
     #[inline]
     pub fn phase(&self, wo: Vec3, wi: Vec3) -> f32 {
-        warp::hg_phase(-wo.dot(wi), self.g)
+        warp::hg_phase(wo.dot(wi), self.g)
     }
 
     /// A direction by the phase function, and its density.
@@ -58,6 +58,21 @@ pub fn transmittance(sigma_t: Spectrum, distance: f32) -> Spectrum {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The density that samples come with is the phase function's value for them: light goes on forwards where `g > 0`.
+    #[test]
+    fn phase_is_the_density_of_its_samples() {
+        for g in [-0.7, 0.0, 0.4, 0.9] {
+            let m = Medium { sigma_a: Color::BLACK, sigma_s: Color::constant(1.0), scale: 1.0, g };
+            let wo = Vec3::new(0.36, -0.48, 0.8);
+            for i in 0..64 {
+                let (wi, pdf) = m.sample_phase(wo, Vec2::new((i as f32 + 0.5) / 64.0, 0.3));
+                assert!((m.phase(wo, wi) / pdf - 1.0).abs() < 1e-3, "g = {g}: {} for {pdf}", m.phase(wo, wi));
+            }
+            let (forward, back) = (m.phase(wo, -wo), m.phase(wo, wo));
+            assert!((forward - back) * g >= 0.0, "g = {g}: {forward} forwards, {back} back");
+        }
+    }
 
     #[test]
     fn transmittance_multiplies_over_segments() {

@@ -9,6 +9,7 @@ mod irradiance;
 mod lab;
 mod lights;
 mod materials;
+mod media;
 mod scales;
 mod shot;
 mod stage;
