@@ -18,6 +18,10 @@ pub struct Path {
 /// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
 const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 
+/// After this many events roulette is played whatever the throughput, with the survival at most the second number: between surfaces
+/// that absorb nothing, and in dense media, paths would never end.
+const LONG_PATH: (u32, f32) = (1000, 0.99);
+
 /// Russian roulette after `events` scattering events: the throughput to go on with, or `None` where the path ends. It plays on the
 /// throughput with the compression of radiance by refraction (`eta2`) taken out.
 #[inline]
@@ -33,7 +37,10 @@ pub(crate) fn roulette(
     if live <= 0.0 {
         return None;
     }
-    let survival = live * eta2 * (1.0 / ROULETTE_BELOW);
+    let mut survival = live * eta2 * (1.0 / ROULETTE_BELOW);
+    if events > LONG_PATH.0 {
+        survival = survival.min(LONG_PATH.1);
+    }
     if events <= depth.roulette_after || survival >= 1.0 {
         return Some(beta);
     }
