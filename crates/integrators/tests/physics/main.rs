@@ -5,6 +5,7 @@
 
 mod determinism;
 mod furnace;
+mod glass;
 mod irradiance;
 mod lab;
 mod lights;
