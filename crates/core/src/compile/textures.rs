@@ -66,7 +66,10 @@ impl Compiler<'_> {
         }
         // Constants depend on their role; other textures learn it when they are evaluated.
         if node.kind == "constant" {
-            return self.spectrum(node, "value", role, SpectrumValue::Constant(1.0));
+            return match node.get("value") {
+                Some(Value::Node(inner)) => self.texture(*inner, role, depth + 1),
+                _ => self.spectrum(node, "value", role, SpectrumValue::Constant(1.0)),
+            };
         }
         let compiled = match self.texture_ids.get(&id) {
             Some(&t) => Some(t),

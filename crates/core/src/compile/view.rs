@@ -176,7 +176,12 @@ impl Compiler<'_> {
             self.approximated(node.span, "white balance is not implemented; colours are those of D65");
         }
         let imaging_ratio = self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
-        let max_component = node.float("max_component").map_or(f32::INFINITY, |v| v as f32);
+        let max_component = match node.float("max_component") {
+            // pbrt's own default, and any other number beyond f32, clamp nothing.
+            Some(v) if v > f64::from(f32::MAX) => f32::INFINITY,
+            Some(_) => self.positive(node, "max_component", 1.0),
+            None => f32::INFINITY,
+        };
         let filter = self.filter()?;
         Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component })
     }

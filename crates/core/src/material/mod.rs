@@ -207,6 +207,12 @@ fn albedo(s: Spectrum) -> Spectrum {
     if s.is_finite() { s.clamp(0.0, 1.0) } else { s.map(|v| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 }) }
 }
 
+/// Part of a metal's index of refraction, held where its fourth power is finite; real ones are below 30.
+#[inline]
+fn optical_constant(s: Spectrum) -> Spectrum {
+    s.clamp(0.0, 1e6)
+}
+
 /// Evaluates the material with index `id` at a point: resolves mixtures (`choice` in [0, 1)) and sides (`front`: whether the viewer is
 /// on the side of the normal). `None` where nothing scatters.
 #[inline]
@@ -247,8 +253,8 @@ pub fn scattering<'a>(
             Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance: r / over, transmittance: t / over })
         }
         Model::Conductor { eta, k, tint, roughness } => Bsdf::Conductor(Conductor {
-            eta: eta.eval(textures, at, lambda).max(0.0),
-            k: k.eval(textures, at, lambda).max(0.0),
+            eta: optical_constant(eta.eval(textures, at, lambda)),
+            k: optical_constant(k.eval(textures, at, lambda)),
             tint: spectrum(tint, lambda),
             microfacet: roughness.microfacet(textures, at),
         }),

@@ -109,8 +109,8 @@ pub fn table() -> Vec<Case> {
             Refused("Bogus"),
         ),
         pbrt_file(
-            "10⁶ warnings",
-            format!("{PBRT_HEAD}WorldBegin\n{}", "Shape \"sphere\" \"float r\" 1\n".repeat(100_000)),
+            "10⁵ warnings",
+            format!("{PBRT_HEAD}WorldBegin\n{}", "Translate 9 0 0 Shape \"sphere\" \"float r\" 1\n".repeat(100_000)),
             Either,
         ),
         pbrt_file("10⁷ bytes in a line", [&b"WorldBegin "[..], &vec![b'1'; 10_000_000]].concat(), Refused("")),
@@ -178,11 +178,15 @@ pub fn table() -> Vec<Case> {
             "AreaLightSource \"diffuse\"\n".to_string() + &"Shape \"sphere\"\n".repeat(10_000),
             Picture,
         ),
-        p("10⁵ materials", many(100_000, &|_| "Material \"diffuse\" Shape \"sphere\"\n".into()), Picture),
+        p(
+            "10⁵ materials",
+            many(100_000, &|i| format!("Translate 0.{i} 0 0 Material \"diffuse\" Shape \"sphere\"\n")),
+            Picture,
+        ),
         p(
             "10⁴ coats",
             many(10_000, &|i| format!("Material \"coateddiffuse\" \"float roughness\" 0.{i} Shape \"sphere\"\n")),
-            Either,
+            Picture,
         ),
         p(
             "10⁵ instances",
@@ -195,10 +199,10 @@ pub fn table() -> Vec<Case> {
             "ObjectBegin \"o\" ObjectEnd\n".to_string() + &"ObjectInstance \"o\"\n".repeat(100_000),
             Either,
         ),
-        p("mixtures of mixtures, 30 deep", deep_materials(30), Either),
-        p("mixtures of mixtures, 10⁴ deep", deep_materials(10_000), Either),
-        p("textures of textures, 30 deep", deep_textures(30), Either),
-        p("textures of textures, 10⁴ deep", deep_textures(10_000), Either),
+        p("mixtures of mixtures, 30 deep", deep_materials(30), Refused("more than 4096 textures")),
+        p("mixtures of mixtures, 10⁴ deep", deep_materials(10_000), Refused("nested")),
+        p("textures of textures, 30 deep", deep_textures(30), Refused("more than 4096 textures")),
+        p("textures of textures, 10⁴ deep", deep_textures(10_000), Refused("nested")),
         p("10⁵ textures, none used", many(100_000, &|i| format!("Texture \"t{i}\" \"float\" \"constant\"\n")), Either),
         p("a picture bomb of 30000²", "LightSource \"infinite\" \"string filename\" \"i.png\"", Refused("i.png"))
             .with("i.png", images::true_png(30_000)),
@@ -218,7 +222,7 @@ pub fn table() -> Vec<Case> {
                 + "</shape>",
             Either,
         ),
-        m("10⁵ shapes", "<shape type='sphere'/>".repeat(100_000), Picture),
+        m("10⁴ shapes at one point", "<shape type='sphere'/>".repeat(10_000), Picture),
         m("10⁵ rectangles", "<shape type='rectangle'/>".repeat(100_000), Picture),
         m(
             "10⁵ lights",
@@ -234,9 +238,12 @@ pub fn table() -> Vec<Case> {
         m("10⁵ attributes", format!("<shape type='sphere' {}/>", many(100_000, &|i| format!("a{i}='1' "))), Either),
         m("10⁵ defaults", many(100_000, &|i| format!("<default name='p{i}' value='1'/>")), Either),
         m(
-            "10⁵ instances",
+            "30000 instances",
             "<shape type='shapegroup' id='g'><shape type='sphere'/></shape>".to_string()
-                + &"<shape type='instance'><ref id='g'/></shape>".repeat(100_000),
+                + &many(30_000, &|i| {
+                    let place = format!("<transform name='to_world'><translate x='{i}'/></transform>");
+                    format!("<shape type='instance'><ref id='g'/>{place}</shape>")
+                }),
             Picture,
         ),
     ]

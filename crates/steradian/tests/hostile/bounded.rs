@@ -28,7 +28,7 @@ const FIRST: &str = "STERADIAN_HOSTILE_FIRST";
 /// Runs a table; panics with all its faults.
 pub fn check(table: &str) {
     let (mut faults, mut next, mut done) = (Vec::new(), 0, false);
-    let (mut worst, mut dropped) = ((0, 0), Vec::new());
+    let (mut costs, mut pictures, mut dropped) = (Vec::new(), 0, Vec::new());
     while !done {
         let mut child = Command::new(std::env::current_exe().expect("this test is a file"))
             .args(["child", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
@@ -64,11 +64,15 @@ pub fn check(table: &str) {
                     let name = current.take().unwrap_or_default();
                     let (cpu, memory) =
                         (cpu.parse::<u64>().unwrap_or(u64::MAX), memory.parse::<u64>().unwrap_or(u64::MAX));
-                    worst = (worst.0.max(cpu), worst.1.max(memory));
-                    if verdict == "ok, with samples that are not finite" {
-                        dropped.push(name.clone());
-                    } else if verdict != "ok" {
-                        faults.push(format!("{name}: {}", verdict.replace('\u{b}', "\n    ")));
+                    costs.push((cpu, memory >> 10, name.clone()));
+                    match verdict {
+                        "refused" => {}
+                        "picture" => pictures += 1,
+                        "picture, with samples that are not finite" => {
+                            pictures += 1;
+                            dropped.push(name.clone());
+                        }
+                        fault => faults.push(format!("{name}: {}", fault.replace('\u{b}', "\n    "))),
                     }
                     if u128::from(cpu) > CPU.as_millis() || memory > MEMORY {
                         faults.push(format!("{name}: took {cpu} ms and {} MiB", memory >> 10));
@@ -87,7 +91,11 @@ pub fn check(table: &str) {
             break;
         }
     }
-    println!("{table}: {next} cases, at most {} ms and {} MiB", worst.0, worst.1 >> 10);
+    println!("{table}: {next} cases, {pictures} of them pictures");
+    costs.sort_by(|a, b| b.cmp(a));
+    for (cpu, memory, name) in costs.iter().take(5).chain(costs.iter().max_by_key(|c| c.1)) {
+        println!("  {cpu} ms, {memory} MiB: {name}");
+    }
     if !dropped.is_empty() {
         println!("samples were not finite, and dropped, in {} cases:\n{}", dropped.len(), dropped.join("\n"));
     }
@@ -103,18 +111,19 @@ pub fn child() {
         let mut out = std::io::stdout().lock();
         let _ = writeln!(out, "{line}").and_then(|()| out.flush());
     };
-    for case in cases.iter().skip(first) {
+    for case in cases.skip(first) {
         let folder = tempfile::tempdir().expect("a folder can be made");
         say(format!("@begin\t{}", case.name));
-        memory::forget_peak();
+        let held = memory::forget_peak();
         let start = cpu_time();
         let result = catch_unwind(AssertUnwindSafe(|| {
-            let outcome = pipeline::run(case, folder.path())?;
+            let outcome = pipeline::run(&case, folder.path())?;
             pipeline::judge(&outcome, case.expect).map(|()| outcome)
         }));
         let verdict = match result {
-            Ok(Ok(Outcome::Picture(_, dropped))) if dropped > 0 => "ok, with samples that are not finite".into(),
-            Ok(Ok(_)) => "ok".to_string(),
+            Ok(Ok(Outcome::Picture(_, dropped))) if dropped > 0 => "picture, with samples that are not finite".into(),
+            Ok(Ok(Outcome::Picture(..))) => "picture".into(),
+            Ok(Ok(Outcome::Refused(_))) => "refused".to_string(),
             Ok(Err(fault)) => fault,
             Err(panic) => {
                 let text = panic.downcast_ref::<String>().cloned();
@@ -125,7 +134,7 @@ pub fn child() {
         let cpu = (cpu_time() - start).as_millis();
         // One line: what breaks lines is put back by the parent.
         let verdict = verdict.replace('\n', "\u{b}").replace('\t', " ");
-        let peak = memory::peak_kib();
+        let peak = memory::kib("VmHWM:").saturating_sub(held);
         say(format!("@end\t{cpu}\t{peak}\t{verdict}"));
         // What the allocator keeps would count against the next case: that one gets a fresh process.
         if peak > MEMORY / 8 {
@@ -143,15 +152,16 @@ fn cpu_time() -> Duration {
 
 /// The peak of resident memory, where the system tells it (Linux).
 mod memory {
-    /// Starts a new measurement.
-    pub fn forget_peak() {
+    /// Starts a new measurement; gives what is held already, in KiB (the cases themselves).
+    pub fn forget_peak() -> u64 {
         let _ = std::fs::write("/proc/self/clear_refs", "5");
+        kib("VmRSS:")
     }
 
-    /// The peak in KiB; zero where it is not known.
-    pub fn peak_kib() -> u64 {
+    /// A figure of the process in KiB; zero where it is not known.
+    pub fn kib(name: &str) -> u64 {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+        let line = status.lines().find_map(|l| l.strip_prefix(name));
         line.and_then(|l| l.split_whitespace().next()?.parse().ok()).unwrap_or(0)
     }
 }

@@ -1,5 +1,8 @@
 //! One hostile input and what must come of it.
 
+use std::path::PathBuf;
+use steradian::scene::SceneDesc;
+
 /// What a case must end in.
 #[derive(Clone, Copy, Debug)]
 pub enum Expect {
@@ -18,12 +21,27 @@ pub struct Case {
     pub name: String,
     pub files: Vec<(String, Vec<u8>)>,
     pub expect: Expect,
+    /// Where files are looked for besides.
+    pub search: Option<PathBuf>,
+    /// Whether the scene's own film is left aside for a small one.
+    pub small: bool,
+    /// The scene where it is made in code; its relative paths are those of the files.
+    pub description: Option<SceneDesc>,
 }
 
 impl Case {
     /// A case of one file.
     pub fn new(name: impl Into<String>, file: &str, content: impl Into<Vec<u8>>, expect: Expect) -> Self {
-        Self { name: name.into(), files: vec![(file.into(), content.into())], expect }
+        // Models have no film of their own; the one they are given is for pictures, not for tests.
+        let small = file.ends_with(".obj") || file.ends_with(".ply");
+        Self {
+            name: name.into(),
+            files: vec![(file.into(), content.into())],
+            expect,
+            search: None,
+            small,
+            description: None,
+        }
     }
 
     /// A pbrt scene whose world block is given: a camera and a constant sky are there.

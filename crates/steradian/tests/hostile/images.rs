@@ -184,3 +184,8 @@ pub fn table() -> Vec<Case> {
     }
     cases
 }
+
+/// A small float picture of one value.
+pub fn pfm(value: f32) -> Vec<u8> {
+    bytes(FileKind::Pfm, &uniform(2, value))
+}

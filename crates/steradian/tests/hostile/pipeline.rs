@@ -4,7 +4,7 @@ use crate::case::{Case, Expect};
 use std::{io, path::Path};
 use steradian::{
     CompileOptions, Control, Layer, Quality, Session, compile, develop, formats, load,
-    scene::{Diagnostic, Diagnostics, SceneDesc},
+    scene::{Diagnostic, Diagnostics, SceneDesc, Value},
 };
 
 /// How it ended.
@@ -26,19 +26,23 @@ pub fn run(case: &Case, folder: &Path) -> Result<Outcome, String> {
         Ok(())
     };
     write().map_err(|e| format!("cannot write the files: {e}"))?;
+    let compile_options = CompileOptions { size: case.small.then_some((16, 16)), ..CompileOptions::default() };
+    if let Some(description) = &case.description {
+        let mut description = description.clone();
+        for value in description.nodes.iter_mut().flat_map(|n| &mut n.params).map(|p| &mut p.value) {
+            if let Value::Path(path) = value {
+                *path = folder.join(&*path);
+            }
+        }
+        return render(&description, &compile_options, &Diagnostics::default());
+    }
     let scene = folder.join(&case.files[0].0);
-    // Models have no film of their own; the one they are given is for pictures, not for tests.
-    let is_model = scene.extension().is_some_and(|e| e == "obj" || e == "ply");
-    open(&scene, &CompileOptions { size: is_model.then_some((16, 16)), ..CompileOptions::default() })
-}
-
-/// Takes a scene file all the way.
-pub fn open(path: &Path, options: &CompileOptions) -> Result<Outcome, String> {
-    let loaded = load(path.to_str().unwrap_or_default(), &formats::Options::default());
+    let options = formats::Options { search: case.search.iter().cloned().collect(), ..formats::Options::default() };
+    let loaded = load(scene.to_str().unwrap_or_default(), &options);
     if loaded.diagnostics.has_errors() {
         return refused(&loaded.diagnostics);
     }
-    render(&loaded.desc, options, &loaded.diagnostics)
+    render(&loaded.desc, &compile_options, &loaded.diagnostics)
 }
 
 /// Compiles a description and renders it with one sample per pixel.

@@ -1,1 +1,282 @@
-//! Placeholder while the tables are brought up.
+//! Every parameter of the vocabulary, as the README of the scene crate lists it, set to every value that it should not have, in a scene
+//! made in code. What the README names is what is tried, so nothing can be forgotten.
+
+use crate::{
+    case::{Case, Expect},
+    images,
+};
+use std::path::PathBuf;
+use steradian::{
+    cornell,
+    math::{DVec3, Transform},
+    scene::{ColorSpace, Family, Format, Group, Instance, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value},
+};
+
+const README: &str = include_str!("../../../scene/README.md");
+const MAPPING: [&str; 9] =
+    ["mapping", "scale_u", "scale_v", "delta_u", "delta_v", "v1", "v2", "to_uv", "texture_from_world"];
+
+/// A kind of node and the words of its row that may be parameters.
+struct Row {
+    family: Family,
+    kind: String,
+    parameters: Vec<String>,
+}
+
+/// The words in backquotes, but for those in parentheses, which are values.
+fn quoted(cell: &str) -> Vec<String> {
+    let outside: String = cell.split(')').map(|part| part.split('(').next().unwrap_or_default()).collect();
+    outside.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+fn family(word: &str) -> Family {
+    let all = [
+        Family::Shape,
+        Family::Material,
+        Family::Texture,
+        Family::Light,
+        Family::Medium,
+        Family::Phase,
+        Family::Camera,
+        Family::Film,
+        Family::Filter,
+        Family::Sampler,
+        Family::Integrator,
+    ];
+    let found = all.into_iter().find(|f| format!("{f:?}").eq_ignore_ascii_case(word));
+    found.unwrap_or_else(|| panic!("the vocabulary names a family '{word}'"))
+}
+
+/// The table of the README; words for all kinds of a family (`any`, `all`) go to each.
+fn rows() -> Vec<Row> {
+    let lines = README.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| family"));
+    let mut rows = Vec::new();
+    let mut of_all: Vec<(Family, Vec<String>)> = Vec::new();
+    for cells in lines.map(|l| l.split('|').map(str::trim).collect::<Vec<_>>()) {
+        let family = family(cells[1]);
+        let mut parameters = quoted(cells[3]);
+        if cells[3].contains("*mapping*") {
+            parameters.extend(MAPPING.map(str::to_owned));
+        }
+        match cells[2] {
+            "any" | "all" => of_all.push((family, parameters)),
+            kinds => {
+                rows.extend(quoted(kinds).into_iter().map(|kind| Row { family, kind, parameters: parameters.clone() }))
+            }
+        }
+    }
+    for row in &mut rows {
+        let more = of_all.iter().filter(|(family, _)| *family == row.family).flat_map(|(_, p)| p.clone());
+        row.parameters.extend(more);
+    }
+    rows
+}
+
+/// Values of every type, none of which belongs in a scene. `own` is the node that gets them, `other` one of a family that fits nowhere.
+fn poison(own: NodeId, other: NodeId) -> Vec<(String, Value)> {
+    let rgb = |v: [f64; 3]| SpectrumValue::Rgb(v, ColorSpace::Srgb);
+    let sampled =
+        |lambdas: &[f32], values: &[f32]| SpectrumValue::Sampled { lambdas: lambdas.into(), values: values.into() };
+    let spectra = [
+        SpectrumValue::Constant(f64::NAN),
+        SpectrumValue::Constant(1e39),
+        SpectrumValue::Constant(-1.0),
+        rgb([f64::NAN, 0.0, 1.0]),
+        rgb([1e39; 3]),
+        rgb([3e38, 0.0, 1e-45]),
+        rgb([-1.0, 7.0, 0.0]),
+        SpectrumValue::Rgb([0.0, 1.0, 0.0], ColorSpace::Aces),
+        sampled(&[], &[]),
+        sampled(&[500.0, 400.0], &[1.0, 1.0]),
+        sampled(&[400.0, f32::NAN], &[1.0, 1.0]),
+        sampled(&[400.0, 500.0], &[f32::NAN, f32::INFINITY]),
+        sampled(&[400.0], &[1.0, 2.0]),
+        sampled(&[400.0, 700.0], &[3e38, 3e38]),
+        sampled(&[-1e30, 1e30], &[-1.0, 1.0]),
+        SpectrumValue::Blackbody(f64::NAN),
+        SpectrumValue::Blackbody(0.0),
+        SpectrumValue::Blackbody(1e-30),
+        SpectrumValue::Blackbody(1e30),
+        SpectrumValue::Named("nothing".into()),
+        SpectrumValue::Named(String::new()),
+    ];
+    let floats = [
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        1e39,
+        3e38,
+        -3e38,
+        1e30,
+        1e-30,
+        1e-45,
+        -1.0,
+        -0.0,
+        0.0,
+        0.9999999,
+        7.0,
+        180.0,
+        1e9,
+    ];
+    let vectors = [[f64::NAN; 3], [0.0; 3], [1e39; 3], [3e38, -3e38, 0.0], [1e-30; 3]];
+    let lists: [&[f64]; 6] = [&[], &[f64::NAN], &[0.0; 4], &[0.0; 12], &[3e38; 12], &[1.0, f64::INFINITY, 0.0, 2.0]];
+    let scales = [0.0, f64::NAN, 1e30, 1e-30, 1e38, -1.0];
+    let transforms = scales.map(|s| Transform::scale(DVec3::new(s, s, 1.0)));
+    let values = floats
+        .map(Value::Float)
+        .into_iter()
+        .chain([i64::MIN, -1, 0, 1, 1 << 31, i64::MAX].map(Value::Int))
+        .chain(spectra.map(Value::Spectrum))
+        .chain(vectors.map(Value::Vec3))
+        .chain(lists.map(|l| Value::Floats(l.into())))
+        .chain([vec![], vec![i64::MAX; 4], vec![5, 5, 1, 1], vec![-3, 4, -3, 4]].map(Value::Ints))
+        .chain(transforms.map(Value::Transform))
+        .chain([
+            Value::Node(own),
+            Value::Node(other),
+            Value::Nodes(vec![]),
+            Value::Nodes(vec![own; 2]),
+            Value::Nodes(vec![other; 2]),
+        ])
+        .chain([Value::Bool(true), Value::String("nothing".into()), Value::String(String::new())])
+        .chain(["nothing.exr", "", "i.pfm", "nan.pfm"].map(|f| Value::Path(PathBuf::from(f))));
+    values.map(|v| (format!("{v:?}"), v)).collect()
+}
+
+/// A triangle mesh of two faces, and a closed one for subdivision.
+fn meshes() -> [Mesh; 2] {
+    let square = Mesh {
+        positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let tetrahedron = Mesh {
+        positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        triangles: vec![[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        ..Mesh::default()
+    };
+    [square, tetrahedron]
+}
+
+fn shape(node: NodeId) -> Shape {
+    Shape {
+        node,
+        mesh: None,
+        world_from_object: Transform::IDENTITY,
+        reverse_orientation: false,
+        material: None,
+        emission: None,
+        interior: None,
+        exterior: None,
+        is_medium_boundary: false,
+    }
+}
+
+/// The box of the lab with one more thing in it, of the family and kind given.
+fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
+    let mut scene = SceneDesc { format, ..cornell::point_light() };
+    let diffuse = scene.add(Node::new(Family::Material, "diffuse", None));
+    let mut node = Node::new(family, kind, None);
+    match (family, kind) {
+        (Family::Texture, "image") | (Family::Light, "goniometric" | "projection") => {
+            _ = node.set("file", PathBuf::from("i.pfm"), None)
+        }
+        (Family::Texture, "mesh_attribute") => _ = node.set("name", "color", None),
+        (Family::Material, "mask") => _ = node.set("material", diffuse, None),
+        (Family::Material, "two_sided") => _ = node.set("front", diffuse, None),
+        (Family::Material, "mix") => {
+            let metal = scene.add(Node::new(Family::Material, "conductor", None));
+            node.set("materials", vec![diffuse, metal], None);
+        }
+        (Family::Shape, "curve") => {
+            _ = node.set("points", vec![-1.0, 0.0, 0.0, -0.5, 1.0, 0.0, 0.5, 1.0, 0.0, 1.0, 0.0, 0.0], None)
+        }
+        (Family::Shape, "sphere") => _ = node.set("radius", 0.4, None),
+        _ => {}
+    }
+    let id = scene.add(node);
+    let sphere = scene.add(Node::new(Family::Shape, "sphere", None).with("radius", 0.5));
+    let mut more = shape(sphere);
+    match family {
+        Family::Texture => {
+            let material = Node::new(Family::Material, "conductor", None).with("reflectance", id).with("alpha_u", id);
+            more.material = Some(scene.add(material));
+            scene.node_mut(sphere).set("alpha", id, None);
+        }
+        Family::Material => more.material = Some(id),
+        Family::Light if kind == "area" || kind == "directional_area" => more.emission = Some(id),
+        Family::Light => scene.lights.push(id),
+        Family::Medium | Family::Phase => {
+            let medium = match family {
+                Family::Medium => id,
+                _ => {
+                    let node = Node::new(Family::Medium, "homogeneous", None).with("phase", id);
+                    scene.add(node.with("sigma_s", 1.0))
+                }
+            };
+            more.material = Some(scene.add(Node::new(Family::Material, "interface", None)));
+            (more.interior, more.is_medium_boundary) = (Some(medium), true);
+            scene.node_mut(scene.integrator.expect("the box has one")).kind = "volpath".into();
+        }
+        Family::Camera => {
+            let place = scene.node(scene.cameras[0]).transform("to_world").unwrap_or_default();
+            scene.node_mut(id).set("to_world", place, None);
+            scene.cameras = vec![id];
+        }
+        Family::Film => {
+            scene.node_mut(id).set("width", 8_i64, None).set("height", 8_i64, None);
+            scene.film = Some(id);
+        }
+        Family::Filter => scene.filter = Some(id),
+        Family::Sampler => scene.sampler = Some(id),
+        Family::Integrator => scene.integrator = Some(id),
+        Family::Shape => {
+            more = shape(id);
+            let [square, closed] = meshes();
+            let mesh = scene.add_mesh(if kind == "loop_subdivision" { closed } else { square });
+            more.mesh = Some(mesh);
+            // It also shines, and stands in a group that is placed twice.
+            let light = scene.add(Node::new(Family::Light, "area", None));
+            let shining = Shape { emission: Some(light), ..more.clone() };
+            scene.shapes.push(shining);
+            if kind != "plane" {
+                scene.groups.push(Group { name: "group".into(), shapes: vec![more.clone()] });
+                let at = |x: f64| Transform::translate(DVec3::new(x, 0.0, 0.0));
+                let instance = |x| Instance { group: 0, world_from_group: at(x), span: None };
+                scene.instances.extend([instance(-0.5), instance(0.5)]);
+            }
+        }
+        Family::Accelerator => {}
+    }
+    scene.shapes.push(more);
+    (scene, id)
+}
+
+/// A case of a description. Films of the scene count where the film is what is tried.
+fn case(name: String, scene: SceneDesc, small: bool, expect: Expect) -> Case {
+    let mut case = Case::new(name, "i.pfm", images::pfm(0.5), expect).with("nan.pfm", images::pfm(f32::NAN));
+    (case.description, case.small) = (Some(scene), small);
+    case
+}
+
+/// Each kind as it is, and then with each of its parameters poisoned.
+pub fn table() -> impl Iterator<Item = Case> {
+    rows().into_iter().flat_map(|row| {
+        let Row { family, kind, parameters } = row;
+        let sound = Format::Native;
+        let first = case(format!("{family:?} {kind}"), scene_of(family, &kind, sound).0, true, Expect::Either);
+        let poisoned = parameters.into_iter().enumerate().flat_map(move |(i, parameter)| {
+            // Formats differ in defaults and in colour: they take turns.
+            let format = [Format::Native, Format::Pbrt, Format::Mitsuba][i % 3];
+            let kind = kind.clone();
+            let (_, id) = scene_of(family, &kind, format);
+            poison(id, NodeId(0)).into_iter().map(move |(value_name, value)| {
+                let (mut scene, id) = scene_of(family, &kind, format);
+                scene.node_mut(id).set(parameter.as_str(), value, None);
+                let name = format!("{family:?} {kind}: {parameter} = {value_name} ({format:?})");
+                case(name, scene, family != Family::Film, Expect::Either)
+            })
+        });
+        std::iter::once(first).chain(poisoned)
+    })
+}
