@@ -66,15 +66,15 @@ impl Compiler<'_> {
     }
 
     fn light_place(&mut self, node: &Node) -> Option<Affine> {
-        let place = node.transform("to_world").unwrap_or_default().affine();
+        let place = self.transform(node, "to_world").affine();
         if place.is_none() {
             self.error(node.span, format!("the transform of light '{}' is singular or not finite", node.kind));
         }
         place
     }
 
-    fn power(&self, node: &Node) -> Option<f32> {
-        node.float("power").filter(|p| *p > 0.0 && p.is_finite()).map(|p| p as f32)
+    fn power(&mut self, node: &Node) -> Option<f32> {
+        self.if_positive(node, "power")
     }
 
     /// Compiles a light and adds it.
@@ -103,7 +103,7 @@ impl Compiler<'_> {
         if let Some(power) = self.power(node) {
             scale *= power / (4.0 * PI);
         }
-        let p = Vec3::from(node.vec3("position").unwrap_or_default().map(|v| v as f32));
+        let p = self.vec3(node, "position", Vec3::ZERO);
         let p = place.point(p);
         if !p.is_finite() {
             self.error(node.span, "the position of this light is not finite");
@@ -123,10 +123,7 @@ impl Compiler<'_> {
             Falloff::Smoothstep,
             &[("smoothstep", Falloff::Smoothstep), ("linear", Falloff::Linear)],
         );
-        let texture = match node.get("texture") {
-            Some(Value::Node(id)) => Some(self.texture(*id, Role::Albedo, 0)),
-            _ => None,
-        };
+        let texture = self.reference(node, "texture").map(|id| self.texture(id, Role::Albedo, 0));
         let mut spot = Spot {
             position: place.point(Vec3::ZERO),
             world_from_light: place,
@@ -145,10 +142,10 @@ impl Compiler<'_> {
 
     fn distant(&mut self, node: &Node) -> Option<Light> {
         let (color, mut scale) = self.emission_color(node, "radiance");
-        if let Some(e) = node.float("illuminance").filter(|e| *e > 0.0) {
-            scale *= e as f32;
+        if let Some(e) = self.if_positive(node, "illuminance") {
+            scale *= e;
         }
-        let d = Vec3::from(node.vec3("direction").unwrap_or([0.0, 0.0, 1.0]).map(|v| v as f32));
+        let d = self.vec3(node, "direction", Vec3::Z);
         match (-d).try_normalize() {
             Some(wi) => Some(Light::Distant(wi, color.scaled(scale))),
             None => {
@@ -161,7 +158,7 @@ impl Compiler<'_> {
     fn environment(&mut self, node: &Node) -> Option<Light> {
         use std::f32::consts::PI;
         let place = self.light_place(node)?;
-        let illuminance = node.float("illuminance").filter(|e| *e > 0.0).map(|e| e as f32);
+        let illuminance = self.if_positive(node, "illuminance");
         let portal = self.portal(node);
         let (radiance, mut scale) = self.emission_color(node, "radiance");
         let image = if node.get("file").is_some() {
@@ -213,7 +210,7 @@ impl Compiler<'_> {
     }
 
     fn portal(&mut self, node: &Node) -> Option<[Vec3; 3]> {
-        let p = node.floats("portal")?;
+        let p = self.list(node, "portal")?;
         if p.is_empty() {
             return None;
         }
@@ -221,14 +218,20 @@ impl Compiler<'_> {
             self.error(node.span, "a portal needs four corners (12 numbers)");
             return None;
         }
-        let corner = |i: usize| Vec3::new(p[3 * i] as f32, p[3 * i + 1] as f32, p[3 * i + 2] as f32);
-        let [a, b, c, d] = [0, 1, 2, 3].map(corner);
+        let corners = [0, 1, 2, 3].map(|i| Vec3::from_slice(&p[3 * i..]));
+        // In f64, where the squares of all corners are in range.
+        let [a, b, c, d] = corners.map(|c| c.as_dvec3());
         let (ex, ey) = (b - a, d - a);
-        let scale = ex.length() + ey.length();
-        if (a + ex + ey - c).length() > 1e-3 * scale || ex.dot(ey).abs() > 1e-3 * ex.length() * ey.length() {
-            self.error(node.span, "a portal must be a rectangle");
+        let (width, height) = (ex.length(), ey.length());
+        let closes = (a + ex + ey - c).length() <= 1e-3 * (width + height);
+        let is_right = ex.dot(ey).abs() <= 1e-3 * width * height;
+        let (ex, ey) = (ex.as_vec3(), ey.as_vec3());
+        let area = ex.cross(ey).length();
+        if !(closes && is_right && area > 0.0 && area.is_finite()) {
+            self.error(node.span, "a portal must be a rectangle with an area");
             return None;
         }
+        let a = corners[0];
         Some([a, ex, ey])
     }
 
@@ -251,7 +254,7 @@ impl Compiler<'_> {
         let place = self.light_place(node)?;
         let scale = self.float(node, "scale", 1.0);
         let fov = self.positive(node, "fov", 90.0).clamp(1e-3, 179.9).to_radians();
-        let axis_name = node.string("fov_axis").unwrap_or("smaller");
+        let axis_name = self.word(node, "fov_axis").unwrap_or("smaller");
         let Some(axis) = crate::camera::FovAxis::named(axis_name) else {
             self.error(node.span, format!("'{axis_name}' is not an axis of view"));
             return None;

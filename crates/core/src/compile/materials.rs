@@ -100,7 +100,7 @@ impl Compiler<'_> {
                         0.01
                     }
                 };
-                let max_depth = u32::try_from(node.int("max_depth").unwrap_or(10)).unwrap_or(10);
+                let max_depth = u32::try_from(self.int(node, "max_depth").unwrap_or(10)).unwrap_or(10);
                 let series = CoatSeries::Layered { thickness, max_depth };
                 self.coated(node, "reflectance", 1.5, series)
             }
@@ -390,8 +390,8 @@ impl Compiler<'_> {
             self.diagnostics.dropped(&self.desc.sources, p.span, "emission of media is not implemented");
         }
         let mut g = self.float(node, "g", 0.0);
-        if let Some(Value::Node(phase)) = node.get("phase") {
-            let phase = self.node(*phase);
+        if let Some(phase) = self.reference(node, "phase") {
+            let phase = self.node(phase);
             match phase.kind.as_str() {
                 "isotropic" => g = 0.0,
                 "hg" => g = self.float(phase, "g", 0.8),

@@ -2,6 +2,7 @@
 //! place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
 mod coats;
+mod finite;
 mod lights;
 mod materials;
 mod params;
@@ -121,6 +122,10 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
 
 impl Compiler<'_> {
     fn run(&mut self) -> (Option<Scene>, Duration) {
+        self.check_numbers();
+        if self.diagnostics.has_errors() {
+            return (None, Duration::ZERO);
+        }
         self.load_images();
         let camera = self.camera();
         let film = self.film();
@@ -211,6 +216,18 @@ impl Compiler<'_> {
             })
             .collect();
         let world = shapes::accel_geometries(&self.geometries, 0, world);
+        let spaces: Vec<_> = objects.iter().flatten().map(|o| o.bounds()).collect();
+        for (instance, described) in instances.iter().zip(&self.desc.instances) {
+            let bounds = spaces.get(instance.object as usize).filter(|b| !b.is_empty());
+            if bounds.is_some_and(|b| (0..8).any(|i| !instance.world_from_object.point(b.corner(i)).is_finite())) {
+                self.diagnostics.error(
+                    &self.desc.sources,
+                    described.span,
+                    "this instance reaches beyond the range of numbers",
+                );
+                return None;
+            }
+        }
         match objects.and_then(|objects| TopLevel::build(&world, objects, instances)) {
             Ok(accel) => Some(accel),
             Err(e) => {

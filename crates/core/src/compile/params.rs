@@ -11,7 +11,7 @@ use steradian_math::{
     color::{RgbSpace, space},
     spectra::{self, Blackbody, Curve, Spd},
 };
-use steradian_scene::{ColorSpace, Node, NodeId, Param, SpectrumValue, Value, names};
+use steradian_scene::{ColorSpace, Node, NodeId, Param, SpectrumValue, Transform, Value, names};
 
 /// The RGB space of the mathematics crate.
 pub fn rgb_space(space: ColorSpace) -> &'static RgbSpace {
@@ -35,6 +35,74 @@ impl Compiler<'_> {
     fn wrong_type(&mut self, node: &Node, p: &Param, expected: &str) {
         let what = format!("parameter '{}' of {} '{}' must be {expected}", p.name, node.family.noun(), node.kind);
         self.error(p.span.or(node.span), what);
+    }
+
+    /// A value of a type, if it is there; one of another type is reported.
+    fn typed<'n, T>(
+        &mut self,
+        node: &'n Node,
+        name: &str,
+        expected: &str,
+        get: impl FnOnce(&'n Node) -> Option<T>,
+    ) -> Option<T> {
+        let p = node.param(name)?;
+        let value = get(node);
+        if value.is_none() {
+            self.wrong_type(node, p, expected);
+        }
+        value
+    }
+
+    /// A whole number, if it is there.
+    pub(super) fn int(&mut self, node: &Node, name: &str) -> Option<i64> {
+        self.typed(node, name, "a whole number", |n| n.int(name))
+    }
+
+    /// A word, if it is there.
+    pub(super) fn word<'n>(&mut self, node: &'n Node, name: &str) -> Option<&'n str> {
+        self.typed(node, name, "a string", |n| n.string(name))
+    }
+
+    /// A reference to another node, if it is there.
+    pub(super) fn reference(&mut self, node: &Node, name: &str) -> Option<NodeId> {
+        self.typed(node, name, "a reference to another node", |n| n.node(name))
+    }
+
+    /// A transform; the identity where it is absent.
+    pub(super) fn transform(&mut self, node: &Node, name: &str) -> Transform {
+        self.typed(node, name, "a transform", |n| n.transform(name)).unwrap_or_default()
+    }
+
+    /// A point or vector in the range of `f32`, or the default where it is absent.
+    pub(super) fn vec3(&mut self, node: &Node, name: &str, default: Vec3) -> Vec3 {
+        let Some(v) = self.typed(node, name, "three numbers", |n| n.vec3(name)) else { return default };
+        let v = Vec3::from(v.map(|v| v as f32));
+        if !v.is_finite() {
+            self.too_large(node, name);
+            return default;
+        }
+        v
+    }
+
+    /// A list of numbers in the range of `f32`, if it is there.
+    pub(super) fn list(&mut self, node: &Node, name: &str) -> Option<Vec<f32>> {
+        let list = self.typed(node, name, "a list of numbers", |n| n.floats(name))?;
+        let list: Vec<f32> = list.iter().map(|v| *v as f32).collect();
+        if !list.iter().all(|v| v.is_finite()) {
+            self.too_large(node, name);
+            return None;
+        }
+        Some(list)
+    }
+
+    fn too_large(&mut self, node: &Node, name: &str) {
+        let span = node.param(name).and_then(|p| p.span).or(node.span);
+        self.error(span, format!("parameter '{name}' of {} '{}' is too large a number", node.family.noun(), node.kind));
+    }
+
+    /// A number that counts where it is above zero.
+    pub(super) fn if_positive(&mut self, node: &Node, name: &str) -> Option<f32> {
+        Some(self.float(node, name, 0.0)).filter(|v| *v > 0.0)
     }
 
     /// A finite number, or the default where it is absent.
@@ -185,7 +253,14 @@ impl Compiler<'_> {
                 SpectrumTexture::Texture(id, _) => FloatTexture::Texture(id),
                 SpectrumTexture::Constant(c) => FloatTexture::Constant(c.luminance(self.mode)),
             },
-            Value::Spectrum(SpectrumValue::Rgb(v, _)) => FloatTexture::Constant((v.iter().sum::<f64>() / 3.0) as f32),
+            Value::Spectrum(SpectrumValue::Rgb(v, _)) => {
+                let mean = (v.iter().sum::<f64>() / 3.0) as f32;
+                if !mean.is_finite() {
+                    self.too_large(node, name);
+                    return FloatTexture::Constant(default as f32);
+                }
+                FloatTexture::Constant(mean)
+            }
             _ => FloatTexture::Constant(self.float(node, name, default)),
         }
     }

@@ -14,8 +14,8 @@ use crate::{
 };
 use std::sync::Arc;
 use steradian_accel::Geometry as AccelGeometry;
-use steradian_math::{Bounds3, DVec3, Transform, Vec3, transform::Affine};
-use steradian_scene::{Mesh, Node, SpectrumValue, Value, names};
+use steradian_math::{Bounds3, Transform, Vec3, transform::Affine};
+use steradian_scene::{Mesh, Node, SpectrumValue, names};
 
 /// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
@@ -80,6 +80,14 @@ impl Compiler<'_> {
                 Shape::Patches(m) => (0..m.patches.len() as u32).map(|i| m.bounds(i)).collect(),
                 Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
             };
+            let reach_is_finite = match &part {
+                Shape::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
+                _ => part_boxes.iter().all(|b| b.is_empty() || (b.min.is_finite() && b.max.is_finite())),
+            };
+            if !reach_is_finite {
+                self.error(node.span, format!("shape '{}' reaches beyond the range of numbers", node.kind));
+                continue;
+            }
             let mut geometry = Geometry {
                 shape: part,
                 material: material.id,
@@ -131,7 +139,7 @@ impl Compiler<'_> {
                 }
             }
             "loop_subdivision" => {
-                let levels = node.int("levels").unwrap_or(3).clamp(0, 16) as u32;
+                let levels = self.int(node, "levels").unwrap_or(3).clamp(0, 16) as u32;
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)).map(|m| loop_subdivide(m, levels)) {
                     Some(Ok(mesh)) => self.mesh_parts(node, &mesh, place, swaps, reverse, false, emits),
                     Some(Err(e)) => {
@@ -146,8 +154,8 @@ impl Compiler<'_> {
                 let (z0, z1) =
                     (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
                 let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
-                let center = node.vec3("center").unwrap_or_default();
-                let moved = shape.world_from_object * Transform::translate(DVec3::from_array(center));
+                let center = self.vec3(node, "center", Vec3::ZERO);
+                let moved = shape.world_from_object * Transform::translate(center.as_dvec3());
                 let Some(place) = moved.affine() else {
                     self.error(node.span, "the centre of this sphere is not finite");
                     return Vec::new();
@@ -168,8 +176,9 @@ impl Compiler<'_> {
                 let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
                 let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
                 let mut placed = shape.world_from_object;
-                if let (Some(a), Some(b)) = (node.vec3("p0"), node.vec3("p1")) {
-                    let (a, b) = (DVec3::from_array(a), DVec3::from_array(b));
+                if node.get("p0").is_some() || node.get("p1").is_some() {
+                    let (a, b) = (self.vec3(node, "p0", Vec3::ZERO), self.vec3(node, "p1", Vec3::Z));
+                    let (a, b) = (a.as_dvec3(), b.as_dvec3());
                     let Some(axis) = (b - a).try_normalize() else {
                         self.error(node.span, "the two ends of this cylinder are the same point");
                         return Vec::new();
@@ -191,7 +200,7 @@ impl Compiler<'_> {
                 quadric(QuadricKind::Cylinder { radius, z_min: z0.min(z1), z_max: z0.max(z1) }, phi, place)
             }
             "plane" => {
-                let n = Vec3::from(node.vec3("normal").unwrap_or([0.0, 1.0, 0.0]).map(|v| v as f32));
+                let n = self.vec3(node, "normal", Vec3::Y);
                 let d = self.float(node, "distance", 0.0);
                 // n·x + d = 0 in object space: the plane's covector goes by the inverse transpose.
                 let covector = place.inv.transpose() * n.extend(d);
@@ -227,6 +236,16 @@ impl Compiler<'_> {
             self.error(node.span, format!("malformed mesh: {e}"));
             return Vec::new();
         }
+        for a in &mesh.attributes {
+            let faults = a.data.iter().filter(|v| !v.is_finite()).count();
+            if faults > 0 {
+                let what = format!(
+                    "{faults} values of the mesh attribute '{}' are infinite or NaN; they count as zero",
+                    a.name
+                );
+                self.diagnostics.warn(&self.desc.sources, node.span, what);
+            }
+        }
         let mut parts = Vec::new();
         let (extra, curved) = shape::mesh::split_patches(mesh, emits);
         if !mesh.triangles.is_empty() || !extra.is_empty() {
@@ -246,13 +265,14 @@ impl Compiler<'_> {
             let what = "curves cannot emit light yet; the light is left out";
             self.diagnostics.dropped(&self.desc.sources, node.span, what);
         }
-        let vectors = |name: &str| -> Vec<Vec3> {
-            let floats = node.floats(name).unwrap_or_default();
-            floats.chunks_exact(3).map(|c| Vec3::new(c[0] as f32, c[1] as f32, c[2] as f32)).collect()
+        let mut vectors = |name: &str| -> Vec<Vec3> {
+            let list = self.list(node, name).unwrap_or_default();
+            list.chunks_exact(3).map(Vec3::from_slice).collect()
         };
+        let (points, normals) = (vectors("points"), vectors("normals"));
         let params = CurveParams {
-            points: vectors("points"),
-            degree: node.int("degree").unwrap_or(3).clamp(0, 255) as u32,
+            points,
+            degree: self.int(node, "degree").unwrap_or(3).clamp(0, 255) as u32,
             basis: self.choice(
                 node,
                 "basis",
@@ -266,9 +286,9 @@ impl Compiler<'_> {
                 &[("flat", CurveKind::Flat), ("cylinder", CurveKind::Cylinder), ("ribbon", CurveKind::Ribbon)],
             ),
             width: [self.float(node, "width0", 1.0), self.float(node, "width1", 1.0)],
-            normals: vectors("normals"),
+            normals,
         };
-        let split = node.int("split_depth").unwrap_or(3).clamp(0, 8) as u32;
+        let split = self.int(node, "split_depth").unwrap_or(3).clamp(0, 8) as u32;
         match Curves::new(&params, place, split, swaps, reverse) {
             Ok(curves) => vec![Shape::Curves(Arc::new(curves))],
             Err(e) => {
@@ -370,12 +390,10 @@ impl Compiler<'_> {
             };
             (radiance, mean)
         };
-        if let Some(Value::Float(power)) = light.get("power")
-            && *power > 0.0
-        {
+        if let Some(power) = self.if_positive(light, "power") {
             let sides = if two_sided { 2.0 } else { 1.0 };
             let k = if light.get("file").is_some() { mean } else { 1.0 };
-            scale *= *power as f32 / (k * sides * area * std::f32::consts::PI);
+            scale *= power / (k * sides * area * std::f32::consts::PI);
         }
         if !(scale.is_finite() && scale >= 0.0) {
             self.error(light.span, format!("the scale of this light comes to {scale}"));

@@ -123,7 +123,7 @@ impl Compiler<'_> {
             "checkerboard" => Texture::Checkerboard {
                 a: self.part(node, "a", role, 1.0, depth),
                 b: self.part(node, "b", role, 0.0, depth),
-                solid: node.int("dimension") == Some(3),
+                solid: self.int(node, "dimension") == Some(3),
                 mapping: self.mapping(node),
             },
             "scale" => Texture::Scale(
@@ -136,12 +136,13 @@ impl Compiler<'_> {
                 self.part(node, "amount", Role::Unbounded, 0.5, depth),
             ),
             "mesh_attribute" => Texture::MeshAttribute {
-                name: node.string("name").unwrap_or_default().into(),
-                domain: match node.string("domain") {
-                    Some("vertex") => Some(Domain::Vertex),
-                    Some("face") => Some(Domain::Face),
-                    _ => None,
-                },
+                name: self.word(node, "name").unwrap_or_default().into(),
+                domain: self.choice(
+                    node,
+                    "domain",
+                    None,
+                    &[("vertex", Some(Domain::Vertex)), ("face", Some(Domain::Face))],
+                ),
                 scale: self.float(node, "scale", 1.0),
             },
             other => {
@@ -204,27 +205,21 @@ impl Compiler<'_> {
     }
 
     fn mapping(&mut self, node: &Node) -> Mapping {
-        let local = match node.transform("texture_from_world") {
-            None => steradian_math::transform::Affine::IDENTITY,
-            Some(t) => t.affine().unwrap_or_else(|| {
-                self.error(node.span, "the texture's transform is singular or not finite");
-                steradian_math::transform::Affine::IDENTITY
-            }),
-        };
-        let axis = |name: &str, default: Vec3| {
-            node.vec3(name).map_or(default, |v| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32))
-        };
-        let (v1, v2) = (axis("v1", Vec3::X), axis("v2", Vec3::Y));
+        let local = self.transform(node, "texture_from_world").affine().unwrap_or_else(|| {
+            self.error(node.span, "the texture's transform is singular or not finite");
+            steradian_math::transform::Affine::IDENTITY
+        });
+        let (v1, v2) = (self.vec3(node, "v1", Vec3::X), self.vec3(node, "v2", Vec3::Y));
         let kind = self.choice(node, "mapping", 0, &[("uv", 0), ("spherical", 1), ("cylindrical", 2), ("planar", 3)]);
         let projector = match kind {
             1 => Projector::Spherical(local),
             2 => Projector::Cylindrical(local),
             3 => Projector::Planar(local, v1, v2),
             // Solid textures need the transform alone.
-            _ if node.int("dimension") == Some(3) => Projector::Planar(local, v1, v2),
+            _ if self.int(node, "dimension") == Some(3) => Projector::Planar(local, v1, v2),
             _ => Projector::Uv,
         };
-        let to_uv = node.transform("to_uv").unwrap_or_default();
+        let to_uv = self.transform(node, "to_uv");
         let at = |x: f64, y: f64| {
             let p = to_uv.point(steradian_math::DVec3::new(x, y, 0.0));
             Vec2::new(p.x as f32, p.y as f32)

@@ -12,13 +12,14 @@ use steradian_scene::{Family, Format, Node, names};
 
 impl Compiler<'_> {
     /// The frame: the user's size or the film's.
-    fn frame(&self) -> (i64, i64) {
-        let film = self.desc.film.map(|f| self.desc.node(f));
+    fn frame(&mut self) -> (i64, i64) {
         let default = if self.desc.format == Format::Mitsuba { (768, 576) } else { (1280, 720) };
-        let get = |name: &str, d: i64| film.and_then(|f| f.int(name)).unwrap_or(d);
-        match self.options.size {
-            Some((w, h)) => (i64::from(w), i64::from(h)),
-            None => (get("width", default.0), get("height", default.1)),
+        match (self.options.size, self.desc.film.map(|f| self.node(f))) {
+            (Some((w, h)), _) => (i64::from(w), i64::from(h)),
+            (None, None) => default,
+            (None, Some(film)) => {
+                (self.int(film, "width").unwrap_or(default.0), self.int(film, "height").unwrap_or(default.1))
+            }
         }
     }
 
@@ -44,7 +45,7 @@ impl Compiler<'_> {
             return None;
         };
         let node = self.node(id);
-        let Some(place) = node.transform("to_world").unwrap_or_default().affine() else {
+        let Some(place) = self.transform(node, "to_world").affine() else {
             self.error(node.span, "the camera's transform is singular or not finite");
             return None;
         };
@@ -61,7 +62,7 @@ impl Compiler<'_> {
                     self.error(node.span, format!("a perspective camera cannot have a field of view of {fov} degrees"));
                     return None;
                 }
-                let axis_name = node.string("fov_axis").unwrap_or("smaller");
+                let axis_name = self.word(node, "fov_axis").unwrap_or("smaller");
                 let Some(axis) = FovAxis::named(axis_name) else {
                     self.error(
                         node.span,
@@ -94,8 +95,8 @@ impl Compiler<'_> {
             }
         };
         let mut window = [-half.x, half.x, -half.y, half.y];
-        if let Some(s) = node.floats("screen_window") {
-            if s.len() != 4 || s[0] == s[1] || s[2] == s[3] || !s.iter().all(|v| v.is_finite()) {
+        if let Some(s) = self.list(node, "screen_window") {
+            if s.len() != 4 || s[0] == s[1] || s[2] == s[3] {
                 self.error(node.span, "a screen window is four numbers x0 x1 y0 y1 that span an area");
                 return None;
             }
@@ -104,7 +105,7 @@ impl Compiler<'_> {
                 Projection::Perspective => half.x / unit.x,
                 _ => 1.0,
             };
-            window = [s[0], s[1], s[2], s[3]].map(|v| v as f32 * k);
+            window = [s[0], s[1], s[2], s[3]].map(|v| v * k);
         }
         if let Projection::Perspective | Projection::Orthographic = projection {
             let (dx, dy) = (self.float(node, "principal_x", 0.0), self.float(node, "principal_y", 0.0));
@@ -114,7 +115,7 @@ impl Compiler<'_> {
         let lens_radius = self.float(node, "lens_radius", 0.0).max(0.0);
         let focal_distance = self.positive(node, "focal_distance", 1e6);
         let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
-        let medium = node.node("medium");
+        let medium = self.reference(node, "medium");
         Some(Camera {
             projection,
             world_from_camera: place,
@@ -147,7 +148,11 @@ impl Compiler<'_> {
             (None, Some(_)) if self.options.size.is_some() => None,
             // In the description the two bounds of an axis stand side by side: x0 x1 y0 y1.
             (None, Some(steradian_scene::Value::Ints(c))) if c.len() == 4 => Some([c[0], c[2], c[1], c[3]]),
-            _ => None,
+            (None, Some(_)) => {
+                self.error(node.span, "a crop is four whole numbers x0 x1 y0 y1");
+                None
+            }
+            (None, None) => None,
         };
         let crop = match crop {
             None => whole,
@@ -164,7 +169,7 @@ impl Compiler<'_> {
                 c
             }
         };
-        if let Some(sensor) = node.string("sensor")
+        if let Some(sensor) = self.word(node, "sensor")
             && sensor != "cie1931"
         {
             self.approximated(
@@ -179,8 +184,8 @@ impl Compiler<'_> {
         let max_component = match node.float("max_component") {
             // pbrt's own default, and any other number beyond f32, clamp nothing.
             Some(v) if v > f64::from(f32::MAX) => f32::INFINITY,
-            Some(_) => self.positive(node, "max_component", 1.0),
-            None => f32::INFINITY,
+            None if node.get("max_component").is_none() => f32::INFINITY,
+            _ => self.positive(node, "max_component", 1.0),
         };
         let filter = self.filter()?;
         Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component })
@@ -228,7 +233,7 @@ impl Compiler<'_> {
         };
         if let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) {
             settings.integrator = node.kind.clone();
-            settings.max_depth = match node.int("max_depth") {
+            settings.max_depth = match self.int(node, "max_depth") {
                 Some(d) if d >= 0 => d.min(i64::from(u32::MAX)) as u32,
                 _ => u32::MAX,
             };
@@ -249,8 +254,8 @@ impl Compiler<'_> {
                 let what = format!("sampler '{}' is replaced by 'sobol'; --sampler decides otherwise", node.kind);
                 self.diagnostics.note(&self.desc.sources, node.span, what);
             }
-            settings.seed = node.int("seed").unwrap_or(0) as u64;
-            match node.int("samples") {
+            settings.seed = self.int(node, "seed").unwrap_or(0) as u64;
+            match self.int(node, "samples") {
                 Some(n) if n >= 1 => settings.spp = n.min(1 << 24) as u32,
                 Some(n) => {
                     let span = node.param("samples").and_then(|p| p.span).or(node.span);

@@ -51,7 +51,7 @@ impl TriMesh {
                     name: a.name.clone(),
                     domain: a.domain,
                     channels: a.channels,
-                    data: a.data.clone(),
+                    data: a.data.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect(),
                 })
                 .collect(),
             flip: reverse ^ swaps_handedness,
