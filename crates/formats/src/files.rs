@@ -2,8 +2,10 @@
 
 use crate::Limits;
 use std::{
+    collections::HashMap,
     io::Read,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 /// Why a file could not be read.
@@ -25,6 +27,20 @@ pub enum FileError {
         path: PathBuf,
         /// What the system said.
         cause: std::io::Error,
+    },
+    /// A compressed file that is nearly empty.
+    #[error("'{}' unpacks to more than {PACKED_MOST} times its size; it is not read", .path.display())]
+    Bomb {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The same files are included again and again.
+    #[error("'{}' is included so often that its repetitions (with those of others) come to more than {limit} bytes", .path.display())]
+    Repeated {
+        /// Which file.
+        path: PathBuf,
+        /// The limit.
+        limit: u64,
     },
     /// Over [`Limits::file_bytes`].
     #[error("'{}' holds more than the {limit} bytes allowed", .path.display())]
@@ -72,15 +88,20 @@ impl SearchPath {
     }
 }
 
+/// Most bytes that a byte of a compressed file may stand for, in files that unpack to more than [`PACKED_FREE`]. Scenes reach ten.
+const PACKED_MOST: u64 = 200;
+/// Bytes that any compressed file may unpack to.
+const PACKED_FREE: u64 = 16 << 20;
+
 /// Reads a whole file; one that starts as gzip is unpacked. Never holds more than [`Limits::file_bytes`].
 ///
 /// # Errors
-/// [`FileError::Io`] or [`FileError::TooLarge`].
+/// [`FileError::Io`] (also for what is not a regular file), [`FileError::TooLarge`] or [`FileError::Bomb`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     let io = |cause| FileError::Io { path: path.into(), cause };
     let too_large = || FileError::TooLarge { path: path.into(), limit: limits.file_bytes };
-    let file = std::fs::File::open(path).map_err(io)?;
-    let meta = file.metadata().map_err(io)?;
+    // Asked before it is opened: to open a pipe waits for someone to write.
+    let meta = std::fs::metadata(path).map_err(io)?;
     if !meta.is_file() {
         return Err(io(std::io::Error::other("it is not a regular file")));
     }
@@ -88,17 +109,90 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
         return Err(too_large());
     }
     let mut bytes = Vec::with_capacity(meta.len() as usize);
+    let file = std::fs::File::open(path).map_err(io)?;
     file.take(limits.file_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
     if bytes.starts_with(&[0x1f, 0x8b]) {
+        let plausible = PACKED_FREE.max(bytes.len() as u64 * PACKED_MOST);
         let mut unpacked = Vec::new();
         flate2::read::MultiGzDecoder::new(bytes.as_slice())
-            .take(limits.file_bytes + 1)
+            .take(limits.file_bytes.min(plausible) + 1)
             .read_to_end(&mut unpacked)
             .map_err(io)?;
         bytes = unpacked;
+        if bytes.len() as u64 > plausible {
+            return Err(FileError::Bomb { path: path.into() });
+        }
     }
     if bytes.len() as u64 > limits.file_bytes {
         return Err(too_large());
     }
     Ok(bytes)
+}
+
+/// Most bytes of repetitions over all files that a scene includes.
+const REPEATED_MOST: u64 = 512 << 20;
+
+/// The files that a scene includes: each is held once, however often it is included.
+#[derive(Debug, Default)]
+pub(crate) struct Included {
+    texts: HashMap<PathBuf, Arc<[u8]>>,
+    repeated: u64,
+}
+
+impl Included {
+    /// Reads a file, or gives what was read before.
+    ///
+    /// # Errors
+    /// As [`read`], and [`FileError::Repeated`].
+    pub fn read(&mut self, path: &Path, limits: &Limits) -> Result<Arc<[u8]>, FileError> {
+        let key = path.canonicalize().unwrap_or_else(|_| path.into());
+        if let Some(text) = self.texts.get(&key) {
+            self.repeated += text.len() as u64;
+            if self.repeated > REPEATED_MOST {
+                return Err(FileError::Repeated { path: path.into(), limit: REPEATED_MOST });
+            }
+            return Ok(text.clone());
+        }
+        let text: Arc<[u8]> = read(path, limits)?.into();
+        self.texts.insert(key, text.clone());
+        Ok(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn packed(count: usize, byte: impl Fn(usize) -> u8) -> Vec<u8> {
+        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        packer.write_all(&(0..count).map(byte).collect::<Vec<_>>()).unwrap();
+        packer.finish().unwrap()
+    }
+
+    #[test]
+    fn packed_files_are_unpacked_and_bombs_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("f.gz");
+        std::fs::write(&path, packed(1 << 20, |i| (i % 7) as u8)).unwrap();
+        assert_eq!(read(&path, &Limits::default()).unwrap().len(), 1 << 20);
+        let small = Limits { file_bytes: 1 << 19, ..Limits::default() };
+        assert!(matches!(read(&path, &small), Err(FileError::TooLarge { .. })));
+        std::fs::write(&path, packed(20 << 20, |_| b' ')).unwrap();
+        assert!(matches!(read(&path, &Limits::default()), Err(FileError::Bomb { .. })));
+        assert!(matches!(read(folder.path(), &Limits::default()), Err(FileError::Io { .. })));
+    }
+
+    #[test]
+    fn included_files_are_held_once_and_not_repeated_without_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("f");
+        std::fs::write(&path, vec![b' '; 100 << 20]).unwrap();
+        let mut included = Included::default();
+        let first = included.read(&path, &Limits::default()).unwrap();
+        for _ in 0..5 {
+            assert!(Arc::ptr_eq(&first, &included.read(&path, &Limits::default()).unwrap()));
+        }
+        assert!(matches!(included.read(&path, &Limits::default()), Err(FileError::Repeated { .. })));
+    }
 }

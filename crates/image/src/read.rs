@@ -128,8 +128,13 @@ fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
 /// The whole file, when it is not above the limit.
 fn load(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let io = |action| move |error| Error::Io { action, error }.at(path);
+    // Asked before it is opened: to open a pipe waits for someone to write, and devices may not end.
+    let meta = std::fs::metadata(path).map_err(io("open"))?;
+    if !meta.is_file() {
+        return Err(io("open")(std::io::Error::other("it is not a regular file")));
+    }
     let file = std::fs::File::open(path).map_err(io("open"))?;
-    let size = file.metadata().map_err(io("open"))?.len();
+    let size = meta.len();
     within("the file's size in bytes", size, limits.bytes).map_err(|e| e.at(path))?;
     let mut bytes = Vec::with_capacity(size as usize);
     // A device or a file that grows does not end where its metadata say.

@@ -4,7 +4,6 @@ use super::{
     graph::ObjectId,
     parse::{Attributes, File, Host, Parser, tag_span},
 };
-use crate::files;
 use roxmltree::Node;
 
 impl Parser<'_> {
@@ -29,7 +28,7 @@ impl Parser<'_> {
         search.folders.insert(0, file.folder.clone());
         let limits = self.xml_limits();
         let found = search.find(&filename.value);
-        match found.and_then(|path| files::read(&path, &limits).map(|bytes| (path, bytes))) {
+        match found.and_then(|path| self.included.read(&path, &limits).map(|bytes| (path, bytes))) {
             Ok((path, bytes)) => {
                 let name = attributes.text("name").unwrap_or_default();
                 self.text(&path, bytes, Some(Host { parent, name, depth }));

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Limits, Options,
-    files::{self, SearchPath},
+    files::{self, Included, SearchPath},
 };
 use roxmltree::Node;
 use std::{
@@ -84,6 +84,7 @@ pub(super) struct Parser<'a> {
     pub includes: usize,
     /// The names that are set on objects with more than a few properties.
     names: HashMap<ObjectId, HashSet<String>>,
+    pub included: Included,
 }
 
 impl<'a> Parser<'a> {
@@ -100,6 +101,7 @@ impl<'a> Parser<'a> {
             parameters: Parameters::new(&options.defines),
             includes: 0,
             names: HashMap::new(),
+            included: Included::default(),
         }
     }
 
@@ -113,7 +115,7 @@ impl<'a> Parser<'a> {
 
     /// Reads the main file's text.
     pub fn main_text(&mut self, path: &Path, text: Vec<u8>) {
-        self.text(path, text, None);
+        self.text(path, text.into(), None);
         for name in self.parameters.unused() {
             let message = format!("the scene has no parameter '{name}'");
             let help = names::did_you_mean(name, self.parameters.names().filter(|n| *n != name));
@@ -135,8 +137,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses one file.
-    pub fn text(&mut self, path: &Path, bytes: Vec<u8>, host: Option<Host<'_>>) {
-        let bytes: Arc<[u8]> = bytes.into();
+    pub fn text(&mut self, path: &Path, bytes: Arc<[u8]>, host: Option<Host<'_>>) {
         let id = self.sources.add(path, bytes.clone());
         let checked = xml::decode(&bytes).and_then(|text| {
             xml::precheck(text, self.options.limits.nesting)?;

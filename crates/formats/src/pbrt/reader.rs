@@ -9,7 +9,10 @@ use super::{
     scene::Scene,
     state::State,
 };
-use crate::{Options, files, files::SearchPath};
+use crate::{
+    Options,
+    files::{Included, SearchPath},
+};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -62,6 +65,7 @@ pub(super) struct Reader<'o> {
     pub object: Option<(usize, usize)>,
     pub in_world: bool,
     pub includes: usize,
+    included: Included,
 }
 
 /// A fault that ends a directive; already reported.
@@ -82,12 +86,13 @@ impl<'o> Reader<'o> {
             object: None,
             in_world: false,
             includes: 0,
+            included: Included::default(),
         }
     }
 
     /// Reads a scene from its text and all files that it includes.
     pub fn read(&mut self, path: &Path, text: Vec<u8>) {
-        self.open(path.into(), text, None);
+        self.open(path.into(), text.into(), None);
         while let Some(frame) = self.frames.last_mut() {
             if self.scene.report.is_full() {
                 return;
@@ -145,8 +150,7 @@ impl<'o> Reader<'o> {
 
     // --- files ---
 
-    fn open(&mut self, path: PathBuf, text: Vec<u8>, import: Option<Import>) {
-        let text: Arc<[u8]> = text.into();
+    fn open(&mut self, path: PathBuf, text: Arc<[u8]>, import: Option<Import>) {
         let file = self.scene.report.sources.add(path.clone(), text.clone());
         if text.starts_with(&[0xff, 0xfe]) || text.starts_with(&[0xfe, 0xff]) {
             let span = Span::new(file, 0, 2);
@@ -189,7 +193,7 @@ impl<'o> Reader<'o> {
         if self.frames.iter().any(|f| real(&f.path) == target) {
             return self.refuse(span, format!("'{name}' includes itself"));
         }
-        match files::read(&path, limits) {
+        match self.included.read(&path, limits) {
             Ok(text) => {
                 let import = is_import.then(|| Import { saved: self.state.clone(), blocks: self.blocks.len() });
                 // Files that an included file names are looked for beside it too.
