@@ -24,7 +24,10 @@ fn slab(what: Node, thickness: Option<f64>, degrees: f64, below: f64) -> Scene {
     let e = 1e3;
     match thickness {
         Some(d) => stage.place_mesh(cuboid([-e, -e, -d], [e, e, 0.0])).material = Some(made_of),
-        None => stage.place_mesh(rectangle([-e, -e, 0.0], [2.0 * e, 0.0, 0.0], [0.0, 2.0 * e, 0.0])).material = Some(made_of),
+        None => {
+            stage.place_mesh(rectangle([-e, -e, 0.0], [2.0 * e, 0.0, 0.0], [0.0, 2.0 * e, 0.0])).material =
+                Some(made_of)
+        }
     }
     stage.lamp(plane([0.0, 0.0, -1.0], -10.0), 1.0);
     stage.lamp(plane([0.0, 0.0, 1.0], -10.0), below);
@@ -49,7 +52,10 @@ fn glass_slab() {
                     // A path of sixteen events at most: F¹⁶ is lost.
                     let whitted = mean(&Shot::of("whitted", 1).take(&scene)).mean[0];
                     let lost = if thickness.is_some() { f.powi(15) * (1.0 + below) } else { 0.0 };
-                    assert!((whitted - expected).abs() < 2e-4 + lost, "{name}, {below} below: {whitted} for {expected}");
+                    assert!(
+                        (whitted - expected).abs() < 2e-4 + lost,
+                        "{name}, {below} below: {whitted} for {expected}"
+                    );
                     let path = mean(&Shot::of("path", 20_000).roulette_after(30).take(&scene));
                     path.is_near_grey(&name, expected, 0.05);
                 }
@@ -129,7 +135,11 @@ fn facing_mirrors() {
         let crossings = ((0.1 + length * sin / cos + 1.0) / 2.0).floor() as i32;
         let expected = r.map(|r: f64| 2.0 * r.powi(crossings));
         for integrator in ["whitted", "path", "volpath"] {
-            is_exactly(&Shot::of(integrator, 4).roulette_after(100).take(&scene), &format!("{integrator}, {degrees}°"), expected);
+            is_exactly(
+                &Shot::of(integrator, 4).roulette_after(100).take(&scene),
+                &format!("{integrator}, {degrees}°"),
+                expected,
+            );
         }
         // With one event too few the corridor ends in the dark.
         if crossings > 0 {

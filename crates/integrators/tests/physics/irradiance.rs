@@ -244,3 +244,107 @@ fn sides_of_lamps() {
         }
     }
 }
+
+/// M74: a constant sky through a portal lights like a rectangle of its radiance: Lambert's formula; beyond the portal all is black.
+#[test]
+fn portals() {
+    let cases = [
+        ([-1.0, -1.0, 1.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]),
+        ([-0.3, 0.2, 2.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]),
+        ([1.0, -1.0, -1.0], [0.0, 3.0, 0.0], [0.0, 0.0, 2.0]),
+    ];
+    for (corner, ex, ey) in cases {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+            .map(|(s, t)| DVec3::from_array(std::array::from_fn(|i| corner[i] + s * ex[i] + t * ey[i])));
+        let mut stage = receiver(0.1);
+        let portal: Vec<f64> = corners.iter().flat_map(|c| at(c.to_array())).collect();
+        let node = crate::stage::light("environment").with("radiance", crate::stage::white(1.0)).with("portal", portal);
+        stage.light(node);
+        let e = mean(&Shot::of("direct", 40_000).take(&stage.scene())).times(PI);
+        e.is_near_grey(&format!("portal at {corner:?}"), lambert(&corners), 0.01);
+    }
+}
+
+/// M74, M217: an image around the scene, in each parametrisation and turned, gives the irradiance ∫ L cos dω of its own radiance by quadrature, found
+/// by light sampling and scattering together. 4σ.
+#[test]
+fn environment_images() {
+    use steradian_core::{
+        ColorMode,
+        color::Color,
+        light::{
+            Environment, Light, Lights,
+            environment::{EnvironmentImage, Parametrization},
+        },
+    };
+    use steradian_image::{Encoding, TexelData, Texels};
+    use steradian_math::{Vec3, hash::HashRng, spectra::Wavelengths};
+    let lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+    for parametrization in [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ] {
+        // A dim sky with a few bright spots.
+        let (width, height) = if parametrization == Parametrization::Octahedral { (16, 16) } else { (24, 12) };
+        let mut rng = HashRng::new(5);
+        let data = (0..width * height * 3).map(|_| 0.2 + 8.0 * rng.next_f32().powi(12)).collect();
+        let texels = Texels {
+            width,
+            height,
+            channels: 3,
+            data: TexelData::F32(data),
+            encoding: Encoding::Linear,
+            metadata: Default::default(),
+        };
+        let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.7).affine().expect("a rotation");
+        let sky = Environment {
+            radiance: Color::constant(1.0),
+            scale: 2.0,
+            image: Some(EnvironmentImage::new(texels, parametrization, turn)),
+            portal: None,
+            mode: ColorMode::Rgb,
+        };
+        let expected = std::array::from_fn(|c| {
+            let cosine = |w: Vec3| f64::from(sky.radiance(Vec3::ZERO, w, &lambda)[c] * w.z.max(0.0));
+            steradian_testkit::integrate_sphere(cosine, 1e-3)
+        });
+        let mut scene = receiver(0.1).scene();
+        scene.lights =
+            Lights::new(vec![Light::Environment(Box::new(sky))], Vec::new(), ColorMode::Rgb, &scene.textures);
+        assert!(scene.lights.can_sample());
+        let e = mean(&Shot::of("direct", 60_000).take(&scene)).times(PI);
+        e.is_near(&format!("{parametrization:?}"), expected, 0.02);
+    }
+}
+
+/// M72: a lamp whose radiance is a texture (of one value) is the lamp without one, though it is sampled triangle by triangle: Lambert's formula.
+#[test]
+fn textured_lamps() {
+    let (corner, ex, ey) = ([-1.0, -1.0, 0.7], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]);
+    let polygon = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.7));
+    let mut stage = receiver(0.1);
+    let one = steradian_scene::Node::new(steradian_scene::Family::Texture, "checkerboard", None)
+        .with("a", crate::stage::white(1.5))
+        .with("b", crate::stage::white(1.5));
+    let one = stage.add(one);
+    let emission = stage.add(crate::stage::light("area").with("radiance", one));
+    let mut sheet = rectangle(at(corner), ex, ey);
+    sheet.uvs = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+    stage.mesh_lamp(sheet, 1.0).emission = Some(emission);
+    assert_eq!(stage.scene().lights.lights.len(), 2);
+    check(&stage, "textured square", 1.5 * lambert(&polygon), true);
+}
+
+/// A flat lamp that shines along its normal alone gives its radiance as irradiance within its outline, at any distance, and nothing beside it. Exact.
+#[test]
+fn directional_lamps() {
+    for height in [0.5, 50.0] {
+        // The edge of the lamp nearest to the receiver, on either side of it.
+        for (edge, irradiance) in [(0.1, 2.0), (-0.1, 0.0)] {
+            let mut stage = receiver(0.1);
+            let emission =
+                stage.add(crate::stage::light("directional_area").with("radiance", crate::stage::white(2.0)));
+            let lamp = rectangle(at([edge - 2.0, -1.0, height]), [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]);
+            stage.mesh_lamp(lamp, 1.0).emission = Some(emission);
+            let film = Shot::of("direct", 16).take(&stage.scene());
+            is_exactly(&film, &format!("edge at {edge}, height {height}"), [irradiance / PI; 3]);
+        }
+    }
+}

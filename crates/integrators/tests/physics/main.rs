@@ -3,12 +3,15 @@
 //! Statistical comparisons are made at four standard errors, estimated by the film itself, with fixed seeds. Comparisons without
 //! spread allow for rounding alone.
 
+mod color;
 mod determinism;
+mod film;
 mod furnace;
 mod glass;
 mod irradiance;
 mod lab;
 mod lights;
+mod masks;
 mod materials;
 mod media;
 mod scales;

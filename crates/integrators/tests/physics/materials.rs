@@ -12,8 +12,6 @@ pub struct Case {
     pub make: fn(&mut SceneDesc) -> NodeId,
     /// Whether all light that comes goes on, so that it cannot be told from its surroundings in a furnace.
     pub lossless: bool,
-    /// Whether light passes to the other side.
-    pub transmits: bool,
 }
 
 fn metal(desc: &mut SceneDesc, alpha: [f64; 2]) -> NodeId {
@@ -33,20 +31,20 @@ fn pair(desc: &mut SceneDesc, a: Node, b: Node) -> [NodeId; 2] {
 
 /// All cases. Fails if a registered kind has none.
 pub fn cases() -> Vec<Case> {
-    let case = |label, kind, lossless, transmits, make| Case { label, kind, make, lossless, transmits };
+    let case = |label, kind, lossless, make| Case { label, kind, make, lossless };
     let cases = vec![
-        case("diffuse, white", "diffuse", true, false, |d| d.add(diffuse(1.0))),
-        case("diffuse, coloured", "diffuse", false, false, |d| {
+        case("diffuse, white", "diffuse", true, |d| d.add(diffuse(1.0))),
+        case("diffuse, coloured", "diffuse", false, |d| {
             d.add(material("diffuse").with("reflectance", rgb([0.8, 0.4, 0.1])))
         }),
-        case("mirror", "conductor", true, false, |d| d.add(material("conductor"))),
-        case("mirror, tinted", "conductor", false, false, |d| {
+        case("mirror", "conductor", true, |d| d.add(material("conductor"))),
+        case("mirror, tinted", "conductor", false, |d| {
             d.add(material("conductor").with("specular_reflectance", rgb([0.9, 0.6, 0.3])))
         }),
-        case("gold", "conductor", false, false, |d| metal(d, [0.0; 2])),
-        case("gold, GGX 0.3", "conductor", false, false, |d| metal(d, [0.3; 2])),
-        case("gold, anisotropic", "conductor", false, false, |d| metal(d, [0.4, 0.15])),
-        case("rough metal from reflectance", "conductor", false, false, |d| {
+        case("gold", "conductor", false, |d| metal(d, [0.0; 2])),
+        case("gold, GGX 0.3", "conductor", false, |d| metal(d, [0.3; 2])),
+        case("gold, anisotropic", "conductor", false, |d| metal(d, [0.4, 0.15])),
+        case("rough metal from reflectance", "conductor", false, |d| {
             d.add(
                 material("conductor")
                     .with("reflectance", rgb([0.9, 0.7, 0.4]))
@@ -54,25 +52,25 @@ pub fn cases() -> Vec<Case> {
                     .with("distribution", "beckmann"),
             )
         }),
-        case("glass", "dielectric", true, true, |d| d.add(material("dielectric").with("eta", 1.5))),
-        case("index one", "dielectric", true, true, |d| d.add(material("dielectric").with("eta", 1.0))),
-        case("rough glass", "dielectric", false, true, |d| {
+        case("glass", "dielectric", true, |d| d.add(material("dielectric").with("eta", 1.5))),
+        case("index one", "dielectric", true, |d| d.add(material("dielectric").with("eta", 1.0))),
+        case("rough glass", "dielectric", false, |d| {
             d.add(material("dielectric").with("eta", 1.5).with("alpha_u", 0.3))
         }),
-        case("stained glass", "dielectric", false, true, |d| {
+        case("stained glass", "dielectric", false, |d| {
             d.add(material("dielectric").with("eta", 1.33).with("specular_transmittance", rgb([0.2, 0.8, 0.4])))
         }),
-        case("pane", "thin_dielectric", true, true, |d| d.add(material("thin_dielectric").with("eta", 1.5))),
-        case("smooth coat", "coated_diffuse", false, false, |d| {
+        case("pane", "thin_dielectric", true, |d| d.add(material("thin_dielectric").with("eta", 1.5))),
+        case("smooth coat", "coated_diffuse", false, |d| {
             d.add(material("coated_diffuse").with("reflectance", white(0.6)))
         }),
-        case("rough coat", "coated_diffuse", false, false, |d| {
+        case("rough coat", "coated_diffuse", false, |d| {
             d.add(material("coated_diffuse").with("reflectance", white(0.6)).with("alpha_u", 0.25))
         }),
-        case("plastic", "plastic", false, false, |d| {
+        case("plastic", "plastic", false, |d| {
             d.add(material("plastic").with("diffuse_reflectance", rgb([0.2, 0.7, 0.3])))
         }),
-        case("rough plastic", "plastic", false, false, |d| {
+        case("rough plastic", "plastic", false, |d| {
             d.add(
                 material("plastic")
                     .with("diffuse_reflectance", white(0.5))
@@ -80,30 +78,30 @@ pub fn cases() -> Vec<Case> {
                     .with("nonlinear", true),
             )
         }),
-        case("paper", "diffuse_transmission", true, true, |d| {
+        case("paper", "diffuse_transmission", true, |d| {
             d.add(material("diffuse_transmission").with("reflectance", white(0.5)).with("transmittance", white(0.5)))
         }),
-        case("leaf", "diffuse_transmission", false, true, |d| {
+        case("leaf", "diffuse_transmission", false, |d| {
             let n = material("diffuse_transmission");
             d.add(n.with("reflectance", rgb([0.1, 0.4, 0.1])).with("transmittance", rgb([0.2, 0.3, 0.05])))
         }),
-        case("white on both sides", "two_sided", true, false, |d| {
+        case("white on both sides", "two_sided", true, |d| {
             let [front, back] = pair(d, diffuse(1.0), material("conductor"));
             d.add(material("two_sided").with("front", front).with("back", back))
         }),
-        case("half masked", "mask", true, true, |d| {
+        case("half masked", "mask", true, |d| {
             let inner = d.add(diffuse(1.0));
             d.add(material("mask").with("opacity", 0.5).with("material", inner))
         }),
-        case("mirror and white", "mix", true, false, |d| {
+        case("mirror and white", "mix", true, |d| {
             let parts = pair(d, diffuse(1.0), material("conductor"));
             d.add(material("mix").with("materials", Value::Nodes(parts.into())).with("amount", 0.3))
         }),
-        case("two diffuse parts", "mix", false, false, |d| {
+        case("two diffuse parts", "mix", false, |d| {
             let parts = pair(d, diffuse(0.8), diffuse(0.2));
             d.add(material("mix").with("materials", Value::Nodes(parts.into())).with("amount", 0.25))
         }),
-        case("nothing", "interface", true, true, |d| d.add(material("interface"))),
+        case("nothing", "interface", true, |d| d.add(material("interface"))),
     ];
     for (kind, _) in MATERIALS {
         assert!(cases.iter().any(|c| c.kind == *kind), "material '{kind}' has no case");

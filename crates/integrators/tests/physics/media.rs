@@ -46,7 +46,11 @@ fn absorption_is_exact() {
         stage.sky(1.0).probe(probe, [0.1, 0.2, 0.0]);
         stage.scene()
     };
-    let film = Shot::of("volpath", 8).take(&slab(cuboid([-9.0, -9.0, 0.0], [9.0, 9.0, 0.7]), medium(rgb(sigma), 0.0), [0.1, 0.2, -3.0]));
+    let film = Shot::of("volpath", 8).take(&slab(
+        cuboid([-9.0, -9.0, 0.0], [9.0, 9.0, 0.7]),
+        medium(rgb(sigma), 0.0),
+        [0.1, 0.2, -3.0],
+    ));
     is_exactly(&film, "slab", expected(0.7));
     // At 60° the way through is twice as long.
     let film = Shot::of("volpath", 8).take(&slab(
@@ -56,8 +60,13 @@ fn absorption_is_exact() {
     ));
     is_exactly(&film, "slanted slab", expected(1.4));
     // `scale` multiplies, and sigma_t with albedo is another way to say the same.
-    let other = Node::new(Family::Medium, "homogeneous", None).with("sigma_t", rgb(sigma.map(|s| s / 4.0))).with("albedo", 0.0);
-    let film = Shot::of("volpath", 8).take(&slab(cuboid([-9.0, -9.0, 0.0], [9.0, 9.0, 0.7]), other.with("scale", 4.0), [0.1, 0.2, -3.0]));
+    let other =
+        Node::new(Family::Medium, "homogeneous", None).with("sigma_t", rgb(sigma.map(|s| s / 4.0))).with("albedo", 0.0);
+    let film = Shot::of("volpath", 8).take(&slab(
+        cuboid([-9.0, -9.0, 0.0], [9.0, 9.0, 0.7]),
+        other.with("scale", 4.0),
+        [0.1, 0.2, -3.0],
+    ));
     is_exactly(&film, "scaled slab", expected(0.7));
 }
 
@@ -166,7 +175,10 @@ fn white_media_are_invisible() {
 fn camera_inside_an_absorber() {
     let mut stage = ball(medium(white(0.8), white(0.0)), 2.0);
     let inside = stage.desc.shapes[0].interior.expect("it is filled");
-    stage.sky(1.0).film(6, 6).camera(Node::new(Family::Camera, "perspective", None).with("fov", 90.0).with("medium", inside));
+    stage
+        .sky(1.0)
+        .film(6, 6)
+        .camera(Node::new(Family::Camera, "perspective", None).with("fov", 90.0).with("medium", inside));
     is_exactly(&Shot::of("volpath", 4).take(&stage.scene()), "from the middle", [(-1.6_f64).exp(); 3]);
 }
 
@@ -177,7 +189,8 @@ fn matched_boundaries_are_invisible() {
     for mesh in [false, true] {
         let mut stage = Stage::new();
         let interface = stage.add(material("interface"));
-        let body = if mesh { stage.place_mesh(cuboid([-1.0; 3], [1.0; 3])) } else { stage.place(sphere([0.0; 3], 1.0)) };
+        let body =
+            if mesh { stage.place_mesh(cuboid([-1.0; 3], [1.0; 3])) } else { stage.place(sphere([0.0; 3], 1.0)) };
         body.material = Some(interface);
         stage.solid(plane([0.0, 0.0, 1.0], 3.0), diffuse(0.5));
         stage.sky(1.0).film(8, 8).look([0.0, 0.0, -4.0], [0.0; 3], 20.0);
@@ -191,7 +204,8 @@ fn matched_boundaries_are_invisible() {
         if let Some(kind) = how {
             let boundary = stage.add(material(kind).with("eta", 1.0));
             let inner = stage.place(sphere([0.1, 0.0, 0.0], 0.6));
-            (inner.interior, inner.exterior, inner.is_medium_boundary, inner.material) = (what, around, true, Some(boundary));
+            (inner.interior, inner.exterior, inner.is_medium_boundary, inner.material) =
+                (what, around, true, Some(boundary));
         }
         stage.light(light("distant").with("direction", [1.0, -1.0, 0.5]).with("radiance", white(3.0)));
         stage.sky(0.5).probe([0.2, 0.1, -4.0], [0.2, 0.1, 0.0]);

@@ -28,9 +28,15 @@ fn every_sample_is_sky_or_body(stage: &Stage, what: &str) {
     const BODY: f64 = 0.5;
     let film = Shot::of("path", 1).roulette_after(100).take(&stage.scene());
     let near = |v: f64, to: f64| (v - to).abs() < 1e-5;
-    let wrong: Vec<f64> = film.pixels.iter().map(|p| p.mean()[0]).filter(|v| !near(*v, SKY) && !near(*v, BODY)).collect();
+    let wrong: Vec<f64> =
+        film.pixels.iter().map(|p| p.mean()[0]).filter(|v| !near(*v, SKY) && !near(*v, BODY)).collect();
     let body = film.pixels.iter().filter(|p| near(p.mean()[0], BODY)).count();
-    assert!(wrong.is_empty(), "{what}: {} samples of {body} are wrong, such as {:?}", wrong.len(), &wrong[..wrong.len().min(4)]);
+    assert!(
+        wrong.is_empty(),
+        "{what}: {} samples of {body} are wrong, such as {:?}",
+        wrong.len(),
+        &wrong[..wrong.len().min(4)]
+    );
     assert!(body * 4 > film.pixels.len(), "{what}: the body is not in the picture");
 }
 
@@ -52,15 +58,18 @@ fn convex_bodies_have_no_acne() {
         ("box", |s, r, at| {
             let made_of = s.add(diffuse(0.5));
             let mesh = s.place_mesh(cuboid([-r, -r, -0.6 * r], [r, 0.6 * r, r]));
-            (mesh.material, mesh.world_from_object) = (Some(made_of), at * Transform::rotate(DVec3::new(1.0, 0.3, 0.2), 0.6));
+            (mesh.material, mesh.world_from_object) =
+                (Some(made_of), at * Transform::rotate(DVec3::new(1.0, 0.3, 0.2), 0.6));
         }),
         ("cylinder", |s, r, at| {
             let node = shape("cylinder").with("radius", 0.8 * r).with("z_min", -r).with("z_max", r);
             // Upright, seen from the side: the inside is out of sight.
-            s.solid(node, diffuse(0.5)).world_from_object = at * Transform::rotate(DVec3::X, std::f64::consts::FRAC_PI_2);
+            s.solid(node, diffuse(0.5)).world_from_object =
+                at * Transform::rotate(DVec3::X, std::f64::consts::FRAC_PI_2);
         }),
         ("disk", |s, r, at| {
-            s.solid(shape("disk").with("radius", r), diffuse(0.5)).world_from_object = at * Transform::rotate(DVec3::Y, 0.9);
+            s.solid(shape("disk").with("radius", r), diffuse(0.5)).world_from_object =
+                at * Transform::rotate(DVec3::Y, 0.9);
         }),
         ("instanced sphere", |s, r, at| {
             s.solid(sphere([0.0; 3], 1.0), diffuse(0.5));
@@ -92,7 +101,8 @@ fn large_floors_are_flat() {
         match kind {
             "rectangle" => {
                 let made_of = stage.add(diffuse(0.8));
-                stage.place_mesh(rectangle([-e, 0.0, -e], [0.0, 0.0, 2.0 * e], [2.0 * e, 0.0, 0.0])).material = Some(made_of);
+                stage.place_mesh(rectangle([-e, 0.0, -e], [0.0, 0.0, 2.0 * e], [2.0 * e, 0.0, 0.0])).material =
+                    Some(made_of);
             }
             "disk" => {
                 let turn = Transform::rotate(DVec3::X, -std::f64::consts::FRAC_PI_2);

@@ -105,8 +105,8 @@ impl Estimate {
     /// noisy to find anything fails too.
     #[track_caller]
     pub fn is_near(self, what: &str, expected: [f64; 3], precision: f64) {
-        for c in 0..3 {
-            let (m, s, e) = (self.mean[c], self.sigma[c], expected[c]);
+        for (c, e) in expected.into_iter().enumerate() {
+            let (m, s) = (self.mean[c], self.sigma[c]);
             assert!(
                 s <= precision * e.abs() + 1e-12,
                 "{what}, component {c}: standard error {s:.3e} of {e:.6} tells nothing"

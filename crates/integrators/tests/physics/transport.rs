@@ -88,7 +88,8 @@ fn plates(radius: f64) -> Scene {
     for (i, alpha) in [0.02, 0.07, 0.2, 0.45].into_iter().enumerate() {
         let z = 3.0 + 1.6 * i as f64;
         let p = DVec3::new(0.0, -1.5 - 0.5 * i as f64, z);
-        let half = ((DVec3::new(0.0, 4.0, 0.0) - p).normalize() + (DVec3::new(0.0, 2.0, 15.0) - p).normalize()).normalize();
+        let half =
+            ((DVec3::new(0.0, 4.0, 0.0) - p).normalize() + (DVec3::new(0.0, 2.0, 15.0) - p).normalize()).normalize();
         let across = DVec3::X.cross(half).normalize();
         let corner = p - DVec3::X * 1.5 - across * 0.5;
         let mesh = rectangle(corner.to_array(), [3.0, 0.0, 0.0], across.to_array());
