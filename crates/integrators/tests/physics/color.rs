@@ -113,7 +113,7 @@ fn dispersion_keeps_white_white() {
     e.is_near_grey("a ball of flint glass", 1.0, 0.02);
 }
 
-/// Fluent greys of media: a grey medium lit by white gives the same grey in both modes. 4σ.
+/// M171: a grey medium lit by white gives the same grey in both modes. 4σ.
 #[test]
 fn grey_media_look_the_same_in_both_modes() {
     let mut stage = Stage::new();

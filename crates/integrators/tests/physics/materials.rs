@@ -60,6 +60,10 @@ pub fn cases() -> Vec<Case> {
         case("stained glass", "dielectric", false, |d| {
             d.add(material("dielectric").with("eta", 1.33).with("specular_transmittance", rgb([0.2, 0.8, 0.4])))
         }),
+        // It loses nothing, but keeps one wavelength alone: its colour noise is not that of its surroundings.
+        case("dispersive glass", "dielectric", false, |d| {
+            d.add(material("dielectric").with("eta", Value::Spectrum(SpectrumValue::Named("glass-SF11".into()))))
+        }),
         case("pane", "thin_dielectric", true, |d| d.add(material("thin_dielectric").with("eta", 1.5))),
         case("smooth coat", "coated_diffuse", false, |d| {
             d.add(material("coated_diffuse").with("reflectance", white(0.6)))
