@@ -14,6 +14,18 @@ use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON, spectr
 /// Rays branch in two at glass, so the depth is held to this, whatever the scene asks for.
 pub const DEEPEST: u32 = 16;
 
+/// A sample that has taken more rays than this follows one of two ways, chosen by what each carries: the tree of rays stays small.
+const BRANCHING_RAYS: u64 = 1000;
+
+/// A branch of the tree of rays.
+struct Branch {
+    ray: Ray,
+    /// Surfaces before it.
+    events: u32,
+    /// Counter of rays from which on the tree does not branch.
+    limit: u64,
+}
+
 /// Whitted's ray tracer.
 #[derive(Clone, Copy, Debug)]
 pub struct Whitted {
@@ -55,8 +67,7 @@ impl Whitted {
     fn trace(
         &self,
         scene: &Scene,
-        mut ray: Ray,
-        events: u32,
+        Branch { mut ray, events, limit }: Branch,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
@@ -104,9 +115,20 @@ impl Whitted {
             let last =
                 bsdf.sample(wo, ONE_MINUS_EPSILON, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
             let last = last.filter(|l| first.is_none_or(|f| f.lobe != l.lobe));
-            for s in [first, last].into_iter().flatten() {
-                let next = i.spawn(frame.to_world(s.wi));
-                sum += s.weight * s.pdf * self.trace(scene, next, events + 1, sampler, lambda, counters);
+            let mut ways = [first, last].map(|s| s.map(|s| (s.wi, s.weight * s.pdf)));
+            if counters.rays > limit
+                && let [Some((_, a)), Some((_, b))] = &mut ways
+            {
+                let (to_a, to_b) = (a.max_element(), b.max_element());
+                let p = if to_a > 0.0 { to_a / (to_a + to_b) } else { 0.0 };
+                let chosen = usize::from(sampler.get_1d(dimension::at(events, dimension::LOBE)) >= p);
+                (*a, *b) = (*a / p, *b / (1.0 - p));
+                ways[1 - chosen] = None;
+            }
+            for (wi, factor) in ways.into_iter().flatten() {
+                let ray = i.spawn(frame.to_world(wi));
+                let next = Branch { ray, events: events + 1, limit };
+                sum += factor * self.trace(scene, next, sampler, lambda, counters);
             }
             return sum;
         }
@@ -123,6 +145,7 @@ impl Integrator for Whitted {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.trace(scene, ray, 0, sampler, lambda, counters)
+        let limit = counters.rays + BRANCHING_RAYS;
+        self.trace(scene, Branch { ray, events: 0, limit }, sampler, lambda, counters)
     }
 }
