@@ -124,13 +124,27 @@ pub fn table() -> Vec<Case> {
             [&b"WorldBegin Shape \""[..], &vec![b'\n'; 10_000_000]].concat(),
             Refused(""),
         ),
-        pbrt_file("a gzip bomb", zip.clone(), Either),
+        pbrt_file("a gzip bomb", zip.clone(), Refused("unpacks to more")),
         pbrt_file(
             "an included gzip bomb",
             format!("{PBRT_HEAD}WorldBegin {PBRT_SKY}{}", "Include \"bomb.gz\"\n".repeat(4)),
-            Either,
+            Refused("unpacks to more"),
         )
         .with("bomb.gz", zip),
+        pbrt_file(
+            "10⁴ includes of 10⁷ bytes",
+            format!("{PBRT_HEAD}WorldBegin {PBRT_SKY}{}", "Include \"spaces.pbrt\"\n".repeat(10_000)),
+            Refused("included so often"),
+        )
+        .with("spaces.pbrt", vec![b' '; 10_000_000]),
+        pbrt_file(
+            "10⁵ transparent squares at one place",
+            format!(
+                "{PBRT_HEAD}WorldBegin {PBRT_SKY} Shape \"trianglemesh\" \"float alpha\" 0 \"point3 P\" [-9 -9 0 9 -9 0 9 9 0] \"integer indices\" [{}]",
+                "0 1 2 ".repeat(100_000)
+            ),
+            Either,
+        ),
         pbrt_file(
             "20000 includes",
             format!("{PBRT_HEAD}WorldBegin {}", "Include \"a.pbrt\"\n".repeat(20_000)),

@@ -20,7 +20,7 @@ const CPU: Duration = Duration::from_secs(2);
 /// Most memory of a case, KiB.
 const MEMORY: u64 = 512 << 10;
 /// Wall time after which a child counts as hung. Far above `CPU`: the machine may be loaded.
-const HUNG: Duration = Duration::from_secs(30);
+const HUNG: Duration = Duration::from_secs(60);
 /// Names the table to the child, and the case where it starts.
 const TABLE: &str = "STERADIAN_HOSTILE_TABLE";
 const FIRST: &str = "STERADIAN_HOSTILE_FIRST";

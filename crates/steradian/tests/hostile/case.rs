@@ -12,8 +12,17 @@ pub enum Expect {
     Warned(&'static str),
     /// A finite picture.
     Picture,
+    /// Errors, or a finite picture with a warning.
+    Told,
     /// Errors, or a finite picture.
     Either,
+}
+
+impl Expect {
+    /// What must come of a scene with this number: infinities and NaN are never passed over in silence.
+    pub fn of_number(number: &str) -> Self {
+        if ["nan", "inf", "-inf"].contains(&number) { Self::Told } else { Self::Either }
+    }
 }
 
 /// The files of an input, the scene first, and what must come of them.

@@ -8,6 +8,7 @@
 mod bombs;
 mod bounded;
 mod case;
+mod endless;
 mod images;
 mod meshes;
 mod mitsuba;
@@ -32,6 +33,7 @@ const TABLES: &[Table] = &[
     ("mitsuba-models", || Box::new(models::mitsuba().into_iter())),
     ("meshes", || Box::new(meshes::table().into_iter())),
     ("images", || Box::new(images::table().into_iter())),
+    ("endless", || Box::new(endless::table().into_iter())),
     ("bombs", || Box::new(bombs::table().into_iter())),
     ("mutants", || Box::new(mutants::table())),
     ("vocabulary", || Box::new(vocabulary::table())),
@@ -62,6 +64,7 @@ bounded_tables! {
     mitsuba_models: "mitsuba-models",
     mesh_files: "meshes",
     image_files: "images",
+    light_that_is_never_lost: "endless",
     bombs_and_floods: "bombs",
     damaged_assets: "mutants",
     parameters_of_the_vocabulary: "vocabulary",

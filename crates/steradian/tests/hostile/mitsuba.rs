@@ -148,12 +148,13 @@ const FILM: &str = "<film type='hdrfilm'><integer name='width' value='16'/><inte
 
 /// Poisoned numbers: errors, or a finite picture.
 pub fn numbers() -> Vec<Case> {
-    let bodies = BODIES.iter().flat_map(|t| POISON.iter().map(move |p| t.replace('@', p)));
-    let bodies = bodies.map(|b| Case::mitsuba(b.clone(), b, Either));
-    let sensors = SENSORS.iter().flat_map(|t| POISON.iter().map(move |p| t.replace('@', p).replace('#', FILM)));
-    let sensors = sensors.map(|s| {
-        let text = format!("<scene version='3.0.0'>{MITSUBA_SKY}{SPHERE}{s}</scene>");
-        Case::new(s, "s.xml", text, Either)
+    let bodies = BODIES.iter().flat_map(|t| POISON.iter().map(move |p| (t.replace('@', p), Expect::of_number(p))));
+    let bodies = bodies.map(|(text, expect)| Case::mitsuba(text.clone(), text, expect));
+    let fill = |t: &str, p: &str| (t.replace('@', p).replace('#', FILM), Expect::of_number(p));
+    let sensors = SENSORS.iter().flat_map(|t| POISON.iter().map(move |p| fill(t, p)));
+    let sensors = sensors.map(|(sensor, expect)| {
+        let text = format!("<scene version='3.0.0'>{MITSUBA_SKY}{SPHERE}{sensor}</scene>");
+        Case::new(sensor, "s.xml", text, expect)
     });
     bodies.chain(sensors).collect()
 }

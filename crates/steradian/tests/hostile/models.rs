@@ -1,6 +1,6 @@
 //! Materials with impossible parameters, in both languages. The poison here is milder than elsewhere: values of the right type.
 
-use crate::case::{Case, Expect::Either};
+use crate::case::{Case, Expect};
 
 /// Values that materials are given.
 const VALUES: [&str; 10] = ["nan", "inf", "-inf", "1e39", "1e30", "-1", "0", "1e-45", "7", "0.9999999"];
@@ -58,28 +58,53 @@ const MITSUBA: [&str; 20] = [
 
 /// pbrt materials on a sphere, and inside a mix.
 pub fn pbrt() -> Vec<Case> {
-    let fill = |t: &str, v: &str| t.replace('@', v);
-    let alone = PBRT.iter().flat_map(|t| VALUES.iter().map(move |v| fill(t, v)));
-    let alone = alone.map(|m| Case::pbrt(m.clone(), format!("Material {m}\nShape \"sphere\""), Either));
+    let alone = PBRT.iter().flat_map(|t| VALUES.iter().map(move |v| (t.replace('@', v), Expect::of_number(v))));
+    let alone = alone.map(|(m, expect)| Case::pbrt(m.clone(), format!("Material {m}\nShape \"sphere\""), expect));
     let mixed = VALUES.iter().map(|v| {
         let text = format!(
             "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"float reflectance\" {v}\nMakeNamedMaterial \"b\" \"string type\" \"conductor\"\n\
              Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" {v}\nShape \"sphere\""
         );
-        Case::pbrt(format!("mix of amount {v}"), text, Either)
+        Case::pbrt(format!("mix of amount {v}"), text, Expect::of_number(v))
     });
     let media = VALUES.iter().map(|v| {
         let text = format!(
             "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [{v} 1 1] \"rgb sigma_a\" [0 {v} 1] \"float g\" {v}\n\
              MediumInterface \"m\" \"\"\nMaterial \"dielectric\"\nShape \"sphere\""
         );
-        Case::pbrt(format!("medium of {v}"), text, Either)
+        Case::pbrt(format!("medium of {v}"), text, Expect::of_number(v))
     });
-    alone.chain(mixed).chain(media).collect()
+    let spectra = SPECTRA.iter().map(|(name, content, expect)| {
+        let world = "Material \"conductor\" \"spectrum eta\" \"eta.spd\"\nShape \"sphere\"";
+        Case::pbrt(format!("spectrum file, {name}"), world, *expect).with("eta.spd", *content)
+    });
+    alone.chain(mixed).chain(media).chain(spectra).collect()
 }
 
 /// Mitsuba BSDFs on a sphere.
 pub fn mitsuba() -> Vec<Case> {
-    let alone = MITSUBA.iter().flat_map(|t| VALUES.iter().map(move |v| t.replace('@', v)));
-    alone.map(|b| Case::mitsuba(b.clone(), format!("<shape type='sphere'>{b}</shape>"), Either)).collect()
+    let alone = MITSUBA.iter().flat_map(|t| VALUES.iter().map(move |v| (t.replace('@', v), Expect::of_number(v))));
+    let alone = alone.map(|(b, expect)| Case::mitsuba(b.clone(), format!("<shape type='sphere'>{b}</shape>"), expect));
+    let spectra = SPECTRA.iter().map(|(name, content, expect)| {
+        let light =
+            "<emitter type='point'><spectrum name='intensity' filename='eta.spd'/></emitter><shape type='sphere'/>";
+        Case::mitsuba(format!("spectrum file, {name}"), light, *expect).with("eta.spd", *content)
+    });
+    alone.chain(spectra).collect()
 }
+
+/// Files of measured spectra.
+const SPECTRA: [(&str, &[u8], Expect); 12] = [
+    ("sound", b"400 1.5\n700 1.4\n", Expect::Picture),
+    ("empty", b"", Expect::Refused("eta.spd")),
+    ("one number", b"400", Expect::Refused("eta.spd")),
+    ("words", b"four five\nsix seven\n", Expect::Refused("eta.spd")),
+    ("zeros", &[0; 1000], Expect::Refused("eta.spd")),
+    ("not text", &[0xff; 1000], Expect::Refused("eta.spd")),
+    ("backwards", b"700 1\n400 1\n", Expect::Refused("")),
+    ("one wavelength twice", b"500 1\n500 2\n", Expect::Refused("")),
+    ("nan", b"400 nan\n700 1\n", Expect::Refused("")),
+    ("infinite", b"400 1\n700 inf\n", Expect::Refused("")),
+    ("too large", b"400 1e39\n700 1\n", Expect::Either),
+    ("negative", b"400 -1\n700 -2\n", Expect::Either),
+];

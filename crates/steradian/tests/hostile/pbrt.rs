@@ -213,7 +213,8 @@ pub fn numbers() -> Vec<Case> {
     let head = HEADS.iter().flat_map(|t| POISON.iter().map(move |p| (t, p, false)));
     let case = |(template, poison, world): (&&str, &&str, bool)| {
         let text = template.replace('@', poison);
-        if world { Case::pbrt(text.clone(), text, Either) } else { Case::pbrt_head(text.clone(), text, Either) }
+        let expect = Expect::of_number(poison);
+        if world { Case::pbrt(text.clone(), text, expect) } else { Case::pbrt_head(text.clone(), text, expect) }
     };
     world.chain(head).map(case).collect()
 }

@@ -4,7 +4,7 @@ use crate::case::{Case, Expect};
 use std::{io, path::Path};
 use steradian::{
     CompileOptions, Control, Layer, Quality, Session, compile, develop, formats, load,
-    scene::{Diagnostic, Diagnostics, SceneDesc, Value},
+    scene::{Diagnostic, Diagnostics, SceneDesc, Severity, Value},
 };
 
 /// How it ended.
@@ -99,6 +99,9 @@ pub fn judge(outcome: &Outcome, expect: Expect) -> Result<(), String> {
         (Outcome::Picture(m, _), Expect::Refused(what)) => {
             Err(format!("rendered without the error '{what}':\n{}", said(m)))
         }
-        (Outcome::Picture(..), Expect::Picture) | (_, Expect::Either) => Ok(()),
+        (Outcome::Picture(m, _), Expect::Told) if m.iter().all(|d| d.severity == Severity::Note) => {
+            Err("rendered without a word".into())
+        }
+        (Outcome::Picture(..), Expect::Picture) | (_, Expect::Either | Expect::Told) => Ok(()),
     }
 }
