@@ -168,6 +168,10 @@ impl Compiler<'_> {
         let wraps =
             [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
         let filters = [("nearest", true), ("bilinear", false), ("trilinear", false), ("ewa", false)];
+        if let Some(filter @ ("trilinear" | "ewa")) = node.string("filter") {
+            let span = node.param("filter").and_then(|p| p.span).or(node.span);
+            self.approximated(span, format!("texture filter '{filter}' is not implemented; 'bilinear' stands in"));
+        }
         let raw = self.bool(node, "raw", false);
         let encoding = match node.get("encoding") {
             None => texels.encoding,
