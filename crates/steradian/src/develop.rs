@@ -74,7 +74,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let (w, h) = (film.crop.width() as usize, film.crop.height() as usize);
     let mut image = Image::new(w, h);
     let means: Vec<[f64; 3]> = film.pixels.iter().map(|p| p.mean()).collect();
-    let plane = |c: usize| means.iter().map(|m| m[c] as f32).collect::<Vec<_>>();
+    let plane = |c: usize| means.iter().map(|m| held(m[c])).collect::<Vec<_>>();
     push(&mut image, "R", plane(0));
     push(&mut image, "G", plane(1));
     push(&mut image, "B", plane(2));
@@ -106,7 +106,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
                 push(&mut image, "material_id.Y", of(&|h| h.material as f32));
             }
             Layer::Variance => ["R", "G", "B"].iter().enumerate().for_each(|(c, n)| {
-                let v = film.pixels.iter().map(|p| p.variance_of_mean()[c] as f32).collect();
+                let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
                 push(&mut image, &format!("variance.{n}"), v);
             }),
             Layer::Samples => {
@@ -117,6 +117,11 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let world_from_camera = scene.camera.world_from_camera;
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
+}
+
+/// A number as `f32`, held at the ends of its range: the squares of large radiances are beyond it.
+fn held(v: f64) -> f32 {
+    v.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
 }
 
 /// Layers have distinct names and the length of the picture, so this adds them.

@@ -45,7 +45,7 @@ pub fn run(case: &Case, folder: &Path) -> Result<Outcome, String> {
     render(&loaded.desc, &compile_options, &loaded.diagnostics)
 }
 
-/// Compiles a description and renders it with one sample per pixel.
+/// Compiles a description and renders it with two samples per pixel, so that there is a variance.
 pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics) -> Result<Outcome, String> {
     let compiled = compile(desc, options);
     let Some(scene) = compiled.scene else { return refused(&compiled.diagnostics) };
@@ -54,7 +54,7 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
     }
     let messages = earlier.iter().chain(compiled.diagnostics.iter()).cloned().collect();
     let layers = Layer::ALL.to_vec();
-    let quality = Quality { spp: Some(1), threads: 1, layers: layers.clone(), ..Quality::default() };
+    let quality = Quality { spp: Some(2), threads: 1, layers: layers.clone(), ..Quality::default() };
     // Integrators of other names are refused before the render.
     let plan = match quality.plan(&scene) {
         Ok(plan) => plan,
@@ -67,7 +67,7 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
         }
     };
     let mut session = Session::new(&scene, plan);
-    session.step(1, &Control::default());
+    session.step(2, &Control::default());
     let picture = develop(&scene, &session.film(), &layers);
     for channel in picture.channels() {
         if let Some(i) = channel.data.iter().position(|v| !v.is_finite()) {
