@@ -2,11 +2,11 @@
 //! place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
 mod coats;
-mod finite;
 mod lights;
 mod materials;
 mod params;
 mod shapes;
+mod sound;
 mod textures;
 mod view;
 
@@ -122,7 +122,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
 
 impl Compiler<'_> {
     fn run(&mut self) -> (Option<Scene>, Duration) {
-        self.check_numbers();
+        self.check_soundness();
         if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);
         }

@@ -131,6 +131,10 @@ impl Compiler<'_> {
             vec![Shape::Quadric(Arc::new(q))]
         };
         match node.kind.as_str() {
+            "mesh" | "loop_subdivision" if shape.mesh.is_none() => {
+                self.error(node.span, format!("shape '{}' has no mesh data", node.kind));
+                Vec::new()
+            }
             "mesh" => {
                 let flat = self.bool(node, "flat", false);
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)) {

@@ -164,10 +164,10 @@ pub fn table() -> Vec<Case> {
             Either,
         ),
         p(
-            "a curve of 10⁵ points",
+            "a curve of 30000 points",
             format!(
                 "Shape \"curve\" \"string basis\" \"bspline\" \"point3 P\" [{}] \"float width\" 0.01",
-                many(100_000, &|i| format!("{} {} 0 ", i % 7, i % 5))
+                many(30_000, &|i| format!("{} {} 0 ", i % 7, i % 5))
             ),
             Picture,
         ),

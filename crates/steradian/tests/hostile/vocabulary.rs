@@ -5,7 +5,7 @@ use crate::{
     case::{Case, Expect},
     images,
 };
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 use steradian::{
     cornell,
     math::{DVec3, Transform},
@@ -259,9 +259,48 @@ fn case(name: String, scene: SceneDesc, small: bool, expect: Expect) -> Case {
     case
 }
 
+/// Descriptions whose parts do not fit together.
+fn unsound() -> Vec<Case> {
+    let nowhere = NodeId(u32::MAX);
+    type Break = fn(&mut SceneDesc, NodeId);
+    let faults: [(&str, Break); 14] = [
+        ("a parameter", |d, n| _ = d.node_mut(NodeId(0)).set("reflectance", n, None)),
+        ("a list of nodes", |d, n| _ = d.node_mut(NodeId(0)).set("materials", vec![n], None)),
+        ("a shape", |d, n| d.shapes[0].node = n),
+        ("a material", |d, n| d.shapes[0].material = Some(n)),
+        ("an emission", |d, n| d.shapes[0].emission = Some(n)),
+        ("a medium", |d, n| d.shapes[0].interior = Some(n)),
+        ("a light", |d, n| d.lights.push(n)),
+        ("a camera", |d, n| d.cameras = vec![n]),
+        ("a film", |d, n| d.film = Some(n)),
+        ("an integrator", |d, n| d.integrator = Some(n)),
+        ("a mesh", |d, _| d.shapes[0].mesh = Some(7)),
+        ("no mesh", |d, _| {
+            let mesh = d.add(Node::new(Family::Shape, "mesh", None));
+            d.shapes.push(shape(mesh));
+        }),
+        ("a corner", |d, _| {
+            let [square, _] = meshes();
+            let mesh = d.add_mesh(Arc::new(Mesh { triangles: vec![[0, 1, u32::MAX]], ..square }));
+            let node = d.add(Node::new(Family::Shape, "mesh", None));
+            d.shapes.push(Shape { mesh: Some(mesh), ..shape(node) });
+        }),
+        ("a group", |d, _| {
+            let instance = Instance { group: 3, world_from_group: Transform::IDENTITY, span: None };
+            d.instances.push(instance);
+        }),
+    ];
+    let case = |(name, break_it): (&str, Break)| {
+        let mut scene = cornell::point_light();
+        break_it(&mut scene, nowhere);
+        case(format!("{name} that is not there"), scene, true, Expect::Refused(""))
+    };
+    faults.into_iter().map(case).collect()
+}
+
 /// Each kind as it is, and then with each of its parameters poisoned.
 pub fn table() -> impl Iterator<Item = Case> {
-    rows().into_iter().flat_map(|row| {
+    unsound().into_iter().chain(rows().into_iter().flat_map(|row| {
         let Row { family, kind, parameters } = row;
         let sound = Format::Native;
         let first = case(format!("{family:?} {kind}"), scene_of(family, &kind, sound).0, true, Expect::Either);
@@ -282,5 +321,5 @@ pub fn table() -> impl Iterator<Item = Case> {
             })
         });
         std::iter::once(first).chain(poisoned)
-    })
+    }))
 }
