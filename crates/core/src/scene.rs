@@ -224,13 +224,12 @@ impl Scene {
     fn is_opaque_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> bool {
         let at = match &geometry.shape {
             Shape::Mesh(m) => TextureContext {
-                p: ray.at(hit.t),
-                uv: m.uv(hit.id.prim, hit.u, hit.v),
                 mesh: Some((m, hit.id.prim, Vec2::new(hit.u, hit.v))),
+                ..TextureContext::new(ray.at(hit.t), m.uv(hit.id.prim, hit.u, hit.v))
             },
             _ => {
                 let s = surface(&geometry.shape, hit, ray);
-                TextureContext { p: s.p, uv: s.uv, mesh: None }
+                TextureContext { n: s.ns, ..TextureContext::new(s.p, s.uv) }
             }
         };
         let a = alpha.eval(&self.textures, &at);
@@ -305,7 +304,7 @@ impl Scene {
             Shape::Mesh(m) => Some((&**m, i.id.prim, i.coordinates)),
             _ => None,
         };
-        TextureContext { p: i.surface.p, uv: i.surface.uv, mesh }
+        TextureContext { n: i.surface.ns, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
     }
 
     /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only reflect.

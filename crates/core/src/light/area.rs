@@ -160,8 +160,7 @@ impl AreaLight {
         if !(pdf > 0.0 && pdf.is_finite()) || cos == 0.0 {
             return None;
         }
-        let at =
-            if emitter.is_textured() { self.texture_context(q, uv) } else { TextureContext { p: q, uv, mesh: None } };
+        let at = if emitter.is_textured() { self.texture_context(q, uv) } else { TextureContext::new(q, uv) };
         let radiance = emitter.radiance(n, -wi, &at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
@@ -170,9 +169,9 @@ impl AreaLight {
     fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
         match (&self.mesh, &self.shape) {
             (Some((mesh, t)), AreaShape::Triangle(..)) => {
-                TextureContext { p: q, uv: mesh.uv(*t, uv.x, uv.y), mesh: Some((mesh, *t, uv)) }
+                TextureContext { mesh: Some((mesh, *t, uv)), ..TextureContext::new(q, mesh.uv(*t, uv.x, uv.y)) }
             }
-            _ => TextureContext { p: q, uv, mesh: None },
+            _ => TextureContext::new(q, uv),
         }
     }
 
@@ -212,7 +211,7 @@ impl AreaLight {
             return None;
         }
         let n = if inward { -n } else { n };
-        let at = TextureContext { p: p + wi * distance, uv: Vec2::ZERO, mesh: None };
+        let at = TextureContext::new(p + wi * distance, Vec2::ZERO);
         let radiance = emitter.radiance(n, -wi, &at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
@@ -284,7 +283,7 @@ impl AreaLight {
         if !inside || distance <= 0.0 {
             return None;
         }
-        let at = TextureContext { p: p - n * distance, uv: Vec2::ZERO, mesh: None };
+        let at = TextureContext::new(p - n * distance, Vec2::ZERO);
         let radiance = emitter.radiance(n, n, &at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi: -n, distance, radiance, pdf: 1.0, is_delta: true })
     }

@@ -66,7 +66,7 @@ impl Spot {
         if let Some(texture) = &self.texture {
             let half = self.total.tan();
             let uv = Vec2::new(local.x, local.y) / (local.z * half) * 0.5 + 0.5;
-            intensity *= texture.eval(textures, &TextureContext { p, uv, mesh: None }, lambda);
+            intensity *= texture.eval(textures, &TextureContext::new(p, uv), lambda);
         }
         intensity
     }
@@ -172,7 +172,7 @@ impl Projection {
         let uv = Vec2::new(0.5 + 0.5 * s.x, 0.5 - 0.5 * s.y);
         let value = match &self.slide {
             Slide::Image(image) => color::texel(nearest(image, uv), Role::Illuminant, lambda, mode),
-            Slide::Texture(t) => t.eval(textures, &TextureContext { p, uv, mesh: None }, lambda),
+            Slide::Texture(t) => t.eval(textures, &TextureContext::new(p, uv), lambda),
         };
         let cos = local.z / local.length();
         value * if self.is_irradiance { self.scale / (cos * cos * cos) } else { self.scale }

@@ -171,7 +171,7 @@ mod tests {
     }
 
     fn at(u: f32, v: f32) -> TextureContext<'static> {
-        TextureContext { p: Vec3::ZERO, uv: Vec2::new(u, v), mesh: None }
+        TextureContext::new(Vec3::ZERO, Vec2::new(u, v))
     }
 
     #[test]

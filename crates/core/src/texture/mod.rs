@@ -33,8 +33,32 @@ pub struct TextureContext<'a> {
     pub p: Vec3,
     /// Surface parameters.
     pub uv: Vec2,
+    /// Unit shading normal; zero where there is no surface.
+    pub n: Vec3,
+    /// How far the lookup reaches.
+    pub footprint: Footprint,
     /// The mesh, the triangle and the barycentric coordinates of its second and third vertex, where the surface is a mesh.
     pub mesh: Option<(&'a TriMesh, u32, Vec2)>,
+}
+
+/// What one pixel covers of a surface, to first order: derivatives by the pixel's x and y. Zero is a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Footprint {
+    /// World-space point by x.
+    pub dpdx: Vec3,
+    /// World-space point by y.
+    pub dpdy: Vec3,
+    /// Surface parameters by x.
+    pub duvdx: Vec2,
+    /// Surface parameters by y.
+    pub duvdy: Vec2,
+}
+
+impl TextureContext<'_> {
+    /// A lookup at a point in space with surface parameters, without a surface.
+    pub fn new(p: Vec3, uv: Vec2) -> Self {
+        Self { p, uv, n: Vec3::ZERO, footprint: Footprint::default(), mesh: None }
+    }
 }
 
 /// Index of a texture in [`Textures`].
