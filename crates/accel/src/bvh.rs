@@ -1,7 +1,7 @@
 //! The hierarchy over the geometries of one space.
 #![allow(unsafe_code)]
 
-use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
+use crate::dispatch::{SupportedIsa, any_hit, any_hits, nearest_hit, nearest_hits};
 use crate::geometry::WORLD;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
@@ -9,7 +9,7 @@ use crate::simd::LANES;
 use crate::simd::Row;
 use crate::storage::Storage;
 use crate::traverse::{Nearest, Users};
-use crate::{Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build};
+use crate::{Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
 use steradian_math::{Bounds3, Ray};
 
 /// The parts of a hierarchy that traversal reads. Nodes and blocks are in depth-first order.
@@ -114,14 +114,48 @@ impl Bvh {
     /// The nearest hit in `(0, ray.t_max)`; `None` for a ray that is not valid.
     #[inline]
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
-        let Nearest { hit: UserHit { t, u, v }, index, .. } = self.nearest_as(WORLD, ray, user)?;
-        Some(Hit { t, u, v, id: self.tree.id(WORLD, index) })
+        let leaves = Leaves { tree: &self.tree, instance: WORLD, user };
+        nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
     }
 
     /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         self.occluded_as(WORLD, ray, user)
+    }
+
+    /// The nearest hits of many rays at once, each with the bits of [`Bvh::intersect`]. Neighbours in the slice that go nearly the same
+    /// way are traced together.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn intersect_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
+        let leaves = Leaves { tree: &self.tree, instance: WORLD, user };
+        nearest_hits(self.isa, &self.tree, rays, &leaves, hits);
+    }
+
+    /// [`Bvh::occluded`] of many rays at once.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn occluded_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
+        any_hits(self.isa, &self.tree, rays, &Leaves { tree: &self.tree, instance: WORLD, user }, occluded);
+    }
+
+    /// [`Bvh::intersect_batch`] for rays in any order: they are sorted first.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn intersect_stream<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
+        stream::in_order(rays, hits, None, |rays, hits| self.intersect_batch(rays, user, hits));
+    }
+
+    /// [`Bvh::occluded_batch`] for rays in any order: they are sorted first.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn occluded_stream<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
+        stream::in_order(rays, occluded, false, |rays, occluded| self.occluded_batch(rays, user, occluded));
     }
 
     /// The nearest hit, when this hierarchy is seen as an instance with a number.
@@ -155,10 +189,10 @@ impl Bvh {
 }
 
 /// The user primitives of one hierarchy.
-struct Leaves<'a, U> {
-    tree: &'a Tree,
-    instance: u32,
-    user: &'a U,
+pub(crate) struct Leaves<'a, U> {
+    pub tree: &'a Tree,
+    pub instance: u32,
+    pub user: &'a U,
 }
 
 impl<U: UserPrimitives> Users for Leaves<'_, U> {
@@ -176,5 +210,10 @@ impl<U: UserPrimitives> Users for Leaves<'_, U> {
 
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
         self.user.accept(&Hit { t, u, v, id: self.tree.id(self.instance, index) }, ray)
+    }
+
+    #[inline(always)]
+    fn hit(&self, Nearest { hit: UserHit { t, u, v }, index, .. }: Nearest<()>) -> Hit {
+        Hit { t, u, v, id: self.tree.id(self.instance, index) }
     }
 }

@@ -1,77 +1,113 @@
 //! The queries, compiled for each instruction set.
 #![allow(unsafe_code)]
 
-use crate::Isa;
 use crate::bvh::Tree;
+use crate::layout::ChildRef;
+use crate::packet::{Found, Packet, any_batch, any_packet, nearest_batch, nearest_packet};
 use crate::simd;
-use crate::traverse::{Nearest, Users, any, nearest};
+use crate::traverse::{Nearest, Start, Users, any, nearest};
+use crate::{Hit, Isa};
+use glam::Mat4;
 use steradian_math::Ray;
 
-/// The queries of one instruction set, as functions compiled for it.
+/// The queries as functions compiled for each instruction set, and for each query the function that chooses among them.
+macro_rules! queries {
+    ($(
+        $(#[$doc:meta])*
+        fn $name:ident<U: Users>($($arg:ident: $ty:ty),* $(,)?) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;
+    )*) => {
+        #[cfg(target_arch = "x86_64")]
+        level!(avx2, "avx2,bmi1,bmi2", simd::Avx2::assume_supported(), simd::Avx2::assume_supported(), {
+            $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
+        });
+        #[cfg(target_arch = "x86_64")]
+        level!(avx512, "avx512f,avx512vl,avx2,bmi1,bmi2", simd::Avx512::assume_supported(), simd::Avx512Wide::assume_supported(), {
+            $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
+        });
+        #[cfg(target_arch = "x86_64")]
+        level!(sse2, "sse2", simd::Sse2::assume_supported(), simd::Sse2::assume_supported(), {
+            $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
+        });
+
+        $(
+            $(#[$doc])*
+            #[inline]
+            pub(crate) fn $name<U: Users>(isa: SupportedIsa, $($arg: $ty),*) $(-> $out)? {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: a `SupportedIsa` is one that this machine has.
+                unsafe {
+                    match isa.0 {
+                        Isa::Baseline => sse2::$name(isa, $($arg),*),
+                        Isa::Avx2 => avx2::$name(isa, $($arg),*),
+                        Isa::Avx512 => avx512::$name(isa, $($arg),*),
+                    }
+                }
+                #[cfg(not(target_arch = "x86_64"))]
+                {
+                    let ($isa, $s, $l) = (isa, simd::Portable, simd::Portable);
+                    let _ = ($isa, $l);
+                    $body
+                }
+            }
+        )*
+    };
+}
+
+/// The queries of one instruction set.
 #[cfg(target_arch = "x86_64")]
 macro_rules! level {
-    ($name:ident, $token:ident, $features:literal) => {
-        mod $name {
+    ($level:ident, $features:literal, $single:expr, $packet:expr, {
+        $(fn $name:ident<U: Users>($($arg:ident: $ty:ty),*) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;)*
+    }) => {
+        mod $level {
             use super::*;
 
-            #[target_feature(enable = $features)]
-            pub(super) fn nearest_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> {
-                // SAFETY: this function can be called only where its features are supported.
-                nearest(unsafe { simd::$token::assume_supported() }, tree, ray, users)
-            }
-
-            #[target_feature(enable = $features)]
-            pub(super) fn any_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> bool {
-                // SAFETY: this function can be called only where its features are supported.
-                any(unsafe { simd::$token::assume_supported() }, tree, ray, users)
-            }
+            $(
+                #[target_feature(enable = $features)]
+                pub(super) fn $name<U: Users>($isa: SupportedIsa, $($arg: $ty),*) $(-> $out)? {
+                    // SAFETY: this function can be called only where its features are supported.
+                    let ($s, $l) = unsafe { ($single, $packet) };
+                    let _ = ($isa, $l);
+                    $body
+                }
+            )*
         }
     };
 }
 
-#[cfg(target_arch = "x86_64")]
-level!(avx2, Avx2, "avx2,bmi1,bmi2");
-#[cfg(target_arch = "x86_64")]
-level!(avx512, Avx512, "avx512f,avx512vl,avx2,bmi1,bmi2");
-#[cfg(target_arch = "x86_64")]
-level!(sse2, Sse2, "sse2");
-
-/// The nearest hit in `(0, ray.t_max)` on a tree.
-#[inline]
-pub(crate) fn nearest_hit<U: Users>(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: a `SupportedIsa` is one that this machine has.
-    unsafe {
-        match isa.0 {
-            Isa::Baseline => sse2::nearest_hit(tree, ray, users),
-            Isa::Avx2 => avx2::nearest_hit(tree, ray, users),
-            Isa::Avx512 => avx512::nearest_hit(tree, ray, users),
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        let _ = isa;
-        nearest(simd::Portable, tree, ray, users)
-    }
-}
-
-/// Whether a tree is hit in `(0, ray.t_max)`.
-#[inline]
-pub(crate) fn any_hit<U: Users>(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> bool {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: a `SupportedIsa` is one that this machine has.
-    unsafe {
-        match isa.0 {
-            Isa::Baseline => sse2::any_hit(tree, ray, users),
-            Isa::Avx2 => avx2::any_hit(tree, ray, users),
-            Isa::Avx512 => avx512::any_hit(tree, ray, users),
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        let _ = isa;
-        any(simd::Portable, tree, ray, users)
-    }
+queries! {
+    /// The nearest hit in `(0, ray.t_max)` on a tree.
+    fn nearest_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> = |isa, s, l| {
+        nearest(s, tree, ray, users, Start { child: tree.root, t: ray.t_max, best: None })
+    };
+    /// The nearest hit in `(0, ray.t_max)` on a tree, from a start on.
+    fn nearest_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, start: Start<U::Extra>) -> Option<Nearest<U::Extra>> =
+        |isa, s, l| nearest(s, tree, ray, users, start);
+    /// Whether a tree is hit in `(0, ray.t_max)`.
+    fn any_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| any(s, tree, ray, users, tree.root);
+    /// Whether a tree is hit in `(0, ray.t_max)` below a child.
+    fn any_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, start: ChildRef) -> bool =
+        |isa, s, l| any(s, tree, ray, users, start);
+    /// The nearest hits of rays.
+    fn nearest_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
+        nearest_batch(isa, (s, l), tree, rays, users, hits)
+    };
+    /// Which rays hit anything.
+    fn any_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, occluded: &mut [bool]) = |isa, s, l| {
+        any_batch(isa, (s, l), tree, rays, users, occluded)
+    };
+    /// The nearest hits of a packet that is moved to the space of a tree, in intervals that end where `found` says.
+    fn nearest_packet_in<U: Users>(
+        tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U, found: &mut Found,
+    ) = |isa, s, l| {
+        let packet = placed.0.transformed(l, placed.1, &found.t);
+        nearest_packet(isa, (s, l), tree, &packet, lanes, users, found)
+    };
+    /// Which rays of a packet that is moved to the space of a tree hit anything.
+    fn any_packet_in<U: Users>(tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U) -> u32 = |isa, s, l| {
+        let packet = placed.0.transformed(l, placed.1, &placed.0.t_max);
+        any_packet(isa, (s, l), tree, &packet, lanes, users)
+    };
 }
 
 /// A level that was found to be supported by this machine.

@@ -1,5 +1,5 @@
 //! The ray-tracing acceleration structure: an 8-wide bounding volume hierarchy over triangles and user primitives, with one level
-//! of instancing and SIMD traversal of single rays.
+//! of instancing and SIMD traversal of single rays, packets and sorted streams.
 //!
 //! * [`Geometry`] describes what goes in: indexed triangles, or boxes of primitives that the caller intersects itself.
 //! * [`Bvh`] is the hierarchy over some geometries in one space.
@@ -8,6 +8,9 @@
 //!
 //! The traversal is compiled for several instruction sets and chosen at run time ([`Isa`]); every level gives the same bits.
 //! A hit at equal distance goes to the smaller [`PrimId`], so results do not depend on the order of traversal either.
+//!
+//! Rays that lie together in a slice and go nearly the same way are traced together by `intersect_batch` and `occluded_batch`, several
+//! times as fast as alone; `intersect_stream` and `occluded_stream` sort them first. Each ray gets the bits that it gets alone.
 //!
 //! Triangles are tested watertight, and a hit that rounding cannot tell from the origin of the ray is none: no ray slips between two
 //! triangles that share an edge, and none meets again the triangle that it leaves. There is no epsilon to choose.
@@ -20,9 +23,11 @@ mod dispatch;
 mod geometry;
 mod isa;
 mod layout;
+mod packet;
 mod simd;
 mod stack;
 mod storage;
+mod stream;
 #[cfg(test)]
 mod tests;
 mod top_level;

@@ -1,10 +1,11 @@
 //! Two levels: world-space geometry and instances of other hierarchies, in one tree.
 
-use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
+use crate::bvh::{Leaves as ObjectLeaves, Tree};
+use crate::dispatch::{SupportedIsa, any_hit, any_hits, any_packet_in, nearest_hit, nearest_hits, nearest_packet_in};
 use crate::geometry::WORLD;
-use crate::traverse::Users;
-use crate::{Bvh, Error, Geometry, Hit, Isa, UserHit, UserPrimitives, build};
+use crate::packet::{Found, Packet};
+use crate::traverse::{Nearest, Users};
+use crate::{Bvh, Error, Geometry, Hit, Isa, UserHit, UserPrimitives, build, stream};
 use glam::Mat4;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
@@ -91,16 +92,41 @@ impl TopLevel {
     /// The nearest hit in `(0, ray.t_max)`; `None` for a ray that is not valid.
     #[inline]
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
-        let nearest = nearest_hit(self.isa, &self.tree, ray, &Leaves { scene: self, user })?;
-        let UserHit { t, u, v } = nearest.hit;
-        let id = match nearest.index.checked_sub(self.first_instance) {
-            None => self.tree.id(WORLD, nearest.index),
-            Some(instance) => {
-                let object = self.placements[instance as usize].object;
-                self.objects[object as usize].tree().id(instance, nearest.extra)
-            }
-        };
-        Some(Hit { t, u, v, id })
+        let leaves = Leaves { scene: self, user };
+        nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
+    }
+
+    /// The nearest hits of many rays at once, each with the bits of [`TopLevel::intersect`]. Neighbours in the slice that go nearly
+    /// the same way are traced together.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn intersect_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
+        nearest_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, hits);
+    }
+
+    /// [`TopLevel::occluded`] of many rays at once.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn occluded_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
+        any_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, occluded);
+    }
+
+    /// [`TopLevel::intersect_batch`] for rays in any order: they are sorted first.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn intersect_stream<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
+        stream::in_order(rays, hits, None, |rays, hits| self.intersect_batch(rays, user, hits));
+    }
+
+    /// [`TopLevel::occluded_batch`] for rays in any order: they are sorted first.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn occluded_stream<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
+        stream::in_order(rays, occluded, false, |rays, occluded| self.occluded_batch(rays, user, occluded));
     }
 
     /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
@@ -143,17 +169,24 @@ struct Leaves<'a, U> {
 }
 
 impl<'a, U> Leaves<'a, U> {
+    /// The instance with an index in the tree: its number, its object, and the way to the object's space.
+    #[inline(always)]
+    fn instance(&self, index: u32) -> Option<(u32, &'a Bvh, &'a Mat4)> {
+        let number = index.checked_sub(self.scene.first_instance)?;
+        let Placement { object_from_world, object } = &self.scene.placements[number as usize];
+        Some((number, &self.scene.objects[*object as usize], object_from_world))
+    }
+
     /// The instance with an index in the tree: its number, its object, and the ray in the object's space.
     #[inline(always)]
     fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &'a Bvh, Ray)> {
-        let number = index.checked_sub(self.scene.first_instance)?;
-        let Placement { object_from_world, object } = &self.scene.placements[number as usize];
+        let (number, object, place) = self.instance(index)?;
         let ray = Ray {
-            origin: object_from_world.transform_point3(ray.origin),
-            direction: object_from_world.transform_vector3(ray.direction),
+            origin: place.transform_point3(ray.origin),
+            direction: place.transform_vector3(ray.direction),
             t_max: ray.t_max,
         };
-        Some((number, &self.scene.objects[*object as usize], ray))
+        Some((number, object, ray))
     }
 }
 
@@ -183,5 +216,27 @@ impl<U: UserPrimitives> Users for Leaves<'_, U> {
 
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
         self.user.accept(&Hit { t, u, v, id: self.scene.tree.id(WORLD, index) }, ray)
+    }
+
+    #[inline]
+    fn hit(&self, Nearest { hit: UserHit { t, u, v }, index, extra }: Nearest<u32>) -> Hit {
+        let id = match self.instance(index) {
+            None => self.scene.tree.id(WORLD, index),
+            Some((number, object, _)) => object.tree().id(number, extra),
+        };
+        Hit { t, u, v, id }
+    }
+
+    fn intersect_packet(&self, isa: SupportedIsa, index: u32, packet: &Packet, lanes: u32, inner: &mut Found) -> bool {
+        let Some((instance, object, place)) = self.instance(index) else { return false };
+        let leaves = ObjectLeaves { tree: object.tree(), instance, user: self.user };
+        nearest_packet_in(isa, object.tree(), (packet, place), lanes, &leaves, inner);
+        true
+    }
+
+    fn occluded_packet(&self, isa: SupportedIsa, index: u32, packet: &Packet, lanes: u32) -> Option<u32> {
+        let (instance, object, place) = self.instance(index)?;
+        let leaves = ObjectLeaves { tree: object.tree(), instance, user: self.user };
+        Some(any_packet_in(isa, object.tree(), (packet, place), lanes, &leaves))
     }
 }

@@ -1,18 +1,50 @@
 //! Queries: single rays through the hierarchy, nearest children first.
 #![allow(unsafe_code)]
 
-use crate::UserHit;
 use crate::bvh::Tree;
+use crate::dispatch::SupportedIsa;
 use crate::layout::{Block, ChildRef, Node};
+use crate::packet::{Found, Packet};
 use crate::simd::{LANES, Simd};
 use crate::stack::{OrderedStack, Stack};
 use crate::triangle::Shear;
+use crate::{Hit, UserHit};
 use steradian_math::Ray;
+
+/// What a hit carries beyond [`UserHit`]: nothing, or an index.
+pub(crate) trait Extra: Copy {
+    /// As bits.
+    fn bits(self) -> u32;
+    /// From [`Extra::bits`].
+    fn from_bits(bits: u32) -> Self;
+}
+
+impl Extra for () {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        0
+    }
+
+    #[inline(always)]
+    fn from_bits(_: u32) {}
+}
+
+impl Extra for u32 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        bits
+    }
+}
 
 /// What lies below the user references of a tree: user primitives or instances.
 pub(crate) trait Users {
     /// What a hit carries beyond [`UserHit`].
-    type Extra: Copy;
+    type Extra: Extra;
     /// What a hit on a triangle of this tree carries.
     fn triangle(&self) -> Self::Extra;
     /// The nearest hit in `(0, ray.t_max)`.
@@ -21,6 +53,21 @@ pub(crate) trait Users {
     fn occluded(&self, index: u32, ray: &Ray) -> bool;
     /// Whether a hit on a filtered triangle counts.
     fn accept(&self, index: u32, hit: UserHit, ray: &Ray) -> bool;
+    /// What the caller of a query gets.
+    fn hit(&self, nearest: Nearest<Self::Extra>) -> Hit;
+
+    /// The nearest hits of the rays in `lanes` in intervals that end where `inner` says, if there is a tree behind the reference;
+    /// else `false`.
+    #[inline(always)]
+    fn intersect_packet(&self, _: SupportedIsa, _: u32, _: &Packet, _: u32, _: &mut Found) -> bool {
+        false
+    }
+
+    /// The rays in `lanes` that hit anything, if there is a tree behind the reference.
+    #[inline(always)]
+    fn occluded_packet(&self, _: SupportedIsa, _: u32, _: &Packet, _: u32) -> Option<u32> {
+        None
+    }
 }
 
 /// The nearest hit on a tree.
@@ -31,6 +78,20 @@ pub(crate) struct Nearest<E> {
     pub index: u32,
     pub extra: E,
 }
+
+/// Where the search for the nearest hit begins.
+#[derive(Clone, Copy)]
+pub(crate) struct Start<E> {
+    pub child: ChildRef,
+    /// The distance of the best hit, or the end of the interval.
+    pub t: f32,
+    pub best: Option<Nearest<E>>,
+}
+
+/// By how much reciprocals of directions are made smaller for near planes and greater for far ones. Rounding moves a distance by at
+/// most 3 units of 2^-24. Widening by more keeps every box that the exact ray touches (Ize, "Robust BVH Ray Traversal", JCGT 2(2),
+/// 2013).
+pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
 
 /// What the slab test needs of a ray.
 struct Slabs<S: Simd> {
@@ -45,9 +106,6 @@ struct Slabs<S: Simd> {
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
     fn new(s: S, ray: &Ray) -> Self {
-        // Rounding moves a distance by at most 3 units of 2^-24. Widening by more keeps every box that the exact ray touches
-        // (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
-        const WIDEN: f32 = 4.0 * f32::EPSILON;
         let inverse = ray.direction.recip();
         let rows = |x: f32, axis: usize| if x.is_sign_negative() { (axis + 3, axis) } else { (axis, axis + 3) };
         let (x, y, z) = (rows(inverse.x, 0), rows(inverse.y, 1), rows(inverse.z, 2));
@@ -88,18 +146,22 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// The nearest hit in `(0, ray.t_max)`.
+/// The nearest hit in `(0, ray.t_max)`, from a start on.
 #[inline(always)]
-pub(crate) fn nearest<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> {
+pub(crate) fn nearest<S: Simd, U: Users>(
+    s: S,
+    tree: &Tree,
+    ray: &Ray,
+    users: &U,
+    start: Start<U::Extra>,
+) -> Option<Nearest<U::Extra>> {
     if !ray.is_valid() || ray.t_max.is_nan() || ray.t_max <= 0.0 {
         return None;
     }
     let slabs = Slabs::new(s, ray);
     let shear = Shear::new(s, ray);
     let mut stack = OrderedStack::new();
-    let mut best: Option<Nearest<U::Extra>> = None;
-    let mut t = ray.t_max;
-    let mut current = tree.root;
+    let Start { child: mut current, mut t, mut best } = start;
     loop {
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.
@@ -158,9 +220,9 @@ pub(crate) fn nearest<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U
     }
 }
 
-/// Whether there is any hit in `(0, ray.t_max)`.
+/// Whether there is any hit in `(0, ray.t_max)` below a child.
 #[inline(always)]
-pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U) -> bool {
+pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, start: ChildRef) -> bool {
     if !ray.is_valid() || ray.t_max.is_nan() || ray.t_max <= 0.0 {
         return false;
     }
@@ -168,7 +230,7 @@ pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U) ->
     let shear = Shear::new(s, ray);
     let t_max = s.splat(ray.t_max);
     let mut stack = Stack::new();
-    let mut current = tree.root;
+    let mut current = start;
     loop {
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.

@@ -7,7 +7,7 @@
 #![allow(unsafe_code)]
 
 use crate::layout::Block;
-use crate::simd::{LANES, Row, Simd};
+use crate::simd::{LANES, Lanes, Simd, WIDE, Wide};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// What the test needs of a ray.
@@ -78,92 +78,121 @@ impl<S: Simd> Shear<S> {
         s.sub(s.load(row), self.origin[axis])
     }
 
-    /// A bound on the rounding error of the sum of the edge functions times the depths of their vertices. A hit whose sum is not
-    /// greater may lie behind the origin: a ray that leaves a large triangle would meet it again (Pharr, Jakob, Humphreys, PBR
-    /// 4th ed., 6.8.7). Depths are not scaled here, so that the length of the direction does not matter.
-    #[inline(always)]
-    fn depth_error(s: S, x: [S::F; 3], y: [S::F; 3], z: [S::F; 3], edges: [S::F; 3]) -> S::F {
-        let (x, y, z, e) = (greatest(s, x), greatest(s, y), greatest(s, z), greatest(s, edges));
-        let (g2, g3, g5) = (s.splat(gamma(2)), s.splat(gamma(3)), s.splat(gamma(5)));
-        let (dx, dy, dz) = (s.mul(g5, s.add(x, z)), s.mul(g5, s.add(y, z)), s.mul(g3, z));
-        let de = s.add(s.mul(g2, s.mul(x, y)), s.add(s.mul(dy, x), s.mul(dx, y)));
-        let de = s.add(de, de);
-        let sum = s.add(s.add(s.mul(g3, s.mul(e, z)), s.mul(de, z)), s.mul(dz, e));
-        s.mul(s.splat(3.0), sum)
-    }
-
     /// Tests a block: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin.
     #[inline(always)]
     pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
-        let [ax, ay, az] = self.vertex(s, block, 0);
-        let [bx, by, bz] = self.vertex(s, block, 1);
-        let [cx, cy, cz] = self.vertex(s, block, 2);
-
-        // Edge functions: twice the signed areas opposite to the vertices.
-        let mut u = s.sub(s.mul(cx, by), s.mul(cy, bx));
-        let mut v = s.sub(s.mul(ax, cy), s.mul(ay, cx));
-        let mut w = s.sub(s.mul(bx, ay), s.mul(by, ax));
-
-        let zero = s.splat(0.0);
-        let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
-        let on_edge = s.bits(on_edge);
-        if on_edge != 0 {
-            let corners = [s.store(ax), s.store(ay), s.store(bx), s.store(by), s.store(cx), s.store(cy)];
-            let edges = edges_in_f64(&corners, on_edge, [s.store(u), s.store(v), s.store(w)]);
-            [u, v, w] = [s.load(&Row(edges[0])), s.load(&Row(edges[1])), s.load(&Row(edges[2]))];
-        }
-
-        // All of one sign, with zero on either side.
-        let positive = s.and(s.and(s.le(zero, u), s.le(zero, v)), s.le(zero, w));
-        let negative = s.and(s.and(s.le(u, zero), s.le(v, zero)), s.le(w, zero));
-        let inside = s.or(positive, negative);
-        if s.bits(inside) == 0 {
-            return None;
-        }
-
-        let sum = s.add(s.add(u, v), w);
-        let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
-        let t = s.div(s.mul(depth, self.shear[2]), sum);
-        let mut lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
-        if lanes == 0 {
-            return None;
-        }
-
-        // A triangle that is in front of the origin as a whole is hit in front of it. Else rounding may have brought the hit there.
-        let scale = self.shear[2];
-        let nearest = s.min(s.min(s.mul(az, scale), s.mul(bz, scale)), s.mul(cz, scale));
-        let in_front = s.bits(s.lt(zero, nearest));
-        if lanes & !in_front != 0 {
-            let error = Self::depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
-            lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
-        }
-        (lanes != 0).then(|| Candidates { lanes, t: s.store(t), edges: [s.store(v), s.store(w), s.store(sum)] })
+        let corners = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
+        let Crossing { lanes, t, v, w, sum } = cross(s, corners, self.shear[2], t_max)?;
+        Some(Candidates { lanes, t: s.store(t), edges: [s.store(v), s.store(w), s.store(sum)] })
     }
+}
+
+/// Where rays cross triangles, in lanes of either.
+pub(crate) struct Crossing<L: Lanes> {
+    /// Lanes that are hit within the interval; the others have no meaning.
+    pub lanes: u32,
+    /// Distances.
+    pub t: L::F,
+    /// Edge functions that belong to the second vertex,
+    pub v: L::F,
+    /// to the third vertex,
+    pub w: L::F,
+    /// and the sum of all three.
+    pub sum: L::F,
+}
+
+/// The test, on vertices that are relative to the origin and sheared: hits with `0 < t <= t_max` that are farther than rounding can
+/// tell from the origin. `scale` is the reciprocal of the greatest coordinate of the direction.
+#[inline(always)]
+pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_max: L::F) -> Option<Crossing<L>> {
+    let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (a, b, c);
+
+    // Edge functions: twice the signed areas opposite to the vertices.
+    let mut u = s.sub(s.mul(cx, by), s.mul(cy, bx));
+    let mut v = s.sub(s.mul(ax, cy), s.mul(ay, cx));
+    let mut w = s.sub(s.mul(bx, ay), s.mul(by, ax));
+
+    let zero = s.splat(0.0);
+    let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
+    let on_edge = s.bits(on_edge);
+    if on_edge != 0 {
+        let mut edges = [Wide::splat(0.0); 3];
+        let mut corners = [Wide::splat(0.0); 6];
+        s.write(u, &mut edges[0]);
+        s.write(v, &mut edges[1]);
+        s.write(w, &mut edges[2]);
+        s.write(ax, &mut corners[0]);
+        s.write(ay, &mut corners[1]);
+        s.write(bx, &mut corners[2]);
+        s.write(by, &mut corners[3]);
+        s.write(cx, &mut corners[4]);
+        s.write(cy, &mut corners[5]);
+        edges_in_f64(&corners, on_edge, &mut edges);
+        [u, v, w] = [s.read(&edges[0]), s.read(&edges[1]), s.read(&edges[2])];
+    }
+
+    // All of one sign, with zero on either side.
+    let positive = s.and(s.and(s.le(zero, u), s.le(zero, v)), s.le(zero, w));
+    let negative = s.and(s.and(s.le(u, zero), s.le(v, zero)), s.le(w, zero));
+    let inside = s.or(positive, negative);
+    if s.bits(inside) == 0 {
+        return None;
+    }
+
+    let sum = s.add(s.add(u, v), w);
+    let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
+    let t = s.div(s.mul(depth, scale), sum);
+    let mut lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
+    if lanes == 0 {
+        return None;
+    }
+
+    // A triangle that is in front of the origin as a whole is hit in front of it. Else rounding may have brought the hit there.
+    let nearest = s.min(s.min(s.mul(az, scale), s.mul(bz, scale)), s.mul(cz, scale));
+    let in_front = s.bits(s.lt(zero, nearest));
+    if lanes & !in_front != 0 {
+        let error = depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
+        lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
+    }
+    (lanes != 0).then_some(Crossing { lanes, t, v, w, sum })
+}
+
+/// A bound on the rounding error of the sum of the edge functions times the depths of their vertices. A hit whose sum is not
+/// greater may lie behind the origin: a ray that leaves a large triangle would meet it again (Pharr, Jakob, Humphreys, PBR
+/// 4th ed., 6.8.7). Depths are not scaled here, so that the length of the direction does not matter.
+#[inline(always)]
+fn depth_error<L: Lanes>(s: L, x: [L::F; 3], y: [L::F; 3], z: [L::F; 3], edges: [L::F; 3]) -> L::F {
+    let (x, y, z, e) = (greatest(s, x), greatest(s, y), greatest(s, z), greatest(s, edges));
+    let (g2, g3, g5) = (s.splat(gamma(2)), s.splat(gamma(3)), s.splat(gamma(5)));
+    let (dx, dy, dz) = (s.mul(g5, s.add(x, z)), s.mul(g5, s.add(y, z)), s.mul(g3, z));
+    let de = s.add(s.mul(g2, s.mul(x, y)), s.add(s.mul(dy, x), s.mul(dx, y)));
+    let de = s.add(de, de);
+    let sum = s.add(s.add(s.mul(g3, s.mul(e, z)), s.mul(de, z)), s.mul(dz, e));
+    s.mul(s.splat(3.0), sum)
 }
 
 /// The absolute value.
 #[inline(always)]
-fn abs<S: Simd>(s: S, x: S::F) -> S::F {
+fn abs<L: Lanes>(s: L, x: L::F) -> L::F {
     s.max(x, s.sub(s.splat(0.0), x))
 }
 
 /// The greatest absolute value of three numbers.
 #[inline(always)]
-fn greatest<S: Simd>(s: S, [a, b, c]: [S::F; 3]) -> S::F {
+fn greatest<L: Lanes>(s: L, [a, b, c]: [L::F; 3]) -> L::F {
     s.max(s.max(abs(s, a), abs(s, b)), abs(s, c))
 }
 
 /// Edge functions of the lanes in `lanes` again, with an exact sign.
 #[cold]
 #[inline(never)]
-fn edges_in_f64(corners: &[[f32; LANES]; 6], lanes: u32, mut edges: [[f32; LANES]; 3]) -> [[f32; LANES]; 3] {
-    for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-        let [ax, ay, bx, by, cx, cy] = std::array::from_fn(|i| f64::from(corners[i][lane]));
-        edges[0][lane] = (cx * by - cy * bx) as f32;
-        edges[1][lane] = (ax * cy - ay * cx) as f32;
-        edges[2][lane] = (bx * ay - by * ax) as f32;
+fn edges_in_f64(corners: &[Wide; 6], lanes: u32, edges: &mut [Wide; 3]) {
+    for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 == 1) {
+        let [ax, ay, bx, by, cx, cy] = std::array::from_fn(|i| f64::from(corners[i].0[lane]));
+        edges[0].0[lane] = (cx * by - cy * bx) as f32;
+        edges[1].0[lane] = (ax * cy - ay * cx) as f32;
+        edges[2].0[lane] = (bx * ay - by * ax) as f32;
     }
-    edges
 }
 
 /// Whether a ray can hit the triangle at all: finite, and no two vertices equal.

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::bench::BenchArgs;
 use crate::values::{self, Layers, MAX_SPP, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
@@ -37,6 +38,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Convert a picture to another format
     Convert(ConvertArgs),
+    /// Measure the speed of single parts
+    Bench(BenchArgs),
     /// Print the completions of a shell
     Completions {
         /// The shell.

@@ -4,6 +4,7 @@
 //! the pictures differ; 130 and 143 stopped by SIGINT and SIGTERM.
 
 mod args;
+mod bench;
 mod compare;
 mod convert;
 mod diagnostics;
@@ -57,6 +58,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::List(args) => list::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "steradian", &mut script);

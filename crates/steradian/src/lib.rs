@@ -22,6 +22,7 @@ pub use develop::{Layer, develop};
 pub use error::Error;
 pub use load::{Loaded, load};
 pub use quality::Quality;
+pub use steradian_accel as accel;
 pub use steradian_core::{
     ColorMode, Compiled, Scene,
     compile::{Options as CompileOptions, compile},

@@ -88,7 +88,7 @@ fn run(name: &str, n: i32, instanced: bool, isa: Isa, args: &[String]) -> Result
 fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
     // The clock ticks in milliseconds.
     let repeat = 1_000_000_usize.div_ceil(rays.len().max(1));
-    let rate = |f: &dyn Fn() -> (usize, f64)| {
+    let rate = |f: &mut dyn FnMut() -> (usize, f64)| {
         let mut seconds = f64::INFINITY;
         let mut found = (0, 0.0);
         for _ in 0..5 {
@@ -101,11 +101,22 @@ fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
         ((repeat * rays.len()) as f64 / seconds / 1e6, found)
     };
     let sum = |(n, sum): (usize, f64), t: f32| (n + 1, sum + f64::from(t));
-    let (closest, (hits, t)) = rate(&|| rays.iter().filter_map(|r| Some(top.intersect(r, &())?.t)).fold((0, 0.0), sum));
-    let (occluded, _) = rate(&|| (rays.iter().filter(|r| top.occluded(r, &())).count(), 0.0));
+    let (closest, (hits, t)) =
+        rate(&mut || rays.iter().filter_map(|r| Some(top.intersect(r, &())?.t)).fold((0, 0.0), sum));
+    let (occluded, _) = rate(&mut || (rays.iter().filter(|r| top.occluded(r, &())).count(), 0.0));
+    let mut hits_of = vec![None; rays.len()];
+    let (batch_closest, _) = rate(&mut || {
+        top.intersect_batch(rays, &(), &mut hits_of);
+        (0, 0.0)
+    });
+    let mut flags = vec![false; rays.len()];
+    let (batch_occluded, _) = rate(&mut || {
+        top.occluded_batch(rays, &(), &mut flags);
+        (0, 0.0)
+    });
     let percent = 100.0 * hits as f64 / rays.len() as f64;
     println!(
-        "{name:36} {isa:8?} closest {closest:6.2}  occluded {occluded:6.2}   hits {percent:5.1} %  sum of t {t:.9e}"
+        "{name:36} {isa:8?} closest {closest:6.2} batch {batch_closest:6.2}  occluded {occluded:6.2} batch {batch_occluded:6.2}   hits {percent:5.1} %  sum of t {t:.9e}"
     );
 }
 

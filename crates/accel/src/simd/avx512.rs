@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::sort::sort_descending;
-use super::{LANES, Row, Simd};
+use super::{LANES, Lanes, Row, Simd, Wide};
 use std::arch::x86_64::*;
 
 /// Proof that the machine has AVX-512 F and VL.
@@ -21,7 +21,8 @@ impl Avx512 {
 }
 
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
-impl Simd for Avx512 {
+impl Lanes for Avx512 {
+    const COUNT: usize = LANES;
     type F = __m256;
     type M = __mmask8;
 
@@ -29,18 +30,6 @@ impl Simd for Avx512 {
     fn splat(self, x: f32) -> Self::F {
         // SAFETY: see above.
         unsafe { _mm256_set1_ps(x) }
-    }
-    #[inline(always)]
-    fn load(self, row: &Row) -> Self::F {
-        // SAFETY: see above.
-        unsafe { _mm256_load_ps(row.0.as_ptr()) }
-    }
-    #[inline(always)]
-    fn store(self, a: Self::F) -> [f32; LANES] {
-        let mut out = [0.0; LANES];
-        // SAFETY: see above.
-        unsafe { _mm256_storeu_ps(out.as_mut_ptr(), a) };
-        out
     }
     #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
@@ -99,7 +88,58 @@ impl Simd for Avx512 {
     fn bits(self, m: Self::M) -> u32 {
         u32::from(m)
     }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        bits as __mmask8
+    }
+    #[inline(always)]
+    fn least(self, a: Self::F) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let a = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
+            let a = _mm_min_ps(a, _mm_movehl_ps(a, a));
+            _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps::<1>(a, a)))
+        }
+    }
+    #[inline(always)]
+    fn greatest(self, a: Self::F) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let a = _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
+            let a = _mm_max_ps(a, _mm_movehl_ps(a, a));
+            _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps::<1>(a, a)))
+        }
+    }
+    #[inline(always)]
+    fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_mask_blend_ps(m, b, a) }
+    }
+    #[inline(always)]
+    fn read(self, wide: &Wide) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_load_ps(wide.0.as_ptr()) }
+    }
+    #[inline(always)]
+    fn write(self, a: Self::F, wide: &mut Wide) {
+        // SAFETY: see above.
+        unsafe { _mm256_store_ps(wide.0.as_mut_ptr(), a) }
+    }
+}
 
+impl Simd for Avx512 {
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_load_ps(row.0.as_ptr()) }
+    }
+    #[inline(always)]
+    fn store(self, a: Self::F) -> [f32; LANES] {
+        let mut out = [0.0; LANES];
+        // SAFETY: see above.
+        unsafe { _mm256_storeu_ps(out.as_mut_ptr(), a) };
+        out
+    }
     #[inline(always)]
     fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
         // SAFETY: see above.

@@ -1,13 +1,17 @@
-//! Eight `f32` lanes on several instruction sets, all with the same bits: only correctly rounded operations, no contraction, and
+//! Eight or sixteen `f32` lanes on several instruction sets, all with the same bits: only correctly rounded operations, no contraction, and
 //! one meaning of minimum and maximum.
 //!
 //! A value of a type that implements [`Simd`] is a token: that it exists proves that the machine has the instructions, so that
 //! its operations are safe to call. They are fast only when inlined into a function compiled for that instruction set.
 
+#![allow(unsafe_code)]
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod avx512_wide;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
 #[cfg(target_arch = "x86_64")]
@@ -19,6 +23,8 @@ mod sse2;
 pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx512::Avx512;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx512_wide::Avx512Wide;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
@@ -34,11 +40,28 @@ pub(crate) const LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Row(pub [f32; LANES]);
 
-/// Operations on eight lanes.
-pub(crate) trait Simd: Copy {
-    /// Eight numbers.
+/// Most lanes of a level, and with it the most rays of a packet.
+pub(crate) const WIDE: usize = 16;
+
+/// Numbers of as many lanes as a level has, as they lie in memory; what follows these has no meaning.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wide(pub [f32; WIDE]);
+
+impl Wide {
+    /// The same number everywhere.
+    pub const fn splat(x: f32) -> Self {
+        Self([x; WIDE])
+    }
+}
+
+/// Operations on [`Lanes::COUNT`] lanes.
+pub(crate) trait Lanes: Copy {
+    /// How many lanes there are: eight or sixteen.
+    const COUNT: usize;
+    /// A number for each lane.
     type F: Copy;
-    /// Eight truth values.
+    /// A truth value for each lane.
     type M: Copy;
 
     /// The same number in every lane.
@@ -48,10 +71,12 @@ pub(crate) trait Simd: Copy {
     fn splat3(self, v: Vec3) -> [Self::F; 3] {
         [self.splat(v.x), self.splat(v.y), self.splat(v.z)]
     }
-    /// The lanes of a row.
-    fn load(self, row: &Row) -> Self::F;
-    /// The lanes as an array.
-    fn store(self, a: Self::F) -> [f32; LANES];
+    /// The lanes from memory.
+    fn read(self, wide: &Wide) -> Self::F;
+    /// The lanes to memory.
+    fn write(self, a: Self::F, wide: &mut Wide);
+    /// `a` where `m`, else `b`, bit for bit.
+    fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// `a + b`.
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a - b`.
@@ -76,6 +101,34 @@ pub(crate) trait Simd: Copy {
     fn or(self, a: Self::M, b: Self::M) -> Self::M;
     /// Bit `i` is lane `i`.
     fn bits(self, m: Self::M) -> u32;
+    /// Lane `i` is bit `i`.
+    fn mask(self, bits: u32) -> Self::M;
+    /// The least of numbers that are not NaN.
+    fn least(self, a: Self::F) -> f32;
+    /// The greatest of numbers that are not NaN.
+    fn greatest(self, a: Self::F) -> f32;
+
+    /// Numbers that lie `stride` apart.
+    ///
+    /// # Safety
+    /// All of them must be within one allocation and be initialised.
+    #[inline(always)]
+    unsafe fn gather(self, first: *const f32, stride: usize) -> Self::F {
+        let mut wide = Wide::splat(0.0);
+        for lane in 0..Self::COUNT {
+            // SAFETY: the caller promises that the numbers are there.
+            wide.0[lane] = unsafe { *first.add(lane * stride) };
+        }
+        self.read(&wide)
+    }
+}
+
+/// Operations on the eight children of a node, or the eight triangles of a block.
+pub(crate) trait Simd: Lanes {
+    /// The lanes of a row.
+    fn load(self, row: &Row) -> Self::F;
+    /// The lanes as an array.
+    fn store(self, a: Self::F) -> [f32; LANES];
 
     /// Sorts numbers that are at least +0, farthest first: the keys of those in `chosen` (see [`key`]), and in the same order their
     /// companions. What follows these has no meaning.

@@ -1,27 +1,20 @@
 //! Plain arrays: the baseline where there is no better one, and the reference for the others in tests.
 
-use super::{LANES, Row, Simd};
+use super::{LANES, Lanes, Row, Simd, Wide};
 use std::array::from_fn;
 
 /// Lanes as arrays.
 #[derive(Clone, Copy)]
 pub(crate) struct Portable;
 
-impl Simd for Portable {
+impl Lanes for Portable {
+    const COUNT: usize = LANES;
     type F = [f32; LANES];
     type M = [bool; LANES];
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         [x; LANES]
-    }
-    #[inline(always)]
-    fn load(self, row: &Row) -> Self::F {
-        row.0
-    }
-    #[inline(always)]
-    fn store(self, a: Self::F) -> [f32; LANES] {
-        a
     }
     #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
@@ -70,5 +63,40 @@ impl Simd for Portable {
     #[inline(always)]
     fn bits(self, m: Self::M) -> u32 {
         m.iter().rev().fold(0, |bits, &lane| bits << 1 | u32::from(lane))
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        from_fn(|i| bits >> i & 1 == 1)
+    }
+    #[inline(always)]
+    fn least(self, a: Self::F) -> f32 {
+        a.into_iter().fold(f32::INFINITY, f32::min)
+    }
+    #[inline(always)]
+    fn greatest(self, a: Self::F) -> f32 {
+        a.into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+    #[inline(always)]
+    fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
+        from_fn(|i| if m[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    fn read(self, wide: &Wide) -> Self::F {
+        from_fn(|i| wide.0[i])
+    }
+    #[inline(always)]
+    fn write(self, a: Self::F, wide: &mut Wide) {
+        wide.0[..LANES].copy_from_slice(&a);
+    }
+}
+
+impl Simd for Portable {
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        row.0
+    }
+    #[inline(always)]
+    fn store(self, a: Self::F) -> [f32; LANES] {
+        a
     }
 }

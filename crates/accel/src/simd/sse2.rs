@@ -1,7 +1,7 @@
 //! Lanes in two 128-bit registers: the baseline of x86-64.
 #![allow(unsafe_code)]
 
-use super::{LANES, Row, Simd};
+use super::{LANES, Lanes, Row, Simd, Wide};
 use std::arch::x86_64::*;
 
 /// Proof that the machine has SSE2, as every x86-64 does.
@@ -20,7 +20,8 @@ impl Sse2 {
 }
 
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
-impl Simd for Sse2 {
+impl Lanes for Sse2 {
+    const COUNT: usize = LANES;
     type F = [__m128; 2];
     type M = [__m128; 2];
 
@@ -28,21 +29,6 @@ impl Simd for Sse2 {
     fn splat(self, x: f32) -> Self::F {
         // SAFETY: see above.
         unsafe { [_mm_set1_ps(x); 2] }
-    }
-    #[inline(always)]
-    fn load(self, row: &Row) -> Self::F {
-        // SAFETY: see above.
-        unsafe { [_mm_load_ps(row.0.as_ptr()), _mm_load_ps(row.0.as_ptr().add(4))] }
-    }
-    #[inline(always)]
-    fn store(self, a: Self::F) -> [f32; LANES] {
-        let mut out = [0.0; LANES];
-        // SAFETY: see above.
-        unsafe {
-            _mm_storeu_ps(out.as_mut_ptr(), a[0]);
-            _mm_storeu_ps(out.as_mut_ptr().add(4), a[1]);
-        }
-        out
     }
     #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
@@ -103,5 +89,76 @@ impl Simd for Sse2 {
     fn bits(self, m: Self::M) -> u32 {
         // SAFETY: see above.
         unsafe { (_mm_movemask_ps(m[0]) | _mm_movemask_ps(m[1]) << 4) as u32 }
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        // SAFETY: see above.
+        unsafe {
+            let bits = _mm_set1_epi32(bits as i32);
+            let (low, high) = (_mm_setr_epi32(1, 2, 4, 8), _mm_setr_epi32(16, 32, 64, 128));
+            [
+                _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(bits, low), low)),
+                _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(bits, high), high)),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn least(self, a: Self::F) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let a = _mm_min_ps(a[0], a[1]);
+            let a = _mm_min_ps(a, _mm_movehl_ps(a, a));
+            _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps::<1>(a, a)))
+        }
+    }
+    #[inline(always)]
+    fn greatest(self, a: Self::F) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let a = _mm_max_ps(a[0], a[1]);
+            let a = _mm_max_ps(a, _mm_movehl_ps(a, a));
+            _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps::<1>(a, a)))
+        }
+    }
+    #[inline(always)]
+    fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe {
+            [
+                _mm_or_ps(_mm_and_ps(m[0], a[0]), _mm_andnot_ps(m[0], b[0])),
+                _mm_or_ps(_mm_and_ps(m[1], a[1]), _mm_andnot_ps(m[1], b[1])),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn read(self, wide: &Wide) -> Self::F {
+        // SAFETY: see above.
+        unsafe { [_mm_load_ps(wide.0.as_ptr()), _mm_load_ps(wide.0.as_ptr().add(4))] }
+    }
+    #[inline(always)]
+    fn write(self, a: Self::F, wide: &mut Wide) {
+        // SAFETY: see above.
+        unsafe {
+            _mm_store_ps(wide.0.as_mut_ptr(), a[0]);
+            _mm_store_ps(wide.0.as_mut_ptr().add(4), a[1]);
+        }
+    }
+}
+
+impl Simd for Sse2 {
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        // SAFETY: see above.
+        unsafe { [_mm_load_ps(row.0.as_ptr()), _mm_load_ps(row.0.as_ptr().add(4))] }
+    }
+    #[inline(always)]
+    fn store(self, a: Self::F) -> [f32; LANES] {
+        let mut out = [0.0; LANES];
+        // SAFETY: see above.
+        unsafe {
+            _mm_storeu_ps(out.as_mut_ptr(), a[0]);
+            _mm_storeu_ps(out.as_mut_ptr().add(4), a[1]);
+        }
+        out
     }
 }

@@ -1,5 +1,6 @@
 //! What every hierarchy must do, tested through the public interface: fixtures here, one property in each file.
 
+mod batch;
 mod brute_force;
 mod degenerate;
 mod determinism;

@@ -1,0 +1,176 @@
+//! Queries of many rays: packets that go through the hierarchy together while they stay close to each other, and single rays where
+//! they do not. Every ray gets the bits that it gets alone.
+//!
+//! A packet has as many rays as the level has lanes. Rays whose directions have the same signs and the same greatest axis form a
+//! beam. One test of a beam's bounds against the eight children of a node sorts out most of them; each of the rest is then tested
+//! with all rays of the beam when its turn comes (Boulos et al., "Packet-based Whitted and Distribution Ray Tracing", 2007; Benthin
+//! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays).
+#![allow(unsafe_code)]
+
+mod any;
+mod batch;
+mod beam;
+mod interval;
+mod nearest;
+mod stack;
+
+pub(crate) use any::any_packet;
+pub(crate) use batch::{any_batch, nearest_batch};
+pub(crate) use nearest::nearest_packet;
+
+use crate::UserHit;
+use crate::simd::{Lanes, WIDE, Wide};
+use crate::traverse::{Extra, Nearest};
+use glam::Mat4;
+use std::mem::offset_of;
+use steradian_math::{Ray, Vec3};
+
+/// With fewer rays than these in a beam, or left in a part of the tree, they go on alone.
+const FEW: u32 = 3;
+
+/// The rays of a packet by rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Packet {
+    pub origin: [Wide; 3],
+    pub direction: [Wide; 3],
+    pub t_max: Wide,
+}
+
+impl Packet {
+    /// As many rays as there are lanes, from the start of a slice.
+    #[inline(always)]
+    pub fn new<L: Lanes>(l: L, rays: &[Ray]) -> Self {
+        const { assert!(size_of::<Ray>().is_multiple_of(size_of::<f32>())) };
+        assert!(rays.len() >= L::COUNT);
+        let mut packet =
+            Self { origin: [Wide::splat(0.0); 3], direction: [Wide::splat(0.0); 3], t_max: Wide::splat(0.0) };
+        let row = |offset: usize| (offset / size_of::<f32>(), size_of::<Ray>() / size_of::<f32>());
+        let (origin, stride) = row(offset_of!(Ray, origin));
+        let (direction, _) = row(offset_of!(Ray, direction));
+        let (t_max, _) = row(offset_of!(Ray, t_max));
+        let first = rays.as_ptr().cast::<f32>();
+        for axis in 0..3 {
+            // SAFETY: a ray is an array of `f32`, and there are as many rays as lanes.
+            let (o, d) =
+                unsafe { (l.gather(first.add(origin + axis), stride), l.gather(first.add(direction + axis), stride)) };
+            l.write(o, &mut packet.origin[axis]);
+            l.write(d, &mut packet.direction[axis]);
+        }
+        // SAFETY: as above.
+        l.write(unsafe { l.gather(first.add(t_max), stride) }, &mut packet.t_max);
+        packet
+    }
+
+    /// The rays in the space of an instance, with the same rounding as `Mat4::transform_point3` and `transform_vector3`, up to given
+    /// distances.
+    #[inline(always)]
+    pub fn transformed<L: Lanes>(&self, l: L, m: &Mat4, t_max: &Wide) -> Self {
+        let zero = [Wide::splat(0.0); 3];
+        let mut packet = Self { origin: zero, direction: zero, t_max: *t_max };
+        let [ox, oy, oz] = [l.read(&self.origin[0]), l.read(&self.origin[1]), l.read(&self.origin[2])];
+        let [dx, dy, dz] = [l.read(&self.direction[0]), l.read(&self.direction[1]), l.read(&self.direction[2])];
+        for axis in 0..3 {
+            let (x, y) = (l.splat(m.x_axis[axis]), l.splat(m.y_axis[axis]));
+            let (z, w) = (l.splat(m.z_axis[axis]), l.splat(m.w_axis[axis]));
+            let origin = l.add(l.mul(z, oz), l.add(l.mul(y, oy), l.mul(x, ox)));
+            let direction = l.add(l.mul(z, dz), l.add(l.mul(y, dy), l.mul(x, dx)));
+            l.write(l.add(w, origin), &mut packet.origin[axis]);
+            l.write(direction, &mut packet.direction[axis]);
+        }
+        packet
+    }
+
+    /// One of the rays, up to a distance.
+    #[inline(always)]
+    pub fn ray(&self, lane: usize, t_max: f32) -> Ray {
+        let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
+        Ray { origin: vector(&self.origin), direction: vector(&self.direction), t_max }
+    }
+}
+
+/// The nearest hits of the rays of a packet so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Found {
+    /// Distances; those of rays without a hit are where their intervals end.
+    pub t: Wide,
+    /// Parameters times `sum`.
+    pub u: Wide,
+    pub v: Wide,
+    pub sum: Wide,
+    /// The bits of the indices over all geometries of the tree.
+    pub index: Wide,
+    /// The bits of what a hit carries beyond that.
+    pub extra: Wide,
+    /// Bit `i`: ray `i` has a hit.
+    pub hits: u32,
+}
+
+impl Found {
+    /// No hits in intervals that end at given distances.
+    #[inline(always)]
+    pub fn nothing(t_max: &Wide) -> Self {
+        let zero = Wide::splat(0.0);
+        Self { t: *t_max, u: zero, v: zero, sum: zero, index: zero, extra: zero, hits: 0 }
+    }
+
+    /// The index of the hit of a ray.
+    #[inline(always)]
+    pub fn index(&self, lane: usize) -> u32 {
+        self.index.0[lane].to_bits()
+    }
+
+    /// The hit of a ray.
+    #[inline(always)]
+    pub fn get<E: Extra>(&self, lane: usize) -> Option<Nearest<E>> {
+        (self.hits >> lane & 1 == 1).then(|| {
+            let sum = self.sum.0[lane];
+            let hit = UserHit { t: self.t.0[lane], u: self.u.0[lane] / sum, v: self.v.0[lane] / sum };
+            Nearest { hit, index: self.index(lane), extra: E::from_bits(self.extra.0[lane].to_bits()) }
+        })
+    }
+
+    /// Sets the hit of a ray.
+    #[inline(always)]
+    pub fn set<E: Extra>(&mut self, lane: usize, Nearest { hit, index, extra }: Nearest<E>) {
+        self.hits |= 1 << lane;
+        self.t.0[lane] = hit.t;
+        self.u.0[lane] = hit.u;
+        self.v.0[lane] = hit.v;
+        self.sum.0[lane] = 1.0;
+        self.index.0[lane] = f32::from_bits(index);
+        self.extra.0[lane] = f32::from_bits(extra.bits());
+    }
+
+    /// Takes over hits with one index, whose parameters and sums are given.
+    #[inline(always)]
+    pub fn merge<L: Lanes>(&mut self, l: L, lanes: u32, new: [L::F; 4], index: u32, extra: L::F) {
+        let mask = l.mask(lanes);
+        let [t, u, v, sum] = new;
+        let index = l.splat(f32::from_bits(index));
+        l.write(l.select(mask, t, l.read(&self.t)), &mut self.t);
+        l.write(l.select(mask, u, l.read(&self.u)), &mut self.u);
+        l.write(l.select(mask, v, l.read(&self.v)), &mut self.v);
+        l.write(l.select(mask, sum, l.read(&self.sum)), &mut self.sum);
+        l.write(l.select(mask, index, l.read(&self.index)), &mut self.index);
+        l.write(l.select(mask, extra, l.read(&self.extra)), &mut self.extra);
+        self.hits |= lanes;
+    }
+}
+
+/// The lanes of a set, from the lowest.
+#[derive(Clone, Copy)]
+pub(crate) struct Set(pub u32);
+
+impl Iterator for Set {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let lane = self.0.trailing_zeros() as usize & (WIDE - 1);
+        self.0 &= self.0 - 1;
+        Some(lane)
+    }
+}

@@ -1,0 +1,214 @@
+//! The nearest hits of the rays of a packet.
+#![allow(unsafe_code)]
+
+use super::beam::{Beam, Ways};
+use super::interval::Interval;
+use super::stack::{PacketStack, Waiting};
+use super::{FEW, Found, Packet, Set};
+use crate::bvh::Tree;
+use crate::dispatch::{SupportedIsa, nearest_hit_from};
+use crate::layout::{Block, ChildRef};
+use crate::simd::{LANES, Lanes, Simd, key_lane};
+use crate::traverse::{Extra, Nearest, Start, Users};
+use crate::triangle::Crossing;
+use crate::{UserHit, simd};
+
+/// Finds the nearest hits of the rays in `lanes`: `found` begins with the ends of the intervals.
+#[inline(always)]
+pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
+    isa: SupportedIsa,
+    (s, l): (S, L),
+    tree: &Tree,
+    packet: &Packet,
+    lanes: u32,
+    users: &U,
+    found: &mut Found,
+) {
+    let ways = Ways::new(l, packet);
+    let lanes = lanes & ways.valid;
+    let (mut rest, mut alone) = (lanes & ways.finite, lanes & !ways.finite);
+    while rest != 0 {
+        let group = ways.like_first(rest);
+        rest &= !group;
+        if group.count_ones() < FEW {
+            alone |= group;
+        } else {
+            let beam = ways.beam(l, group.trailing_zeros() as usize);
+            Query { isa, s, l, tree, packet, users, beam }.run(group, found);
+        }
+    }
+    for lane in Set(alone) {
+        single(isa, tree, packet, lane, tree.root, users, found);
+    }
+}
+
+/// Goes on with one ray of a packet below a child.
+#[inline(always)]
+fn single<U: Users>(
+    isa: SupportedIsa,
+    tree: &Tree,
+    packet: &Packet,
+    lane: usize,
+    child: ChildRef,
+    users: &U,
+    found: &mut Found,
+) {
+    let ray = packet.ray(lane, packet.t_max.0[lane]);
+    let start = Start { child, t: found.t.0[lane], best: found.get(lane) };
+    if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, start) {
+        found.set(lane, nearest);
+    }
+}
+
+/// The query of a beam.
+struct Query<'a, S: Simd, L: Lanes, U> {
+    isa: SupportedIsa,
+    s: S,
+    l: L,
+    tree: &'a Tree,
+    packet: &'a Packet,
+    users: &'a U,
+    beam: Beam<L>,
+}
+
+impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
+    #[inline(always)]
+    fn run(&self, group: u32, found: &mut Found) {
+        let (s, l, tree) = (self.s, self.l, self.tree);
+        let interval = Interval::new(s, l, &self.beam, group);
+        let in_group = l.mask(group);
+        let none = l.splat(f32::NEG_INFINITY);
+        let mut stack = PacketStack::new();
+        let mut active = group;
+        let mut current = tree.root;
+        // The farthest of the rays' hits so far.
+        let mut farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
+        loop {
+            if current.is_node() {
+                // SAFETY: the reference comes from the tree and is to a node.
+                let node = unsafe { tree.node(current) };
+                let (enter, lanes) = interval.test(s, node, s.splat(farthest));
+                if lanes & lanes.wrapping_sub(1) != 0 {
+                    let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
+                    for i in 0..lanes.count_ones() as usize {
+                        let child = ChildRef(children[i & (LANES - 1)]);
+                        // SAFETY: the stack is deep enough for the tree.
+                        unsafe { stack.push(Waiting { key: keys[i & (LANES - 1)], child, parent: current }) };
+                    }
+                } else if lanes != 0 {
+                    let slot = lanes.trailing_zeros() as usize & (LANES - 1);
+                    let waiting = Waiting { key: simd::key(0.0, slot), child: node.children[slot], parent: current };
+                    // SAFETY: the stack is deep enough for the tree.
+                    unsafe { stack.push(waiting) };
+                }
+            } else {
+                if current.is_block() {
+                    self.block(current, active, found);
+                } else if current != ChildRef::EMPTY {
+                    self.user(current.index() as u32, active, found);
+                }
+                farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
+            }
+            loop {
+                let Some(Waiting { key, child, parent }) = stack.pop(farthest) else { return };
+                // SAFETY: parents are nodes of the tree.
+                let node = unsafe { tree.node(parent) };
+                active = group & self.beam.enters(l, node, key_lane(key), l.read(&found.t));
+                if active.count_ones() >= FEW {
+                    current = child;
+                    break;
+                }
+                for lane in Set(active) {
+                    single(self.isa, tree, self.packet, lane, child, self.users, found);
+                }
+            }
+        }
+    }
+
+    /// Tests the triangles of a block one after the other.
+    #[inline(always)]
+    fn block(&self, reference: ChildRef, active: u32, found: &mut Found) {
+        let (s, l) = (self.s, self.l);
+        // SAFETY: the reference comes from the tree and is to a block.
+        let block = unsafe { self.tree.block(reference) };
+        let row = s.load(&block.rows[0]);
+        for slot in Set(s.bits(s.eq(row, row))) {
+            let slot = slot & (LANES - 1);
+            if let Some(crossing) = self.beam.cross(l, block, slot, l.read(&found.t)) {
+                self.triangle(block.ids[slot], crossing, active, found);
+            }
+        }
+    }
+
+    /// Takes over hits on a triangle.
+    #[inline(always)]
+    fn triangle(&self, id: u32, Crossing { lanes, t, v, w, sum }: Crossing<L>, active: u32, found: &mut Found) {
+        let l = self.l;
+        let index = id & !Block::FILTERED;
+        let so_far = l.read(&found.t);
+        let mut closer = l.bits(l.lt(t, so_far));
+        for lane in Set(lanes & active & !closer) {
+            // At equal distance the smaller index wins.
+            if found.hits >> lane & 1 == 1 && index < found.index(lane) {
+                closer |= 1 << lane;
+            }
+        }
+        closer &= lanes & active;
+        if id != index {
+            closer = self.accepted(index, [t, v, w, sum], closer);
+        }
+        if closer != 0 {
+            let extra = f32::from_bits(self.users.triangle().bits());
+            found.merge(l, closer, [t, v, w, sum], index, l.splat(extra));
+        }
+    }
+
+    /// The rays whose hit on a filtered triangle counts.
+    #[inline(always)]
+    fn accepted(&self, index: u32, new: [L::F; 4], closer: u32) -> u32 {
+        let l = self.l;
+        let mut rows = [simd::Wide::splat(0.0); 4];
+        for (row, new) in rows.iter_mut().zip(new) {
+            l.write(new, row);
+        }
+        let mut accepted = 0;
+        for lane in Set(closer) {
+            let [t, v, w, sum] = [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane], rows[3].0[lane]];
+            let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
+            let hit = UserHit { t, u: v / sum, v: w / sum };
+            accepted |= u32::from(self.users.accept(index, hit, &ray)) << lane;
+        }
+        accepted
+    }
+
+    /// Asks for hits at a user reference.
+    #[inline(always)]
+    fn user(&self, index: u32, active: u32, found: &mut Found) {
+        let l = self.l;
+        // What may win a tie sees an interval that contains the hit so far.
+        let mut t_max = found.t;
+        for lane in Set(active & found.hits) {
+            if index < found.index(lane) {
+                t_max.0[lane] = t_max.0[lane].next_up();
+            }
+        }
+        let mut inner = Found::nothing(&t_max);
+        if self.users.intersect_packet(self.isa, index, self.packet, active, &mut inner) {
+            if inner.hits != 0 {
+                let new = [l.read(&inner.t), l.read(&inner.u), l.read(&inner.v), l.read(&inner.sum)];
+                // Below an instance the index is that of the primitive.
+                found.merge(l, inner.hits, new, index, l.read(&inner.index));
+            }
+            return;
+        }
+        for lane in Set(active) {
+            let t_max = t_max.0[lane];
+            if let Some((hit, extra)) = self.users.intersect(index, &self.packet.ray(lane, t_max))
+                && hit.t > 0.0
+                && hit.t < t_max
+            {
+                found.set(lane, Nearest { hit, index, extra });
+            }
+        }
+    }
+}
