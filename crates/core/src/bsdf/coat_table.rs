@@ -267,7 +267,7 @@ impl CoatTable {
             return 0.0;
         }
         let f = fresnel::dielectric(wo.dot(m), self.eta);
-        (1.0 - f) * surface.g2(wo, wi) / surface.g1(wo) * self.crossing(wi.z)
+        (1.0 - f) * surface.sampled_weight(wo, wi, m) * self.crossing(wi.z)
     }
 }
 
@@ -277,7 +277,7 @@ fn reflected(surface: &Microfacet, wo: Vec3, m: Vec3, eta: f32) -> f32 {
     if wi.z <= 0.0 {
         return 0.0;
     }
-    fresnel::dielectric(wo.dot(m), eta) * surface.g2(wo, wi) / surface.g1(wo)
+    fresnel::dielectric(wo.dot(m), eta) * surface.sampled_weight(wo, wi, m)
 }
 
 fn direction(mu: f32) -> Vec3 {

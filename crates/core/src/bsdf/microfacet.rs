@@ -1,39 +1,22 @@
-//! Microfacet surfaces: the distribution of normals, masking and shadowing, and what a mirror or a refracting interface made
-//! of such facets does to light (Walter et al. 2007; Heitz 2014).
-//!
-//! `D` is normalised by `∫ D(m) cosθ_m dm = 1`. With the stretched slopes `s = tan²θ_m (cos²φ/α_x² + sin²φ/α_y²)`:
+//! Microfacet surfaces: what a mirror or a refracting interface made of small facets does to light (Walter et al. 2007;
+//! Heitz 2014).
 //!
 //! ```text
-//! GGX       D = 1 / (π α_x α_y cos⁴θ_m (1 + s)²)      Λ = (√(1 + a⁻²) − 1)/2
-//! Beckmann  D = exp(−s) / (π α_x α_y cos⁴θ_m)         Λ = (erf(a) − 1)/2 + exp(−a²)/(2a√π)
+//! f_r cosθ_i = F D(m) G₂ / (4 |cosθ_o|)                                         m the half vector
+//! f_t cosθ_i = (1 − F) D(m) G₂ |wo·m| |wi·m| / (|cosθ_o| (wi·m + wo·m/η)²)      m its generalisation
 //! ```
 //!
-//! where `1/a = α(φ)·tanθ` for the direction that is masked, and `G₁ = 1/(1 + Λ)`.
+//! The distributions `D` are in `normal_distribution.rs`, `G₁` and `G₂` in `masking.rs`. Normals are drawn as the
+//! direction sees them where a way to do so is known: GGX and Beckmann under Smith's masking, and every distribution in
+//! V-grooves; else as they are.
 
-use super::gaussian::erf;
+use super::masking::{smith_lambda, v_groove};
 use super::visible_normals;
-use std::f32::consts::PI;
+pub use super::{masking::Shadowing, normal_distribution::NormalDistribution};
 use steradian_math::{Vec2, Vec3};
 
-/// The shape of the distribution of facet normals.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum NormalDistribution {
-    /// Trowbridge–Reitz (1975), known as GGX: long tails.
-    Ggx,
-    /// Beckmann (1963): Gaussian slopes.
-    Beckmann,
-}
-
-/// How masking and shadowing combine into `G₂`.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Shadowing {
-    /// `1/(1 + Λ(wo) + Λ(wi))`: high facets are both visible and lit (Heitz 2014, eq. 99); pbrt-v4's choice.
-    HeightCorrelated,
-    /// `G₁(wo)·G₁(wi)` (Walter et al. 2007, eq. 23); Mitsuba's choice.
-    Separable,
-}
-
-/// A rough surface. Roughness values are those of the distributions above (the root-mean-square slope of Beckmann is `α/√2`).
+/// A rough surface. Roughness values are those of the distributions above (the root-mean-square slope of Beckmann is
+/// `α/√2`).
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacet {
     alpha_x: f32,
@@ -65,8 +48,8 @@ impl Microfacet {
     /// Below this roughness in both directions the surface counts as smooth (pbrt-v4's threshold).
     pub const SMOOTH_BELOW: f32 = 1e-3;
 
-    /// A surface of roughness `alpha_x` along the tangent and `alpha_y` along the bitangent, each in `[0, 16]` (clamped;
-    /// NaN counts as 0). Where only one of them is smaller than 10⁻⁴ it is raised to that.
+    /// A surface of roughness `alpha_x` along the tangent and `alpha_y` along the bitangent, each in `[0, 16]`
+    /// (clamped; NaN counts as 0). Where only one of them is smaller than 10⁻⁴ it is raised to that.
     pub fn new(distribution: NormalDistribution, shadowing: Shadowing, alpha_x: f32, alpha_y: f32) -> Self {
         let in_range = |alpha: f32| if alpha > 0.0 { alpha.min(16.0) } else { 0.0 };
         let mut m = Self { alpha_x: in_range(alpha_x), alpha_y: in_range(alpha_y), distribution, shadowing };
@@ -93,88 +76,125 @@ impl Microfacet {
         (self.alpha_x * self.alpha_y).sqrt()
     }
 
+    /// The roughness of an isotropic surface that loses no more light between its facets than this one.
+    pub(super) fn least_lossy_alpha(&self) -> f32 {
+        match self.shadowing {
+            Shadowing::VGroove if self.alpha_x != self.alpha_y => 0.0,
+            _ => self.alpha_x.min(self.alpha_y),
+        }
+    }
+
+    #[inline]
+    fn alpha(&self) -> Vec2 {
+        Vec2::new(self.alpha_x, self.alpha_y)
+    }
+
     /// `D(m)`, for `m` in the upper hemisphere (sr⁻¹).
     #[inline]
     pub fn d(&self, m: Vec3) -> f32 {
-        let (x, y) = (m.x / self.alpha_x, m.y / self.alpha_y);
-        let (slopes, cos2) = (x * x + y * y, m.z * m.z);
-        let area = PI * self.alpha_x * self.alpha_y;
-        match self.distribution {
-            NormalDistribution::Ggx => {
-                let q = slopes + cos2;
-                1.0 / (area * q * q)
-            }
-            NormalDistribution::Beckmann => {
-                if cos2 < 1e-10 {
-                    return 0.0;
-                }
-                (-slopes / cos2).exp() / (area * cos2 * cos2)
-            }
-        }
+        self.distribution.density(self.alpha(), m)
     }
 
     /// Smith's `Λ(w)`: masked over visible facet area.
     #[inline]
     pub fn lambda(&self, w: Vec3) -> f32 {
-        let (x, y, z2) = (self.alpha_x * w.x, self.alpha_y * w.y, w.z * w.z);
-        if z2 == 0.0 {
-            return f32::INFINITY;
+        smith_lambda(self.distribution, self.alpha(), w)
+    }
+
+    /// The fraction `G₁(w, m)` of the facets with normal `m` that `w` sees. Under Smith's assumption `m` does not
+    /// matter.
+    #[inline]
+    pub fn g1(&self, w: Vec3, m: Vec3) -> f32 {
+        match self.shadowing {
+            Shadowing::VGroove => v_groove(w, m),
+            _ => 1.0 / (1.0 + self.lambda(w)),
         }
-        let inv_a2 = (x * x + y * y) / z2;
-        match self.distribution {
-            NormalDistribution::Ggx => 0.5 * ((1.0 + inv_a2).sqrt() - 1.0),
-            NormalDistribution::Beckmann => {
-                // Beyond a = 4 less than 10⁻⁸ is masked, and the two terms cancel.
-                if inv_a2 < 1.0 / 16.0 {
-                    return 0.0;
-                }
-                let a = 1.0 / inv_a2.sqrt();
-                (0.5 * (erf(a) - 1.0) + (-a * a).exp() / (2.0 * PI.sqrt() * a)).max(0.0)
+    }
+
+    /// The fraction of the facets with normal `m` that both directions see; they may lie on different sides.
+    #[inline]
+    pub fn g2(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
+        match self.shadowing {
+            Shadowing::VGroove => {
+                let (o, i) = (v_groove(wo, m), v_groove(wi, m));
+                if wo.z * wi.z >= 0.0 { o.min(i) } else { (o + i - 1.0).max(0.0) }
             }
+            _ => self.g2_from(self.lambda(wo), self.lambda(wi)),
         }
-    }
-
-    /// The fraction `G₁(w)` of the facets that `w` sees.
-    #[inline]
-    pub fn g1(&self, w: Vec3) -> f32 {
-        1.0 / (1.0 + self.lambda(w))
-    }
-
-    /// The fraction of the facets that both directions see; they may lie on different sides.
-    #[inline]
-    pub fn g2(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.g2_from(self.lambda(wo), self.lambda(wi))
     }
 
     #[inline]
     fn g2_from(&self, lambda_o: f32, lambda_i: f32) -> f32 {
         match self.shadowing {
-            Shadowing::HeightCorrelated => 1.0 / (1.0 + lambda_o + lambda_i),
             Shadowing::Separable => 1.0 / ((1.0 + lambda_o) * (1.0 + lambda_i)),
+            _ => 1.0 / (1.0 + lambda_o + lambda_i),
         }
     }
 
-    /// Density of the normals that `w` sees, `D_w(m) = G₁(w) |w·m| D(m) / |cosθ_w|` (sr⁻¹).
+    /// Whether visible normals are drawn by stretching a surface of unit roughness.
+    #[inline]
+    fn is_stretched(&self) -> bool {
+        matches!(self.distribution, NormalDistribution::Ggx | NormalDistribution::Beckmann)
+            && self.shadowing != Shadowing::VGroove
+    }
+
+    /// Density of the normals that [`Microfacet::sample_visible`] draws for `w` (sr⁻¹): `G₁(w, m) |w·m| D(m) /
+    /// |cosθ_w|` where visible normals are drawn, else that of the distribution.
     #[inline]
     pub fn d_visible(&self, w: Vec3, m: Vec3) -> f32 {
         if w.z == 0.0 {
             return 0.0;
         }
-        self.g1(w) * w.dot(m).abs() * self.d(m) / w.z.abs()
+        if self.is_stretched() {
+            return self.g1(w, m) * w.dot(m).abs() * self.d(m) / w.z.abs();
+        }
+        let drawn = self.distribution.sampled_density(self.alpha(), m);
+        match self.shadowing {
+            Shadowing::VGroove => {
+                let (here, across) = faces_of_groove(if w.z < 0.0 { -w } else { w }, m);
+                if here > 0.0 { drawn * 2.0 * here / (here + across) } else { 0.0 }
+            }
+            _ => drawn,
+        }
     }
 
-    /// Draws a normal that `w` sees with the density [`Microfacet::d_visible`]; `w` may lie on either side, the normal is in
-    /// the upper hemisphere.
+    /// Draws a normal with the density [`Microfacet::d_visible`]: one that `w` sees, where that can be done. `w` may
+    /// lie on either side, the normal is in the upper hemisphere.
     #[inline]
     pub fn sample_visible(&self, w: Vec3, u: Vec2) -> Vec3 {
-        // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
         let w = if w.z < 0.0 { -w } else { w };
+        if !self.is_stretched() {
+            return self.sample_unstretched(w, u);
+        }
+        // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
         let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z).normalize_or(Vec3::Z);
         let m = match self.distribution {
             NormalDistribution::Ggx => visible_normals::sample_ggx(stretched, u),
-            NormalDistribution::Beckmann => visible_normals::sample_beckmann(stretched, u),
+            _ => visible_normals::sample_beckmann(stretched, u),
         };
         Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6)).normalize_or(Vec3::Z)
+    }
+
+    /// A normal of the distribution; in V-grooves that or its mirror image across the groove, in proportion to the area
+    /// seen (Heitz & d'Eon 2014, 4). The last digits of the number that sets the slope choose between the two.
+    fn sample_unstretched(&self, w: Vec3, u: Vec2) -> Vec3 {
+        let m = self.distribution.sample(self.alpha(), u);
+        if self.shadowing != Shadowing::VGroove {
+            return m;
+        }
+        let (here, across) = faces_of_groove(w, m);
+        if (u.y * 4096.0).fract() * (here + across) < here { m } else { Vec3::new(-m.x, -m.y, m.z) }
+    }
+
+    /// What a normal that was drawn for `wo` carries to `wi`, for unit Fresnel factor: value over density.
+    #[inline]
+    pub(super) fn sampled_weight(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
+        let g2 = self.g2(wo, wi, m);
+        if self.is_stretched() {
+            return g2 / self.g1(wo, m);
+        }
+        let density = self.d_visible(wo, m) * wo.z.abs();
+        if density > 0.0 { g2 * wo.dot(m).abs() * self.d(m) / density } else { 0.0 }
     }
 
     /// The facet that mirrors `wi` into `wo`; both must be on one side.
@@ -192,11 +212,12 @@ impl Microfacet {
         if wo.z * wi.z <= 0.0 {
             return None;
         }
-        self.facet(wo, wi, wo.dot(m), self.d(m) / (4.0 * wo.z.abs()))
+        let cos_o = wo.dot(m);
+        self.facet(m, wo, wi, 0.25 / cos_o.abs(), self.d(m) / (4.0 * wo.z.abs()))
     }
 
-    /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo` to the
-    /// side of `wi`.
+    /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo`
+    /// to the side of `wi`.
     #[inline]
     pub(super) fn refracting(&self, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
         if wo.z * wi.z >= 0.0 {
@@ -215,17 +236,28 @@ impl Microfacet {
         }
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
-        self.facet(wo, wi, cos_o, self.d(m) * cos_o.abs() * jacobian / wo.z.abs())
+        self.facet(m, wo, wi, jacobian, self.d(m) * cos_o.abs() * jacobian / wo.z.abs())
     }
 
-    /// The facet whose visible density, but for masking, is `unmasked`; a density that vanishes or overflows (a grazing
-    /// direction) carries nothing.
+    /// The facet `m`, with solid angle `jacobian` of normals per solid angle of `wi`, whose visible density, but for
+    /// masking, is `unmasked`. A density that vanishes or overflows (a grazing direction) carries nothing.
     #[inline]
-    fn facet(&self, wo: Vec3, wi: Vec3, cos_o: f32, unmasked: f32) -> Option<Facet> {
-        let (lambda_o, lambda_i) = (self.lambda(wo), self.lambda(wi));
-        let (value, pdf) = (unmasked * self.g2_from(lambda_o, lambda_i), unmasked / (1.0 + lambda_o));
-        (pdf > 0.0 && pdf.is_finite() && value.is_finite()).then_some(Facet { cos_o, value, pdf })
+    fn facet(&self, m: Vec3, wo: Vec3, wi: Vec3, jacobian: f32, unmasked: f32) -> Option<Facet> {
+        let (value, pdf) = if self.is_stretched() {
+            let (lambda_o, lambda_i) = (self.lambda(wo), self.lambda(wi));
+            (unmasked * self.g2_from(lambda_o, lambda_i), unmasked / (1.0 + lambda_o))
+        } else {
+            (unmasked * self.g2(wo, wi, m), self.d_visible(wo, m) * jacobian)
+        };
+        (pdf > 0.0 && pdf.is_finite() && value.is_finite()).then_some(Facet { cos_o: wo.dot(m), value, pdf })
     }
+}
+
+/// The areas of a facet `m` and of the one across its groove as `w` sees them.
+#[inline]
+fn faces_of_groove(w: Vec3, m: Vec3) -> (f32, f32) {
+    let (up, aside) = (w.z * m.z, w.x * m.x + w.y * m.y);
+    ((up + aside).max(0.0), (up - aside).max(0.0))
 }
 
 /// The direction of `v` or `−v` that points up.

@@ -9,9 +9,12 @@
 //! [`MODELS`] lists every model with cases at the corners of its parameters, and the tests run the laws of scattering
 //! (density, reciprocity, energy) over all of them.
 
+pub mod blinn_phong;
+mod classical;
 pub mod coat_table;
 pub mod coated;
 pub mod conductor;
+pub mod cook_torrance;
 pub mod dielectric;
 pub mod diffuse;
 pub mod diffuse_transmission;
@@ -21,22 +24,42 @@ mod gaussian;
 mod laws;
 #[cfg(test)]
 mod layered_walk;
+mod lobe_over_diffuse;
+mod masking;
 pub mod microfacet;
+pub mod minnaert;
+pub mod multiple_scattering;
+mod normal_distribution;
+pub mod oren_nayar;
+pub mod phong;
 #[cfg(test)]
 mod reference_values;
+pub mod reflectance;
 pub mod registry;
 pub mod thin_dielectric;
+pub mod thin_film;
 mod visible_normals;
+pub mod ward;
 
+pub use blinn_phong::BlinnPhong;
 pub use coat_table::{CoatSeries, CoatTable};
 pub use coated::Coated;
 pub use conductor::Conductor;
+pub use cook_torrance::{CookTorrance, DiffuseCoupling};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use microfacet::{Microfacet, NormalDistribution, Shadowing};
+pub use minnaert::Minnaert;
+pub use multiple_scattering::{CompensatedConductor, Compensation, EnergyTable};
+pub use normal_distribution::Tail;
+pub use oren_nayar::{OrenNayar, OrenNayarForm};
+pub use phong::Phong;
+pub use reflectance::Reflectance;
 pub use registry::{MODELS, Model};
 pub use thin_dielectric::ThinDielectric;
+pub use thin_film::ThinFilm;
+pub use ward::{Ward, WardForm};
 
 use steradian_math::{Spectrum, Vec2, Vec3, warp};
 
@@ -160,6 +183,20 @@ pub enum Bsdf<'a> {
     ThinDielectric(ThinDielectric),
     /// A dielectric coat over a diffuse base: plastic, varnish.
     Coated(Coated<'a>),
+    /// Rough diffuse reflection.
+    OrenNayar(OrenNayar),
+    /// Minnaert's law.
+    Minnaert(Minnaert),
+    /// A cosine lobe over a diffuse part: Phong, Lafortune.
+    Phong(Phong),
+    /// A lobe in the half vector over a diffuse part.
+    BlinnPhong(BlinnPhong),
+    /// A Gaussian lobe over a diffuse part.
+    Ward(Ward),
+    /// Facets of any reflectance over a diffuse part.
+    CookTorrance(CookTorrance),
+    /// A rough metal with light between its facets.
+    CompensatedConductor(CompensatedConductor<'a>),
 }
 
 const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
@@ -175,6 +212,13 @@ impl Bsdf<'_> {
             Self::Dielectric(b) => b.eval(wo, wi, mode),
             Self::ThinDielectric(_) => BsdfEval::ZERO,
             Self::Coated(b) => b.eval(wo, wi),
+            Self::OrenNayar(b) => b.eval(wo, wi),
+            Self::Minnaert(b) => b.eval(wo, wi),
+            Self::Phong(b) => b.eval(wo, wi),
+            Self::BlinnPhong(b) => b.eval(wo, wi),
+            Self::Ward(b) => b.eval(wo, wi),
+            Self::CookTorrance(b) => b.eval(wo, wi),
+            Self::CompensatedConductor(b) => b.eval(wo, wi),
         }
     }
 
@@ -189,6 +233,13 @@ impl Bsdf<'_> {
             Self::Dielectric(b) => b.sample(wo, u, u2, mode),
             Self::ThinDielectric(b) => b.sample(wo, u),
             Self::Coated(b) => b.sample(wo, u, u2),
+            Self::OrenNayar(b) => b.sample(wo, u2),
+            Self::Minnaert(b) => b.sample(wo, u2),
+            Self::Phong(b) => b.sample(wo, u, u2),
+            Self::BlinnPhong(b) => b.sample(wo, u, u2),
+            Self::Ward(b) => b.sample(wo, u, u2),
+            Self::CookTorrance(b) => b.sample(wo, u, u2),
+            Self::CompensatedConductor(b) => b.sample(wo, u, u2),
         }
     }
 
@@ -197,6 +248,9 @@ impl Bsdf<'_> {
     pub fn is_specular(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) => false,
+            Self::OrenNayar(_) | Self::Minnaert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ward(_) => false,
+            Self::CookTorrance(b) => b.is_specular(),
+            Self::CompensatedConductor(b) => b.is_specular(),
             Self::Conductor(b) => b.microfacet.is_smooth(),
             Self::Dielectric(b) => b.is_specular(),
             Self::ThinDielectric(_) => true,
@@ -228,6 +282,13 @@ impl Bsdf<'_> {
             Self::Dielectric(b) => b.albedo_estimate(wo),
             Self::ThinDielectric(b) => b.albedo_estimate(wo),
             Self::Coated(b) => b.albedo_estimate(wo),
+            Self::OrenNayar(b) => b.albedo_estimate(),
+            Self::Minnaert(b) => b.albedo_estimate(),
+            Self::Phong(b) => b.albedo_estimate(),
+            Self::BlinnPhong(b) => b.albedo_estimate(),
+            Self::Ward(b) => b.albedo_estimate(),
+            Self::CookTorrance(b) => b.albedo_estimate(wo),
+            Self::CompensatedConductor(b) => b.albedo_estimate(wo),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Microfacet,
-    NormalDistribution, Shadowing, ThinDielectric,
+    NormalDistribution, Shadowing, Tail, ThinDielectric, classical,
 };
 use steradian_math::Spectrum;
 
@@ -37,9 +37,28 @@ pub const MODELS: &[Model] = &[
     Model { name: "dielectric", doc: "glass and liquids, smooth or rough", cases: dielectric },
     Model { name: "thin-dielectric", doc: "a thin pane of glass", cases: thin_dielectric },
     Model { name: "coated", doc: "a dielectric coat over a diffuse base: plastic, varnish", cases: coated },
+    Model { name: "oren-nayar", doc: "rough diffuse reflection", cases: classical::oren_nayar },
+    Model { name: "minnaert", doc: "diffuse reflection with a darkened limb", cases: classical::minnaert },
+    Model { name: "minnaert-bright-limb", doc: "Minnaert below k = 1", cases: classical::minnaert_bright_limb },
+    Model { name: "phong", doc: "normalised cosine lobe around the mirror direction", cases: classical::phong },
+    Model { name: "phong-empirical", doc: "Phong of 1975", cases: classical::phong_empirical },
+    Model { name: "lafortune", doc: "cosine lobe around a transformed direction", cases: classical::lafortune },
+    Model { name: "blinn-phong", doc: "normalised cosine lobe in the half vector", cases: classical::blinn_phong },
+    Model { name: "blinn-phong-empirical", doc: "without normalisation", cases: classical::blinn_phong_empirical },
+    Model { name: "ward", doc: "Gaussian lobe, Ward's own and the bounded normalisation", cases: classical::ward },
+    Model { name: "ward-duer", doc: "Gaussian lobe, Dür's normalisation", cases: classical::ward_duer },
+    Model { name: "cook-torrance", doc: "facets over a diffuse bulk", cases: classical::cook_torrance },
+    Model { name: "conductor-kulla-conty", doc: "metal with light between facets", cases: classical::kulla_conty },
+    Model { name: "conductor-turquin", doc: "metal scaled to conserve energy", cases: classical::turquin },
 ];
 
-const GREY: Spectrum = Spectrum::new([0.2, 0.5, 0.8, 0.4]);
+/// Models that are not the same backwards.
+pub const NON_RECIPROCAL: &[&str] = &["phong-empirical", "blinn-phong-empirical", "conductor-turquin"];
+
+/// Models that may reflect more light than they get.
+pub const NON_CONSERVING: &[&str] = &["minnaert-bright-limb", "phong-empirical", "blinn-phong-empirical", "ward-duer"];
+
+pub(super) const GREY: Spectrum = Spectrum::new([0.2, 0.5, 0.8, 0.4]);
 
 fn diffuse(visit: &mut Visitor<'_>) {
     let mut case =
@@ -82,6 +101,26 @@ fn conductor(visit: &mut Visitor<'_>) {
     case("Beckmann gold, 0.3", gold(Microfacet::new(Beckmann, Separable, 0.3, 0.3)), false);
     case("Beckmann gold, anisotropic 0.4 and 0.1", gold(Microfacet::new(Beckmann, Separable, 0.4, 0.1)), false);
     case("from reflectance", Conductor::from_reflectance(GREY, Microfacet::ggx(0.2, 0.2)), false);
+    for (label, distribution, shadowing, x, y) in further_surfaces() {
+        case(label, gold(Microfacet::new(distribution, shadowing, x, y)), false);
+    }
+}
+
+/// Surfaces whose normals are drawn in other ways than those of GGX and Beckmann under Smith's masking.
+fn further_surfaces() -> [(&'static str, NormalDistribution, Shadowing, f32, f32); 9] {
+    use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
+    use Shadowing::{HeightCorrelated, Separable, VGroove};
+    [
+        ("Blinn, 0.2", Blinn, Separable, 0.2, 0.2),
+        ("Blinn, anisotropic, V-grooves", Blinn, VGroove, 0.1, 0.5),
+        ("Gaussian, 0.4", Gaussian, HeightCorrelated, 0.4, 0.4),
+        ("Gaussian, V-grooves, 0.15", Gaussian, VGroove, 0.15, 0.15),
+        ("Student's t, long tail, 0.1", StudentT(Tail::new(1.8)), HeightCorrelated, 0.1, 0.1),
+        ("Student's t, short tail, anisotropic", StudentT(Tail::new(5.0)), Separable, 0.5, 0.2),
+        ("GGX, V-grooves, 0.3", Ggx, VGroove, 0.3, 0.3),
+        ("Beckmann, V-grooves, anisotropic", Beckmann, VGroove, 0.2, 0.6),
+        ("Blinn, 1", Blinn, Separable, 1.0, 1.0),
+    ]
 }
 
 fn dielectric(visit: &mut Visitor<'_>) {
@@ -103,6 +142,9 @@ fn dielectric(visit: &mut Visitor<'_>) {
         ..Dielectric::new(1.5, Microfacet::ggx(0.25, 0.25))
     };
     case("tinted", tinted, false);
+    for (label, distribution, shadowing, x, y) in further_surfaces().into_iter().step_by(3) {
+        case(label, Dielectric::new(1.5, Microfacet::new(distribution, shadowing, x, y)), false);
+    }
 }
 
 fn thin_dielectric(visit: &mut Visitor<'_>) {

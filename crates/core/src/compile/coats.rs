@@ -1,6 +1,6 @@
 //! The tables of coats, shared by materials: one takes milliseconds to make, and scenes have many materials.
 
-use crate::bsdf::{CoatSeries, CoatTable, NormalDistribution, Shadowing};
+use crate::bsdf::{CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing};
 use std::{collections::HashMap, sync::Arc};
 
 /// Roughnesses of one kind of coat that get a table of their own; further ones share a table over all roughnesses.
@@ -19,7 +19,10 @@ struct Tables {
 
 /// All tables made so far.
 #[derive(Debug, Default)]
-pub(super) struct Coats(HashMap<Kind, Tables>);
+pub(super) struct Coats {
+    coats: HashMap<Kind, Tables>,
+    energies: HashMap<(NormalDistribution, Shadowing), Arc<EnergyTable>>,
+}
 
 impl Coats {
     /// The table of a coat, by the arguments of [`CoatTable::new`].
@@ -36,12 +39,18 @@ impl Coats {
             CoatSeries::Plastic { nonlinear } => [1, u32::from(nonlinear), 0],
         };
         let make = |alpha| Arc::new(CoatTable::new(distribution, shadowing, eta, alpha, series));
-        let tables = self.0.entry((distribution, shadowing, eta.to_bits(), series_bits)).or_default();
+        let tables = self.coats.entry((distribution, shadowing, eta.to_bits(), series_bits)).or_default();
         let key = [alpha.0.to_bits(), alpha.1.to_bits()];
         if tables.exact.len() >= EXACT && !tables.exact.contains_key(&key) {
             return tables.ranged.get_or_insert_with(|| make((0.0, 1.0))).clone();
         }
         tables.exact.entry(key).or_insert_with(|| make(alpha)).clone()
+    }
+
+    /// What facets of a kind lose.
+    pub fn energy(&mut self, distribution: NormalDistribution, shadowing: Shadowing) -> Arc<EnergyTable> {
+        let make = || Arc::new(EnergyTable::new(distribution, shadowing));
+        self.energies.entry((distribution, shadowing)).or_insert_with(make).clone()
     }
 }
 

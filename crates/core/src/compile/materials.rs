@@ -2,7 +2,7 @@
 
 use super::{Compiler, ResolvedMaterial};
 use crate::{
-    bsdf::{CoatSeries, NormalDistribution, Shadowing},
+    bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
     color::{Color, Role},
     material::{Eta, Material, Model, Roughness},
     medium::{MEDIA, Medium},
@@ -108,6 +108,10 @@ impl Compiler<'_> {
                 let nonlinear = self.bool(node, "nonlinear", false);
                 self.coated(node, "diffuse_reflectance", 1.49, CoatSeries::Plastic { nonlinear })
             }
+            "oren_nayar" | "minnaert" | "phong" | "lafortune" | "blinn_phong" | "ward" => {
+                Model::Classical(self.classical(node))
+            }
+            "cook_torrance" => Model::Facets(self.cook_torrance(node)),
             "interface" => Model::Interface,
             "mask" => {
                 let inner = self.nested(node, "material", depth);
@@ -279,8 +283,22 @@ impl Compiler<'_> {
     }
 
     fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
-        let u_value = self.float_texture(node, u, 0.0);
-        let v_value = if node.get(v).is_some() { self.float_texture(node, v, 0.0) } else { u_value };
+        self.roughness_or(node, [u, v], 0.0, NormalDistribution::Ggx, self.shadowing())
+    }
+
+    /// Roughness with the defaults of a material: α, the distribution, and the shadowing.
+    pub(super) fn roughness_or(
+        &mut self,
+        node: &Node,
+        [u, v]: [&str; 2],
+        alpha: f64,
+        distribution: NormalDistribution,
+        shadowing: Shadowing,
+    ) -> Roughness {
+        use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
+        let u_value = self.roughness_value(node, u, alpha);
+        let v_value = if node.get(v).is_some() { self.roughness_value(node, v, alpha) } else { u_value };
+        let tail = Tail::new(self.float(node, "gamma", 2.0));
         Roughness {
             u: u_value,
             v: v_value,
@@ -288,10 +306,37 @@ impl Compiler<'_> {
             distribution: self.choice(
                 node,
                 "distribution",
-                NormalDistribution::Ggx,
-                &[("ggx", NormalDistribution::Ggx), ("beckmann", NormalDistribution::Beckmann)],
+                distribution,
+                &[
+                    ("ggx", Ggx),
+                    ("beckmann", Beckmann),
+                    ("student_t", StudentT(tail)),
+                    ("blinn", Blinn),
+                    ("gaussian", Gaussian),
+                ],
             ),
-            shadowing: self.shadowing(),
+            shadowing: self.choice(
+                node,
+                "shadowing",
+                shadowing,
+                &[
+                    ("height_correlated", Shadowing::HeightCorrelated),
+                    ("separable", Shadowing::Separable),
+                    ("v_groove", Shadowing::VGroove),
+                ],
+            ),
+        }
+    }
+
+    /// A roughness that is not negative.
+    fn roughness_value(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
+        match self.float_texture(node, name, default) {
+            FloatTexture::Constant(v) if v < 0.0 => {
+                let span = node.param(name).and_then(|p| p.span).or(node.span);
+                self.error(span, format!("a roughness of {v} is not possible; '{name}' starts at 0"));
+                FloatTexture::Constant(0.0)
+            }
+            value => value,
         }
     }
 
@@ -301,6 +346,9 @@ impl Compiler<'_> {
         } else {
             self.roughness(node, "conductor.roughness", "conductor.roughness")
         };
+        if let Some(model) = self.special_metal(node, [eta, k, reflectance], &roughness) {
+            return model;
+        }
         if node.get(reflectance).is_some() {
             let r = self.spectrum(node, reflectance, Role::Albedo, ONE);
             return Model::ConductorReflectance(r, roughness);
@@ -318,6 +366,15 @@ impl Compiler<'_> {
     }
 
     fn eta(&mut self, node: &Node, default: f64) -> Eta {
+        if let Some(eta) = self.dispersion(node, default) {
+            return eta;
+        }
+        if let Some(Value::Node(_)) = node.get("eta") {
+            return match self.float_texture(node, "eta", default) {
+                FloatTexture::Constant(v) if v > 0.0 => Eta::Constant(v),
+                varying => Eta::Varying(varying),
+            };
+        }
         let sodium = self.at_sodium_line(node, "eta", default);
         if sodium <= 0.0 {
             self.error(node.span, format!("an index of refraction of {sodium} is not possible"));
@@ -415,7 +472,7 @@ impl Compiler<'_> {
 }
 
 /// A function of two colours, lane by lane or wavelength by wavelength.
-fn combine(a: &Color, b: &Color, f: impl Fn(f32, f32) -> f32) -> Color {
+pub(super) fn combine(a: &Color, b: &Color, f: impl Fn(f32, f32) -> f32) -> Color {
     use std::sync::Arc;
     use steradian_math::{
         Spectrum,

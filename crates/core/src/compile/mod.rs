@@ -1,7 +1,9 @@
 //! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is reported with its
 //! place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
+mod classical;
 mod coats;
+mod dispersion;
 mod lights;
 mod materials;
 mod params;

@@ -5,80 +5,8 @@ use super::{
     plugins,
     reader::Reader,
 };
-use steradian_math::spectra::ior::DIELECTRICS;
+use steradian_math::spectra::ior::{self, DIELECTRICS};
 use steradian_scene::names;
-
-/// Conductors that Mitsuba has data for, each with the one of Steradian's table that is the same or looks most alike.
-const CONDUCTORS: [(&str, &str); 47] = [
-    ("a-C", "TiO2"),
-    ("Ag", "Ag"),
-    ("Al", "Al"),
-    ("AlAs", "TiO2"),
-    ("AlAs_palik", "TiO2"),
-    ("AlSb", "TiO2"),
-    ("AlSb_palik", "TiO2"),
-    ("Au", "Au"),
-    ("Be", "Al"),
-    ("Be_palik", "Al"),
-    ("Cr", "Al"),
-    ("CsI", "MgO"),
-    ("CsI_palik", "MgO"),
-    ("Cu", "Cu"),
-    ("Cu_palik", "Cu"),
-    ("Cu2O", "Cu"),
-    ("Cu2O_palik", "Cu"),
-    ("CuO", "Cu"),
-    ("CuO_palik", "Cu"),
-    ("d-C", "TiO2"),
-    ("d-C_palik", "TiO2"),
-    ("Hg", "Al"),
-    ("Hg_palik", "Al"),
-    ("HgTe", "TiO2"),
-    ("HgTe_palik", "TiO2"),
-    ("Ir", "Al"),
-    ("Ir_palik", "Al"),
-    ("K", "Ag"),
-    ("K_palik", "Ag"),
-    ("Li", "Ag"),
-    ("Li_palik", "Ag"),
-    ("MgO", "MgO"),
-    ("MgO_palik", "MgO"),
-    ("Mo", "Al"),
-    ("Mo_palik", "Al"),
-    ("Na_palik", "Ag"),
-    ("Nb", "Al"),
-    ("Nb_palik", "Al"),
-    ("Ni_palik", "Al"),
-    ("Rh", "Al"),
-    ("Rh_palik", "Al"),
-    ("Ta", "Al"),
-    ("TiN", "CuZn"),
-    ("VN", "CuZn"),
-    ("V", "Al"),
-    ("W", "Al"),
-    ("TiO2", "TiO2"),
-];
-
-/// Further names without near relatives in the table.
-const OTHER_CONDUCTORS: [&str; 17] = [
-    "Se",
-    "Se_palik",
-    "SiC",
-    "SiC_palik",
-    "SnTe",
-    "SnTe_palik",
-    "Te",
-    "Te_palik",
-    "ThF4",
-    "ThF4_palik",
-    "TiC",
-    "TiC_palik",
-    "TiO2_palik",
-    "VC",
-    "VC_palik",
-    "V_palik",
-    "W_palik",
-];
 
 impl Reader<'_> {
     /// An index of refraction, by number or name.
@@ -110,27 +38,13 @@ impl Reader<'_> {
     }
 
     /// The name in Steradian's table for a conductor of Mitsuba's.
-    pub fn conductor_name(&mut self, object: ObjectId, material: &str) -> Option<&'static str> {
-        let span = self.value_span(object, "material");
-        if let Some((_, ours)) = CONDUCTORS.iter().find(|(n, _)| *n == material) {
-            if *ours != material.trim_end_matches("_palik") {
-                self.approximated(
-                    span,
-                    format!("there is no measurement of the conductor '{material}'; that of {ours} is used"),
-                );
-            }
-            return Some(ours);
+    pub fn conductor_name<'m>(&mut self, object: ObjectId, material: &'m str) -> Option<&'m str> {
+        if ior::conductor(material).is_some() {
+            return Some(material);
         }
-        if OTHER_CONDUCTORS.contains(&material) {
-            self.approximated(
-                span,
-                format!("there is no measurement of the conductor '{material}'; that of Al is used"),
-            );
-            return Some("Al");
-        }
-        let known = CONDUCTORS.iter().map(|(n, _)| *n).chain(OTHER_CONDUCTORS).chain(["none"]);
-        let help = names::did_you_mean(material, known);
+        let help = names::did_you_mean(material, ior::conductors().chain(["none"]));
         let message = format!("unknown conductor '{material}'");
+        let span = self.value_span(object, "material");
         self.diagnostics.error_help(&self.desc.sources, Some(span), message, help);
         None
     }

@@ -53,6 +53,12 @@ impl Reader<'_> {
                 self.specular(&mut node, object, false);
                 node
             }
+            "roughdiffuse" => self.rough_diffuse(object),
+            "phong" | "ward" => self.classical_lobe(object, plugin == "ward"),
+            // Steradian's own, under its own names.
+            "oren_nayar" | "minnaert" | "blinn_phong" | "lafortune" | "cook_torrance" => {
+                return self.verbatim(object, Family::Material);
+            }
             "twosided" => {
                 let sides = self.nested(object, 1, 2)?;
                 let back = sides.get(1).or(sides.first()).copied()?;
@@ -136,18 +142,51 @@ impl Reader<'_> {
         node
     }
 
+    /// Oren–Nayar of Mitsuba 0.6, whose `alpha` is a root mean square slope: σ times √2.
+    fn rough_diffuse(&mut self, object: ObjectId) -> Node {
+        let mut node = self.node(Family::Material, "oren_nayar", object);
+        self.put(&mut node, "reflectance", object, "reflectance", Role::Reflectance, 0.5);
+        let fast = self.bool(object, "use_fast_approx").unwrap_or(false);
+        node.set("form", if fast { "qualitative" } else { "full" }, None);
+        let (alpha, span) =
+            self.spectral(object, "alpha", Role::Scalar).unwrap_or((Value::Float(0.2), self.span(object)));
+        let sigma = match alpha {
+            Value::Float(v) => Value::Float(v * std::f64::consts::FRAC_1_SQRT_2),
+            map => Value::Node(self.scaled(object, map, std::f64::consts::FRAC_1_SQRT_2)),
+        };
+        node.set("sigma", sigma, Some(span));
+        node
+    }
+
+    /// Phong's and Ward's models of Mitsuba 0.6.
+    fn classical_lobe(&mut self, object: ObjectId, ward: bool) -> Node {
+        let mut node = self.node(Family::Material, if ward { "ward" } else { "phong" }, object);
+        self.put(&mut node, "diffuse_reflectance", object, "diffuse_reflectance", Role::Reflectance, 0.5);
+        self.put(&mut node, "specular_reflectance", object, "specular_reflectance", Role::Reflectance, 0.2);
+        if ward {
+            let form = match self.choice(object, "variant", &["balanced", "ward", "ward-duer"]) {
+                "ward" => "ward",
+                "ward-duer" => "duer",
+                _ => "bounded",
+            };
+            node.set("form", form, None);
+            for name in ["alpha_u", "alpha_v"] {
+                self.put(&mut node, name, object, name, Role::Scalar, 0.1);
+            }
+        } else {
+            node.set("form", "modified", None);
+            self.put(&mut node, "exponent", object, "exponent", Role::Scalar, 30.0);
+        }
+        node
+    }
+
     /// The microfacet parameters: `alpha`, or `alpha_u` and `alpha_v`; Beckmann unless said otherwise.
     fn roughness(&mut self, node: &mut Node, object: ObjectId) {
-        let distribution = self.choice(object, "distribution", &["beckmann", "ggx", "phong", "as"]);
+        let distribution =
+            self.choice(object, "distribution", &["beckmann", "ggx", "phong", "as", "student_t", "gaussian"]);
         let distribution = match distribution {
-            "phong" | "as" => {
-                let span = self.value_span(object, "distribution");
-                self.approximated(
-                    span,
-                    format!("there is no microfacet distribution '{distribution}'; 'beckmann' is used"),
-                );
-                "beckmann"
-            }
+            // Both are the cosine power of Ashikhmin and Shirley.
+            "phong" | "as" => "blinn",
             known => known,
         };
         let has = |r: &Self, name: &str| r.graph.has(object, name);
@@ -168,6 +207,15 @@ impl Reader<'_> {
         }
         node.set("distribution", distribution, None).set("remap_roughness", false, None);
         self.ignore(object, &["sample_visible"]);
+        // Steradian's own choices.
+        for name in ["shadowing", "compensation", "fresnel"] {
+            if let Some(word) = self.string(object, name) {
+                node.set(name, word, Some(self.value_span(object, name)));
+            }
+        }
+        for name in ["gamma", "film_thickness", "film_eta"] {
+            self.put_given(node, name, object, name, Role::Scalar);
+        }
     }
 
     fn specular(&mut self, node: &mut Node, object: ObjectId, transmits: bool) {

@@ -106,6 +106,40 @@ pub fn cases() -> Vec<Case> {
             d.add(material("mix").with("materials", Value::Nodes(parts.into())).with("amount", 0.25))
         }),
         case("nothing", "interface", true, |d| d.add(material("interface"))),
+        case("rough white", "oren_nayar", true, |d| {
+            d.add(material("oren_nayar").with("reflectance", white(1.0)).with("roughness", 0.8))
+        }),
+        case("clay", "oren_nayar", false, |d| {
+            d.add(
+                material("oren_nayar")
+                    .with("reflectance", rgb([0.6, 0.4, 0.3]))
+                    .with("form", "full")
+                    .with("sigma", 0.5),
+            )
+        }),
+        case("velvet", "minnaert", false, |d| {
+            d.add(material("minnaert").with("reflectance", white(0.7)).with("k", 1.5))
+        }),
+        case("Phong", "phong", false, |d| d.add(material("phong"))),
+        case("Lafortune", "lafortune", false, |d| d.add(material("lafortune").with("exponent", 8.0))),
+        case("Blinn–Phong", "blinn_phong", false, |d| d.add(material("blinn_phong"))),
+        case("Ward, brushed", "ward", false, |d| d.add(material("ward").with("alpha_u", 0.3).with("alpha_v", 0.1))),
+        case("Cook–Torrance", "cook_torrance", false, |d| d.add(material("cook_torrance"))),
+        case("white under a film", "cook_torrance", true, |d| {
+            let m = material("cook_torrance").with("diffuse_reflectance", white(1.0)).with("coupling", "fresnel");
+            d.add(m.with("specular_reflectance", white(1.0)).with("alpha_u", 0.0).with("film_thickness", 400.0))
+        }),
+        case("compensated mirror", "conductor", false, |d| {
+            d.add(material("conductor").with("alpha_u", 0.5).with("compensation", "kulla_conty"))
+        }),
+        case("tempered metal", "conductor", false, |d| {
+            d.add(
+                material("conductor")
+                    .with("permittivity", -9.0)
+                    .with("conductivity", 2e5)
+                    .with("film_thickness", 250.0),
+            )
+        }),
     ];
     for (kind, _) in MATERIALS {
         assert!(cases.iter().any(|c| c.kind == *kind), "material '{kind}' has no case");

@@ -4,7 +4,7 @@
 
 use super::data::cie1931::CMF;
 use super::data::{glasses, illuminants, metals};
-use super::{Curve, Dense};
+use super::{Curve, Dense, ior};
 use std::sync::LazyLock;
 
 /// A name, its samples (λ in nm and value, interleaved), and whether it is an illuminant.
@@ -68,14 +68,14 @@ static ENTRIES: &[Entry] = &[
 
 /// The spectrum called `name`, end values held over the visible range, illuminants scaled to luminance Y = 1. Case matters.
 pub fn named(name: &str) -> Option<Curve> {
-    let entry = ENTRIES.iter().find(|e| e.name == name)?;
+    let Some(entry) = ENTRIES.iter().find(|e| e.name == name) else { return ior::further_conductor(name) };
     let curve = Curve::from_interleaved(entry.samples).ok()?.extended();
     Some(if entry.illuminant { curve.normalized() } else { curve })
 }
 
-/// All names that [`named`] knows.
+/// All names that [`named`] knows, but for the suffix `_palik` of conductors, which is taken too.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    ENTRIES.iter().map(|e| e.name)
+    ENTRIES.iter().map(|e| e.name).chain(ior::further_names())
 }
 
 /// CIE standard illuminant D65 at luminance Y = 1: the white of sRGB.

@@ -38,7 +38,31 @@ fn conductors() {
     assert_eq!((given.get("eta"), given.float("k")), (Some(&rgb([0.2, 1.5, 3.0])), Some(1.0)));
     let import =
         read("<shape type=\"sphere\"><bsdf type=\"conductor\"><string name=\"material\" value=\"Cr\"/></bsdf></shape>");
-    assert!(import.diagnostics.is_lossy() && !import.diagnostics.has_errors());
+    assert!(!import.diagnostics.is_lossy() && !import.diagnostics.has_errors());
+    let (_, tungsten) = material("<bsdf type=\"conductor\"><string name=\"material\" value=\"W_palik\"/></bsdf>");
+    assert_eq!(tungsten.get("eta"), Some(&Value::Spectrum(SpectrumValue::Named("metal-W_palik-eta".into()))));
+}
+
+#[test]
+fn models_of_mitsuba_0_6() {
+    let (_, m) = material("<bsdf type=\"roughdiffuse\"><float name=\"alpha\" value=\"0.3\"/></bsdf>");
+    assert_eq!((m.kind.as_str(), m.string("form"), m.float("reflectance")), ("oren_nayar", Some("full"), Some(0.5)));
+    assert!((m.float("sigma").unwrap() - 0.3 / 2f64.sqrt()).abs() < 1e-12);
+    let (desc, m) = material(
+        "<bsdf type=\"roughdiffuse\"><boolean name=\"use_fast_approx\" value=\"true\"/>
+         <texture name=\"alpha\" type=\"checkerboard\"/></bsdf>",
+    );
+    assert_eq!((m.string("form"), child(&desc, &m, "sigma").kind.as_str()), (Some("qualitative"), "scale"));
+    let (_, m) = material("<bsdf type=\"phong\"/>");
+    assert_eq!((m.kind.as_str(), m.float("exponent"), m.string("form")), ("phong", Some(30.0), Some("modified")));
+    assert_eq!((m.float("diffuse_reflectance"), m.float("specular_reflectance")), (Some(0.5), Some(0.2)));
+    let (_, m) = material(
+        "<bsdf type=\"ward\"><string name=\"variant\" value=\"ward-duer\"/><float name=\"alpha_u\" value=\"0.4\"/></bsdf>",
+    );
+    assert_eq!((m.kind.as_str(), m.string("form")), ("ward", Some("duer")));
+    assert_eq!((m.float("alpha_u"), m.float("alpha_v")), (Some(0.4), Some(0.1)));
+    let (_, m) = material("<bsdf type=\"roughconductor\"><string name=\"distribution\" value=\"as\"/></bsdf>");
+    assert_eq!(m.string("distribution"), Some("blinn"));
 }
 
 #[test]

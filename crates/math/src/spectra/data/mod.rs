@@ -2,6 +2,7 @@
 #![allow(clippy::approx_constant, reason = "measured values that happen to be near π")]
 
 pub(crate) mod cie1931;
+pub(crate) mod conductors;
 pub(crate) mod daylight;
 pub(crate) mod glasses;
 pub(crate) mod illuminants;

@@ -1,0 +1,83 @@
+//! Blinn–Phong (M85): a power of the cosine between the normal and the half vector (Blinn 1977).
+//!
+//! ```text
+//! normalised  f = k_d/π + k_s (n+2)(n+4) / (8π (2^(−n/2) + n)) · cos^n θ_h
+//! empirical   f = k_d/π + k_s cos^n θ_h / cosθ_i                                 as Phong's of 1975
+//! ```
+//!
+//! The normalisation makes the albedo one at normal incidence, where it is largest (Giesen 2009, "Phong and Blinn–Phong
+//! normalization factors"); it is reciprocal. The empirical form is neither reciprocal nor bounded by its `k_s`. A
+//! Blinn–Phong lobe is as wide as a Phong lobe of about a quarter of its exponent. Exponents are in `[0, 10⁶]`.
+
+use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
+use super::phong::exponent_in_range;
+use std::f32::consts::{PI, TAU};
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// A lobe in the half vector.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfVectorLobe {
+    exponent: f32,
+    empirical: bool,
+}
+
+/// Blinn–Phong reflection.
+pub type BlinnPhong = LobeOverDiffuse<HalfVectorLobe>;
+
+impl BlinnPhong {
+    /// The normalised, reciprocal form.
+    pub fn normalised(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
+        Self::of(diffuse, specular, HalfVectorLobe { exponent: exponent_in_range(exponent), empirical: false })
+    }
+
+    /// The form without normalisation.
+    pub fn empirical(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
+        Self::of(diffuse, specular, HalfVectorLobe { exponent: exponent_in_range(exponent), empirical: true })
+    }
+}
+
+impl GlossyLobe for HalfVectorLobe {
+    fn conserves(&self) -> bool {
+        !self.empirical
+    }
+
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let Some(h) = (wo + wi).try_normalize() else { return (0.0, 0.0) };
+        let n = self.exponent;
+        let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
+        let power = (-0.5 * n * tan2.ln_1p()).exp();
+        let pdf = (n + 1.0) / TAU * power / (4.0 * wo.dot(h)).max(1e-6);
+        if self.empirical {
+            return (power, pdf);
+        }
+        let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * n).exp2() + n));
+        (normalisation * power * wi.z, pdf)
+    }
+
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
+        let tan2 = (-2.0 * (1.0 - u2.y).max(f32::MIN_POSITIVE).ln() / (self.exponent + 1.0)).exp_m1();
+        let (sin_phi, cos_phi) = (TAU * u2.x).sin_cos();
+        let r = tan2.max(0.0).sqrt();
+        let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0).try_normalize()?;
+        (wo.dot(h) > 0.0).then(|| super::fresnel::reflect(wo, h))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_albedo_is_one_at_normal_incidence_and_less_at_others() {
+        for n in [0.0, 2.0, 20.0, 200.0] {
+            let m = BlinnPhong::normalised(Spectrum::ZERO, Spectrum::ONE, n);
+            let albedo = |degrees: f32| {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let wo = Vec3::new(sin, 0.0, cos);
+                steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w).value[0]), 1e-4)
+            };
+            assert!((albedo(0.0) - 1.0).abs() < 1e-3, "n = {n}: {}", albedo(0.0));
+            assert!([30.0, 60.0, 85.0].iter().all(|&d| albedo(d) < 1.0 + 1e-3), "n = {n}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Cook & Torrance (1982): Lambertian reflection from the bulk and microfacets on top (M90), with the diffuse part
+//! independent of the angle or lessened by what the facets reflect (M100).
+//!
+//! ```text
+//! f = f_d + k_s F D G / (4 cosθ_o cosθ_i)
+//! sum                   f_d = k_d/π                                                            with k_d + k_s ≤ 1
+//! Ashikhmin & Shirley   f_d = 28/23π k_d (1 − k_s F₀)(1 − (1 − ½cosθ_o)⁵)(1 − (1 − ½cosθ_i)⁵)      2000, eq. 5
+//! Fresnel               f_d = k_d/π (1 − k_s F(θ_o))(1 − k_s F(θ_i))/(1 − k_s ⟨F⟩)            Shirley et al. 1997
+//! ```
+//!
+//! (The printed formula `F D G/(π cos cos)` gains energy with a normalised `D`: E3, E4.) All three are reciprocal. The
+//! last loses nothing on a smooth white surface, for which it is derived; the facets of a rough one reflect more than a
+//! plane at normal incidence, so that white gains up to a hundredth there. `plastic` and `coated_diffuse` have the
+//! rough interface's own tables instead.
+
+use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance, fresnel, sample_cosine_hemisphere};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// How the diffuse part gives way to the reflecting facets.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum DiffuseCoupling {
+    /// Not at all: a sum.
+    Sum,
+    /// As Ashikhmin and Shirley have it.
+    AshikhminShirley,
+    /// By Fresnel's factor of both directions.
+    Fresnel,
+}
+
+/// Facets over a diffuse bulk.
+#[derive(Clone, Copy, Debug)]
+pub struct CookTorrance {
+    /// `k_d`, with what of its coupling depends on no direction.
+    diffuse: Spectrum,
+    specular: Spectrum,
+    reflectance: Reflectance,
+    microfacet: Microfacet,
+    coupling: DiffuseCoupling,
+}
+
+impl CookTorrance {
+    /// `k_d` and `k_s`, each held in `[0, 1]`; in a plain sum both are scaled down where they exceed one together.
+    pub fn new(
+        diffuse: Spectrum,
+        specular: Spectrum,
+        reflectance: Reflectance,
+        microfacet: Microfacet,
+        coupling: DiffuseCoupling,
+    ) -> Self {
+        let (mut diffuse, mut specular) = (diffuse.clamp(0.0, 1.0), specular.clamp(0.0, 1.0));
+        match coupling {
+            _ if diffuse.is_black() => {}
+            DiffuseCoupling::Sum => {
+                let over = (diffuse + specular).map(|sum| 1.0 / sum.max(1.0));
+                (diffuse, specular) = (diffuse * over, specular * over);
+            }
+            DiffuseCoupling::AshikhminShirley => {
+                diffuse = diffuse * (Spectrum::ONE - specular * reflectance.eval(1.0)) * (28.0 / 23.0);
+            }
+            DiffuseCoupling::Fresnel => {
+                let left = (Spectrum::ONE - specular * reflectance.diffuse()).max(1e-3);
+                diffuse = diffuse.safe_div(left);
+            }
+        }
+        Self { diffuse, specular, reflectance, microfacet, coupling }
+    }
+
+    /// A metal or mirror without a diffuse part.
+    pub fn specular(specular: Spectrum, reflectance: Reflectance, microfacet: Microfacet) -> Self {
+        Self::new(Spectrum::ZERO, specular, reflectance, microfacet, DiffuseCoupling::Sum)
+    }
+
+    /// Whether there is a mirror direction and nothing else.
+    pub(super) fn is_specular(&self) -> bool {
+        self.microfacet.is_smooth() && self.diffuse.is_black()
+    }
+
+    /// `π f_d`.
+    fn diffuse(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        match self.coupling {
+            DiffuseCoupling::Sum => self.diffuse,
+            DiffuseCoupling::AshikhminShirley => {
+                let of = |cos: f32| 1.0 - (1.0 - 0.5 * cos).powi(5);
+                self.diffuse * (of(wo.z) * of(wi.z))
+            }
+            DiffuseCoupling::Fresnel => {
+                let of = |cos: f32| Spectrum::ONE - self.specular * self.reflectance.eval(cos);
+                self.diffuse * of(wo.z) * of(wi.z)
+            }
+        }
+    }
+
+    /// The probability of sampling the facets.
+    fn glossy(&self, wo: Vec3) -> f32 {
+        let s = (self.specular * self.reflectance.eval(wo.z)).max_element();
+        let d = self.diffuse.max_element().min(1.0);
+        match (s > 0.0, d > 0.0) {
+            (true, true) => (s / (s + d)).clamp(0.1, 0.9),
+            (true, false) => 1.0,
+            _ => 0.0,
+        }
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let glossy = self.glossy(wo);
+        let cosine = wi.z * FRAC_1_PI;
+        let mut e = BsdfEval::ZERO;
+        if glossy < 1.0 {
+            e = BsdfEval { value: self.diffuse(wo, wi) * cosine, pdf: (1.0 - glossy) * cosine };
+        }
+        if glossy > 0.0
+            && !self.microfacet.is_smooth()
+            && let Some(facet) = self.microfacet.reflecting(wo, wi)
+        {
+            e.value += self.specular * self.reflectance.eval(facet.cos_o) * facet.value;
+            e.pdf += glossy * facet.pdf;
+        }
+        e
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let glossy = self.glossy(wo);
+        let (wi, lobe) = if u >= glossy {
+            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        } else if self.microfacet.is_smooth() {
+            return Some(BsdfSample {
+                wi: Vec3::new(-wo.x, -wo.y, wo.z),
+                weight: self.specular * self.reflectance.eval(wo.z) / glossy,
+                pdf: glossy,
+                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
+                eta: 1.0,
+            });
+        } else {
+            (fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
+        };
+        let e = self.eval(wo, wi);
+        let weight = e.value / e.pdf;
+        (e.pdf > 0.0 && weight.is_finite()).then(|| BsdfSample {
+            wi,
+            weight,
+            pdf: e.pdf,
+            lobe: Lobe::REFLECTION.with(lobe),
+            eta: 1.0,
+        })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        let specular = self.specular * self.reflectance.eval(wo.z);
+        let diffuse = match self.coupling {
+            DiffuseCoupling::Fresnel => self.diffuse * (Spectrum::ONE - specular),
+            _ => self.diffuse,
+        };
+        (diffuse + specular).clamp(0.0, 1.0)
+    }
+}

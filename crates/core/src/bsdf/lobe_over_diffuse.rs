@@ -1,0 +1,76 @@
+//! The classical sum: a Lambertian part and a glossy lobe, `f = k_d/π + k_s f_lobe`.
+
+use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// A reflecting lobe above the surface; both directions are.
+pub trait GlossyLobe: Copy {
+    /// Whether the lobe of reflectance one sends back no more light than it gets, so that `k_d + k_s ≤ 1` bounds the
+    /// sum.
+    fn conserves(&self) -> bool;
+
+    /// `f cosθ_i` for reflectance one, and the density with which `sample` draws `wi` (both sr⁻¹).
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32);
+
+    /// A direction, not necessarily above the surface.
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3>;
+}
+
+/// A lobe beside Lambertian reflection.
+#[derive(Clone, Copy, Debug)]
+pub struct LobeOverDiffuse<L> {
+    diffuse: Spectrum,
+    specular: Spectrum,
+    lobe: L,
+    /// The probability of sampling the lobe.
+    glossy: f32,
+}
+
+impl<L: GlossyLobe> LobeOverDiffuse<L> {
+    /// `k_d` and `k_s`, each held in `[0, 1]`; where they exceed one together both are scaled down, if the lobe
+    /// conserves energy.
+    pub(super) fn of(diffuse: Spectrum, specular: Spectrum, lobe: L) -> Self {
+        let (mut diffuse, mut specular) = (diffuse.clamp(0.0, 1.0), specular.clamp(0.0, 1.0));
+        if lobe.conserves() {
+            let over = (diffuse + specular).map(|sum| 1.0 / sum.max(1.0));
+            (diffuse, specular) = (diffuse * over, specular * over);
+        }
+        let (d, s) = (diffuse.max_element(), specular.max_element());
+        Self { diffuse, specular, lobe, glossy: if s > 0.0 { s / (d + s) } else { 0.0 } }
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let cosine = wi.z * FRAC_1_PI;
+        let (value, pdf) = if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) };
+        if !(value.is_finite() && pdf.is_finite()) {
+            return BsdfEval::ZERO;
+        }
+        BsdfEval {
+            value: self.diffuse * cosine + self.specular * value,
+            pdf: (1.0 - self.glossy) * cosine + self.glossy * pdf,
+        }
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let (wi, lobe) = if u < self.glossy {
+            (self.lobe.sample(wo, u2)?, Lobe::GLOSSY)
+        } else {
+            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        };
+        let e = self.eval(wo, wi);
+        let weight = e.value / e.pdf;
+        let fine = e.pdf > 0.0 && e.pdf.is_finite() && weight.is_finite() && wi.is_finite();
+        fine.then(|| BsdfSample { wi, weight, pdf: e.pdf, lobe: Lobe::REFLECTION.with(lobe), eta: 1.0 })
+    }
+
+    pub(super) fn albedo_estimate(&self) -> Spectrum {
+        (self.diffuse + self.specular).clamp(0.0, 1.0)
+    }
+}

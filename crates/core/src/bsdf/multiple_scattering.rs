@@ -1,0 +1,215 @@
+//! Light that facets of a metal reflect to each other: what single scattering loses given back (M81, M92).
+//!
+//! With `E(θ)` the albedo of a perfectly reflecting rough surface, `⟨E⟩` its mean over the cosine and `⟨F⟩` the mean
+//! Fresnel factor:
+//!
+//! ```text
+//! Kulla–Conty   f = f₁ + ⟨F⟩²⟨E⟩/(1 − ⟨F⟩(1 − ⟨E⟩)) · (1 − E(θ_o))(1 − E(θ_i))/(π(1 − ⟨E⟩))
+//! Turquin       f = f₁ (1 + F₀ (1 − E(θ_o))/E(θ_o))
+//! ```
+//!
+//! (Kulla & Conty 2017, "Revisiting physically based shading at Imageworks", after Kelemen & Szirmay-Kalos 2001; the
+//! colour of repeated reflection by Hill 2018. Turquin 2019, "Practical multiple scattering compensation for microfacet
+//! models".) The first is reciprocal; the second scales the lobe, keeps its shape, and is not. Both lose nothing where
+//! the facets do not. An anisotropic surface uses the table of its smaller roughness, so that it is given back too
+//! little rather than too much; with V-grooves, whose loss is not ordered by roughness, it gets nothing back.
+
+use super::{BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Shadowing, fresnel};
+use super::{Reflectance, sample_cosine_hemisphere};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// How light between facets is accounted for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Compensation {
+    /// A broad lobe beside the single scattering.
+    KullaConty,
+    /// A factor on the single scattering.
+    Turquin,
+}
+
+const ANGLES: usize = 32;
+const ROWS: usize = 32;
+/// Facets per entry.
+const NORMALS: usize = 512;
+/// Roughness of the last row.
+const ROUGHEST: f32 = 2.0;
+
+/// `E` over the square roots of cosine and roughness, for one distribution and kind of shadowing.
+#[derive(Clone, Debug)]
+pub struct EnergyTable {
+    /// `E(θ)` of each roughness, and its mean.
+    rows: Vec<([f32; ANGLES], f32)>,
+}
+
+impl EnergyTable {
+    /// Integrates the table: deterministic, some 30 ms.
+    pub fn new(distribution: NormalDistribution, shadowing: Shadowing) -> Self {
+        let row = |j: usize| {
+            let alpha = ROUGHEST * (j as f32 / (ROWS - 1) as f32).powi(2);
+            let surface = Microfacet::new(distribution, shadowing, alpha, alpha);
+            if surface.is_smooth() {
+                return ([1.0; ANGLES], 1.0);
+            }
+            let albedo: [f32; ANGLES] = std::array::from_fn(|i| {
+                let mu = (i as f32 / (ANGLES - 1) as f32).powi(2).max(1e-5);
+                albedo(&surface, mu)
+            });
+            // 2∫ E μ dμ over pieces in √μ, by the midpoint.
+            let pieces = 8 * (ANGLES - 1);
+            let mean = (0..pieces)
+                .map(|i| {
+                    let x = (i as f32 + 0.5) / pieces as f32;
+                    4.0 * at(&albedo, x * x) * x * x * x / pieces as f32
+                })
+                .sum::<f32>();
+            (albedo, mean.min(1.0))
+        };
+        Self { rows: (0..ROWS).map(row).collect() }
+    }
+
+    /// The rows around a roughness and the weight of the second.
+    fn place(alpha: f32) -> (usize, f32) {
+        let x = (alpha / ROUGHEST).clamp(0.0, 1.0).sqrt() * (ROWS - 1) as f32;
+        let j = (x as usize).min(ROWS - 2);
+        (j, x - j as f32)
+    }
+
+    /// `E(θ)`.
+    #[inline]
+    fn albedo(&self, (j, t): (usize, f32), cos: f32) -> f32 {
+        let (a, b) = (at(&self.rows[j].0, cos), at(&self.rows[j + 1].0, cos));
+        (a + (b - a) * t).clamp(1e-3, 1.0)
+    }
+
+    /// `⟨E⟩`.
+    fn mean(&self, (j, t): (usize, f32)) -> f32 {
+        let (a, b) = (self.rows[j].1, self.rows[j + 1].1);
+        a + (b - a) * t
+    }
+}
+
+fn at(row: &[f32; ANGLES], cos: f32) -> f32 {
+    let x = cos.clamp(0.0, 1.0).sqrt() * (ANGLES - 1) as f32;
+    let i = (x as usize).min(ANGLES - 2);
+    row[i] + (row[i + 1] - row[i]) * (x - i as f32)
+}
+
+/// The albedo of perfectly reflecting facets, over a lattice of the normals that are seen.
+fn albedo(surface: &Microfacet, mu: f32) -> f32 {
+    let wo = Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu);
+    let sum: f64 = (0..NORMALS)
+        .map(|i| {
+            let i = i as f64 + 0.5;
+            let u = Vec2::new((i * 0.618_033_988_749_894_9).fract() as f32, (i / NORMALS as f64) as f32);
+            let m = surface.sample_visible(wo, u);
+            let wi = fresnel::reflect(wo, m);
+            if wi.z <= 0.0 { 0.0 } else { f64::from(surface.sampled_weight(wo, wi, m)) }
+        })
+        .sum();
+    ((sum / NORMALS as f64) as f32).min(1.0)
+}
+
+/// A rough metal with light between its facets.
+#[derive(Clone, Copy, Debug)]
+pub struct CompensatedConductor<'a> {
+    conductor: Conductor,
+    table: &'a EnergyTable,
+    row: (u32, f32),
+    /// Kulla and Conty's colour factor over `1 − ⟨E⟩`, or `F₀`.
+    colour: Spectrum,
+    kind: Compensation,
+}
+
+impl<'a> CompensatedConductor<'a> {
+    /// A metal whose facets have the table's distribution and shadowing.
+    pub fn new(conductor: Conductor, kind: Compensation, table: &'a EnergyTable) -> Self {
+        let place = EnergyTable::place(conductor.microfacet.least_lossy_alpha());
+        let reflectance = Reflectance::Conductor { eta: conductor.eta, k: conductor.k };
+        let colour = match kind {
+            Compensation::KullaConty => {
+                let e = table.mean(place);
+                let f = (conductor.tint * reflectance.diffuse()).clamp(0.0, 1.0);
+                f.map(|f| f * f * e / (1.0 - f * (1.0 - e)).max(1e-4)) / (1.0 - e).max(1e-4)
+            }
+            Compensation::Turquin => conductor.tint * reflectance.eval(1.0),
+        };
+        Self { conductor, table, row: (place.0 as u32, place.1), colour, kind }
+    }
+
+    pub(super) fn is_specular(&self) -> bool {
+        self.conductor.microfacet.is_smooth()
+    }
+
+    fn lost(&self, cos: f32) -> f32 {
+        1.0 - self.table.albedo((self.row.0 as usize, self.row.1), cos)
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
+            return BsdfEval::ZERO;
+        }
+        let mut e = self.conductor.eval(wo, wi);
+        let lost = self.lost(wo.z);
+        match self.kind {
+            Compensation::Turquin => e.value *= Spectrum::ONE + self.colour * (lost / (1.0 - lost)),
+            Compensation::KullaConty => {
+                let cosine = wi.z * FRAC_1_PI;
+                e.value += self.colour * (lost * self.lost(wi.z) * cosine);
+                e.pdf += (cosine - e.pdf) * lost;
+            }
+        }
+        e
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        if self.is_specular() {
+            return self.conductor.sample(wo, u2);
+        }
+        // The broad lobe carries what single scattering loses, and is drawn with that probability.
+        let broad = self.kind == Compensation::KullaConty && u < self.lost(wo.z);
+        let (wi, lobe) = if broad {
+            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        } else {
+            (fresnel::reflect(wo, self.conductor.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
+        };
+        let e = self.eval(wo, wi);
+        let weight = e.value / e.pdf;
+        (e.pdf > 0.0 && weight.is_finite()).then(|| BsdfSample {
+            wi,
+            weight,
+            pdf: e.pdf,
+            lobe: Lobe::REFLECTION.with(lobe),
+            eta: 1.0,
+        })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        self.conductor.albedo_estimate(wo)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rough_metal_loses_light_to_its_facets_and_a_smooth_one_does_not() {
+        let table = EnergyTable::new(NormalDistribution::Ggx, Shadowing::HeightCorrelated);
+        let e = |alpha, cos| table.albedo(EnergyTable::place(alpha), cos);
+        assert!(e(0.0, 0.5) > 0.999 && e(0.05, 0.9) > 0.99);
+        // Kulla & Conty's figure: a third of the light is lost at α = 1.
+        let rough = table.mean(EnergyTable::place(1.0));
+        assert!((0.4..0.75).contains(&rough), "{rough}");
+        for alpha in [0.3, 0.45, 0.77] {
+            let surface = Microfacet::ggx(alpha, alpha);
+            for cos in [0.02, 0.2, 0.55, 1.0] {
+                let (exact, tabulated) = (albedo(&surface, cos), e(alpha, cos));
+                assert!((exact - tabulated).abs() < 6e-3, "α = {alpha}, {cos}: {tabulated} is not {exact}");
+            }
+        }
+    }
+}

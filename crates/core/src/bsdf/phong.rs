@@ -1,0 +1,147 @@
+//! Cosine lobes around a transformed direction: Phong (M84) and Lafortune.
+//!
+//! ```text
+//! modified Phong   f = k_d/π + k_s (n+2)/2π · max(0, cosα)^n             cosα = R(wo)·wi;  Lafortune & Willems 1994
+//! empirical Phong  f = k_d/π + k_s max(0, cosα)^n / cosθ_i              Phong 1975, as a BRDF: see below
+//! Lafortune        f = k_d/π + k_s (n+2)/2π · max(0, C_x x x' + C_y y y' + C_z z z')^n       Lafortune et al. 1997, one lobe
+//! ```
+//!
+//! The modified form is reciprocal and its albedo at most `k_d + k_s`. The empirical form is what the illumination
+//! model of 1975 says of a point light, `L = L_i k_s cos^n α`: neither reciprocal nor, below `n = 2π − 1`, bounded by
+//! its `k_s`. Lafortune's coefficients lie in `[−1, 1]`: (−1, −1, 1) is Phong, less in `z` makes the lobe lean towards
+//! grazing, a positive `x` and `y` throw light back. Exponents are in `[0, 10⁶]`.
+
+use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
+use std::f32::consts::TAU;
+use steradian_math::{Spectrum, Vec2, Vec3};
+
+/// A cosine lobe.
+#[derive(Clone, Copy, Debug)]
+pub struct CosineLobe {
+    coefficients: Vec3,
+    exponent: f32,
+    empirical: bool,
+}
+
+/// Phong's model and its relatives.
+pub type Phong = LobeOverDiffuse<CosineLobe>;
+
+/// An exponent brought into its range.
+pub(super) fn exponent_in_range(n: f32) -> f32 {
+    if n > 0.0 { n.min(1e6) } else { 0.0 }
+}
+
+impl Phong {
+    /// Phong's mirror direction.
+    pub const MIRROR: Vec3 = Vec3::new(-1.0, -1.0, 1.0);
+
+    /// The normalised, reciprocal form.
+    pub fn modified(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
+        Self::lafortune(diffuse, specular, Self::MIRROR, exponent)
+    }
+
+    /// The form of 1975.
+    pub fn empirical(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
+        let exponent = exponent_in_range(exponent);
+        Self::of(diffuse, specular, CosineLobe { coefficients: Self::MIRROR, exponent, empirical: true })
+    }
+
+    /// One lobe of Lafortune's, with coefficients held in `[−1, 1]`.
+    pub fn lafortune(diffuse: Spectrum, specular: Spectrum, coefficients: Vec3, exponent: f32) -> Self {
+        let coefficients =
+            if coefficients.is_finite() { coefficients.clamp(-Vec3::ONE, Vec3::ONE) } else { Self::MIRROR };
+        Self::of(
+            diffuse,
+            specular,
+            CosineLobe { coefficients, exponent: exponent_in_range(exponent), empirical: false },
+        )
+    }
+}
+
+impl CosineLobe {
+    /// The lobe's axis and the length of the transformed direction.
+    fn axis(&self, wo: Vec3) -> Option<(Vec3, f32)> {
+        let d = self.coefficients * wo;
+        let length = d.length();
+        (length > 1e-6).then(|| (d / length, length))
+    }
+}
+
+/// `cos^n` of the angle between two unit vectors, by their distance: the cosine itself is too coarse for large
+/// exponents.
+fn cosine_power(a: Vec3, b: Vec3, n: f32) -> f32 {
+    let versine = 0.5 * (a - b).length_squared();
+    if versine >= 1.0 { 0.0 } else { (n * (-versine).ln_1p()).exp() }
+}
+
+impl GlossyLobe for CosineLobe {
+    fn conserves(&self) -> bool {
+        !self.empirical
+    }
+
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let Some((axis, length)) = self.axis(wo) else { return (0.0, 0.0) };
+        let power = cosine_power(axis, wi, self.exponent);
+        let pdf = (self.exponent + 1.0) / TAU * power;
+        if self.empirical {
+            return (power, pdf);
+        }
+        let size = if self.coefficients == Phong::MIRROR { 1.0 } else { length.powf(self.exponent) };
+        ((self.exponent + 2.0) / TAU * power * size * wi.z, pdf)
+    }
+
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
+        let (axis, _) = self.axis(wo)?;
+        // The angle by 1 − cosα, which is small for large exponents.
+        let versine = -((1.0 - u2.y).max(f32::MIN_POSITIVE).ln() / (self.exponent + 1.0)).exp_m1();
+        let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = (TAU * u2.x).sin_cos();
+        let (s, t) = axis.any_orthonormal_pair();
+        Some((s * (sin * cos_phi) + t * (sin * sin_phi) + axis * (1.0 - versine)).normalize_or(axis))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn direction(degrees: f32, phi: f32) -> Vec3 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    }
+
+    fn albedo(m: &Phong, degrees: f32) -> f64 {
+        let wo = direction(degrees, 0.7);
+        steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w).value[0]), 1e-4)
+    }
+
+    /// `(n+2)/2π` makes the albedo at normal incidence one (M84), and less at others.
+    #[test]
+    fn the_normalised_lobe_reflects_all_at_normal_incidence() {
+        for n in [0.0, 1.0, 10.0, 100.0] {
+            let m = Phong::modified(Spectrum::ZERO, Spectrum::ONE, n);
+            assert!((albedo(&m, 0.0) - 1.0).abs() < 1e-3, "n = {n}: {}", albedo(&m, 0.0));
+            assert!(albedo(&m, 80.0) < 1.0);
+        }
+    }
+
+    /// The empirical lobe sends `2π/(n+1)` back at normal incidence, and is another one backwards.
+    #[test]
+    fn the_empirical_lobe_neither_conserves_nor_reciprocates() {
+        let m = Phong::empirical(Spectrum::ZERO, Spectrum::ONE, 2.0);
+        assert!((albedo(&m, 0.0) - f64::from(TAU) / 3.0).abs() < 2e-3);
+        let (a, b) = (direction(20.0, 0.0), direction(60.0, 3.0));
+        let f = |wo, wi: Vec3| m.eval(wo, wi).value[0] / wi.z;
+        assert!((f(a, b) / f(b, a) - a.z / b.z).abs() < 1e-4);
+    }
+
+    #[test]
+    fn lafortunes_lobe_with_phongs_coefficients_is_phongs() {
+        let (a, b) = (direction(30.0, 0.2), direction(40.0, 3.0));
+        let phong = Phong::modified(Spectrum::ZERO, Spectrum::ONE, 20.0).eval(a, b).value;
+        let near = Phong::lafortune(Spectrum::ZERO, Spectrum::ONE, Vec3::new(-1.0, -1.0, 0.999_999), 20.0);
+        assert!((near.eval(a, b).value[0] - phong[0]).abs() < 1e-3 * phong[0]);
+        let retro = Phong::lafortune(Spectrum::ZERO, Spectrum::ONE, Vec3::ONE, 20.0);
+        assert!(retro.eval(a, a).value[0] > 10.0 * retro.eval(a, b).value[0]);
+    }
+}

@@ -1,0 +1,177 @@
+//! The classical models, and facets with a choice of reflectance, with their textures.
+
+use super::{Roughness, albedo, optical_constant};
+use crate::{
+    bsdf::{
+        BlinnPhong, Bsdf, Conductor, CookTorrance, DiffuseCoupling, Minnaert, OrenNayar, OrenNayarForm, Phong,
+        Reflectance, ThinFilm, Ward, WardForm,
+    },
+    color::ColorMode,
+    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
+};
+use steradian_math::{Vec3, spectra::Wavelengths};
+
+/// The shape of a glossy lobe over a diffuse part.
+#[derive(Clone, Copy, Debug)]
+pub enum LobeShape {
+    /// Phong, modified.
+    Phong(FloatTexture),
+    /// Phong of 1975.
+    PhongEmpirical(FloatTexture),
+    /// Lafortune, with its coefficients.
+    Lafortune(FloatTexture, Vec3),
+    /// Blinn–Phong, normalised.
+    BlinnPhong(FloatTexture),
+    /// Blinn–Phong without normalisation.
+    BlinnPhongEmpirical(FloatTexture),
+    /// Ward: roughness along the tangent and bitangent.
+    Ward(FloatTexture, FloatTexture, WardForm),
+}
+
+/// A model of before facets.
+#[derive(Clone, Debug)]
+pub enum Classical {
+    /// Albedo and roughness.
+    OrenNayar(SpectrumTexture, FloatTexture, OrenNayarForm),
+    /// Albedo and limb darkening.
+    Minnaert(SpectrumTexture, FloatTexture),
+    /// A lobe beside Lambertian reflection.
+    Lobe {
+        /// `k_d`.
+        diffuse: SpectrumTexture,
+        /// `k_s`.
+        specular: SpectrumTexture,
+        /// The lobe.
+        shape: LobeShape,
+    },
+}
+
+impl Classical {
+    /// Whether the orientation of the tangent matters.
+    pub(super) fn is_anisotropic(&self) -> bool {
+        matches!(self, Self::Lobe { shape: LobeShape::Ward(..) | LobeShape::Lafortune(..), .. })
+    }
+
+    pub(super) fn eval(&self, textures: &Textures, at: &TextureContext, lambda: &Wavelengths) -> Bsdf<'static> {
+        let float = |t: &FloatTexture| t.eval(textures, at);
+        let spectrum = |t: &SpectrumTexture| albedo(t.eval(textures, at, lambda));
+        match self {
+            Self::OrenNayar(rho, roughness, form) => {
+                Bsdf::OrenNayar(OrenNayar::new(spectrum(rho), float(roughness), *form))
+            }
+            Self::Minnaert(rho, k) => Bsdf::Minnaert(Minnaert::new(spectrum(rho), float(k))),
+            Self::Lobe { diffuse, specular, shape } => {
+                let (d, s) = (spectrum(diffuse), spectrum(specular));
+                match shape {
+                    LobeShape::Phong(n) => Bsdf::Phong(Phong::modified(d, s, float(n))),
+                    LobeShape::PhongEmpirical(n) => Bsdf::Phong(Phong::empirical(d, s, float(n))),
+                    LobeShape::Lafortune(n, c) => Bsdf::Phong(Phong::lafortune(d, s, *c, float(n))),
+                    LobeShape::BlinnPhong(n) => Bsdf::BlinnPhong(BlinnPhong::normalised(d, s, float(n))),
+                    LobeShape::BlinnPhongEmpirical(n) => Bsdf::BlinnPhong(BlinnPhong::empirical(d, s, float(n))),
+                    LobeShape::Ward(x, y, form) => Bsdf::Ward(Ward::new(d, s, float(x), float(y), *form)),
+                }
+            }
+        }
+    }
+}
+
+/// A metal by its complex index.
+#[derive(Clone, Debug)]
+pub struct Metal {
+    /// Real part.
+    pub eta: SpectrumTexture,
+    /// Imaginary part.
+    pub k: SpectrumTexture,
+    /// Factor.
+    pub tint: SpectrumTexture,
+    /// Roughness.
+    pub roughness: Roughness,
+}
+
+impl Metal {
+    pub(super) fn eval(&self, textures: &Textures, at: &TextureContext, lambda: &Wavelengths) -> Conductor {
+        Conductor {
+            eta: optical_constant(self.eta.eval(textures, at, lambda)),
+            k: optical_constant(self.k.eval(textures, at, lambda)),
+            tint: albedo(self.tint.eval(textures, at, lambda)),
+            microfacet: self.roughness.microfacet(textures, at),
+        }
+    }
+}
+
+/// A thin film.
+#[derive(Clone, Copy, Debug)]
+pub struct Film {
+    /// Thickness in nm.
+    pub thickness: FloatTexture,
+    /// Index.
+    pub eta: FloatTexture,
+    /// What the lanes are.
+    pub mode: ColorMode,
+}
+
+/// What facets reflect.
+#[derive(Clone, Debug)]
+pub enum FacetReflectance {
+    /// A dielectric.
+    Dielectric(FloatTexture),
+    /// A metal; whether by the large-k approximation.
+    Conductor(SpectrumTexture, SpectrumTexture, bool),
+    /// Schlick's form between two reflectances.
+    Schlick(SpectrumTexture, SpectrumTexture),
+}
+
+/// Facets over a diffuse part.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    /// `k_d`.
+    pub diffuse: SpectrumTexture,
+    /// `k_s`.
+    pub specular: SpectrumTexture,
+    /// What they reflect.
+    pub reflectance: FacetReflectance,
+    /// A film on them; not on Schlick's.
+    pub film: Option<Film>,
+    /// How the diffuse part gives way.
+    pub coupling: DiffuseCoupling,
+    /// Roughness.
+    pub roughness: Roughness,
+}
+
+impl Facets {
+    pub(super) fn eval(&self, textures: &Textures, at: &TextureContext, lambda: &Wavelengths) -> CookTorrance {
+        use steradian_math::Spectrum;
+        let constant = |t: &SpectrumTexture| optical_constant(t.eval(textures, at, lambda));
+        let spectrum = |t: &SpectrumTexture| albedo(t.eval(textures, at, lambda));
+        let film = self.film.map(|f| {
+            let lambda = (f.mode == ColorMode::Spectral).then_some(lambda.lambda);
+            ThinFilm::new(f.eta.eval(textures, at), f.thickness.eval(textures, at), lambda)
+        });
+        let reflectance = match (&self.reflectance, film) {
+            (FacetReflectance::Dielectric(eta), film) => {
+                let eta = super::index_of_refraction(eta.eval(textures, at));
+                match film {
+                    Some(film) => Reflectance::ThinFilm { film, eta: Spectrum::splat(eta), k: Spectrum::ZERO },
+                    None => Reflectance::Dielectric(eta),
+                }
+            }
+            (FacetReflectance::Conductor(eta, k, _), Some(film)) => {
+                Reflectance::ThinFilm { film, eta: constant(eta), k: constant(k) }
+            }
+            (FacetReflectance::Conductor(eta, k, true), None) => {
+                Reflectance::LargeK { eta: constant(eta), k: constant(k) }
+            }
+            (FacetReflectance::Conductor(eta, k, false), None) => {
+                Reflectance::Conductor { eta: constant(eta), k: constant(k) }
+            }
+            (FacetReflectance::Schlick(f0, f90), _) => Reflectance::Schlick { f0: spectrum(f0), f90: spectrum(f90) },
+        };
+        CookTorrance::new(
+            spectrum(&self.diffuse),
+            spectrum(&self.specular),
+            reflectance,
+            self.roughness.microfacet(textures, at),
+            self.coupling,
+        )
+    }
+}
