@@ -96,6 +96,23 @@ fn pbrt_scenes_match_pbrt() {
     }
 }
 
+/// The same in RGB mode, where light meets coloured surfaces in three lanes: within 6 %.
+#[test]
+fn pbrt_scenes_in_rgb_are_near() {
+    let Some(assets) = assets() else { return };
+    for name in ["cornell-box", "veach-mis", "coffee", "staircase2"] {
+        let folder = assets.join("pbrt").join(name);
+        let reference = read(folder.join("pbrt-v4-reference.exr"));
+        let half = (reference.width() as u32 / 2, reference.height() as u32 / 2);
+        let picture = render(folder.join("scene-v4.pbrt"), Some(half), ColorMode::Rgb, 16);
+        for c in 0..3 {
+            let ((a, error), (b, _)) = (mean_and_error(&picture, c), mean_and_error(&reference, c));
+            println!("{name} channel {c}: mean {a:.5} reference {b:.5} ratio {:.4}", a / b);
+            assert!((a / b - 1.0).abs() < 0.06 + 4.0 * error / b, "{name} channel {c}: {a} against {b}");
+        }
+    }
+}
+
 /// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: its median over blocks and its
 /// mean without the brightest blocks are compared.
 #[test]

@@ -11,6 +11,7 @@
 //!
 //! For a smooth interface they are Fresnel's equations; for a rough one they are integrated over visible normals.
 
+use super::coat_colors::CoatColors;
 use super::{Microfacet, NormalDistribution, Shadowing, fresnel};
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -31,6 +32,22 @@ pub enum CoatSeries {
     },
 }
 
+impl CoatSeries {
+    /// The light that leaves a base of albedo `rho` per light that reaches it, where the coat throws the fraction `k` back.
+    #[inline]
+    fn sum(self, rho: f32, k: f32) -> f32 {
+        match self {
+            Self::Layered { max_depth, .. } => {
+                let orders = max_depth.div_ceil(2).min(i32::MAX as u32) as i32;
+                // Σ (ρK)ⁿ for n < orders.
+                rho * (1.0 - (rho * k).powi(orders)) / (1.0 - rho * k).max(1e-4)
+            }
+            Self::Plastic { nonlinear: true } => rho / (1.0 - rho * k).max(1e-4),
+            Self::Plastic { nonlinear: false } => rho / (1.0 - k).max(1e-4),
+        }
+    }
+}
+
 /// Angles per row, at `μ = (i/(ANGLES − 1))²`: most of the change is near grazing.
 const ANGLES: usize = 64;
 /// Rows of a table whose roughness varies.
@@ -45,6 +62,8 @@ struct Row {
     transmitted: [f32; ANGLES],
     internal: f32,
     mean_transmitted: f32,
+    /// In tables for RGB whose base has a spectrum.
+    colors: Option<CoatColors>,
 }
 
 /// The tables of one coat.
@@ -59,6 +78,7 @@ pub struct CoatTable {
     rows: Vec<Row>,
     smooth_internal: f32,
     smooth_mean_transmitted: f32,
+    smooth_colors: Option<CoatColors>,
 }
 
 /// A place between two rows of a [`CoatTable`].
@@ -99,6 +119,7 @@ impl CoatTable {
             rows: Vec::new(),
             smooth_internal: 0.0,
             smooth_mean_transmitted: 0.0,
+            smooth_colors: None,
         };
         table.smooth_internal = match series {
             CoatSeries::Layered { .. } => {
@@ -117,6 +138,16 @@ impl CoatTable {
             })
             .collect();
         table
+    }
+
+    /// The same table for RGB lanes that stand for smooth spectra: see [`CoatColors`].
+    #[must_use]
+    pub fn over_rgb_spectra(mut self) -> Self {
+        let series = self.series;
+        let colors = |k: f32| Some(CoatColors::new(|rho| series.sum(rho, k)));
+        self.smooth_colors = colors(self.smooth_internal);
+        self.rows.iter_mut().for_each(|row| row.colors = colors(row.internal));
+        self
     }
 
     /// Index of the coat relative to the outside.
@@ -182,16 +213,17 @@ impl CoatTable {
 
     /// The light that leaves a base of albedo `rho` per light that reaches it, with all that is thrown back at it summed up.
     pub(super) fn multiply_scattered(&self, place: RowPlace, rho: Spectrum) -> Spectrum {
-        let k = self.between_rows(place, self.smooth_internal, |r| r.internal);
-        match self.series {
-            CoatSeries::Layered { max_depth, .. } => {
-                let orders = max_depth.div_ceil(2).min(i32::MAX as u32) as i32;
-                // Σ (ρK)ⁿ for n < orders.
-                rho.map(|r| r * (1.0 - (r * k).powi(orders)) / (1.0 - r * k).max(1e-4))
-            }
-            CoatSeries::Plastic { nonlinear: true } => rho.map(|r| r / (1.0 - r * k).max(1e-4)),
-            CoatSeries::Plastic { nonlinear: false } => rho / (1.0 - k).max(1e-4),
+        if let Some(smooth) = &self.smooth_colors {
+            let of = |row: usize| self.rows[row].colors.as_ref().unwrap_or(smooth).multiply_scattered(rho);
+            let row = usize::from(place.row);
+            return match place.next {
+                n if n < 0.0 => smooth.multiply_scattered(rho),
+                0.0 => of(row),
+                n => of(row) * (1.0 - n) + of(row + 1) * n,
+            };
         }
+        let k = self.between_rows(place, self.smooth_internal, |r| r.internal);
+        rho.map(|rho| self.series.sum(rho, k))
     }
 
     /// Transmittance of the coat's medium for a crossing at cosine `mu`.
@@ -221,6 +253,7 @@ impl CoatTable {
                 transmitted: std::array::from_fn(|i| self.smooth_transmittance(mu(i))),
                 internal: self.smooth_internal,
                 mean_transmitted: self.smooth_mean_transmitted,
+                colors: None,
             };
         }
         let outside: [[f32; 2]; ANGLES] = std::array::from_fn(|i| {
@@ -251,6 +284,7 @@ impl CoatTable {
             transmitted,
             internal: internal.clamp(0.0, 0.9999),
             mean_transmitted: 0.0,
+            colors: None,
         };
         let mean_transmitted = cosine_mean(self.eta, |mu| {
             let x = mu.sqrt() * (ANGLES - 1) as f32;

@@ -11,6 +11,7 @@
 
 pub mod blinn_phong;
 mod classical;
+mod coat_colors;
 pub mod coat_table;
 pub mod coated;
 pub mod conductor;

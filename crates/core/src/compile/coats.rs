@@ -1,6 +1,9 @@
 //! The tables of coats, shared by materials: one takes milliseconds to make, and scenes have many materials.
 
-use crate::bsdf::{CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing};
+use crate::{
+    ColorMode,
+    bsdf::{CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing},
+};
 use std::{collections::HashMap, sync::Arc};
 
 /// Roughnesses of one kind of coat that get a table of their own; further ones share a table over all roughnesses.
@@ -22,9 +25,17 @@ struct Tables {
 pub(super) struct Coats {
     coats: HashMap<Kind, Tables>,
     energies: HashMap<(NormalDistribution, Shadowing), Arc<EnergyTable>>,
+    /// Whether RGB lanes stand for spectra over which the layers of pbrt's materials are summed: its materials are spectral by
+    /// definition. Mitsuba's plastics in RGB are defined by RGB arithmetic.
+    over_rgb_spectra: bool,
 }
 
 impl Coats {
+    /// No tables yet.
+    pub fn new(mode: ColorMode) -> Self {
+        Self { over_rgb_spectra: mode == ColorMode::Rgb, ..Self::default() }
+    }
+
     /// The table of a coat, by the arguments of [`CoatTable::new`].
     pub fn table(
         &mut self,
@@ -38,7 +49,11 @@ impl Coats {
             CoatSeries::Layered { thickness, max_depth } => [0, thickness.to_bits(), max_depth],
             CoatSeries::Plastic { nonlinear } => [1, u32::from(nonlinear), 0],
         };
-        let make = |alpha| Arc::new(CoatTable::new(distribution, shadowing, eta, alpha, series));
+        let over_rgb_spectra = self.over_rgb_spectra && matches!(series, CoatSeries::Layered { .. });
+        let make = |alpha| {
+            let table = CoatTable::new(distribution, shadowing, eta, alpha, series);
+            Arc::new(if over_rgb_spectra { table.over_rgb_spectra() } else { table })
+        };
         let tables = self.coats.entry((distribution, shadowing, eta.to_bits(), series_bits)).or_default();
         let key = [alpha.0.to_bits(), alpha.1.to_bits()];
         if tables.exact.len() >= EXACT && !tables.exact.contains_key(&key) {

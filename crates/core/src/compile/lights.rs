@@ -8,6 +8,7 @@ use crate::{
         environment::{EnvironmentImage, Parametrization},
         punctual::{Falloff, Slide},
     },
+    texture::SpectrumTexture,
 };
 use steradian_image::Texels;
 use steradian_math::{Vec2, Vec3, color::luminance, transform::Affine};
@@ -33,6 +34,11 @@ fn texel_luminance(t: &Texels, x: usize, y: usize) -> f32 {
     }
 }
 
+fn exceeds_one(t: &Texels) -> bool {
+    let colors = t.channels.min(3);
+    (0..t.height).any(|y| (0..t.width).any(|x| (0..colors).any(|c| t.linear(x, y, c) > 1.0)))
+}
+
 impl Compiler<'_> {
     /// The factor that brings a spectrum to luminance one where the light asks for it (`normalize`). RGB values are relative to a
     /// white of luminance one already.
@@ -56,6 +62,18 @@ impl Compiler<'_> {
             Some((n, t)) => (mean_luminance(&t) * self.float(n, "scale", 1.0)).max(1e-6),
             None => 1.0,
         }
+    }
+
+    /// A parameter that is emitted. RGB values are colours under D65, so that white means D65; but the colours of a Mitsuba texture become
+    /// spectra as if they were reflectances, as they do in Mitsuba.
+    pub(super) fn emitted(&mut self, light: &Node, name: &str) -> SpectrumTexture {
+        let texture = light.node(name).map(|id| self.node(id)).filter(|n| n.kind != "constant");
+        let role = match texture.filter(|_| self.desc.format == Format::Mitsuba) {
+            None => Role::Illuminant,
+            Some(n) if n.kind == "image" && self.image(n).is_some_and(|t| exceeds_one(&t)) => Role::Unbounded,
+            Some(_) => Role::Albedo,
+        };
+        self.spectrum(light, name, role, WHITE)
     }
 
     /// A constant emission spectrum with scale and normalisation applied.
@@ -267,7 +285,7 @@ impl Compiler<'_> {
             (Slide::Image(image), aspect)
         } else {
             let name = if node.get("texture").is_some() { "texture" } else { "radiance" };
-            let slide = self.spectrum(node, name, Role::Illuminant, WHITE);
+            let slide = self.emitted(node, name);
             let image = node.node(name).map(|id| self.node(id)).filter(|n| n.kind == "image");
             let size = image.and_then(|n| self.image(n)).map_or((1, 1), |t| (t.width, t.height));
             (Slide::Texture(slide), size.0 as f32 / size.1.max(1) as f32)

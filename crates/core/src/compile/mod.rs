@@ -112,7 +112,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         media: Vec::new(),
         medium_ids: HashMap::new(),
         open: HashSet::new(),
-        coats: coats::Coats::default(),
+        coats: coats::Coats::new(mode),
         emitters: Vec::new(),
         lights: Vec::new(),
         geometries: Vec::new(),

@@ -11,7 +11,7 @@ use steradian_math::{
     color::{RgbSpace, space},
     spectra::{self, Blackbody, Curve, Spd},
 };
-use steradian_scene::{ColorSpace, Node, NodeId, Param, SpectrumValue, Transform, Value, names};
+use steradian_scene::{ColorSpace, Format, Node, NodeId, Param, SpectrumValue, Transform, Value, names};
 
 /// The RGB space of the mathematics crate.
 pub fn rgb_space(space: ColorSpace) -> &'static RgbSpace {
@@ -180,7 +180,11 @@ impl Compiler<'_> {
                 _ => Color::constant((*v as f32).max(0.0)),
             },
             SpectrumValue::Rgb(v, space) if v.iter().all(|v| (*v as f32).is_finite()) => {
-                Color::rgb(Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32), rgb_space(*space), role, self.mode)
+                let rgb = Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32);
+                // Mitsuba takes the spectrum of a reflectance for coefficients of media too, where there is one.
+                let mitsuba = self.desc.format == Format::Mitsuba && rgb.max_element() <= 1.0;
+                let role = if role == Role::Unbounded && mitsuba { Role::Albedo } else { role };
+                Color::rgb(rgb, rgb_space(*space), role, self.mode)
             }
             SpectrumValue::Constant(_) | SpectrumValue::Rgb(..) => {
                 self.error(span, format!("parameter '{name}' has a value that is not a finite number"));

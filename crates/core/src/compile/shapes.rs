@@ -15,7 +15,7 @@ use crate::{
 use std::sync::Arc;
 use steradian_accel::Geometry as AccelGeometry;
 use steradian_math::{Bounds3, Transform, Vec3, transform::Affine};
-use steradian_scene::{Mesh, Node, SpectrumValue, names};
+use steradian_scene::{Mesh, Node, names};
 
 /// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
@@ -375,7 +375,6 @@ impl Compiler<'_> {
     fn emitter(&mut self, light: &Node, area: f32) -> Option<Emitter> {
         let two_sided = self.bool(light, "two_sided", false);
         let mut scale = self.float(light, "scale", 1.0);
-        let white = SpectrumValue::Rgb([1.0; 3], steradian_scene::ColorSpace::Srgb);
         let (radiance, mean) = if light.get("file").is_some() {
             let texels = (*self.image(light)?).clone();
             let texels = Arc::new(self.emitted_texels(light, texels));
@@ -386,7 +385,7 @@ impl Compiler<'_> {
             let id = self.textures.add(crate::texture::Texture::Image(Arc::new(image)));
             (crate::texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
         } else {
-            let radiance = self.spectrum(light, "radiance", Role::Illuminant, white);
+            let radiance = self.emitted(light, "radiance");
             scale *= self.normalization(light, "radiance");
             let mean = match &radiance {
                 crate::texture::SpectrumTexture::Constant(c) => c.luminance(self.mode),

@@ -70,23 +70,34 @@ impl Reader<'_> {
     pub fn read_meshes(&mut self) {
         let jobs = std::mem::take(&mut self.meshes.jobs);
         let limits = &self.options.limits;
-        let read: Vec<Result<Mesh, String>> = jobs.par_iter().map(|(key, ..)| load(key, limits)).collect();
+        let read: Vec<Result<(Mesh, Option<String>), String>> =
+            jobs.par_iter().map(|(key, ..)| load(key, limits)).collect();
         for ((_, index, span), mesh) in jobs.into_iter().zip(read) {
             match mesh {
-                Ok(mesh) => self.desc.meshes[index] = Arc::new(mesh),
+                Ok((mesh, warning)) => {
+                    self.desc.meshes[index] = Arc::new(mesh);
+                    if let Some(warning) = warning {
+                        self.warn(span, warning);
+                    }
+                }
                 Err(message) => self.error(span, message),
             }
         }
     }
 }
 
-/// Reads a mesh and makes of it what Mitsuba would.
-fn load(key: &MeshKey, limits: &Limits) -> Result<Mesh, String> {
+/// Reads a mesh and makes of it what Mitsuba would; with what is to be said of the file.
+fn load(key: &MeshKey, limits: &Limits) -> Result<(Mesh, Option<String>), String> {
     let bytes = files::read(&key.path, limits).map_err(|e| e.to_string())?;
     let fault = |e: mesh::MeshError| format!("cannot read the mesh '{}': {e}", key.path.display());
     let mut flat = key.face_normals.unwrap_or(false);
+    let mut warning = None;
     let mut mesh = match key.format {
-        MeshFormat::Ply => mesh::ply::read(&bytes, &mesh::ply::PlyOptions::default()).map_err(fault)?,
+        MeshFormat::Ply => {
+            let read = mesh::ply::read(&bytes, &mesh::ply::PlyOptions::default()).map_err(fault)?;
+            warning = read.warning();
+            read.mesh
+        }
         MeshFormat::Obj => {
             let options = mesh::obj::ObjOptions { merge: true, flip_v: key.flip_uvs };
             let read = mesh::obj::read(&bytes, &options).map_err(fault)?;
@@ -110,5 +121,5 @@ fn load(key: &MeshKey, limits: &Limits) -> Result<Mesh, String> {
     if key.flip_normals {
         normals::flip(&mut mesh);
     }
-    Ok(mesh)
+    Ok((mesh, warning))
 }

@@ -3,7 +3,7 @@
 use super::report::Report;
 use crate::{
     Limits, files,
-    mesh::ply::{self, PlyOptions},
+    mesh::ply::{self, PlyFile, PlyOptions},
 };
 use rayon::prelude::*;
 use std::{collections::HashMap, path::PathBuf, sync::Arc};
@@ -42,20 +42,25 @@ impl MeshFiles {
         for (job, mesh) in jobs.into_iter().zip(meshes) {
             report.sources.add(job.path, Vec::new());
             match mesh {
-                Ok(mesh) => desc.meshes[job.mesh] = Arc::new(mesh),
+                Ok(file) => {
+                    if let Some(warning) = file.warning() {
+                        report.warn(job.span, warning);
+                    }
+                    desc.meshes[job.mesh] = Arc::new(file.mesh);
+                }
                 Err(message) => report.error(job.span, message),
             }
         }
     }
 }
 
-fn read(job: &Job, limits: &Limits) -> Result<Mesh, String> {
+fn read(job: &Job, limits: &Limits) -> Result<PlyFile, String> {
     let bytes = files::read(&job.path, limits).map_err(|e| e.to_string())?;
     // pbrt renders faces of four corners as bilinear patches.
-    let mesh = ply::read(&bytes, &PlyOptions { keep_quads: true })
+    let file = ply::read(&bytes, &PlyOptions { keep_quads: true })
         .map_err(|e| format!("cannot read the mesh '{}': {e}", job.path.display()))?;
-    match mesh.validate() {
-        Ok(()) => Ok(mesh),
+    match file.mesh.validate() {
+        Ok(()) => Ok(file),
         Err(fault) => Err(format!("the mesh '{}' is faulty: {fault}", job.path.display())),
     }
 }

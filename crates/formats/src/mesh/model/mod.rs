@@ -108,11 +108,16 @@ impl Opener<'_> {
     }
 
     fn ply(&mut self, bytes: &[u8]) {
-        let mut mesh = match ply::read(bytes, &ply::PlyOptions::default()) {
-            Ok(mesh) => mesh,
+        let file = match ply::read(bytes, &ply::PlyOptions::default()) {
+            Ok(file) => file,
             Err(e) => return self.fault(&e, bytes),
         };
         self.import.desc.sources.add(self.path, Vec::new());
+        if let Some(warning) = file.warning() {
+            let Import { desc, diagnostics, .. } = &mut self.import;
+            diagnostics.warn(&desc.sources, None, warning);
+        }
+        let mut mesh = file.mesh;
         let look = self.painted(&mut mesh);
         self.shape(mesh, look);
     }

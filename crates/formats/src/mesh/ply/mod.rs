@@ -18,6 +18,22 @@ pub struct PlyOptions {
     pub keep_quads: bool,
 }
 
+/// What a PLY file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlyFile {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Vertices whose normal is not finite, as exporters write where faces have no area; it is zero in the mesh.
+    pub bad_normals: usize,
+}
+
+impl PlyFile {
+    /// What there is to say of the file beyond the mesh.
+    pub fn warning(&self) -> Option<String> {
+        (self.bad_normals > 0).then(|| format!("{} normals are not finite; they are left out", self.bad_normals))
+    }
+}
+
 /// Reads a mesh.
 ///
 /// Elements other than `vertex`, `face` and `tristrips` are passed over, as are properties without a meaning. Polygons are triangulated.
@@ -26,8 +42,8 @@ pub struct PlyOptions {
 ///
 /// # Errors
 /// [`MeshError`] with the line (header, text) or byte (binary data) for anything that is malformed: truncated data, counts the file cannot
-/// hold, unknown types, absent coordinates, values that are not finite, indices out of range.
-pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<Mesh, MeshError> {
+/// hold, unknown types, absent coordinates, positions and texture coordinates that are not finite, indices out of range.
+pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<PlyFile, MeshError> {
     let header = header::parse(bytes)?;
     let mut cursor = Cursor::new(bytes, &header);
     let mut mesh = None;
@@ -57,18 +73,19 @@ pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<Mesh, MeshError> {
             cursor.skip(element)?;
         }
     }
-    let mut mesh =
+    let mut file =
         mesh.ok_or_else(|| MeshError::in_text(Kind::Missing, bytes, header.data, "the file has no element 'vertex'"))?;
+    let mesh = &mut file.mesh;
     let has_faces = surfaces.iter().any(|(e, _)| e.name == "face" && e.count > 0);
     for (element, at) in surfaces {
         cursor.at = at;
         if element.name == "face" {
-            faces::read(&mut cursor, element, &mut mesh, options)?;
+            faces::read(&mut cursor, element, mesh, options)?;
         } else if !has_faces {
-            faces::read_strips(&mut cursor, element, &mut mesh)?;
+            faces::read_strips(&mut cursor, element, mesh)?;
         }
     }
-    Ok(mesh)
+    Ok(file)
 }
 
 #[cfg(test)]

@@ -3,9 +3,20 @@ use crate::mesh::test_files::{assets, mutants};
 use steradian_scene::{Attribute, Domain};
 
 fn read_ok(bytes: &[u8]) -> Mesh {
-    let mesh = read(bytes, &PlyOptions::default()).unwrap();
+    let mesh = read(bytes, &PlyOptions::default()).unwrap().mesh;
     mesh.validate().unwrap();
     mesh
+}
+
+/// Exporters write NaN where the faces around a vertex have no area.
+#[test]
+fn normals_that_are_not_finite_are_left_out_and_counted() {
+    let text = TRIANGLE
+        .replace("property float z\n", "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n")
+        .replace("0 0 0\n1 0 0\n0 1 0\n", "0 0 0 nan nan nan\n1 0 0 0 0 1\n0 1 0 0 inf 1\n");
+    let file = read(text.as_bytes(), &PlyOptions::default()).unwrap();
+    assert_eq!((file.bad_normals, &file.mesh.normals), (2, &vec![[0.0; 3], [0.0, 0.0, 1.0], [0.0; 3]]));
+    assert!(file.warning().is_some());
 }
 
 fn fault(bytes: &[u8]) -> MeshError {
@@ -81,7 +92,7 @@ fn every_real_file_reads() {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             let mesh = read(&std::fs::read(&path).unwrap(), &PlyOptions::default());
-            let mesh = mesh.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            let mesh = mesh.unwrap_or_else(|e| panic!("{}: {e}", path.display())).mesh;
             mesh.validate().unwrap();
             assert!(!mesh.triangles.is_empty(), "{}", path.display());
             count += 1;
@@ -154,7 +165,7 @@ fn quads_are_kept_in_the_order_of_patches() {
     let text = "format ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
         property list uchar int vertex_indices\nproperty float red\nproperty float green\nproperty float blue";
     let bytes = file(text, b"0 0 0 1 0 0 1 1 0 0 1 0\n4 0 1 2 3 1 0 0\n3 0 1 2 0 1 0\n");
-    let mesh = read(&bytes, &PlyOptions { keep_quads: true }).unwrap();
+    let mesh = read(&bytes, &PlyOptions { keep_quads: true }).unwrap().mesh;
     mesh.validate().unwrap();
     assert_eq!((mesh.patches.as_slice(), mesh.triangles.as_slice()), (&[[0, 1, 3, 2]][..], &[[0, 1, 2]][..]));
     // Triangles come first.
@@ -267,8 +278,8 @@ fn every_truncation_is_an_error_or_a_valid_mesh() {
         let bytes = std::fs::read(root.join("ply").join(name)).unwrap();
         for end in 0..bytes.len() {
             match read(&bytes[..end], &PlyOptions::default()) {
-                Ok(mesh) => {
-                    mesh.validate().unwrap();
+                Ok(file) => {
+                    file.mesh.validate().unwrap();
                     assert!(name.contains("plane") && end + 4 > bytes.len(), "{name} cut at {end} is read");
                 }
                 Err(e) => assert!(e.offset <= end, "{e}"),
@@ -286,7 +297,7 @@ fn mutants_neither_panic_nor_swell() {
         let seed = std::fs::read(root.join("ply").join(name)).unwrap();
         mutants(&seed, 2_500, |bytes| {
             for keep_quads in [false, true] {
-                if let Ok(mesh) = read(bytes, &PlyOptions { keep_quads }) {
+                if let Ok(PlyFile { mesh, .. }) = read(bytes, &PlyOptions { keep_quads }) {
                     mesh.validate().unwrap();
                     assert!(mesh.bytes() < 1 << 20, "{} bytes from {}", mesh.bytes(), bytes.len());
                 }

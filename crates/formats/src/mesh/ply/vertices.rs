@@ -1,6 +1,7 @@
 //! The element `vertex`.
 
 use super::{
+    PlyFile,
     cursor::{Cursor, Stored},
     header::{Element, Encoding, Type},
     layout::{AttributeLayout, Scale, VertexLayout},
@@ -9,12 +10,12 @@ use crate::mesh::{MeshError, MeshErrorKind as Kind};
 use steradian_scene::{Attribute, Domain, Mesh};
 
 /// Reads all vertices into a mesh without faces. The count has been checked against the bytes left.
-pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element) -> Result<Mesh, MeshError> {
+pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element) -> Result<PlyFile, MeshError> {
     let layout = VertexLayout::new(element).map_err(|name| {
         cursor.fault(Kind::Missing, element.offset, format!("element 'vertex' has no property '{name}'"))
     })?;
     let start = cursor.at;
-    let mesh = match element.fixed_record(cursor.encoding) {
+    let mut mesh = match element.fixed_record(cursor.encoding) {
         Some(size) => {
             // The product cannot overflow: it was held against the length of the file.
             let block = &cursor.bytes[start..start + size * element.count];
@@ -23,8 +24,15 @@ pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element) -> Result<Mesh, M
         }
         None => rows(cursor, element, &layout)?,
     };
+    let bad_normals = leave_out_bad_normals(&mut mesh.normals);
     check_finite(&mesh, element, cursor, start)?;
-    Ok(mesh)
+    Ok(PlyFile { mesh, bad_normals })
+}
+
+/// Replaces normals that are not finite by zero, and counts them.
+fn leave_out_bad_normals(normals: &mut [[f32; 3]]) -> usize {
+    let bad = normals.iter_mut().filter(|n| !n.iter().fold(true, |ok, v| ok & v.is_finite()));
+    bad.map(|n| *n = [0.0; 3]).count()
 }
 
 /// Binary records of one size: each quantity is gathered in a loop of its own, made for its type.
@@ -158,7 +166,6 @@ fn check_finite(mesh: &Mesh, element: &Element, cursor: &Cursor<'_>, start: usiz
         |values: &[f32], n: usize| bad(values).then(|| values.iter().position(|v| !v.is_finite()).unwrap_or(0) / n);
     let found = [
         ("position", first(mesh.positions.as_flattened(), 3)),
-        ("normal", first(mesh.normals.as_flattened(), 3)),
         ("texture coordinate", first(mesh.uvs.as_flattened(), 2)),
     ];
     for (what, vertex) in found {
