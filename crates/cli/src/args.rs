@@ -34,6 +34,8 @@ pub enum Command {
     Info(InfoArgs),
     /// List what is there by name: integrators, materials, tones, layers, …
     List(ListArgs),
+    /// Measure a material: values, albedo, gloss, polar plot, a picture of a ball
+    Material(Box<MaterialArgs>),
     /// Measure how far pictures are apart
     Compare(CompareArgs),
     /// Convert a picture to another format
@@ -229,6 +231,69 @@ pub struct InfoArgs {
 pub struct ListArgs {
     /// Which kind of thing (integrators, materials, tones, …); all without it
     pub family: Option<String>,
+    /// Print the page of documentation of the materials
+    #[arg(long, conflicts_with = "json")]
+    pub markdown: bool,
+    /// Print one line of JSON to stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `steradian material`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Parameters of kinds: numbers are written 0.5, colours 0.8,0.2,0.1, spectra by name (metal-Au-eta), textures and measured data\n\
+    as file names, materials as KIND or KIND(name=value;name=value), lists of them separated by |.\n\
+    Directions are unit vectors away from the surface, z along the normal, x along the tangent."
+)]
+pub struct MaterialArgs {
+    /// A kind of material (`steradian list materials`), or SCENE:NAME for one of a scene file
+    pub material: String,
+    /// Parameters of the kind; may be repeated
+    #[arg(short, long, value_name = "NAME=VALUE", num_args = 1.., value_parser = values::definition)]
+    pub params: Vec<(String, String)>,
+    /// Write polar slices through the lobes as SVG
+    #[arg(long, value_name = "OUT.svg")]
+    pub plot: Option<PathBuf>,
+    /// Write a picture of a ball of it (of the scene, for a material of one)
+    #[arg(long, value_name = "OUT")]
+    pub picture: Option<PathBuf>,
+    /// Samples per pixel of the picture
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    pub spp: u32,
+    /// Table of the parts of light that are reflected and transmitted, by angle
+    #[arg(long)]
+    pub albedo: bool,
+    /// Gloss units at 20°, 60° and 85° (ISO 2813)
+    #[arg(long)]
+    pub gloss: bool,
+    /// Parameters of Ward's, Cook and Torrance's and the GGX model that come nearest to it
+    #[arg(long)]
+    pub fit: bool,
+    /// Write a table of angles that the material 'measured' reads (isotropic, every 5° and 10° of azimuth)
+    #[arg(long, value_name = "OUT.txt")]
+    pub table: Option<PathBuf>,
+    /// Values and densities for pairs of directions from a JSON file: [{"wo": [x,y,z], "wi": [x,y,z]}, …]
+    #[arg(long, value_name = "PAIRS.json")]
+    pub eval: Option<PathBuf>,
+    /// Evaluate for importance, as paths from lights do, rather than radiance
+    #[arg(long)]
+    pub importance: bool,
+    /// Samples of each reading
+    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..=1 << 26))]
+    pub samples: u32,
+    /// Where textures are looked up
+    #[arg(long, value_name = "U,V", value_parser = values::pair, default_value = "0.5,0.5")]
+    pub uv: [f32; 2],
+    /// Wavelengths in nm at which spectral scenes are measured
+    #[arg(long, value_name = "A,B,C,D", value_parser = values::wavelengths)]
+    pub wavelengths: Option<[f32; 4]>,
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    /// Files.
+    #[command(flatten)]
+    pub files: FileOptions,
     /// Print one line of JSON to stdout
     #[arg(long)]
     pub json: bool,

@@ -8,12 +8,54 @@ use crate::{
 };
 use serde::Serialize;
 use std::fmt::Write;
+use steradian::materials::{self, Parameter};
 
 /// One thing.
 #[derive(Debug, Serialize)]
 struct Entry {
     name: &'static str,
     description: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    source: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<Vec<Described>>,
+}
+
+/// A parameter.
+#[derive(Debug, Serialize)]
+struct Described {
+    name: &'static str,
+    values: String,
+    unit: &'static str,
+    range: [Option<f64>; 2],
+    default: &'static str,
+    description: String,
+}
+
+impl Described {
+    fn new(p: &Parameter) -> Self {
+        let bound = |v: f64| Some(v).filter(|v| v.is_finite());
+        Self {
+            name: p.name,
+            values: p.values(),
+            unit: p.unit,
+            range: [bound(p.range.0), bound(p.range.1)],
+            default: p.default,
+            description: p.meaning(),
+        }
+    }
+}
+
+impl Entry {
+    fn new(family: &str, name: &'static str, description: &'static str) -> Self {
+        let material = materials::entry(name).filter(|_| family == "materials");
+        Self {
+            name,
+            description,
+            source: material.map(|m| m.source),
+            parameters: material.map(|m| m.parameters.iter().map(Described::new).collect()),
+        }
+    }
 }
 
 /// Things of a kind.
@@ -34,8 +76,12 @@ fn families() -> Vec<Family> {
     let mut all = steradian::registry();
     all.push(("scenes", steradian::cornell::BUILTIN.to_vec()));
     all.push(("formats", steradian::load::EXTENSIONS.to_vec()));
-    let entry = |(name, description)| Entry { name, description };
-    all.into_iter().map(|(family, e)| Family { family, entries: e.into_iter().map(entry).collect() }).collect()
+    all.into_iter()
+        .map(|(family, entries)| Family {
+            family,
+            entries: entries.into_iter().map(|(name, doc)| Entry::new(family, name, doc)).collect(),
+        })
+        .collect()
 }
 
 /// Prints one family or all.
@@ -51,22 +97,44 @@ pub fn run(args: &ListArgs) -> Outcome {
         let family = known_name(plural, "family", known).map_err(Failure::bad_input)?.to_owned();
         families.retain(|f| f.family == family);
     }
-    if args.json {
+    if args.markdown {
+        if args.family.as_deref().is_none_or(|f| !"materials".starts_with(f)) {
+            return Err(Failure::bad_input(
+                "--markdown writes the page of materials: steradian list materials --markdown",
+            ));
+        }
+        terminal::data(materials::markdown().as_bytes())?;
+    } else if args.json {
         terminal::json(&Listing { schema: 1, families: &families })?;
     } else {
-        terminal::data(text(&families).as_bytes())?;
+        terminal::data(text(&families, args.family.is_some()).as_bytes())?;
     }
     Ok(failure::DONE)
 }
 
-fn text(families: &[Family]) -> String {
+/// A line for each thing; with `details` also what is known of its parameters.
+fn text(families: &[Family], details: bool) -> String {
     let mut out = String::new();
     for (i, family) in families.iter().enumerate() {
         let width = family.entries.iter().map(|e| e.name.len()).max().unwrap_or(0);
         let _ = writeln!(out, "{}{}", if i > 0 { "\n" } else { "" }, family.family);
         for e in &family.entries {
             let _ = writeln!(out, "  {:width$}  {}", e.name, e.description);
+            if details {
+                describe(&mut out, e);
+            }
         }
     }
     out
+}
+
+fn describe(out: &mut String, e: &Entry) {
+    let parameters = e.parameters.as_deref().unwrap_or(&[]);
+    let width = parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
+    for p in parameters {
+        let _ = writeln!(out, "      {:width$}  {} ({}; default {})", p.name, p.description, p.values, p.default);
+    }
+    if let Some(source) = e.source.filter(|s| !s.is_empty()) {
+        let _ = writeln!(out, "      source: {source}");
+    }
 }

@@ -11,6 +11,7 @@ mod diagnostics;
 mod failure;
 mod info;
 mod list;
+mod material;
 mod memory;
 mod open;
 mod output;
@@ -56,6 +57,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Render(args) => render::run(args, terminal),
         Command::Info(args) => info::run(args, terminal),
         Command::List(args) => list::run(args),
+        Command::Material(args) => material::run(args, terminal),
         Command::Compare(args) => compare::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Bench(args) => bench::run(args),

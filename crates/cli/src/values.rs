@@ -74,6 +74,24 @@ pub fn definition(text: &str) -> Result<(String, String), String> {
     }
 }
 
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let list: Result<Vec<f32>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+    list.ok()?.try_into().ok().filter(|v: &[f32; N]| v.iter().all(|v| v.is_finite()))
+}
+
+/// Two numbers.
+pub fn pair(text: &str) -> Result<[f32; 2], String> {
+    numbers(text).ok_or_else(|| "write it as U,V, such as 0.5,0.25".into())
+}
+
+/// Four wavelengths.
+pub fn wavelengths(text: &str) -> Result<[f32; 4], String> {
+    let visible = |v: &[f32; 4]| v.iter().all(|l| (360.0..=830.0).contains(l));
+    numbers(text)
+        .filter(visible)
+        .ok_or_else(|| "four wavelengths from 360 to 830 nm are needed, such as 450,550,600,650".into())
+}
+
 /// An integrator with its options; the name is looked up now, so that a slip is not found out after a long load.
 pub fn integrator(text: &str) -> Result<String, String> {
     let name = text.split_once(':').map_or(text, |s| s.0);

@@ -6,6 +6,7 @@ pub mod path_recursive;
 pub mod raycast;
 pub mod registry;
 pub mod session;
+pub mod stokes;
 pub mod volpath;
 pub mod whitted;
 

@@ -1,6 +1,9 @@
 //! The integrators by name.
 
-use crate::{Depth, path::Path, path_recursive::PathRecursive, raycast::Raycast, volpath::VolPath, whitted::Whitted};
+use crate::{
+    Depth, path::Path, path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, volpath::VolPath,
+    whitted::Whitted,
+};
 
 /// The integrators: name, and what it does.
 pub const INTEGRATORS: &[(&str, &str)] = &[
@@ -16,6 +19,10 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
         "path-recursive",
         "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters",
     ),
+    ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
+    ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
+    ("stokes-s2", "of polarised light, the diagonal polarisation S2 (may be negative)"),
+    ("stokes-s3", "of polarised light, the circular polarisation S3 (may be negative)"),
 ];
 
 /// An integrator, ready to run.
@@ -31,6 +38,8 @@ pub enum IntegratorKind {
     Raycast(Raycast),
     /// Path tracing, recursive.
     PathRecursive(PathRecursive),
+    /// Path tracing of polarised light.
+    Stokes(Stokes),
 }
 
 impl IntegratorKind {
@@ -43,6 +52,10 @@ impl IntegratorKind {
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
             "path-recursive" => Self::PathRecursive(PathRecursive { depth }),
+            "stokes" => Self::Stokes(Stokes { depth, component: 0 }),
+            "stokes-s1" => Self::Stokes(Stokes { depth, component: 1 }),
+            "stokes-s2" => Self::Stokes(Stokes { depth, component: 2 }),
+            "stokes-s3" => Self::Stokes(Stokes { depth, component: 3 }),
             _ => return None,
         })
     }

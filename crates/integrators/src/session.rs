@@ -123,6 +123,7 @@ impl<'s> Session<'s> {
             IntegratorKind::Whitted(i) => self.run(i, control),
             IntegratorKind::Raycast(i) => self.run(i, control),
             IntegratorKind::PathRecursive(i) => self.run(i, control),
+            IntegratorKind::Stokes(i) => self.run(i, control),
         };
         self.counters += counters;
         self.wall += start.elapsed();

@@ -17,18 +17,21 @@ pub mod develop;
 mod error;
 pub mod load;
 pub mod quality;
+pub mod specimen;
 
 pub use develop::{Layer, develop};
 pub use error::Error;
 pub use load::{Loaded, load};
 pub use quality::Quality;
 pub use steradian_accel as accel;
+pub use steradian_core::material::catalog as materials;
 pub use steradian_core::{
     ColorMode, Compiled, Scene,
     compile::{Options as CompileOptions, compile},
 };
 pub use steradian_formats as formats;
 pub use steradian_image as image;
+pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
 pub use steradian_integrators::{Control, Film, INTEGRATORS, Session};
 pub use steradian_math as math;
@@ -39,7 +42,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     use steradian_core as core;
     vec![
         ("integrators", INTEGRATORS.to_vec()),
-        ("materials", core::material::MATERIALS.to_vec()),
+        ("materials", core::material::MATERIALS.iter().map(|e| (e.name, e.doc)).collect()),
         ("textures", core::texture::TEXTURES.to_vec()),
         ("lights", core::light::LIGHTS.to_vec()),
         ("shapes", core::shape::SHAPES.to_vec()),

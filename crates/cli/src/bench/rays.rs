@@ -140,8 +140,8 @@ pub fn run(args: &RaysArgs) -> Outcome {
     if !isa.is_supported() {
         return Err(Failure::bad_input(format!("this machine does not have {isa:?}")));
     }
-    let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| Vec3::from_array(p)).collect();
-    let geometry = [Geometry::triangles(&positions, &mesh.triangles)];
+    let positions: Vec<Vec3> = mesh.mesh.positions.iter().map(|&p| Vec3::from_array(p)).collect();
+    let geometry = [Geometry::triangles(&positions, &mesh.mesh.triangles)];
     let (start, cpu) = (Instant::now(), cpu_time(ClockId::ProcessCPUTime));
     let top = build(&geometry, args.instances).map_err(|e| Failure::bad_input(e.to_string()))?.with_isa(isa);
     let (build_seconds, build_cpu) = (start.elapsed().as_secs_f64(), cpu_time(ClockId::ProcessCPUTime) - cpu);
@@ -153,7 +153,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
         robust: true,
         isa: format!("{:?}", top.isa()).to_lowercase(),
         threads: args.threads,
-        triangles: mesh.triangles.len(),
+        triangles: mesh.mesh.triangles.len(),
         instances: args.instances,
         build_seconds,
         build_cpu_seconds: build_cpu.as_secs_f64(),

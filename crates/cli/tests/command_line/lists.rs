@@ -25,6 +25,14 @@ fn every_family_is_listed() {
     assert_eq!(one, place.succeed(&["list", "sampler"]).stdout, "the singular will do");
     assert!(place.succeed(&["list", "medium"]).stdout.starts_with("media"));
     place.refuse(2, &["list", "integraters"], &["did you mean 'integrators'?"]);
+    let materials = place.succeed(&["list", "materials"]).stdout;
+    for part in ["  conductor", "alpha_u", "≥ 0", "default", "source: ", "in [0, 1]", "scene units"] {
+        assert!(materials.contains(part), "{part}");
+    }
+    assert!(place.succeed(&["list", "materials", "--markdown"]).stdout.starts_with("# Materials"));
+    place.refuse(2, &["list", "lights", "--markdown"], &["list materials --markdown"]);
+    let json = place.succeed(&["list", "materials", "--json"]).json();
+    assert_eq!(json["families"][0]["entries"][0]["parameters"][0]["range"][1], 1.0);
     let json = place.succeed(&["list", "integrators", "--json"]).json();
     assert_eq!(json["families"][0]["entries"][0]["name"], "path");
     assert!(!json["families"][0]["entries"][0]["description"].as_str().unwrap().is_empty());
@@ -34,7 +42,7 @@ fn every_family_is_listed() {
 fn help_version_and_completions() {
     let place = Place::new();
     assert_eq!(place.succeed(&["--version"]).stdout, concat!("steradian ", env!("CARGO_PKG_VERSION"), "\n"));
-    for command in ["render", "info", "list", "compare", "convert", "completions"] {
+    for command in ["render", "info", "list", "material", "compare", "convert", "completions"] {
         assert!(place.succeed(&[command, "--help"]).stdout.contains("Usage: steradian"), "{command}");
     }
     assert!(place.succeed(&["completions", "bash"]).stdout.contains("_steradian()"));

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout)]
 
 mod lists;
+mod materials;
 mod pictures;
 mod render;
 mod scenes;

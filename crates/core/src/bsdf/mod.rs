@@ -27,12 +27,14 @@ mod laws;
 mod layered_walk;
 mod lobe_over_diffuse;
 mod masking;
+pub mod measured;
 pub mod microfacet;
 pub mod minnaert;
 pub mod multiple_scattering;
 mod normal_distribution;
 pub mod oren_nayar;
 pub mod phong;
+pub mod polarized;
 #[cfg(test)]
 mod reference_values;
 pub mod reflectance;
@@ -50,6 +52,7 @@ pub use cook_torrance::{CookTorrance, DiffuseCoupling};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use measured::{Measured, MeasuredData};
 pub use microfacet::{Microfacet, NormalDistribution, Shadowing};
 pub use minnaert::Minnaert;
 pub use multiple_scattering::{CompensatedConductor, Compensation, EnergyTable};
@@ -198,6 +201,8 @@ pub enum Bsdf<'a> {
     CookTorrance(CookTorrance),
     /// A rough metal with light between its facets.
     CompensatedConductor(CompensatedConductor<'a>),
+    /// Tabulated reflection.
+    Measured(Measured<'a>),
 }
 
 const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
@@ -220,6 +225,7 @@ impl Bsdf<'_> {
             Self::Ward(b) => b.eval(wo, wi),
             Self::CookTorrance(b) => b.eval(wo, wi),
             Self::CompensatedConductor(b) => b.eval(wo, wi),
+            Self::Measured(b) => b.eval(wo, wi),
         }
     }
 
@@ -241,6 +247,7 @@ impl Bsdf<'_> {
             Self::Ward(b) => b.sample(wo, u, u2),
             Self::CookTorrance(b) => b.sample(wo, u, u2),
             Self::CompensatedConductor(b) => b.sample(wo, u, u2),
+            Self::Measured(b) => b.sample(wo, u, u2),
         }
     }
 
@@ -248,10 +255,10 @@ impl Bsdf<'_> {
     #[inline]
     pub fn is_specular(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) => false,
             Self::OrenNayar(_) | Self::Minnaert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ward(_) => false,
             Self::CookTorrance(b) => b.is_specular(),
             Self::CompensatedConductor(b) => b.is_specular(),
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) | Self::Measured(_) => false,
             Self::Conductor(b) => b.microfacet.is_smooth(),
             Self::Dielectric(b) => b.is_specular(),
             Self::ThinDielectric(_) => true,
@@ -290,6 +297,7 @@ impl Bsdf<'_> {
             Self::Ward(b) => b.albedo_estimate(),
             Self::CookTorrance(b) => b.albedo_estimate(wo),
             Self::CompensatedConductor(b) => b.albedo_estimate(wo),
+            Self::Measured(b) => b.albedo_estimate(wo),
         }
     }
 }

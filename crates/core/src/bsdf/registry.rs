@@ -1,10 +1,11 @@
 //! Every scattering model, with cases at the corners of its parameters. Registering a model here is what gets it tested.
 
 use super::{
-    Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Microfacet,
-    NormalDistribution, Shadowing, Tail, ThinDielectric, classical,
+    Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Measured, Microfacet,
+    NormalDistribution, Shadowing, Tail, ThinDielectric, classical, measured,
 };
-use steradian_math::Spectrum;
+use crate::color::ColorMode;
+use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
 
 /// One family of BSDFs.
 pub struct Model {
@@ -50,10 +51,13 @@ pub const MODELS: &[Model] = &[
     Model { name: "cook-torrance", doc: "facets over a diffuse bulk", cases: classical::cook_torrance },
     Model { name: "conductor-kulla-conty", doc: "metal with light between facets", cases: classical::kulla_conty },
     Model { name: "conductor-turquin", doc: "metal scaled to conserve energy", cases: classical::turquin },
+    Model { name: "measured", doc: "tables of values", cases: both_ways },
+    Model { name: "measured-one-way", doc: "tables that are not the same backwards", cases: one_way },
 ];
 
 /// Models that are not the same backwards.
-pub const NON_RECIPROCAL: &[&str] = &["phong-empirical", "blinn-phong-empirical", "conductor-turquin"];
+pub const NON_RECIPROCAL: &[&str] =
+    &["phong-empirical", "blinn-phong-empirical", "conductor-turquin", "measured-one-way"];
 
 /// Models that may reflect more light than they get.
 pub const NON_CONSERVING: &[&str] = &["minnaert-bright-limb", "phong-empirical", "blinn-phong-empirical", "ward-duer"];
@@ -184,4 +188,31 @@ fn coated(visit: &mut Visitor<'_>) {
     );
     case("GGX, anisotropic", CoatTable::new(Ggx, HeightCorrelated, 1.5, (0.2, 0.2), pbrt), GREY, (0.1, 0.4), false);
     case("index 1", CoatTable::new(Ggx, HeightCorrelated, 1.0, smooth, exact), Spectrum::ONE, smooth, true);
+}
+
+/// Tables whose lookup or projection treats the two directions differently.
+const ONE_WAY: [&str; 3] = ["adaptive", "harmonics", "anisotropic table"];
+
+fn one_way(visit: &mut Visitor<'_>) {
+    tabulated(visit, |name| ONE_WAY.contains(&name));
+}
+
+fn both_ways(visit: &mut Visitor<'_>) {
+    tabulated(visit, |name| !ONE_WAY.contains(&name));
+}
+
+fn tabulated(visit: &mut Visitor<'_>, wanted: impl Fn(&str) -> bool) {
+    let metal = measured::synthetic::Metal { alpha: 0.4, ..measured::synthetic::METAL };
+    for (label, data) in metal.all().iter().flatten().filter(|d| wanted(d.0)) {
+        let lambda = Wavelengths::sample_visible(0.2);
+        let mut case = |mode| {
+            let bsdf = Bsdf::Measured(Measured::new(data, &lambda, mode, Vec2::splat(0.25)));
+            visit(Case { label, bsdf, lossless: false });
+        };
+        case(ColorMode::Rgb);
+        // Colours that become spectra do so in the same way for all.
+        if *label == "MERL" {
+            case(ColorMode::Spectral);
+        }
+    }
 }

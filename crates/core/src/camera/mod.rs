@@ -124,6 +124,11 @@ impl Camera {
         self.world_from_camera.vector(Vec3::Z).normalize()
     }
 
+    /// The camera's axis to the right in the world, unit length.
+    pub fn right(&self) -> Vec3 {
+        self.world_from_camera.vector(Vec3::X).normalize()
+    }
+
     /// The lab's camera (M52): origin O, left L, up U and forward F; the image plane spans O + F ± L ± U.
     pub fn lab(origin: Vec3, left: Vec3, up: Vec3, forward: Vec3) -> Option<Self> {
         let columns = [-left.normalize(), up.normalize(), forward.normalize()];

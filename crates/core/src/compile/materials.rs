@@ -70,6 +70,7 @@ impl Compiler<'_> {
     }
 
     fn new_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
+        let node = &*self.within_ranges(node);
         let model = match node.kind.as_str() {
             "diffuse" => Model::Diffuse(self.spectrum(node, "reflectance", Role::Albedo, HALF)),
             "diffuse_transmission" => {
@@ -112,6 +113,7 @@ impl Compiler<'_> {
                 Model::Classical(self.classical(node))
             }
             "cook_torrance" => Model::Facets(self.cook_torrance(node)),
+            "measured" => self.measured(node),
             "interface" => Model::Interface,
             "mask" => {
                 let inner = self.nested(node, "material", depth);

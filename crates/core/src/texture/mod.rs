@@ -128,6 +128,11 @@ impl Textures {
         Self { nodes: Vec::new(), efforts: Vec::new(), mode }
     }
 
+    /// What the lanes of values are.
+    pub fn mode(&self) -> ColorMode {
+        self.mode
+    }
+
     /// Adds a texture whose parts are already there.
     pub fn add(&mut self, texture: Texture) -> TextureId {
         let parts = match texture {

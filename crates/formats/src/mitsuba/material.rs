@@ -77,6 +77,14 @@ impl Reader<'_> {
                 }
                 node.with("materials", self.nested(object, 2, 2)?)
             }
+            "measured" | "measured_polarized" => {
+                let file = self.file(object, "filename")?;
+                self.ignore(object, &["alpha_sample"]);
+                let span = Some(self.value_span(object, "filename"));
+                let mut node = self.node(Family::Material, "measured", object);
+                node.set("file", Value::Path(file), span);
+                node
+            }
             "null" => self.node(Family::Material, "interface", object),
             "bumpmap" | "normalmap" => return self.mapped(object, plugin == "normalmap"),
             _ if self.is_known(object) => return self.verbatim(object, Family::Material),

@@ -83,7 +83,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str) -> Option<No
             Field::FloatTexture("beta_n", 0.3),
             Field::FloatTexture("alpha", 2.0),
         ]),
-        "measured" => b.fields(&[Field::File("filename")]),
+        "measured" => b.required_file("filename", "file"),
         "subsurface" => subsurface(&mut b),
         "mix" => mix(&mut b),
         "interface" | "" | "none" => {}

@@ -14,6 +14,7 @@ mod lights;
 mod masks;
 mod materials;
 mod media;
+mod polarization;
 mod scales;
 mod shot;
 mod stage;

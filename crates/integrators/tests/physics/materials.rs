@@ -1,7 +1,7 @@
 //! A material of every registered kind.
 
 use crate::stage::{diffuse, material, rgb, white};
-use steradian_core::material::MATERIALS;
+use steradian_core::{bsdf::measured::synthetic::METAL, material::MATERIALS};
 use steradian_scene::{Node, NodeId, SceneDesc, SpectrumValue, Value};
 
 /// A material to put on a stage.
@@ -27,6 +27,16 @@ fn metal(desc: &mut SceneDesc, alpha: [f64; 2]) -> NodeId {
 
 fn pair(desc: &mut SceneDesc, a: Node, b: Node) -> [NodeId; 2] {
     [desc.add(a), desc.add(b)]
+}
+
+/// A table of angles, written once.
+fn measured_file() -> &'static str {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/measured.txt");
+    ONCE.call_once(|| {
+        std::fs::write(path, METAL.angles([15.0, 30.0], &[0.0])).expect("the folder for tests can be written")
+    });
+    path
 }
 
 /// All cases. Fails if a registered kind has none.
@@ -105,6 +115,9 @@ pub fn cases() -> Vec<Case> {
             let parts = pair(d, diffuse(0.8), diffuse(0.2));
             d.add(material("mix").with("materials", Value::Nodes(parts.into())).with("amount", 0.25))
         }),
+        case("table of a metal", "measured", false, |d| {
+            d.add(material("measured").with("file", Value::Path(measured_file().into())))
+        }),
         case("nothing", "interface", true, |d| d.add(material("interface"))),
         case("rough white", "oren_nayar", true, |d| {
             d.add(material("oren_nayar").with("reflectance", white(1.0)).with("roughness", 0.8))
@@ -141,8 +154,8 @@ pub fn cases() -> Vec<Case> {
             )
         }),
     ];
-    for (kind, _) in MATERIALS {
-        assert!(cases.iter().any(|c| c.kind == *kind), "material '{kind}' has no case");
+    for kind in MATERIALS.iter().map(|m| m.name) {
+        assert!(cases.iter().any(|c| c.kind == kind), "material '{kind}' has no case");
     }
     cases
 }

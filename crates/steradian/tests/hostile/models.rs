@@ -1,6 +1,7 @@
 //! Materials with impossible parameters, in both languages. The poison here is milder than elsewhere: values of the right type.
 
 use crate::case::{Case, Expect};
+use steradian_core::bsdf::measured::synthetic::METAL;
 
 /// Values that materials are given.
 const VALUES: [&str; 10] = ["nan", "inf", "-inf", "1e39", "1e30", "-1", "0", "1e-45", "7", "0.9999999"];
@@ -78,7 +79,11 @@ pub fn pbrt() -> Vec<Case> {
         let world = "Material \"conductor\" \"spectrum eta\" \"eta.spd\"\nShape \"sphere\"";
         Case::pbrt(format!("spectrum file, {name}"), world, *expect).with("eta.spd", *content)
     });
-    alone.chain(mixed).chain(media).chain(spectra).collect()
+    let measured = measurements().into_iter().map(|(name, content, expect)| {
+        let surface = "Material \"measured\" \"string filename\" \"m.dat\" Shape \"sphere\"";
+        Case::pbrt(format!("measured, {name}"), surface, expect).with("m.dat", content)
+    });
+    alone.chain(mixed).chain(media).chain(spectra).chain(measured).collect()
 }
 
 /// Mitsuba BSDFs on a sphere.
@@ -90,7 +95,44 @@ pub fn mitsuba() -> Vec<Case> {
             "<emitter type='point'><spectrum name='intensity' filename='eta.spd'/></emitter><shape type='sphere'/>";
         Case::mitsuba(format!("spectrum file, {name}"), light, *expect).with("eta.spd", *content)
     });
-    alone.chain(spectra).collect()
+    let measured = measurements().into_iter().flat_map(|(name, content, expect)| {
+        ["measured", "measured_polarized"].map(|plugin| {
+            let surface = format!(
+                "<shape type='sphere'><bsdf type='{plugin}'><string name='filename' value='m.dat'/></bsdf></shape>"
+            );
+            Case::mitsuba(format!("{plugin}, {name}"), surface, expect).with("m.dat", content.clone())
+        })
+    });
+    alone.chain(spectra).chain(measured).collect()
+}
+
+/// Files of measured reflection: sound, cut, of the wrong size, with sizes beyond all bounds, and with numbers that are none.
+fn measurements() -> Vec<(&'static str, Vec<u8>, Expect)> {
+    let merl = METAL.merl([3, 3, 4]);
+    let rgl = METAL.rgl(4, 2).expect("sound");
+    let table = METAL.angles([45.0, 90.0], &[0.0]).into_bytes();
+    let cut = |bytes: &[u8]| bytes[..bytes.len() / 2].to_vec();
+    let with = |bytes: &[u8], at: usize, new: &[u8]| {
+        let mut bytes = bytes.to_vec();
+        bytes[at..at + new.len()].copy_from_slice(new);
+        bytes
+    };
+    let huge = 1_000_000_000u32.to_le_bytes();
+    vec![
+        ("a cut MERL file", cut(&merl), Expect::Refused("m.dat")),
+        ("a MERL file of 10⁹ angles", with(&merl, 0, &huge), Expect::Refused("m.dat")),
+        ("a MERL file with NaN", with(&merl, 12, &f64::NAN.to_le_bytes()), Expect::Refused("m.dat")),
+        ("a cut tensor file", cut(&rgl), Expect::Refused("m.dat")),
+        ("a tensor file of 10⁹ fields", with(&rgl, 14, &huge), Expect::Refused("m.dat")),
+        ("a tensor file with NaN", with(&rgl, rgl.len() - 4, &f32::NAN.to_le_bytes()), Expect::Refused("m.dat")),
+        ("an incomplete table", cut(&table), Expect::Refused("m.dat")),
+        ("a list of pictures that are not there", b"0 0 0 0 no.png\n".to_vec(), Expect::Refused("no.png")),
+        ("an empty file", Vec::new(), Expect::Refused("m.dat")),
+        ("noise", vec![0xa5; 1000], Expect::Refused("m.dat")),
+        ("a MERL file", merl, Expect::Picture),
+        ("a tensor file", rgl, Expect::Picture),
+        ("a table of angles", table, Expect::Picture),
+    ]
 }
 
 /// Files of measured spectra.

@@ -1,0 +1,213 @@
+//! `steradian material`: a material under the instruments.
+
+use crate::{
+    args::{Color, MaterialArgs},
+    diagnostics,
+    failure::{self, Failure, Outcome},
+    open,
+    terminal::{self, Terminal},
+    values::known_name,
+};
+use serde::{Deserialize, Serialize};
+use std::{fmt::Write, fs, path::Path};
+use steradian::{
+    ColorMode, CompileOptions, Quality, Scene,
+    instruments::{
+        Specimen,
+        albedo::{Albedo, albedo},
+        fit::{self, Fit},
+        gloss::{GEOMETRIES, Gloss, gloss},
+        goniometer, plot,
+    },
+    materials,
+    math::Vec3,
+    specimen,
+};
+
+/// Angles of the table of albedos, degrees from the normal.
+const ANGLES: [f64; 9] = [0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];
+
+/// Size of the picture of a ball.
+const PICTURE: (u32, u32) = (150, 150);
+
+/// What was read off.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: u32,
+    material: String,
+    /// What the lanes of values are: `rgb`, or four wavelengths in nm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wavelengths: Option<[f32; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    albedo: Option<Vec<Albedo>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gloss: Option<Vec<Gloss>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fit: Option<Vec<Fit>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eval: Option<Vec<Evaluated>>,
+}
+
+/// A pair of directions: towards the viewer and the light, in the shading frame.
+#[derive(Debug, Deserialize)]
+struct Pair {
+    wo: [f32; 3],
+    wi: [f32; 3],
+}
+
+/// What a material says of a pair.
+#[derive(Debug, Serialize)]
+struct Evaluated {
+    /// `f·|cosθ_i|` per lane, sr⁻¹.
+    value: Vec<f32>,
+    /// The density of sampling `wi`, sr⁻¹.
+    pdf: f32,
+}
+
+/// Opens the material and takes what readings were asked for.
+pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
+    open::limit_threads(args.scene.threads);
+    let (scene, index) = under_glass(args, terminal)?;
+    let mut specimen = Specimen::new(&scene, index).at(args.uv.into());
+    if let Some(lambda) = args.wavelengths {
+        specimen = specimen.with_wavelengths(lambda);
+    }
+    let pairs = args.eval.as_deref().map(read_pairs).transpose()?;
+    let write = |path: &Path, text: String| {
+        fs::write(path, text).map_err(|e| Failure::failed(format!("cannot write '{}': {e}", path.display())))?;
+        terminal.say(&format!("wrote {}", path.display()));
+        Ok::<(), Failure>(())
+    };
+    if let Some(path) = &args.plot {
+        write(path, plot::svg(&specimen, &args.material))?;
+    }
+    if let Some(path) = &args.table {
+        write(path, goniometer::table(&specimen, [5.0, 10.0], &[0.0]))?;
+    }
+    if let Some(path) = &args.picture {
+        let quality = Quality { spp: Some(args.spp), ..Quality::default() };
+        let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
+        let written = steradian::image::write(path, &picture, &args.files.write_options().map_err(Failure::bad_input)?);
+        written.map_err(|e| Failure::failed(e.to_string()))?;
+        terminal.say(&format!("wrote {}", path.display()));
+    }
+    let report = Report {
+        schema: 1,
+        material: args.material.clone(),
+        wavelengths: (scene.mode == ColorMode::Spectral).then(|| specimen.wavelengths()),
+        albedo: args.albedo.then(|| ANGLES.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
+        gloss: args.gloss.then(|| GEOMETRIES.iter().map(|g| gloss(&specimen, *g, args.samples)).collect()),
+        fit: args.fit.then(|| {
+            let readings = fit::readings(&specimen);
+            fit::MODELS.iter().map(|m| m.fit(&readings)).collect()
+        }),
+        eval: pairs.map(|p| evaluate(&specimen, &p, args.importance)),
+    };
+    if args.json {
+        terminal::json(&report)?;
+    } else {
+        terminal::data(report.text().as_bytes())?;
+    }
+    Ok(failure::DONE)
+}
+
+fn read_pairs(path: &Path) -> Result<Vec<Pair>, Failure> {
+    let fault = |e: &dyn std::fmt::Display| {
+        Failure::bad_input(format!(
+            "cannot read pairs from '{}': {e} (wanted is [{{\"wo\": [x, y, z], \"wi\": [x, y, z]}}, …])",
+            path.display()
+        ))
+    };
+    let text = fs::read(path).map_err(|e| fault(&e))?;
+    let pairs: Vec<Pair> = serde_json::from_slice(&text).map_err(|e| fault(&e))?;
+    let bad = |w: &[f32; 3]| !Vec3::from(*w).is_normalized();
+    match pairs.iter().position(|p| bad(&p.wo) || bad(&p.wi)) {
+        Some(i) => Err(fault(&format!("a direction of pair {i} is not of length one"))),
+        None => Ok(pairs),
+    }
+}
+
+fn evaluate(specimen: &Specimen<'_>, pairs: &[Pair], importance: bool) -> Vec<Evaluated> {
+    use steradian::instruments::TransportMode::{Importance, Radiance};
+    let mode = if importance { Importance } else { Radiance };
+    pairs
+        .iter()
+        .map(|p| {
+            let e = specimen.eval(p.wo.into(), p.wi.into(), mode);
+            Evaluated { value: specimen.lanes(e.value), pdf: e.pdf }
+        })
+        .collect()
+}
+
+/// The scene that holds the material, and the material's index: one of a scene file, or a kind with the parameters given.
+fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<(Scene, u32), Failure> {
+    if let Some((file, name)) =
+        args.material.rsplit_once(':').filter(|(file, _)| file.starts_with("builtin:") || Path::new(file).exists())
+    {
+        if !args.params.is_empty() {
+            return Err(Failure::bad_input("--params sets parameters of a material by kind, not of one in a scene"));
+        }
+        let ready = open::open(file, &args.scene).into_scene(file, args.scene.strict, terminal)?;
+        let names = || ready.scene.material_names.iter().map(String::as_str);
+        known_name(name, "material", names()).map_err(Failure::bad_input)?;
+        let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);
+        return Ok((ready.scene, index as u32));
+    }
+    known_name(&args.material, "material", materials::MATERIALS.iter().map(|m| m.name)).map_err(Failure::bad_input)?;
+    let desc = specimen::describe(&args.material, &args.params).map_err(Failure::bad_input)?;
+    let mode = if args.scene.color == Color::Spectral { ColorMode::Spectral } else { ColorMode::Rgb };
+    let compiling = CompileOptions {
+        mode: Some(mode),
+        size: Some(args.scene.size.map_or(PICTURE, |s| (s.0, s.1))),
+        ..CompileOptions::default()
+    };
+    let compiled = steradian::compile(&desc, &compiling);
+    diagnostics::tell(&compiled.diagnostics, terminal);
+    // The specimen is the first shape.
+    match compiled.scene {
+        Some(scene) => Ok((scene.geometries[0].material, scene)).map(|(i, s)| (s, i)),
+        None => Err(Failure::bad_input(format!("material '{}' has errors", args.material))),
+    }
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut out = String::new();
+        let lanes = |v: &[f32]| v.iter().map(|v| format!("{v:9.5}")).collect::<Vec<_>>().join(" ");
+        let what = match self.wavelengths {
+            Some(l) => format!("at {} nm", l.map(|l| l.to_string()).join(", ")),
+            None => "red, green, blue".into(),
+        };
+        if let Some(rows) = &self.albedo {
+            let _ = writeln!(out, "albedo ({what})\n angle  reflectance                     transmittance");
+            for a in rows {
+                let _ = writeln!(
+                    out,
+                    "{:5}°  {}   {}  ± {:.5}",
+                    a.theta,
+                    lanes(&a.reflectance),
+                    lanes(&a.transmittance),
+                    a.error
+                );
+            }
+        }
+        for g in self.gloss.iter().flatten() {
+            let _ = writeln!(out, "gloss {}°  {:.2} GU ± {:.2}", g.theta, g.units, g.error);
+        }
+        for f in self.fit.iter().flatten() {
+            let _ = writeln!(
+                out,
+                "fit {:14} diffuse {:.4}  specular {:.4}  alpha {:.4}  residual {:.2e}",
+                format!("{:?}", f.model),
+                f.diffuse,
+                f.specular,
+                f.alpha,
+                f.residual
+            );
+        }
+        for (i, e) in self.eval.iter().flatten().enumerate() {
+            let _ = writeln!(out, "{i:6}  f cos {}  pdf {:.6}", lanes(&e.value), e.pdf);
+        }
+        out
+    }
+}

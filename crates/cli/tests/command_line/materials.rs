@@ -1,0 +1,62 @@
+//! `steradian material`.
+
+use crate::Place;
+
+#[test]
+fn a_material_is_measured() {
+    let place = Place::new();
+    let gold = ["material", "conductor", "-p", "eta=metal-Au-eta", "k=metal-Au-k", "alpha_u=0.2"];
+    let with = |more: &[&'static str]| [&gold[..], more].concat();
+    let json = place.succeed(&with(&["--albedo", "--gloss", "--fit", "--samples", "4096", "--json"])).json();
+    let red = json["albedo"][0]["reflectance"][0].as_f64().unwrap();
+    assert!((0.8..1.0).contains(&red), "gold is red: {json}");
+    assert_eq!((json["gloss"][1]["theta"].as_f64(), json["fit"][2]["model"].as_str()), (Some(60.0), Some("ggx")));
+    let text = place.succeed(&with(&["--albedo", "--gloss", "--samples", "4096"])).stdout;
+    assert!(text.contains("gloss 60°") && text.contains("albedo (red, green, blue)"), "{text}");
+    place.succeed(&with(&["--plot", "lobe.svg", "--picture", "ball.png", "--size", "16x16", "--spp", "1"]));
+    assert!(place.path("lobe.svg").is_file() && place.path("ball.png").is_file());
+}
+
+/// What is measured can be measured again from its own table.
+#[test]
+fn a_table_is_a_material() {
+    let place = Place::new();
+    place.succeed(&["material", "diffuse", "-p", "reflectance=0.5", "--table", "matt.txt"]);
+    let json = place.succeed(&["material", "measured", "-p", "file=matt.txt", "--albedo", "--json"]).json();
+    let albedo = json["albedo"][2]["reflectance"][0].as_f64().unwrap();
+    assert!((albedo - 0.5).abs() < 0.01, "{albedo}");
+}
+
+#[test]
+fn pairs_of_directions_are_evaluated() {
+    let place = Place::new();
+    std::fs::write(
+        place.path("pairs.json"),
+        r#"[{"wo": [0,0,1], "wi": [0.6,0,0.8]}, {"wo": [0,0,1], "wi": [0,0,-1]}]"#,
+    )
+    .unwrap();
+    let json =
+        place.succeed(&["material", "diffuse", "-p", "reflectance=0.5", "--eval", "pairs.json", "--json"]).json();
+    let value = json["eval"][0]["value"][1].as_f64().unwrap();
+    assert!((value - 0.5 * 0.8 / std::f64::consts::PI).abs() < 1e-6, "{json}");
+    assert!((json["eval"][0]["pdf"].as_f64().unwrap() - 0.8 / std::f64::consts::PI).abs() < 1e-6);
+    assert_eq!(json["eval"][1]["value"][0], 0.0);
+    // A material of a scene, at four wavelengths.
+    let json = place
+        .succeed(&["material", "builtin:cornell-box:red", "--eval", "pairs.json", "--color", "spectral", "--json"])
+        .json();
+    assert_eq!(json["wavelengths"][0], 450.0);
+    assert!(json["eval"][0]["value"][3].as_f64() > json["eval"][0]["value"][0].as_f64(), "red at 650 nm: {json}");
+}
+
+#[test]
+fn slips_are_named() {
+    let place = Place::new();
+    place.refuse(2, &["material", "conducter"], &["did you mean 'conductor'?"]);
+    place.refuse(2, &["material", "diffuse", "-p", "reflectence=1"], &["did you mean 'reflectance'?"]);
+    place.refuse(2, &["material", "builtin:cornell-box:rde"], &["no material 'rde'"]);
+    place.refuse(2, &["material", "diffuse", "--eval", "none.json"], &["cannot read pairs"]);
+    place.refuse(2, &["material", "diffuse", "--wavelengths", "1,2,3,4"], &["360 to 830"]);
+    std::fs::write(place.path("long.json"), r#"[{"wo": [0,0,2], "wi": [0,0,1]}]"#).unwrap();
+    place.refuse(2, &["material", "diffuse", "--eval", "long.json"], &["not of length one"]);
+}

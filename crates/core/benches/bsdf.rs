@@ -1,0 +1,89 @@
+//! The cost of scattering: nanoseconds for one sample, one evaluation and one density of each registered model, and of all shuffled.
+//!
+//! `cargo bench -p steradian-core --bench bsdf`. Each figure is the median over repetitions. Values are drawn from all cases of the
+//! registry; in the shuffled run, of the first case of each, neighbours are of different models, as in a scene.
+#![allow(clippy::print_stdout, reason = "a benchmark's output")]
+
+use std::{hint::black_box, time::Instant};
+use steradian_core::bsdf::{Bsdf, MODELS, Model, TransportMode};
+use steradian_math::{
+    Vec2, Vec3,
+    hash::{HashRng, mix64},
+    warp,
+};
+
+/// Scattering events per repetition, and repetitions.
+const EVENTS: usize = 1 << 15;
+const REPETITIONS: usize = 15;
+
+/// Random numbers and a direction for one event.
+struct Event {
+    wo: Vec3,
+    wi: Vec3,
+    u: f32,
+    u2: Vec2,
+}
+
+fn events() -> Vec<Event> {
+    let mut rng = HashRng::new(1);
+    let mut event = || {
+        let mut w = || warp::cosine_hemisphere(Vec2::new(rng.next_f32(), rng.next_f32()));
+        let (wo, wi) = (w(), w());
+        Event { wo, wi, u: rng.next_f32(), u2: Vec2::new(rng.next_f32(), rng.next_f32()) }
+    };
+    (0..EVENTS).map(|_| event()).collect()
+}
+
+/// Median nanoseconds per event over values taken in turn.
+fn measure(values: &[Bsdf<'_>], events: &[Event]) -> f64 {
+    let mut times: Vec<f64> = (0..REPETITIONS)
+        .map(|_| {
+            let start = Instant::now();
+            for (i, e) in events.iter().enumerate() {
+                let b = &values[i % values.len()];
+                // `eval` gives the density too.
+                black_box(b.sample(black_box(e.wo), e.u, e.u2, TransportMode::Radiance));
+                black_box(b.eval(black_box(e.wo), e.wi, TransportMode::Radiance));
+            }
+            start.elapsed().as_nanos() as f64 / events.len() as f64
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[REPETITIONS / 2]
+}
+
+/// All cases of all models, shuffled, are handed to `done`. Values borrow from their visitors, so visits are nested: those of the
+/// next model inside the last case of this one.
+fn shuffled(models: &[Model], values: &[Bsdf<'_>], done: &mut dyn FnMut(&[Bsdf<'_>])) {
+    let Some((model, rest)) = models.split_first() else {
+        // A fixed shuffle.
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by_key(|i| mix64(*i as u64 + 1));
+        return done(&order.iter().map(|i| values[*i]).collect::<Vec<_>>());
+    };
+    let mut visited = false;
+    (model.cases)(&mut |case| {
+        if !std::mem::replace(&mut visited, true) {
+            let with: Vec<Bsdf<'_>> = values.iter().copied().chain([case.bsdf]).collect();
+            shuffled(rest, &with, done);
+        }
+    });
+}
+
+fn main() {
+    let events = events();
+    let mut medians = Vec::new();
+    for model in MODELS {
+        let mut times = Vec::new();
+        (model.cases)(&mut |case| times.push((measure(&[case.bsdf], &events), case.label)));
+        times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (median, slowest) = (times[times.len() / 2].0, &times[times.len() - 1]);
+        println!("{:24} {median:7.1} ns   (slowest {:.1} ns: {})", model.name, slowest.0, slowest.1);
+        medians.push(median);
+    }
+    medians.sort_by(f64::total_cmp);
+    println!("{:24} {:7.1} ns", "median over models", medians[medians.len() / 2]);
+    shuffled(MODELS, &[], &mut |values| {
+        println!("{:24} {:7.1} ns", "one of each, shuffled", measure(values, &events));
+    });
+}

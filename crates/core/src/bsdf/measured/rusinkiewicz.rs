@@ -1,0 +1,28 @@
+//! Half–difference angles of a pair of directions (Rusinkiewicz 1998): the half vector's angle from the normal, and the angles of one
+//! direction around the half vector. Mirror peaks lie at a half angle of zero for every incidence.
+
+use steradian_math::Vec3;
+
+/// Angles in radians of a pair above an isotropic surface.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfDifference {
+    /// Half vector from the normal, [0, π/2].
+    pub theta_h: f32,
+    /// Direction from the half vector, [0, π/2].
+    pub theta_d: f32,
+    /// Azimuth around it, (−π, π]; zero in the plane of half vector and normal.
+    pub phi_d: f32,
+}
+
+impl HalfDifference {
+    /// Of two directions above the surface; the azimuth is that of `w`.
+    #[inline]
+    pub fn new(w: Vec3, other: Vec3) -> Option<Self> {
+        let h = (w + other).try_normalize()?;
+        let sin_h = h.x.hypot(h.y);
+        let (cos_phi, sin_phi) = if sin_h > 0.0 { (h.x / sin_h, h.y / sin_h) } else { (1.0, 0.0) };
+        let x = w.dot(Vec3::new(h.z * cos_phi, h.z * sin_phi, -sin_h));
+        let y = w.dot(Vec3::new(-sin_phi, cos_phi, 0.0));
+        Some(Self { theta_h: sin_h.atan2(h.z), theta_d: x.hypot(y).atan2(w.dot(h)), phi_d: y.atan2(x) })
+    }
+}

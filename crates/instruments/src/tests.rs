@@ -1,0 +1,189 @@
+//! The instruments read off what theory says.
+
+use crate::{
+    Specimen, TransportMode,
+    albedo::albedo,
+    direction,
+    gloss::{BLACK_GLASS, GEOMETRIES, gloss},
+    goniometer::{self, Bins},
+    microsurface::Microsurface,
+    plot,
+};
+use steradian_core::{
+    Scene,
+    bsdf::{Microfacet, NormalDistribution, Shadowing, fresnel, measured::AngleTable},
+    compile::{Options, compile},
+};
+use steradian_math::Vec3;
+use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape};
+
+/// A scene of one mesh, or of a ball, of a material; nothing else matters to the instruments.
+fn scene(mesh: Option<Mesh>, material: Node) -> Scene {
+    let mut d = SceneDesc::default();
+    let camera = d.add(Node::new(Family::Camera, "perspective", None));
+    d.cameras.push(camera);
+    let material = d.add(material);
+    let node = d.add(Node::new(Family::Shape, if mesh.is_some() { "mesh" } else { "sphere" }, None));
+    let mesh = mesh.map(|m| d.add_mesh(m));
+    d.shapes.push(Shape {
+        node,
+        mesh,
+        world_from_object: steradian_math::Transform::IDENTITY,
+        reverse_orientation: false,
+        material: Some(material),
+        emission: None,
+        interior: None,
+        exterior: None,
+        is_medium_boundary: false,
+    });
+    compile(&d, &Options::default()).scene.expect("a sound scene")
+}
+
+fn material(kind: &str) -> Node {
+    Node::new(Family::Material, kind, None)
+}
+
+fn flat() -> Mesh {
+    Mesh {
+        positions: vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// M111: black glass of index 1.567 has 100 gloss units in every geometry; a matt surface next to none.
+#[test]
+fn black_glass_has_a_hundred_gloss_units() {
+    let glass = scene(None, material("dielectric").with("eta", f64::from(BLACK_GLASS)));
+    let matt = scene(None, material("diffuse").with("reflectance", 0.8));
+    for geometry in GEOMETRIES {
+        let g = gloss(&Specimen::new(&glass, 1), geometry, 1 << 16);
+        // What bends over the angle of the source is left: 0.3 units at 85°.
+        assert!((g.units - 100.0).abs() < 0.5 + 4.0 * g.error, "{g:?}");
+        assert!(gloss(&Specimen::new(&matt, 1), geometry, 1 << 16).units < 8.0);
+    }
+}
+
+/// A rougher surface is less glossy, at every angle; and the rougher of two is told best at 20°.
+#[test]
+fn gloss_falls_with_roughness() {
+    let reading = |alpha: f64, i: usize| {
+        let s = scene(None, material("conductor").with("alpha_u", alpha));
+        gloss(&Specimen::new(&s, 1), GEOMETRIES[i], 1 << 14).units
+    };
+    for i in 0..3 {
+        let series = [0.02, 0.1, 0.3].map(|alpha| reading(alpha, i));
+        assert!(series[0] > series[1] && series[1] > series[2], "{series:?}");
+    }
+}
+
+#[test]
+fn albedos_are_those_of_closed_forms() {
+    let matt = scene(None, material("diffuse").with("reflectance", 0.8));
+    let glass = scene(None, material("dielectric").with("eta", 1.5));
+    for theta in [0.0, 40.0, 80.0] {
+        let a = albedo(&Specimen::new(&matt, 1), theta, 4096);
+        assert!((a.reflectance[0] - 0.8).abs() < 1e-5 && a.transmittance[0] == 0.0, "{a:?}");
+        let a = albedo(&Specimen::new(&glass, 1), theta, 1 << 14);
+        let f = fresnel::dielectric(theta.to_radians().cos() as f32, 1.5);
+        assert!((a.reflectance[0] - f).abs() < 2e-3 && (a.transmittance[0] - (1.0 - f)).abs() < 2e-3, "{a:?}");
+    }
+}
+
+/// M112: the lobe of a metal is highest near the mirror direction, and a mirror's arrow points along it.
+#[test]
+fn lobes_point_along_the_mirror_direction() {
+    let metal = scene(None, material("conductor").with("alpha_u", 0.1));
+    for theta in [0.0, 30.0, 60.0] {
+        let slice = plot::slice(&Specimen::new(&metal, 1), theta);
+        let top = slice.values.iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("values").0;
+        assert!((top - theta).abs() <= 3.0, "{theta}: {top}");
+    }
+    let mirror = scene(None, material("conductor"));
+    let slice = plot::slice(&Specimen::new(&mirror, 1), 50.0);
+    assert!(
+        matches!(slice.specular[..], [(theta, power)] if (theta - 50.0).abs() < 1e-3 && (power - 1.0).abs() < 1e-5)
+    );
+    let svg = plot::svg(&Specimen::new(&mirror, 1), "a < b & c");
+    assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n") && svg.contains("a &lt; b &amp; c"));
+}
+
+/// M107: the table of a material, read back, is the material.
+#[test]
+fn a_table_read_back_is_the_material() {
+    let metal = scene(None, material("conductor").with("alpha_u", 0.4));
+    let specimen = Specimen::new(&metal, 1);
+    let table = AngleTable::read(&goniometer::table(&specimen, [5.0, 10.0], &[0.0])).expect("a table");
+    for (ti, to, po) in [(10.0, 15.0, 180.0), (40.0, 45.0, 170.0), (60.0, 20.0, 30.0)] {
+        let (wo, wi) = (direction(to, po), direction(ti, 0.0));
+        let f = specimen.luminance(specimen.eval(wo, wi, TransportMode::Radiance).value) / wi.z;
+        assert!((table.eval(wo, wi).x - f).abs() < 1e-3 * f + 1e-5, "{ti} {to} {po}");
+    }
+}
+
+/// M107: a flat piece of matt geometry measures as its material.
+#[test]
+fn flat_geometry_is_its_material() {
+    let s = scene(Some(flat()), material("diffuse").with("reflectance", 0.6));
+    let seen = goniometer::geometry(&s, direction(35.0, 20.0), Bins { rings: 4, sectors: 6 }, 1 << 16, 4);
+    assert!((seen.albedo - 0.6).abs() < 1e-6, "{}", seen.albedo);
+    for (f, error) in &seen.f {
+        assert!((f - 0.6 / std::f64::consts::PI).abs() < 4.5 * error, "{f} ± {error}");
+    }
+}
+
+/// M97: mirrors on a Gaussian surface reflect, at first contact, as Cook and Torrance's model with Beckmann's distribution and Smith's masking;
+/// what it leaves out, light that is reflected again, grows with the slopes.
+#[test]
+fn a_gaussian_surface_scatters_as_beckmann() {
+    let single_share = |alpha: f32| {
+        let s = scene(Some(Microsurface::new(alpha, 48, 5).mesh()), material("conductor"));
+        let wi = direction(30.0, 0.0);
+        let bins = Bins { rings: 6, sectors: 4 };
+        let seen = goniometer::geometry(&s, wi, bins, 1 << 18, 8);
+        let facets = Microfacet::new(NormalDistribution::Beckmann, Shadowing::HeightCorrelated, alpha, alpha);
+        let mirror = steradian_core::bsdf::Conductor::mirror(steradian_math::Spectrum::ONE, facets);
+        let model = steradian_core::bsdf::Bsdf::Conductor(mirror);
+        // The model's mean over each bin, by midpoints in projected solid angle.
+        let (mut worst, n) = (0.0f64, 24);
+        for (b, single) in seen.single.iter().enumerate() {
+            let mut mean = 0.0;
+            for i in 0..n * n {
+                let ring = (b / bins.sectors) as f32 + ((i / n) as f32 + 0.5) / n as f32;
+                let sector = (b % bins.sectors) as f32 + ((i % n) as f32 + 0.5) / n as f32;
+                let (sin2, phi) = (ring / bins.rings as f32, sector / bins.sectors as f32 * std::f32::consts::TAU);
+                let w = Vec3::new(sin2.sqrt() * phi.cos(), sin2.sqrt() * phi.sin(), (1.0 - sin2).sqrt());
+                mean += f64::from(model.eval(wi, w, TransportMode::Importance).value[0] / w.z) / (n * n) as f64;
+            }
+            // In units of the largest difference that a share of all light can make.
+            worst = worst.max((single - mean).abs() * std::f64::consts::PI / seen.f.len() as f64);
+        }
+        assert!(worst < 0.02, "α = {alpha}: {worst} of the light goes elsewhere");
+        let all: f64 = seen.f.iter().map(|f| f.0).sum();
+        seen.single.iter().sum::<f64>() / all
+    };
+    let (smooth, rough) = (single_share(0.2), single_share(0.6));
+    assert!(smooth > 0.98 && rough < smooth, "light met once: {smooth} and {rough}");
+}
+
+/// The facets of the surface are distributed as Beckmann says: their slopes have the variance α²/2 along each axis.
+#[test]
+fn slopes_are_gaussian() {
+    let alpha = 0.3f64;
+    let facets = Microsurface::new(alpha as f32, 64, 9).facets();
+    let n = facets.len() as f64;
+    let moment = |k: i32| facets.iter().map(|f| f64::from(f.x).powi(k)).sum::<f64>() / n;
+    // The mesh's facets cut the finest waves a little.
+    assert!((moment(2) / (alpha * alpha / 2.0) - 1.0).abs() < 0.06, "{}", moment(2));
+    assert!((moment(4) / (3.0 * moment(2).powi(2)) - 1.0).abs() < 0.15, "kurtosis {}", moment(4));
+}
+
+/// M108: the metal that the tables are made from is found again by the model it is.
+#[test]
+fn a_specimen_is_fitted_by_its_own_model() {
+    let s = scene(None, material("conductor").with("reflectance", 0.6).with("alpha_u", 0.3));
+    let fits = crate::fit::MODELS.map(|m| m.fit(&crate::fit::readings(&Specimen::new(&s, 1))));
+    let best = fits.iter().min_by(|a, b| a.residual.total_cmp(&b.residual)).expect("three");
+    assert_eq!(best.model, crate::fit::Model::Ggx);
+    assert!((best.alpha - 0.3).abs() < 0.02 && best.diffuse < 0.02, "{best:?}");
+}

@@ -1,0 +1,122 @@
+//! Path tracing of polarised light (M131): one component of the Stokes vector that reaches the camera.
+//!
+//! As `path`, but the throughput is a Mueller matrix: what lies between the camera and the current vertex acts on Stokes vectors
+//! from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the picture: S₁ is positive for
+//! light that swings from left to right. In scenes that nothing polarises twice, S₀ is the picture of `path`.
+
+use crate::{Counters, Depth, Integrator, dimension, nee, path};
+use steradian_core::{
+    Scene,
+    bsdf::{TransportMode, polarized},
+    sampler::PixelSampler,
+};
+use steradian_math::{
+    Ray, Spectrum,
+    polarization::{Mueller, Stokes as Vector, basis},
+    spectra::Wavelengths,
+};
+
+/// The path tracer of polarised light.
+#[derive(Clone, Copy, Debug)]
+pub struct Stokes {
+    /// How far paths are followed.
+    pub depth: Depth,
+    /// Which component is the picture, 0 to 3.
+    pub component: usize,
+}
+
+impl Integrator for Stokes {
+    fn radiance(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        // Light travels against the ray; its horizontal is across the camera's view and up.
+        let k = -ray.direction;
+        let horizontal = scene.camera.right();
+        let across = (horizontal - k * k.dot(horizontal)).try_normalize().unwrap_or_else(|| basis(k));
+        let to_picture = Mueller::change_basis(k, basis(k), across);
+        (to_picture * self.vector(scene, ray, sampler, lambda, counters)).0[self.component]
+    }
+}
+
+impl Stokes {
+    /// The Stokes vector that arrives against a ray, in the frame of its direction.
+    fn vector(
+        &self,
+        scene: &Scene,
+        mut ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Vector {
+        let mut sum = Vector::ZERO;
+        let mut chain = Mueller::IDENTITY;
+        let mut eta2 = 1.0_f32;
+        let mut origin: nee::Origin = None;
+        let (mut events, mut passes) = (0, 0);
+        loop {
+            counters.rays += 1;
+            let hidden = events == 0 && self.depth.hide_emitters;
+            let Some(hit) = scene.intersect(&ray) else {
+                if !hidden {
+                    let sky = nee::background(scene, ray.origin, ray.direction, &origin, lambda);
+                    sum = sum + chain.of_unpolarized(sky);
+                }
+                return sum;
+            };
+            let i = scene.interaction(&ray, &hit);
+            if !hidden {
+                sum = sum + chain.of_unpolarized(nee::emission(scene, &i, &origin, lambda));
+            }
+            if events >= self.depth.max {
+                return sum;
+            }
+            let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
+            let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
+                passes += 1;
+                if passes > path::MAX_PASSES {
+                    return sum;
+                }
+                ray = i.spawn(ray.direction);
+                continue;
+            };
+            let bsdf = &scattering.bsdf;
+            let wo = frame.to_local(i.wo);
+            if !bsdf.is_specular() && scene.lights.can_sample() {
+                let ctx = nee::context(&i, &frame, bsdf);
+                if let Some(s) = nee::sample_light(scene, &ctx, events, sampler, lambda) {
+                    let light = nee::unoccluded(&s, wo, &frame, bsdf);
+                    if !light.is_black() {
+                        counters.rays += 1;
+                        if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
+                            let here = polarized::relative(bsdf, &frame, wo, frame.to_local(s.wi));
+                            sum = sum + (chain * here).of_unpolarized(light);
+                        }
+                    }
+                }
+            }
+            let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
+            let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
+            let Some(s) = bsdf.sample(wo, u, u2, TransportMode::Radiance) else { return sum };
+            chain = chain * polarized::relative(bsdf, &frame, wo, s.wi).scaled(s.weight);
+            let beta = chain.0[0][0];
+            if !beta.is_finite() {
+                return Vector::unpolarized(beta);
+            }
+            eta2 *= s.eta * s.eta;
+            origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
+            ray = i.spawn(frame.to_world(s.wi));
+            events += 1;
+            // A chain may send on polarised light that it holds back from unpolarised: roulette looks at its largest row sum.
+            let strongest = chain.0[0].iter().fold(Spectrum::ZERO, |m, v| m + v.map(f32::abs));
+            match path::roulette(strongest, eta2, events, &self.depth, sampler, lambda) {
+                Some(b) => chain = chain.scaled(b.safe_div(strongest)),
+                None => return sum,
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! A single material, from words: the scene in which instruments look at it and pictures of it are taken.
+
+use steradian_core::material::catalog::{self, Kind, Parameter};
+use steradian_math::DVec3;
+use steradian_scene::{
+    ColorSpace, Family, Format, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Transform, Value, names,
+};
+
+/// Deepest nesting of materials in a parameter.
+const MAX_DEPTH: usize = 8;
+
+/// The scene of a material of a kind with parameters as text: a ball (the first shape) on a tiled floor under a soft light and a
+/// grey sky.
+///
+/// Numbers are written `0.5`, colours `0.8,0.2,0.1`, spectra by name (`metal-Au-eta`), pictures and measured data as file names,
+/// materials as `KIND` or `KIND(name=value;name=value)`, lists of them separated by `|`.
+///
+/// # Errors
+/// A message where a name is unknown or a value is not what the parameter takes.
+pub fn describe(kind: &str, params: &[(String, String)]) -> Result<SceneDesc, String> {
+    let mut d = SceneDesc { format: Format::Native, ..SceneDesc::default() };
+    let material = add_material(&mut d, kind, params, 0)?;
+    let ball = d.add(Node::new(Family::Shape, "sphere", None).with("radius", 1.0).with("center", [0.0, 1.0, 0.0]));
+    place(&mut d, ball, Some(material), None);
+    furnish(&mut d);
+    Ok(d)
+}
+
+fn add_material(d: &mut SceneDesc, kind: &str, params: &[(String, String)], depth: usize) -> Result<NodeId, String> {
+    if depth > MAX_DEPTH {
+        return Err(format!("materials are nested more than {MAX_DEPTH} deep"));
+    }
+    let unknown = |what: &str, name: &str, known: Vec<&str>| {
+        let hint = names::did_you_mean(name, known.iter().copied()).map(|h| format!("; {h}")).unwrap_or_default();
+        format!("there is no {what} '{name}'{hint} (known: {})", known.join(", "))
+    };
+    let entry = catalog::entry(kind)
+        .ok_or_else(|| unknown("material", kind, catalog::MATERIALS.iter().map(|m| m.name).collect()))?;
+    let mut node = Node::new(Family::Material, kind, None);
+    for (name, text) in params {
+        let parameter = entry.parameters.iter().find(|p| p.name == name).ok_or_else(|| {
+            unknown(&format!("parameter of '{kind}'"), name, entry.parameters.iter().map(|p| p.name).collect())
+        })?;
+        let value = value(d, parameter, text, depth)?;
+        node.set(name.as_str(), value, None);
+    }
+    node.name = Some(kind.into());
+    Ok(d.add(node))
+}
+
+fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<Value, String> {
+    let fault = || format!("'{text}' is no value of '{}', which is {}", p.name, p.values());
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    Ok(match p.kind {
+        Kind::Number => Value::Float(number(text).ok_or_else(fault)?),
+        Kind::Integer => Value::Int(text.parse().map_err(|_| fault())?),
+        Kind::Flag => Value::Bool(text.parse().map_err(|_| fault())?),
+        Kind::Word(_) => Value::String(text.into()),
+        Kind::File => Value::Path(text.into()),
+        Kind::Vector => {
+            let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+            Value::Vec3(numbers.and_then(|v| v.try_into().ok()).ok_or_else(fault)?)
+        }
+        Kind::Texture | Kind::Spectrum => {
+            let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+            match numbers.as_deref() {
+                Some([v]) => Value::Float(*v),
+                Some([r, g, b]) => Value::Spectrum(SpectrumValue::Rgb([*r, *g, *b], ColorSpace::Srgb)),
+                Some(_) => return Err(fault()),
+                None if p.kind == Kind::Texture && std::path::Path::new(text).is_file() => {
+                    let image = Node::new(Family::Texture, "image", None).with("file", Value::Path(text.into()));
+                    Value::Node(d.add(image))
+                }
+                None => Value::Spectrum(SpectrumValue::Named(text.into())),
+            }
+        }
+        Kind::Material => Value::Node(nested(d, text, depth)?),
+        Kind::Materials => {
+            let parts: Result<Vec<_>, _> = text.split('|').map(|part| nested(d, part, depth)).collect();
+            Value::Nodes(parts?)
+        }
+    })
+}
+
+/// `KIND` or `KIND(name=value;…)`.
+fn nested(d: &mut SceneDesc, text: &str, depth: usize) -> Result<NodeId, String> {
+    let text = text.trim();
+    let Some((kind, rest)) = text.split_once('(') else { return add_material(d, text, &[], depth + 1) };
+    let inside = rest.strip_suffix(')').ok_or_else(|| format!("'{text}' lacks its closing parenthesis"))?;
+    let mut params = Vec::new();
+    for part in inside.split(';').filter(|p| !p.trim().is_empty()) {
+        let (name, value) = part.split_once('=').ok_or_else(|| format!("'{part}' is not name=value"))?;
+        params.push((name.trim().to_owned(), value.trim().to_owned()));
+    }
+    add_material(d, kind, &params, depth + 1)
+}
+
+fn place(d: &mut SceneDesc, node: NodeId, material: Option<NodeId>, emission: Option<NodeId>) {
+    d.shapes.push(Shape {
+        node,
+        mesh: None,
+        world_from_object: Transform::default(),
+        reverse_orientation: false,
+        material,
+        emission,
+        interior: None,
+        exterior: None,
+        is_medium_boundary: false,
+    });
+}
+
+/// Floor, light, sky and camera.
+fn furnish(d: &mut SceneDesc) {
+    let grey = |v: f64| Value::Spectrum(SpectrumValue::Rgb([v; 3], ColorSpace::Srgb));
+    let tiles = Node::new(Family::Texture, "checkerboard", None).with("a", grey(0.55)).with("b", grey(0.2));
+    let tiles = d.add(tiles.with("scale_u", 16.0).with("scale_v", 16.0));
+    let floor = d.add(Node::new(Family::Material, "diffuse", None).with("reflectance", Value::Node(tiles)));
+    quad(d, [[-8.0, 0.0, -8.0], [-8.0, 0.0, 8.0], [8.0, 0.0, 8.0], [8.0, 0.0, -8.0]], Some(floor), None);
+    let lamp = d.add(Node::new(Family::Light, "area", None).with("radiance", grey(14.0)));
+    quad(d, [[-2.6, 4.2, -2.6], [-1.2, 4.8, -2.6], [-1.2, 4.8, -1.0], [-2.6, 4.2, -1.0]], None, Some(lamp));
+    let sky = d.add(Node::new(Family::Light, "environment", None).with("radiance", grey(0.55)));
+    d.lights.push(sky);
+    let (from, to) = (DVec3::new(0.0, 2.1, -5.2), DVec3::new(0.0, 0.92, 0.0));
+    let view = Transform::look_at(from, to, DVec3::Y).unwrap_or_default();
+    let camera =
+        Node::new(Family::Camera, "perspective", None).with("fov", 27.0).with("to_world", Value::Transform(view));
+    let camera = d.add(camera);
+    d.cameras.push(camera);
+}
+
+fn quad(d: &mut SceneDesc, corners: [[f32; 3]; 4], material: Option<NodeId>, emission: Option<NodeId>) {
+    let mesh = d.add_mesh(Mesh {
+        positions: corners.to_vec(),
+        uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    });
+    let node = d.add(Node::new(Family::Shape, "mesh", None));
+    place(d, node, material, emission);
+    if let Some(shape) = d.shapes.last_mut() {
+        shape.mesh = Some(mesh);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CompileOptions, compile};
+
+    fn params(list: &[(&str, &str)]) -> Vec<(String, String)> {
+        list.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect()
+    }
+
+    #[test]
+    fn words_become_a_scene_with_the_material_on_its_first_shape() {
+        let gold = params(&[("eta", "metal-Au-eta"), ("k", "metal-Au-k"), ("alpha_u", "0.2")]);
+        let d = describe("conductor", &gold).expect("sound");
+        let scene = compile(&d, &CompileOptions::default()).scene.expect("it compiles");
+        assert_eq!(scene.material_names[scene.geometries[0].material as usize], "conductor");
+        let mixed = params(&[("materials", "diffuse(reflectance=0.8,0.1,0.1)|conductor(alpha_u=0.1;alpha_v=0.3)")]);
+        let d = describe("mix", &mixed).expect("sound");
+        assert!(compile(&d, &CompileOptions::default()).scene.is_some());
+    }
+
+    #[test]
+    fn slips_are_named() {
+        let fails = |kind: &str, list: &[(&str, &str)], part: &str| {
+            let said = describe(kind, &params(list)).err().unwrap_or_default();
+            assert!(said.contains(part), "{said:?} lacks {part:?}");
+        };
+        fails("difuse", &[], "did you mean 'diffuse'?");
+        fails("diffuse", &[("reflectence", "1")], "did you mean 'reflectance'?");
+        fails("diffuse", &[("reflectance", "1,2")], "is no value of 'reflectance'");
+        fails("coated_diffuse", &[("thickness", "thick")], "number, ≥ 0, scene units");
+        fails("two_sided", &[("front", "diffuse(reflectance=1")], "closing parenthesis");
+        let deep = "two_sided(front=".repeat(20);
+        fails("two_sided", &[("front", &format!("{deep}diffuse{}", ")".repeat(20)))], "nested more than");
+    }
+}
