@@ -8,10 +8,9 @@
 //! Fresnel               f_d = k_d/π (1 − k_s F(θ_o))(1 − k_s F(θ_i))/(1 − k_s ⟨F⟩)            Shirley et al. 1997
 //! ```
 //!
-//! (The printed formula `F D G/(π cos cos)` gains energy with a normalised `D`: E3, E4.) All three are reciprocal. The
-//! last loses nothing on a smooth white surface, for which it is derived; the facets of a rough one reflect more than a
-//! plane at normal incidence, so that white gains up to a hundredth there. `plastic` and `coated_diffuse` have the
-//! rough interface's own tables instead.
+//! (The printed formula `F D G/(π cos cos)` gains energy with a normalised `D`: E3, E4.) All three are reciprocal. The last
+//! loses nothing on a smooth white surface, for which it is derived; rough facets reflect less than a plane (by up to a half
+//! at grazing angles), which is lost. `plastic` and `coated_diffuse` have the rough interface's own tables instead.
 
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance, fresnel, sample_cosine_hemisphere};
 use std::f32::consts::FRAC_1_PI;

@@ -76,12 +76,9 @@ impl Microfacet {
         (self.alpha_x * self.alpha_y).sqrt()
     }
 
-    /// The roughness of an isotropic surface that loses no more light between its facets than this one.
-    pub(super) fn least_lossy_alpha(&self) -> f32 {
-        match self.shadowing {
-            Shadowing::VGroove if self.alpha_x != self.alpha_y => 0.0,
-            _ => self.alpha_x.min(self.alpha_y),
-        }
+    /// The roughness, if it is the same along both tangents.
+    pub(super) fn isotropic_alpha(&self) -> Option<f32> {
+        ((self.alpha_x - self.alpha_y).abs() <= 0.01 * self.alpha_x).then_some(self.alpha_x)
     }
 
     #[inline]
@@ -176,14 +173,14 @@ impl Microfacet {
     }
 
     /// A normal of the distribution; in V-grooves that or its mirror image across the groove, in proportion to the area
-    /// seen (Heitz & d'Eon 2014, 4). The last digits of the number that sets the slope choose between the two.
+    /// seen (Heitz & d'Eon 2014, 4). The last digits of the number that sets the azimuth choose between the two.
     fn sample_unstretched(&self, w: Vec3, u: Vec2) -> Vec3 {
         let m = self.distribution.sample(self.alpha(), u);
         if self.shadowing != Shadowing::VGroove {
             return m;
         }
         let (here, across) = faces_of_groove(w, m);
-        if (u.y * 4096.0).fract() * (here + across) < here { m } else { Vec3::new(-m.x, -m.y, m.z) }
+        if (u.x * 4096.0).fract() * (here + across) < here { m } else { Vec3::new(-m.x, -m.y, m.z) }
     }
 
     /// What a normal that was drawn for `wo` carries to `wi`, for unit Fresnel factor: value over density.

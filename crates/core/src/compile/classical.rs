@@ -201,6 +201,12 @@ impl Compiler<'_> {
             }
         };
         if let (Some(kind), false, false) = (compensation, film.is_some(), large_k) {
+            if roughness.is_anisotropic() {
+                self.approximated(
+                    node.span,
+                    "light between facets is given back where roughness is the same in all directions; here it differs",
+                );
+            }
             let table = self.coats.energy(roughness.distribution, roughness.shadowing);
             return Some(Model::Compensated { metal, kind, table });
         }

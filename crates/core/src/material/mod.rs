@@ -52,7 +52,7 @@ impl Roughness {
     }
 
     /// Whether the two α may differ, so that the orientation of the tangent matters.
-    fn is_anisotropic(&self) -> bool {
+    pub(crate) fn is_anisotropic(&self) -> bool {
         match (self.u, self.v) {
             (FloatTexture::Constant(a), FloatTexture::Constant(b)) => a != b,
             (FloatTexture::Texture(a), FloatTexture::Texture(b)) => a != b,
