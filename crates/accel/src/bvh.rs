@@ -1,9 +1,10 @@
 //! The hierarchy over the geometries of one space.
 #![allow(unsafe_code)]
 
-use crate::dispatch::{SupportedIsa, any_hit, any_hits, nearest_hit, nearest_hits};
+use crate::dispatch::{SupportedIsa, all_hits, any_hit, any_hits, nearest_hit, nearest_hits};
 use crate::geometry::WORLD;
 use crate::layout::{Block, ChildRef, Node};
+use crate::refit::refit;
 use crate::simd::LANES;
 #[cfg(test)]
 use crate::simd::Row;
@@ -21,9 +22,21 @@ pub(crate) struct Tree {
     pub bounds: Bounds3,
     /// For each geometry the index of its first primitive over all geometries, and at the end the number of primitives.
     pub first: Vec<u32>,
+    /// How many primitives are in it.
+    pub primitives: usize,
 }
 
 impl Tree {
+    /// Follows geometry that has moved: the shape of the tree is kept (`true`) when the same primitives can be hit as before, else it
+    /// is built anew.
+    pub fn update(&mut self, geometries: &[Geometry]) -> Result<bool, Error> {
+        let kept = refit(self, &build::Primitives::new(geometries)?);
+        if !kept {
+            *self = build::build(geometries)?;
+        }
+        Ok(kept)
+    }
+
     /// The node a reference is to.
     ///
     /// # Safety
@@ -47,9 +60,9 @@ impl Tree {
     }
 
     /// The name of the primitive with an index over all geometries, when the tree is seen as an instance with a number.
-    #[inline]
+    #[inline(always)]
     pub fn id(&self, instance: u32, index: u32) -> PrimId {
-        let geom = if self.first.len() == 2 { 0 } else { self.first.partition_point(|&first| first <= index) - 1 };
+        let geom = if index < self.first[1] { 0 } else { self.first.partition_point(|&first| first <= index) - 1 };
         PrimId { instance, geom: geom as u32, prim: index - self.first[geom] }
     }
 
@@ -89,6 +102,16 @@ impl Bvh {
         Ok(Self { tree: build::build(geometries)?, isa: SupportedIsa::best() })
     }
 
+    /// Follows geometry that has moved. When the numbers of primitives are the same and the same ones can be hit, the shape of the
+    /// hierarchy is kept and its boxes are set anew, which is much faster than to build; gives `true` then. Else it is built anew.
+    /// After great changes a hierarchy that keeps its shape is slow; [`Bvh::build`] makes a good one.
+    ///
+    /// # Errors
+    /// When there are too many primitives; nothing is changed then.
+    pub fn update(&mut self, geometries: &[Geometry]) -> Result<bool, Error> {
+        self.tree.update(geometries)
+    }
+
     /// The box around all primitives; empty when there are none.
     pub fn bounds(&self) -> Bounds3 {
         self.tree.bounds
@@ -122,6 +145,17 @@ impl Bvh {
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         self.occluded_as(WORLD, ray, user)
+    }
+
+    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`] first: every triangle that is
+    /// hit and, where it is filtered, accepted; of a user primitive its nearest hit.
+    pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        all_hits(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance: WORLD, user }, &mut hits);
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+        // A triangle may be in several leaves.
+        hits.dedup_by_key(|hit| hit.id);
+        hits
     }
 
     /// The nearest hits of many rays at once, each with the bits of [`Bvh::intersect`]. Neighbours in the slice that go nearly the same
@@ -162,6 +196,11 @@ impl Bvh {
     #[inline]
     pub(crate) fn nearest_as<U: UserPrimitives>(&self, instance: u32, ray: &Ray, user: &U) -> Option<Nearest<()>> {
         nearest_hit(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance, user })
+    }
+
+    /// Collects all hits, when this hierarchy is seen as an instance with a number.
+    pub(crate) fn every_as<U: UserPrimitives>(&self, instance: u32, ray: &Ray, user: &U, hits: &mut Vec<Hit>) {
+        all_hits(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance, user }, hits);
     }
 
     /// [`Bvh::occluded`] with the number of the instance that this hierarchy is seen as.
@@ -210,6 +249,11 @@ impl<U: UserPrimitives> Users for Leaves<'_, U> {
 
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
         self.user.accept(&Hit { t, u, v, id: self.tree.id(self.instance, index) }, ray)
+    }
+
+    fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>) {
+        let hit = self.intersect(index, ray).filter(|(hit, ())| hit.t > 0.0 && hit.t < ray.t_max);
+        hits.extend(hit.map(|(hit, extra)| self.hit(Nearest { hit, index, extra })));
     }
 
     #[inline(always)]

@@ -2,10 +2,11 @@
 #![allow(unsafe_code)]
 
 use crate::bvh::Tree;
+use crate::every::every;
 use crate::layout::ChildRef;
 use crate::packet::{Found, Packet, any_batch, any_packet, nearest_batch, nearest_packet};
 use crate::simd;
-use crate::traverse::{Nearest, Start, Users, any, nearest};
+use crate::traverse::{Nearest, Start, Users, Way, any, is_traceable, nearest};
 use crate::{Hit, Isa};
 use glam::Mat4;
 use steradian_math::Ray;
@@ -76,18 +77,30 @@ macro_rules! level {
 }
 
 queries! {
-    /// The nearest hit in `(0, ray.t_max)` on a tree.
+    /// The nearest hit in `(0, ray.t_max)` on a tree; `None` for a ray that is not traceable.
     fn nearest_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> = |isa, s, l| {
-        nearest(s, tree, ray, users, Start { child: tree.root, t: ray.t_max, best: None })
+        if !is_traceable(ray) {
+            return None;
+        }
+        nearest(s, tree, ray, users, &Way::new(ray), Start { child: tree.root, t: ray.t_max, best: None })
     };
-    /// The nearest hit in `(0, ray.t_max)` on a tree, from a start on.
-    fn nearest_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, start: Start<U::Extra>) -> Option<Nearest<U::Extra>> =
-        |isa, s, l| nearest(s, tree, ray, users, start);
-    /// Whether a tree is hit in `(0, ray.t_max)`.
-    fn any_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| any(s, tree, ray, users, tree.root);
-    /// Whether a tree is hit in `(0, ray.t_max)` below a child.
-    fn any_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, start: ChildRef) -> bool =
-        |isa, s, l| any(s, tree, ray, users, start);
+    /// The nearest hit of a traceable ray in `(0, ray.t_max)` on a tree, from a start on.
+    fn nearest_hit_from<U: Users>(
+        tree: &Tree, ray: &Ray, users: &U, way: &Way, start: Start<U::Extra>,
+    ) -> Option<Nearest<U::Extra>> = |isa, s, l| nearest(s, tree, ray, users, way, start);
+    /// Whether a tree is hit in `(0, ray.t_max)`; `false` for a ray that is not traceable.
+    fn any_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| {
+        is_traceable(ray) && any(s, tree, ray, users, &Way::new(ray), tree.root)
+    };
+    /// Whether a tree is hit by a traceable ray in `(0, ray.t_max)` below a child.
+    fn any_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool =
+        |isa, s, l| any(s, tree, ray, users, way, start);
+    /// Collects all hits in `(0, ray.t_max)` on a tree, in any order.
+    fn all_hits<U: Users>(tree: &Tree, ray: &Ray, users: &U, hits: &mut Vec<Hit>) = |isa, s, l| {
+        if is_traceable(ray) {
+            every(s, tree, ray, users, hits);
+        }
+    };
     /// The nearest hits of rays.
     fn nearest_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
         nearest_batch(isa, (s, l), tree, rays, users, hits)

@@ -49,6 +49,12 @@ impl ChildRef {
         self.0 >> Self::INDEX_BITS == 1
     }
 
+    /// Whether this is a user primitive.
+    #[inline(always)]
+    pub fn is_user(self) -> bool {
+        self.0 >> Self::INDEX_BITS == 2
+    }
+
     /// The index of the node, block or primitive.
     #[inline(always)]
     pub fn index(self) -> usize {
@@ -112,6 +118,23 @@ impl Block {
 
     /// A block without triangles.
     pub const EMPTY: Self = Self { rows: [Row([f32::NAN; LANES]); 9], ids: [0; LANES] };
+
+    /// The lanes that hold a triangle.
+    pub fn lanes(&self) -> u32 {
+        (0..LANES).map(|lane| u32::from(!self.rows[0].0[lane].is_nan()) << lane).sum()
+    }
+
+    /// The box around its triangles.
+    pub fn bounds(&self) -> Bounds3 {
+        let mut bounds = Bounds3::EMPTY;
+        for lane in (0..LANES).filter(|lane| self.lanes() >> lane & 1 == 1) {
+            for vertex in 0..3 {
+                let corner = std::array::from_fn(|axis| self.rows[3 * vertex + axis].0[lane]);
+                bounds = bounds.union_point(Vec3::from_array(corner));
+            }
+        }
+        bounds
+    }
 
     /// Fills a lane.
     pub fn set(&mut self, lane: usize, vertices: [Vec3; 3], id: u32) {

@@ -20,10 +20,12 @@
 mod build;
 mod bvh;
 mod dispatch;
+mod every;
 mod geometry;
 mod isa;
 mod layout;
 mod packet;
+mod refit;
 mod simd;
 mod stack;
 mod storage;

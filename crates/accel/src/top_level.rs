@@ -1,7 +1,9 @@
 //! Two levels: world-space geometry and instances of other hierarchies, in one tree.
 
 use crate::bvh::{Leaves as ObjectLeaves, Tree};
-use crate::dispatch::{SupportedIsa, any_hit, any_hits, any_packet_in, nearest_hit, nearest_hits, nearest_packet_in};
+use crate::dispatch::{
+    SupportedIsa, all_hits, any_hit, any_hits, any_packet_in, nearest_hit, nearest_hits, nearest_packet_in,
+};
 use crate::geometry::WORLD;
 use crate::packet::{Found, Packet};
 use crate::traverse::{Nearest, Users};
@@ -45,25 +47,32 @@ impl TopLevel {
     /// # Errors
     /// When there are too many primitives, or an instance refers to an object that does not exist.
     pub fn build(world: &[Geometry], objects: Vec<Bvh>, instances: &[Instance]) -> Result<Self, Error> {
-        for (i, instance) in instances.iter().enumerate() {
-            if instance.object as usize >= objects.len() {
-                return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
-            }
-        }
-        let shapes: Vec<Vec<Bounds3>> = objects.iter().map(|object| object.tree().upper_boxes(BOXES)).collect();
-        let world_box = |i: &Instance| world_box(&shapes[i.object as usize], &i.world_from_object);
-        let boxes: Vec<Bounds3> = instances.par_iter().map(world_box).collect();
-        let mut geometries = world.to_vec();
-        geometries.push(Geometry::boxes(&boxes));
-        let tree = build::build(&geometries)?;
-        let place = |i: &Instance| Placement { object_from_world: i.world_from_object.inv, object: i.object };
+        let boxes = boxes(&objects, instances)?;
+        let tree = build::build(&[world, &[Geometry::boxes(&boxes)]].concat())?;
         Ok(Self {
             first_instance: tree.first[world.len()],
             tree,
             isa: SupportedIsa::best(),
             objects,
-            placements: instances.iter().map(place).collect(),
+            placements: placements(instances),
         })
+    }
+
+    /// Follows world geometry and instances that have moved, see [`Bvh::update`]: whether the shape of the hierarchy could be kept.
+    ///
+    /// # Errors
+    /// As [`TopLevel::build`]; nothing is changed then.
+    pub fn update(&mut self, world: &[Geometry], instances: &[Instance]) -> Result<bool, Error> {
+        let boxes = boxes(&self.objects, instances)?;
+        let kept = self.tree.update(&[world, &[Geometry::boxes(&boxes)]].concat())?;
+        self.first_instance = self.tree.first[world.len()];
+        self.placements = placements(instances);
+        Ok(kept)
+    }
+
+    /// The objects, for [`Bvh::update`]. [`TopLevel::update`] must follow, or rays may miss what has left its old box.
+    pub fn objects_mut(&mut self) -> &mut [Bvh] {
+        &mut self.objects
     }
 
     /// The box around everything, in world space.
@@ -94,6 +103,17 @@ impl TopLevel {
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
         let leaves = Leaves { scene: self, user };
         nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
+    }
+
+    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`] first: every triangle that is
+    /// hit and, where it is filtered, accepted; of a user primitive its nearest hit.
+    pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        all_hits(self.isa, &self.tree, ray, &Leaves { scene: self, user }, &mut hits);
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+        // A triangle may be in several leaves.
+        hits.dedup_by_key(|hit| hit.id);
+        hits
     }
 
     /// The nearest hits of many rays at once, each with the bits of [`TopLevel::intersect`]. Neighbours in the slice that go nearly
@@ -134,6 +154,24 @@ impl TopLevel {
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         any_hit(self.isa, &self.tree, ray, &Leaves { scene: self, user })
     }
+}
+
+/// The boxes of instances in world space.
+fn boxes(objects: &[Bvh], instances: &[Instance]) -> Result<Vec<Bounds3>, Error> {
+    for (i, instance) in instances.iter().enumerate() {
+        if instance.object as usize >= objects.len() {
+            return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
+        }
+    }
+    let shapes: Vec<Vec<Bounds3>> = objects.iter().map(|object| object.tree().upper_boxes(BOXES)).collect();
+    let world_box = |i: &Instance| world_box(&shapes[i.object as usize], &i.world_from_object);
+    Ok(instances.par_iter().map(world_box).collect())
+}
+
+/// What traversal needs of instances.
+fn placements(instances: &[Instance]) -> Vec<Placement> {
+    let place = |i: &Instance| Placement { object_from_world: i.world_from_object.inv, object: i.object };
+    instances.iter().map(place).collect()
 }
 
 /// How many boxes of an object the box of an instance is made from.
@@ -218,7 +256,16 @@ impl<U: UserPrimitives> Users for Leaves<'_, U> {
         self.user.accept(&Hit { t, u, v, id: self.scene.tree.id(WORLD, index) }, ray)
     }
 
-    #[inline]
+    fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>) {
+        if let Some((number, object, ray)) = self.enter(index, ray) {
+            object.every_as(number, &ray, self.user, hits);
+            return;
+        }
+        let hit = self.intersect(index, ray).filter(|(hit, _)| hit.t > 0.0 && hit.t < ray.t_max);
+        hits.extend(hit.map(|(hit, extra)| self.hit(Nearest { hit, index, extra })));
+    }
+
+    #[inline(always)]
     fn hit(&self, Nearest { hit: UserHit { t, u, v }, index, extra }: Nearest<u32>) -> Hit {
         let id = match self.instance(index) {
             None => self.scene.tree.id(WORLD, index),

@@ -7,9 +7,9 @@ use crate::layout::{Block, ChildRef, Node};
 use crate::packet::{Found, Packet};
 use crate::simd::{LANES, Simd};
 use crate::stack::{OrderedStack, Stack};
-use crate::triangle::Shear;
+use crate::triangle::{Shear, axes};
 use crate::{Hit, UserHit};
-use steradian_math::Ray;
+use steradian_math::{Ray, Vec3};
 
 /// What a hit carries beyond [`UserHit`]: nothing, or an index.
 pub(crate) trait Extra: Copy {
@@ -53,6 +53,8 @@ pub(crate) trait Users {
     fn occluded(&self, index: u32, ray: &Ray) -> bool;
     /// Whether a hit on a filtered triangle counts.
     fn accept(&self, index: u32, hit: UserHit, ray: &Ray) -> bool;
+    /// Collects hits in `(0, ray.t_max)`: of a user primitive the nearest, of an instance all.
+    fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>);
     /// What the caller of a query gets.
     fn hit(&self, nearest: Nearest<Self::Extra>) -> Hit;
 
@@ -94,7 +96,7 @@ pub(crate) struct Start<E> {
 pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
 
 /// What the slab test needs of a ray.
-struct Slabs<S: Simd> {
+pub(crate) struct Slabs<S: Simd> {
     origin: [S::F; 3],
     /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
     inverse: [[S::F; 3]; 2],
@@ -103,15 +105,41 @@ struct Slabs<S: Simd> {
     far: [usize; 3],
 }
 
+/// What both tests need of a ray beyond its origin: numbers that take divisions to make.
+#[derive(Clone, Copy)]
+pub(crate) struct Way {
+    /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
+    pub inverse: [Vec3; 2],
+    /// See [`Shear`].
+    pub axes: [usize; 3],
+    pub shear: [f32; 3],
+}
+
+impl Way {
+    /// For a valid ray.
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let inverse = d.recip();
+        let axes = axes(d);
+        let [x, y, z] = axes;
+        Self {
+            inverse: [inverse * (1.0 - WIDEN), inverse * (1.0 + WIDEN)],
+            axes,
+            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
+        }
+    }
+}
+
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
-    fn new(s: S, ray: &Ray) -> Self {
-        let inverse = ray.direction.recip();
+    pub fn new(s: S, ray: &Ray, way: &Way) -> Self {
+        let inverse = way.inverse[0];
         let rows = |x: f32, axis: usize| if x.is_sign_negative() { (axis + 3, axis) } else { (axis, axis + 3) };
         let (x, y, z) = (rows(inverse.x, 0), rows(inverse.y, 1), rows(inverse.z, 2));
         Self {
             origin: s.splat3(ray.origin),
-            inverse: [s.splat3(inverse * (1.0 - WIDEN)), s.splat3(inverse * (1.0 + WIDEN))],
+            inverse: [s.splat3(way.inverse[0]), s.splat3(way.inverse[1])],
             near: [x.0, y.0, z.0],
             far: [x.1, y.1, z.1],
         }
@@ -121,7 +149,7 @@ impl<S: Simd> Slabs<S> {
     ///
     /// A ray within a plane gives 0·∞ = NaN. NaN is always the first operand where it matters, so the other one counts.
     #[inline(always)]
-    fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
+    pub fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
         let near = [self.near(s, node, 0), self.near(s, node, 1), self.near(s, node, 2)];
         let far = [self.far(s, node, 0), self.far(s, node, 1), self.far(s, node, 2)];
         let enter = s.max(s.max(near[0], near[1]), s.max(near[2], s.splat(0.0)));
@@ -146,20 +174,24 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// The nearest hit in `(0, ray.t_max)`, from a start on.
+/// Whether a ray can hit anything at all.
+#[inline(always)]
+pub(crate) fn is_traceable(ray: &Ray) -> bool {
+    ray.is_valid() && ray.t_max > 0.0
+}
+
+/// The nearest hit of a traceable ray in `(0, ray.t_max)`, from a start on.
 #[inline(always)]
 pub(crate) fn nearest<S: Simd, U: Users>(
     s: S,
     tree: &Tree,
     ray: &Ray,
     users: &U,
+    way: &Way,
     start: Start<U::Extra>,
 ) -> Option<Nearest<U::Extra>> {
-    if !ray.is_valid() || ray.t_max.is_nan() || ray.t_max <= 0.0 {
-        return None;
-    }
-    let slabs = Slabs::new(s, ray);
-    let shear = Shear::new(s, ray);
+    let slabs = Slabs::new(s, ray, way);
+    let shear = Shear::new(s, ray, way);
     let mut stack = OrderedStack::new();
     let Start { child: mut current, mut t, mut best } = start;
     loop {
@@ -220,14 +252,11 @@ pub(crate) fn nearest<S: Simd, U: Users>(
     }
 }
 
-/// Whether there is any hit in `(0, ray.t_max)` below a child.
+/// Whether a traceable ray has any hit in `(0, ray.t_max)` below a child.
 #[inline(always)]
-pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, start: ChildRef) -> bool {
-    if !ray.is_valid() || ray.t_max.is_nan() || ray.t_max <= 0.0 {
-        return false;
-    }
-    let slabs = Slabs::new(s, ray);
-    let shear = Shear::new(s, ray);
+pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool {
+    let slabs = Slabs::new(s, ray, way);
+    let shear = Shear::new(s, ray, way);
     let t_max = s.splat(ray.t_max);
     let mut stack = Stack::new();
     let mut current = start;

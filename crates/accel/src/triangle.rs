@@ -8,6 +8,7 @@
 
 use crate::layout::Block;
 use crate::simd::{LANES, Lanes, Simd, WIDE, Wide};
+use crate::traverse::Way;
 use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// What the test needs of a ray.
@@ -39,25 +40,29 @@ impl Candidates {
     }
 }
 
+/// The axes in the order x, y, z of the sheared space of a direction.
+#[inline(always)]
+pub(crate) fn axes(direction: Vec3) -> [usize; 3] {
+    let a = direction.abs();
+    let z = if a.x >= a.y && a.x >= a.z {
+        0
+    } else if a.y >= a.z {
+        1
+    } else {
+        2
+    };
+    [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z]
+}
+
 impl<S: Simd> Shear<S> {
     /// For a valid ray.
     #[inline(always)]
-    pub fn new(s: S, ray: &Ray) -> Self {
-        let d = ray.direction;
-        let a = d.abs();
-        let z = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let [x, y, z] = axes;
+    pub fn new(s: S, ray: &Ray, way: &Way) -> Self {
+        let [x, y, z] = way.axes;
         Self {
-            axes,
+            axes: way.axes,
             origin: s.splat3(Vec3::new(ray.origin[x], ray.origin[y], ray.origin[z])),
-            shear: [s.splat(d[x] / d[z]), s.splat(d[y] / d[z]), s.splat(1.0 / d[z])],
+            shear: [s.splat(way.shear[0]), s.splat(way.shear[1]), s.splat(way.shear[2])],
         }
     }
 

@@ -12,6 +12,9 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use steradian_accel::{Bvh, Error, Geometry, Instance, Isa, TopLevel};
 use steradian_math::{DVec3, Ray};
 
+/// Rays that are handed over at once.
+const BATCH: usize = 4096;
+
 const SCENES: [&str; 3] = ["mesh_1M", "mesh_10k", "inst_1000x10k"];
 const SETS: [&str; 5] = ["primary", "bounce1", "bounce1shuf", "bounce2", "shadow"];
 
@@ -104,14 +107,18 @@ fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
     let (closest, (hits, t)) =
         rate(&mut || rays.iter().filter_map(|r| Some(top.intersect(r, &())?.t)).fold((0, 0.0), sum));
     let (occluded, _) = rate(&mut || (rays.iter().filter(|r| top.occluded(r, &())).count(), 0.0));
-    let mut hits_of = vec![None; rays.len()];
+    let mut hits_of = vec![None; BATCH];
     let (batch_closest, _) = rate(&mut || {
-        top.intersect_batch(rays, &(), &mut hits_of);
+        for rays in rays.chunks(BATCH) {
+            top.intersect_batch(rays, &(), &mut hits_of[..rays.len()]);
+        }
         (0, 0.0)
     });
-    let mut flags = vec![false; rays.len()];
+    let mut flags = vec![false; BATCH];
     let (batch_occluded, _) = rate(&mut || {
-        top.occluded_batch(rays, &(), &mut flags);
+        for rays in rays.chunks(BATCH) {
+            top.occluded_batch(rays, &(), &mut flags[..rays.len()]);
+        }
         (0, 0.0)
     });
     let percent = 100.0 * hits as f64 / rays.len() as f64;

@@ -7,6 +7,8 @@ mod emit;
 mod primitives;
 mod split;
 
+pub(crate) use primitives::Primitives;
+
 use crate::bvh::Tree;
 use crate::{Error, Geometry};
 
@@ -16,7 +18,7 @@ pub(crate) const MAX_DEPTH: usize = binary::SAH_DEPTH as usize + 31;
 
 /// Builds a tree.
 pub(crate) fn build(geometries: &[Geometry]) -> Result<Tree, Error> {
-    let primitives = primitives::Primitives::new(geometries)?;
+    let primitives = Primitives::new(geometries)?;
     let mut refs = primitives.refs();
     let nodes = binary::build(&mut refs);
     Ok(emit::emit(&primitives, &refs, &nodes))

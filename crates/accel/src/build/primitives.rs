@@ -48,7 +48,7 @@ impl PrimRef {
 }
 
 /// All geometries, with one index over all their primitives.
-pub(super) struct Primitives<'a> {
+pub(crate) struct Primitives<'a> {
     geometries: &'a [Geometry<'a>],
     /// For each geometry the index of its first primitive, and at the end the number of all.
     pub first: Vec<u32>,
@@ -70,21 +70,28 @@ impl<'a> Primitives<'a> {
     }
 
     /// References to all primitives that a ray can hit, in the order of their indices.
-    pub fn refs(&self) -> Vec<PrimRef> {
+    pub(super) fn refs(&self) -> Vec<PrimRef> {
         let of_geometry = |(geometry, &first): (&'a Geometry<'a>, &u32)| {
             (0..geometry.len()).into_par_iter().filter_map(move |prim| {
-                let (bounds, user) = match geometry.shape {
-                    Shape::Triangles { positions, indices } => {
-                        let corners = corners(positions, indices[prim]).filter(|corners| is_hittable(*corners))?;
-                        (Bounds3::from_points(corners), false)
-                    }
-                    Shape::Boxes(boxes) => (boxes[prim], true),
-                };
-                let usable = bounds.min.is_finite() && bounds.max.is_finite() && !bounds.is_empty();
-                usable.then(|| PrimRef::new(bounds, first + prim as u32, user))
+                let (bounds, user) = usable(geometry, prim)?;
+                Some(PrimRef::new(bounds, first + prim as u32, user))
             })
         };
         self.geometries.par_iter().zip(&self.first).flat_map(of_geometry).collect()
+    }
+
+    /// How many primitives a ray can hit.
+    pub fn count(&self) -> usize {
+        let of_geometry = |geometry: &'a Geometry<'a>| {
+            (0..geometry.len()).into_par_iter().filter(move |&prim| usable(geometry, prim).is_some())
+        };
+        self.geometries.par_iter().flat_map(of_geometry).count()
+    }
+
+    /// The box of the primitive with an index, if a ray can hit it.
+    pub fn bounds(&self, index: u32) -> Option<Bounds3> {
+        let geom = self.first.partition_point(|&first| first <= index) - 1;
+        usable(&self.geometries[geom], (index - self.first[geom]) as usize).map(|(bounds, _)| bounds)
     }
 
     /// The vertices of the triangle with an index, and what goes into [`Block::ids`]; `None` for what is not a triangle.
@@ -95,6 +102,19 @@ impl<'a> Primitives<'a> {
         let id = index | if geometry.filtered { Block::FILTERED } else { 0 };
         Some((corners(positions, indices[(index - self.first[geom]) as usize])?, id))
     }
+}
+
+/// The box of a primitive that a ray can hit, and whether it is a user primitive.
+fn usable(geometry: &Geometry, prim: usize) -> Option<(Bounds3, bool)> {
+    let (bounds, user) = match geometry.shape {
+        Shape::Triangles { positions, indices } => {
+            let corners = corners(positions, indices[prim]).filter(|corners| is_hittable(*corners))?;
+            (Bounds3::from_points(corners), false)
+        }
+        Shape::Boxes(boxes) => (boxes[prim], true),
+    };
+    let usable = bounds.min.is_finite() && bounds.max.is_finite() && !bounds.is_empty();
+    usable.then_some((bounds, user))
 }
 
 /// The vertices of a triangle, if they exist.

@@ -1,16 +1,16 @@
 //! Which rays of a packet hit anything.
 #![allow(unsafe_code)]
 
-use super::beam::{Beam, Ways};
+use super::beam::{Apart, Beam, Ways};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
-use super::{FEW, Packet, Set};
+use super::{BEAM, FEW, Packet, Set};
 use crate::UserHit;
 use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, any_hit_from};
 use crate::layout::{Block, ChildRef};
-use crate::simd::{LANES, Lanes, Simd, Wide, key, key_lane};
-use crate::traverse::Users;
+use crate::simd::{LANES, Lanes, Simd, Wide, key_lane};
+use crate::traverse::{Users, Way};
 use crate::triangle::Crossing;
 
 /// The rays in `lanes` that hit anything.
@@ -23,6 +23,24 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: Users>(
     lanes: u32,
     users: &U,
 ) -> u32 {
+    let (mut hits, alone) = any_beams(isa, (s, l), tree, packet, lanes, users);
+    for lane in Set(alone) {
+        let ray = packet.ray(lane, packet.t_max.0[lane]);
+        hits |= u32::from(any_hit_from(isa, tree, &ray, users, &Way::new(&ray), tree.root)) << lane;
+    }
+    hits
+}
+
+/// Of the rays that go nearly the same way those that hit anything, and the others that are traceable.
+#[inline(always)]
+pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
+    isa: SupportedIsa,
+    (s, l): (S, L),
+    tree: &Tree,
+    packet: &Packet,
+    lanes: u32,
+    users: &U,
+) -> (u32, u32) {
     let ways = Ways::new(l, packet);
     let lanes = lanes & ways.valid;
     let (mut rest, mut alone) = (lanes & ways.finite, lanes & !ways.finite);
@@ -30,23 +48,15 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: Users>(
     while rest != 0 {
         let group = ways.like_first(rest);
         rest &= !group;
-        if group.count_ones() < FEW {
+        if group.count_ones() < BEAM {
             alone |= group;
         } else {
             let beam = ways.beam(l, group.trailing_zeros() as usize);
-            hits |= Query { isa, s, l, tree, packet, users, beam }.run(group);
+            let apart = beam.apart(l);
+            hits |= Query { isa, s, l, tree, packet, users, beam, apart }.run(group);
         }
     }
-    for lane in Set(alone) {
-        hits |= u32::from(single(isa, tree, packet, lane, tree.root, users)) << lane;
-    }
-    hits
-}
-
-/// Goes on with one ray of a packet below a child.
-#[inline(always)]
-fn single<U: Users>(isa: SupportedIsa, tree: &Tree, packet: &Packet, lane: usize, child: ChildRef, users: &U) -> bool {
-    any_hit_from(isa, tree, &packet.ray(lane, packet.t_max.0[lane]), users, child)
+    (hits, alone)
 }
 
 /// The query of a beam.
@@ -58,6 +68,7 @@ struct Query<'a, S: Simd, L: Lanes, U> {
     packet: &'a Packet,
     users: &'a U,
     beam: Beam<L>,
+    apart: Apart,
 }
 
 impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
@@ -75,16 +86,15 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
             if current.is_node() {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.node(current) };
-                let (_, lanes) = interval.test(s, node, s.splat(farthest));
-                for slot in Set(lanes) {
-                    let slot = slot & (LANES - 1);
-                    let waiting = Waiting { key: key(0.0, slot), child: node.children[slot], parent: current };
+                let (enter, lanes) = interval.test(s, node, s.splat(farthest));
+                if lanes != 0 {
+                    let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
                     // SAFETY: the stack is deep enough for the tree.
-                    unsafe { stack.push(waiting) };
+                    unsafe { stack.push(keys, children, current, lanes.count_ones() as usize) };
                 }
             } else {
                 if current.is_block() {
-                    open &= !self.block(current, active, t_max);
+                    open &= !self.block(&interval, current, active, t_max);
                 } else if current != ChildRef::EMPTY {
                     open &= !self.user(current.index() as u32, active);
                 }
@@ -102,7 +112,8 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                     break;
                 }
                 for lane in Set(active) {
-                    if single(self.isa, tree, self.packet, lane, child, self.users) {
+                    let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
+                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane), child) {
                         open &= !(1 << lane);
                     }
                 }
@@ -115,13 +126,12 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
     /// The active rays that hit a triangle of a block.
     #[inline(always)]
-    fn block(&self, reference: ChildRef, active: u32, t_max: L::F) -> u32 {
+    fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, t_max: L::F) -> u32 {
         let (s, l) = (self.s, self.l);
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.block(reference) };
-        let row = s.load(&block.rows[0]);
         let mut open = active;
-        for slot in Set(s.bits(s.eq(row, row))) {
+        for slot in Set(interval.triangles(s, block)) {
             let slot = slot & (LANES - 1);
             if let Some(crossing) = self.beam.cross(l, block, slot, t_max) {
                 open &= !self.triangle(block.ids[slot], &crossing, open, t_max);

@@ -1,11 +1,13 @@
 //! Slices of rays, packet by packet.
 
-use super::{Found, Packet, any_packet, nearest_packet};
-use crate::Hit;
+use super::any::any_beams;
+use super::nearest::nearest_beams;
+use super::{Found, Packet, Set};
 use crate::bvh::Tree;
-use crate::dispatch::SupportedIsa;
+use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::simd::{Lanes, Simd, WIDE};
-use crate::traverse::Users;
+use crate::traverse::{Extra, Nearest, Users};
+use crate::{Hit, UserHit};
 use steradian_math::Ray;
 
 /// The next packet of a slice, and how many rays of the slice are in it. The last one is filled with copies.
@@ -34,9 +36,21 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
     while done < rays.len() {
         let (packet, len) = packet(l, &rays[done..]);
         let mut found = Found::nothing(&packet.t_max);
-        nearest_packet(isa, (s, l), tree, &packet, (1 << len) - 1, users, &mut found);
-        for (lane, hit) in hits[done..done + len].iter_mut().enumerate() {
-            *hit = found.get(lane).map(|nearest| users.hit(nearest));
+        let alone = nearest_beams(isa, (s, l), tree, &packet, (1 << len) - 1, users, &mut found);
+        let sum = l.read(&found.sum);
+        l.write(l.div(l.read(&found.u), sum), &mut found.u);
+        l.write(l.div(l.read(&found.v), sum), &mut found.v);
+        let (rays, hits) = (&rays[done..done + len], &mut hits[done..done + len]);
+        for (lane, hit) in hits.iter_mut().enumerate() {
+            let lane = lane & (WIDE - 1);
+            *hit = (found.hits >> lane & 1 == 1).then(|| {
+                let parameters = UserHit { t: found.t.0[lane], u: found.u.0[lane], v: found.v.0[lane] };
+                let extra = U::Extra::from_bits(found.extra.0[lane].to_bits());
+                users.hit(Nearest { hit: parameters, index: found.index(lane), extra })
+            });
+        }
+        for lane in Set(alone) {
+            hits[lane] = nearest_hit(isa, tree, &rays[lane], users).map(|nearest| users.hit(nearest));
         }
         done += len;
     }
@@ -56,9 +70,13 @@ pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
     let mut done = 0;
     while done < rays.len() {
         let (packet, len) = packet(l, &rays[done..]);
-        let hits = any_packet(isa, (s, l), tree, &packet, (1 << len) - 1, users);
-        for (lane, occluded) in occluded[done..done + len].iter_mut().enumerate() {
+        let (hits, alone) = any_beams(isa, (s, l), tree, &packet, (1 << len) - 1, users);
+        let (rays, occluded) = (&rays[done..done + len], &mut occluded[done..done + len]);
+        for (lane, occluded) in occluded.iter_mut().enumerate() {
             *occluded = hits >> lane & 1 == 1;
+        }
+        for lane in Set(alone) {
+            occluded[lane] = any_hit(isa, tree, &rays[lane], users);
         }
         done += len;
     }

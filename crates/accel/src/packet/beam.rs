@@ -2,15 +2,17 @@
 
 use crate::layout::{Block, Node};
 use crate::packet::Packet;
-use crate::simd::Lanes;
-use crate::traverse::WIDEN;
+use crate::simd::{Lanes, Wide};
+use crate::traverse::{WIDEN, Way};
 use crate::triangle::{Crossing, cross};
+use steradian_math::Vec3;
 
 /// What the tests need of the rays of a packet, and which way they go.
 pub(super) struct Ways<L: Lanes> {
     pub origin: [L::F; 3],
     inverse: [[L::F; 3]; 2],
     direction: [L::F; 3],
+    reciprocal: [L::F; 3],
     /// Rays that are valid and have an interval that is not empty.
     pub valid: u32,
     /// Rays whose direction has finite reciprocals.
@@ -26,8 +28,9 @@ pub(super) struct Beam<L: Lanes> {
     pub origin: [L::F; 3],
     /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
     pub inverse: [[L::F; 3]; 2],
-    shear: [L::F; 3],
-    axes: [usize; 3],
+    pub reciprocal: [L::F; 3],
+    pub shear: [L::F; 3],
+    pub axes: [usize; 3],
     /// Rows of the near planes and of the far planes.
     pub near: [usize; 3],
     pub far: [usize; 3],
@@ -42,13 +45,14 @@ impl<L: Lanes> Ways<L> {
         let direction = [l.read(&packet.direction[0]), l.read(&packet.direction[1]), l.read(&packet.direction[2])];
         let one = l.splat(1.0);
         let (shorter, longer) = (l.splat(1.0 - WIDEN), l.splat(1.0 + WIDEN));
-        let mut inverse = [[zero; 3]; 2];
+        let (mut inverse, mut reciprocals) = ([[zero; 3]; 2], [zero; 3]);
         let mut negative = [0; 3];
         let (mut valid, mut finite, mut moves) = (u32::MAX, u32::MAX, 0);
         let mut size = [zero; 3];
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
             let reciprocal = l.div(one, d);
+            reciprocals[axis] = reciprocal;
             inverse[0][axis] = l.mul(reciprocal, shorter);
             inverse[1][axis] = l.mul(reciprocal, longer);
             negative[axis] = l.bits(l.lt(d, zero));
@@ -62,7 +66,7 @@ impl<L: Lanes> Ways<L> {
         let along_x = l.bits(l.and(l.le(y, x), l.le(z, x)));
         let along_y = l.bits(l.le(z, y)) & !along_x;
         let along = [along_x, along_y, !(along_x | along_y)];
-        Self { origin, inverse, direction, valid, finite, negative, along }
+        Self { origin, inverse, direction, reciprocal: reciprocals, valid, finite, negative, along }
     }
 
     /// The rays among `rest` that go the same way as the first of them.
@@ -100,7 +104,8 @@ impl<L: Lanes> Ways<L> {
         Beam {
             origin: self.origin,
             inverse: self.inverse,
-            shear: [l.div(d[x], d[z]), l.div(d[y], d[z]), l.div(l.splat(1.0), d[z])],
+            reciprocal: self.reciprocal,
+            shear: [l.div(d[x], d[z]), l.div(d[y], d[z]), self.reciprocal[z]],
             axes,
             near,
             far,
@@ -108,7 +113,40 @@ impl<L: Lanes> Ways<L> {
     }
 }
 
+/// What the rays of a beam need when they go on alone.
+pub(super) struct Apart {
+    inverse: [[Wide; 3]; 2],
+    shear: [Wide; 3],
+    axes: [usize; 3],
+}
+
+impl Apart {
+    /// Of one of the rays.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Way {
+        let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
+        Way {
+            inverse: [vector(&self.inverse[0]), vector(&self.inverse[1])],
+            axes: self.axes,
+            shear: vector(&self.shear).to_array(),
+        }
+    }
+}
+
 impl<L: Lanes> Beam<L> {
+    /// What its rays need when they go on alone.
+    #[inline(always)]
+    pub fn apart(&self, l: L) -> Apart {
+        let zero = [Wide::splat(0.0); 3];
+        let mut apart = Apart { inverse: [zero; 2], shear: zero, axes: self.axes };
+        for axis in 0..3 {
+            l.write(self.inverse[0][axis], &mut apart.inverse[0][axis]);
+            l.write(self.inverse[1][axis], &mut apart.inverse[1][axis]);
+            l.write(self.shear[axis], &mut apart.shear[axis]);
+        }
+        apart
+    }
+
     /// The rays that enter a box of a node in `[0, t_max]`.
     #[inline(always)]
     pub fn enters(&self, l: L, node: &Node, slot: usize, t_max: L::F) -> u32 {

@@ -25,8 +25,10 @@ use glam::Mat4;
 use std::mem::offset_of;
 use steradian_math::{Ray, Vec3};
 
-/// With fewer rays than these in a beam, or left in a part of the tree, they go on alone.
-const FEW: u32 = 3;
+/// A beam has at least so many rays; others go alone. Measured.
+const BEAM: u32 = 6;
+/// With fewer rays than these in a part of the tree, they go on alone. Measured.
+const FEW: u32 = 4;
 
 /// The rays of a packet by rows.
 #[derive(Clone, Debug)]

@@ -1,15 +1,15 @@
 //! The nearest hits of the rays of a packet.
 #![allow(unsafe_code)]
 
-use super::beam::{Beam, Ways};
+use super::beam::{Apart, Beam, Ways};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
-use super::{FEW, Found, Packet, Set};
+use super::{BEAM, FEW, Found, Packet, Set};
 use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, nearest_hit_from};
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{Extra, Nearest, Start, Users};
+use crate::traverse::{Extra, Nearest, Start, Users, Way};
 use crate::triangle::Crossing;
 use crate::{UserHit, simd};
 
@@ -24,22 +24,38 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) {
+    for lane in Set(nearest_beams(isa, (s, l), tree, packet, lanes, users, found)) {
+        let way = Way::new(&packet.ray(lane, packet.t_max.0[lane]));
+        single(isa, tree, packet, (lane, &way), tree.root, users, found);
+    }
+}
+
+/// Finds the nearest hits of those rays that go nearly the same way, and gives back the others that are traceable.
+#[inline(always)]
+pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
+    isa: SupportedIsa,
+    (s, l): (S, L),
+    tree: &Tree,
+    packet: &Packet,
+    lanes: u32,
+    users: &U,
+    found: &mut Found,
+) -> u32 {
     let ways = Ways::new(l, packet);
     let lanes = lanes & ways.valid;
     let (mut rest, mut alone) = (lanes & ways.finite, lanes & !ways.finite);
     while rest != 0 {
         let group = ways.like_first(rest);
         rest &= !group;
-        if group.count_ones() < FEW {
+        if group.count_ones() < BEAM {
             alone |= group;
         } else {
             let beam = ways.beam(l, group.trailing_zeros() as usize);
-            Query { isa, s, l, tree, packet, users, beam }.run(group, found);
+            let apart = beam.apart(l);
+            Query { isa, s, l, tree, packet, users, beam, apart }.run(group, found);
         }
     }
-    for lane in Set(alone) {
-        single(isa, tree, packet, lane, tree.root, users, found);
-    }
+    alone
 }
 
 /// Goes on with one ray of a packet below a child.
@@ -48,14 +64,14 @@ fn single<U: Users>(
     isa: SupportedIsa,
     tree: &Tree,
     packet: &Packet,
-    lane: usize,
+    (lane, way): (usize, &Way),
     child: ChildRef,
     users: &U,
     found: &mut Found,
 ) {
     let ray = packet.ray(lane, packet.t_max.0[lane]);
     let start = Start { child, t: found.t.0[lane], best: found.get(lane) };
-    if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, start) {
+    if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, way, start) {
         found.set(lane, nearest);
     }
 }
@@ -69,6 +85,7 @@ struct Query<'a, S: Simd, L: Lanes, U> {
     packet: &'a Packet,
     users: &'a U,
     beam: Beam<L>,
+    apart: Apart,
 }
 
 impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
@@ -88,26 +105,20 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.node(current) };
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
-                if lanes & lanes.wrapping_sub(1) != 0 {
+                if lanes != 0 {
                     let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
-                    for i in 0..lanes.count_ones() as usize {
-                        let child = ChildRef(children[i & (LANES - 1)]);
-                        // SAFETY: the stack is deep enough for the tree.
-                        unsafe { stack.push(Waiting { key: keys[i & (LANES - 1)], child, parent: current }) };
-                    }
-                } else if lanes != 0 {
-                    let slot = lanes.trailing_zeros() as usize & (LANES - 1);
-                    let waiting = Waiting { key: simd::key(0.0, slot), child: node.children[slot], parent: current };
                     // SAFETY: the stack is deep enough for the tree.
-                    unsafe { stack.push(waiting) };
+                    unsafe { stack.push(keys, children, current, lanes.count_ones() as usize) };
                 }
             } else {
-                if current.is_block() {
-                    self.block(current, active, found);
-                } else if current != ChildRef::EMPTY {
-                    self.user(current.index() as u32, active, found);
+                let hits = if current.is_block() {
+                    self.block(&interval, current, active, found)
+                } else {
+                    current != ChildRef::EMPTY && self.user(current.index() as u32, active, found)
+                };
+                if hits {
+                    farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
                 }
-                farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
             }
             loop {
                 let Some(Waiting { key, child, parent }) = stack.pop(farthest) else { return };
@@ -118,26 +129,32 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                     current = child;
                     break;
                 }
-                for lane in Set(active) {
-                    single(self.isa, tree, self.packet, lane, child, self.users, found);
+                if active == 0 {
+                    continue;
                 }
+                for lane in Set(active) {
+                    single(self.isa, tree, self.packet, (lane, &self.apart.get(lane)), child, self.users, found);
+                }
+                farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
             }
         }
     }
 
-    /// Tests the triangles of a block one after the other.
+    /// Tests the triangles of a block one after the other, and says whether there may be hits.
     #[inline(always)]
-    fn block(&self, reference: ChildRef, active: u32, found: &mut Found) {
+    fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, found: &mut Found) -> bool {
         let (s, l) = (self.s, self.l);
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.block(reference) };
-        let row = s.load(&block.rows[0]);
-        for slot in Set(s.bits(s.eq(row, row))) {
+        let mut hits = false;
+        for slot in Set(interval.triangles(s, block)) {
             let slot = slot & (LANES - 1);
             if let Some(crossing) = self.beam.cross(l, block, slot, l.read(&found.t)) {
                 self.triangle(block.ids[slot], crossing, active, found);
+                hits = true;
             }
         }
+        hits
     }
 
     /// Takes over hits on a triangle.
@@ -181,9 +198,9 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         accepted
     }
 
-    /// Asks for hits at a user reference.
+    /// Asks for hits at a user reference, and says whether there may be some.
     #[inline(always)]
-    fn user(&self, index: u32, active: u32, found: &mut Found) {
+    fn user(&self, index: u32, active: u32, found: &mut Found) -> bool {
         let l = self.l;
         // What may win a tie sees an interval that contains the hit so far.
         let mut t_max = found.t;
@@ -199,7 +216,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 // Below an instance the index is that of the primitive.
                 found.merge(l, inner.hits, new, index, l.read(&inner.index));
             }
-            return;
+            return inner.hits != 0;
         }
         for lane in Set(active) {
             let t_max = t_max.0[lane];
@@ -210,5 +227,6 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 found.set(lane, Nearest { hit, index, extra });
             }
         }
+        true
     }
 }

@@ -21,9 +21,11 @@ pub(super) struct Waiting {
     pub parent: ChildRef,
 }
 
-/// Children that wait to be visited.
+/// Children that wait to be visited, by rows.
 pub(super) struct PacketStack {
-    waiting: [MaybeUninit<Waiting>; CAPACITY],
+    keys: [MaybeUninit<u32>; CAPACITY],
+    children: [MaybeUninit<u32>; CAPACITY],
+    parents: [MaybeUninit<u32>; CAPACITY],
     len: usize,
 }
 
@@ -31,19 +33,24 @@ impl PacketStack {
     /// An empty stack.
     #[inline(always)]
     pub fn new() -> Self {
-        Self { waiting: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+        let rows = [const { MaybeUninit::uninit() }; CAPACITY];
+        Self { keys: rows, children: rows, parents: rows, len: 0 }
     }
 
-    /// Puts a child on the stack.
+    /// Puts the first `count` children of a node on the stack.
     ///
     /// # Safety
-    /// The stack must hold less than `CAPACITY` children.
+    /// `count <= LANES`, and the stack must hold at most `CAPACITY − LANES` children.
     #[inline(always)]
-    pub unsafe fn push(&mut self, waiting: Waiting) {
-        debug_assert!(self.len < CAPACITY);
-        // SAFETY: the caller promises that there is room.
-        unsafe { self.waiting.get_unchecked_mut(self.len).write(waiting) };
-        self.len += 1;
+    pub unsafe fn push(&mut self, keys: [u32; LANES], children: [u32; LANES], parent: ChildRef, count: usize) {
+        debug_assert!(count <= LANES && self.len + LANES <= CAPACITY);
+        // SAFETY: the caller promises that there is room for whole groups.
+        unsafe {
+            self.keys.as_mut_ptr().add(self.len).cast::<[u32; LANES]>().write_unaligned(keys);
+            self.children.as_mut_ptr().add(self.len).cast::<[u32; LANES]>().write_unaligned(children);
+            self.parents.as_mut_ptr().add(self.len).cast::<[u32; LANES]>().write_unaligned([parent.0; LANES]);
+        }
+        self.len += count;
     }
 
     /// Takes children from the top up to one whose box begins at `t` or nearer.
@@ -52,9 +59,15 @@ impl PacketStack {
         loop {
             self.len = self.len.checked_sub(1)?;
             // SAFETY: entries below the length have been written, and the length is below the capacity.
-            let waiting = unsafe { self.waiting.get_unchecked(self.len).assume_init() };
-            if key_number(waiting.key) <= t {
-                return Some(waiting);
+            let (key, child, parent) = unsafe {
+                (
+                    self.keys.get_unchecked(self.len).assume_init(),
+                    self.children.get_unchecked(self.len).assume_init(),
+                    self.parents.get_unchecked(self.len).assume_init(),
+                )
+            };
+            if key_number(key) <= t {
+                return Some(Waiting { key, child: ChildRef(child), parent: ChildRef(parent) });
             }
         }
     }

@@ -4,7 +4,9 @@ mod batch;
 mod brute_force;
 mod degenerate;
 mod determinism;
+mod garbage;
 mod instances;
+mod update;
 mod users;
 mod watertight;
 

@@ -131,3 +131,48 @@ fn answers_outside_of_the_interval_are_ignored() {
     }
     assert!(bvh.intersect(&ray, &Liar(9.0)).is_some());
 }
+
+#[test]
+fn all_hits_are_found_in_order() {
+    let spheres = Spheres::random(60);
+    let mesh = soup(300, 0.5, 26);
+    let boxes = spheres.boxes();
+    let geometry = [Geometry::triangles(&mesh.0, &mesh.1), Geometry::boxes(&boxes)];
+    let alone: Vec<_> = mesh.1.iter().map(|&t| super::build(&(mesh.0.clone(), vec![t]))).collect();
+    let object = Bvh::build(&geometry).expect("few primitives");
+    let still = Transform::translate(DVec3::ZERO).affine().expect("not singular");
+    let instances = [Instance { object: 0, world_from_object: still }; 2];
+    let top = TopLevel::build(&geometry, vec![object.clone()], &instances).expect("valid");
+    let mut most = 0;
+    for ray in assorted_rays(Vec3::ZERO, 1.0, 1500, 27) {
+        let id = |geom: u32, prim: usize| PrimId { instance: WORLD, geom, prim: prim as u32 };
+        let on_triangles = alone
+            .iter()
+            .enumerate()
+            .filter_map(|(i, bvh)| bvh.intersect(&ray, &()).map(|hit| Hit { id: id(0, i), ..hit }));
+        let on_spheres = (0..60).filter_map(|i| {
+            let UserHit { t, u, v } = spheres.intersect(id(1, i), &ray)?;
+            Some(Hit { t, u, v, id: id(1, i) })
+        });
+        let mut expected: Vec<_> = on_triangles.chain(on_spheres).collect();
+        expected.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+        most = most.max(expected.len());
+        for isa in levels() {
+            assert_eq!(object.clone().with_isa(isa).all_hits(&ray, &spheres), expected, "{isa:?} {ray:?}");
+        }
+        // The world and two instances in the same place: each hit three times, the world's last.
+        let thrice: Vec<_> = expected
+            .iter()
+            .flat_map(|&hit| [0, 1, WORLD].map(|instance| Hit { id: PrimId { instance, ..hit.id }, ..hit }))
+            .collect();
+        let mut found = top.all_hits(&ray, &spheres);
+        // Equal distances of several primitives are ordered by instance first.
+        let key = |h: &Hit| (h.t.to_bits(), h.id.geom, h.id.prim, h.id.instance);
+        found.sort_by_key(key);
+        let mut thrice = thrice;
+        thrice.sort_by_key(key);
+        assert_eq!(found, thrice);
+        assert_eq!(object.all_hits(&ray, &spheres).first().copied(), object.intersect(&ray, &spheres));
+    }
+    assert!(most > 5, "{most}");
+}

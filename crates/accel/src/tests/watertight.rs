@@ -109,3 +109,50 @@ fn rays_along_axes_hit_the_seams_of_a_cube() {
         }
     }
 }
+
+/// How many rays a long run shoots: `STERADIAN_RAYS`, else as given.
+fn rays_wanted(usual: usize) -> usize {
+    std::env::var("STERADIAN_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(usual)
+}
+
+/// Shoots rays from within a closed mesh in batches, on every processor: at corners, edges and anywhere.
+fn assert_closed_for_batches(mesh: &Mesh, rays: usize) {
+    use rayon::prelude::*;
+    const BATCH: usize = 1 << 14;
+    let bvh = build(mesh);
+    (0..rays.div_ceil(BATCH) as u64).into_par_iter().for_each(|number| {
+        let mut rng = HashRng::new(number);
+        let mut ray = |i: usize| {
+            let origin = in_cube(&mut rng) * 0.5;
+            let [a, b, _] = mesh.1[(rng.next_u64() % mesh.1.len() as u64) as usize].map(|v| mesh.0[v as usize]);
+            let target = match i % 4 {
+                0 => a,
+                1 => a + (b - a) * rng.next_f32(),
+                2 => (a + b) * 0.5,
+                _ => origin + direction(&mut rng),
+            };
+            Ray::new(origin, target - origin)
+        };
+        let rays: Vec<_> = (0..BATCH).map(&mut ray).collect();
+        let (mut hits, mut occluded) = (vec![None; BATCH], vec![false; BATCH]);
+        bvh.intersect_stream(&rays, &(), &mut hits);
+        bvh.occluded_batch(&rays, &(), &mut occluded);
+        for (i, ray) in rays.iter().enumerate() {
+            assert!(hits[i].is_some() && occluded[i], "batch {number}, ray {i} escapes: {ray:?}");
+        }
+    });
+}
+
+#[test]
+fn no_ray_of_many_escapes() {
+    assert_closed_for_batches(&icosphere(4), 1_000_000);
+}
+
+/// Ten million rays, or as many as `STERADIAN_RAYS` says: 1000000000 takes some hours.
+#[test]
+#[ignore = "long: for nightly runs"]
+fn no_ray_of_very_many_escapes() {
+    let rays = rays_wanted(10_000_000);
+    assert_closed_for_batches(&icosphere(6), rays / 2);
+    assert_closed_for_batches(&cube(40), rays / 2);
+}

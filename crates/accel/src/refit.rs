@@ -1,0 +1,60 @@
+//! Geometry that moves while it stays the same in number: boxes and triangles are set anew, and the shape of the tree is kept.
+
+use crate::build::Primitives;
+use crate::bvh::Tree;
+use crate::layout::{Block, ChildRef, Node};
+use crate::simd::LANES;
+use rayon::prelude::*;
+use steradian_math::Bounds3;
+
+/// Sets the blocks and boxes of a tree by the present places of its primitives. `false`, and nothing changed, when there are other
+/// primitives than those that the tree was built from, or one of them cannot be hit any more or could not before.
+pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
+    if tree.first != primitives.first || primitives.count() != tree.primitives {
+        return false;
+    }
+    let held = |index: u32| primitives.bounds(index).is_some();
+    let is_in_place = |block: &Block| {
+        let lanes = block.lanes();
+        (0..LANES).all(|lane| lanes >> lane & 1 == 0 || held(block.ids[lane] & !Block::FILTERED))
+    };
+    let users_held =
+        tree.nodes.iter().flat_map(|node| &node.children).all(|child| !child.is_user() || held(child.index() as u32));
+    if !users_held || !tree.blocks.par_iter().all(is_in_place) {
+        return false;
+    }
+    tree.blocks.par_iter_mut().for_each(|block| {
+        let lanes = block.lanes();
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            let index = block.ids[lane] & !Block::FILTERED;
+            if let Some((corners, id)) = primitives.triangle(index) {
+                block.set(lane, corners, id);
+            }
+        }
+    });
+    // Children come after their parents.
+    let mut bounds = vec![Bounds3::EMPTY; tree.nodes.len()];
+    let of_child = |child: ChildRef, blocks: &[Block], bounds: &[Bounds3]| {
+        if child.is_node() {
+            bounds[child.index()]
+        } else if child.is_block() {
+            blocks[child.index()].bounds()
+        } else if child.is_user() {
+            primitives.bounds(child.index() as u32).unwrap_or(Bounds3::EMPTY)
+        } else {
+            Bounds3::EMPTY
+        }
+    };
+    for i in (0..tree.nodes.len()).rev() {
+        let children = tree.nodes[i].children;
+        let mut node = Node::EMPTY;
+        for (lane, child) in children.into_iter().enumerate().filter(|(_, child)| *child != ChildRef::EMPTY) {
+            let b = of_child(child, &tree.blocks, &bounds);
+            node.set(lane, &b, child);
+            bounds[i] = bounds[i].union(b);
+        }
+        tree.nodes[i] = node;
+    }
+    tree.bounds = of_child(tree.root, &tree.blocks, &bounds);
+    true
+}
