@@ -5,14 +5,18 @@ pub mod path;
 pub mod path_recursive;
 pub mod raycast;
 pub mod registry;
+pub mod reuse;
 pub mod session;
 pub mod stokes;
 pub mod volpath;
 pub mod whitted;
 
 mod nee;
+mod partition;
+mod walk;
 
 pub use registry::{INTEGRATORS, IntegratorKind};
+pub use reuse::DEFAULT_REUSE;
 pub use session::{Control, Film, Plan, Session};
 
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -60,6 +64,18 @@ pub trait Integrator: Sync {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum;
+
+    /// How many paths of neighbouring pixels share what they find; 1 where none do. A power of four.
+    fn reuse(&self) -> u32 {
+        1
+    }
+
+    /// Takes a sample for each pixel of a group: by [`Integrator::radiance`], with the pixels' own numbers, where nothing is shared.
+    fn group(&self, scene: &Scene, seats: &mut [reuse::Seat], counters: &mut Counters) {
+        for seat in seats {
+            seat.radiance = self.radiance(scene, seat.ray, &seat.own, &mut seat.lambda, counters);
+        }
+    }
 }
 
 /// The dimensions of a camera sample and of each scattering event. Fixed, so that every number is a function of what it is for.

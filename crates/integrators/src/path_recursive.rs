@@ -2,8 +2,10 @@
 //! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, dimension, nee,
-    path::{MAX_PASSES, roulette},
+    Counters, Depth, Integrator, nee,
+    reuse::{self, Seat, Suffix},
+    dimension,
+    walk::{Leg, MAX_PASSES, Vertex, roulette},
 };
 use steradian_core::{Scene, bsdf::TransportMode, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -16,30 +18,22 @@ pub const DEEPEST: u32 = 256;
 pub struct PathRecursive {
     /// How far paths are followed.
     pub depth: Depth,
-}
-
-/// What a path is when it sets out along a ray.
-struct Leg {
-    ray: Ray,
-    beta: Spectrum,
-    eta2: f32,
-    origin: nee::Origin,
-    events: u32,
-    passes: u32,
+    /// Paths that share what they find; 1 for none.
+    pub reuse: u32,
 }
 
 impl PathRecursive {
     /// Adds to `sum` what arrives along a leg.
-    fn follow(
+    fn follow<'s>(
         &self,
-        scene: &Scene,
+        scene: &'s Scene,
         leg: Leg,
         sum: Spectrum,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let Leg { ray, beta, eta2, origin, events, passes } = leg;
+        let Leg { ray, beta, origin, events, passes, .. } = leg;
         counters.rays += 1;
         let hidden = events == 0 && self.depth.hide_emitters;
         // (2) Nothing is hit: the background.
@@ -55,13 +49,30 @@ impl PathRecursive {
             return sum;
         }
         let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
-        let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
-            if passes >= MAX_PASSES.min(DEEPEST) {
-                return sum;
+        match scene.scattering(&i, choice, lambda) {
+            Some((scattering, frame)) => {
+                self.scattered(scene, Vertex { i, scattering, frame }, leg, sum, sampler, lambda, counters)
             }
-            let leg = Leg { ray: i.spawn(ray.direction), beta, eta2, origin, events, passes: passes + 1 };
-            return self.follow(scene, leg, sum, sampler, lambda, counters);
-        };
+            None if passes >= MAX_PASSES.min(DEEPEST) => sum,
+            None => {
+                let leg = Leg { ray: i.spawn(ray.direction), passes: passes + 1, ..leg };
+                self.follow(scene, leg, sum, sampler, lambda, counters)
+            }
+        }
+    }
+
+    /// Adds to `sum` what is scattered at a vertex.
+    #[allow(clippy::too_many_arguments)]
+    fn scattered<'s>(
+        &self,
+        scene: &'s Scene,
+        Vertex { i, scattering, frame }: Vertex<'s>,
+        Leg { beta, eta2, events, passes, .. }: Leg,
+        sum: Spectrum,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
         let bsdf = &scattering.bsdf;
         let sum = if bsdf.is_specular() || !scene.lights.can_sample() {
             sum
@@ -83,6 +94,24 @@ impl PathRecursive {
     }
 }
 
+impl Suffix for PathRecursive {
+    fn depth(&self) -> &Depth {
+        &self.depth
+    }
+
+    fn leaving<'s>(
+        &self,
+        scene: &'s Scene,
+        vertex: Vertex<'s>,
+        leg: Leg,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        self.scattered(scene, vertex, leg, Spectrum::ZERO, sampler, lambda, counters)
+    }
+}
+
 impl Integrator for PathRecursive {
     fn radiance(
         &self,
@@ -92,7 +121,14 @@ impl Integrator for PathRecursive {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let leg = Leg { ray, beta: Spectrum::ONE, eta2: 1.0, origin: None, events: 0, passes: 0 };
-        self.follow(scene, leg, Spectrum::ZERO, sampler, lambda, counters)
+        self.follow(scene, Leg::camera(ray), Spectrum::ZERO, sampler, lambda, counters)
+    }
+
+    fn reuse(&self) -> u32 {
+        self.reuse
+    }
+
+    fn group(&self, scene: &Scene, seats: &mut [Seat], counters: &mut Counters) {
+        reuse::group(self, scene, seats, counters);
     }
 }

@@ -1,6 +1,6 @@
 //! Ray casting (M156): the colour of the first surface, as if the light were everywhere the same.
 
-use crate::{Counters, Integrator, nee, path::MAX_PASSES};
+use crate::{Counters, Integrator, nee, walk::MAX_PASSES};
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 

@@ -9,7 +9,7 @@ use crate::{
 pub const INTEGRATORS: &[(&str, &str)] = &[
     (
         "path",
-        "path tracing with next-event estimation, multiple importance sampling and Russian roulette; max_depth, rr_depth, hide_emitters",
+        "path tracing with next-event estimation, multiple importance sampling, Russian roulette and paths shared among pixels; max_depth, rr_depth, hide_emitters, reuse (16)",
     ),
     ("volpath", "path tracing through participating media; max_depth, rr_depth, hide_emitters"),
     ("direct", "light that scattered once; hide_emitters"),
@@ -17,7 +17,7 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
     ("raycast", "the colour of the first surface"),
     (
         "path-recursive",
-        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters",
+        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -44,14 +44,14 @@ pub enum IntegratorKind {
 
 impl IntegratorKind {
     /// By name; `None` for names that are not in [`INTEGRATORS`].
-    pub fn named(name: &str, depth: Depth) -> Option<Self> {
+    pub fn named(name: &str, depth: Depth, reuse: u32) -> Option<Self> {
         Some(match name {
-            "path" => Self::Path(Path { depth }),
+            "path" => Self::Path(Path { depth, reuse }),
             "volpath" => Self::VolPath(VolPath { depth }),
-            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth } }),
+            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, reuse }),
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
-            "path-recursive" => Self::PathRecursive(PathRecursive { depth }),
+            "path-recursive" => Self::PathRecursive(PathRecursive { depth, reuse }),
             "stokes" => Self::Stokes(Stokes { depth, component: 0 }),
             "stokes-s1" => Self::Stokes(Stokes { depth, component: 1 }),
             "stokes-s2" => Self::Stokes(Stokes { depth, component: 2 }),

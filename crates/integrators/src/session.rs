@@ -3,7 +3,11 @@
 //! The frame is cut into tiles, each owned by one thread at a time. A pixel's samples are added in the order of their index, whatever
 //! the number of steps they come in, so sums do not depend on threads, tiles or steps.
 
-use crate::{Counters, Integrator, IntegratorKind, dimension, features};
+use crate::{
+    Counters, Integrator, IntegratorKind, dimension, features,
+    partition::{Partition, Place, TILE},
+    reuse::Seat,
+};
 use std::{
     sync::{
         Mutex,
@@ -16,10 +20,8 @@ use steradian_core::{
     film::{Crop, FirstHit, FirstHitSums, Pixel},
     sampler::Sampler,
 };
-use steradian_math::{Vec2, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
 
-/// Tile edge, pixels.
-const TILE: u32 = 16;
 
 /// What is to be rendered, and how.
 #[derive(Clone, Copy, Debug)]
@@ -89,9 +91,15 @@ impl<'s> Session<'s> {
     pub fn new(scene: &'s Scene, plan: Plan) -> Self {
         let crop = scene.film.crop;
         let mut tiles = Vec::new();
-        for y0 in (crop.y0..crop.y1).step_by(TILE as usize) {
-            for x0 in (crop.x0..crop.x1).step_by(TILE as usize) {
-                let area = Crop { x0, y0, x1: (x0 + TILE).min(crop.x1), y1: (y0 + TILE).min(crop.y1) };
+        let aligned = |v: u32| v / TILE * TILE;
+        for y in (aligned(crop.y0)..crop.y1).step_by(TILE as usize) {
+            for x in (aligned(crop.x0)..crop.x1).step_by(TILE as usize) {
+                let area = Crop {
+                    x0: x.max(crop.x0),
+                    y0: y.max(crop.y0),
+                    x1: (x + TILE).min(crop.x1),
+                    y1: (y + TILE).min(crop.y1),
+                };
                 let n = (area.width() * area.height()) as usize;
                 tiles.push(Mutex::new(Tile {
                     area,
@@ -205,24 +213,42 @@ impl<'s> Session<'s> {
     }
 
     fn render_tile<I: Integrator>(&self, integrator: &I, tile: &mut Tile, counters: &mut Counters) {
-        let scene = self.scene;
-        let film = &scene.film;
-        let width = tile.area.width();
-        for y in tile.area.y0..tile.area.y1 {
-            for x in tile.area.x0..tile.area.x1 {
-                let at = ((y - tile.area.y0) * width + (x - tile.area.x0)) as usize;
-                for index in tile.done..self.next {
-                    let sampler = self.plan.sampler.pixel(x, y, index);
-                    let (offset, weight) = film.filter.sample(sampler.get_2d(dimension::FILM));
-                    let point = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+        let (scene, sampler) = (self.scene, &self.plan.sampler);
+        let (film, area) = (&scene.film, tile.area);
+        let corner = [area.x0 / TILE * TILE, area.y0 / TILE * TILE];
+        let partition = Partition::new(corner, integrator.reuse(), sampler.seed);
+        let in_area = |p: &Place| (area.x0..area.x1).contains(&p.x) && (area.y0..area.y1).contains(&p.y);
+        let (mut places, mut seats, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        for index in tile.done..self.next {
+            for group in 0..partition.groups() {
+                // Members beyond the crop take part, so that a crop has the bits of the whole.
+                places.clear();
+                places.extend(partition.places(group).filter(|p| p.x < film.width && p.y < film.height));
+                if !places.iter().any(in_area) {
+                    continue;
+                }
+                let common = partition.sampler(sampler, group, index, 0);
+                seats.clear();
+                weights.clear();
+                for p in &places {
+                    let own = sampler.pixel(p.x, p.y, index);
+                    let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
+                    let point = Vec2::new(p.x as f32 + 0.5, p.y as f32 + 0.5) + offset;
                     let lens =
-                        if scene.camera.lens_radius > 0.0 { sampler.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
+                        if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
                     let ray = scene.camera.ray(film, point, lens);
-                    let mut lambda = match scene.mode {
+                    let lambda = match scene.mode {
                         ColorMode::Rgb => Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] },
-                        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
+                        ColorMode::Spectral => Wavelengths::sample_visible(common.get_1d(dimension::WAVELENGTH)),
                     };
-                    let mut l = integrator.radiance(scene, ray, &sampler, &mut lambda, counters) * film.imaging_ratio;
+                    let joint = partition.sampler(sampler, group, index, p.rank);
+                    seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
+                    weights.push(weight);
+                }
+                integrator.group(scene, &mut seats, counters);
+                for ((p, seat), weight) in places.iter().zip(&seats).zip(&weights).filter(|((p, _), _)| in_area(p)) {
+                    let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
+                    let mut l = seat.radiance * film.imaging_ratio;
                     if film.max_component.is_finite() {
                         let m = l.max_element();
                         if m > film.max_component {
@@ -230,12 +256,11 @@ impl<'s> Session<'s> {
                         }
                     }
                     counters.samples += 1;
-                    let rgb = color::to_rgb(l, &lambda, scene.mode) * weight;
-                    if !tile.pixels[at].add(rgb) {
+                    if !tile.pixels[at].add(color::to_rgb(l, &seat.lambda, scene.mode) * *weight) {
                         counters.nonfinite += 1;
                     }
                     if self.plan.features {
-                        let hit: FirstHit = features::first_hit(scene, ray, &lambda);
+                        let hit: FirstHit = features::first_hit(scene, seat.ray, &seat.lambda);
                         tile.features[at].add(&hit);
                     }
                 }

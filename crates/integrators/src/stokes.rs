@@ -4,7 +4,7 @@
 //! from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the picture: S₁ is positive for
 //! light that swings from left to right. In scenes that nothing polarises twice, S₀ is the picture of `path`.
 
-use crate::{Counters, Depth, Integrator, dimension, nee, path};
+use crate::{Counters, Depth, Integrator, dimension, nee, walk};
 use steradian_core::{
     Scene,
     bsdf::{TransportMode, polarized},
@@ -78,7 +78,7 @@ impl Stokes {
             let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
             let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
                 passes += 1;
-                if passes > path::MAX_PASSES {
+                if passes > walk::MAX_PASSES {
                     return sum;
                 }
                 ray = i.spawn(ray.direction);
@@ -113,7 +113,7 @@ impl Stokes {
             events += 1;
             // A chain may send on polarised light that it holds back from unpolarised: roulette looks at its largest row sum.
             let strongest = chain.0[0].iter().fold(Spectrum::ZERO, |m, v| m + v.map(f32::abs));
-            match path::roulette(strongest, eta2, events, &self.depth, sampler, lambda) {
+            match walk::roulette(strongest, eta2, events, &self.depth, sampler, lambda) {
                 Some(b) => chain = chain.scaled(b.safe_div(strongest)),
                 None => return sum,
             }

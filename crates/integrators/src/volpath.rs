@@ -4,8 +4,8 @@
 
 use crate::{
     Counters, Depth, Integrator, dimension, is_dead, nee,
-    path::{MAX_PASSES, roulette},
     power_heuristic,
+    walk::{MAX_PASSES, roulette},
 };
 use steradian_core::{
     ColorMode, Scene,

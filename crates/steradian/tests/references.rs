@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
+use steradian::integrators::DEFAULT_REUSE;
 use steradian::{
     ColorMode, CompileOptions, Control, Layer, Quality, Session, compile, develop,
     image::{self, Image, Limits, metrics},
@@ -53,14 +54,14 @@ fn blocks(image: &Image, channel: usize) -> Vec<f64> {
     out
 }
 
-/// Frame mean, its standard error by the picture's own variance layer.
+/// Frame mean, and a bound on its standard error by the picture's own variance layer: pixels in groups of [`DEFAULT_REUSE`] may err alike.
 fn mean_and_error(image: &Image, channel: usize) -> (f64, f64) {
     let planes = image.require_rgb().expect("pictures have colour");
     let plane = [planes.r, planes.g, planes.b][channel];
     let variance = image.layer_rgb("variance").map(|v| [v.r, v.g, v.b][channel].to_vec()).unwrap_or_default();
     let n = plane.len() as f64;
     let mean = plane.iter().map(|&v| f64::from(v)).sum::<f64>() / n;
-    let error = (variance.iter().map(|&v| f64::from(v)).sum::<f64>()).sqrt() / n;
+    let error = (variance.iter().map(|&v| f64::from(v)).sum::<f64>() * f64::from(DEFAULT_REUSE)).sqrt() / n;
     (mean, error)
 }
 

@@ -46,6 +46,16 @@ impl Sampler {
         let seed = combine32(combine32(mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ 0x5d4e_8a1b), x), y);
         PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index }
     }
+
+    /// The sampler of one sample of a group of pixels, whose samples together form one point set: of `of` in one round, `rank` names the
+    /// one. `x`, `y` and `group` name the group.
+    #[inline]
+    pub fn group(&self, x: u32, y: u32, group: u32, index: u32, rank: u32, of: u32) -> PixelSampler {
+        let base = mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ 0x91e1_0da5);
+        let seed = combine32(combine32(combine32(base, x), y), group);
+        let spp = self.spp.max(1).saturating_mul(of);
+        PixelSampler { kind: self.kind, spp, seed, index: index.wrapping_mul(of).wrapping_add(rank) }
+    }
 }
 
 /// The random numbers of one sample of one pixel.

@@ -10,7 +10,7 @@ use steradian_integrators::{Control, INTEGRATORS};
 use steradian_math::{DVec3, Transform};
 
 /// A ball of every material on a floor, lit by an area, a point and the sky; masks, mixtures and interfaces among them.
-fn collection(mode: ColorMode) -> Scene {
+pub fn collection(mode: ColorMode) -> Scene {
     let mut stage = Stage::new();
     stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.5));
     for (i, case) in cases().iter().enumerate() {
@@ -35,8 +35,12 @@ fn recursive_equals_iterative_bit_for_bit() {
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
         let scene = collection(mode);
         for roulette in [0, 1, 100] {
-            let shot = |integrator| Shot::of(integrator, 4).depth(24).roulette_after(roulette).take(&scene);
-            same_bits(&shot("path"), &shot("path-recursive"), &format!("{mode:?}, roulette after {roulette}"));
+            for reuse in [1, 16] {
+                let shot =
+                    |integrator| Shot::of(integrator, 4).depth(24).roulette_after(roulette).reuse(reuse).take(&scene);
+                let what = format!("{mode:?}, roulette after {roulette}, {reuse} paths share");
+                same_bits(&shot("path"), &shot("path-recursive"), &what);
+            }
         }
     }
 }
@@ -47,7 +51,7 @@ fn threads_do_not_change_a_bit() {
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
         let scene = collection(mode);
         for (integrator, _) in INTEGRATORS {
-            let shot = Shot::of(integrator, 3).depth(8);
+            let shot = Shot::of(integrator, 3).depth(8).reuse(16);
             let one = shot.take(&scene);
             for threads in [2, 3, 7] {
                 same_bits(&one, &Shot { threads, ..shot }.take(&scene), &format!("{integrator} on {threads} threads"));
@@ -56,7 +60,7 @@ fn threads_do_not_change_a_bit() {
     }
     let scene = collection(ColorMode::Rgb);
     for (name, sampler, _) in SAMPLERS {
-        let shot = Shot { sampler: *sampler, ..Shot::of("path", 4) };
+        let shot = Shot { sampler: *sampler, ..Shot::of("path", 4).reuse(16) };
         same_bits(&shot.take(&scene), &Shot { threads: 5, ..shot }.take(&scene), name);
     }
 }
@@ -67,7 +71,7 @@ fn threads_do_not_change_a_bit() {
 fn steps_do_not_change_a_bit() {
     let scene = collection(ColorMode::Spectral);
     for (name, sampler, _) in SAMPLERS {
-        let shot = Shot { sampler: *sampler, threads: 2, ..Shot::of("path", 8) };
+        let shot = Shot { sampler: *sampler, threads: 2, ..Shot::of("path", 8).reuse(4) };
         let whole = shot.take(&scene);
         let mut session = shot.session(&scene);
         for n in [1, 3] {
@@ -88,14 +92,16 @@ fn steps_do_not_change_a_bit() {
 #[test]
 fn crops_do_not_change_a_bit() {
     let scene = collection(ColorMode::Rgb);
-    let whole = Shot::of("path", 2).take(&scene);
     let mut cropped = scene.clone();
     cropped.film.crop = steradian_core::film::Crop { x0: 5, y0: 7, x1: 30, y1: 24 };
-    let part = Shot::of("path", 2).take(&cropped);
-    for y in 7..24_usize {
-        for x in 5..30_usize {
-            let (a, b) = (whole.pixels[y * 37 + x], part.pixels[(y - 7) * 25 + x - 5]);
-            assert_eq!(a.sum.map(f64::to_bits), b.sum.map(f64::to_bits));
+    for reuse in [1, 4, 16] {
+        let shot = Shot::of("path", 2).reuse(reuse);
+        let (whole, part) = (shot.take(&scene), shot.take(&cropped));
+        for y in 7..24_usize {
+            for x in 5..30_usize {
+                let (a, b) = (whole.pixels[y * 37 + x], part.pixels[(y - 7) * 25 + x - 5]);
+                assert_eq!(a.sum.map(f64::to_bits), b.sum.map(f64::to_bits), "{reuse} paths share");
+            }
         }
     }
 }

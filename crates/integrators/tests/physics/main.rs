@@ -15,6 +15,7 @@ mod masks;
 mod materials;
 mod media;
 mod polarization;
+mod reuse;
 mod scales;
 mod shot;
 mod stage;

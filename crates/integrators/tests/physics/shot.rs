@@ -17,6 +17,8 @@ pub struct Shot {
     pub seed: u64,
     pub threads: usize,
     pub sampler: SamplerKind,
+    /// Paths that share. Comparisons of means take pixels as independent, so it is one unless sharing itself is tested.
+    pub reuse: u32,
 }
 
 impl Shot {
@@ -31,6 +33,7 @@ impl Shot {
             seed: 1,
             threads: 1,
             sampler: SamplerKind::Independent,
+            reuse: 1,
         }
     }
 
@@ -42,6 +45,10 @@ impl Shot {
         Self { roulette_after: events, ..self }
     }
 
+    pub fn reuse(self, reuse: u32) -> Self {
+        Self { reuse, ..self }
+    }
+
     pub fn seed(self, seed: u64) -> Self {
         Self { seed, ..self }
     }
@@ -49,7 +56,7 @@ impl Shot {
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let integrator = IntegratorKind::named(self.integrator, depth).expect("a registered integrator");
+        let integrator = IntegratorKind::named(self.integrator, depth, self.reuse).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         Session::new(scene, Plan { integrator, sampler, threads: self.threads, features: false })
     }

@@ -1,0 +1,142 @@
+//! Paths that share what they find have the mean of those that do not, and less noise.
+//!
+//! Pixels of a picture depend on each other here, so the errors of means are estimated from pictures with different seeds.
+
+use crate::{
+    determinism::collection,
+    shot::{Estimate, Shot},
+    stage::{Stage, cuboid, diffuse, light, material, rectangle, rgb, shape, sphere, white},
+};
+use steradian_core::{ColorMode, Scene, sampler::SamplerKind};
+use steradian_math::{DVec3, Transform};
+
+/// The means of the quadrants of pictures with many seeds.
+fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
+    let (w, h) = (scene.film.width as usize, scene.film.height as usize);
+    let (mut sum, mut squares) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
+    for seed in 0..seeds {
+        let film = shot.seed(1000 * u64::from(shot.reuse) + seed).take(scene);
+        let mut mean = [[0.0; 3]; 4];
+        for (i, p) in film.pixels.iter().enumerate() {
+            let quadrant = usize::from(i % w * 2 >= w) + 2 * usize::from(i / w * 2 >= h);
+            (0..3).for_each(|c| mean[quadrant][c] += p.mean()[c] * 4.0 / (w * h) as f64);
+        }
+        for q in 0..4 {
+            for c in 0..3 {
+                sum[q][c] += mean[q][c];
+                squares[q][c] += mean[q][c] * mean[q][c];
+            }
+        }
+    }
+    let n = seeds as f64;
+    std::array::from_fn(|q| Estimate {
+        mean: sum[q].map(|s| s / n),
+        sigma: std::array::from_fn(|c| {
+            ((squares[q][c] / n - (sum[q][c] / n).powi(2)).max(0.0) / (n - 1.0)).sqrt()
+        }),
+    })
+}
+
+/// 4σ for every quadrant, with shared paths of four and sixteen against none.
+#[track_caller]
+fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
+    let alone = quadrants(shot.reuse(1), scene, 48);
+    for (reuse, sampler) in [(4, SamplerKind::Independent), (16, SamplerKind::Independent), (16, SamplerKind::Sobol)] {
+        let shared = quadrants(Shot { sampler, ..shot.reuse(reuse) }, scene, 40);
+        for (q, (shared, alone)) in shared.iter().zip(&alone).enumerate() {
+            shared.agrees(&format!("{what}, {reuse} paths, {sampler:?}, quadrant {q}"), *alone, precision);
+        }
+    }
+}
+
+/// A lamp, and screens and columns before it, seen from nearby: members of a group see different parts, some at grazing angles, some
+/// very close. Gloss, coats and glass among what is seen and what is found.
+fn screens() -> Stage {
+    let mut stage = Stage::new();
+    let wall = stage.add(material("diffuse").with("reflectance", rgb([0.9, 0.7, 0.5])));
+    let room = stage.place_mesh(cuboid([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]));
+    (room.material, room.reverse_orientation) = (Some(wall), true);
+    stage.mesh_lamp(rectangle([-0.3, 1.9, -0.9], [0.6, 0.0, 0.0], [0.0, 0.0, 0.6]), 8.0);
+    for k in 0..5 {
+        let x = 0.35 * f64::from(k) - 0.75;
+        let column = stage.place_mesh(cuboid([x, 0.0, 0.1], [x + 0.1, 1.4, 0.2]));
+        column.material = Some(wall);
+    }
+    let leaf = material("diffuse_transmission")
+        .with("reflectance", rgb([0.2, 0.4, 0.3]))
+        .with("transmittance", rgb([0.5, 0.2, 0.4]));
+    let leaf = stage.add(leaf);
+    let sheet = stage.place_mesh(rectangle([-0.9, 1.2, -0.6], [1.8, 0.2, 0.0], [0.0, 0.0, 1.2]));
+    sheet.material = Some(leaf);
+    stage.solid(sphere([-0.5, 0.25, -0.3], 0.25), material("conductor").with("reflectance", white(0.9)).with("alpha_u", 0.2));
+    stage.solid(sphere([0.5, 0.25, -0.3], 0.25), material("plastic").with("diffuse_reflectance", white(0.7)));
+    stage.solid(sphere([0.0, 0.2, -0.5], 0.15), material("dielectric").with("eta", 1.5).with("alpha_u", 0.2));
+    stage.film(16, 16).look([0.2, 0.9, -0.95], [0.0, 0.3, 0.3], 75.0);
+    stage
+}
+
+#[test]
+fn sharing_is_unbiased_behind_screens() {
+    let scene = screens().scene();
+    is_unbiased("screens", Shot::of("path", 8).depth(4), &scene, 0.05);
+    is_unbiased("screens, two events", Shot::of("path", 8).depth(2), &scene, 0.05);
+}
+
+/// Every material, masks and mixtures among them, under an area, a point and the sky; through glass that disperses and without.
+#[test]
+fn sharing_is_unbiased_with_every_material() {
+    is_unbiased("rgb", Shot::of("path", 8).depth(6), &collection(ColorMode::Rgb), 0.05);
+    is_unbiased("spectral", Shot::of("path", 8).depth(6), &collection(ColorMode::Spectral), 0.08);
+}
+
+/// Under the sky alone what leaves the scene is shared too.
+#[test]
+fn sharing_is_unbiased_under_the_sky() {
+    let mut stage = Stage::new();
+    stage.solid(shape("disk").with("radius", 2.0), diffuse(0.7)).world_from_object =
+        Transform::rotate(DVec3::X, -std::f64::consts::FRAC_PI_2);
+    for k in 0..4 {
+        let x = 0.5 * f64::from(k) - 0.8;
+        let made_of = if k % 2 == 0 { diffuse(0.8) } else { material("conductor").with("alpha_u", 0.3) };
+        stage.solid(sphere([x, 0.25, 0.2 * x], 0.22), made_of);
+    }
+    stage.sky(1.0).light(light("distant").with("direction", [0.3, 1.0, -0.2]).with("radiance", white(0.5)));
+    stage.film(16, 16).look([0.0, 1.0, -2.5], [0.0, 0.2, 0.0], 45.0);
+    is_unbiased("sky", Shot::of("path", 8).depth(5), &stage.scene(), 0.03);
+}
+
+/// With the same number of samples a room lit from a point by interreflection alone, which light samples at the first surface do not see, has a
+/// fraction of the noise.
+#[test]
+fn sharing_takes_noise_away() {
+    let mut stage = Stage::new();
+    let walls = stage.add(diffuse(0.7));
+    let room = stage.place_mesh(cuboid([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]));
+    (room.material, room.reverse_orientation) = (Some(walls), true);
+    stage.light(light("point").with("position", [0.0, 1.0, 0.0]).with("intensity", white(1.0)));
+    stage.film(16, 16).look([0.0, 1.0, -0.95], [0.0, 0.7, 1.0], 70.0);
+    let scene = stage.scene();
+    let noise = |reuse| -> f64 {
+        let film = Shot::of("path", 64).depth(3).reuse(reuse).take(&scene);
+        film.pixels.iter().map(|p| p.variance_of_mean()[0]).sum()
+    };
+    let (alone, four, sixteen) = (noise(1), noise(4), noise(16));
+    assert!(four * 2.0 < alone && sixteen * 4.0 < alone, "{alone} alone, {four} by four, {sixteen} by sixteen");
+}
+
+/// Black things among the members (a lamp's own surface) draw nothing, so that they have no claim either.
+#[test]
+fn black_members_have_no_claim() {
+    let mut stage = Stage::new();
+    let walls = stage.add(diffuse(0.7));
+    let room = stage.place_mesh(cuboid([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]));
+    (room.material, room.reverse_orientation) = (Some(walls), true);
+    let black = stage.add(diffuse(0.0));
+    for k in 0..6 {
+        let x = 0.3 * f64::from(k) - 0.9;
+        stage.place_mesh(rectangle([x, 0.01, -0.9], [0.0, 0.0, 1.8], [0.15, 0.0, 0.0])).material = Some(black);
+    }
+    stage.light(light("point").with("position", [0.0, 1.5, 0.0]).with("intensity", white(1.0)));
+    stage.film(16, 16).look([0.0, 1.9, 0.0], [0.0, 0.0, 0.01], 70.0);
+    is_unbiased("stripes", Shot::of("path", 8).depth(4), &stage.scene(), 0.05);
+}
