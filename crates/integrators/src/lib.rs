@@ -65,13 +65,14 @@ pub trait Integrator: Sync {
         counters: &mut Counters,
     ) -> Spectrum;
 
-    /// How many paths of neighbouring pixels share what they find; 1 where none do. A power of four.
+    /// How many paths of neighbouring pixels share what they find: a power of four up to [`reuse::MAX_GROUP`]; 1 where none do.
     fn reuse(&self) -> u32 {
         1
     }
 
-    /// Takes a sample for each pixel of a group: by [`Integrator::radiance`], with the pixels' own numbers, where nothing is shared.
-    fn group(&self, scene: &Scene, seats: &mut [reuse::Seat], counters: &mut Counters) {
+    /// Takes a sample for each pixel of a group; `is_open` says whether much of the scene lies under the sky. By default nothing is
+    /// shared: [`Integrator::radiance`], with the pixels' own numbers.
+    fn group(&self, scene: &Scene, _is_open: bool, seats: &mut [reuse::Seat], counters: &mut Counters) {
         for seat in seats {
             seat.radiance = self.radiance(scene, seat.ray, &seat.own, &mut seat.lambda, counters);
         }

@@ -86,7 +86,7 @@ impl Integrator for Path {
         self.reuse
     }
 
-    fn group(&self, scene: &Scene, seats: &mut [Seat], counters: &mut Counters) {
-        reuse::group(self, scene, seats, counters);
+    fn group(&self, scene: &Scene, is_open: bool, seats: &mut [Seat], counters: &mut Counters) {
+        reuse::group(self, scene, is_open, seats, counters);
     }
 }

@@ -2,9 +2,8 @@
 //! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, nee,
+    Counters, Depth, Integrator, dimension, nee,
     reuse::{self, Seat, Suffix},
-    dimension,
     walk::{Leg, MAX_PASSES, Vertex, roulette},
 };
 use steradian_core::{Scene, bsdf::TransportMode, sampler::PixelSampler};
@@ -128,7 +127,7 @@ impl Integrator for PathRecursive {
         self.reuse
     }
 
-    fn group(&self, scene: &Scene, seats: &mut [Seat], counters: &mut Counters) {
-        reuse::group(self, scene, seats, counters);
+    fn group(&self, scene: &Scene, is_open: bool, seats: &mut [Seat], counters: &mut Counters) {
+        reuse::group(self, scene, is_open, seats, counters);
     }
 }

@@ -10,10 +10,14 @@
 //! with `p_m` the density per solid angle with which m draws the direction to `y_k`, and `G = |cos_y| / d²`. Visibility is traced for all
 //! pairs, so the weights of a point sum to one, and the estimate is unbiased; samples of one pixel stay independent of each other.
 //! What may not be shared is decided by x alone (who is a member), or by y alone (what serves its finder only). Light that y emits, and that of
-//! environments, is the finder's own: light samples at x find most of it, and under an open sky there would be nothing to gain.
+//! environments, is the finder's own.
+//!
+//! In open scenes most directions lead to the sky, and surfaces stand in its place where they are met. There `L` is held against the sky:
+//! the finder takes the sky in its direction whether or not something is before it, which needs no visibility, and what is shared is the
+//! difference `L − L_sky`, negative where surfaces are darker than what they hide (a control variate).
 
 use crate::{
-    Counters, Depth, live_max,
+    Counters, Depth, live_max, nee,
     walk::{Arrival, Leg, Vertex, arrive, escape, roulette},
 };
 use steradian_core::{
@@ -21,10 +25,10 @@ use steradian_core::{
     bsdf::{Bsdf, BsdfSample, Lobe, TransportMode},
     sampler::PixelSampler,
 };
-use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, sobol, spectra::Wavelengths, warp};
 
 /// Most paths that share.
-pub const MAX_GROUP: usize = 64;
+pub const MAX_GROUP: usize = 16;
 
 /// Roughness α below which lobes count as narrow.
 const NARROW: f32 = 0.05;
@@ -91,10 +95,24 @@ enum Found<'s> {
 struct Claim {
     value: Spectrum,
     pdf: f32,
+    /// The sky that the point hides.
+    sky: Spectrum,
+}
+
+impl Claim {
+    const NONE: Self = Self { value: Spectrum::ZERO, pdf: 0.0, sky: Spectrum::ZERO };
+}
+
+impl Member<'_> {
+    /// The environment in a direction that was drawn with a density, as seen from x if nothing were before it.
+    fn sky(&self, w: Vec3, pdf: f32, scene: &Scene, lambda: &Wavelengths) -> Spectrum {
+        let origin = Some((nee::context(&self.x.i, &self.x.frame, &self.x.scattering.bsdf), pdf));
+        nee::background(scene, self.x.i.surface.p, w, &origin, lambda)
+    }
 }
 
 /// Samples of all seats of a group.
-pub(crate) fn group<S: Suffix>(suffix: &S, scene: &Scene, seats: &mut [Seat], counters: &mut Counters) {
+pub(crate) fn group<S: Suffix>(suffix: &S, scene: &Scene, is_open: bool, seats: &mut [Seat], counters: &mut Counters) {
     let depth = suffix.depth();
     let mut slots: [Option<(usize, Vertex<'_>, Leg)>; MAX_GROUP] = [const { None }; MAX_GROUP];
     let mut members = 0;
@@ -119,17 +137,12 @@ pub(crate) fn group<S: Suffix>(suffix: &S, scene: &Scene, seats: &mut [Seat], co
         let Some((index, x, leg)) = *slot else { continue };
         *member = Some(bounce(scene, index, x, leg, &mut seats[index], depth, counters));
     }
-    share(suffix, scene, &group[..members], seats, counters);
+    share(suffix, scene, is_open, &group[..members], seats, counters);
 }
 
 /// Follows a path from the camera to its first vertex that is not specular.
 #[inline]
-fn prefix<'s>(
-    scene: &'s Scene,
-    seat: &mut Seat,
-    depth: &Depth,
-    counters: &mut Counters,
-) -> Option<(Vertex<'s>, Leg)> {
+fn prefix<'s>(scene: &'s Scene, seat: &mut Seat, depth: &Depth, counters: &mut Counters) -> Option<(Vertex<'s>, Leg)> {
     let mut leg = Leg::camera(seat.ray);
     loop {
         match arrive(scene, &mut leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters) {
@@ -207,12 +220,13 @@ fn is_lambertian(bsdf: &Bsdf<'_>) -> bool {
 fn share<S: Suffix>(
     suffix: &S,
     scene: &Scene,
+    is_open: bool,
     group: &[Option<Member<'_>>],
     seats: &mut [Seat],
     counters: &mut Counters,
 ) {
     let depth = suffix.depth();
-    let mut claims = [Claim { value: Spectrum::ZERO, pdf: 0.0 }; MAX_GROUP];
+    let mut claims = [Claim::NONE; MAX_GROUP];
     for (k, finder) in group.iter().enumerate() {
         let Some(finder) = finder else { continue };
         let seat = &mut seats[finder.seat];
@@ -236,8 +250,12 @@ fn share<S: Suffix>(
                     let light = whole(light, &lambda, &seat.lambda, scene.mode);
                     if !light.is_finite() {
                         seat.radiance = light;
-                    } else if !light.is_black() {
-                        share_surface(scene, group, k, &y, light, depth, &mut claims, seats, counters);
+                    } else if is_open || !light.is_black() {
+                        if is_open {
+                            seat.radiance += finder.leg.beta
+                                * finder.sky(finder.leg.ray.direction, finder.sample.pdf, scene, &seat.lambda);
+                        }
+                        share_surface(scene, is_open, group, k, &y, light, depth, &mut claims, seats, counters);
                     }
                 }
             }
@@ -258,6 +276,7 @@ fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMod
 #[allow(clippy::too_many_arguments)]
 fn share_surface(
     scene: &Scene,
+    is_open: bool,
     group: &[Option<Member<'_>>],
     k: usize,
     y: &Vertex<'_>,
@@ -272,13 +291,17 @@ fn share_surface(
     // Which side of y is seen, by the normal that decides about it, and the geometry term of the finder: others are held against it.
     let side = if y.i.surface.ns.dot(y.i.wo) > 0.0 { y.i.surface.ns } else { -y.i.surface.ns };
     let g = n.dot(y.i.wo).abs() / (p - finder.x.i.surface.p).length_squared();
+    let sky = |member: &Member<'_>, w: Vec3, pdf: f32| {
+        if is_open { member.sky(w, pdf, scene, &seats[member.seat].lambda) } else { Spectrum::ZERO }
+    };
     let mut total = 0.0;
     for (m, member) in group.iter().enumerate() {
-        claims[m] = Claim { value: Spectrum::ZERO, pdf: 0.0 };
+        claims[m] = Claim::NONE;
         let Some(member) = member else { continue };
         if m == k {
             let pdf = finder.sample.pdf;
-            claims[m] = Claim { value: finder.sample.weight * pdf, pdf };
+            claims[m] =
+                Claim { value: finder.sample.weight * pdf, pdf, sky: sky(finder, finder.leg.ray.direction, pdf) };
         } else {
             // The same number of events lies before y, unless it does not matter.
             if member.events != finder.events && depth.max != u32::MAX {
@@ -303,15 +326,36 @@ fn share_surface(
             if scene.occluded(&member.x.i.spawn_towards(w, distance)) {
                 continue;
             }
-            claims[m] = Claim { value: e.value * relative, pdf: e.pdf * relative };
+            claims[m] = Claim { value: e.value * relative, pdf: e.pdf * relative, sky: sky(member, w, e.pdf) };
         }
         total += claims[m].pdf;
     }
-    let light = light / total;
     for (member, claim) in group.iter().zip(&*claims) {
         let Some(member) = member else { continue };
         if !claim.value.is_black() {
-            seats[member.seat].radiance += member.beta * claim.value * light;
+            seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;
         }
     }
+}
+
+/// Whether the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
+pub(crate) fn is_open(scene: &Scene) -> bool {
+    if scene.lights.environments.is_empty() {
+        return false;
+    }
+    const EDGE: u32 = 16;
+    let (mut seen, mut escaped) = (0, 0);
+    for k in 0..EDGE * EDGE {
+        let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
+        let Some(hit) = scene.intersect(&ray) else { continue };
+        let i = scene.interaction(&ray, &hit);
+        let n = if i.surface.n.dot(i.wo) > 0.0 { i.surface.n } else { -i.surface.n };
+        let w =
+            Frame::from_z(n).to_world(warp::cosine_hemisphere(Vec2::from(sobol::shuffled_scrambled_sobol_2d(k, 1))));
+        seen += 1;
+        escaped += u32::from(!scene.occluded(&i.spawn(w)));
+    }
+    escaped * 4 > seen
 }

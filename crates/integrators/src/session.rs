@@ -6,7 +6,7 @@
 use crate::{
     Counters, Integrator, IntegratorKind, dimension, features,
     partition::{Partition, Place, TILE},
-    reuse::Seat,
+    reuse::{self, Seat},
 };
 use std::{
     sync::{
@@ -21,7 +21,6 @@ use steradian_core::{
     sampler::Sampler,
 };
 use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
-
 
 /// What is to be rendered, and how.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +72,7 @@ pub struct Film {
 pub struct Session<'s> {
     scene: &'s Scene,
     plan: Plan,
+    is_open: bool,
     tiles: Vec<Mutex<Tile>>,
     next: u32,
     counters: Counters,
@@ -109,7 +109,17 @@ impl<'s> Session<'s> {
                 }));
             }
         }
-        Self { scene, plan, tiles, next: 0, counters: Counters::default(), wall: Duration::ZERO, cpu: Duration::ZERO }
+        let is_open = reuse::is_open(scene);
+        Self {
+            scene,
+            plan,
+            is_open,
+            tiles,
+            next: 0,
+            counters: Counters::default(),
+            wall: Duration::ZERO,
+            cpu: Duration::ZERO,
+        }
     }
 
     /// Threads that a step uses.
@@ -245,7 +255,10 @@ impl<'s> Session<'s> {
                     seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
                     weights.push(weight);
                 }
-                integrator.group(scene, &mut seats, counters);
+                match &mut seats[..] {
+                    [s] => s.radiance = integrator.radiance(scene, s.ray, &s.own, &mut s.lambda, counters),
+                    seats => integrator.group(scene, self.is_open, seats, counters),
+                }
                 for ((p, seat), weight) in places.iter().zip(&seats).zip(&weights).filter(|((p, _), _)| in_area(p)) {
                     let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
                     let mut l = seat.radiance * film.imaging_ratio;

@@ -3,8 +3,7 @@
 //! way, and passing straight through such a pane is no scattering event.
 
 use crate::{
-    Counters, Depth, Integrator, dimension, is_dead, nee,
-    power_heuristic,
+    Counters, Depth, Integrator, dimension, is_dead, nee, power_heuristic,
     walk::{MAX_PASSES, roulette},
 };
 use steradian_core::{

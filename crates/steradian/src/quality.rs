@@ -12,7 +12,7 @@ use steradian_scene::names::did_you_mean;
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, and `reuse`: how many paths
-    /// share what they find, 1, 4, 16 or 64.
+    /// share what they find, 1, 4 or 16.
     pub integrator: Option<String>,
     /// Samples per pixel.
     pub spp: Option<u32>,
@@ -52,7 +52,7 @@ impl Quality {
                 "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
                 "reuse" => {
                     reuse = value.parse().map_err(|_| fault())?;
-                    if ![1, 4, 16, 64].contains(&reuse) {
+                    if ![1, 4, 16].contains(&reuse) {
                         return Err(fault());
                     }
                 }

@@ -31,9 +31,7 @@ fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
     let n = seeds as f64;
     std::array::from_fn(|q| Estimate {
         mean: sum[q].map(|s| s / n),
-        sigma: std::array::from_fn(|c| {
-            ((squares[q][c] / n - (sum[q][c] / n).powi(2)).max(0.0) / (n - 1.0)).sqrt()
-        }),
+        sigma: std::array::from_fn(|c| ((squares[q][c] / n - (sum[q][c] / n).powi(2)).max(0.0) / (n - 1.0)).sqrt()),
     })
 }
 
@@ -68,7 +66,10 @@ fn screens() -> Stage {
     let leaf = stage.add(leaf);
     let sheet = stage.place_mesh(rectangle([-0.9, 1.2, -0.6], [1.8, 0.2, 0.0], [0.0, 0.0, 1.2]));
     sheet.material = Some(leaf);
-    stage.solid(sphere([-0.5, 0.25, -0.3], 0.25), material("conductor").with("reflectance", white(0.9)).with("alpha_u", 0.2));
+    stage.solid(
+        sphere([-0.5, 0.25, -0.3], 0.25),
+        material("conductor").with("reflectance", white(0.9)).with("alpha_u", 0.2),
+    );
     stage.solid(sphere([0.5, 0.25, -0.3], 0.25), material("plastic").with("diffuse_reflectance", white(0.7)));
     stage.solid(sphere([0.0, 0.2, -0.5], 0.15), material("dielectric").with("eta", 1.5).with("alpha_u", 0.2));
     stage.film(16, 16).look([0.2, 0.9, -0.95], [0.0, 0.3, 0.3], 75.0);
@@ -114,7 +115,7 @@ fn sharing_takes_noise_away() {
     let room = stage.place_mesh(cuboid([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]));
     (room.material, room.reverse_orientation) = (Some(walls), true);
     stage.light(light("point").with("position", [0.0, 1.0, 0.0]).with("intensity", white(1.0)));
-    stage.film(16, 16).look([0.0, 1.0, -0.95], [0.0, 0.7, 1.0], 70.0);
+    stage.film(16, 16).look([0.0, 1.0, -0.95], [0.0, 0.7, 1.0], 12.0);
     let scene = stage.scene();
     let noise = |reuse| -> f64 {
         let film = Shot::of("path", 64).depth(3).reuse(reuse).take(&scene);
