@@ -23,9 +23,9 @@ pub struct PathRecursive {
 
 impl PathRecursive {
     /// Adds to `sum` what arrives along a leg.
-    fn follow<'s>(
+    fn follow(
         &self,
-        scene: &'s Scene,
+        scene: &Scene,
         leg: Leg,
         sum: Spectrum,
         sampler: &PixelSampler,
@@ -62,10 +62,10 @@ impl PathRecursive {
 
     /// Adds to `sum` what is scattered at a vertex.
     #[allow(clippy::too_many_arguments)]
-    fn scattered<'s>(
+    fn scattered(
         &self,
-        scene: &'s Scene,
-        Vertex { i, scattering, frame }: Vertex<'s>,
+        scene: &Scene,
+        Vertex { i, scattering, frame }: Vertex<'_>,
         Leg { beta, eta2, events, passes, .. }: Leg,
         sum: Spectrum,
         sampler: &PixelSampler,

@@ -119,7 +119,8 @@ impl Vertex<'_> {
     }
 }
 
-/// What a ray leads to.
+/// What a ray leads to. In place, since nothing is allocated per sample.
+#[allow(clippy::large_enum_variant)]
 pub(crate) enum Arrival<'s> {
     /// A surface that scatters, within the depth.
     Vertex(Vertex<'s>),
