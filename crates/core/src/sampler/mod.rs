@@ -47,16 +47,20 @@ impl Sampler {
         PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index }
     }
 
-    /// The sampler of one sample of a group of pixels, whose samples together form one point set: of `of` in one round, `rank` names the
-    /// one. `x`, `y` and `group` name the group.
+    /// The sampler of one sample of a group of pixels, whose samples together form one point set: the member `rank` of `of` has a block of
+    /// consecutive points, so that its own are stratified too. `x`, `y` and `group` name the group.
     #[inline]
     pub fn group(&self, x: u32, y: u32, group: u32, index: u32, rank: u32, of: u32) -> PixelSampler {
         let base = mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ 0x91e1_0da5);
         let seed = combine32(combine32(combine32(base, x), y), group);
-        let spp = self.spp.max(1).saturating_mul(of);
-        PixelSampler { kind: self.kind, spp, seed, index: index.wrapping_mul(of).wrapping_add(rank) }
+        let block = self.spp.clamp(1, LARGEST_BLOCK).next_power_of_two();
+        let index = (index / block * of + rank).wrapping_mul(block).wrapping_add(index % block);
+        PixelSampler { kind: self.kind, spp: self.spp.max(1).saturating_mul(of), seed, index }
     }
 }
+
+/// Most consecutive points of a member of a group.
+const LARGEST_BLOCK: u32 = 1024;
 
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
