@@ -17,6 +17,7 @@
 //!
 //! This crate knows nothing of materials, and is the only one with `unsafe` code, which each module that needs it allows by name.
 
+pub mod bounding;
 mod build;
 mod bvh;
 mod dispatch;
@@ -27,6 +28,7 @@ mod layout;
 mod packet;
 mod refit;
 mod simd;
+mod spatial;
 mod stack;
 mod storage;
 mod stream;
@@ -39,4 +41,5 @@ mod triangle;
 pub use bvh::Bvh;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
 pub use isa::Isa;
+pub use spatial::{Accel, Accelerator, Object, Order, PolygonOrder, Steps};
 pub use top_level::{Instance, TopLevel};

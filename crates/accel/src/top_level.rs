@@ -149,6 +149,16 @@ impl TopLevel {
         stream::in_order(rays, occluded, false, |rays, occluded| self.occluded_batch(rays, user, occluded));
     }
 
+    /// The tree over geometry and instances.
+    pub(crate) fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// The instance with an index in the tree: its number, its object, and the ray in the object's space.
+    pub(crate) fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &Bvh, Ray)> {
+        Leaves { scene: self, user: &() }.enter(index, ray)
+    }
+
     /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
@@ -178,7 +188,7 @@ fn placements(instances: &[Instance]) -> Vec<Placement> {
 const BOXES: usize = 100;
 
 /// A box in world space that contains an instance, and every point where a ray that was transformed to object space may hit it.
-fn world_box(shape: &[Bounds3], world_from_object: &Affine) -> Bounds3 {
+pub(crate) fn world_box(shape: &[Bounds3], world_from_object: &Affine) -> Bounds3 {
     let Affine { m, inv } = world_from_object;
     if !m.is_finite() || !inv.is_finite() {
         return Bounds3::EMPTY;

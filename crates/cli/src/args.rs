@@ -71,6 +71,9 @@ pub struct SceneOptions {
     /// Colour: the format's way (pbrt is spectral, others RGB), or always one of both
     #[arg(long, value_enum, default_value_t, help_heading = "Scene")]
     pub color: Color,
+    /// Structure that rays go through (see `steradian list accelerators`); the picture has the same bits with any
+    #[arg(long, value_name = "NAME", value_parser = accelerator_names(), default_value = "bvh", help_heading = "Scene")]
+    pub accelerator: String,
     /// Set a parameter ($NAME) of a Mitsuba scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
@@ -139,6 +142,10 @@ pub struct RenderArgs {
     /// Print one line of JSON about the render to stdout
     #[arg(long)]
     pub json: bool,
+}
+
+fn accelerator_names() -> PossibleValuesParser {
+    PossibleValuesParser::new(steradian::Accelerator::ALL.map(|a| a.about().0))
 }
 
 fn sampler_names() -> PossibleValuesParser {
@@ -368,6 +375,7 @@ mod tests {
             &["--threads", "5000"],
             &["--max-depth", "-2"],
             &["--sampler", "sobl"],
+            &["--accelerator", "bhv"],
             &["--size", "0x0"],
             &["--color", "cmyk"],
         ] {

@@ -60,7 +60,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Material(args) => material::run(args, terminal),
         Command::Compare(args) => compare::run(args),
         Command::Convert(args) => convert::run(args),
-        Command::Bench(args) => bench::run(args),
+        Command::Bench(args) => bench::run(args, terminal),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "steradian", &mut script);

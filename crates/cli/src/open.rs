@@ -9,7 +9,7 @@ use crate::{
 };
 use std::time::Duration;
 use steradian::{
-    ColorMode, CompileOptions, Scene,
+    Accelerator, ColorMode, CompileOptions, Scene,
     formats::Options,
     scene::{Diagnostics, Format, SceneDesc},
 };
@@ -29,6 +29,22 @@ pub struct Opened {
     pub build: Duration,
 }
 
+/// What the command line says about compiling.
+pub fn compile_options(options: &SceneOptions) -> CompileOptions {
+    CompileOptions {
+        mode: match options.color {
+            Color::Auto => None,
+            Color::Rgb => Some(ColorMode::Rgb),
+            Color::Spectral => Some(ColorMode::Spectral),
+        },
+        size: options.size.map(|Size(w, h)| (w, h)),
+        crop: options.crop.map(|Rectangle(r)| r),
+        camera: options.camera.clone(),
+        accelerator: Accelerator::by_name(&options.accelerator).unwrap_or_default(),
+        ..CompileOptions::default()
+    }
+}
+
 /// Reads and compiles a scene.
 pub fn open(name: &str, options: &SceneOptions) -> Opened {
     let reading = Options { defines: options.define.iter().cloned().collect(), ..Options::default() };
@@ -41,20 +57,9 @@ pub fn open(name: &str, options: &SceneOptions) -> Opened {
     if opened.diagnostics.has_errors() {
         return opened;
     }
-    let compiling = CompileOptions {
-        mode: match options.color {
-            Color::Auto => None,
-            Color::Rgb => Some(ColorMode::Rgb),
-            Color::Spectral => Some(ColorMode::Spectral),
-        },
-        size: options.size.map(|Size(w, h)| (w, h)),
-        crop: options.crop.map(|Rectangle(r)| r),
-        camera: options.camera.clone(),
-        ..CompileOptions::default()
-    };
     // Whatever compiling does besides the hierarchy is loading: images are read there.
     let start = std::time::Instant::now();
-    let compiled = steradian::compile(&opened.desc, &compiling);
+    let compiled = steradian::compile(&opened.desc, &compile_options(options));
     opened.load += start.elapsed().saturating_sub(compiled.build_time);
     opened.build = compiled.build_time;
     opened.diagnostics.extend(compiled.diagnostics);

@@ -12,7 +12,7 @@ use crate::{
     texture::{FloatTexture, TextureContext, Textures, hash_point},
 };
 use std::sync::Arc;
-use steradian_accel::{Hit, PrimId, TopLevel, UserHit, UserPrimitives, WORLD};
+use steradian_accel::{Accel, Hit, PrimId, Steps, UserHit, UserPrimitives, WORLD};
 use steradian_math::{
     Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
 };
@@ -100,8 +100,8 @@ pub struct Scene {
     pub mode: ColorMode,
     /// World geometry first, then that of each group.
     pub geometries: Vec<Geometry>,
-    /// The hierarchy.
-    pub accel: TopLevel,
+    /// The structure that rays go through: the hierarchy, unless another one was asked for.
+    pub accel: Accel,
     /// Placed groups, by the hierarchy's instance index.
     pub placements: Vec<Placement>,
     /// Indices of infinite planes among the geometries.
@@ -248,6 +248,21 @@ impl Scene {
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.nearest_plane::<true>(&mut ray.clone()).is_some() || self.accel.occluded(ray, &Query::<true>(self))
+    }
+
+    /// What [`Scene::intersect`] costs in the structure.
+    pub fn intersect_cost(&self, ray: &Ray) -> Steps {
+        let mut ray = *ray;
+        self.nearest_plane::<false>(&mut ray);
+        self.accel.intersect_cost(&ray, &Query::<false>(self))
+    }
+
+    /// What [`Scene::occluded`] costs in the structure.
+    pub fn occluded_cost(&self, ray: &Ray) -> Steps {
+        match self.nearest_plane::<true>(&mut ray.clone()) {
+            Some(_) => Steps::default(),
+            None => self.accel.occluded_cost(ray, &Query::<true>(self)),
+        }
     }
 
     /// The nearest infinite plane; the ray is cut there.

@@ -12,6 +12,7 @@
 //! # Ok::<(), steradian::Error>(())
 //! ```
 
+pub mod bench;
 pub mod cornell;
 pub mod develop;
 mod error;
@@ -24,6 +25,7 @@ pub use error::Error;
 pub use load::{Loaded, load};
 pub use quality::Quality;
 pub use steradian_accel as accel;
+pub use steradian_accel::Accelerator;
 pub use steradian_core::material::catalog as materials;
 pub use steradian_core::{
     ColorMode, Compiled, Scene,
@@ -50,6 +52,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
         ("media", core::medium::MEDIA.to_vec()),
         ("filters", core::film::filter::FILTERS.to_vec()),
         ("samplers", core::sampler::SAMPLERS.iter().map(|s| (s.0, s.2)).collect()),
+        ("accelerators", Accelerator::ALL.iter().map(|a| a.about()).collect()),
         ("tones", steradian_image::tone::CURVES.iter().map(|c| (c.name, c.doc)).collect()),
         ("layers", Layer::ALL.iter().map(|l| (l.name(), l.doc())).collect()),
     ]

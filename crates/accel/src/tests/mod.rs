@@ -14,7 +14,7 @@ use crate::{Bvh, Geometry, Isa};
 use steradian_math::{Ray, Vec3, hash::HashRng};
 
 /// A mesh: vertex positions and triangles.
-type Mesh = (Vec<Vec3>, Vec<[u32; 3]>);
+pub(crate) type Mesh = (Vec<Vec3>, Vec<[u32; 3]>);
 
 /// The levels this machine has.
 fn levels() -> impl Iterator<Item = Isa> {
@@ -26,12 +26,12 @@ fn build(mesh: &Mesh) -> Bvh {
 }
 
 /// Uniform in the cube `[-1, 1]³`.
-fn in_cube(rng: &mut HashRng) -> Vec3 {
+pub(crate) fn in_cube(rng: &mut HashRng) -> Vec3 {
     Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - 1.0
 }
 
 /// Uniform on the sphere, nearly.
-fn direction(rng: &mut HashRng) -> Vec3 {
+pub(crate) fn direction(rng: &mut HashRng) -> Vec3 {
     loop {
         let v = in_cube(rng);
         if (0.01..1.0).contains(&v.length_squared()) {
@@ -41,7 +41,7 @@ fn direction(rng: &mut HashRng) -> Vec3 {
 }
 
 /// Small triangles at random places in the unit cube, each with its own vertices.
-fn soup(count: u32, size: f32, seed: u64) -> Mesh {
+pub(crate) fn soup(count: u32, size: f32, seed: u64) -> Mesh {
     let mut rng = HashRng::new(seed);
     let mut positions = Vec::new();
     for _ in 0..count {
@@ -52,7 +52,7 @@ fn soup(count: u32, size: f32, seed: u64) -> Mesh {
 }
 
 /// A closed sphere: an icosahedron whose triangles are divided into four, `levels` times.
-fn icosphere(levels: u32) -> Mesh {
+pub(crate) fn icosphere(levels: u32) -> Mesh {
     let g = (1.0 + 5.0_f32.sqrt()) / 2.0;
     let mut positions = Vec::new();
     for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
@@ -86,7 +86,7 @@ fn icosphere(levels: u32) -> Mesh {
 }
 
 /// Rays of many kinds through a region: inside out, outside in, along axes, in planes, unnormalised and bounded.
-fn assorted_rays(center: Vec3, size: f32, count: usize, seed: u64) -> Vec<Ray> {
+pub(crate) fn assorted_rays(center: Vec3, size: f32, count: usize, seed: u64) -> Vec<Ray> {
     let mut rng = HashRng::new(seed);
     let mut ray = |i: usize| {
         let origin = center + in_cube(&mut rng) * size;

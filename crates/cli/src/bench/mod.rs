@@ -1,10 +1,11 @@
 //! `steradian bench`: measurements of single parts. Rates count processor time, so that a shared machine can be measured on.
 
+mod accel;
 mod placement;
 mod ray_file;
 mod rays;
 
-use crate::failure::Outcome;
+use crate::{failure::Outcome, terminal::Terminal};
 use clap::{Args, Subcommand};
 use std::time::Duration;
 
@@ -19,13 +20,16 @@ pub struct BenchArgs {
 /// The measurements.
 #[derive(Debug, Subcommand)]
 pub enum Measurement {
+    /// Compare all structures that rays can go through, on the rays of a scene
+    Accel(Box<accel::AccelArgs>),
     /// Trace the rays of a file against a mesh: rays per second, build time and memory
     Rays(rays::RaysArgs),
 }
 
 /// Measures.
-pub fn run(args: &BenchArgs) -> Outcome {
+pub fn run(args: &BenchArgs, terminal: Terminal) -> Outcome {
     match &args.what {
+        Measurement::Accel(args) => accel::run(args, terminal),
         Measurement::Rays(args) => rays::run(args),
     }
 }

@@ -42,7 +42,7 @@ fn every_family_is_listed() {
 fn help_version_and_completions() {
     let place = Place::new();
     assert_eq!(place.succeed(&["--version"]).stdout, concat!("steradian ", env!("CARGO_PKG_VERSION"), "\n"));
-    for command in ["render", "info", "list", "material", "compare", "convert", "completions"] {
+    for command in ["render", "info", "list", "material", "compare", "convert", "bench", "completions"] {
         assert!(place.succeed(&[command, "--help"]).stdout.contains("Usage: steradian"), "{command}");
     }
     assert!(place.succeed(&["completions", "bash"]).stdout.contains("_steradian()"));

@@ -240,3 +240,33 @@ fn a_reader_that_goes_away_is_no_failure() {
     drop(child.stdout.take());
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
+
+#[test]
+fn every_structure_gives_the_same_bits() {
+    let place = Place::new();
+    place.succeed(&small(&["-q", "-o", "bvh.exr"]));
+    for name in ["grid", "octree", "kdtree", "kdtree-ropes", "kdtree-median", "bsp", "none"] {
+        place.succeed(&small(&["-q", "-o", "other.exr", "--accelerator", name]));
+        place.succeed(&["compare", "bvh.exr", "other.exr", "--fail-above", "max_abs=0"]);
+    }
+    place.refuse(2, &small(&["--accelerator", "quadtree"]), &["quadtree", "octree"]);
+}
+
+#[test]
+fn structures_are_compared() {
+    let place = Place::new();
+    let line = ["bench", "accel", "builtin:cornell-box", "--size", "24x24", "--each", "1ms"];
+    let table = place.succeed(&line).stdout;
+    for part in ["bvh", "grid", "octree", "kdtree", "bsp", "none", "primary", "Mrays/s"] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let chosen = [&line[..], &["--json", "--structures", "none,kdtree"]].concat();
+    let json = place.succeed(&chosen).json();
+    let [none, kdtree] = [0, 1].map(|i| &json["structures"][i]);
+    assert_eq!((&none["structure"], &kdtree["structure"]), (&"none".into(), &"kdtree".into()));
+    let tests = |row: &serde_json::Value| row["kinds"][0]["tests_per_ray"].as_f64().unwrap();
+    assert!(tests(none) > 2.0 * tests(kdtree), "{json}");
+    assert!(kdtree["kinds"][2]["mrays_per_cpu_second"].as_f64().unwrap() > 0.0);
+    assert_eq!((&kdtree["kinds"][1]["agrees"], &json["rays"][0][1]), (&true.into(), &(24 * 24).into()));
+    place.refuse(2, &["bench", "accel", "builtin:cornell-box", "--structures", "kdtre"], &["did you mean 'kdtree'"]);
+}

@@ -28,7 +28,7 @@ use std::{
     sync::Arc,
     time::{Duration, Instant},
 };
-use steradian_accel::TopLevel;
+use steradian_accel::{Accel, Accelerator, Object};
 use steradian_image::Texels;
 use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
 
@@ -43,6 +43,8 @@ pub struct Options {
     pub crop: Option<[u32; 4]>,
     /// Camera by name or number instead of the first.
     pub camera: Option<String>,
+    /// The structure that rays go through. All give the same picture.
+    pub accelerator: Accelerator,
     /// Limits on images.
     pub image_limits: steradian_image::Limits,
 }
@@ -212,11 +214,12 @@ impl Compiler<'_> {
         world: &shapes::Boxes,
         groups: &[(u32, shapes::Boxes)],
         instances: &[steradian_accel::Instance],
-    ) -> Option<TopLevel> {
+    ) -> Option<Accel> {
         let objects: Result<Vec<_>, _> = groups
             .iter()
             .map(|(base, boxes)| {
-                steradian_accel::Bvh::build(&shapes::accel_geometries(&self.geometries, *base as usize, boxes))
+                let geometries = shapes::accel_geometries(&self.geometries, *base as usize, boxes);
+                Object::build(self.options.accelerator, &geometries)
             })
             .collect();
         let world = shapes::accel_geometries(&self.geometries, 0, world);
@@ -232,7 +235,7 @@ impl Compiler<'_> {
                 return None;
             }
         }
-        match objects.and_then(|objects| TopLevel::build(&world, objects, instances)) {
+        match objects.and_then(|objects| Accel::build(self.options.accelerator, &world, objects, instances)) {
             Ok(accel) => Some(accel),
             Err(e) => {
                 drop(world);

@@ -1,0 +1,102 @@
+//! What queries on the hierarchy cost. The hierarchy itself counts nothing, to lose no time; this walk visits what it visits, one box
+//! after another.
+
+use super::line::is_askable;
+use super::scene::Total;
+use super::search::{Steps, Tally};
+use super::shear::Shear;
+use crate::bvh::Tree;
+use crate::geometry::WORLD;
+use crate::layout::{Block, ChildRef};
+use crate::simd::LANES;
+use crate::{Hit, PrimId, TopLevel, UserHit, UserPrimitives};
+use steradian_math::{Ray, Vec3};
+
+/// Whether the nearest hit is asked for, or any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Query {
+    Nearest,
+    Any,
+}
+
+/// What a query costs.
+pub(super) fn cost<U: UserPrimitives>(top: &TopLevel, query: Query, ray: &Ray, user: &U) -> Steps {
+    if !is_askable(ray) {
+        return Steps::default();
+    }
+    let world = |index: u32, ray: &Ray| match top.enter(index, ray) {
+        Some((instance, object, ray)) => {
+            let objects =
+                |index: u32, ray: &Ray| (ask(user, query, object.tree().id(instance, index), ray), Steps::default());
+            walk(object.tree(), query, &ray, user, instance, objects)
+        }
+        None => (ask(user, query, top.tree().id(WORLD, index), ray), Steps::default()),
+    };
+    walk(top.tree(), query, ray, user, WORLD, world).1
+}
+
+/// A user primitive.
+fn ask<U: UserPrimitives>(user: &U, query: Query, id: PrimId, ray: &Ray) -> Option<f32> {
+    match query {
+        Query::Nearest => user.intersect(id, ray).map(|hit| hit.t).filter(|t| *t > 0.0 && *t < ray.t_max),
+        Query::Any => user.occluded(id, ray).then_some(0.0),
+    }
+}
+
+/// Through one tree: the distance of the hit, and the cost.
+fn walk<U: UserPrimitives>(
+    tree: &Tree,
+    query: Query,
+    ray: &Ray,
+    user: &U,
+    instance: u32,
+    below: impl Fn(u32, &Ray) -> (Option<f32>, Steps),
+) -> (Option<f32>, Steps) {
+    let (shear, inverse) = (Shear::new(ray), ray.direction.recip());
+    let mut steps = Steps::default();
+    let (mut t, mut found) = (ray.t_max, None);
+    let mut stack = vec![(tree.root, 0.0)];
+    while let Some((child, entry)) = stack.pop() {
+        if entry > t || child == ChildRef::EMPTY {
+            continue;
+        }
+        steps.step();
+        if child.is_node() {
+            let node = &tree.nodes[child.index()];
+            let entry = |lane: usize| node.child_bounds(lane).intersect(ray.origin, inverse, t).map(|s| s.0);
+            let first = stack.len();
+            stack.extend((0..LANES).filter_map(|lane| Some((node.children[lane], entry(lane)?))));
+            match query {
+                Query::Nearest => stack[first..].sort_by(|a, b| b.1.total_cmp(&a.1)),
+                Query::Any => stack[first..].reverse(),
+            }
+        } else if child.is_block() {
+            let block = &tree.blocks[child.index()];
+            for (lane, &tagged) in block.ids.iter().enumerate() {
+                let row = |i: usize| block.rows[i].0[lane];
+                if row(0).is_nan() {
+                    continue;
+                }
+                steps.test();
+                let corners = [0, 3, 6].map(|first| Vec3::new(row(first), row(first + 1), row(first + 2)));
+                let Some(UserHit { t: at, u, v }) = shear.hit(&corners, t).filter(|hit| hit.t < t) else { continue };
+                let index = tagged & !Block::FILTERED;
+                let hit = Hit { t: at, u, v, id: tree.id(instance, index) };
+                if tagged == index || user.accept(&hit, ray) {
+                    (t, found) = (at, Some(at));
+                }
+            }
+        } else {
+            steps.test();
+            let (hit, more) = below(child.index() as u32, &Ray { t_max: t, ..*ray });
+            steps = steps.plus(more);
+            if let Some(at) = hit {
+                (t, found) = (at, Some(at));
+            }
+        }
+        if found.is_some() && query == Query::Any {
+            break;
+        }
+    }
+    (found, steps)
+}

@@ -1,0 +1,203 @@
+//! World-space geometry and instances in one partition, as [`crate::TopLevel`] has them in one hierarchy.
+
+use super::accel::Accelerator;
+use super::partition::Partition;
+use super::search::{Steps, Tally};
+use crate::geometry::WORLD;
+use crate::top_level::world_box;
+use crate::traverse::{Nearest, Users};
+use crate::{Error, Geometry, Hit, Instance, PrimId, UserHit, UserPrimitives};
+use glam::Mat4;
+use std::cell::Cell;
+use steradian_math::{Bounds3, Ray};
+
+/// What a walk needs of an instance.
+#[derive(Clone, Debug)]
+struct Placement {
+    object_from_world: Mat4,
+    object: u32,
+}
+
+/// Geometry and instances of objects.
+#[derive(Clone, Debug)]
+pub struct PartitionedScene {
+    world: Partition,
+    objects: Vec<Partition>,
+    placements: Vec<Placement>,
+    /// Index of the first instance among the primitives of the world.
+    first_instance: u32,
+}
+
+impl PartitionedScene {
+    /// Builds the structure over everything.
+    pub(super) fn build(
+        accelerator: Accelerator,
+        world: &[Geometry],
+        objects: Vec<Partition>,
+        instances: &[Instance],
+    ) -> Result<Self, Error> {
+        for (i, instance) in instances.iter().enumerate() {
+            if instance.object as usize >= objects.len() {
+                return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
+            }
+        }
+        let bounds = |i: &Instance| {
+            let bounds = objects[i.object as usize].bounds();
+            if bounds.is_empty() { Bounds3::EMPTY } else { world_box(&[bounds], &i.world_from_object) }
+        };
+        let boxes: Vec<Bounds3> = instances.iter().map(bounds).collect();
+        let mut geometries = world.to_vec();
+        geometries.push(Geometry::boxes(&boxes));
+        let partition = Partition::build(accelerator, &geometries)?;
+        let place = |i: &Instance| Placement { object_from_world: i.world_from_object.inv, object: i.object };
+        Ok(Self {
+            first_instance: partition.items().first[world.len()],
+            world: partition,
+            objects,
+            placements: instances.iter().map(place).collect(),
+        })
+    }
+
+    /// The box around everything, in world space.
+    pub fn bounds(&self) -> Bounds3 {
+        self.world.bounds()
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        let objects = self.objects.iter().map(Partition::bytes).sum::<usize>();
+        self.world.bytes() + objects + size_of_val(&self.placements[..])
+    }
+
+    /// The nearest hit, and what it cost.
+    pub(super) fn intersect<U: UserPrimitives, T: Tally + Total>(
+        &self,
+        ray: &Ray,
+        user: &U,
+        tally: T,
+    ) -> (Option<Hit>, T) {
+        let leaves = Leaves { scene: self, user, below: Cell::new(T::default()) };
+        let (nearest, tally) = self.world.nearest(ray, &leaves, tally);
+        (nearest.map(|nearest| leaves.hit(nearest)), tally.plus(leaves.below.take()))
+    }
+
+    /// Whether anything is hit, and what it cost to know.
+    pub(super) fn occluded<U: UserPrimitives, T: Tally + Total>(&self, ray: &Ray, user: &U, tally: T) -> (bool, T) {
+        let leaves = Leaves { scene: self, user, below: Cell::new(T::default()) };
+        let (found, tally) = self.world.any(ray, &leaves, tally);
+        (found, tally.plus(leaves.below.take()))
+    }
+}
+
+/// Tallies that can be added.
+pub(super) trait Total: Default + Copy {
+    /// The sum.
+    fn plus(self, other: Self) -> Self;
+}
+
+impl Total for () {
+    fn plus(self, (): ()) {}
+}
+
+impl Total for Steps {
+    fn plus(self, other: Self) -> Self {
+        Self { steps: self.steps + other.steps, tests: self.tests + other.tests }
+    }
+}
+
+/// What is behind the user primitives of the world: those of the caller, and instances.
+struct Leaves<'a, U, T> {
+    scene: &'a PartitionedScene,
+    user: &'a U,
+    /// What the walks through instances cost.
+    below: Cell<T>,
+}
+
+impl<'a, U, T: Tally + Total> Leaves<'a, U, T> {
+    /// The instance with an index: its number, its object, and the ray in the object's space.
+    fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &'a Partition, Ray)> {
+        let number = index.checked_sub(self.scene.first_instance)?;
+        let Placement { object_from_world, object } = &self.scene.placements[number as usize];
+        let ray = Ray {
+            origin: object_from_world.transform_point3(ray.origin),
+            direction: object_from_world.transform_vector3(ray.direction),
+            t_max: ray.t_max,
+        };
+        Some((number, &self.scene.objects[*object as usize], ray))
+    }
+
+    fn id(&self, index: u32) -> PrimId {
+        self.scene.world.items().id(WORLD, index)
+    }
+}
+
+impl<U: UserPrimitives, T: Tally + Total> Users for Leaves<'_, U, T> {
+    type Extra = u32;
+
+    fn triangle(&self) -> u32 {
+        0
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, u32)> {
+        let Some((instance, object, ray)) = self.enter(index, ray) else {
+            return self.user.intersect(self.id(index), ray).map(|hit| (hit, 0));
+        };
+        let (nearest, below) =
+            object.nearest(&ray, &ObjectLeaves { object, instance, user: self.user }, self.below.get());
+        self.below.set(below);
+        nearest.map(|n| (n.hit, n.index))
+    }
+
+    fn occluded(&self, index: u32, ray: &Ray) -> bool {
+        let Some((instance, object, ray)) = self.enter(index, ray) else {
+            return self.user.occluded(self.id(index), ray);
+        };
+        let (found, below) = object.any(&ray, &ObjectLeaves { object, instance, user: self.user }, self.below.get());
+        self.below.set(below);
+        found
+    }
+
+    fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
+        self.user.accept(&Hit { t, u, v, id: self.id(index) }, ray)
+    }
+
+    fn hit(&self, Nearest { hit: UserHit { t, u, v }, index, extra }: Nearest<u32>) -> Hit {
+        let id = match index.checked_sub(self.scene.first_instance) {
+            None => self.id(index),
+            Some(instance) => {
+                let object = self.scene.placements[instance as usize].object;
+                self.scene.objects[object as usize].items().id(instance, extra)
+            }
+        };
+        Hit { t, u, v, id }
+    }
+}
+
+/// The user primitives of an object.
+struct ObjectLeaves<'a, U> {
+    object: &'a Partition,
+    instance: u32,
+    user: &'a U,
+}
+
+impl<U: UserPrimitives> Users for ObjectLeaves<'_, U> {
+    type Extra = ();
+
+    fn triangle(&self) {}
+
+    fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, ())> {
+        self.user.intersect(self.object.items().id(self.instance, index), ray).map(|hit| (hit, ()))
+    }
+
+    fn occluded(&self, index: u32, ray: &Ray) -> bool {
+        self.user.occluded(self.object.items().id(self.instance, index), ray)
+    }
+
+    fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
+        self.user.accept(&Hit { t, u, v, id: self.object.items().id(self.instance, index) }, ray)
+    }
+
+    fn hit(&self, Nearest { hit: UserHit { t, u, v }, index, .. }: Nearest<()>) -> Hit {
+        Hit { t, u, v, id: self.object.items().id(self.instance, index) }
+    }
+}

@@ -1,0 +1,98 @@
+//! `cargo xtask`: benchmarks, and generators of what they measure.
+//!
+//! Nothing here is a test: no figure of time makes a command fail.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod clock;
+mod generate;
+mod instructions;
+mod loading;
+mod plot;
+mod report;
+mod rivals;
+mod scaling;
+mod structures;
+
+use clap::{Parser, Subcommand};
+use report::Report;
+use std::{error::Error, path::PathBuf, process::ExitCode};
+
+/// Benchmarks of Steradian.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Measure everything, and write tables (Markdown, JSON) and plots (SVG) to a folder
+    Bench(Bench),
+    /// Count the instructions of traversal and shading with valgrind, and warn where they grew
+    Instructions(instructions::Arguments),
+    /// Write a scene or mesh to measure with
+    Generate(generate::Arguments),
+}
+
+/// What `bench` is told.
+#[derive(Debug, clap::Args)]
+struct Bench {
+    /// Folder for results
+    #[arg(long, default_value = "target/bench")]
+    out: PathBuf,
+    /// Only these parts: structures, scaling, threads, loading, rivals
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<String>,
+    /// Largest mesh, in triangles
+    #[arg(long, default_value_t = 10_000_000)]
+    triangles: usize,
+    /// A Python that has Mitsuba 3, to render the same scene with it
+    #[arg(long)]
+    mitsuba_python: Option<PathBuf>,
+    /// A program that measures Embree and prints what it finds; it is run, and its output kept
+    #[arg(long)]
+    embree_bench: Option<PathBuf>,
+    /// Arguments for that program
+    #[arg(long, allow_hyphen_values = true, value_delimiter = ' ')]
+    embree_arguments: Vec<String>,
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Bench(bench) => bench.run(),
+        Command::Instructions(arguments) => instructions::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+impl Bench {
+    fn run(&self) -> Result<(), Box<dyn Error>> {
+        std::fs::create_dir_all(&self.out)?;
+        let is_wanted = |part: &str| self.only.is_empty() || self.only.iter().any(|p| p == part);
+        let mut report = Report::default();
+        if is_wanted("structures") {
+            structures::measure(&self.out, self.triangles, &mut report)?;
+        }
+        if is_wanted("scaling") {
+            scaling::triangles(&self.out, self.triangles, &mut report)?;
+        }
+        if is_wanted("threads") {
+            scaling::threads(&self.out, self.triangles, &mut report)?;
+        }
+        if is_wanted("loading") {
+            loading::measure(&self.out, &mut report)?;
+        }
+        if is_wanted("rivals") {
+            rivals::measure(self, &mut report)?;
+        }
+        report.write(&self.out)
+    }
+}
