@@ -9,6 +9,7 @@
 //! [`MODELS`] lists every model with cases at the corners of its parameters, and the tests run the laws of scattering
 //! (density, reciprocity, energy) over all of them.
 
+mod albedo_table;
 pub mod blinn_phong;
 mod classical;
 mod coat_colors;
@@ -21,8 +22,11 @@ pub mod diffuse;
 pub mod diffuse_transmission;
 pub mod fresnel;
 mod gaussian;
+mod gtr1;
+pub mod hair;
 #[cfg(test)]
 mod laws;
+pub mod layered;
 #[cfg(test)]
 mod layered_walk;
 mod lobe_over_diffuse;
@@ -33,12 +37,16 @@ pub mod minnaert;
 pub mod multiple_scattering;
 mod normal_distribution;
 pub mod oren_nayar;
+pub mod pbr;
 pub mod phong;
 pub mod polarized;
+pub mod principled;
+pub mod principled_thin;
 #[cfg(test)]
 mod reference_values;
 pub mod reflectance;
 pub mod registry;
+mod sheen;
 pub mod thin_dielectric;
 pub mod thin_film;
 mod visible_normals;
@@ -52,13 +60,18 @@ pub use cook_torrance::{CookTorrance, DiffuseCoupling};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use hair::Hair;
+pub use layered::Layered;
 pub use measured::{Measured, MeasuredData};
 pub use microfacet::{Microfacet, NormalDistribution, Shadowing};
 pub use minnaert::Minnaert;
 pub use multiple_scattering::{CompensatedConductor, Compensation, EnergyTable};
 pub use normal_distribution::Tail;
 pub use oren_nayar::{OrenNayar, OrenNayarForm};
+pub use pbr::Pbr;
 pub use phong::Phong;
+pub use principled::Principled;
+pub use principled_thin::PrincipledThin;
 pub use reflectance::Reflectance;
 pub use registry::{MODELS, Model};
 pub use thin_dielectric::ThinDielectric;
@@ -203,6 +216,16 @@ pub enum Bsdf<'a> {
     CompensatedConductor(CompensatedConductor<'a>),
     /// Tabulated reflection.
     Measured(Measured<'a>),
+    /// A fibre.
+    Hair(Hair),
+    /// A coat over a metal or a diffuse base, by random walks.
+    Layered(Layered),
+    /// The surface of glTF and OpenPBR.
+    Pbr(Pbr),
+    /// Disney's surface.
+    Principled(Principled),
+    /// Disney's thin sheet.
+    PrincipledThin(PrincipledThin),
 }
 
 const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
@@ -226,6 +249,11 @@ impl Bsdf<'_> {
             Self::CookTorrance(b) => b.eval(wo, wi),
             Self::CompensatedConductor(b) => b.eval(wo, wi),
             Self::Measured(b) => b.eval(wo, wi),
+            Self::Hair(b) => b.eval(wo, wi),
+            Self::Layered(b) => b.eval(wo, wi),
+            Self::Pbr(b) => b.eval(wo, wi, mode),
+            Self::Principled(b) => b.eval(wo, wi, mode),
+            Self::PrincipledThin(b) => b.eval(wo, wi),
         }
     }
 
@@ -248,6 +276,11 @@ impl Bsdf<'_> {
             Self::CookTorrance(b) => b.sample(wo, u, u2),
             Self::CompensatedConductor(b) => b.sample(wo, u, u2),
             Self::Measured(b) => b.sample(wo, u, u2),
+            Self::Hair(b) => b.sample(wo, u, u2),
+            Self::Layered(b) => b.sample(wo, u, u2),
+            Self::Pbr(b) => b.sample(wo, u, u2, mode),
+            Self::Principled(b) => b.sample(wo, u, u2, mode),
+            Self::PrincipledThin(b) => b.sample(wo, u, u2),
         }
     }
 
@@ -258,7 +291,11 @@ impl Bsdf<'_> {
             Self::OrenNayar(_) | Self::Minnaert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ward(_) => false,
             Self::CookTorrance(b) => b.is_specular(),
             Self::CompensatedConductor(b) => b.is_specular(),
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) | Self::Measured(_) => false,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) | Self::Measured(_) | Self::Hair(_) => {
+                false
+            }
+            Self::Pbr(_) | Self::Principled(_) | Self::PrincipledThin(_) => false,
+            Self::Layered(b) => b.is_specular(),
             Self::Conductor(b) => b.microfacet.is_smooth(),
             Self::Dielectric(b) => b.is_specular(),
             Self::ThinDielectric(_) => true,
@@ -268,7 +305,45 @@ impl Bsdf<'_> {
     /// Whether light can pass to the other side.
     #[inline]
     pub fn has_transmission(&self) -> bool {
-        matches!(self, Self::DiffuseTransmission(_) | Self::Dielectric(_) | Self::ThinDielectric(_))
+        match self {
+            Self::DiffuseTransmission(_) | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Hair(_) => true,
+            Self::Pbr(b) => b.transmits(),
+            Self::Principled(b) => b.transmits(),
+            Self::PrincipledThin(b) => b.transmits(),
+            _ => false,
+        }
+    }
+
+    /// Density with which [`Bsdf::sample`] draws `wi`, the same as [`Bsdf::eval`] gives, for less where the value is dear.
+    #[inline]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
+        match self {
+            Self::Layered(b) => b.pdf(wo, wi),
+            _ => self.eval(wo, wi, mode).pdf,
+        }
+    }
+
+    /// Whether values are estimates, right in the mean over directions.
+    pub fn is_stochastic(&self) -> bool {
+        matches!(self, Self::Layered(b) if !b.is_specular())
+    }
+
+    /// The largest part of the light that leaves again: 1 but for the empirical models that do not keep to it.
+    pub fn albedo_bound(&self) -> f32 {
+        match self {
+            Self::Principled(_) | Self::PrincipledThin(_) => Principled::ALBEDO_BOUND,
+            _ => 1.0,
+        }
+    }
+
+    /// Index of refraction below the surface relative to above, for what refracts into it; else 1.
+    pub fn relative_eta(&self) -> f32 {
+        match self {
+            Self::Dielectric(b) => b.eta,
+            Self::Pbr(b) => b.eta(),
+            Self::Principled(b) => b.eta(),
+            _ => 1.0,
+        }
     }
 
     /// The part of light that passes straight through, for models that let it: what a shadow ray loses on its way.
@@ -298,6 +373,11 @@ impl Bsdf<'_> {
             Self::CookTorrance(b) => b.albedo_estimate(wo),
             Self::CompensatedConductor(b) => b.albedo_estimate(wo),
             Self::Measured(b) => b.albedo_estimate(wo),
+            Self::Hair(b) => b.albedo_estimate(wo),
+            Self::Layered(b) => b.albedo_estimate(wo),
+            Self::Pbr(b) => b.albedo_estimate(wo),
+            Self::Principled(b) => b.albedo_estimate(wo),
+            Self::PrincipledThin(b) => b.albedo_estimate(wo),
         }
     }
 }

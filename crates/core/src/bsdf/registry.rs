@@ -1,8 +1,13 @@
 //! Every scattering model, with cases at the corners of its parameters. Registering a model here is what gets it tested.
 
 use super::{
-    Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Measured, Microfacet,
-    NormalDistribution, Shadowing, Tail, ThinDielectric, classical, measured,
+    Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Hair, Layered, Measured,
+    Microfacet, NormalDistribution, Pbr, Principled, PrincipledThin, Shadowing, Tail, ThinDielectric, classical,
+    hair::Offset,
+    layered::{Base, Walk},
+    measured,
+    pbr::PbrParams,
+    principled::PrincipledParams,
 };
 use crate::color::ColorMode;
 use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
@@ -53,11 +58,16 @@ pub const MODELS: &[Model] = &[
     Model { name: "conductor-turquin", doc: "metal scaled to conserve energy", cases: classical::turquin },
     Model { name: "measured", doc: "tables of values", cases: both_ways },
     Model { name: "measured-one-way", doc: "tables that are not the same backwards", cases: one_way },
+    Model { name: "hair", doc: "a fibre of hair or fur", cases: hair },
+    Model { name: "layered", doc: "a coat over a metal or a scattering medium, by random walks", cases: layered },
+    Model { name: "pbr", doc: "the surface of glTF and OpenPBR", cases: pbr },
+    Model { name: "principled", doc: "Disney's surface", cases: principled },
+    Model { name: "principled-thin", doc: "Disney's thin sheet", cases: principled_thin },
 ];
 
 /// Models that are not the same backwards.
 pub const NON_RECIPROCAL: &[&str] =
-    &["phong-empirical", "blinn-phong-empirical", "conductor-turquin", "measured-one-way"];
+    &["phong-empirical", "blinn-phong-empirical", "conductor-turquin", "measured-one-way", "hair"];
 
 /// Models that may reflect more light than they get.
 pub const NON_CONSERVING: &[&str] = &["minnaert-bright-limb", "phong-empirical", "blinn-phong-empirical", "ward-duer"];
@@ -215,4 +225,164 @@ fn tabulated(visit: &mut Visitor<'_>, wanted: impl Fn(&str) -> bool) {
             case(ColorMode::Spectral);
         }
     }
+}
+
+fn hair(visit: &mut Visitor<'_>) {
+    let mut case = |label, h, sigma_a, eta, beta_m, beta_n, alpha, lossless| {
+        let bsdf = Bsdf::Hair(Hair::new(h, sigma_a, eta, beta_m, beta_n, alpha));
+        visit(Case { label, bsdf, lossless });
+    };
+    use Offset::{FromNormal, Given};
+    let brown = Spectrum::new([0.54, 0.91, 1.78, 1.0]);
+    case("brown", Given(0.3), brown, 1.55, 0.3, 0.3, 2.0, false);
+    case("white", Given(-0.6), Spectrum::ZERO, 1.55, 0.3, 0.3, 2.0, true);
+    case("white, rough", Given(0.9), Spectrum::ZERO, 1.55, 1.0, 1.0, 0.0, true);
+    case("white, on the axis", Given(0.0), Spectrum::ZERO, 1.3, 0.5, 0.2, 0.0, true);
+    case("smooth", Given(0.5), brown * 0.2, 1.55, 0.1, 0.15, 3.0, false);
+    case("at the edge", Given(1.0), brown, 1.55, 0.3, 0.3, 2.0, false);
+    case("index 1", Given(0.4), Spectrum::ZERO, 1.0, 0.4, 0.4, 0.0, true);
+    case("round surface", FromNormal, brown, 1.55, 0.25, 0.3, 2.0, false);
+    case("round and white", FromNormal, Spectrum::ZERO, 1.55, 0.4, 0.5, 2.0, true);
+}
+
+fn layered(visit: &mut Visitor<'_>) {
+    let gold = |microfacet| {
+        let (eta, k) = (Spectrum::new([0.18, 0.42, 1.37, 0.37]), Spectrum::new([3.1, 2.35, 1.77, 2.82]));
+        Base::Conductor(Conductor { eta: eta / 1.5, k: k / 1.5, tint: Spectrum::ONE, microfacet })
+    };
+    let clear = Walk { thickness: 0.01, albedo: Spectrum::ZERO, g: 0.0, max_depth: 10, samples: 1 };
+    let milky = Walk { thickness: 0.5, albedo: Spectrum::new([0.9, 0.5, 0.2, 0.7]), g: 0.4, max_depth: 20, samples: 1 };
+    let mut furnace = |label, eta, coat: f32, base, walk, lossless| {
+        let bsdf = Bsdf::Layered(Layered::new(eta, Microfacet::ggx(coat, coat), base, walk));
+        visit(Case { label, bsdf, lossless });
+    };
+    let white = Walk { albedo: Spectrum::ONE, g: 0.3, max_depth: 1000, ..milky };
+    let snow = Base::Diffuse(Diffuse { reflectance: Spectrum::ONE });
+    furnace("white on white", 1.4, 0.0, snow, &white, true);
+    furnace("white on white, rough", 1.4, 0.4, snow, &white, false);
+    let mut case = |label, eta, coat, base, walk| furnace(label, eta, coat, base, walk, false);
+    case("smooth on smooth gold", 1.5, 0.0, gold(Microfacet::SMOOTH), &clear);
+    case("smooth on rough gold", 1.5, 0.0, gold(Microfacet::ggx(0.3, 0.3)), &clear);
+    case("rough on smooth gold", 1.5, 0.3, gold(Microfacet::SMOOTH), &clear);
+    case("rough on rough gold", 1.5, 0.2, gold(Microfacet::ggx(0.4, 0.4)), &clear);
+    case("milky on smooth gold", 1.5, 0.0, gold(Microfacet::SMOOTH), &milky);
+    case("milky on rough gold", 1.5, 0.25, gold(Microfacet::ggx(0.3, 0.3)), &milky);
+    case("milky on grey", 1.5, 0.0, Base::Diffuse(Diffuse { reflectance: GREY }), &milky);
+    case("no interface", 1.0, 0.0, gold(Microfacet::ggx(0.3, 0.3)), &milky);
+}
+
+/// The plain surface that cases depart from.
+fn plain() -> PrincipledParams {
+    let luminance = 0.2126 * GREY[0] + 0.7152 * GREY[1] + 0.0722 * GREY[2];
+    PrincipledParams {
+        base_color: GREY,
+        tint: GREY / luminance,
+        roughness: 0.5,
+        anisotropic: 0.0,
+        metallic: 0.0,
+        spec_trans: 0.0,
+        eta: 1.5,
+        spec_tint: 0.0,
+        sheen: 0.0,
+        sheen_tint: 0.0,
+        flatness: 0.0,
+        clearcoat: 0.0,
+        clearcoat_gloss: 0.0,
+    }
+}
+
+fn principled(visit: &mut Visitor<'_>) {
+    let mut case = |label, params: PrincipledParams| {
+        visit(Case { label, bsdf: Bsdf::Principled(Principled::new(&params)), lossless: false });
+    };
+    let p = plain();
+    case("plain", p);
+    case("metal", PrincipledParams { metallic: 1.0, roughness: 0.4, anisotropic: 0.7, ..p });
+    case("glass", PrincipledParams { spec_trans: 1.0, roughness: 0.4, ..p });
+    case("bubble", PrincipledParams { spec_trans: 0.8, eta: 0.7, roughness: 0.5, ..p });
+    case("cloth", PrincipledParams { sheen: 1.0, sheen_tint: 0.5, roughness: 1.0, flatness: 0.6, ..p });
+    case("lacquer", PrincipledParams { clearcoat: 1.0, clearcoat_gloss: 0.3, ..p });
+    case("white", PrincipledParams { base_color: Spectrum::ONE, tint: Spectrum::ONE, roughness: 1.0, sheen: 1.0, ..p });
+    case(
+        "all at once",
+        PrincipledParams {
+            metallic: 0.4,
+            spec_trans: 0.5,
+            spec_tint: 0.6,
+            sheen: 0.5,
+            clearcoat: 0.7,
+            flatness: 0.3,
+            anisotropic: 0.4,
+            ..p
+        },
+    );
+}
+
+fn principled_thin(visit: &mut Visitor<'_>) {
+    let mut case = |label, params: PrincipledParams, diff_trans| {
+        let bsdf = Bsdf::PrincipledThin(PrincipledThin::new(&params, diff_trans));
+        visit(Case { label, bsdf, lossless: false });
+    };
+    let p = plain();
+    case("paper", p, 0.8);
+    case("opaque", PrincipledParams { sheen: 0.5, ..p }, 0.0);
+    case("pane", PrincipledParams { spec_trans: 1.0, roughness: 0.5, ..p }, 0.0);
+    case("leaf", PrincipledParams { spec_trans: 0.3, spec_tint: 0.5, anisotropic: 0.5, flatness: 0.5, ..p }, 1.2);
+}
+
+fn pbr(visit: &mut Visitor<'_>) {
+    let mut case = |label, params: PbrParams| {
+        visit(Case { label, bsdf: Bsdf::Pbr(Pbr::new(&params)), lossless: false });
+    };
+    let p = PbrParams {
+        base_color: GREY,
+        metallic: 0.0,
+        facets: Microfacet::ggx(0.3, 0.3),
+        eta: 1.5,
+        specular: 1.0,
+        specular_color: Spectrum::ONE,
+        transmission: 0.0,
+        transmission_color: GREY,
+        thin: true,
+        diffuse_transmission: 0.0,
+        diffuse_transmission_color: GREY,
+        sheen_color: Spectrum::ZERO,
+        sheen_roughness: 0.5,
+        coat: 0.0,
+        coat_facets: Microfacet::ggx(0.1, 0.1),
+        coat_eta: 1.5,
+        coat_color: Spectrum::ONE,
+        tints_metal_edge: false,
+    };
+    let white = PbrParams { base_color: Spectrum::ONE, ..p };
+    case("plain", p);
+    case("white, rough", PbrParams { facets: Microfacet::ggx(1.0, 1.0), ..white });
+    case("white, dense", PbrParams { eta: 2.4, facets: Microfacet::ggx(0.1, 0.1), ..white });
+    case("metal, stretched", PbrParams { metallic: 1.0, facets: Microfacet::ggx(0.5, 0.1), ..p });
+    case("metal with a dark edge", PbrParams { metallic: 1.0, specular_color: GREY, tints_metal_edge: true, ..white });
+    case("cloth", PbrParams { sheen_color: Spectrum::ONE, sheen_roughness: 0.4, specular: 0.5, ..white });
+    case("soft cloth", PbrParams { sheen_color: GREY, sheen_roughness: 1.0, specular: 0.0, ..white });
+    let lacquer = PbrParams { coat: 1.0, coat_facets: Microfacet::ggx(0.2, 0.2), ..white };
+    case("lacquer", lacquer);
+    case("coloured lacquer on metal", PbrParams { coat_color: GREY, metallic: 1.0, coat: 0.7, ..lacquer });
+    case("pane", PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, ..white });
+    case("glass", PbrParams { transmission: 1.0, thin: false, ..p });
+    case(
+        "lacquered cloudy glass",
+        PbrParams { transmission: 0.6, transmission_color: Spectrum::ONE, thin: false, eta: 1.3, ..lacquer },
+    );
+    case("leaf", PbrParams { diffuse_transmission: 0.6, diffuse_transmission_color: Spectrum::ONE, ..white });
+    case(
+        "all at once",
+        PbrParams {
+            metallic: 0.3,
+            transmission: 0.4,
+            diffuse_transmission: 0.5,
+            sheen_color: GREY,
+            coat: 0.5,
+            specular: 0.7,
+            specular_color: GREY,
+            ..p
+        },
+    );
 }

@@ -53,7 +53,8 @@ impl Compiler<'_> {
     }
 
     fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
-        let two_sided = self.desc.format != Format::Mitsuba;
+        let is_sheet = matches!(&model, Model::Principled(p) if p.thin.is_some());
+        let two_sided = is_sheet || self.desc.format != Format::Mitsuba;
         self.materials.push(Material { model, two_sided });
         self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
         ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
@@ -93,18 +94,16 @@ impl Compiler<'_> {
                 transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
             },
             "coated_diffuse" => {
-                self.refuse_coat_medium(node);
-                let thickness = match self.float_texture(node, "thickness", 0.01) {
-                    FloatTexture::Constant(v) => v,
-                    FloatTexture::Texture(_) => {
-                        self.approximated(node.span, "a textured coat thickness is not implemented; 0.01 is used");
-                        0.01
-                    }
-                };
-                let max_depth = u32::try_from(self.int(node, "max_depth").unwrap_or(10)).unwrap_or(10);
-                let series = CoatSeries::Layered { thickness, max_depth };
-                self.coated(node, "reflectance", 1.5, series)
+                let is_textured = matches!(node.get("thickness"), Some(Value::Node(_)));
+                if Self::coat_scatters(node) || is_textured {
+                    self.layered_diffuse(node)
+                } else {
+                    let thickness = self.float(node, "thickness", 0.01);
+                    let max_depth = u32::try_from(self.int(node, "max_depth").unwrap_or(10)).unwrap_or(10);
+                    self.coated(node, "reflectance", 1.5, CoatSeries::Layered { thickness, max_depth })
+                }
             }
+            "coated_conductor" => self.coated_conductor(node),
             "plastic" => {
                 let nonlinear = self.bool(node, "nonlinear", false);
                 self.coated(node, "diffuse_reflectance", 1.49, CoatSeries::Plastic { nonlinear })
@@ -114,6 +113,12 @@ impl Compiler<'_> {
             }
             "cook_torrance" => Model::Facets(self.cook_torrance(node)),
             "measured" => self.measured(node),
+            "hair" => self.hair(node),
+            "metallic_roughness" => self.metallic_roughness(node),
+            "openpbr" => self.openpbr(node),
+            "sheen" => self.sheen(node),
+            "principled" => self.principled(node, false),
+            "principledthin" => self.principled(node, true),
             "interface" => Model::Interface,
             "mask" => {
                 let inner = self.nested(node, "material", depth);
@@ -203,42 +208,6 @@ impl Compiler<'_> {
             c.spectrum(node, name, Role::Albedo, default)
         };
         let model = match node.kind.as_str() {
-            "coatedconductor" | "coated_conductor" => {
-                say(self, "the conductor under the coat");
-                self.conductor(node, ["conductor.eta", "conductor.k", "reflectance"])
-            }
-            "principled" | "principledthin" => {
-                say(self, "a plastic or a metal of the base colour");
-                let metal = match node.get("metallic") {
-                    Some(Value::Node(_)) => 0.5,
-                    _ => self.float(node, "metallic", 0.0),
-                };
-                let base = color(self, &["base_color"], HALF);
-                let rough = self.float_texture(node, "roughness", 0.5);
-                let FloatTexture::Constant(r) = rough else {
-                    return self.add(node, Model::Diffuse(base));
-                };
-                let roughness = Roughness {
-                    u: FloatTexture::Constant(r * r),
-                    v: FloatTexture::Constant(r * r),
-                    remap: false,
-                    distribution: NormalDistribution::Ggx,
-                    shadowing: self.shadowing(),
-                };
-                if metal >= 0.5 {
-                    Model::ConductorReflectance(base, roughness)
-                } else {
-                    let table = self.coats.table(
-                        roughness.distribution,
-                        roughness.shadowing,
-                        1.5,
-                        (r * r, r * r),
-                        CoatSeries::Plastic { nonlinear: false },
-                    );
-                    let tint = SpectrumTexture::Constant(Color::constant(1.0));
-                    Model::Coated { reflectance: base, tint, roughness, table }
-                }
-            }
             "diffusetransmission" => {
                 say(self, "diffuse reflection and transmission");
                 let quarter = SpectrumValue::Constant(0.25);
@@ -247,14 +216,12 @@ impl Compiler<'_> {
                     self.spectrum(node, "transmittance", Role::Albedo, quarter),
                 )
             }
-            "hair" => {
-                say(self, "a diffuse surface of a hair's colour");
-                let brown = SpectrumValue::Rgb([0.35, 0.21, 0.11], steradian_scene::ColorSpace::Srgb);
-                Model::Diffuse(color(self, &["color", "reflectance"], brown))
-            }
             "subsurface" => {
-                say(self, "a diffuse surface");
-                Model::Diffuse(color(self, &["reflectance"], SpectrumValue::Constant(0.7)))
+                say(self, "a coat over a diffuse surface of the same albedo");
+                let base = self.subsurface_albedo(node);
+                let roughness = self.roughness(node, "uroughness", "vroughness");
+                let series = CoatSeries::Layered { thickness: 0.0, max_depth: u32::MAX };
+                self.coat_over(node, base, 1.33, roughness, series)
             }
             _ => {
                 say(self, "a diffuse surface");
@@ -264,19 +231,6 @@ impl Compiler<'_> {
         self.add(node, model)
     }
 
-    fn refuse_coat_medium(&mut self, node: &Node) {
-        let scatters = match node.get("albedo") {
-            None => false,
-            Some(Value::Float(v)) => *v != 0.0,
-            Some(Value::Spectrum(SpectrumValue::Constant(v))) => *v != 0.0,
-            Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) => *v != [0.0; 3],
-            Some(_) => true,
-        };
-        if scatters {
-            self.approximated(node.span, "scattering inside a coat (albedo) is not implemented; the coat only absorbs");
-        }
-    }
-
     fn shadowing(&self) -> Shadowing {
         match self.desc.format {
             Format::Mitsuba => Shadowing::Separable,
@@ -284,7 +238,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
+    pub(super) fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
         self.roughness_or(node, [u, v], 0.0, NormalDistribution::Ggx, self.shadowing())
     }
 
@@ -343,11 +297,7 @@ impl Compiler<'_> {
     }
 
     fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
-        let roughness = if eta == "eta" {
-            self.roughness(node, "alpha_u", "alpha_v")
-        } else {
-            self.roughness(node, "conductor.roughness", "conductor.roughness")
-        };
+        let roughness = self.roughness(node, "alpha_u", "alpha_v");
         if let Some(model) = self.special_metal(node, [eta, k, reflectance], &roughness) {
             return model;
         }
@@ -356,12 +306,12 @@ impl Compiler<'_> {
             return Model::ConductorReflectance(r, roughness);
         }
         let tint = self.spectrum(node, "specular_reflectance", Role::Albedo, ONE);
-        if node.get(eta).is_none() && node.get(k).is_none() {
+        if node.get("eta").is_none() && node.get("k").is_none() {
             return Model::Mirror(tint, roughness);
         }
         Model::Conductor {
-            eta: self.spectrum(node, eta, Role::Unbounded, ONE),
-            k: self.spectrum(node, k, Role::Unbounded, SpectrumValue::Constant(0.0)),
+            eta: self.spectrum(node, "eta", Role::Unbounded, ONE),
+            k: self.spectrum(node, "k", Role::Unbounded, SpectrumValue::Constant(0.0)),
             tint,
             roughness,
         }
@@ -377,13 +327,17 @@ impl Compiler<'_> {
                 varying => Eta::Varying(varying),
             };
         }
-        let sodium = self.at_sodium_line(node, "eta", default);
+        self.eta_named(node, "eta", default)
+    }
+
+    pub(super) fn eta_named(&mut self, node: &Node, name: &str, default: f64) -> Eta {
+        let sodium = self.at_sodium_line(node, name, default);
         if sodium <= 0.0 {
             self.error(node.span, format!("an index of refraction of {sodium} is not possible"));
             return Eta::Constant(default as f32);
         }
         if self.mode == crate::color::ColorMode::Spectral {
-            let color = self.constant_color(node, "eta", Role::Unbounded, SpectrumValue::Constant(default));
+            let color = self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
             if let Color::Spectral(_) = color {
                 return Eta::Dispersive(color);
             }
@@ -393,6 +347,18 @@ impl Compiler<'_> {
 
     fn coated(&mut self, node: &Node, base: &str, eta: f64, series: CoatSeries) -> Model {
         let roughness = self.roughness(node, "alpha_u", "alpha_v");
+        let base = self.spectrum(node, base, Role::Albedo, HALF);
+        self.coat_over(node, base, eta, roughness, series)
+    }
+
+    fn coat_over(
+        &mut self,
+        node: &Node,
+        base: SpectrumTexture,
+        eta: f64,
+        roughness: Roughness,
+        series: CoatSeries,
+    ) -> Model {
         let range = |t: FloatTexture| match t {
             FloatTexture::Constant(v) if roughness.remap => (v.max(0.0).sqrt(), v.max(0.0).sqrt()),
             FloatTexture::Constant(v) => (v, v),
@@ -402,11 +368,27 @@ impl Compiler<'_> {
         let eta = self.at_sodium_line(node, "eta", eta);
         let alpha = (u.0.min(v.0), u.1.max(v.1));
         Model::Coated {
-            reflectance: self.spectrum(node, base, Role::Albedo, HALF),
+            reflectance: base,
             tint: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
             table: self.coats.table(roughness.distribution, roughness.shadowing, eta, alpha, series),
             roughness,
         }
+    }
+
+    /// The albedo of a deep medium as diffuse light inside sees it (van de Hulst 1980, Multiple Light Scattering, a fit):
+    /// `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √((1 − a)/(1 − a g))`; a `reflectance` where the file gives one.
+    fn subsurface_albedo(&mut self, node: &Node) -> SpectrumTexture {
+        if node.get("reflectance").is_some() || node.get("sigma_s").is_none() {
+            return self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));
+        }
+        let a = self.constant_color(node, "sigma_a", Role::Unbounded, ONE);
+        let s = self.constant_color(node, "sigma_s", Role::Unbounded, ONE);
+        let g = self.float(node, "g", 0.0).clamp(-0.99, 0.99);
+        SpectrumTexture::Constant(combine(&a, &s, move |a, s| {
+            let albedo = if a + s > 0.0 { (s / (a + s)).clamp(0.0, 1.0) } else { 0.0 };
+            let s = ((1.0 - albedo) / (1.0 - albedo * g)).sqrt();
+            (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
+        }))
     }
 
     /// The index of a compiled medium; `None` for none, and for media that are not implemented (reported).

@@ -4,10 +4,14 @@
 mod classical;
 mod coats;
 mod dispersion;
+mod hair;
+mod layered;
 mod lights;
 mod materials;
 mod measured;
 mod params;
+mod pbr;
+mod principled;
 mod ranges;
 mod shapes;
 mod sound;

@@ -3,6 +3,15 @@
 pub mod catalog;
 
 pub use catalog::MATERIALS;
+mod hair;
+mod layered;
+mod pbr;
+mod principled;
+
+pub use hair::{Absorption, HairMaterial};
+pub use layered::{LayeredBase, LayeredMaterial};
+pub use pbr::{PbrMaterial, Stretch};
+pub use principled::PrincipledMaterial;
 
 use crate::{
     bsdf::{
@@ -10,12 +19,12 @@ use crate::{
         DiffuseTransmission, EnergyTable, Measured, MeasuredData, Microfacet, NormalDistribution, Shadowing,
         ThinDielectric,
     },
-    color::Color,
+    color::{Color, ColorMode},
     texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
 };
 pub use classical::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal};
 use std::sync::Arc;
-use steradian_math::{Spectrum, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec3, color::luminance, spectra::Wavelengths};
 
 mod classical;
 
@@ -154,6 +163,14 @@ pub enum Model {
     },
     /// Tabulated reflection, turned about the normal with the surface's parametrisation.
     Measured(Arc<MeasuredData>),
+    /// A fibre.
+    Hair(Box<HairMaterial>),
+    /// A coat, by random walks.
+    Layered(Box<LayeredMaterial>),
+    /// The surface of glTF and OpenPBR.
+    Pbr(Box<PbrMaterial>),
+    /// Disney's surface.
+    Principled(Box<PrincipledMaterial>),
     /// One of two materials (indices), chosen at each point with the probability of the second.
     Mix(u32, u32, FloatTexture),
     /// Different materials (indices) on the side the normal points to and the other.
@@ -197,9 +214,51 @@ impl Material {
             | Model::Compensated { metal: Metal { roughness, .. }, .. }
             | Model::Mirror(_, roughness) => roughness.is_anisotropic(),
             Model::Classical(c) => c.is_anisotropic(),
-            Model::Measured(_) | Model::Mix(..) | Model::TwoSided(..) => true,
+            Model::Hair(_)
+            | Model::Layered(_)
+            | Model::Measured(_)
+            | Model::Pbr(_)
+            | Model::Principled(_)
+            | Model::Mix(..)
+            | Model::TwoSided(..) => true,
             _ => false,
         }
+    }
+}
+
+/// Where a material's parameters are looked up.
+struct Point<'p> {
+    textures: &'p Textures,
+    at: &'p TextureContext<'p>,
+    lambda: &'p Wavelengths,
+}
+
+impl Point<'_> {
+    /// A number; 0 where a texture has none.
+    #[inline]
+    fn float(&self, t: &FloatTexture) -> f32 {
+        let v = t.eval(self.textures, self.at);
+        if v.is_finite() { v } else { 0.0 }
+    }
+
+    /// A reflectance in [0, 1].
+    #[inline]
+    fn albedo(&self, t: &SpectrumTexture) -> Spectrum {
+        albedo(t.eval(self.textures, self.at, self.lambda))
+    }
+
+    /// Luminance of a reflectance (that of white is 1), as far as the path's wavelengths tell.
+    fn luminance(&self, s: Spectrum) -> f32 {
+        match self.textures.mode() {
+            ColorMode::Rgb => luminance(Vec3::from(s.to_rgb())),
+            ColorMode::Spectral => self.lambda.to_xyz(s).y / self.lambda.to_xyz(Spectrum::ONE).y.max(1e-12),
+        }
+    }
+
+    /// A quantity that is not negative.
+    #[inline]
+    fn unbounded(&self, t: &SpectrumTexture) -> Spectrum {
+        t.eval(self.textures, self.at, self.lambda).map(|v| if v > 0.0 { v.min(1e30) } else { 0.0 })
     }
 }
 
@@ -293,6 +352,10 @@ pub fn scattering<'a>(
             Bsdf::Coated(Coated::new(table, spectrum(reflectance, lambda), spectrum(tint, lambda), u, v))
         }
         Model::Measured(data) => Bsdf::Measured(Measured::new(data, lambda, textures.mode(), at.uv)),
+        Model::Hair(m) => m.bsdf(&Point { textures, at, lambda }),
+        Model::Layered(m) => m.bsdf(textures, at, lambda),
+        Model::Pbr(m) => m.bsdf(textures, at, lambda),
+        Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),
         Model::Interface | Model::Mix(..) | Model::TwoSided(..) => return None,
     };
     if !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided) {

@@ -85,6 +85,9 @@ impl Reader<'_> {
                 node.set("file", Value::Path(file), span);
                 node
             }
+            "hair" => self.hair(object),
+            "pplastic" => self.polarized_plastic(object),
+            "polarizer" | "circular" | "retarder" => self.polarizing_filter(object, plugin == "retarder"),
             "null" => self.node(Family::Material, "interface", object),
             "bumpmap" | "normalmap" => return self.mapped(object, plugin == "normalmap"),
             _ if self.is_known(object) => return self.verbatim(object, Family::Material),
@@ -189,7 +192,7 @@ impl Reader<'_> {
     }
 
     /// The microfacet parameters: `alpha`, or `alpha_u` and `alpha_v`; Beckmann unless said otherwise.
-    fn roughness(&mut self, node: &mut Node, object: ObjectId) {
+    pub(super) fn roughness(&mut self, node: &mut Node, object: ObjectId) {
         let distribution =
             self.choice(object, "distribution", &["beckmann", "ggx", "phong", "as", "student_t", "gaussian"]);
         let distribution = match distribution {
@@ -226,7 +229,7 @@ impl Reader<'_> {
         }
     }
 
-    fn specular(&mut self, node: &mut Node, object: ObjectId, transmits: bool) {
+    pub(super) fn specular(&mut self, node: &mut Node, object: ObjectId, transmits: bool) {
         self.put_given(node, "specular_reflectance", object, "specular_reflectance", Role::Reflectance);
         if transmits {
             self.put_given(node, "specular_transmittance", object, "specular_transmittance", Role::Reflectance);

@@ -9,6 +9,7 @@
 
 mod directives;
 mod graph;
+mod hair;
 mod integrator;
 mod ior;
 mod light;
@@ -19,6 +20,7 @@ mod normals;
 mod parameters;
 mod parse;
 mod plugins;
+mod polarizing;
 mod property;
 mod reader;
 mod sensor;

@@ -44,6 +44,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str) -> Option<No
     let ours = match kind {
         "thindielectric" => "thin_dielectric",
         "coateddiffuse" => "coated_diffuse",
+        "coatedconductor" => "coated_conductor",
         "diffusetransmission" => "diffuse_transmission",
         "" | "none" => "interface",
         other => other,
@@ -178,10 +179,6 @@ fn coated_conductor(b: &mut Build) {
                 b.float_texture(both, one, 0.0);
             }
         }
-        // For readers that know one roughness only.
-        if let Some(value) = b.node.get(u).cloned() {
-            b.set(both, value);
-        }
     }
     let eta = b.spectrum_texture("conductor.eta", "conductor.eta", Role::Unbounded, None);
     let k = b.spectrum_texture("conductor.k", "conductor.k", Role::Unbounded, None);
@@ -190,11 +187,11 @@ fn coated_conductor(b: &mut Build) {
     b.fields(&[
         Field::FloatTexture("thickness", 0.01),
         Field::Index("interface.eta", 1.5),
-        Field::Int("maxdepth", 10),
-        Field::Int("nsamples", 1),
         Field::FloatTexture("g", 0.0),
         Field::SpectrumTexture("albedo", Role::Albedo, 0.0),
     ]);
+    b.int("maxdepth", "max_depth", 10);
+    b.int("nsamples", "samples", 1);
     b.bool("remaproughness", "remap_roughness", true);
 }
 

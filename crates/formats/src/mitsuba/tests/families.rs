@@ -91,6 +91,32 @@ fn nested_bsdfs() {
 }
 
 #[test]
+fn hair_takes_the_names_of_its_paper() {
+    let (_, m) = material("<bsdf type=\"hair\"><float name=\"azimuthal_roughness\" value=\".4\"/></bsdf>");
+    let of = |name: &str| m.float(name);
+    assert_eq!(
+        (m.kind.as_str(), of("eumelanin"), of("pheomelanin"), of("beta_n")),
+        ("hair", Some(1.3), Some(0.2), Some(0.4))
+    );
+    assert_eq!((of("beta_m"), of("alpha"), m.bool("round")), (Some(0.3), Some(2.0), Some(true)));
+    let (desc, m) = material(
+        "<bsdf type=\"hair\"><rgb name=\"sigma_a\" value=\".2 .3 .7\"/><float name=\"scale\" value=\"20\"/></bsdf>",
+    );
+    assert_eq!((child(&desc, &m, "sigma_a").float("scale"), m.get("eumelanin")), (Some(20.0), None));
+}
+
+#[test]
+fn polarizing_filters_are_those_of_unpolarized_light() {
+    let (_, m) = material("<bsdf type=\"polarizer\"><float name=\"theta\" value=\"30\"/></bsdf>");
+    assert_eq!(
+        (m.kind.as_str(), m.float("eta"), m.float("specular_transmittance")),
+        ("thin_dielectric", Some(1.0), Some(0.5))
+    );
+    let (_, m) = material("<bsdf type=\"pplastic\"><float name=\"alpha\" value=\".2\"/></bsdf>");
+    assert_eq!((m.kind.as_str(), m.float("alpha_u")), ("plastic", Some(0.2)));
+}
+
+#[test]
 fn bsdfs_that_steradian_lacks_keep_their_parameters() {
     let (desc, m) = material(
         "<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"1 .5 0\"/><float name=\"metallic\" value=\".7\"/>

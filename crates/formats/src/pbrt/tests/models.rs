@@ -363,13 +363,13 @@ fn materials_that_keep_their_own_words() {
     let m = one_material("Material \"coatedconductor\" \"float conductor.roughness\" 0.4");
     check(
         &m,
-        "coatedconductor",
+        "coated_conductor",
         &[
             ("conductor.uroughness", some(0.4)),
             ("interface.vroughness", some(0.0)),
             ("interface.eta", some(1.5)),
             ("conductor.k", some(named("metal-Cu-k"))),
-            ("maxdepth", some(10)),
+            ("max_depth", some(10)),
         ],
     );
     let m = one_material("Material \"diffusetransmission\" \"float scale\" 2 \"rgb transmittance\" [0.1 0.2 0.3]");

@@ -1,0 +1,70 @@
+//! Compiling Disney's surface.
+
+use super::Compiler;
+use crate::{
+    color::Role,
+    material::{Model, PrincipledMaterial},
+    texture::FloatTexture,
+};
+use steradian_scene::{Node, SpectrumValue};
+
+impl Compiler<'_> {
+    pub(super) fn principled(&mut self, node: &Node, is_thin: bool) -> Model {
+        let half = SpectrumValue::Constant(0.5);
+        let weight = |c: &mut Self, name: &str, default: f64| {
+            if !is_thin || !matches!(name, "metallic" | "clearcoat" | "clearcoat_gloss") {
+                c.float_texture(node, name, default)
+            } else {
+                FloatTexture::Constant(0.0)
+            }
+        };
+        let roughness = weight(self, "roughness", 0.5);
+        let [anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss] = [
+            "anisotropic",
+            "metallic",
+            "spec_trans",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "clearcoat",
+            "clearcoat_gloss",
+        ]
+        .map(|name| weight(self, name, 0.0));
+        Model::Principled(Box::new(PrincipledMaterial {
+            base_color: self.spectrum(node, "base_color", Role::Albedo, half),
+            eta: self.principled_eta(node, is_thin),
+            thin: is_thin.then(|| self.float_texture(node, "diff_trans", 0.0)),
+            roughness,
+            anisotropic,
+            metallic,
+            spec_trans,
+            spec_tint,
+            sheen,
+            sheen_tint,
+            flatness,
+            clearcoat,
+            clearcoat_gloss,
+        }))
+    }
+
+    /// `eta`, or Disney's `specular`, which spans reflectances from 0 to 8 %.
+    fn principled_eta(&mut self, node: &Node, is_thin: bool) -> FloatTexture {
+        if node.get("eta").is_some() || is_thin {
+            let eta = self.float_texture(node, "eta", 1.5);
+            if let FloatTexture::Constant(v) = eta
+                && v <= 0.0
+            {
+                let span = node.param("eta").and_then(|p| p.span).or(node.span);
+                self.error(span, format!("an index of refraction of {v} is not possible"));
+                return FloatTexture::Constant(1.5);
+            }
+            return eta;
+        }
+        let FloatTexture::Constant(specular) = self.float_texture(node, "specular", 0.5) else {
+            self.approximated(node.span, "'specular' cannot be textured here; 0.5 is used");
+            return FloatTexture::Constant(1.5);
+        };
+        FloatTexture::Constant(2.0 / (1.0 - (0.08 * specular.clamp(0.0, 1.0)).sqrt()) - 1.0)
+    }
+}

@@ -1,0 +1,114 @@
+//! The surface of glTF and OpenPBR: what a scene says of it.
+
+use super::{Eta, Point, albedo};
+use crate::{
+    bsdf::{Bsdf, Microfacet, Pbr, pbr::PbrParams},
+    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
+};
+use steradian_math::{Spectrum, spectra::Wavelengths};
+
+/// How roughness and anisotropy become the two α.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stretch {
+    /// `α_t = α + (1 − α) strength²`, `α_b = α` (KHR_materials_anisotropy).
+    Gltf,
+    /// `α_t = α √(2/(1 + (1−a)²))`, `α_b = (1−a) α_t` (OpenPBR 1.1, 3.1.1).
+    OpenPbr,
+}
+
+/// Parameters of the surface; colours and weights in [0, 1].
+#[derive(Clone, Debug)]
+pub struct PbrMaterial {
+    /// Base colour.
+    pub base_color: SpectrumTexture,
+    /// Factor on the base colour.
+    pub base_weight: FloatTexture,
+    /// How much of it is metal.
+    pub metallic: FloatTexture,
+    /// Roughness; α is its square.
+    pub roughness: FloatTexture,
+    /// Strength of the anisotropy.
+    pub anisotropy: FloatTexture,
+    /// What the strength means.
+    pub stretch: Stretch,
+    /// Index of refraction.
+    pub eta: Eta,
+    /// Strength of the dielectric reflection.
+    pub specular: FloatTexture,
+    /// Its tint.
+    pub specular_color: SpectrumTexture,
+    /// Refraction.
+    pub transmission: FloatTexture,
+    /// Tint of what is refracted; the base colour where it is `None`.
+    pub transmission_color: Option<SpectrumTexture>,
+    /// Whether light passes unbent.
+    pub thin: bool,
+    /// Diffuse transmission.
+    pub diffuse_transmission: FloatTexture,
+    /// Its colour.
+    pub diffuse_transmission_color: SpectrumTexture,
+    /// Colour of the sheen.
+    pub sheen_color: SpectrumTexture,
+    /// Factor on it.
+    pub sheen_weight: FloatTexture,
+    /// Roughness of the sheen.
+    pub sheen_roughness: FloatTexture,
+    /// Clear coat.
+    pub coat: FloatTexture,
+    /// Its roughness; α is its square.
+    pub coat_roughness: FloatTexture,
+    /// Its index of refraction.
+    pub coat_eta: FloatTexture,
+    /// What light keeps in it.
+    pub coat_color: SpectrumTexture,
+}
+
+impl PbrMaterial {
+    fn facets(&self, p: &Point<'_>) -> Microfacet {
+        let r = p.float(&self.roughness).clamp(0.0, 1.0);
+        let (alpha, a) = (r * r, p.float(&self.anisotropy).clamp(0.0, 1.0));
+        let (x, y) = match self.stretch {
+            _ if a == 0.0 => (alpha, alpha),
+            Stretch::Gltf => (alpha + (1.0 - alpha) * a * a, alpha),
+            Stretch::OpenPbr => {
+                let x = alpha * (2.0 / (1.0 + (1.0 - a) * (1.0 - a))).sqrt();
+                (x, (1.0 - a) * x)
+            }
+        };
+        Microfacet::ggx(x, y)
+    }
+
+    /// The surface at a point.
+    pub(super) fn bsdf(&self, textures: &Textures, at: &TextureContext, lambda: &mut Wavelengths) -> Bsdf<'static> {
+        // Dispersion ends the other wavelengths only where light is refracted.
+        let refracts = !self.thin && self.transmission.eval(textures, at) > 0.0;
+        let eta = match &self.eta {
+            Eta::Dispersive(color) if !refracts => color.eval(lambda)[0],
+            eta => eta.eval(textures, at, lambda),
+        };
+        let p = Point { textures, at, lambda };
+        let base_color = p.albedo(&self.base_color) * p.float(&self.base_weight).clamp(0.0, 1.0);
+        let coat_alpha = p.float(&self.coat_roughness).clamp(0.0, 1.0).powi(2);
+        let sheen: Spectrum = albedo(p.albedo(&self.sheen_color) * p.float(&self.sheen_weight));
+        Bsdf::Pbr(Pbr::new(&PbrParams {
+            base_color,
+            metallic: p.float(&self.metallic),
+            facets: self.facets(&p),
+            eta,
+            specular: p.float(&self.specular),
+            specular_color: p.unbounded(&self.specular_color),
+            transmission: p.float(&self.transmission),
+            transmission_color: self.transmission_color.as_ref().map_or(base_color, |t| p.albedo(t)),
+            thin: self.thin,
+            diffuse_transmission: p.float(&self.diffuse_transmission),
+            diffuse_transmission_color: p.albedo(&self.diffuse_transmission_color),
+            sheen_color: sheen,
+            sheen_roughness: p.float(&self.sheen_roughness),
+            coat: p.float(&self.coat),
+            coat_facets: Microfacet::ggx(coat_alpha, coat_alpha),
+            coat_eta: p.float(&self.coat_eta),
+            coat_color: p.albedo(&self.coat_color),
+            tints_metal_edge: self.stretch == Stretch::OpenPbr,
+        }))
+    }
+}
