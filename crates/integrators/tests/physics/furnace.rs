@@ -110,6 +110,9 @@ fn lossy_surfaces_show_their_albedo() {
             let i = met(&scene);
             let mut lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
             let (s, frame): (_, Frame) = scene.scattering(&i, 0.5, &mut lambda).expect("a surface that scatters");
+            if s.bsdf.is_stochastic() {
+                break; // An estimate has no quadrature; the laws of scattering compare its means.
+            }
             let expected = albedo(&s.bsdf, frame.to_local(i.wo));
             assert!(expected.iter().all(|a| (0.0..=1.0 + 1e-3).contains(a)), "{}: {expected:?}", case.label);
             let got = mean(&Shot::of("path", 20_000).take(&scene));

@@ -146,6 +146,23 @@ pub fn cases() -> Vec<Case> {
         case("compensated mirror", "conductor", false, |d| {
             d.add(material("conductor").with("alpha_u", 0.5).with("compensation", "kulla_conty"))
         }),
+        case("hair", "hair", false, |d| d.add(material("hair").with("round", true))),
+        case("white hair", "hair", true, |d| d.add(material("hair").with("sigma_a", white(0.0)).with("round", true))),
+        case("varnished copper", "coated_conductor", false, |d| {
+            d.add(material("coated_conductor").with("conductor.uroughness", 0.3))
+        }),
+        case("milk over grey", "coated_diffuse", false, |d| {
+            d.add(material("coated_diffuse").with("albedo", white(0.8)).with("thickness", 0.4).with("g", 0.3))
+        }),
+        case("Disney's", "principled", false, |d| d.add(material("principled").with("spec_trans", 0.3))),
+        case("Disney's paper", "principledthin", false, |d| d.add(material("principledthin").with("diff_trans", 0.8))),
+        case("glTF's", "metallic_roughness", false, |d| {
+            d.add(material("metallic_roughness").with("metallic", 0.0).with("roughness", 0.4).with("clearcoat", 0.5))
+        }),
+        case("OpenPBR's", "openpbr", false, |d| {
+            d.add(material("openpbr").with("transmission_weight", 0.5).with("fuzz_weight", 0.4))
+        }),
+        case("velvet with sheen", "sheen", false, |d| d.add(material("sheen"))),
         case("tempered metal", "conductor", false, |d| {
             d.add(
                 material("conductor")
