@@ -251,11 +251,6 @@ impl<U: UserPrimitives> Users for Leaves<'_, U> {
         self.user.accept(&Hit { t, u, v, id: self.tree.id(self.instance, index) }, ray)
     }
 
-    fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>) {
-        let hit = self.intersect(index, ray).filter(|(hit, ())| hit.t > 0.0 && hit.t < ray.t_max);
-        hits.extend(hit.map(|(hit, extra)| self.hit(Nearest { hit, index, extra })));
-    }
-
     #[inline(always)]
     fn hit(&self, Nearest { hit: UserHit { t, u, v }, index, .. }: Nearest<()>) -> Hit {
         Hit { t, u, v, id: self.tree.id(self.instance, index) }

@@ -54,7 +54,10 @@ pub(crate) trait Users {
     /// Whether a hit on a filtered triangle counts.
     fn accept(&self, index: u32, hit: UserHit, ray: &Ray) -> bool;
     /// Collects hits in `(0, ray.t_max)`: of a user primitive the nearest, of an instance all.
-    fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>);
+    fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>) {
+        let hit = self.intersect(index, ray).filter(|(hit, _)| hit.t > 0.0 && hit.t < ray.t_max);
+        hits.extend(hit.map(|(hit, extra)| self.hit(Nearest { hit, index, extra })));
+    }
     /// What the caller of a query gets.
     fn hit(&self, nearest: Nearest<Self::Extra>) -> Hit;
 
