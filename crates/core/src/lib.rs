@@ -8,6 +8,7 @@ pub mod film;
 pub mod light;
 pub mod material;
 pub mod medium;
+pub mod relief;
 pub mod sampler;
 pub mod scene;
 pub mod shape;

@@ -5,7 +5,7 @@ use crate::{
     color::ColorMode,
     film::FilmSpec,
     light::Lights,
-    material::{self, Material, Model, Scattering},
+    material::{self, Material, Model, Scattering, detail::Base},
     medium::Medium,
     sampler::SamplerKind,
     shape::{Curves, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
@@ -319,7 +319,7 @@ impl Scene {
             Shape::Mesh(m) => Some((&**m, i.id.prim, i.coordinates)),
             _ => None,
         };
-        TextureContext { n: i.surface.ns, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
+        TextureContext { n: i.surface.ns, wo: i.wo, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
     }
 
     /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only reflect.
@@ -338,13 +338,35 @@ impl Scene {
         let at = self.texture_context(i);
         let front = i.surface.ns.dot(i.wo) > 0.0;
         let s = material::scattering(&self.materials, &self.textures, geometry.material, &at, front, choice, lambda)?;
-        let z = if s.flipped { -i.surface.ns } else { i.surface.ns };
+        let ns = match s.detail {
+            None => i.surface.ns,
+            Some(detail) => detail.shading_normal(&self.textures, &at, &self.base(i), i.wo),
+        };
+        let z = if s.flipped { -ns } else { ns };
         let frame = if self.materials[geometry.material as usize].needs_tangent() {
             Frame::from_zx(z, i.surface.dpdu)
         } else {
             Frame::from_z(z)
         };
         Some((s, frame))
+    }
+
+    /// The surface that bump and normal maps change.
+    fn base(&self, i: &Interaction) -> Base {
+        let s = &i.surface;
+        let dpdv = match &self.geometries[i.geometry as usize].shape {
+            Shape::Mesh(m) => {
+                let local = m.dpdv(i.id.prim);
+                let instance = i.id.instance;
+                if instance == WORLD {
+                    local
+                } else {
+                    self.placements[instance as usize].world_from_group.vector(local)
+                }
+            }
+            _ => s.ns.cross(s.dpdu),
+        };
+        Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv }
     }
 
     /// The medium on the side of a surface that a direction points to; `current` where the surface separates none.

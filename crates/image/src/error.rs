@@ -29,6 +29,9 @@ pub enum Error {
     /// Neither the content nor the file's extension is a known image format.
     #[error("not a known image format (known: EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM)")]
     UnknownFormat,
+    /// The file is no grid of voxels.
+    #[error("malformed volume file: {0}")]
+    VoxelGrid(String),
     /// The file's extension names no format that can be written.
     #[error(
         "cannot tell the image format from the name: the extension must be one of .exr .png .jpg .jpeg .hdr .pfm .ppm"

@@ -25,6 +25,7 @@ mod pnm;
 mod read;
 mod texels;
 pub mod tone;
+mod voxel_grid;
 mod write;
 
 pub use self::image::{Channel, Image, Metadata, RgbPlanes, Value, Window};
@@ -34,4 +35,5 @@ pub use error::{Error, Result};
 pub use limits::Limits;
 pub use read::{FileKind, read, read_bytes, read_texels, read_texels_bytes};
 pub use texels::{TexelData, Texels};
+pub use voxel_grid::{VoxelGrid, decode as decode_voxel_grid, read_voxel_grid};
 pub use write::{Compression, Precision, WriteOptions, encode, write};

@@ -126,7 +126,7 @@ fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
 }
 
 /// The whole file, when it is not above the limit.
-fn load(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+pub(crate) fn load(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let io = |action| move |error| Error::Io { action, error }.at(path);
     // Asked before it is opened: to open a pipe waits for someone to write, and devices may not end.
     let meta = std::fs::metadata(path).map_err(io("open"))?;

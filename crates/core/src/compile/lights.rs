@@ -141,7 +141,7 @@ impl Compiler<'_> {
             Falloff::Smoothstep,
             &[("smoothstep", Falloff::Smoothstep), ("linear", Falloff::Linear)],
         );
-        let texture = self.reference(node, "texture").map(|id| self.texture(id, Role::Albedo, 0));
+        let texture = self.reference(node, "texture").map(|id| self.texture(id, Role::Albedo));
         let mut spot = Spot {
             position: place.point(Vec3::ZERO),
             world_from_light: place,

@@ -4,7 +4,7 @@ use super::{Compiler, ResolvedMaterial};
 use crate::{
     bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
     color::{Color, Role},
-    material::{Eta, Material, Model, Roughness},
+    material::{Eta, Material, Model, NormalMap, Roughness, SurfaceDetail},
     medium::{MEDIA, Medium},
     texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
@@ -35,18 +35,22 @@ impl Compiler<'_> {
             self.error(node.span, format!("materials are nested more than {MAX_DEPTH} deep"));
             return failed;
         }
-        for wrapper in ["normal_map", "bump", "displacement"] {
-            if let Some(p) = node.param(wrapper) {
-                let what =
-                    format!("'{wrapper}' on material '{}' is not implemented; the surface stays as it is", node.kind);
-                self.approximated(p.span.or(node.span), what);
-            }
-        }
         if !self.open.insert(id) {
             self.error(node.span, "this material contains itself");
             return failed;
         }
-        let resolved = self.new_material(node, depth);
+        let before = self.materials.len();
+        let mut resolved = self.new_material(node, depth);
+        if let Some(detail) = self.surface_detail(node) {
+            // What stands for this node alone is changed, what others share is copied.
+            if (resolved.id as usize) < before {
+                let inner = self.materials[resolved.id as usize].clone();
+                self.materials.push(inner);
+                self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
+                resolved.id = self.materials.len() as u32 - 1;
+            }
+            self.materials[resolved.id as usize].detail = Some(detail);
+        }
         self.open.remove(&id);
         self.material_ids.insert(id, resolved);
         resolved
@@ -55,9 +59,35 @@ impl Compiler<'_> {
     fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
         let is_sheet = matches!(&model, Model::Principled(p) if p.thin.is_some());
         let two_sided = is_sheet || self.desc.format != Format::Mitsuba;
-        self.materials.push(Material { model, two_sided });
+        self.materials.push(Material { model, two_sided, detail: None });
         self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
         ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
+    }
+
+    /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a normal map.
+    fn surface_detail(&mut self, node: &Node) -> Option<SurfaceDetail> {
+        let mut detail = SurfaceDetail::default();
+        if let Some(id) = self.reference(node, "normal_map") {
+            let texture = self.texture(id, Role::Unbounded);
+            let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
+            detail.normal_map = Some(NormalMap {
+                texture: self.as_texture(texture),
+                two_channels: self.bool(node, "normal_map_xy", false),
+                mirrors: self.bool(node, "normal_map_mirrors", mirrors),
+                strength: self.float(node, "normal_map_strength", 1.0),
+            });
+        }
+        for name in ["bump", "displacement"] {
+            let shadowed = self.desc.format == Format::Pbrt && detail.normal_map.is_some();
+            if node.get(name).is_some() && !shadowed {
+                let height = self.float_texture(node, name, 0.0);
+                // The same height everywhere changes nothing.
+                if let FloatTexture::Texture(_) = height {
+                    detail.bump = Some(height);
+                }
+            }
+        }
+        (detail.normal_map.is_some() || detail.bump.is_some()).then_some(detail)
     }
 
     fn nested(&mut self, node: &Node, name: &str, depth: usize) -> ResolvedMaterial {

@@ -6,12 +6,15 @@ mod coats;
 mod dispersion;
 mod hair;
 mod layered;
+mod displacement;
 mod lights;
+mod mapping;
 mod materials;
 mod measured;
 mod params;
 mod pbr;
 mod principled;
+mod patterns;
 mod ranges;
 mod shapes;
 mod sound;
@@ -87,6 +90,7 @@ struct Compiler<'a> {
     textures: Textures,
     texture_ids: HashMap<NodeId, TextureId>,
     images: HashMap<PathBuf, Result<LoadedImage, String>>,
+    grids: HashMap<PathBuf, Arc<steradian_image::VoxelGrid>>,
     materials: Vec<Material>,
     material_names: Vec<String>,
     material_ids: HashMap<NodeId, ResolvedMaterial>,
@@ -95,6 +99,8 @@ struct Compiler<'a> {
     /// Materials and textures that are being compiled: one that is met again contains itself.
     open: HashSet<NodeId>,
     coats: coats::Coats,
+    /// Where the camera is, and what a pixel measures at distance one.
+    eye: Option<(steradian_math::Vec3, f32)>,
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
     geometries: Vec<Geometry>,
@@ -114,6 +120,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         textures: Textures::new(mode),
         texture_ids: HashMap::new(),
         images: HashMap::new(),
+        grids: HashMap::new(),
         materials: vec![Material::default_diffuse()],
         material_names: vec!["default".into()],
         material_ids: HashMap::new(),
@@ -121,6 +128,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         medium_ids: HashMap::new(),
         open: HashSet::new(),
         coats: coats::Coats::new(mode),
+        eye: None,
         emitters: Vec::new(),
         lights: Vec::new(),
         geometries: Vec::new(),
@@ -139,6 +147,10 @@ impl Compiler<'_> {
         self.load_images();
         let camera = self.camera();
         let film = self.film();
+        if let (Some(camera), Some(film)) = (&camera, &film) {
+            let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
+            self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));
+        }
         let settings = self.settings();
         let world = self.shapes(&self.desc.shapes, true);
         let mut groups = Vec::new();

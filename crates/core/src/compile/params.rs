@@ -229,7 +229,7 @@ impl Compiler<'_> {
                 SpectrumTexture::Constant(self.color(node, Some(p), &SpectrumValue::Constant(*v as f64), role))
             }
             Value::Spectrum(s) => SpectrumTexture::Constant(self.color(node, Some(p), s, role)),
-            Value::Node(id) => self.texture(*id, role, 0),
+            Value::Node(id) => self.texture(*id, role),
             _ => {
                 self.wrong_type(node, p, "a number, a spectrum or a texture");
                 SpectrumTexture::Constant(self.color(node, None, &default, role))
@@ -253,7 +253,7 @@ impl Compiler<'_> {
     pub(super) fn float_texture(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
         let Some(p) = node.param(name) else { return FloatTexture::Constant(default as f32) };
         match &p.value {
-            Value::Node(id) => match self.texture(*id, Role::Unbounded, 0) {
+            Value::Node(id) => match self.texture(*id, Role::Unbounded) {
                 SpectrumTexture::Texture(id, _) => FloatTexture::Texture(id),
                 SpectrumTexture::Constant(c) => FloatTexture::Constant(c.luminance(self.mode)),
             },

@@ -138,6 +138,10 @@ impl Compiler<'_> {
             "mesh" => {
                 let flat = self.bool(node, "flat", false);
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)) {
+                    Some(mesh) if node.get("displacement").is_some() => match self.displaced(node, mesh, place) {
+                        Some(mesh) => self.mesh_parts(node, &mesh, place, swaps, reverse, flat, emits),
+                        None => Vec::new(),
+                    },
                     Some(mesh) => self.mesh_parts(node, mesh, place, swaps, reverse, flat, emits),
                     None => Vec::new(),
                 }

@@ -3,12 +3,12 @@
 use super::{Compiler, LoadedImage};
 use crate::{
     color::{Color, Role},
-    texture::{self, ImageTexture, Mapping, SpectrumTexture, Texture, image::Wrap, mapping::Projector},
+    texture::{self, GridTexture, ImageTexture, SpectrumTexture, Texture, grid::Interpolation, image::Wrap},
 };
 use rayon::prelude::*;
 use std::{collections::BTreeSet, path::Path, sync::Arc};
 use steradian_image::{Encoding, TexelData, Texels};
-use steradian_math::{Vec2, Vec3};
+use steradian_math::{DVec3, Transform};
 use steradian_scene::{Domain, Family, Node, NodeId, SpectrumValue, Value};
 
 impl Compiler<'_> {
@@ -52,90 +52,89 @@ impl Compiler<'_> {
         }
     }
 
-    /// Compiles a texture used in a role. `depth` counts the nesting.
-    pub(super) fn texture(&mut self, id: NodeId, role: Role, depth: usize) -> SpectrumTexture {
-        let node = self.node(id);
-        let grey = SpectrumTexture::Constant(Color::constant(0.5));
-        if depth > texture::MAX_DEPTH {
-            self.error(node.span, format!("textures are nested more than {} deep", texture::MAX_DEPTH));
-            return grey;
-        }
-        if node.family != Family::Texture {
-            self.error(node.span, format!("a texture is needed here, but this is a {}", node.family.noun()));
-            return grey;
-        }
-        // Constants depend on their role; other textures learn it when they are evaluated.
-        if node.kind == "constant" {
-            return match node.get("value") {
-                Some(Value::Node(inner)) => self.texture(*inner, role, depth + 1),
-                _ => self.spectrum(node, "value", role, SpectrumValue::Constant(1.0)),
-            };
-        }
-        let compiled = match self.texture_ids.get(&id) {
-            Some(&t) => Some(t),
-            None => {
-                if !self.open.insert(id) {
-                    self.error(node.span, "this texture contains itself");
-                    return grey;
-                }
-                let t = self.new_texture(node, role, depth).map(|t| self.add_texture(node, t));
-                if let Some(t) = t {
+    /// Compiles a texture used in a role.
+    pub(super) fn texture(&mut self, id: NodeId, role: Role) -> SpectrumTexture {
+        self.texture_parts(id, role);
+        self.known_texture(id, role)
+    }
+
+    /// Compiles a texture and all that it is made of, parts first: depth is the file's, so it is followed with a stack of our own.
+    fn texture_parts(&mut self, root: NodeId, role: Role) {
+        let mut stack = vec![(root, role, false)];
+        while let Some((id, role, parts_are_done)) = stack.pop() {
+            let node = self.node(id);
+            if parts_are_done {
+                if node.kind != "constant" {
+                    let grey = Texture::Constant(Color::constant(0.5));
+                    let t = self.new_texture(node, role).unwrap_or(grey);
+                    let t = self.add_texture(node, t);
                     self.texture_ids.insert(id, t);
                 }
                 self.open.remove(&id);
-                t
+                continue;
             }
-        };
-        compiled.map_or(grey, |t| SpectrumTexture::Texture(t, role))
+            if node.family != Family::Texture || self.texture_ids.contains_key(&id) {
+                continue;
+            }
+            if !self.open.insert(id) {
+                // It is being compiled: by the caller, or further up, in which case it contains itself.
+                if id != root || stack.iter().any(|s| s.2) {
+                    self.error(node.span, "this texture contains itself");
+                }
+                continue;
+            }
+            stack.push((id, role, true));
+            for p in &node.params {
+                let part_role =
+                    if matches!(p.name.as_str(), "amount" | "scale" | "input") { Role::Unbounded } else { role };
+                if let Value::Node(part) = &p.value {
+                    stack.push((*part, part_role, false));
+                }
+            }
+        }
+    }
+
+    /// A texture whose parts are compiled; grey for one that is refused.
+    fn known_texture(&mut self, mut id: NodeId, role: Role) -> SpectrumTexture {
+        let grey = SpectrumTexture::Constant(Color::constant(0.5));
+        // Constants depend on their role; other textures learn it when they are evaluated.
+        for _ in 0..=self.desc.nodes.len() {
+            let node = self.node(id);
+            if node.family != Family::Texture {
+                self.error(node.span, format!("a texture is needed here, but this is a {}", node.family.noun()));
+                return grey;
+            }
+            match node.get("value") {
+                _ if node.kind != "constant" => {
+                    return self.texture_ids.get(&id).map_or(grey, |t| SpectrumTexture::Texture(*t, role));
+                }
+                Some(Value::Node(inner)) => id = *inner,
+                _ => return self.spectrum(node, "value", role, SpectrumValue::Constant(1.0)),
+            }
+        }
+        grey
     }
 
     /// Adds a texture; one that takes too long to evaluate is an error.
     pub(super) fn add_texture(&mut self, node: &Node, texture: Texture) -> texture::TextureId {
         let id = self.textures.add(texture);
-        let texture::Effort { lookups, depth } = self.textures.effort(id);
-        if depth as usize > texture::MAX_DEPTH {
-            self.error(node.span, format!("textures are nested more than {} deep", texture::MAX_DEPTH));
-        } else if lookups > texture::MAX_LOOKUPS {
+        if self.textures.effort(id).lookups > texture::MAX_LOOKUPS {
             let what = "to evaluate this takes more than";
             self.error(node.span, format!("{what} {} textures, counting shared ones each time", texture::MAX_LOOKUPS));
         }
         id
     }
 
-    /// A part of a texture tree, as an index.
-    fn part(&mut self, node: &Node, name: &str, role: Role, default: f64, depth: usize) -> texture::TextureId {
-        let t = match node.get(name) {
-            Some(Value::Node(id)) => self.texture(*id, role, depth + 1),
-            _ => self.spectrum(node, name, role, SpectrumValue::Constant(default)),
-        };
-        match t {
-            SpectrumTexture::Constant(c) => self.textures.add(Texture::Constant(c)),
-            SpectrumTexture::Texture(id, _) => id,
+    fn new_texture(&mut self, node: &Node, role: Role) -> Option<Texture> {
+        if let Some(t) = self.procedural(node, role) {
+            return Some(t);
         }
-    }
-
-    fn new_texture(&mut self, node: &Node, role: Role, depth: usize) -> Option<Texture> {
-        Some(match node.kind.as_str() {
+        match node.kind.as_str() {
             "image" => {
                 let texels = self.image(node)?;
-                Texture::Image(Arc::new(self.image_texture(node, texels)))
+                Some(Texture::Image(Arc::new(self.image_texture(node, texels))))
             }
-            "checkerboard" => Texture::Checkerboard {
-                a: self.part(node, "a", role, 1.0, depth),
-                b: self.part(node, "b", role, 0.0, depth),
-                solid: self.int(node, "dimension") == Some(3),
-                mapping: self.mapping(node),
-            },
-            "scale" => Texture::Scale(
-                self.part(node, "texture", role, 1.0, depth),
-                self.part(node, "scale", Role::Unbounded, 1.0, depth),
-            ),
-            "mix" => Texture::Mix(
-                self.part(node, "a", role, 0.0, depth),
-                self.part(node, "b", role, 1.0, depth),
-                self.part(node, "amount", Role::Unbounded, 0.5, depth),
-            ),
-            "mesh_attribute" => Texture::MeshAttribute {
+            "mesh_attribute" => Some(Texture::MeshAttribute {
                 name: self.word(node, "name").unwrap_or_default().into(),
                 domain: self.choice(
                     node,
@@ -144,22 +143,69 @@ impl Compiler<'_> {
                     &[("vertex", Some(Domain::Vertex)), ("face", Some(Domain::Face))],
                 ),
                 scale: self.float(node, "scale", 1.0),
-            },
+            }),
+            "grid" => self.grid(node).map(|g| Texture::Grid(Arc::new(g))),
+            "scale" | "add" | "mix" | "bilerp" | "triplanar" | "ramp" | "curve" | "channel" | "color_space" | "hsv" => {
+                self.combined(node, role)
+            }
             other => {
                 self.approximated(node.span, format!("texture '{other}' is not implemented; a constant stands in"));
-                // The mean of the parts where there are two, grey elsewhere.
-                let pair = [("tex1", "tex2"), ("inside", "outside"), ("a", "b"), ("color0", "color1")]
-                    .into_iter()
-                    .find(|(a, b)| node.get(a).is_some() && node.get(b).is_some());
-                match pair {
-                    Some((a, b)) => {
-                        let (a, b) = (self.part(node, a, role, 1.0, depth), self.part(node, b, role, 0.0, depth));
-                        let half = self.textures.add(Texture::Constant(Color::constant(0.5)));
-                        Texture::Mix(a, b, half)
+                Some(Texture::Constant(Color::constant(0.5)))
+            }
+        }
+    }
+
+    /// Numbers on a grid of space.
+    fn grid(&mut self, node: &Node) -> Option<GridTexture> {
+        let span = node.param("file").and_then(|p| p.span).or(node.span);
+        let Some(path) = node.path("file") else {
+            self.error(span, "texture 'grid' needs a file");
+            return None;
+        };
+        let grid = match self.grids.get(path) {
+            Some(grid) => grid.clone(),
+            None => match steradian_image::read_voxel_grid(path, &self.options.image_limits) {
+                Ok(mut grid) => {
+                    let faults = grid.data.iter_mut().filter(|v| !v.is_finite()).map(|v| *v = 0.0).count();
+                    if faults > 0 {
+                        let what = format!("{faults} values of this grid are infinite or NaN; they count as zero");
+                        self.diagnostics.warn(&self.desc.sources, span, what);
                     }
-                    None => Texture::Constant(Color::constant(0.5)),
+                    let grid = Arc::new(grid);
+                    self.grids.insert(path.to_path_buf(), grid.clone());
+                    grid
+                }
+                Err(e) => {
+                    self.error(span, e.to_string());
+                    return None;
+                }
+            },
+        };
+        let interpolations = [
+            ("nearest", Interpolation::Nearest),
+            ("trilinear", Interpolation::Trilinear),
+            ("tetrahedral", Interpolation::Tetrahedral),
+        ];
+        let wraps =
+            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
+        let mut mapping = self.mapping(node);
+        if self.bool(node, "use_grid_bounds", false) {
+            let [min, max] = grid.bounds.map(|c| DVec3::from(c.map(f64::from)));
+            let to_unit = Transform::scale((max - min).recip()) * Transform::translate(-min);
+            match (to_unit * self.transform(node, "texture_from_world")).affine() {
+                Some(local) => mapping.local = local,
+                None => {
+                    self.error(span, "the box that this grid gives is empty or not finite");
+                    return None;
                 }
             }
+        }
+        Some(GridTexture {
+            grid,
+            interpolation: self.choice(node, "filter", Interpolation::Trilinear, &interpolations),
+            wrap: self.choice(node, "wrap", Wrap::Clamp, &wraps),
+            mapping,
+            scale: self.float(node, "scale", 1.0),
         })
     }
 
@@ -205,42 +251,6 @@ impl Compiler<'_> {
             scale: self.float(node, "scale", 1.0),
             invert: self.bool(node, "invert", false),
             mapping: self.mapping(node),
-        }
-    }
-
-    fn mapping(&mut self, node: &Node) -> Mapping {
-        let local = self.transform(node, "texture_from_world").affine().unwrap_or_else(|| {
-            self.error(node.span, "the texture's transform is singular or not finite");
-            steradian_math::transform::Affine::IDENTITY
-        });
-        let (v1, v2) = (self.vec3(node, "v1", Vec3::X), self.vec3(node, "v2", Vec3::Y));
-        let kind = self.choice(node, "mapping", 0, &[("uv", 0), ("spherical", 1), ("cylindrical", 2), ("planar", 3)]);
-        let projector = match kind {
-            1 => Projector::Spherical(local),
-            2 => Projector::Cylindrical(local),
-            3 => Projector::Planar(local, v1, v2),
-            // Solid textures need the transform alone.
-            _ if self.int(node, "dimension") == Some(3) => Projector::Planar(local, v1, v2),
-            _ => Projector::Uv,
-        };
-        let to_uv = self.transform(node, "to_uv");
-        let at = |x: f64, y: f64| {
-            let p = to_uv.point(steradian_math::DVec3::new(x, y, 0.0));
-            Vec2::new(p.x as f32, p.y as f32)
-        };
-        let origin = at(0.0, 0.0);
-        let matrix = [at(1.0, 0.0) - origin, at(0.0, 1.0) - origin, origin];
-        let matrix = if matrix.iter().all(|m| m.is_finite()) {
-            matrix
-        } else {
-            self.error(node.span, "the transform of texture coordinates is not finite");
-            [Vec2::X, Vec2::Y, Vec2::ZERO]
-        };
-        Mapping {
-            projector,
-            scale: Vec2::new(self.float(node, "scale_u", 1.0), self.float(node, "scale_v", 1.0)),
-            delta: Vec2::new(self.float(node, "delta_u", 0.0), self.float(node, "delta_v", 0.0)),
-            matrix,
         }
     }
 }

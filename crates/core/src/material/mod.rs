@@ -12,6 +12,7 @@ pub use hair::{Absorption, HairMaterial};
 pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
 pub use principled::PrincipledMaterial;
+pub mod detail;
 
 use crate::{
     bsdf::{
@@ -23,6 +24,7 @@ use crate::{
     texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
 };
 pub use classical::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal};
+pub use detail::{NormalMap, SurfaceDetail};
 use std::sync::Arc;
 use steradian_math::{Spectrum, Vec3, color::luminance, spectra::Wavelengths};
 
@@ -186,6 +188,8 @@ pub struct Material {
     pub model: Model,
     /// Whether the model, if it only reflects, does so on both sides.
     pub two_sided: bool,
+    /// What changes the shading normal.
+    pub detail: Option<SurfaceDetail>,
 }
 
 /// A material that scatters, chosen for the side and point that were hit.
@@ -195,12 +199,14 @@ pub struct Scattering<'a> {
     pub bsdf: Bsdf<'a>,
     /// Whether it is defined with the normal turned over.
     pub flipped: bool,
+    /// What changes the shading normal.
+    pub detail: Option<&'a SurfaceDetail>,
 }
 
 impl Material {
     /// Grey, for shapes without a material.
     pub fn default_diffuse() -> Self {
-        Self { model: Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), two_sided: true }
+        Self { model: Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), two_sided: true, detail: None }
     }
 
     /// Whether the shading frame must follow the surface's parametrisation.
@@ -292,10 +298,11 @@ pub fn scattering<'a>(
     mut choice: f32,
     lambda: &mut Wavelengths,
 ) -> Option<Scattering<'a>> {
-    let (mut flipped, mut two_sided) = (false, false);
+    let (mut flipped, mut two_sided, mut detail) = (false, false, None);
     // Wrappers refer to materials with smaller indices, so this ends.
     let material = loop {
         let m = &materials[id as usize];
+        detail = m.detail.as_ref().or(detail);
         match &m.model {
             Model::Mix(a, b, amount) => {
                 let t = amount.eval(textures, at);
@@ -361,5 +368,5 @@ pub fn scattering<'a>(
     if !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided) {
         flipped = true;
     }
-    Some(Scattering { bsdf, flipped })
+    Some(Scattering { bsdf, flipped, detail })
 }

@@ -120,6 +120,23 @@ impl TriMesh {
         a * w + b * u + c * v
     }
 
+    /// ∂p/∂v of a triangle; zero where the parametrisation is degenerate.
+    pub fn dpdv(&self, triangle: u32) -> Vec3 {
+        let uvs = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(u, v)| self.uv(triangle, u, v));
+        // The same with the roles of u and v exchanged.
+        tangent(self.corners(triangle), uvs.map(|t| Vec2::new(t.y, t.x)))
+    }
+
+    /// The change of barycentric coordinates that goes with a change of texture coordinates on a triangle; none where the
+    /// parametrisation is degenerate.
+    pub fn barycentric_change(&self, triangle: u32, duv: Vec2) -> Vec2 {
+        let corner = |u, v| self.uv(triangle, u, v);
+        let o = corner(0.0, 0.0);
+        let (a, b) = (corner(1.0, 0.0) - o, corner(0.0, 1.0) - o);
+        let change = Vec2::new(duv.perp_dot(b), a.perp_dot(duv)) / a.perp_dot(b);
+        if change.is_finite() { change } else { Vec2::ZERO }
+    }
+
     /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
     pub fn attribute(&self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
         let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;

@@ -1,6 +1,7 @@
 //! Shapes: what rays meet.
 
 pub mod curve;
+pub mod displacement;
 pub mod mesh;
 pub mod patch;
 pub mod plane;
@@ -17,7 +18,7 @@ use steradian_math::{Vec2, Vec3};
 
 /// The shapes by name, for the registry.
 pub const SHAPES: &[(&str, &str)] = &[
-    ("mesh", "triangles and bilinear patches; alpha, flat"),
+    ("mesh", "triangles and bilinear patches; alpha, flat, displacement, edge_length"),
     ("sphere", "center, radius, z_min, z_max, phi_max (degrees)"),
     ("disk", "height, radius, inner_radius, phi_max (degrees)"),
     ("cylinder", "radius, z_min, z_max, phi_max (degrees); or p0, p1, radius"),

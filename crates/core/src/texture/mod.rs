@@ -1,17 +1,37 @@
 //! Textures: values that vary over a surface.
 
+pub mod adjust;
+pub mod card;
+mod eval;
+pub mod exact;
+pub mod grid;
 pub mod image;
 pub mod mapping;
+pub mod noise;
+pub mod pattern;
+pub mod ramp;
+pub mod triplanar;
 
 use crate::{
-    color::{self, Color, ColorMode, Role},
+    color::{Color, ColorMode, Role},
     shape::mesh::TriMesh,
 };
+pub use adjust::Adjust;
+pub use grid::GridTexture;
 pub use image::ImageTexture;
 pub use mapping::Mapping;
-use std::sync::Arc;
-use steradian_math::{Spectrum, Vec2, Vec3, hash::mix32, spectra::Wavelengths};
+pub use pattern::{Pattern, PatternTexture};
+use std::{
+    collections::{BTreeSet, HashMap},
+    sync::Arc,
+};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    hash::mix32,
+    spectra::{Spd, Wavelengths},
+};
 use steradian_scene::Domain;
+pub use triplanar::Triplanar;
 
 /// The textures by name, for the registry.
 pub const TEXTURES: &[(&str, &str)] = &[
@@ -20,9 +40,47 @@ pub const TEXTURES: &[(&str, &str)] = &[
         "image",
         "a picture by bilinear (or nearest) lookup; file, filter, wrap_u, wrap_v, encoding, raw, origin, scale, invert, mapping",
     ),
-    ("checkerboard", "squares or cubes of two values; a, b, dimension (2 or 3), mapping"),
+    ("checkerboard", "squares or cubes of two values; a, b, dimension (2 or 3), pattern"),
+    (
+        "bricks",
+        "rectangles in rows with mortar between them; a (mortar), b (brick), width, height, mortar, shift (½), pattern",
+    ),
+    ("tiles", "bricks without shift; a (grout), b (tile), width, height, mortar, pattern"),
+    ("brick_shade", "a random number for each brick or tile; width, height, mortar, shift, seed, pattern"),
+    ("stripes", "stripes across u; a, b, duty (½: share of b), pattern"),
+    ("dots", "pbrt's polka dots; a (outside), b (inside), pattern"),
+    ("gradient", "from one value to another; a, b, type (u, v, radial, angular), pattern"),
+    ("bilerp", "bilinear between four values; v00, v01, v10, v11, mapping"),
+    ("noise", "one octave of noise in [-1, 1]; basis (gradient, value), seed, pattern"),
+    ("fbm", "fractional Brownian motion; octaves (8), roughness (0.5), lacunarity (1.99), basis, seed, pattern"),
+    ("wrinkled", "turbulence; as fbm"),
+    ("ridged", "ridges in [0, 1]; as fbm"),
+    ("windy", "waves by wind of varying strength; pattern"),
+    (
+        "worley",
+        "distance to random points; feature (f1, f2, border), metric (euclidean, manhattan, chebyshev), jitter (1), seed, pattern",
+    ),
+    ("voronoi", "a random number for each cell of a Voronoi diagram; as worley"),
+    ("wood", "rings around z; ring (1), light (2/3), wobble, lobes, twist, grain, a (dark), b (light), fbm's, pattern"),
+    ("marble", "veins across y, pbrt's colours without a and b; octaves, roughness, scale, variation (0.2), pattern"),
+    ("facing", "the cosine between the surface's normal and a direction; a, b, dir"),
+    (
+        "grid",
+        "numbers or colours on a 3-D grid; file (.vol), filter (nearest, trilinear, tetrahedral), wrap, scale, use_grid_bounds",
+    ),
     ("scale", "the product of two textures; texture, scale"),
+    ("add", "the sum of two textures; a, b"),
     ("mix", "linear interpolation; a, b, amount"),
+    ("direction_mix", "interpolation by |n·dir|: a where the surface faces the direction; a, b, dir"),
+    ("triplanar", "three projections along the axes; texture or x, y, z, sharpness (4), mapping's transform"),
+    ("ramp", "a colour for a number; input, places, colors, interpolation (step, linear, smooth, catmull_rom, bezier)"),
+    ("curve", "a curve on each component; input, places, values, interpolation"),
+    ("channel", "one component; input, channel (r, g, b, luminance, mean, max)"),
+    (
+        "color_space",
+        "linear colours of another space; input, from, to (srgb, dci-p3, rec2020, aces), or matrix (9 numbers)",
+    ),
+    ("hsv", "turned hue, scaled saturation and value; input, hue, saturation, value"),
     ("mesh_attribute", "a vertex or face attribute of the mesh; name, domain, scale"),
 ];
 
@@ -35,6 +93,8 @@ pub struct TextureContext<'a> {
     pub uv: Vec2,
     /// Unit shading normal; zero where there is no surface.
     pub n: Vec3,
+    /// Unit direction to the viewer; zero where there is none.
+    pub wo: Vec3,
     /// How far the lookup reaches.
     pub footprint: Footprint,
     /// The mesh, the triangle and the barycentric coordinates of its second and third vertex, where the surface is a mesh.
@@ -57,7 +117,7 @@ pub struct Footprint {
 impl TextureContext<'_> {
     /// A lookup at a point in space with surface parameters, without a surface.
     pub fn new(p: Vec3, uv: Vec2) -> Self {
-        Self { p, uv, n: Vec3::ZERO, footprint: Footprint::default(), mesh: None }
+        Self { p, uv, n: Vec3::ZERO, wo: Vec3::ZERO, footprint: Footprint::default(), mesh: None }
     }
 }
 
@@ -72,21 +132,20 @@ pub enum Texture {
     Constant(Color),
     /// A picture.
     Image(Arc<ImageTexture>),
-    /// Two values in alternating cells.
-    Checkerboard {
-        /// Where the sum of cell indices is even.
-        a: TextureId,
-        /// Where it is odd.
-        b: TextureId,
-        /// Cells of space instead of the surface.
-        solid: bool,
-        /// Where the lookup takes place.
-        mapping: Mapping,
-    },
+    /// Numbers on a grid of space.
+    Grid(Arc<GridTexture>),
+    /// A procedural pattern.
+    Pattern(Arc<PatternTexture>),
     /// Product.
     Scale(TextureId, TextureId),
-    /// Interpolation from the first to the second by the third.
+    /// Sum.
+    Add(TextureId, TextureId),
+    /// Interpolation from the first to the second by the third, which may lead beyond either.
     Mix(TextureId, TextureId, TextureId),
+    /// Three textures, blended by how much the surface faces the axes.
+    Triplanar([TextureId; 3], Box<Triplanar>),
+    /// A colour, changed.
+    Adjust(TextureId, Box<Adjust>),
     /// Data on the mesh.
     MeshAttribute {
         /// The attribute's name, without domain prefix.
@@ -98,11 +157,40 @@ pub enum Texture {
     },
 }
 
+impl Texture {
+    /// What it is made of.
+    fn parts(&self) -> [Option<&TextureId>; 3] {
+        match self {
+            Self::Constant(_) | Self::Image(_) | Self::MeshAttribute { .. } | Self::Grid(_) | Self::Pattern(_) => {
+                [None; 3]
+            }
+            Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
+            Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
+            Self::Triplanar(parts, _) => parts.each_ref().map(Some),
+            Self::Adjust(part, _) => [Some(part), None, None],
+        }
+    }
+
+    fn parts_mut(&mut self) -> [Option<&mut TextureId>; 3] {
+        match self {
+            Self::Constant(_) | Self::Image(_) | Self::MeshAttribute { .. } | Self::Grid(_) | Self::Pattern(_) => {
+                [None, None, None]
+            }
+            Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
+            Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
+            Self::Triplanar(parts, _) => parts.each_mut().map(Some),
+            Self::Adjust(part, _) => [Some(part), None, None],
+        }
+    }
+}
+
 /// All textures of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Textures {
     nodes: Vec<Texture>,
     efforts: Vec<Effort>,
+    /// Linear Rec.709 of constants that are spectra.
+    rgbs: HashMap<u32, Vec3>,
     mode: ColorMode,
 }
 
@@ -112,20 +200,15 @@ pub struct Textures {
 pub struct Effort {
     /// Textures met; held at the limit of the type.
     pub lookups: u32,
-    /// The longest chain of textures in textures.
-    pub depth: u32,
 }
 
-/// Deepest tree of textures.
-pub const MAX_DEPTH: usize = 64;
-
-/// Most textures met in one evaluation.
-pub const MAX_LOOKUPS: u32 = 4096;
+/// Most textures met in one evaluation, in scenes from files: more would take longer than a picture is worth.
+pub const MAX_LOOKUPS: u32 = 1 << 16;
 
 impl Textures {
     /// An empty set for a colour mode.
     pub fn new(mode: ColorMode) -> Self {
-        Self { nodes: Vec::new(), efforts: Vec::new(), mode }
+        Self { mode, ..Self::default() }
     }
 
     /// What the lanes of values are.
@@ -135,19 +218,44 @@ impl Textures {
 
     /// Adds a texture whose parts are already there.
     pub fn add(&mut self, texture: Texture) -> TextureId {
-        let parts = match texture {
-            Texture::Constant(_) | Texture::Image(_) | Texture::MeshAttribute { .. } => [None; 3],
-            Texture::Checkerboard { a, b, .. } | Texture::Scale(a, b) => [Some(a), Some(b), None],
-            Texture::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
-        };
-        let mut effort = Effort { lookups: 1, depth: 1 };
-        for part in parts.into_iter().flatten().map(|id| self.effort(id)) {
+        let mut effort = Effort { lookups: 1 };
+        for part in texture.parts().into_iter().flatten().map(|id| self.effort(*id)) {
             effort.lookups = effort.lookups.saturating_add(part.lookups);
-            effort.depth = effort.depth.max(part.depth.saturating_add(1));
+        }
+        if let Texture::Constant(Color::Spectral(spectrum)) = &texture {
+            let role = if matches!(spectrum, Spd::Illuminant(_)) { Role::Illuminant } else { Role::Unbounded };
+            if let Color::Lanes(rgb) = Color::curve(spectrum, role, ColorMode::Rgb) {
+                self.rgbs.insert(self.nodes.len() as u32, Vec3::from(rgb.to_rgb()));
+            }
         }
         self.nodes.push(texture);
         self.efforts.push(effort);
         TextureId(self.nodes.len() as u32 - 1)
+    }
+
+    /// A copy of a tree of textures, each changed by `change`. Trees that are too large to evaluate are not copied.
+    pub fn rewritten(&mut self, root: TextureId, change: impl Fn(&mut Texture)) -> TextureId {
+        if self.effort(root).lookups > MAX_LOOKUPS {
+            return root;
+        }
+        let mut met = BTreeSet::new();
+        let mut stack = vec![root];
+        while let Some(id) = stack.pop() {
+            if met.insert(id.0) {
+                stack.extend(self.nodes[id.0 as usize].parts().into_iter().flatten());
+            }
+        }
+        // Parts have smaller ids, so they are copied first.
+        let mut copies = HashMap::new();
+        for id in met {
+            let mut copy = self.nodes[id as usize].clone();
+            for part in copy.parts_mut().into_iter().flatten() {
+                *part = copies.get(&part.0).copied().unwrap_or(*part);
+            }
+            change(&mut copy);
+            copies.insert(id, self.add(copy));
+        }
+        copies.get(&root.0).copied().unwrap_or(root)
     }
 
     /// What it takes to evaluate a texture.
@@ -169,70 +277,6 @@ impl Textures {
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
-
-    /// The spectral value at a point. `role` says what RGB texels stand for.
-    pub fn spectrum(&self, id: TextureId, at: &TextureContext, role: Role, lambda: &Wavelengths) -> Spectrum {
-        match &self.nodes[id.0 as usize] {
-            Texture::Constant(c) => c.eval(lambda),
-            Texture::Image(image) => match image.rgb(at) {
-                Some(rgb) => color::texel(rgb, role, lambda, self.mode),
-                None => Spectrum::ZERO,
-            },
-            Texture::Checkerboard { a, b, solid, mapping } => {
-                self.spectrum(if checker_is_even(*solid, mapping, at) { *a } else { *b }, at, role, lambda)
-            }
-            Texture::Scale(a, b) => {
-                self.spectrum(*a, at, role, lambda) * self.spectrum(*b, at, Role::Unbounded, lambda)
-            }
-            Texture::Mix(a, b, amount) => match self.float(*amount, at) {
-                t if t <= 0.0 => self.spectrum(*a, at, role, lambda),
-                t if t >= 1.0 => self.spectrum(*b, at, role, lambda),
-                t => self.spectrum(*a, at, role, lambda).lerp(self.spectrum(*b, at, role, lambda), t),
-            },
-            Texture::MeshAttribute { name, domain, scale } => match attribute(name, *domain, at) {
-                Some((v, 1)) => Spectrum::splat(v[0] * scale),
-                Some((v, _)) => color::texel(Vec3::new(v[0], v[1], v[2]) * *scale, role, lambda, self.mode),
-                None => Spectrum::ZERO,
-            },
-        }
-    }
-
-    /// The scalar value at a point: the mean of the components of coloured textures.
-    pub fn float(&self, id: TextureId, at: &TextureContext) -> f32 {
-        match &self.nodes[id.0 as usize] {
-            Texture::Constant(c) => match (c, self.mode) {
-                (Color::Lanes(s), ColorMode::Rgb) => (s[0] + s[1] + s[2]) / 3.0,
-                (Color::Lanes(s), ColorMode::Spectral) => s[0],
-                (c, _) => c.luminance(self.mode),
-            },
-            Texture::Image(image) => image.float(at),
-            Texture::Checkerboard { a, b, solid, mapping } => {
-                self.float(if checker_is_even(*solid, mapping, at) { *a } else { *b }, at)
-            }
-            Texture::Scale(a, b) => self.float(*a, at) * self.float(*b, at),
-            Texture::Mix(a, b, amount) => {
-                let t = self.float(*amount, at);
-                self.float(*a, at) * (1.0 - t) + self.float(*b, at) * t
-            }
-            Texture::MeshAttribute { name, domain, scale } => match attribute(name, *domain, at) {
-                Some((v, 1)) => v[0] * scale,
-                Some((v, _)) => (v[0] + v[1] + v[2]) / 3.0 * scale,
-                None => 0.0,
-            },
-        }
-    }
-}
-
-fn checker_is_even(solid: bool, mapping: &Mapping, at: &TextureContext) -> bool {
-    let cell = |v: f32| v.floor() as i64;
-    let sum = if solid {
-        let p = mapping.solid(at.p);
-        cell(p.x).wrapping_add(cell(p.y)).wrapping_add(cell(p.z))
-    } else {
-        let uv = mapping.uv(at);
-        cell(uv.x).wrapping_add(cell(uv.y))
-    };
-    sum & 1 == 0
 }
 
 fn attribute(name: &str, domain: Option<Domain>, at: &TextureContext) -> Option<([f32; 4], usize)> {

@@ -141,7 +141,12 @@ impl Reader<'_> {
                 self.put(&mut node, odd, object, "color1", role, 0.2);
                 // One repetition of Mitsuba's board is two cells wide.
                 let to_uv = Transform::scale(DVec3::new(2.0, 2.0, 1.0)) * self.uv_map(object).unwrap_or_default();
-                node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
+                node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv"))).set("antialias", false, None);
+                Some(self.desc.add(node))
+            }
+            "volume" => {
+                let mut node = self.node(Family::Texture, "constant", object);
+                self.put(&mut node, "value", object, "volume", role, 0.75);
                 Some(self.desc.add(node))
             }
             "mesh_attribute" => {
@@ -206,6 +211,26 @@ impl Reader<'_> {
         Some(self.desc.add(node))
     }
 
+    /// Numbers on a grid that fills the unit cube of its own space.
+    fn grid(&mut self, object: ObjectId) -> Option<NodeId> {
+        let mut node = self.node(Family::Texture, "grid", object);
+        let file = self.needed_file(object, "filename");
+        let filter = self.choice(object, "filter_type", &["trilinear", "nearest"]);
+        let wrap = self.choice(object, "wrap_mode", &["clamp", "repeat", "mirror"]);
+        let use_bounds = self.bool(object, "use_grid_bbox").unwrap_or(false);
+        if let Some(to_world) = self.some_transform(object, "to_world") {
+            let span = self.value_span(object, "to_world");
+            match to_world.inverse() {
+                Some(inverse) => _ = node.set("texture_from_world", inverse, Some(span)),
+                None => self.error(span, "the transform of this volume cannot be inverted"),
+            }
+        }
+        self.ignore(object, &["raw", "accel", "max_value"]);
+        node.set("file", file?, Some(self.value_span(object, "filename")));
+        node.set("filter", filter, None).set("wrap", wrap, None).set("use_grid_bounds", use_bounds, None);
+        Some(self.desc.add(node))
+    }
+
     /// The map of texture coordinates, if any. On a disk Mitsuba has u from the centre to the rim and v around it, Steradian u
     /// around and v from the rim to the centre: u' = 1 - v, v' = u comes first.
     fn uv_map(&mut self, object: ObjectId) -> Option<Transform> {
@@ -235,6 +260,7 @@ impl Reader<'_> {
                 self.leave();
                 value
             }
+            "gridvolume" => self.once(object, role, |r| r.grid(object)).map(Value::Node),
             _ if self.is_known(object) => {
                 self.once(object, role, |r| r.verbatim(object, Family::Texture)).map(Value::Node)
             }

@@ -62,7 +62,7 @@ pub(super) struct Scene<'o> {
     world: Vec<Attached>,
     grouped: Vec<Vec<Attached>>,
     instances: Vec<PendingInstance>,
-    alphas: Vec<(NodeId, String, Span)>,
+    shape_textures: Vec<(NodeId, &'static str, String, Span)>,
     node_media: Vec<(NodeId, NameRef)>,
 }
 
@@ -87,7 +87,7 @@ impl<'o> Scene<'o> {
             world: Vec::new(),
             grouped: Vec::new(),
             instances: Vec::new(),
-            alphas: Vec::new(),
+            shape_textures: Vec::new(),
             node_media: Vec::new(),
         }
     }
@@ -214,9 +214,9 @@ impl<'o> Scene<'o> {
         self.node_media.push((id, medium));
     }
 
-    /// Sets the `alpha` of a shape when all textures are known.
-    pub fn set_alpha_later(&mut self, id: NodeId, texture: String, span: Span) {
-        self.alphas.push((id, texture, span));
+    /// Sets a parameter of a shape when all textures are known.
+    pub fn set_texture_later(&mut self, id: NodeId, parameter: &'static str, texture: String, span: Span) {
+        self.shape_textures.push((id, parameter, texture, span));
     }
 
     pub fn float_texture(&mut self, name: &str, span: Span) -> Option<NodeId> {
@@ -269,9 +269,9 @@ impl<'o> Scene<'o> {
         let materials = self.make_materials();
         self.attach(&materials);
         self.place_instances();
-        for (id, name, span) in std::mem::take(&mut self.alphas) {
+        for (id, parameter, name, span) in std::mem::take(&mut self.shape_textures) {
             if let Some(texture) = self.float_texture(&name, span) {
-                self.desc.node_mut(id).set("alpha", texture, Some(span));
+                self.desc.node_mut(id).set(parameter, texture, Some(span));
             }
         }
         self.settle_media();

@@ -64,27 +64,32 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
             return None;
         }
     }
-    // The texture may be defined after the shape.
-    let alpha = b.dict.has("alpha", &[Type::Texture]);
-    let texture = if alpha { b.dict.texture(&mut b.scene.report, "alpha") } else { None };
-    if !alpha {
-        b.float("alpha", "alpha", None);
+    // The textures may be defined after the shape.
+    let mut textures = Vec::new();
+    for parameter in ["alpha", "displacement"] {
+        if parameter == "displacement" && given != "plymesh" {
+            continue;
+        }
+        if b.dict.has(parameter, &[Type::Texture]) {
+            let texture = b.dict.texture(&mut b.scene.report, parameter);
+            textures.extend(texture.map(|(name, span)| (parameter, name.to_string(), span)));
+        } else {
+            b.float(parameter, parameter, None);
+        }
     }
-    let texture = texture.map(|(name, span)| (name.to_string(), span));
     let id = b.finish();
-    if let Some((name, span)) = texture {
-        scene.set_alpha_later(id, name, span);
+    for (parameter, name, span) in textures {
+        scene.set_texture_later(id, parameter, name, span);
     }
     Some((id, mesh))
 }
 
 fn ply(b: &mut Build) -> Option<usize> {
-    if b.dict.has("displacement", &[Type::Texture]) {
-        b.dict.texture(&mut b.scene.report, "displacement");
-        let span = b.dict.span_of("displacement");
-        b.scene.report.dropped(span, "the displacement of the mesh is left out");
+    // Edges are split for displacement only.
+    let length = b.dict.float(&mut b.scene.report, "edgelength");
+    if b.dict.has("displacement", &[Type::Texture, Type::Float]) {
+        b.set("edge_length", length.unwrap_or(1.0));
     }
-    b.dict.float(&mut b.scene.report, "edgelength");
     let Some((name, span)) = b.dict.text(&mut b.scene.report, "filename") else {
         let span = b.span();
         b.scene.report.error(span, "shape 'plymesh' needs \"string filename\"");

@@ -50,7 +50,11 @@ pub(super) fn is_file(class: &str) -> bool {
 /// Translates one texture; `ctm` takes texture space to the world.
 pub(super) fn translate(scene: &mut Scene, dict: &Dict, values: Values, ctm: Transform) -> Option<NodeId> {
     let class = dict.kind.as_str();
-    let kind = if class == "imagemap" { "image" } else { class };
+    let kind = match class {
+        "imagemap" => "image",
+        "directionmix" => "direction_mix",
+        _ => class,
+    };
     let mut b = Build::new(scene, dict, Family::Texture, kind);
     match class {
         "constant" => value(&mut b, values, "value", "value", 1.0),
@@ -75,8 +79,8 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, values: Values, ctm: Tra
             b.float_texture("amount", "amount", 0.5);
         }
         "directionmix" => {
-            operand(&mut b, values, "tex1", "tex1", 0.0);
-            operand(&mut b, values, "tex2", "tex2", 1.0);
+            operand(&mut b, values, "tex1", "a", 0.0);
+            operand(&mut b, values, "tex2", "b", 1.0);
             b.vec3("dir", "dir", Type::Vector3, [0.0, 1.0, 0.0]);
             solid(&mut b, ctm);
         }
@@ -87,8 +91,8 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, values: Values, ctm: Tra
             mapping(&mut b, ctm);
         }
         "dots" => {
-            operand(&mut b, values, "inside", "inside", 1.0);
-            operand(&mut b, values, "outside", "outside", 0.0);
+            operand(&mut b, values, "inside", "b", 1.0);
+            operand(&mut b, values, "outside", "a", 0.0);
             mapping(&mut b, ctm);
         }
         "fbm" | "wrinkled" if values == Values::Float => {
@@ -106,9 +110,9 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, values: Values, ctm: Tra
             solid(&mut b, ctm);
         }
         "ptex" => {
-            b.required_file("filename", "file");
-            b.text("encoding", "encoding", "gamma 2.2");
-            b.float("scale", "scale", 1.0);
+            let help = "bake it to an image over uv and use 'imagemap'";
+            scene.report.error_help(dict.span, "Ptex textures are not supported", Some(help.into()));
+            return None;
         }
         _ => {
             let (message, help) = match CLASSES.contains(&class) {

@@ -117,6 +117,30 @@ fn polarizing_filters_are_those_of_unpolarized_light() {
 }
 
 #[test]
+fn volumes_texture_surfaces() {
+    let folder = std::env::temp_dir();
+    let file = folder.join(format!("steradian-{}.vol", std::process::id()));
+    std::fs::write(&file, b"VOL").unwrap();
+    let (desc, m) = material(&format!(
+        "<bsdf type=\"diffuse\"><texture type=\"volume\" name=\"reflectance\"><volume type=\"gridvolume\" name=\"volume\">
+         <string name=\"filename\" value=\"{}\"/><string name=\"filter_type\" value=\"nearest\"/>
+         <transform name=\"to_world\"><translate x=\"2\"/></transform></volume></texture></bsdf>",
+        file.display()
+    ));
+    std::fs::remove_file(&file).unwrap();
+    let grid = child(&desc, child(&desc, &m, "reflectance"), "value");
+    assert_eq!(
+        (grid.kind.as_str(), grid.string("filter"), grid.string("wrap")),
+        ("grid", Some("nearest"), Some("clamp"))
+    );
+    assert_eq!(grid.transform("texture_from_world").unwrap().point(DVec3::new(2.0, 0.0, 0.0)), DVec3::ZERO);
+    let (desc, m) = material(
+        "<bsdf type=\"diffuse\"><texture type=\"volume\" name=\"reflectance\"><float name=\"volume\" value=\".3\"/></texture></bsdf>",
+    );
+    assert_eq!(child(&desc, &m, "reflectance").float("value"), Some(0.3));
+}
+
+#[test]
 fn bsdfs_that_steradian_lacks_keep_their_parameters() {
     let (desc, m) = material(
         "<bsdf type=\"principled\"><rgb name=\"base_color\" value=\"1 .5 0\"/><float name=\"metallic\" value=\".7\"/>

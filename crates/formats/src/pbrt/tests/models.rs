@@ -496,7 +496,7 @@ fn textures() {
         ("\"fbm\" \"integer octaves\" 4", "fbm"),
         ("\"wrinkled\" \"float roughness\" 0.7", "wrinkled"),
         ("\"windy\"", "windy"),
-        ("\"directionmix\" \"vector dir\" [1 0 0]", "directionmix"),
+        ("\"directionmix\" \"vector dir\" [1 0 0]", "direction_mix"),
     ] {
         assert_eq!(one_texture("float", text).kind, kind);
     }
@@ -505,6 +505,13 @@ fn textures() {
         "marble",
         &[("scale", some(3.0)), ("variation", some(0.2)), ("octaves", some(8))],
     );
+    check(&one_texture("float", "\"dots\" \"float inside\" 0.5"), "dots", &[("b", some(0.5)), ("a", some(0.0))]);
+}
+
+#[test]
+fn ptex_is_refused_by_name() {
+    let import = load("WorldBegin Texture \"t\" \"spectrum\" \"ptex\" \"string filename\" \"a.ptx\"");
+    assert!(errors(&import)[0].message.contains("Ptex textures are not supported"));
 }
 
 #[test]

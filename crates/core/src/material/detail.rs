@@ -1,0 +1,278 @@
+//! Surface detail by the shading normal: normal maps (M222) and bump maps (M223), and what keeps them from sending light into the surface.
+
+use crate::texture::{FloatTexture, TextureContext, TextureId, Textures};
+use steradian_math::{Frame, Vec2, Vec3};
+
+/// A normal map.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalMap {
+    /// `(n + 1)/2` in the tangent frame: x along ∂p/∂u, z along the shading normal.
+    pub texture: TextureId,
+    /// Only x and y are stored; `z = √(1 − x² − y²)` (the lecture's formula lacks the one and a sign: E18).
+    pub two_channels: bool,
+    /// y points along ∂p/∂v, as in MikkTSpace and glTF, also where the parametrisation is mirrored; else along z × x, as pbrt and
+    /// Mitsuba have it.
+    pub mirrors: bool,
+    /// Factor on x and y.
+    pub strength: f32,
+}
+
+/// What changes the shading normal of a material.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SurfaceDetail {
+    /// A normal map.
+    pub normal_map: Option<NormalMap>,
+    /// Heights along the normal, in scene units.
+    pub bump: Option<FloatTexture>,
+}
+
+/// The surface that detail is put on.
+#[derive(Clone, Copy, Debug)]
+pub struct Base {
+    /// Unit geometric normal.
+    pub n: Vec3,
+    /// Unit shading normal, on the same side.
+    pub ns: Vec3,
+    /// ∂p/∂u; may be zero.
+    pub dpdu: Vec3,
+    /// ∂p/∂v; may be zero.
+    pub dpdv: Vec3,
+}
+
+/// The step of differences where the footprint gives none (pbrt-v4's).
+const STEP: f32 = 0.0005;
+
+impl SurfaceDetail {
+    /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the surface.
+    pub fn shading_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Vec3 {
+        let mut ns = base.ns;
+        if let Some(map) = &self.normal_map {
+            ns = map.normal(textures, at, base);
+        }
+        if let Some(height) = &self.bump {
+            ns = bumped(height, textures, at, &Base { ns, ..*base });
+        }
+        let side = if base.ns.dot(wo) < 0.0 { -1.0 } else { 1.0 };
+        bend(ns * side, base.n * side, wo) * side
+    }
+}
+
+impl NormalMap {
+    /// The normal in the world.
+    fn normal(&self, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
+        let m = textures.rgb(self.texture, at) * 2.0 - 1.0;
+        let z = if self.two_channels { (1.0 - m.x * m.x - m.y * m.y).max(0.0).sqrt() } else { m.z };
+        let m = Vec3::new(m.x * self.strength, m.y * self.strength, z);
+        let frame = Frame::from_zx(base.ns, base.dpdu);
+        let mirrored = self.mirrors && frame.y.dot(base.dpdv) < 0.0;
+        let n = frame.to_world(if mirrored { Vec3::new(m.x, -m.y, m.z) } else { m });
+        let n = n.normalize_or(base.ns);
+        // Maps that point into the surface are turned over, as Mitsuba has it.
+        if n.dot(base.n) < 0.0 { -n } else { n }
+    }
+}
+
+/// The normal of the surface moved by heights along `ns`, with differences over half the footprint: Blinn, "Simulation of Wrinkled
+/// Surfaces", SIGGRAPH 1978, without the curvature of the surface that is moved.
+fn bumped(height: &FloatTexture, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
+    let FloatTexture::Texture(id) = *height else { return base.ns };
+    // Without a parametrisation heights vary over space alone; any two tangents serve.
+    let area = base.dpdu.cross(base.dpdv).length();
+    let degenerate = !(area > 1e-12 * base.dpdu.length() * base.dpdv.length()) || !area.is_finite();
+    let frame = Frame::from_z(base.ns);
+    let (dpdu, dpdv) = if degenerate { (frame.x, frame.y) } else { (base.dpdu, base.dpdv) };
+    let f = &at.footprint;
+    let here = textures.float(id, at);
+    let slope = |axis: usize, dp: Vec3| {
+        let step = 0.5 * (f.duvdx[axis].abs() + f.duvdy[axis].abs());
+        let step = if step > 0.0 && step.is_finite() { step.clamp(1e-6, 0.5) } else { STEP };
+        let mut duv = Vec2::ZERO;
+        duv[axis] = if degenerate { 0.0 } else { step };
+        let mesh = at.mesh.map(|(m, t, b)| (m, t, if degenerate { b } else { b + m.barycentric_change(t, duv) }));
+        let moved = TextureContext { p: at.p + dp * step, uv: at.uv + duv, mesh, ..*at };
+        (textures.float(id, &moved) - here) / step
+    };
+    let (hu, hv) = (slope(0, dpdu), slope(1, dpdv));
+    let tangent = |dp: Vec3, h: f32| dp + base.ns * (h - base.ns.dot(dp));
+    let n = tangent(dpdu, hu).cross(tangent(dpdv, hv));
+    let n = n.normalize_or(base.ns);
+    if !n.is_finite() {
+        return base.ns;
+    }
+    if n.dot(base.ns) < 0.0 { -n } else { n }
+}
+
+/// Least cosine of the mirror direction above the surface.
+const ABOVE: f32 = 0.01;
+
+/// The shading normal, bent so far that the mirror direction of `wo` lies above the surface (Keller et al., "The Iray Light Transport
+/// Simulation and Rendering System", 2017, appendix A.3): a normal that turns away from the viewer would otherwise leave black rims.
+/// `n` and `ns` are on the side of `wo`; a viewer below the surface leaves it unchanged.
+pub fn bend(ns: Vec3, n: Vec3, wo: Vec3) -> Vec3 {
+    let cos = wo.dot(n);
+    if cos <= 0.0 {
+        return ns;
+    }
+    let r = ns * (2.0 * ns.dot(wo)) - wo;
+    let least = ABOVE.min(0.9 * cos);
+    let above = r.dot(n);
+    if above >= least {
+        return ns;
+    }
+    let along = (r - n * above).normalize_or_zero();
+    if along == Vec3::ZERO {
+        return n;
+    }
+    let r = along * (1.0 - least * least).sqrt() + n * least;
+    (wo + r).normalize_or(n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        color::{Color, ColorMode},
+        texture::{Footprint, Mapping, Pattern, PatternTexture, Texture, mapping::Projector},
+    };
+    use std::sync::Arc;
+    use steradian_math::hash::HashRng;
+
+    fn at(uv: Vec2) -> TextureContext<'static> {
+        TextureContext::new(uv.extend(0.0), uv)
+    }
+
+    const FLAT: Base = Base { n: Vec3::Z, ns: Vec3::Z, dpdu: Vec3::X, dpdv: Vec3::Y };
+
+    /// Textures with a map of constant (x, y, z) in [−1, 1].
+    fn map(n: Vec3) -> (Textures, SurfaceDetail) {
+        let mut textures = Textures::new(ColorMode::Rgb);
+        let c = (n + 1.0) * 0.5;
+        let texture = textures.add(Texture::Constant(Color::Lanes(steradian_math::Spectrum::rgb(c.x, c.y, c.z))));
+        let normal_map = Some(NormalMap { texture, two_channels: false, mirrors: true, strength: 1.0 });
+        (textures, SurfaceDetail { normal_map, bump: None })
+    }
+
+    #[test]
+    fn a_flat_map_changes_nothing() {
+        let (textures, detail) = map(Vec3::Z);
+        let mut rng = HashRng::new(1);
+        for _ in 0..50 {
+            let mut d = || Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5).normalize();
+            let (n, dpdu) = (d(), d());
+            let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu) };
+            assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &base, n) - n).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn tangent_frames_by_hand() {
+        let tilted = Vec3::new(0.6, 0.0, 0.8);
+        let across = Vec3::new(0.0, 0.6, 0.8);
+        let seen = |m: Vec3, base: &Base, mirrors: bool| {
+            let (textures, mut detail) = map(m);
+            if let Some(map) = &mut detail.normal_map {
+                map.mirrors = mirrors;
+            }
+            detail.shading_normal(&textures, &at(Vec2::ZERO), base, Vec3::Z)
+        };
+        assert!((seen(tilted, &FLAT, true) - tilted).length() < 1e-6);
+        // u along +y: red tilts to +y, green to −x.
+        let turned = Base { dpdu: Vec3::Y, dpdv: -Vec3::X, ..FLAT };
+        assert!((seen(tilted, &turned, true) - Vec3::new(0.0, 0.6, 0.8)).length() < 1e-6);
+        assert!((seen(across, &turned, true) - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-6);
+        // A mirrored parametrisation: green follows ∂p/∂v, or not.
+        let mirrored = Base { dpdv: -Vec3::Y, ..FLAT };
+        assert!((seen(across, &mirrored, true) - Vec3::new(0.0, -0.6, 0.8)).length() < 1e-6);
+        assert!((seen(across, &mirrored, false) - across).length() < 1e-6);
+        // Two channels give the third.
+        let (textures, mut detail) = map(Vec3::new(0.6, 0.0, -1.0));
+        if let Some(map) = &mut detail.normal_map {
+            map.two_channels = true;
+        }
+        assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z) - tilted).length() < 1e-6);
+    }
+
+    fn height(pattern: Pattern, mapping: Mapping, gain: f32) -> (Textures, SurfaceDetail) {
+        let mut textures = Textures::new(ColorMode::Rgb);
+        let mut pattern = PatternTexture::new(pattern, mapping);
+        pattern.gain = gain;
+        let id = textures.add(Texture::Pattern(Arc::new(pattern)));
+        (textures, SurfaceDetail { normal_map: None, bump: Some(FloatTexture::Texture(id)) })
+    }
+
+    #[test]
+    fn bumps_have_the_normal_of_the_displaced_surface() {
+        // z = 0.2 noise(x, y, ½)·1: slopes by central differences of the function itself.
+        let fbm = Pattern::Fbm(crate::texture::noise::Fractal::new(1, 0.5));
+        let (textures, detail) = height(fbm, Mapping::default(), 0.2);
+        let f = |p: Vec3| 0.2 * crate::texture::noise::gradient_noise(p, 0);
+        for p in [Vec3::new(0.3, 0.4, 0.5), Vec3::new(1.7, -0.2, 0.5), Vec3::new(5.1, 3.3, 0.5)] {
+            let c = TextureContext { p, ..at(p.truncate()) };
+            let h = 1e-2;
+            let slope = |e: Vec3| (f(p + e * h) - f(p - e * h)) / (2.0 * h);
+            let expected = Vec3::new(-slope(Vec3::X), -slope(Vec3::Y), 1.0).normalize();
+            let n = detail.shading_normal(&textures, &c, &FLAT, Vec3::Z);
+            assert!((n - expected).length() < 2e-3, "{n} {expected}");
+            // The parametrisation does not matter.
+            let skewed = Base { dpdu: Vec3::new(2.0, 1.0, 0.0), dpdv: Vec3::new(-0.5, 3.0, 0.0), ..FLAT };
+            let other = detail.shading_normal(&textures, &c, &skewed, Vec3::Z);
+            assert!((other - expected).length() < 4e-3, "{other} {expected}");
+            let none = Base { dpdu: Vec3::ZERO, dpdv: Vec3::ZERO, ..FLAT };
+            assert!((detail.shading_normal(&textures, &c, &none, Vec3::Z) - expected).length() < 2e-3);
+        }
+    }
+
+    #[test]
+    fn ramps_tilt_and_footprints_average() {
+        let ramp = Mapping { projector: Projector::Uv, ..Mapping::default() };
+        let (textures, detail) = height(Pattern::Coordinate(false), ramp, 0.75);
+        let n = detail.shading_normal(&textures, &at(Vec2::new(0.3, 0.3)), &FLAT, Vec3::Z);
+        assert!((n - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-3);
+        let footprint = Footprint { duvdx: Vec2::new(0.5, 0.0), duvdy: Vec2::new(0.0, 0.5), ..Footprint::default() };
+        let wide = TextureContext { footprint, ..at(Vec2::new(0.3, 0.3)) };
+        assert!((detail.shading_normal(&textures, &wide, &FLAT, Vec3::Z) - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-6);
+    }
+
+    #[test]
+    fn bent_normals_reflect_upwards_and_others_are_left_alone() {
+        let mut rng = HashRng::new(9);
+        let (mut bent, mut left) = (0, 0);
+        for _ in 0..20_000 {
+            let mut d = || loop {
+                let v = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - 1.0;
+                if v.length_squared() < 1.0 && v.length_squared() > 1e-4 {
+                    break v.normalize();
+                }
+            };
+            let (n, mut ns, mut wo) = (d(), d(), d());
+            ns *= ns.dot(n).signum();
+            wo *= wo.dot(n).signum();
+            if wo.dot(n) < 1e-4 {
+                continue;
+            }
+            let b = bend(ns, n, wo);
+            assert!((b.length() - 1.0).abs() < 1e-5);
+            let r = b * (2.0 * b.dot(wo)) - wo;
+            assert!(r.dot(n) > 0.0 && b.dot(wo) > 0.0, "{n} {ns} {wo}: {}", r.dot(n));
+            if b == ns { left += 1 } else { bent += 1 }
+        }
+        assert!(bent > 2000 && left > 2000, "{bent} {left}");
+        assert_eq!(bend(Vec3::X, Vec3::Z, -Vec3::Z), Vec3::X);
+        assert_eq!(bend(Vec3::Z, Vec3::Z, Vec3::new(0.6, 0.0, 0.8)), Vec3::Z);
+    }
+
+    #[test]
+    fn nothing_gives_nan() {
+        let (textures, detail) = map(Vec3::ZERO);
+        assert_eq!(detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z), Vec3::Z);
+        let (textures, detail) = height(Pattern::Coordinate(true), Mapping::default(), f32::MAX);
+        for base in [
+            FLAT,
+            Base { dpdu: Vec3::splat(1e30), dpdv: Vec3::Y, ..FLAT },
+            Base { dpdu: Vec3::X, dpdv: Vec3::X, ..FLAT },
+        ] {
+            let n = detail.shading_normal(&textures, &at(Vec2::splat(1e20)), &base, Vec3::new(0.0, 0.6, 0.8));
+            assert!(n.is_finite() && (n.length() - 1.0).abs() < 1e-4, "{n}");
+        }
+    }
+}

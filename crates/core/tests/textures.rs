@@ -1,0 +1,229 @@
+//! Texture nodes through the compiler: every kind, what they combine to, and what is wrong with them.
+
+use steradian_core::{
+    ColorMode, Scene,
+    color::{Color, Role},
+    compile::{Options, compile},
+    material::Model,
+    texture::{SpectrumTexture, Texture, TextureContext, TextureId, Textures},
+};
+use steradian_math::{Transform, Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
+use steradian_scene::{ColorSpace, Family, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value};
+
+const LAMBDA: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+
+fn texture(kind: &str) -> Node {
+    Node::new(Family::Texture, kind, None)
+}
+
+fn rgb(r: f64, g: f64, b: f64) -> Value {
+    Value::Spectrum(SpectrumValue::Rgb([r, g, b], ColorSpace::Srgb))
+}
+
+fn numbers(v: &[f64]) -> Value {
+    Value::Floats(v.to_vec())
+}
+
+/// A sphere whose reflectance is a texture: the scene, or what is wrong.
+fn scene(desc: &mut SceneDesc, texture: NodeId) -> Result<Scene, Vec<String>> {
+    let material = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", texture));
+    let node = desc.add(Node::new(Family::Shape, "sphere", None));
+    desc.shapes.push(Shape {
+        node,
+        mesh: None,
+        world_from_object: Transform::default(),
+        reverse_orientation: false,
+        material: Some(material),
+        emission: None,
+        interior: None,
+        exterior: None,
+        is_medium_boundary: false,
+    });
+    let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+    desc.cameras.push(camera);
+    let light = desc.add(Node::new(Family::Light, "point", None));
+    desc.lights.push(light);
+    let compiled = compile(desc, &Options::default());
+    let said: Vec<String> = compiled.diagnostics.iter().map(|d| d.message.clone()).collect();
+    if said.is_empty() { compiled.scene.ok_or_else(Vec::new) } else { Err(said) }
+}
+
+fn compiled(node: Node) -> Result<(Scene, TextureId), Vec<String>> {
+    let mut desc = SceneDesc::default();
+    let id = desc.add(node);
+    compiled_in(desc, id)
+}
+
+fn compiled_in(mut desc: SceneDesc, id: NodeId) -> Result<(Scene, TextureId), Vec<String>> {
+    let scene = scene(&mut desc, id)?;
+    match &scene.materials[1].model {
+        Model::Diffuse(SpectrumTexture::Texture(t, Role::Albedo)) => Ok((scene.clone(), *t)),
+        m => panic!("{m:?}"),
+    }
+}
+
+fn value((scene, id): &(Scene, TextureId), at: &TextureContext) -> Vec3 {
+    Vec3::from(scene.textures.spectrum(*id, at, Role::Albedo, &LAMBDA).to_rgb())
+}
+
+fn at(u: f32, v: f32) -> TextureContext<'static> {
+    TextureContext { n: Vec3::Y, ..TextureContext::new(Vec3::new(u, v, 0.3), Vec2::new(u, v)) }
+}
+
+#[test]
+fn every_kind_compiles_and_varies() {
+    let kinds = [
+        "checkerboard",
+        "bricks",
+        "tiles",
+        "brick_shade",
+        "stripes",
+        "dots",
+        "gradient",
+        "bilerp",
+        "noise",
+        "fbm",
+        "wrinkled",
+        "ridged",
+        "windy",
+        "worley",
+        "voronoi",
+        "wood",
+        "marble",
+    ];
+    for kind in kinds {
+        let c = compiled(texture(kind).with("frequency", 2.0)).unwrap_or_else(|e| panic!("{kind}: {e:?}"));
+        let mut rng = HashRng::new(1);
+        let values: Vec<Vec3> =
+            (0..200).map(|_| value(&c, &at(rng.next_f32() * 4.0 - 2.0, rng.next_f32() * 4.0 - 2.0))).collect();
+        assert!(values.iter().all(|v| v.is_finite()) && values.iter().any(|v| *v != values[0]), "{kind}");
+    }
+}
+
+#[test]
+fn patterns_lead_from_one_texture_to_another() {
+    let c = compiled(texture("stripes").with("a", rgb(0.1, 0.2, 0.3)).with("b", rgb(0.5, 0.6, 0.7)).with("duty", 0.25))
+        .unwrap();
+    assert_eq!(value(&c, &at(0.2, 0.0)), Vec3::new(0.5, 0.6, 0.7));
+    assert_eq!(value(&c, &at(0.3, 0.0)), Vec3::new(0.1, 0.2, 0.3));
+    let c = compiled(texture("direction_mix").with("a", 0.25).with("b", 0.75).with("dir", [0.0, 2.0, 0.0])).unwrap();
+    assert_eq!(value(&c, &at(0.0, 0.0)), Vec3::splat(0.25));
+    assert_eq!(value(&c, &TextureContext { n: Vec3::X, ..at(0.0, 0.0) }), Vec3::splat(0.75));
+    let corners = texture("bilerp").with("v00", 0.0).with("v10", 0.4).with("v01", 0.8).with("v11", rgb(1.0, 0.0, 0.0));
+    let c = compiled(corners).unwrap();
+    let by_hand = |r11: f32| 0.4 * 0.75 * 0.75 + 0.8 * 0.25 * 0.25 + r11 * 0.75 * 0.25;
+    assert!((value(&c, &at(0.75, 0.25)) - Vec3::new(by_hand(1.0), by_hand(0.0), by_hand(0.0))).length() < 1e-6);
+}
+
+#[test]
+fn combinators_by_hand() {
+    let color = rgb(0.2, 0.4, 0.6);
+    let of = |node: Node| value(&compiled(node).unwrap(), &at(0.5, 0.5));
+    assert!((of(texture("add").with("a", color.clone()).with("b", 0.1)) - Vec3::new(0.3, 0.5, 0.7)).length() < 1e-6);
+    assert!(
+        (of(texture("scale").with("texture", color.clone()).with("scale", 0.5)) - Vec3::new(0.1, 0.2, 0.3)).length()
+            < 1e-6
+    );
+    assert_eq!(of(texture("channel").with("input", color.clone()).with("channel", "b")), Vec3::splat(0.6));
+    let turned = of(texture("hsv").with("input", color.clone()).with("hue", 120.0));
+    assert!((turned - Vec3::new(0.6, 0.2, 0.4)).length() < 1e-6, "{turned}");
+    let ramp = texture("ramp").with("input", 0.25).with("colors", numbers(&[0.0, 0.0, 0.0, 1.0, 0.5, 0.25]));
+    assert_eq!(of(ramp), Vec3::new(0.25, 0.125, 0.0625));
+    let curve = texture("curve").with("input", color.clone()).with("values", numbers(&[1.0, 0.0]));
+    assert!((of(curve) - Vec3::new(0.8, 0.6, 0.4)).length() < 1e-6);
+    let swap =
+        texture("color_space").with("input", color).with("matrix", numbers(&[0., 1., 0., 0., 0., 1., 1., 0., 0.]));
+    assert!((of(swap) - Vec3::new(0.4, 0.6, 0.2)).length() < 1e-6);
+    // White is white in every space; a display's green is less than all of a wider space's.
+    let wide = |c: Value| of(texture("color_space").with("input", c).with("to", "rec2020"));
+    assert!((wide(rgb(1.0, 1.0, 1.0)) - Vec3::ONE).length() < 1e-4);
+    assert!((wide(rgb(0.0, 1.0, 0.0)) - Vec3::new(0.3293, 0.9195, 0.0880)).length() < 1e-3);
+}
+
+#[test]
+fn triplanar_takes_the_plane_that_the_surface_faces() {
+    let mut desc = SceneDesc::default();
+    let checks = desc.add(texture("checkerboard"));
+    let id = desc.add(texture("triplanar").with("texture", checks));
+    let c = compiled_in(desc, id).unwrap();
+    let seen = |p: Vec3, n: Vec3| value(&c, &TextureContext { n, ..TextureContext::new(p, Vec2::ZERO) }).x;
+    // Across z by (x, y); across x by (y, z).
+    assert_eq!(seen(Vec3::new(1.5, 0.5, 1.5), Vec3::Z), 0.0);
+    assert_eq!(seen(Vec3::new(1.5, 0.5, 1.5), Vec3::X), 0.0);
+    assert_eq!(seen(Vec3::new(1.5, 0.5, 0.5), Vec3::X), 1.0);
+    // Across y by (−x, z): the picture is not mirrored.
+    assert_eq!(seen(Vec3::new(0.5, 0.5, 1.5), Vec3::Y), 1.0);
+    assert!((seen(Vec3::new(1.5, 0.5, 0.5), Vec3::new(1.0, 0.0, 1.0).normalize()) - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn chains_may_be_a_million_long() {
+    let mut textures = Textures::new(ColorMode::Rgb);
+    let one = textures.add(Texture::Constant(Color::constant(1.0)));
+    let small = textures.add(Texture::Constant(Color::constant(1e-6)));
+    // To the left, and to the right, where intermediate results pile up.
+    for right in [false, true] {
+        let mut sum = one;
+        for _ in 0..1_000_000 {
+            sum = textures.add(if right { Texture::Add(small, sum) } else { Texture::Add(sum, small) });
+        }
+        let v = textures.float(sum, &at(0.0, 0.0));
+        assert!((v - 2.0).abs() < 0.05, "{v}");
+    }
+}
+
+#[test]
+fn long_chains_in_files_compile_and_longer_ones_are_refused() {
+    let chain = |n: usize| {
+        let mut desc = SceneDesc::default();
+        let mut id = desc.add(texture("fbm"));
+        for _ in 0..n {
+            id = desc.add(texture("scale").with("texture", id).with("scale", 1.0));
+        }
+        compiled_in(desc, id)
+    };
+    assert!(value(&chain(20_000).unwrap(), &at(0.3, 0.4)).is_finite());
+    assert!(chain(200_000).unwrap_err()[0].contains("to evaluate this takes more than"));
+    // Constants in constants have no end either.
+    let mut desc = SceneDesc::default();
+    let mut id = desc.add(texture("constant").with("value", 0.25));
+    for _ in 0..200_000 {
+        id = desc.add(texture("constant").with("value", id));
+    }
+    assert!(scene(&mut desc, id).is_ok());
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let mut desc = SceneDesc::default();
+    let first = desc.add(texture("add").with("b", 0.0));
+    let second = desc.add(texture("scale").with("texture", first));
+    desc.node_mut(first).set("a", second, None);
+    assert_eq!(compiled_in(desc, first).unwrap_err(), ["this texture contains itself"]);
+    let mut desc = SceneDesc::default();
+    let mut id = desc.add(texture("fbm"));
+    for _ in 0..40 {
+        id = desc.add(texture("add").with("a", id).with("b", id));
+    }
+    assert!(compiled_in(desc, id).unwrap_err()[0].contains("counting shared ones"));
+    for (node, words) in [
+        (texture("ramp"), "a ramp needs stops"),
+        (texture("ramp").with("colors", numbers(&[1.0, 2.0])), "a ramp needs stops"),
+        (texture("ramp").with("colors", numbers(&[1.0; 7])), "three numbers each"),
+        (texture("curve").with("values", numbers(&[1.0; 2])).with("places", numbers(&[1.0, 0.0])), "increase"),
+        (texture("color_space").with("matrix", numbers(&[1.0; 8])), "9 numbers"),
+        (texture("fbm").with("octaves", -1_i64), "octaves"),
+        (texture("fbm").with("roughness", 1e9), "roughness"),
+        (texture("bricks").with("width", 0.0), "greater than zero"),
+        (texture("stripes").with("duty", 2.0), "between 0 and 1"),
+        (texture("worley").with("feature", "f3"), "known are f1, f2, border"),
+        (texture("facing").with("dir", [0.0; 3]), "no length"),
+        (texture("checkerboard").with("mapping", "triangle"), "9 numbers as 'corners'"),
+        (texture("checkerboard").with("khr_offset", numbers(&[1.0])), "two numbers"),
+        (texture("grid"), "needs a file"),
+    ] {
+        let kind = node.kind.clone();
+        let said = compiled(node).unwrap_err();
+        assert!(said.iter().any(|s| s.contains(words)), "{kind}: {said:?}");
+    }
+}
