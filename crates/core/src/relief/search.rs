@@ -354,7 +354,8 @@ mod tests {
     #[test]
     fn misses_are_misses() {
         let field = bumps();
-        let up = Line { origin: Vec3::new(0.5, 0.5, 0.05), direction: Vec3::new(0.1, 0.0, 1.0) };
+        // Over a hollow, and up.
+        let up = Line { origin: Vec3::new(0.5, 0.05, 0.05), direction: Vec3::new(0.1, 0.0, 1.0) };
         let map = ConeMap::new(&field);
         assert!(linear(&field, &up, 16).is_none() && map.trace(&field, &up, 100).is_none());
         assert!(DistanceField::new(&field, 8, 8).trace(&field, &up, 100).is_none());

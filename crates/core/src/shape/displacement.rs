@@ -43,6 +43,9 @@ pub fn displace(
     offset: impl Fn(&Vertex) -> Vec3,
 ) -> Result<Mesh, TooFine> {
     let mut fine = triangulated(mesh);
+    if least_triangles(&fine, &length) > most as f64 {
+        return Err(TooFine(most));
+    }
     // Parents, for values per face.
     let mut faces: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
     faces.extend((0..mesh.patches.len() as u32).flat_map(|i| [i + mesh.triangles.len() as u32; 2]));
@@ -59,6 +62,19 @@ pub fn displace(
     }
     move_vertices(&mut fine, &offset);
     Ok(fine)
+}
+
+/// Fewer triangles than this will not do: each has about half the product of the lengths of two of its edges. Known before anything is
+/// split.
+fn least_triangles(m: &Mesh, length: &impl Fn(Vec3, Vec3) -> f32) -> f64 {
+    let one = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| Vec3::from(m.positions[i as usize]));
+        let mut l = [length(a, b), length(b, c), length(c, a)].map(|l| f64::from(if l.is_nan() { f32::MAX } else { l }));
+        l.sort_by(f64::total_cmp);
+        // Long thin triangles are split along their length alone; lengths may vary over the triangle.
+        0.1 * l[0].max(1.0) * l[1].max(1.0)
+    };
+    m.triangles.iter().map(one).sum()
 }
 
 fn triangulated(mesh: &Mesh) -> Mesh {
