@@ -69,7 +69,8 @@ pub fn displace(
 fn least_triangles(m: &Mesh, length: &impl Fn(Vec3, Vec3) -> f32) -> f64 {
     let one = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| Vec3::from(m.positions[i as usize]));
-        let mut l = [length(a, b), length(b, c), length(c, a)].map(|l| f64::from(if l.is_nan() { f32::MAX } else { l }));
+        let mut l =
+            [length(a, b), length(b, c), length(c, a)].map(|l| f64::from(if l.is_nan() { f32::MAX } else { l }));
         l.sort_by(f64::total_cmp);
         // Long thin triangles are split along their length alone; lengths may vary over the triangle.
         0.1 * l[0].max(1.0) * l[1].max(1.0)
