@@ -212,9 +212,10 @@ fn is_shareable(bsdf: &Bsdf<'_>) -> bool {
     }
 }
 
-/// Whether light that leaves a surface is the same in all directions of a side.
-fn is_lambertian(bsdf: &Bsdf<'_>) -> bool {
-    matches!(bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_))
+/// Whether light that leaves a surface is the same in all directions of a side. Not where bumps bend the shading normal: they do so as
+/// the viewer's direction asks.
+fn is_lambertian(y: &Vertex<'_>) -> bool {
+    y.scattering.detail.is_none() && matches!(y.scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_))
 }
 
 /// Completes the paths of all members.
@@ -238,7 +239,7 @@ fn share<S: Suffix>(
             Found::Surface(y) => {
                 let joint = seat.joint;
                 let mut lambda = seat.lambda;
-                if is_own || !is_lambertian(&y.scattering.bsdf) {
+                if is_own || !is_lambertian(&y) {
                     let mut leg = finder.leg;
                     let Some(beta) = roulette(leg.beta, leg.eta2, leg.events, depth, &joint, &lambda) else { continue };
                     leg.beta = beta;
