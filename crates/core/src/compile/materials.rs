@@ -124,6 +124,9 @@ impl Compiler<'_> {
                 transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
             },
             "coated_diffuse" => {
+                // They count for random walks alone, but are checked for both.
+                self.float_texture(node, "g", 0.0);
+                self.int(node, "samples");
                 let is_textured = matches!(node.get("thickness"), Some(Value::Node(_)));
                 if Self::coat_scatters(node) || is_textured {
                     self.layered_diffuse(node)
