@@ -24,29 +24,26 @@ pub fn albedo(specimen: &Specimen<'_>, theta: f64, samples: u32) -> Albedo {
     let wo = direction(theta, 0.0);
     let chunk = 4096;
     // Summed in order of chunks: the same number on any number of threads.
-    let parts: Vec<[Spectrum; 3]> = (0..samples.div_ceil(chunk))
+    let parts: Vec<[[f64; 4]; 3]> = (0..samples.div_ceil(chunk))
         .into_par_iter()
         .map(|c| {
-            let mut sums = [Spectrum::ZERO; 3];
+            let mut sums = [[0.0; 4]; 3];
             for i in c * chunk..((c + 1) * chunk).min(samples) {
                 let [choice, u, x, y] = shuffled_scrambled_sobol_4d(i, 7);
-                let Some(s) = specimen.sample(wo, choice, u, Vec2::new(x, y), TransportMode::Importance) else {
-                    continue;
-                };
-                sums[usize::from(s.lobe.is_transmission())] += s.weight;
-                sums[2] += s.weight * s.weight;
+                let drawn = specimen.sample(wo, choice, u, Vec2::new(x, y), TransportMode::Importance);
+                let Some(s) = drawn else { continue };
+                for (lane, w) in s.weight.to_array().into_iter().map(f64::from).enumerate() {
+                    sums[usize::from(s.lobe.is_transmission())][lane] += w;
+                    sums[2][lane] += w * w;
+                }
             }
             sums
         })
         .collect();
-    let [r, t, squares] = parts.iter().fold([Spectrum::ZERO; 3], |a, b| std::array::from_fn(|i| a[i] + b[i]));
-    let n = samples as f32;
-    let mean = (r + t) / n;
-    let variance = (squares / n - mean * mean).max(0.0).max_element();
-    Albedo {
-        theta,
-        reflectance: specimen.lanes(r / n),
-        transmittance: specimen.lanes(t / n),
-        error: (variance / n).sqrt(),
-    }
+    let n = f64::from(samples);
+    let mean = |k: usize| -> [f64; 4] { std::array::from_fn(|l| parts.iter().map(|p| p[k][l]).sum::<f64>() / n) };
+    let [r, t, squares] = [0, 1, 2].map(mean);
+    let variance = (0..4).map(|l| (squares[l] - (r[l] + t[l]).powi(2)).max(0.0)).fold(0.0, f64::max);
+    let lanes = |v: [f64; 4]| specimen.lanes(Spectrum::new(v.map(|v| v as f32)));
+    Albedo { theta, reflectance: lanes(r), transmittance: lanes(t), error: (variance / n).sqrt() as f32 }
 }

@@ -173,8 +173,9 @@ fn slopes_are_gaussian() {
     let facets = Microsurface::new(alpha as f32, 64, 9).facets();
     let n = facets.len() as f64;
     let moment = |k: i32| facets.iter().map(|f| f64::from(f.x).powi(k)).sum::<f64>() / n;
-    // The mesh's facets cut the finest waves a little.
-    assert!((moment(2) / (alpha * alpha / 2.0) - 1.0).abs() < 0.06, "{}", moment(2));
+    // Both axes together: one alone varies with the few hundred waves. The mesh's facets cut the finest of them a little.
+    let both = facets.iter().map(|f| f64::from(f.x * f.x + f.y * f.y)).sum::<f64>() / n;
+    assert!((both / (alpha * alpha) - 1.0).abs() < 0.06, "{both}");
     assert!((moment(4) / (3.0 * moment(2).powi(2)) - 1.0).abs() < 0.15, "kurtosis {}", moment(4));
 }
 
