@@ -37,12 +37,11 @@ enum P {
     C(f64, f64, f64),
     L(&'static [f64]),
     V([f64; 3]),
-    B(bool),
     /// Another texture.
     T(&'static str, Params),
 }
 
-use P::{B, C, I, L, N, S, T, V};
+use P::{C, I, L, N, S, T, V};
 
 /// What is seen.
 enum Tile {
@@ -337,7 +336,6 @@ fn texture(desc: &mut SceneDesc, kind: &str, params: Params) -> steradian_scene:
             C(r, g, b) => Value::Spectrum(SpectrumValue::Rgb([r, g, b], ColorSpace::Srgb)),
             L(v) => Value::Floats(v.to_vec()),
             V(v) => v.into(),
-            B(v) => v.into(),
             T(kind, params) => texture(desc, kind, params).into(),
         };
         node.set(*name, value, None);
