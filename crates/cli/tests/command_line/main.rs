@@ -3,6 +3,7 @@
 // Tests say on stdout what they skip.
 #![allow(clippy::print_stdout)]
 
+mod benches;
 mod lists;
 mod materials;
 mod pictures;
