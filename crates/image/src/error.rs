@@ -27,14 +27,14 @@ pub enum Error {
         error: std::io::Error,
     },
     /// Neither the content nor the file's extension is a known image format.
-    #[error("not a known image format (known: EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM)")]
+    #[error("not a known image format (known: EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS, KTX2)")]
     UnknownFormat,
     /// The file is no grid of voxels.
     #[error("malformed volume file: {0}")]
     VoxelGrid(String),
     /// The file's extension names no format that can be written.
     #[error(
-        "cannot tell the image format from the name: the extension must be one of .exr .png .jpg .jpeg .hdr .pfm .ppm"
+        "cannot tell the image format from the name: the extension must be one of .exr .png .jpg .jpeg .hdr .pfm .ppm .dds .ktx2"
     )]
     UnknownExtension,
     /// The file breaks its format.

@@ -24,6 +24,10 @@ pub enum FileKind {
     Pfm,
     /// Portable pixmap and greymap.
     Pnm,
+    /// DirectDraw Surface.
+    Dds,
+    /// Khronos Texture 2.0.
+    Ktx2,
 }
 
 impl std::fmt::Display for FileKind {
@@ -37,6 +41,8 @@ impl std::fmt::Display for FileKind {
             Self::Hdr => "Radiance HDR",
             Self::Pfm => "PFM",
             Self::Pnm => "PPM/PGM",
+            Self::Dds => "DDS",
+            Self::Ktx2 => "KTX2",
         })
     }
 }
@@ -50,6 +56,8 @@ impl FileKind {
             [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
             [b'B', b'M', ..] if bytes.len() >= 26 && bytes[6..10] == [0; 4] => Some(Self::Bmp),
             [b'#', b'?', ..] => Some(Self::Hdr),
+            [b'D', b'D', b'S', b' ', 124, 0, 0, 0, ..] => Some(Self::Dds),
+            _ if bytes.starts_with(&crate::ktx2::MAGIC) => Some(Self::Ktx2),
             [b'P', b'F' | b'f', s, ..] if s.is_ascii_whitespace() => Some(Self::Pfm),
             [b'P', b'1'..=b'7', s, ..] if s.is_ascii_whitespace() || *s == b'#' => Some(Self::Pnm),
             _ if bytes.ends_with(b"TRUEVISION-XFILE.\0") => Some(Self::Tga),
@@ -68,6 +76,8 @@ impl FileKind {
             "hdr" | "pic" | "rgbe" => Some(Self::Hdr),
             "pfm" => Some(Self::Pfm),
             "ppm" | "pgm" | "pnm" => Some(Self::Pnm),
+            "dds" => Some(Self::Dds),
+            "ktx2" => Some(Self::Ktx2),
             _ => None,
         }
     }
@@ -122,6 +132,8 @@ fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
         FileKind::Hdr => crate::hdr::decode(bytes, limits),
         FileKind::Pfm => crate::pfm::decode(bytes, limits),
         FileKind::Pnm => crate::pnm::decode(bytes, limits),
+        FileKind::Dds => crate::dds::decode(bytes, limits),
+        FileKind::Ktx2 => crate::ktx2::decode(bytes, limits),
     }
 }
 

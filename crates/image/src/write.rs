@@ -1,5 +1,6 @@
 //! Writing pictures: the format follows from the file's extension.
 
+use crate::block::{self, BlockFormat};
 use crate::encoding::{quantize8, quantize16};
 use crate::tone::Tone;
 use crate::{Error, FileKind, Image, Result, png_file, pnm};
@@ -42,12 +43,15 @@ pub struct WriteOptions {
     pub ppm_plain: bool,
     /// PPM: linear values scaled by the picture's maximum, with a `#MAX=` comment, instead of tone-mapped display values.
     pub ppm_radiance: bool,
-    /// PNG, JPEG and PPM: from linear radiance to display values.
+    /// DDS and KTX2: how blocks are compressed; BC1, BC3, BC4, BC5 or BC7.
+    pub block: BlockFormat,
+    /// PNG, JPEG, PPM, and colours of DDS and KTX2: from linear radiance to display values.
     pub tone: Tone,
 }
 
 impl Default for WriteOptions {
-    /// EXR float with zip, PNG with 8 bits, JPEG quality 90, PPM `P6` with linear values and `#MAX=`, plain sRGB encoding.
+    /// EXR float with zip, PNG with 8 bits, JPEG quality 90, PPM `P6` with linear values and `#MAX=`, BC7 blocks, plain
+    /// sRGB encoding.
     fn default() -> Self {
         Self {
             exr_precision: Precision::Float,
@@ -56,12 +60,13 @@ impl Default for WriteOptions {
             jpeg_quality: 90,
             ppm_plain: false,
             ppm_radiance: true,
+            block: BlockFormat::Bc7,
             tone: Tone::default(),
         }
     }
 }
 
-/// Writes a picture of linear Rec.709 values; the extension chooses the format (`.exr .png .jpg .jpeg .hdr .pfm .ppm`). EXR keeps
+/// Writes a picture of linear Rec.709 values; the extension chooses the format (`.exr .png .jpg .jpeg .hdr .pfm .ppm .dds .ktx2`). EXR keeps
 /// all channels and metadata; PNG keeps colour, alpha and metadata; the others keep the colour. The file appears whole or not at all.
 ///
 /// # Errors
@@ -111,6 +116,14 @@ pub fn encode(kind: FileKind, image: &Image, options: &WriteOptions) -> Result<V
             let code = |v: f32| if options.sixteen_bit { quantize16(v) } else { quantize8(v).into() };
             Ok(pnm::encode_display(width, height, display.iter().map(|p| p.map(code)), layout))
         }
+        FileKind::Dds | FileKind::Ktx2 => {
+            let [w, h] = side_lengths(kind, image, 16384)?;
+            let codes = block_samples(image, options)?;
+            let blocks = block::encode(options.block, &codes, width, height)
+                .ok_or_else(|| Error::unsupported(kind, format!("writing {:?}", options.block)))?;
+            let file = if kind == FileKind::Dds { crate::dds::encode } else { crate::ktx2::encode };
+            Ok(file(w, h, options.block, &blocks))
+        }
         FileKind::Tga | FileKind::Bmp => Err(Error::unsupported(kind, "writing")),
     }
 }
@@ -133,6 +146,17 @@ fn encode_png(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
         let codes: Vec<u8> = samples.iter().map(|&v| quantize8(v)).collect();
         png_file::encode(w, h, lanes, &png_file::Samples::Eight(&codes), &image.metadata)
     }
+}
+
+/// RGBA codes for blocks: display values where the format has colours, linear values where it has one or two channels of numbers.
+fn block_samples(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
+    let pixels = if options.block.is_colour() { options.tone.map_image(image)? } else { image.to_rgb()? };
+    let alpha = image.channel("A");
+    let texel = |(i, p): (usize, &[f32; 3])| {
+        let [r, g, b] = p.map(quantize8);
+        [r, g, b, alpha.map_or(255, |a| quantize8(a[i]))]
+    };
+    Ok(pixels.iter().enumerate().flat_map(texel).collect())
 }
 
 fn side_lengths(kind: FileKind, image: &Image, most: u32) -> Result<[u32; 2]> {
