@@ -97,7 +97,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
             };
             within("the decoded size in bytes", needed, limits.bytes)?;
             let mut plain = Vec::new();
-            let done = flate2::read::ZlibDecoder::new(data).take(needed).read_to_end(&mut plain);
+            let done = flate2::read::ZlibDecoder::new(data).take(needed + 1).read_to_end(&mut plain);
             done.map_err(|e| Error::malformed(KIND, format!("its deflated data are damaged: {e}")))?;
             container::decode(KIND, layout, srgb, size, &plain, limits)?
         }

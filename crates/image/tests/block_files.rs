@@ -9,7 +9,9 @@ use steradian_image::{
 fn ramp(width: usize, height: usize, alpha: bool) -> Image {
     let at = |i: usize| {
         let (x, y) = ((i % width) as f32 / width as f32, (i / width) as f32 / height as f32);
-        [0.1 + 0.8 * x, 0.9 - 0.7 * y, 0.5]
+        // Channels that go together, as four colours on a line can show.
+        let v = 0.5 * (x + y);
+        [0.1 + 0.8 * v, 0.9 - 0.7 * v, 0.5]
     };
     let pixels: Vec<[f32; 3]> = (0..width * height).map(at).collect();
     let mut image = Image::from_rgb(width, height, &pixels).unwrap();
