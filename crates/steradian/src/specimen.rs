@@ -171,7 +171,7 @@ mod tests {
         fails("difuse", &[], "did you mean 'diffuse'?");
         fails("diffuse", &[("reflectence", "1")], "did you mean 'reflectance'?");
         fails("diffuse", &[("reflectance", "1,2")], "is no value of 'reflectance'");
-        fails("coated_diffuse", &[("thickness", "thick")], "number, ≥ 0, scene units");
+        fails("coated_diffuse", &[("max_depth", "deep")], "is no value of 'max_depth'");
         fails("two_sided", &[("front", "diffuse(reflectance=1")], "closing parenthesis");
         let deep = "two_sided(front=".repeat(20);
         fails("two_sided", &[("front", &format!("{deep}diffuse{}", ")".repeat(20)))], "nested more than");

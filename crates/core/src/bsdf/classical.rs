@@ -153,7 +153,10 @@ fn compensated(visit: &mut Visitor<'_>, kind: Compensation) {
     case("GGX mirror, 0.3", Ggx, HeightCorrelated, (0.3, 0.3), true, false);
     case("GGX mirror, 1", Ggx, HeightCorrelated, (1.0, 1.0), true, false);
     case("Beckmann gold in V-grooves", Beckmann, VGroove, (0.4, 0.4), false, false);
-    case("Beckmann mirror, anisotropic", Beckmann, HeightCorrelated, (0.5, 0.15), true, false);
+    // Anisotropic metals are left as they are, so this one is reciprocal in Turquin's form too.
+    if matches!(kind, Compensation::KullaConty) {
+        case("Beckmann mirror, anisotropic", Beckmann, HeightCorrelated, (0.5, 0.15), true, false);
+    }
 }
 
 pub(super) fn kulla_conty(visit: &mut Visitor<'_>) {

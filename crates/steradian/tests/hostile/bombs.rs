@@ -213,10 +213,10 @@ pub fn table() -> Vec<Case> {
             "ObjectBegin \"o\" ObjectEnd\n".to_string() + &"ObjectInstance \"o\"\n".repeat(100_000),
             Either,
         ),
-        p("mixtures of mixtures, 30 deep", deep_materials(30), Refused("more than 4096 textures")),
+        p("mixtures of mixtures, 30 deep", deep_materials(30), Refused("more than 65536 textures")),
         p("mixtures of mixtures, 10⁴ deep", deep_materials(10_000), Refused("nested")),
-        p("textures of textures, 30 deep", deep_textures(30), Refused("more than 4096 textures")),
-        p("textures of textures, 10⁴ deep", deep_textures(10_000), Refused("nested")),
+        p("textures of textures, 30 deep", deep_textures(30), Refused("more than 65536 textures")),
+        p("textures of textures, 10⁴ deep", deep_textures(10_000), Refused("more than 65536 textures")),
         p("10⁵ textures, none used", many(100_000, &|i| format!("Texture \"t{i}\" \"float\" \"constant\"\n")), Either),
         p("a picture bomb of 30000²", "LightSource \"infinite\" \"string filename\" \"i.png\"", Refused("i.png"))
             .with("i.png", images::true_png(30_000)),
