@@ -23,12 +23,22 @@ fn assets() -> Option<PathBuf> {
 }
 
 fn render(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u32) -> Image {
+    render_sharing(scene, size, mode, spp, DEFAULT_REUSE)
+}
+
+/// With pixels that err independently, so that the noise of a mean over the frame is known.
+fn render_alone(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u32) -> Image {
+    render_sharing(scene, size, mode, spp, 1)
+}
+
+fn render_sharing(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u32, reuse: u32) -> Image {
     let loaded = load(&scene.display().to_string(), &Default::default());
     assert!(!loaded.diagnostics.has_errors(), "{}: {:#?}", scene.display(), loaded.diagnostics);
     let options = CompileOptions { mode: Some(mode), size, ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &options);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics));
-    let quality = Quality { spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
+    let integrator = Some(format!("{}:reuse={reuse}", scene.settings.integrator));
+    let quality = Quality { integrator, spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
     let mut session = Session::new(&scene, quality.plan(&scene).expect("the scene's own integrator exists"));
     session.step(u32::MAX, &Control::default());
     assert_eq!(session.counters().nonfinite, 0);
@@ -54,14 +64,14 @@ fn blocks(image: &Image, channel: usize) -> Vec<f64> {
     out
 }
 
-/// Frame mean, and a bound on its standard error by the picture's own variance layer: pixels in groups of [`DEFAULT_REUSE`] may err alike.
+/// Frame mean, and its standard error by the picture's own variance layer, for pixels that err independently.
 fn mean_and_error(image: &Image, channel: usize) -> (f64, f64) {
     let planes = image.require_rgb().expect("pictures have colour");
     let plane = [planes.r, planes.g, planes.b][channel];
     let variance = image.layer_rgb("variance").map(|v| [v.r, v.g, v.b][channel].to_vec()).unwrap_or_default();
     let n = plane.len() as f64;
     let mean = plane.iter().map(|&v| f64::from(v)).sum::<f64>() / n;
-    let error = (variance.iter().map(|&v| f64::from(v)).sum::<f64>() * f64::from(DEFAULT_REUSE)).sqrt() / n;
+    let error = (variance.iter().map(|&v| f64::from(v)).sum::<f64>()).sqrt() / n;
     (mean, error)
 }
 
@@ -87,7 +97,7 @@ fn pbrt_scenes_match_pbrt() {
         let folder = assets.join("pbrt").join(s.name);
         let reference = read(folder.join("pbrt-v4-reference.exr"));
         let size = (reference.width() as u32, reference.height() as u32);
-        let picture = render(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Spectral, s.spp);
+        let picture = render_alone(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Spectral, s.spp);
         for c in 0..3 {
             let ((a, error), (b, _)) = (mean_and_error(&picture, c), mean_and_error(&reference, c));
             let allowed = 0.015 + s.reference_noise + 4.0 * error / b;
@@ -105,7 +115,7 @@ fn pbrt_scenes_in_rgb_are_near() {
         let folder = assets.join("pbrt").join(name);
         let reference = read(folder.join("pbrt-v4-reference.exr"));
         let half = (reference.width() as u32 / 2, reference.height() as u32 / 2);
-        let picture = render(folder.join("scene-v4.pbrt"), Some(half), ColorMode::Rgb, 16);
+        let picture = render_alone(folder.join("scene-v4.pbrt"), Some(half), ColorMode::Rgb, 16);
         for c in 0..3 {
             let ((a, error), (b, _)) = (mean_and_error(&picture, c), mean_and_error(&reference, c));
             println!("{name} channel {c}: mean {a:.5} reference {b:.5} ratio {:.4}", a / b);
@@ -208,8 +218,8 @@ fn other_mitsuba_scenes_render() {
             assert!(mean > 0.01, "{scene}: {mean}");
         }
     }
-    let ours = render(folder.join("cornell-box/scene_v3.xml"), Some((64, 64)), ColorMode::Rgb, 64);
-    let pbrt = render(assets.join("pbrt/cornell-box/scene-v4.pbrt"), Some((64, 64)), ColorMode::Rgb, 64);
+    let ours = render_alone(folder.join("cornell-box/scene_v3.xml"), Some((64, 64)), ColorMode::Rgb, 64);
+    let pbrt = render_alone(assets.join("pbrt/cornell-box/scene-v4.pbrt"), Some((64, 64)), ColorMode::Rgb, 64);
     for c in 0..3 {
         let ((a, ea), (b, eb)) = (mean_and_error(&ours, c), mean_and_error(&pbrt, c));
         assert!((a - b).abs() < 4.0 * ea.hypot(eb) + 0.002 * b, "channel {c}: {a} against {b}");

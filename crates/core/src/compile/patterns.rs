@@ -292,7 +292,7 @@ impl Compiler<'_> {
             ("bezier", Interpolation::SlidingBezier),
         ];
         let interpolation = self.choice(node, "interpolation", Interpolation::Linear, &kinds);
-        let whole = grey || numbers.len() % 3 == 0;
+        let whole = grey || numbers.len().is_multiple_of(3);
         match Ramp::new(places, values, interpolation) {
             Ok(ramp) if whole => Some(ramp),
             Ok(_) => {

@@ -1,5 +1,8 @@
 //! Surface detail by the shading normal: normal maps (M222) and bump maps (M223), and what keeps them from sending light into the surface.
 
+// Comparisons are negated on purpose: NaN takes the way of the exception.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use crate::texture::{FloatTexture, TextureContext, TextureId, Textures};
 use steradian_math::{Frame, Vec2, Vec3};
 

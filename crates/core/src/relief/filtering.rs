@@ -95,7 +95,7 @@ mod tests {
     fn the_spread_of_slopes_becomes_roughness() {
         // Slopes of variance 0.02 along u and 0.005 along v, turned by 30°.
         let mut rng = HashRng::new(6);
-        let (s, c) = 0.5235988_f32.sin_cos();
+        let (s, c) = std::f32::consts::FRAC_PI_6.sin_cos();
         let mut normals = Vec::new();
         for _ in 0..40_000 {
             // Sums of twelve numbers are nearly Gaussian, with variance one.
@@ -108,7 +108,7 @@ mod tests {
         // α² = 0.01 + 2σ²; a percent of the variance is two standard errors of it.
         assert!((major * major - 0.05).abs() < 0.0012, "{major}");
         assert!((minor * minor - 0.02).abs() < 0.0004, "{minor}");
-        assert!((angle - 0.5235988).abs() < 0.02);
+        assert!((angle - std::f32::consts::FRAC_PI_6).abs() < 0.02);
         // Toksvig has one roughness for both axes: between the two, and near the mean of the variances for small spreads.
         let mean = normals.iter().sum::<Vec3>() / normals.len() as f32;
         let t = toksvig_alpha(0.1, mean.length());

@@ -218,9 +218,9 @@ fn move_vertices(m: &mut Mesh, offset: &impl Fn(&Vertex) -> Vec3) {
         }
         count[place[i] as usize] += 1;
     }
-    for i in 0..n {
-        let k = place[i] as usize;
-        m.positions[i] = (Vec3::from(m.positions[i]) + sum[k] / count[k] as f32).to_array();
+    for (p, &k) in m.positions.iter_mut().zip(&place) {
+        let k = k as usize;
+        *p = (Vec3::from(*p) + sum[k] / count[k] as f32).to_array();
     }
     if !m.normals.is_empty() {
         // Smooth where it was smooth: over all faces that share the place and nearly the normal.

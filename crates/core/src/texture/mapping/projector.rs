@@ -1,5 +1,8 @@
 //! Projectors: the inverse of the parametrisation of a simple surface (M206).
 
+// Comparisons are negated on purpose: NaN takes the way of the exception.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::{Intermediary, ObjectMap, two_part};
 use crate::texture::{TextureContext, exact};
 use std::f64::consts::{PI, TAU};

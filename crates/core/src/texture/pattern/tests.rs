@@ -52,7 +52,7 @@ fn place(i: u32) -> TextureContext<'static> {
         duvdy: Vec2::new(next(), next()) * 0.01,
     };
     let n = Vec3::new(next(), 1.0, next()).normalize();
-    TextureContext { n, footprint: if i % 2 == 0 { footprint } else { Footprint::default() }, ..at }
+    TextureContext { n, footprint: if i.is_multiple_of(2) { footprint } else { Footprint::default() }, ..at }
 }
 
 /// The sum over places of the hashes of the bits. A change here changes pictures.

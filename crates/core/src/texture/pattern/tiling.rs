@@ -1,5 +1,8 @@
 //! Patterns of the plane and of space that repeat: their averages have closed forms.
 
+// Comparisons are negated on purpose: NaN takes the way of the exception.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::super::{
     mapping::{Coordinates2, Coordinates3},
     noise::{gradient_noise, lattice},
