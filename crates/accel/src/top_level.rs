@@ -105,7 +105,7 @@ impl TopLevel {
         nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
     }
 
-    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`] first: every triangle that is
+    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`](crate::PrimId) first: every triangle that is
     /// hit and, where it is filtered, accepted; of a user primitive its nearest hit.
     pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
         let mut hits = Vec::new();
