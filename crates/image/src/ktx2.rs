@@ -99,6 +99,9 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
             let mut plain = Vec::new();
             let done = flate2::read::ZlibDecoder::new(data).take(needed + 1).read_to_end(&mut plain);
             done.map_err(|e| Error::malformed(KIND, format!("its deflated data are damaged: {e}")))?;
+            if plain.len() as u64 > needed {
+                return Err(Error::malformed(KIND, "its deflated data are longer than its pixels"));
+            }
             container::decode(KIND, layout, srgb, size, &plain, limits)?
         }
         1 => return Err(Error::unsupported(KIND, "Basis Universal")),

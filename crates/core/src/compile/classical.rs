@@ -387,10 +387,7 @@ mod tests {
         bad(material("ward").with("alpha_u", "much"), "must be a number");
         bad(material("conductor").with("alpha_u", -1.0), "a roughness of -1 is not possible");
         bad(material("dielectric").with("eta", 0.0), "an index of refraction of 0 is not possible");
-        bad(
-            material("cook_torrance").with("eta", -2.0),
-            "parameter 'eta' of material 'cook_torrance' is -2; it must be",
-        );
+        bad(material("cook_torrance").with("eta", -2.0), "an index of refraction of -2 is not possible");
         bad(material("cook_torrance").with("film_thickness", -5.0), "it lies between 0 and 100000");
         bad(material("dielectric").with("cauchy", Value::Floats(vec![1.5])), "two or three constants, not 1");
         bad(material("dielectric").with("sellmeier", Value::Floats(vec![1.5; 5])), "six constants, not 5");
