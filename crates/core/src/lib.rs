@@ -5,6 +5,7 @@ pub mod camera;
 pub mod color;
 pub mod compile;
 pub mod film;
+pub mod footprint;
 pub mod light;
 pub mod material;
 pub mod medium;

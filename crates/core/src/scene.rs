@@ -1,7 +1,7 @@
 //! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
 
 use crate::{
-    camera::Camera,
+    camera::{Camera, ViewFootprint},
     color::ColorMode,
     film::FilmSpec,
     light::Lights,
@@ -9,7 +9,7 @@ use crate::{
     medium::Medium,
     sampler::SamplerKind,
     shape::{Curves, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
-    texture::{FloatTexture, TextureContext, Textures, hash_point},
+    texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
 use std::sync::Arc;
 use steradian_accel::{Accel, Hit, PrimId, Steps, UserHit, UserPrimitives, WORLD};
@@ -122,6 +122,10 @@ pub struct Scene {
     pub settings: Settings,
     /// Names of materials, by index, for reports.
     pub material_names: Vec<String>,
+    /// Where textures wait that are not in memory, where these are limited.
+    pub texture_pages: Option<Arc<Pages>>,
+    /// What footprints are made from, where any texture asks for them.
+    pub footprints: Option<ViewFootprint>,
     /// Whether any material is a mixture.
     pub has_mixtures: bool,
     /// Whether light is lost or scattered between surfaces.
@@ -312,14 +316,20 @@ impl Scene {
         }
     }
 
-    /// Where textures are looked up at a point of a surface.
+    /// Where textures are looked up at a point of a surface, over the footprint that the camera would have there.
     #[inline]
     pub fn texture_context<'a>(&'a self, i: &Interaction) -> TextureContext<'a> {
+        self.texture_context_over(i, self.footprint(i, None))
+    }
+
+    /// Where textures are looked up at a point of a surface, over a footprint.
+    #[inline]
+    pub fn texture_context_over<'a>(&'a self, i: &Interaction, footprint: Footprint) -> TextureContext<'a> {
         let mesh = match &self.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) => Some((&**m, i.id.prim, i.coordinates)),
             _ => None,
         };
-        TextureContext { n: i.surface.ns, wo: i.wo, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
+        TextureContext { n: i.surface.ns, wo: i.wo, footprint, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
     }
 
     /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only reflect.
@@ -331,16 +341,27 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
+        self.scattering_at(i, &self.texture_context(i), choice, lambda)
+    }
+
+    /// As [`Scene::scattering`], with textures looked up where `at` says.
+    #[inline]
+    pub fn scattering_at<'a>(
+        &'a self,
+        i: &Interaction,
+        at: &TextureContext<'a>,
+        choice: f32,
+        lambda: &mut Wavelengths,
+    ) -> Option<(Scattering<'a>, Frame)> {
         let geometry = &self.geometries[i.geometry as usize];
         if geometry.is_interface {
             return None;
         }
-        let at = self.texture_context(i);
         let front = i.surface.ns.dot(i.wo) > 0.0;
-        let s = material::scattering(&self.materials, &self.textures, geometry.material, &at, front, choice, lambda)?;
+        let s = material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
         let ns = match s.detail {
             None => i.surface.ns,
-            Some(detail) => detail.shading_normal(&self.textures, &at, &self.base(i), i.wo),
+            Some(detail) => detail.shading_normal(&self.textures, at, &self.base(i), i.wo),
         };
         let z = if s.flipped { -ns } else { ns };
         let frame = if self.materials[geometry.material as usize].needs_tangent() {

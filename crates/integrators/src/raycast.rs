@@ -17,18 +17,23 @@ impl Integrator for Raycast {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
+        let mut differential = scene.ray_differential(&ray);
         for _ in 0..MAX_PASSES {
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
                 return nee::background(scene, ray.origin, ray.direction, &None, lambda);
             };
             let i = scene.interaction(&ray, &hit);
-            match scene.scattering(&i, 0.5, lambda) {
+            let at = scene.texture_context_over(&i, scene.footprint(&i, differential.as_ref()));
+            match scene.scattering_at(&i, &at, 0.5, lambda) {
                 Some((s, frame)) => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
                     return albedo + nee::emission(scene, &i, &None, lambda);
                 }
-                None => ray = i.spawn(ray.direction),
+                None => {
+                    ray = i.spawn(ray.direction);
+                    differential = differential.map(|d| d.advance(i.t));
+                }
             }
         }
         Spectrum::ZERO

@@ -5,6 +5,7 @@ use crate::{Counters, Depth, Integrator, dimension, nee, walk::MAX_PASSES};
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, TransportMode},
+    footprint::{Bounce, RayDifferential},
     light::{Light, LightContext},
     sampler::PixelSampler,
     scene::Interaction,
@@ -20,6 +21,8 @@ const BRANCHING_RAYS: u64 = 1000;
 /// A branch of the tree of rays.
 struct Branch {
     ray: Ray,
+    /// What makes textures' footprints, where there are any (Igehy 1999).
+    differential: Option<RayDifferential>,
     /// Surfaces before it.
     events: u32,
     /// Counter of rays from which on the tree does not branch.
@@ -67,7 +70,7 @@ impl Whitted {
     fn trace(
         &self,
         scene: &Scene,
-        Branch { mut ray, events, limit }: Branch,
+        Branch { mut ray, mut differential, events, limit }: Branch,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
@@ -81,8 +84,10 @@ impl Whitted {
             let i = scene.interaction(&ray, &hit);
             sum += nee::emission(scene, &i, &None, lambda);
             let choice = sampler.get_1d(dimension::at(events, dimension::MIXTURE));
-            let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
+            let at = scene.texture_context_over(&i, scene.footprint(&i, differential.as_ref()));
+            let Some((scattering, frame)) = scene.scattering_at(&i, &at, choice, lambda) else {
                 ray = i.spawn(ray.direction);
+                differential = differential.map(|d| d.advance(i.t));
                 continue;
             };
             let bsdf = &scattering.bsdf;
@@ -115,7 +120,7 @@ impl Whitted {
             let last =
                 bsdf.sample(wo, ONE_MINUS_EPSILON, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
             let last = last.filter(|l| first.is_none_or(|f| f.lobe != l.lobe));
-            let mut ways = [first, last].map(|s| s.map(|s| (s.wi, s.weight * s.pdf)));
+            let mut ways = [first, last].map(|s| s.map(|s| (s, s.weight * s.pdf)));
             if counters.rays > limit
                 && let [Some((_, a)), Some((_, b))] = &mut ways
             {
@@ -125,9 +130,14 @@ impl Whitted {
                 (*a, *b) = (*a / p, *b / (1.0 - p));
                 ways[1 - chosen] = None;
             }
-            for (wi, factor) in ways.into_iter().flatten() {
-                let ray = i.spawn(frame.to_world(wi));
-                let next = Branch { ray, events: events + 1, limit };
+            for (s, factor) in ways.into_iter().flatten() {
+                let ray = i.spawn(frame.to_world(s.wi));
+                let differential = differential.as_ref().and_then(|d| {
+                    let passes = s.lobe.is_transmission();
+                    let bounce = if passes { Bounce::Refraction(s.eta) } else { Bounce::Reflection };
+                    scene.scatter_differential(&i, d, ray.direction, bounce)
+                });
+                let next = Branch { ray, differential, events: events + 1, limit };
                 sum += factor * self.trace(scene, next, sampler, lambda, counters);
             }
             return sum;
@@ -146,6 +156,12 @@ impl Integrator for Whitted {
         counters: &mut Counters,
     ) -> Spectrum {
         let limit = counters.rays + BRANCHING_RAYS;
-        self.trace(scene, Branch { ray, events: 0, limit }, sampler, lambda, counters)
+        self.trace(
+            scene,
+            Branch { ray, differential: scene.ray_differential(&ray), events: 0, limit },
+            sampler,
+            lambda,
+            counters,
+        )
     }
 }

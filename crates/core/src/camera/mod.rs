@@ -1,5 +1,9 @@
 //! Cameras: from a point on the film to a ray. Camera space has +x to the right, +y up and +z forward.
 
+mod differentials;
+
+pub use differentials::ViewFootprint;
+
 use crate::film::FilmSpec;
 use steradian_math::{Ray, Vec2, Vec3, transform::Affine, warp};
 

@@ -27,7 +27,11 @@ use crate::{
     material::{Material, Model},
     medium::Medium,
     scene::{Geometry, Placement, Scene},
-    texture::{FloatTexture, TextureId, Textures},
+    texture::{
+        FloatTexture, TextureId, Textures,
+        levels::{Levels, Recipe},
+        store::{Level, Pages},
+    },
 };
 use std::{
     collections::{HashMap, HashSet},
@@ -52,6 +56,10 @@ pub struct Options {
     pub camera: Option<String>,
     /// The structure that rays go through. All give the same picture.
     pub accelerator: Accelerator,
+    /// Samples per pixel instead of the scene's: the more there are, the closer they lie and the less textures are filtered.
+    pub spp: Option<u32>,
+    /// Bytes of textures that may be in memory at once; what is beyond waits in a temporary file. `None` for no limit.
+    pub texture_limit: Option<usize>,
     /// Limits on images.
     pub image_limits: steradian_image::Limits,
 }
@@ -76,8 +84,8 @@ struct ResolvedMaterial {
 
 /// An image file that was read.
 #[derive(Clone, Debug)]
-struct LoadedImage {
-    texels: Arc<Texels>,
+struct Loaded<T> {
+    texels: T,
     /// How many of its values were infinite or NaN.
     faults: usize,
 }
@@ -89,8 +97,13 @@ struct Compiler<'a> {
     diagnostics: Diagnostics,
     textures: Textures,
     texture_ids: HashMap<NodeId, TextureId>,
-    images: HashMap<PathBuf, Result<LoadedImage, String>>,
     grids: HashMap<PathBuf, Arc<steradian_image::VoxelGrid>>,
+    images: HashMap<PathBuf, Result<Loaded<Arc<Texels>>, String>>,
+    /// Images of textures that are kept in `pages`, where textures are limited.
+    paged: HashMap<PathBuf, Result<Loaded<Level>, String>>,
+    pages: Option<Arc<Pages>>,
+    /// Sizes of images that were made, by file, encoding and recipe.
+    levels: Vec<(PathBuf, steradian_image::Encoding, Recipe, Arc<Levels>)>,
     materials: Vec<Material>,
     material_names: Vec<String>,
     material_ids: HashMap<NodeId, ResolvedMaterial>,
@@ -121,6 +134,9 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         texture_ids: HashMap::new(),
         images: HashMap::new(),
         grids: HashMap::new(),
+        paged: HashMap::new(),
+        pages: None,
+        levels: Vec::new(),
         materials: vec![Material::default_diffuse()],
         material_names: vec!["default".into()],
         material_ids: HashMap::new(),
@@ -185,8 +201,12 @@ impl Compiler<'_> {
         }
         let has_media =
             camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
+        let spp = self.options.spp.unwrap_or(settings.spp);
+        let footprints = textures.is_filtered().then(|| camera.view_footprint(&film, spp));
         let scene = Scene {
             mode: self.mode,
+            footprints,
+            texture_pages: self.pages.take(),
             has_media,
             is_see_through: self
                 .materials

@@ -383,7 +383,8 @@ impl Compiler<'_> {
             let texels = (*self.image(light)?).clone();
             let texels = Arc::new(self.emitted_texels(light, texels));
             let mean = super::lights::mean_luminance(&texels);
-            let image = self.image_texture(light, texels);
+            let level = crate::texture::store::Level::new(texels, None).ok()?;
+            let image = self.image_texture(light, &level);
             // `scale` of an image texture is the light's own.
             let image = crate::texture::ImageTexture { scale: 1.0, ..image };
             let id = self.textures.add(crate::texture::Texture::Image(Arc::new(image)));

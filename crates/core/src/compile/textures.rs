@@ -1,9 +1,17 @@
 //! Compiling textures and loading images.
 
-use super::{Compiler, LoadedImage};
+use super::{Compiler, Loaded};
 use crate::{
     color::{Color, Role},
-    texture::{self, GridTexture, ImageTexture, SpectrumTexture, Texture, grid::Interpolation, image::Wrap},
+    texture::{
+        self, Filter, GridTexture, ImageTexture, SpectrumTexture, Texture, Wrap,
+        filter::FILTERS,
+        grid::Interpolation,
+        kernel::{MIP_KERNELS, MipKernel},
+        levels::{Levels, Recipe, Shape},
+        store::{Level, Pages},
+        summed::SummedArea,
+    },
 };
 use rayon::prelude::*;
 use std::{collections::BTreeSet, path::Path, sync::Arc};
@@ -11,45 +19,85 @@ use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Domain, Family, Node, NodeId, SpectrumValue, Value};
 
+/// What single channels are called.
+const CHANNELS: [(&str, Option<usize>); 5] =
+    [("color", None), ("r", Some(0)), ("g", Some(1)), ("b", Some(2)), ("a", Some(3))];
+
 impl Compiler<'_> {
     /// Loads every image that a node names, each once, in parallel. Failures are reported where the image is used.
     pub(super) fn load_images(&mut self) {
-        let wants_texels =
-            |n: &&Node| matches!((n.family, n.kind.as_str()), (Family::Texture, "image") | (Family::Light, _));
-        let paths: BTreeSet<&Path> =
-            self.desc.nodes.iter().filter(wants_texels).filter_map(|n| n.path("file")).collect();
-        let limits = self.options.image_limits;
-        let load = |p: &&Path| {
-            let texels = steradian_image::read_texels(p, &limits).map_err(|e| e.to_string());
-            let image = texels.map(|mut texels| {
-                let faults = blacken_non_finite(&mut texels);
-                LoadedImage { texels: Arc::new(texels), faults }
-            });
-            (p.to_path_buf(), image)
+        let names = |wanted: fn(&Node) -> bool| -> BTreeSet<&Path> {
+            self.desc.nodes.iter().filter(|n| wanted(n)).filter_map(|n| n.path("file")).collect()
         };
-        self.images = paths.par_iter().map(load).collect();
+        let textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
+        let mut others = names(|n| n.family == Family::Light);
+        let limits = self.options.image_limits;
+        let load = |p: &Path| -> Result<Loaded<Arc<Texels>>, String> {
+            let mut texels = steradian_image::read_texels(p, &limits).map_err(|e| e.to_string())?;
+            let faults = blacken_non_finite(&mut texels);
+            Ok(Loaded { texels: Arc::new(texels), faults })
+        };
+        match self.options.texture_limit {
+            None => others.extend(&textures),
+            Some(limit) => match Pages::new(limit) {
+                Ok(pages) => {
+                    let page = |p: &&Path| {
+                        let level = load(p).and_then(|image| {
+                            let texels = Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?;
+                            Ok(Loaded { texels, faults: image.faults })
+                        });
+                        (p.to_path_buf(), level)
+                    };
+                    self.paged = textures.par_iter().map(page).collect();
+                    self.pages = Some(pages);
+                }
+                Err(e) => {
+                    self.error(None, format!("cannot make a temporary file for textures: {e}"));
+                    return;
+                }
+            },
+        }
+        self.images = others.par_iter().map(|p| (p.to_path_buf(), load(p))).collect();
     }
 
     /// The image a node names in its parameter `file`; a failure is reported.
     pub(super) fn image(&mut self, node: &Node) -> Option<Arc<Texels>> {
-        let span = node.param("file").and_then(|p| p.span).or(node.span);
         match node.path("file").and_then(|p| self.images.get(p)).cloned() {
-            Some(Ok(LoadedImage { texels, faults })) => {
+            Some(image) => self.reported(node, image),
+            None => {
+                let span = node.param("file").and_then(|p| p.span).or(node.span);
+                self.error(span, format!("{} '{}' needs a file", node.family.noun(), node.kind));
+                None
+            }
+        }
+    }
+
+    /// What was read, after saying what is wrong with it.
+    fn reported<T>(&mut self, node: &Node, image: Result<Loaded<T>, String>) -> Option<T> {
+        let span = node.param("file").and_then(|p| p.span).or(node.span);
+        match image {
+            Ok(Loaded { texels, faults }) => {
                 if faults > 0 {
                     let what = format!("{faults} values of this image are infinite or NaN; they count as black");
                     self.diagnostics.warn(&self.desc.sources, span, what);
                 }
                 Some(texels)
             }
-            Some(Err(e)) => {
+            Err(e) => {
                 self.error(span, e);
                 None
             }
-            None => {
-                self.error(span, format!("{} '{}' needs a file", node.family.noun(), node.kind));
-                None
-            }
         }
+    }
+
+    /// The image of a texture, in memory or, where textures are limited, in pages.
+    fn texture_level(&mut self, node: &Node) -> Option<Level> {
+        let file = node.path("file").unwrap_or(Path::new(""));
+        if let Some(level) = self.paged.get(file).cloned() {
+            return self.reported(node, level);
+        }
+        let texels = self.image(node)?;
+        Level::new(texels, None).ok()
     }
 
     /// Compiles a texture used in a role.
@@ -131,8 +179,8 @@ impl Compiler<'_> {
         }
         match node.kind.as_str() {
             "image" => {
-                let texels = self.image(node)?;
-                Some(Texture::Image(Arc::new(self.image_texture(node, texels))))
+                let base = self.texture_level(node)?;
+                Some(Texture::Image(Arc::new(self.image_texture(node, &base))))
             }
             "mesh_attribute" => Some(Texture::MeshAttribute {
                 name: self.word(node, "name").unwrap_or_default().into(),
@@ -210,19 +258,12 @@ impl Compiler<'_> {
     }
 
     /// An image with the lookup parameters of a node.
-    pub(super) fn image_texture(&mut self, node: &Node, texels: Arc<Texels>) -> ImageTexture {
-        let wraps =
-            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
-        let filters = [("nearest", true), ("bilinear", false), ("trilinear", false), ("ewa", false)];
-        if let Some(filter @ ("trilinear" | "ewa")) = node.string("filter") {
-            let span = node.param("filter").and_then(|p| p.span).or(node.span);
-            self.approximated(span, format!("texture filter '{filter}' is not implemented; 'bilinear' stands in"));
-        }
+    pub(super) fn image_texture(&mut self, node: &Node, base: &Level) -> ImageTexture {
         let raw = self.bool(node, "raw", false);
         let encoding = match node.get("encoding") {
-            None => texels.encoding,
+            None => base.encoding(),
             Some(Value::String(s)) => match s.as_str() {
-                "auto" => texels.encoding,
+                "auto" => base.encoding(),
                 "srgb" => Encoding::Srgb,
                 "linear" => Encoding::Linear,
                 other => {
@@ -230,27 +271,80 @@ impl Compiler<'_> {
                         node.span,
                         format!("'{other}' is not an encoding; known are auto, srgb, linear, or a gamma"),
                     );
-                    texels.encoding
+                    base.encoding()
                 }
             },
             Some(_) => Encoding::Gamma(self.positive(node, "encoding", 2.2)),
         };
         let encoding = if raw { Encoding::Linear } else { encoding };
-        let texels = if encoding == texels.encoding || matches!(texels.data, TexelData::U8(_)) {
-            texels
-        } else {
-            Arc::new(Texels { encoding, ..(*texels).clone() })
+        let filter = match self.choice(node, "filter", Filter::Bilinear, &FILTERS) {
+            Filter::Ewa(most) => Filter::Ewa(self.float(node, "max_anisotropy", most.into()).clamp(1.0, 64.0)),
+            other => other,
         };
+        let wraps =
+            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
+        let wrap =
+            [self.choice(node, "wrap_u", Wrap::Repeat, &wraps), self.choice(node, "wrap_v", Wrap::Repeat, &wraps)];
+        let recipe = Recipe {
+            shape: match filter {
+                Filter::Trilinear | Filter::Ewa(_) => Shape::Mip,
+                Filter::Ripmap => Shape::Rip,
+                _ => Shape::Flat,
+            },
+            kernel: self.choice(node, "mip_filter", MipKernel::Box, &MIP_KERNELS),
+            wrap,
+            keep_coverage: node.get("keep_coverage").map(|_| self.float(node, "keep_coverage", 0.5)),
+        };
+        let channels = base.channels();
+        let channel = match self.choice(node, "channel", None, &CHANNELS) {
+            // Grey pictures have their grey in any colour.
+            Some(c @ 0..3) => Some(if channels < 3 { 0 } else { c }),
+            Some(_) => match base.alpha() {
+                Some(alpha) => Some(alpha),
+                None => {
+                    self.error(node.span, "this image has no alpha channel");
+                    None
+                }
+            },
+            None => None,
+        };
+        let levels = self.levels(node, base.with_encoding(encoding), &recipe);
         ImageTexture {
-            texels,
-            decode: Box::new(encoding.table8()),
-            wrap_u: self.choice(node, "wrap_u", Wrap::Repeat, &wraps),
-            wrap_v: self.choice(node, "wrap_v", Wrap::Repeat, &wraps),
-            nearest: self.choice(node, "filter", false, &filters),
+            sums: (filter == Filter::Box).then(|| Arc::new(SummedArea::new(levels.base()))),
+            levels,
+            filter,
+            stochastic: self.bool(node, "stochastic", false),
+            wrap,
+            channel,
             origin_bottom: self.choice(node, "origin", true, &[("bottom", true), ("top", false)]),
             scale: self.float(node, "scale", 1.0),
             invert: self.bool(node, "invert", false),
             mapping: self.mapping(node),
+        }
+    }
+
+    /// The sizes of a picture, made once for all textures that need the same.
+    fn levels(&mut self, node: &Node, base: Level, recipe: &Recipe) -> Arc<Levels> {
+        // Images of lights, which were changed after they were read, are looked at point by point.
+        if recipe.shape == Shape::Flat || node.family != Family::Texture {
+            return Arc::new(Levels::flat(base));
+        }
+        let file = node.path("file").map(Path::to_path_buf).unwrap_or_default();
+        let known = self.levels.iter().find(|l| l.0 == file && l.1 == base.encoding() && l.2 == *recipe);
+        if let Some((.., levels)) = known {
+            return levels.clone();
+        }
+        let encoding = base.encoding();
+        match Levels::new(base.clone(), recipe, self.pages.as_ref()) {
+            Ok(levels) => {
+                let levels = Arc::new(levels);
+                self.levels.push((file, encoding, *recipe, levels.clone()));
+                levels
+            }
+            Err(e) => {
+                self.error(node.span, format!("cannot keep the levels of this image: {e}"));
+                Arc::new(Levels::flat(base))
+            }
         }
     }
 }

@@ -375,6 +375,12 @@ impl Curves {
             uv: Vec2::new(u, v),
         }
     }
+
+    /// ∂p/∂v: across the curve, as long as it is wide.
+    pub fn dpdv(&self, prim: u32, u: f32, n: Vec3, dpdu: Vec3) -> Vec3 {
+        let width = self.segments[self.piece(prim).0].width(u);
+        self.place.vector(Vec3::X * width).length() * dpdu.cross(n).normalize_or_zero()
+    }
 }
 
 /// A part of a curve in coordinates in which the ray is the z axis.

@@ -137,6 +137,22 @@ impl TriMesh {
         if change.is_finite() { change } else { Vec2::ZERO }
     }
 
+    /// How the interpolated vertex normal changes with a displacement in the plane of a triangle; zero without vertex normals.
+    pub fn normal_change(&self, triangle: u32, dp: Vec3) -> Vec3 {
+        let index = self.triangles[triangle as usize];
+        let [p0, p1, p2] = index.map(|i| self.positions[i as usize]);
+        let (a, b) = (p1 - p0, p2 - p0);
+        let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
+        let det = aa * bb - ab * ab;
+        if self.normals.is_empty() || det <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (da, db) = (a.dot(dp), b.dot(dp));
+        let (u, v) = ((bb * da - ab * db) / det, (aa * db - ab * da) / det);
+        let [n0, n1, n2] = index.map(|i| self.normals[i as usize]);
+        (n1 - n0) * u + (n2 - n0) * v
+    }
+
     /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
     pub fn attribute(&self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
         let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;

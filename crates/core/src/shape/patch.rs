@@ -134,6 +134,18 @@ impl PatchMesh {
         surface
     }
 
+    /// ∂p/∂v at the parameters of a patch, by its texture coordinates where it has any.
+    pub fn dpdv(&self, patch: u32, u: f32, v: f32) -> Vec3 {
+        let (dpdu, dpdv) = Sides::new(self.corners(patch)).derivatives(u, v);
+        if self.uvs.is_empty() {
+            return dpdv;
+        }
+        let [c00, c10, c01, c11] = self.patches[patch as usize].map(|i| self.uvs[i as usize]);
+        let (du, dv) = ((c10 - c00).lerp(c11 - c01, v), (c01 - c00).lerp(c11 - c10, u));
+        let det = du.perp_dot(dv);
+        if det.abs() > 1e-20 { (dpdv * du.x - dpdu * dv.x) / det } else { dpdv }
+    }
+
     /// Texture coordinates at the parameters of a patch.
     #[inline]
     pub fn uv(&self, patch: u32, u: f32, v: f32) -> Vec2 {

@@ -44,4 +44,9 @@ impl Plane {
             uv: Vec2::new(frame.x.dot(p), frame.y.dot(p)),
         }
     }
+
+    /// ∂p/∂v.
+    pub fn dpdv(&self) -> Vec3 {
+        Frame::from_z(self.n).y
+    }
 }

@@ -215,6 +215,28 @@ impl Quadric {
         }
     }
 
+    /// ∂p/∂v at a point of the surface, in the space it is placed in; zero on the axis of spheres and disks.
+    pub fn dpdv(&self, p: Vec3) -> Vec3 {
+        let p = self.place.inverse().point(p);
+        let radial = Vec3::new(p.x, p.y, 0.0).normalize_or_zero();
+        self.place.vector(match self.kind {
+            QuadricKind::Sphere { radius, z_min, z_max } => {
+                let theta = |z: f32| (z / radius).clamp(-1.0, 1.0).acos();
+                (radial * p.z - Vec3::Z * p.x.hypot(p.y)) * (theta(z_max) - theta(z_min))
+            }
+            QuadricKind::Cylinder { z_min, z_max, .. } => Vec3::Z * (z_max - z_min),
+            QuadricKind::Disk { radius, inner, .. } => radial * (inner - radius),
+        })
+    }
+
+    /// The radius where it is placed; of the mean scale where that is not uniform.
+    pub fn world_radius(&self) -> f32 {
+        let (QuadricKind::Sphere { radius, .. }
+        | QuadricKind::Cylinder { radius, .. }
+        | QuadricKind::Disk { radius, .. }) = self.kind;
+        radius * [Vec3::X, Vec3::Y, Vec3::Z].map(|e| self.place.vector(e).length()).iter().sum::<f32>() / 3.0
+    }
+
     /// An object-space point uniform over the area (for similarity placements; disks under any placement).
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let phi = self.phi_max * u.y;

@@ -1,6 +1,6 @@
 //! Three-dimensional textures on a grid (M218), with interpolation over the eight corners of a cell or the four of a simplex in it (M204).
 
-use super::{Mapping, TextureContext, image::Wrap};
+use super::{Mapping, TextureContext, Wrap};
 use std::sync::Arc;
 use steradian_image::VoxelGrid;
 use steradian_math::Vec3;

@@ -4,19 +4,30 @@ pub mod adjust;
 pub mod card;
 mod eval;
 pub mod exact;
+pub mod filter;
 pub mod grid;
 pub mod image;
+pub mod kernel;
+pub mod levels;
 pub mod mapping;
 pub mod noise;
+pub mod pages;
 pub mod pattern;
 pub mod ramp;
+pub mod store;
+pub mod summed;
 pub mod triplanar;
+pub mod wrap;
+
+#[cfg(test)]
+mod image_tests;
 
 use crate::{
     color::{Color, ColorMode, Role},
     shape::mesh::TriMesh,
 };
 pub use adjust::Adjust;
+pub use filter::Filter;
 pub use grid::GridTexture;
 pub use image::ImageTexture;
 pub use mapping::Mapping;
@@ -32,13 +43,16 @@ use steradian_math::{
 };
 use steradian_scene::Domain;
 pub use triplanar::Triplanar;
+pub use wrap::Wrap;
 
 /// The textures by name, for the registry.
 pub const TEXTURES: &[(&str, &str)] = &[
     ("constant", "the same everywhere; value"),
     (
         "image",
-        "a picture by bilinear (or nearest) lookup; file, filter, wrap_u, wrap_v, encoding, raw, origin, scale, invert, mapping",
+        "a picture; file, filter (nearest bilinear bicubic bspline mitchell catmull_rom lanczos trilinear ripmap box ewa), \
+         max_anisotropy, mip_filter (box gaussian lanczos kaiser), keep_coverage, stochastic, channel, wrap_u, wrap_v, encoding, raw, \
+         origin, scale, invert, mapping",
     ),
     ("checkerboard", "squares or cubes of two values; a, b, dimension (2 or 3), pattern"),
     (
@@ -256,6 +270,14 @@ impl Textures {
             copies.insert(id, self.add(copy));
         }
         copies.get(&root.0).copied().unwrap_or(root)
+    }
+
+    /// Whether any texture is averaged over footprints.
+    pub fn is_filtered(&self) -> bool {
+        self.nodes.iter().any(|t| match t {
+            Texture::Image(image) => image.filter.is_prefiltered(),
+            _ => false,
+        })
     }
 
     /// What it takes to evaluate a texture.

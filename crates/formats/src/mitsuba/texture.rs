@@ -202,7 +202,16 @@ impl Reader<'_> {
         if let Some(to_uv) = self.uv_map(object) {
             node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
         }
-        self.ignore(object, &["accel", "format", "cache", "max_anisotropy", "channel"]);
+        // Both are of 0.6.
+        if let Some(most) = self.float(object, "max_anisotropy") {
+            node.set("max_anisotropy", Value::Float(most), Some(self.value_span(object, "max_anisotropy")));
+        }
+        if self.graph.has(object, "channel") {
+            let channel = self.choice(object, "channel", &["all", "r", "g", "b", "a"]);
+            let ours = if channel == "all" { "color" } else { channel };
+            node.set("channel", ours, Some(self.value_span(object, "channel")));
+        }
+        self.ignore(object, &["accel", "format", "cache"]);
         node.set("file", file?, Some(self.value_span(object, "filename")));
         for (name, value) in [("filter", filter), ("wrap_u", wrap_u), ("wrap_v", wrap_v), ("origin", "top")] {
             node.set(name, value, None);

@@ -19,4 +19,5 @@ mod reuse;
 mod scales;
 mod shot;
 mod stage;
+mod textures;
 mod transport;

@@ -1,0 +1,286 @@
+//! Footprints: how far the point that a pixel sees moves when the sample moves by a pixel (M65). Texture filters average over them.
+//!
+//! Ray differentials follow Igehy, "Tracing Ray Differentials", SIGGRAPH 1999: transfer (eq. 10 to 12), reflection (14, 15) and
+//! refraction (16, 17). Where nothing was carried along, the footprint is that which the camera would have if it saw the point directly,
+//! as in Pharr, Jakob, Humphreys, *Physically Based Rendering* 4th ed., § 10.1.3.
+
+use crate::{
+    scene::{Interaction, Scene, Shape},
+    shape::QuadricKind,
+    texture::Footprint,
+};
+use steradian_accel::WORLD;
+use steradian_math::{Ray, Vec2, Vec3};
+
+impl Footprint {
+    /// A point without extent.
+    pub const POINT: Self = Self { dpdx: Vec3::ZERO, dpdy: Vec3::ZERO, duvdx: Vec2::ZERO, duvdy: Vec2::ZERO };
+
+    /// The footprint of two displacements in the tangent plane; the parameters change by least squares. Parametrisations that are
+    /// degenerate, and displacements out of range, give none.
+    pub fn new(dpdx: Vec3, dpdy: Vec3, dpdu: Vec3, dpdv: Vec3) -> Self {
+        // A change of a million periods averages over everything.
+        const MOST: f32 = 1e6;
+        if !(dpdx.is_finite() && dpdy.is_finite()) {
+            return Self::POINT;
+        }
+        let (uu, uv, vv) = (dpdu.dot(dpdu), dpdu.dot(dpdv), dpdv.dot(dpdv));
+        let det = uu * vv - uv * uv;
+        let solve = |dp: Vec3| {
+            let (u, v) = (dpdu.dot(dp), dpdv.dot(dp));
+            let duv = Vec2::new(vv * u - uv * v, uu * v - uv * u) / det;
+            if duv.is_finite() { duv.clamp(Vec2::splat(-MOST), Vec2::splat(MOST)) } else { Vec2::ZERO }
+        };
+        Self { dpdx, dpdy, duvdx: solve(dpdx), duvdy: solve(dpdy) }
+    }
+}
+
+/// A ray's derivatives with respect to the sample's place in the film, per sample spacing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayDifferential {
+    /// Of the origin.
+    pub origin: [Vec3; 2],
+    /// Of the unit direction.
+    pub direction: [Vec3; 2],
+}
+
+/// What a specular event does to a ray: a reflection, or a refraction with the ratio of the indices on the far side and on this one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bounce {
+    /// Mirror reflection.
+    Reflection,
+    /// Refraction; index of the far side over that of this side.
+    Refraction(f32),
+}
+
+impl RayDifferential {
+    /// The displacements on the plane with normal `n` at distance `t` along the ray in direction `d`.
+    pub fn transfer(&self, d: Vec3, t: f32, n: Vec3) -> [Vec3; 2] {
+        let dn = d.dot(n);
+        std::array::from_fn(|k| {
+            let moved = self.origin[k] + self.direction[k] * t;
+            moved - d * (moved.dot(n) / dn)
+        })
+    }
+
+    /// The differential of the ray that goes straight on from distance `t`.
+    #[must_use]
+    pub fn advance(&self, t: f32) -> Self {
+        Self { origin: std::array::from_fn(|k| self.origin[k] + self.direction[k] * t), direction: self.direction }
+    }
+
+    /// The differential of the ray that leaves towards `wi` after a specular event at a hit; `dn` are the derivatives of the unit shading
+    /// normal `n` for the displacements `dp`.
+    pub fn scatter(&self, d: Vec3, wi: Vec3, n: Vec3, dp: [Vec3; 2], dn: [Vec3; 2], bounce: Bounce) -> Self {
+        // The normal is taken against the ray.
+        let side = if d.dot(n) > 0.0 { -1.0 } else { 1.0 };
+        let n = n * side;
+        let direction = std::array::from_fn(|k| {
+            let dn = dn[k] * side;
+            let cos = d.dot(n);
+            let dcos = self.direction[k].dot(n) + d.dot(dn);
+            match bounce {
+                Bounce::Reflection => self.direction[k] - (dn * cos + n * dcos) * 2.0,
+                Bounce::Refraction(relative) => {
+                    let eta = 1.0 / relative;
+                    let cos_t = wi.dot(n);
+                    let mu = eta * cos - cos_t;
+                    let dmu = (eta - eta * eta * cos / cos_t) * dcos;
+                    self.direction[k] * eta - (dn * mu + n * dmu)
+                }
+            }
+        });
+        Self { origin: dp, direction }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.origin.iter().chain(&self.direction).all(|v| v.is_finite())
+    }
+}
+
+impl Scene {
+    /// The differential of a camera ray, where the scene has textures that ask for footprints.
+    #[inline]
+    pub fn ray_differential(&self, ray: &Ray) -> Option<RayDifferential> {
+        let spacing = self.footprints.as_ref()?.spacing;
+        self.camera.differential(&self.film, ray, spacing)
+    }
+
+    /// The footprint at a hit: of the ray's differential where it has one, else as the camera would see the point.
+    #[inline]
+    pub fn footprint(&self, i: &Interaction, differential: Option<&RayDifferential>) -> Footprint {
+        match &self.footprints {
+            None => Footprint::POINT,
+            Some(camera) => {
+                let [dpdx, dpdy] = match differential {
+                    Some(d) => d.transfer(-i.wo, i.t, i.surface.n),
+                    None => camera.displacements(&self.camera, i.surface.p, i.surface.n),
+                };
+                Footprint::new(dpdx, dpdy, i.surface.dpdu, self.dpdv(i))
+            }
+        }
+    }
+
+    /// The differential after a specular event at a hit; `None` where it leaves the range of numbers.
+    pub fn scatter_differential(
+        &self,
+        i: &Interaction,
+        differential: &RayDifferential,
+        wi: Vec3,
+        bounce: Bounce,
+    ) -> Option<RayDifferential> {
+        let d = -i.wo;
+        let dp = differential.transfer(d, i.t, i.surface.n);
+        let dn = dp.map(|dp| self.normal_derivative(i, dp));
+        Some(differential.scatter(d, wi, i.surface.ns, dp, dn, bounce)).filter(RayDifferential::is_finite)
+    }
+
+    /// ∂p/∂v at a hit, in the world; may be zero. For curves it runs along the rim and for quadrics along the profile.
+    pub fn dpdv(&self, i: &Interaction) -> Vec3 {
+        let (u, v) = (i.coordinates.x, i.coordinates.y);
+        let local = match &self.geometries[i.geometry as usize].shape {
+            Shape::Mesh(m) => m.dpdv(i.id.prim),
+            Shape::Patches(m) => m.dpdv(i.id.prim, u, v),
+            // Both are in the space that the point is in.
+            Shape::Quadric(q) => q.dpdv(self.local_point(i)),
+            Shape::Curves(c) => c.dpdv(i.id.prim, u, i.surface.n, i.surface.dpdu),
+            Shape::Plane(p) => p.dpdv(),
+        };
+        if i.id.instance == WORLD {
+            local
+        } else {
+            self.placements[i.id.instance as usize].world_from_group.vector(local)
+        }
+    }
+
+    /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches and curves is
+    /// left out.
+    fn normal_derivative(&self, i: &Interaction, dp: Vec3) -> Vec3 {
+        match &self.geometries[i.geometry as usize].shape {
+            Shape::Mesh(m) if !m.normals.is_empty() => {
+                let place = (i.id.instance != WORLD).then(|| &self.placements[i.id.instance as usize].world_from_group);
+                let into = |v: Vec3| place.map_or(v, |a| a.inverse().vector(v));
+                let change = m.normal_change(i.id.prim, into(dp));
+                let change = place.map_or(change, |a| a.normal(change));
+                // Only the part across the normal turns it.
+                change - i.surface.ns * change.dot(i.surface.ns)
+            }
+            Shape::Quadric(q) => match q.kind {
+                QuadricKind::Sphere { .. } | QuadricKind::Cylinder { .. } => {
+                    // Along the rim the normal turns as the point goes around; a cylinder's is straight along its axis.
+                    let radius = q.world_radius();
+                    let dp = match q.kind {
+                        QuadricKind::Cylinder { .. } => {
+                            let axis = self.dpdv(i).normalize_or_zero();
+                            dp - axis * dp.dot(axis)
+                        }
+                        _ => dp,
+                    };
+                    let outward = if q.flip { -1.0 } else { 1.0 };
+                    if radius > 0.0 { dp * (outward / radius) } else { Vec3::ZERO }
+                }
+                QuadricKind::Disk { .. } => Vec3::ZERO,
+            },
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// The hit point in the space that its shape is placed in.
+    fn local_point(&self, i: &Interaction) -> Vec3 {
+        match i.id.instance {
+            WORLD => i.surface.p,
+            instance => self.placements[instance as usize].world_from_group.inverse().point(i.surface.p),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a ray meets the unit sphere around the origin, first or last, and the normal there.
+    fn meet(ray: &Ray, far: bool) -> f32 {
+        let (b, c) = (ray.origin.dot(ray.direction), ray.origin.length_squared() - 1.0);
+        let root = (b * b - c).sqrt();
+        if far { -b + root } else { -b - root }
+    }
+
+    fn bend(d: Vec3, n: Vec3, bounce: Bounce) -> Vec3 {
+        let n = if d.dot(n) > 0.0 { -n } else { n };
+        let cos = d.dot(n);
+        match bounce {
+            Bounce::Reflection => d - n * (2.0 * cos),
+            Bounce::Refraction(relative) => {
+                let eta = 1.0 / relative;
+                let cos_t = -(1.0 - eta * eta * (1.0 - cos * cos)).sqrt();
+                d * eta - n * (eta * cos - cos_t)
+            }
+        }
+    }
+
+    /// M65: through a glass ball and off a mirror ball, differentials are the differences of neighbouring rays.
+    #[test]
+    fn differentials_through_spheres_are_finite_differences() {
+        let camera = |x: f64, y: f64| {
+            let d = glam::DVec3::new(x, y, -1.0).normalize();
+            Ray::new(Vec3::new(0.1, 0.2, 3.0), d.as_vec3())
+        };
+        // In f64, the whole way: rays of pixels at (x, y).
+        let path = |x: f64, y: f64, bounces: &[Bounce]| {
+            let (mut o, mut d) = (glam::DVec3::new(0.1, 0.2, 3.0), glam::DVec3::new(x, y, -1.0).normalize());
+            for (k, bounce) in bounces.iter().enumerate() {
+                let (b, c) = (o.dot(d), o.length_squared() - 1.0);
+                let root = (b * b - c).sqrt();
+                o += d * if k > 0 { -b + root } else { -b - root };
+                let n = if d.dot(o) > 0.0 { -o } else { o };
+                let cos = d.dot(n);
+                d = match bounce {
+                    Bounce::Reflection => d - n * (2.0 * cos),
+                    Bounce::Refraction(relative) => {
+                        let eta = 1.0 / f64::from(*relative);
+                        d * eta - n * (eta * cos + (1.0 - eta * eta * (1.0 - cos * cos)).sqrt())
+                    }
+                };
+            }
+            (o, d)
+        };
+        let (x, y, h) = (0.11, -0.17, 1e-4);
+        for bounces in [
+            &[Bounce::Reflection][..],
+            &[Bounce::Refraction(1.5)],
+            &[Bounce::Refraction(1.5), Bounce::Refraction(1.0 / 1.5)],
+            &[Bounce::Refraction(1.5), Bounce::Reflection, Bounce::Refraction(1.0 / 1.5)],
+        ] {
+            let mut ray = camera(x, y);
+            let across =
+                |v: Vec3| (v - ray.direction * v.dot(ray.direction)) / Vec3::new(x as f32, y as f32, 1.0).length();
+            let mut differential =
+                RayDifferential { origin: [Vec3::ZERO; 2], direction: [across(Vec3::X), across(Vec3::Y)] };
+            for (k, bounce) in bounces.iter().enumerate() {
+                let t = meet(&ray, k > 0);
+                let n = ray.at(t).normalize();
+                let wi = bend(ray.direction, n, *bounce);
+                // The normal of the unit sphere moves as the point does.
+                let dp = differential.transfer(ray.direction, t, n);
+                differential = differential.scatter(ray.direction, wi, n, dp, dp, *bounce);
+                ray = Ray::new(n, wi);
+            }
+            for (k, (dx, dy)) in [(h, 0.0), (0.0, h)].into_iter().enumerate() {
+                let ((o0, d0), (o1, d1)) = (path(x - dx, y - dy, bounces), path(x + dx, y + dy, bounces));
+                let (o, d) = (((o1 - o0) / (2.0 * h)).as_vec3(), ((d1 - d0) / (2.0 * h)).as_vec3());
+                assert!((differential.origin[k] - o).length() < 2e-3 * o.length(), "{bounces:?} {k}");
+                assert!((differential.direction[k] - d).length() < 2e-3 * d.length(), "{bounces:?} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_change_with_the_tangents() {
+        let (u, v) = (Vec3::new(2.0, 0.0, 0.0), Vec3::new(1.0, 4.0, 0.0));
+        let f = Footprint::new(u * 0.5 + v * 0.25, v * -2.0, u, v);
+        assert!((f.duvdx - Vec2::new(0.5, 0.25)).length() < 1e-6 && (f.duvdy - Vec2::new(0.0, -2.0)).length() < 1e-6);
+        // Degenerate parametrisations, and what is out of range, have no extent.
+        assert_eq!(Footprint::new(Vec3::X, Vec3::Y, Vec3::X, Vec3::X).duvdx, Vec2::ZERO);
+        assert_eq!(Footprint::new(Vec3::splat(f32::NAN), Vec3::Y, Vec3::X, Vec3::Y), Footprint::POINT);
+    }
+}
