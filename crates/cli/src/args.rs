@@ -4,7 +4,12 @@ use crate::bench::BenchArgs;
 use crate::values::{self, Layers, MAX_SPP, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
-use steradian::image::{Compression, Precision, WriteOptions, tone::Tone};
+use steradian::image::{
+    Compression, Precision, WriteOptions,
+    block::{BlockFormat, WRITABLE},
+    signal::Prefilter,
+    tone::Tone,
+};
 
 /// A physically based renderer for pbrt-v4 and Mitsuba scenes.
 #[derive(Debug, Parser)]
@@ -42,6 +47,8 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Measure the speed of single parts
     Bench(BenchArgs),
+    /// Tell what waves a picture holds, and where they would appear if it were sampled more coarsely
+    Signal(SignalArgs),
     /// Print the completions of a shell
     Completions {
         /// The shell.
@@ -74,6 +81,9 @@ pub struct SceneOptions {
     /// Structure that rays go through (see `steradian list accelerators`); the picture has the same bits with any
     #[arg(long, value_name = "NAME", value_parser = accelerator_names(), default_value = "bvh", help_heading = "Scene")]
     pub accelerator: String,
+    /// Memory for textures (512MiB, 2GiB, …); what is beyond waits in a temporary file. The picture has the same bits
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = "Scene")]
+    pub texture_limit: Option<usize>,
     /// Set a parameter ($NAME) of a Mitsuba scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
@@ -169,6 +179,9 @@ pub struct FileOptions {
     /// Compression of .exr; all are lossless
     #[arg(long, value_enum, default_value_t, help_heading = "Files")]
     pub compression: ExrCompression,
+    /// Block compression of .dds and .ktx2: bc1 and bc3 without and with alpha, bc4 one channel, bc5 two, bc7 colour and alpha
+    #[arg(long, value_name = "NAME", default_value = "bc7", value_parser = PossibleValuesParser::new(WRITABLE.map(|w| w.0)), help_heading = "Files")]
+    pub block: String,
 }
 
 /// Sample type of EXR files.
@@ -213,6 +226,7 @@ impl FileOptions {
                 ExrCompression::Zip => Compression::Zip,
                 ExrCompression::Piz => Compression::Piz,
             },
+            block: WRITABLE.iter().find(|w| w.0 == self.block).map_or(BlockFormat::Bc7, |w| w.1),
             ppm_radiance: self.tonemap.is_none() && self.exposure.is_none(),
             tone,
             ..WriteOptions::default()
@@ -339,13 +353,36 @@ pub struct CompareArgs {
 /// `steradian convert`.
 #[derive(Args, Debug)]
 pub struct ConvertArgs {
-    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm
+    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2
     pub input: PathBuf,
-    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg
+    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2
     pub output: PathBuf,
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,
+}
+
+/// `steradian signal`.
+#[derive(Args, Debug)]
+pub struct SignalArgs {
+    /// A picture
+    pub input: PathBuf,
+    /// Sample at every N-th pixel
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub step: u32,
+    /// Filter before sampling
+    #[arg(long, value_name = "NAME", default_value = "box", value_parser = PossibleValuesParser::new(Prefilter::ALL.map(|f| f.0)))]
+    pub prefilter: String,
+    /// How many of the strongest waves to tell
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub waves: u32,
+    /// What to draw; may be repeated. A picture: the signal, its spectrum, the spectrum after sampling, the samples, and the samples
+    /// after the prefilter. A .svg: a plot of the spectrum
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Vec<PathBuf>,
+    /// Print one line of JSON to stdout
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ struct Memory {
 /// Opens a scene and tells about it, whether it can be rendered or not.
 pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
-    let mut opened = open::open(&args.scene, &args.scene_options);
+    let mut opened = open::open(&args.scene, &args.scene_options, None);
     if args.scene_options.strict {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
     }

@@ -19,6 +19,7 @@ mod panics;
 mod progress;
 mod render;
 mod report;
+mod signal;
 mod signals;
 mod terminal;
 mod values;
@@ -61,6 +62,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Compare(args) => compare::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Bench(args) => bench::run(args, terminal),
+        Command::Signal(args) => signal::run(args, terminal),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "steradian", &mut script);

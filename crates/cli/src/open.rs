@@ -29,8 +29,8 @@ pub struct Opened {
     pub build: Duration,
 }
 
-/// What the command line says about compiling.
-pub fn compile_options(options: &SceneOptions) -> CompileOptions {
+/// What the command line says about compiling, for a number of samples per pixel if it is known already.
+pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptions {
     CompileOptions {
         mode: match options.color {
             Color::Auto => None,
@@ -41,12 +41,14 @@ pub fn compile_options(options: &SceneOptions) -> CompileOptions {
         crop: options.crop.map(|Rectangle(r)| r),
         camera: options.camera.clone(),
         accelerator: Accelerator::by_name(&options.accelerator).unwrap_or_default(),
+        texture_limit: options.texture_limit,
+        spp,
         ..CompileOptions::default()
     }
 }
 
-/// Reads and compiles a scene.
-pub fn open(name: &str, options: &SceneOptions) -> Opened {
+/// Reads and compiles a scene, for a number of samples per pixel if it is known already.
+pub fn open(name: &str, options: &SceneOptions, spp: Option<u32>) -> Opened {
     let reading = Options { defines: options.define.iter().cloned().collect(), ..Options::default() };
     let loaded = steradian::load(name, &reading);
     let (desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
@@ -59,7 +61,7 @@ pub fn open(name: &str, options: &SceneOptions) -> Opened {
     }
     // Whatever compiling does besides the hierarchy is loading: images are read there.
     let start = std::time::Instant::now();
-    let compiled = steradian::compile(&opened.desc, &compile_options(options));
+    let compiled = steradian::compile(&opened.desc, &compile_options(options, spp));
     opened.load += start.elapsed().saturating_sub(compiled.build_time);
     opened.build = compiled.build_time;
     opened.diagnostics.extend(compiled.diagnostics);

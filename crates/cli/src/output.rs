@@ -8,7 +8,7 @@ use steradian::{
 };
 
 /// Extensions of pictures that can be written.
-const WRITTEN: &str = ".exr .png .hdr .pfm .ppm .jpg";
+const WRITTEN: &str = ".exr .png .hdr .pfm .ppm .jpg .dds .ktx2";
 
 /// The kind of picture that a name's extension stands for.
 ///

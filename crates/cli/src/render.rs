@@ -34,7 +34,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
 
     open::limit_threads(args.scene_options.threads);
     let Ready { scene, counts, load, build } =
-        open::open(name, &args.scene_options).into_scene(name, args.scene_options.strict, terminal)?;
+        open::open(name, &args.scene_options, quality.spp).into_scene(name, args.scene_options.strict, terminal)?;
     let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
@@ -48,6 +48,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let mut session = Session::new(&scene, plan);
     let stop = watch::render(&mut session, pixels, planned, args.time, &signals, Progress::new(terminal));
 
+    if scene.texture_pages.as_ref().is_some_and(|pages| pages.has_failed()) {
+        terminal.warn("some textures could not be read back from the temporary file; they are black in places");
+    }
     let saving = Instant::now();
     let done = session.counters();
     let spp = done.samples as f64 / pixels as f64;

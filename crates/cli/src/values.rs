@@ -66,6 +66,27 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
+/// An amount of memory such as `512MiB`, `2G`, `1500000`: binary units with `KiB` or `K`, decimal ones with `KB`. At least a mebibyte.
+pub fn bytes(text: &str) -> Result<usize, String> {
+    let text = text.trim();
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let unit = match text[digits..].trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kib" => 1024.0,
+        "m" | "mib" => 1024.0 * 1024.0,
+        "g" | "gib" => 1024.0 * 1024.0 * 1024.0,
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        _ => return Err("write it as 512MiB, 2GiB or a number of bytes".into()),
+    };
+    match text[..digits].parse::<f64>() {
+        Ok(n) if n * unit >= 1024.0 * 1024.0 => Ok((n * unit) as usize),
+        Ok(_) => Err("at least 1MiB is needed".into()),
+        Err(_) => Err("write it as 512MiB, 2GiB or a number of bytes".into()),
+    }
+}
+
 /// `NAME=VALUE`.
 pub fn definition(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {

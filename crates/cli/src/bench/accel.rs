@@ -81,7 +81,7 @@ const MOST_FACES_FOR_NONE: u64 = 20_000;
 /// Measures and prints.
 pub fn run(args: &AccelArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
-    let mut opened = open::open(&args.scene, &args.scene_options);
+    let mut opened = open::open(&args.scene, &args.scene_options, None);
     let faces = opened.desc.face_count();
     let structures = structures(&args.structures, faces)?;
     let desc = std::mem::take(&mut opened.desc);
@@ -93,7 +93,8 @@ pub fn run(args: &AccelArgs, terminal: Terminal) -> Outcome {
     for accelerator in structures {
         let name = accelerator.about().0;
         terminal.say(&format!("measuring {name}"));
-        let options = open::compile_options(&SceneOptions { accelerator: name.into(), ..args.scene_options.clone() });
+        let options = SceneOptions { accelerator: name.into(), ..args.scene_options.clone() };
+        let options = open::compile_options(&options, None);
         let compiled = steradian::compile(&desc, &options);
         let Some(scene) = compiled.scene else {
             return Err(Failure::failed(format!("'{}' cannot be compiled with structure '{name}'", args.scene)));

@@ -106,3 +106,31 @@ fn renders_are_tested_by_their_own_variance() {
         place.succeed(&["compare", "short.exr", "a.exr", "--variance", "var.exr", "--samples", "64", "--json"]).json();
     assert_eq!(given["pairs"][0]["z_test"]["passes"], true);
 }
+
+/// A picture goes into block-compressed files and back; waves of a striped one are told with their aliases.
+#[test]
+fn block_compression_and_spectra() {
+    let place = Place::new();
+    let stripes: Vec<[f32; 3]> =
+        (0..64 * 16).map(|i| [0.5 + 0.25 * (std::f32::consts::TAU * 0.375 * (i % 64) as f32).cos(); 3]).collect();
+    let image = Image::from_rgb(64, 16, &stripes).unwrap();
+    write(&place.path("a.exr"), &image, &Default::default()).unwrap();
+    for (block, file) in [("bc7", "a.dds"), ("bc1", "b.ktx2"), ("bc4", "c.dds"), ("bc5", "d.ktx2"), ("bc3", "e.dds")] {
+        assert_eq!(place.run(&["convert", "a.exr", file, "--block", block]).code, 0, "{file}");
+        assert_eq!(place.run(&["convert", file, "back.png"]).code, 0, "{file}");
+        assert_eq!(place.picture("back.png").width(), 64);
+    }
+    assert_eq!(place.run(&["convert", "a.exr", "x.dds", "--block", "bc6h"]).code, 2);
+
+    let run = place.run(&["signal", "a.exr", "--step", "2", "-o", "s.png", "-o", "s.svg", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let told: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let wave = &told["waves"][0];
+    assert!((wave["frequency"][0].as_f64().unwrap() - 0.375).abs() < 1e-9);
+    assert!((wave["alias"][0].as_f64().unwrap() + 0.125).abs() < 1e-9);
+    assert_eq!(wave["aliased"], true);
+    assert!(std::fs::read_to_string(place.path("s.svg")).unwrap().starts_with("<svg"));
+    assert_eq!(place.picture("s.png").width(), 5 * 64 + 4 * 4);
+    assert_eq!(place.run(&["signal", "a.exr", "--step", "1000"]).code, 2);
+    assert_eq!(place.run(&["signal", "none.exr"]).code, 2);
+}

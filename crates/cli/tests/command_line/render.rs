@@ -270,3 +270,35 @@ fn structures_are_compared() {
     assert_eq!((&kdtree["kinds"][1]["agrees"], &json["rays"][0][1]), (&true.into(), &(24 * 24).into()));
     place.refuse(2, &["bench", "accel", "builtin:cornell-box", "--structures", "kdtre"], &["did you mean 'kdtree'"]);
 }
+
+/// Textures that exceed their share of memory give the same bits as those that need not.
+#[test]
+fn texture_limit_changes_no_bit() {
+    let place = Place::new();
+    let noise = |i: u32| ((i.wrapping_mul(2_654_435_761) >> 16) % 256) as f32 / 255.0;
+    let pixels: Vec<[f32; 3]> = (0..1024 * 700).map(|i| [noise(i), noise(i ^ 77), noise(i + 5)]).collect();
+    let image = steradian::image::Image::from_rgb(1024, 700, &pixels).unwrap();
+    steradian::image::write(&place.path("noise.png"), &image, &Default::default()).unwrap();
+    let scene = |filter: &str| {
+        format!(
+            "LookAt 0 1 0  0 0.6 1  0 1 0\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n\
+             LightSource \"infinite\" \"rgb L\" [1 1 1]\n\
+             Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"noise.png\" \"string filter\" \"{filter}\"\n\
+             Material \"diffuse\" \"texture reflectance\" \"t\"\n\
+             Shape \"bilinearmesh\" \"point3 P\" [-9 0 0  9 0 0  -9 0 20  9 0 20] \"point2 uv\" [0 0 4 0 0 5 4 5]\n"
+        )
+    };
+    for filter in ["bilinear", "trilinear", "ewa"] {
+        place.file("s.pbrt", &scene(filter));
+        let render = |out: &str, more: &[&str]| {
+            let line = ["render", "s.pbrt", "--size", "48x32", "--spp", "2", "-q", "--strict", "-o", out];
+            let run = place.run(&[&line[..], more].concat());
+            assert_eq!(run.code, 0, "{}", run.stderr);
+            place.picture(out).to_rgb().unwrap()
+        };
+        let whole = render("a.exr", &[]);
+        assert_eq!(whole, render("b.exr", &["--texture-limit", "1MiB"]), "{filter}");
+        assert_eq!(whole, render("c.exr", &["--texture-limit", "1MiB", "--threads", "3"]), "{filter}");
+    }
+    assert_eq!(place.run(&["render", "s.pbrt", "--texture-limit", "12"]).code, 2);
+}

@@ -202,7 +202,9 @@ impl Compiler<'_> {
         let has_media =
             camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
         let spp = self.options.spp.unwrap_or(settings.spp);
-        let footprints = textures.is_filtered().then(|| camera.view_footprint(&film, spp));
+        // Bump maps take their differences over the footprint.
+        let bumps = self.materials.iter().any(|m| m.detail.is_some_and(|d| d.bump.is_some()));
+        let footprints = (bumps || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
         let scene = Scene {
             mode: self.mode,
             footprints,

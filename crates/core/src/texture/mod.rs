@@ -276,6 +276,7 @@ impl Textures {
     pub fn is_filtered(&self) -> bool {
         self.nodes.iter().any(|t| match t {
             Texture::Image(image) => image.filter.is_prefiltered(),
+            Texture::Pattern(pattern) => pattern.is_filtered(),
             _ => false,
         })
     }
