@@ -10,7 +10,7 @@ use crate::simd::LANES;
 use crate::simd::Row;
 use crate::storage::Storage;
 use crate::traverse::{Nearest, Users};
-use crate::{Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
+use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
 use steradian_math::{Bounds3, Ray};
 
 /// The parts of a hierarchy that traversal reads. Nodes and blocks are in depth-first order.
@@ -24,6 +24,8 @@ pub(crate) struct Tree {
     pub first: Vec<u32>,
     /// How many primitives are in it.
     pub primitives: usize,
+    /// What made it.
+    pub builder: Builder,
 }
 
 impl Tree {
@@ -32,7 +34,7 @@ impl Tree {
     pub fn update(&mut self, geometries: &[Geometry]) -> Result<bool, Error> {
         let kept = refit(self, &build::Primitives::new(geometries)?);
         if !kept {
-            *self = build::build(geometries)?;
+            *self = build::build(geometries, self.builder)?;
         }
         Ok(kept)
     }
@@ -99,7 +101,15 @@ impl Bvh {
     /// # Errors
     /// When there are too many primitives.
     pub fn build(geometries: &[Geometry]) -> Result<Self, Error> {
-        Ok(Self { tree: build::build(geometries)?, isa: SupportedIsa::best() })
+        Self::build_by(Builder::default(), geometries)
+    }
+
+    /// Builds the hierarchy in a way of choice.
+    ///
+    /// # Errors
+    /// When there are too many primitives.
+    pub fn build_by(builder: Builder, geometries: &[Geometry]) -> Result<Self, Error> {
+        Ok(Self { tree: build::build(geometries, builder)?, isa: SupportedIsa::best() })
     }
 
     /// Follows geometry that has moved. When the numbers of primitives are the same and the same ones can be hit, the shape of the

@@ -18,11 +18,11 @@ macro_rules! queries {
         fn $name:ident<U: Users>($($arg:ident: $ty:ty),* $(,)?) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;
     )*) => {
         #[cfg(target_arch = "x86_64")]
-        level!(avx2, "avx2,bmi1,bmi2", simd::Avx2::assume_supported(), simd::Avx2::assume_supported(), {
+        level!(avx2, "avx2,fma,bmi1,bmi2,popcnt", simd::Avx2::assume_supported(), simd::Avx2::assume_supported(), {
             $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
         });
         #[cfg(target_arch = "x86_64")]
-        level!(avx512, "avx512f,avx512vl,avx2,bmi1,bmi2", simd::Avx512::assume_supported(), simd::Avx512Wide::assume_supported(), {
+        level!(avx512, "avx512f,avx512vl,avx2,fma,bmi1,bmi2,popcnt", simd::Avx512::assume_supported(), simd::Avx512Wide::assume_supported(), {
             $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
         });
         #[cfg(target_arch = "x86_64")]
@@ -82,7 +82,7 @@ queries! {
         if !is_traceable(ray) {
             return None;
         }
-        nearest(s, tree, ray, users, &Way::new(ray), Start { child: tree.root, t: ray.t_max, best: None })
+        nearest(s, tree, ray, users, &Way::new(ray, &tree.bounds), Start { child: tree.root, t: ray.t_max, best: None })
     };
     /// The nearest hit of a traceable ray in `(0, ray.t_max)` on a tree, from a start on.
     fn nearest_hit_from<U: Users>(
@@ -90,7 +90,7 @@ queries! {
     ) -> Option<Nearest<U::Extra>> = |isa, s, l| nearest(s, tree, ray, users, way, start);
     /// Whether a tree is hit in `(0, ray.t_max)`; `false` for a ray that is not traceable.
     fn any_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| {
-        is_traceable(ray) && any(s, tree, ray, users, &Way::new(ray), tree.root)
+        is_traceable(ray) && any(s, tree, ray, users, &Way::new(ray, &tree.bounds), tree.root)
     };
     /// Whether a tree is hit by a traceable ray in `(0, ray.t_max)` below a child.
     fn any_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool =

@@ -13,8 +13,8 @@ use steradian_math::Ray;
 /// Collects the hits of a traceable ray in `(0, ray.t_max)`, in any order.
 #[inline(always)]
 pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, hits: &mut Vec<Hit>) {
-    let way = Way::new(ray);
-    let slabs = Slabs::new(s, ray, &way);
+    let way = Way::new(ray, &tree.bounds);
+    let slabs = Slabs::new(s, &way);
     let shear = Shear::new(s, ray, &way);
     let t_max = s.splat(ray.t_max);
     let mut stack = Stack::new();

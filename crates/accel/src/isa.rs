@@ -5,7 +5,7 @@
 pub enum Isa {
     /// What every processor of the target architecture has.
     Baseline,
-    /// x86-64 with AVX2 and BMI.
+    /// x86-64 with AVX2, FMA and BMI.
     Avx2,
     /// x86-64 with AVX-512 F and VL, in 256-bit registers.
     Avx512,
@@ -21,7 +21,11 @@ impl Isa {
             Self::Baseline => true,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => {
-                is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("bmi2")
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("popcnt")
             }
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {

@@ -1,4 +1,5 @@
 //! The hierarchy as it lies in memory.
+#![allow(unsafe_code)]
 
 use crate::simd::{LANES, Row};
 use steradian_math::{Bounds3, Vec3};
@@ -33,8 +34,9 @@ impl ChildRef {
 
     /// The bits of several references.
     #[inline(always)]
-    pub fn bits(references: &[Self; LANES]) -> [u32; LANES] {
-        references.map(|r| r.0)
+    pub fn bits(references: &[Self; LANES]) -> &[u32; LANES] {
+        // SAFETY: a reference is a `u32`.
+        unsafe { &*std::ptr::from_ref(references).cast() }
     }
 
     /// Whether this is an inner node.

@@ -38,6 +38,7 @@ mod top_level;
 mod traverse;
 mod triangle;
 
+pub use build::Builder;
 pub use bvh::Bvh;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
 pub use isa::Isa;

@@ -3,12 +3,15 @@
 
 use crate::build::MAX_DEPTH;
 use crate::layout::ChildRef;
-use crate::simd::{LANES, key_number};
+use crate::simd::{LANES, last_key};
 use std::mem::MaybeUninit;
 
-/// Room for every tree: a node puts at most seven children on the stack and the builder bounds the depth; a push may write a whole
-/// group of eight.
-const CAPACITY: usize = (LANES - 1) * MAX_DEPTH + LANES;
+/// Room for every tree: a node puts at most eight children on the stack, of which one is taken at once, and the builder bounds the
+/// depth; a push may write a whole group of eight.
+const CAPACITY: usize = (LANES - 1) * MAX_DEPTH + 2 * LANES;
+
+/// How many children are written at once.
+const HALF: usize = LANES / 2;
 
 /// Children that wait to be visited.
 pub(crate) struct Stack {
@@ -63,38 +66,42 @@ impl OrderedStack {
         }
     }
 
-    /// Puts the first `count` children of a node that is sorted by distance on the stack, and takes the last of them, which is
-    /// the nearest.
+    /// Puts the first `count` children of a node that are sorted by distance on the stack, but for the last of them, which is the
+    /// nearest.
     ///
     /// # Safety
     /// `1 <= count <= LANES`, and the stack must hold at most `CAPACITY − LANES` children.
     #[inline(always)]
-    pub unsafe fn push_all_but_nearest(
-        &mut self,
-        keys: [u32; LANES],
-        children: [ChildRef; LANES],
-        count: usize,
-    ) -> ChildRef {
+    pub unsafe fn push_all_but_nearest(&mut self, keys: [u32; LANES], children: [u32; LANES], count: usize) {
         debug_assert!((1..=LANES).contains(&count) && self.len + LANES <= CAPACITY);
-        // SAFETY: the caller promises that there is room for whole groups, and the entry read has just been written.
-        unsafe {
-            self.keys.as_mut_ptr().add(self.len).cast::<[u32; LANES]>().write_unaligned(keys);
-            self.children.as_mut_ptr().add(self.len).cast::<[ChildRef; LANES]>().write_unaligned(children);
-            self.len += count - 1;
-            self.children.get_unchecked(self.len).assume_init()
+        let (place_of_keys, place_of_children) = (self.keys.as_mut_ptr(), self.children.as_mut_ptr());
+        let write = |half: usize| {
+            let part = |all: &[u32; LANES]| -> [u32; HALF] { std::array::from_fn(|i| all[half + i]) };
+            // SAFETY: the caller promises that there is room for whole groups.
+            unsafe {
+                place_of_keys.add(self.len + half).cast::<[u32; HALF]>().write_unaligned(part(&keys));
+                place_of_children.add(self.len + half).cast::<[u32; HALF]>().write_unaligned(part(&children));
+            }
+        };
+        // Mostly there are few, and short writes seldom cross the end of a cache line.
+        write(0);
+        if count > HALF + 1 {
+            write(HALF);
         }
+        self.len += count - 1;
     }
 
     /// Takes children from the top up to one whose box begins at `t` or nearer.
     #[inline(always)]
     pub fn pop(&mut self, t: f32) -> Option<ChildRef> {
+        let last = last_key(t);
         loop {
             self.len = self.len.checked_sub(1)?;
             // SAFETY: entries below the length have been written, and the length is below the capacity.
             let (key, child) = unsafe {
                 (self.keys.get_unchecked(self.len).assume_init(), self.children.get_unchecked(self.len).assume_init())
             };
-            if key_number(key) <= t {
+            if key <= last {
                 return Some(child);
             }
         }

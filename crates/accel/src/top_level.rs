@@ -7,7 +7,7 @@ use crate::dispatch::{
 use crate::geometry::WORLD;
 use crate::packet::{Found, Packet};
 use crate::traverse::{Nearest, Users};
-use crate::{Bvh, Error, Geometry, Hit, Isa, UserHit, UserPrimitives, build, stream};
+use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, UserHit, UserPrimitives, build, stream};
 use glam::Mat4;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
@@ -47,8 +47,21 @@ impl TopLevel {
     /// # Errors
     /// When there are too many primitives, or an instance refers to an object that does not exist.
     pub fn build(world: &[Geometry], objects: Vec<Bvh>, instances: &[Instance]) -> Result<Self, Error> {
+        Self::build_by(Builder::default(), world, objects, instances)
+    }
+
+    /// The same, in a way of choice; the objects are there already.
+    ///
+    /// # Errors
+    /// As [`TopLevel::build`].
+    pub fn build_by(
+        builder: Builder,
+        world: &[Geometry],
+        objects: Vec<Bvh>,
+        instances: &[Instance],
+    ) -> Result<Self, Error> {
         let boxes = boxes(&objects, instances)?;
-        let tree = build::build(&[world, &[Geometry::boxes(&boxes)]].concat())?;
+        let tree = build::build(&[world, &[Geometry::boxes(&boxes)]].concat(), builder)?;
         Ok(Self {
             first_instance: tree.first[world.len()],
             tree,

@@ -9,7 +9,7 @@ use crate::simd::{LANES, Simd};
 use crate::stack::{OrderedStack, Stack};
 use crate::triangle::{Shear, axes};
 use crate::{Hit, UserHit};
-use steradian_math::{Ray, Vec3};
+use steradian_math::{Bounds3, Ray, Vec3};
 
 /// What a hit carries beyond [`UserHit`]: nothing, or an index.
 pub(crate) trait Extra: Copy {
@@ -98,82 +98,101 @@ pub(crate) struct Start<E> {
 /// 2013).
 pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
 
-/// What the slab test needs of a ray.
-pub(crate) struct Slabs<S: Simd> {
-    origin: [S::F; 3],
-    /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
-    inverse: [[S::F; 3]; 2],
-    /// Rows of the near planes and of the far planes.
-    near: [usize; 3],
-    far: [usize; 3],
-}
-
-/// What both tests need of a ray beyond its origin: numbers that take divisions to make.
+/// What both tests need of a ray: numbers that take divisions to make.
 #[derive(Clone, Copy)]
 pub(crate) struct Way {
-    /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
-    pub inverse: [Vec3; 2],
+    /// Reciprocals of the direction, of limited size.
+    pub inverse: Vec3,
+    /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the second more than what
+    /// is exact by a bound on all rounding.
+    pub offset: [Vec3; 2],
     /// See [`Shear`].
     pub axes: [usize; 3],
     pub shear: [f32; 3],
 }
 
+/// Most that a coordinate times a reciprocal may be.
+const GREATEST: f32 = 8e37;
+/// The bound on rounding of coordinates along which a ray hardly moves, at least.
+const AT_REST: f32 = 3e31;
+
 impl Way {
-    /// For a valid ray.
+    /// For a valid ray in a tree with given bounds.
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
+    pub fn new(ray: &Ray, bounds: &Bounds3) -> Self {
         let d = ray.direction;
-        let inverse = d.recip();
         let axes = axes(d);
         let [x, y, z] = axes;
-        Self {
-            inverse: [inverse * (1.0 - WIDEN), inverse * (1.0 + WIDEN)],
-            axes,
-            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
-        }
+        let reciprocal = d.recip();
+        Self::with(ray, bounds, reciprocal, axes, [d[x] / d[z], d[y] / d[z], reciprocal[z]])
     }
+
+    /// From what takes divisions.
+    ///
+    /// The distance of the plane at `p` is `p·i − o·i` with the reciprocal `i`. Rounding of `i`, of both products and of the sum moves it by
+    /// at most 4 units of 2^-24 of `(|p| + |o|)·|i|`, and `|p|` is at most that of the bounds. The offsets allow for twice that.
+    ///
+    /// Where the ray hardly moves along an axis, `i` is limited and with it `p·i − o·i`; what is allowed for is then more than any distance
+    /// at which there are hits, so that the ray is within a slab for ever or not at all.
+    #[inline(always)]
+    pub fn with(ray: &Ray, bounds: &Bounds3, reciprocal: Vec3, axes: [usize; 3], shear: [f32; 3]) -> Self {
+        let extent = bounds.min.abs().max(bounds.max.abs()) + ray.origin.abs();
+        let mut inverse = reciprocal;
+        let mut error = extent * inverse.abs();
+        let moves = error.cmple(Vec3::splat(GREATEST));
+        if moves.all() {
+            error = error * WIDEN + f32::MIN_POSITIVE;
+        } else {
+            let limit = Vec3::splat(GREATEST) / extent.max(Vec3::ONE);
+            inverse = Vec3::select(moves, inverse, limit.copysign(ray.direction));
+            // All hits are before the ray has left the bounds along the axis where it moves most.
+            let at_rest = if moves.test(axes[2]) { AT_REST.max(2.0 * error[axes[2]]) } else { f32::INFINITY };
+            error = Vec3::select(moves, error * WIDEN + f32::MIN_POSITIVE, Vec3::splat(at_rest));
+        }
+        let exact = -(ray.origin * inverse);
+        Self { inverse, offset: [exact - error, exact + error], axes, shear }
+    }
+}
+
+/// What the slab test needs of a ray.
+pub(crate) struct Slabs<S: Simd> {
+    /// See [`Way`].
+    inverse: [S::F; 3],
+    offset: [[S::F; 3]; 2],
+    /// Rows of the near planes and of the far planes.
+    near: [usize; 3],
+    far: [usize; 3],
 }
 
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
-    pub fn new(s: S, ray: &Ray, way: &Way) -> Self {
-        let inverse = way.inverse[0];
+    pub fn new(s: S, way: &Way) -> Self {
         let rows = |x: f32, axis: usize| if x.is_sign_negative() { (axis + 3, axis) } else { (axis, axis + 3) };
-        let (x, y, z) = (rows(inverse.x, 0), rows(inverse.y, 1), rows(inverse.z, 2));
+        let (x, y, z) = (rows(way.inverse.x, 0), rows(way.inverse.y, 1), rows(way.inverse.z, 2));
         Self {
-            origin: s.splat3(ray.origin),
-            inverse: [s.splat3(way.inverse[0]), s.splat3(way.inverse[1])],
+            inverse: s.splat3(way.inverse),
+            offset: [s.splat3(way.offset[0]), s.splat3(way.offset[1])],
             near: [x.0, y.0, z.0],
             far: [x.1, y.1, z.1],
         }
     }
 
     /// Distances at which the ray enters the boxes, and which boxes it enters.
-    ///
-    /// A ray within a plane gives 0·∞ = NaN. NaN is always the first operand where it matters, so the other one counts.
     #[inline(always)]
     pub fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
-        let near = [self.near(s, node, 0), self.near(s, node, 1), self.near(s, node, 2)];
-        let far = [self.far(s, node, 0), self.far(s, node, 1), self.far(s, node, 2)];
-        let enter = s.max(s.max(near[0], near[1]), s.max(near[2], s.splat(0.0)));
-        let leave = s.min(s.min(far[0], far[1]), s.min(far[2], t_max));
+        let near = |axis| self.plane(s, node, self.near[axis], 0, axis);
+        let far = |axis| self.plane(s, node, self.far[axis], 1, axis);
+        let enter = s.max(s.max(near(0), near(1)), s.max(near(2), s.splat(0.0)));
+        let leave = s.min(s.min(far(0), far(1)), s.min(far(2), t_max));
         (enter, s.bits(s.le(enter, leave)))
     }
 
-    /// Where the ray meets the near planes of an axis.
+    /// Where the ray meets the planes of a row.
     #[inline(always)]
-    fn near(&self, s: S, node: &Node, axis: usize) -> S::F {
+    fn plane(&self, s: S, node: &Node, row: usize, side: usize, axis: usize) -> S::F {
         // SAFETY: rows of planes are less than six.
-        let row = unsafe { node.rows.get_unchecked(self.near[axis]) };
-        s.mul(s.sub(s.load(row), self.origin[axis]), self.inverse[0][axis])
-    }
-
-    /// Where the ray meets the far planes of an axis.
-    #[inline(always)]
-    fn far(&self, s: S, node: &Node, axis: usize) -> S::F {
-        // SAFETY: rows of planes are less than six.
-        let row = unsafe { node.rows.get_unchecked(self.far[axis]) };
-        s.mul(s.sub(s.load(row), self.origin[axis]), self.inverse[1][axis])
+        let row = unsafe { node.rows.get_unchecked(row) };
+        s.mul_add(s.load(row), self.inverse[axis], self.offset[side][axis])
     }
 }
 
@@ -193,7 +212,7 @@ pub(crate) fn nearest<S: Simd, U: Users>(
     way: &Way,
     start: Start<U::Extra>,
 ) -> Option<Nearest<U::Extra>> {
-    let slabs = Slabs::new(s, ray, way);
+    let slabs = Slabs::new(s, way);
     let shear = Shear::new(s, ray, way);
     let mut stack = OrderedStack::new();
     let Start { child: mut current, mut t, mut best } = start;
@@ -204,10 +223,10 @@ pub(crate) fn nearest<S: Simd, U: Users>(
             let (enter, lanes) = slabs.test(s, node, s.splat(t));
             if lanes & lanes.wrapping_sub(1) != 0 {
                 // The nearest child is next; the others wait, nearer ones above.
-                let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
+                current = node.children[s.nearest(enter, lanes) & (LANES - 1)];
+                let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
                 // SAFETY: the number of lanes is at most LANES; the stack is deep enough for the tree.
-                current =
-                    unsafe { stack.push_all_but_nearest(keys, children.map(ChildRef), lanes.count_ones() as usize) };
+                unsafe { stack.push_all_but_nearest(keys, children, lanes.count_ones() as usize) };
                 continue;
             }
             if lanes != 0 {
@@ -258,7 +277,7 @@ pub(crate) fn nearest<S: Simd, U: Users>(
 /// Whether a traceable ray has any hit in `(0, ray.t_max)` below a child.
 #[inline(always)]
 pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool {
-    let slabs = Slabs::new(s, ray, way);
+    let slabs = Slabs::new(s, way);
     let shear = Shear::new(s, ray, way);
     let t_max = s.splat(ray.t_max);
     let mut stack = Stack::new();

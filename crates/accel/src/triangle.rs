@@ -117,9 +117,18 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
     let mut v = s.sub(s.mul(ax, cy), s.mul(ay, cx));
     let mut w = s.sub(s.mul(bx, ay), s.mul(by, ax));
 
+    // All of one sign, with zero on either side. The signs are right, but for zeros.
     let zero = s.splat(0.0);
+    let inside = |u, v, w| {
+        let (least, greatest) = (s.min(s.min(u, v), w), s.max(s.max(u, v), w));
+        s.or(s.le(zero, least), s.le(greatest, zero))
+    };
+    let mut is_inside = inside(u, v, w);
+    if s.bits(is_inside) == 0 {
+        return None;
+    }
     let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
-    let on_edge = s.bits(on_edge);
+    let on_edge = s.bits(s.and(is_inside, on_edge));
     if on_edge != 0 {
         let mut edges = [Wide::splat(0.0); 3];
         let mut corners = [Wide::splat(0.0); 6];
@@ -134,20 +143,13 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
         s.write(cy, &mut corners[5]);
         edges_in_f64(&corners, on_edge, &mut edges);
         [u, v, w] = [s.read(&edges[0]), s.read(&edges[1]), s.read(&edges[2])];
-    }
-
-    // All of one sign, with zero on either side.
-    let positive = s.and(s.and(s.le(zero, u), s.le(zero, v)), s.le(zero, w));
-    let negative = s.and(s.and(s.le(u, zero), s.le(v, zero)), s.le(w, zero));
-    let inside = s.or(positive, negative);
-    if s.bits(inside) == 0 {
-        return None;
+        is_inside = inside(u, v, w);
     }
 
     let sum = s.add(s.add(u, v), w);
     let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
     let t = s.div(s.mul(depth, scale), sum);
-    let mut lanes = s.bits(s.and(inside, s.and(s.lt(zero, t), s.le(t, t_max))));
+    let mut lanes = s.bits(s.and(is_inside, s.and(s.lt(zero, t), s.le(t, t_max))));
     if lanes == 0 {
         return None;
     }

@@ -1,19 +1,19 @@
 //! Prints build times and millions of rays per second, one thread, on a mesh of a million triangles, a small one, and a thousand
 //! instances of the small one.
 //!
-//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [SCENE…] [RAYS…]`, where the names are those that are
-//! printed; without them everything is measured, on the best level.
+//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [BUILDER] [SCENE…] [RAYS…] [steps]`, where the names are
+//! those that are printed; without them everything is measured, on the best level. `steps` counts instead of measuring.
 #![allow(clippy::print_stdout)]
 
 mod scene;
 
 use scene::{bounce, displaced_sphere, instances, primary, shadow, shuffled, spots};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
-use steradian_accel::{Bvh, Error, Geometry, Instance, Isa, TopLevel};
+use steradian_accel::{Accel, Builder, Bvh, Error, Geometry, Instance, Isa, Steps, TopLevel};
 use steradian_math::{DVec3, Ray};
 
 /// Rays that are handed over at once.
-const BATCH: usize = 4096;
+const BATCH: usize = 256;
 
 const SCENES: [&str; 3] = ["mesh_1M", "mesh_10k", "inst_1000x10k"];
 const SETS: [&str; 5] = ["primary", "bounce1", "bounce1shuf", "bounce2", "shadow"];
@@ -36,22 +36,25 @@ fn main() -> Result<(), Error> {
 }
 
 fn run(name: &str, n: i32, instanced: bool, isa: Isa, args: &[String]) -> Result<(), Error> {
+    let builder = Builder::ALL.into_iter().find(|b| args.iter().any(|a| format!("{b:?}").eq_ignore_ascii_case(a)));
+    let builder = builder.unwrap_or_default();
     let mesh = displaced_sphere(n);
     let geometry = [Geometry::triangles(&mesh.0, &mesh.1)];
-    let start = Instant::now();
+    let (start, cpu) = (Instant::now(), process_seconds());
     let places = if instanced { instances() } else { Vec::new() };
     let top = if instanced {
         let instance = |&world_from_object| Instance { object: 0, world_from_object };
         let instances: Vec<_> = places.iter().map(instance).collect();
-        TopLevel::build(&[], vec![Bvh::build(&geometry)?], &instances)?
+        TopLevel::build_by(builder, &[], vec![Bvh::build_by(builder, &geometry)?], &instances)?
     } else {
-        TopLevel::build(&geometry, Vec::new(), &[])?
+        TopLevel::build_by(builder, &geometry, Vec::new(), &[])?
     };
     let seconds = start.elapsed().as_secs_f64();
     println!(
-        "{name}: {} triangles built in {seconds:.3} s with {} threads, {:.1} MB",
+        "{name}: {} triangles built by {builder:?} in {seconds:.3} s with {} threads, {:.3} s of processor time, {:.1} MB",
         mesh.1.len(),
         rayon::current_num_threads(),
+        process_seconds() - cpu,
         top.bytes() as f64 / 1e6
     );
     let top = top.with_isa(isa);
@@ -82,10 +85,31 @@ fn run(name: &str, n: i32, instanced: bool, isa: Isa, args: &[String]) -> Result
         let second = spots(&bounced, nearest);
         let sets = [rays, bounced.clone(), shuffled(bounced, 12), bounce(&second, 13), shadow(&first, light, half, 14)];
         for (set, rays) in SETS.into_iter().zip(sets).filter(|(set, _)| is_wanted(args, &SETS, set)) {
-            measure(&format!("{name:13} {set}-{view}"), isa, &top, &rays);
+            let name = format!("{name:13} {set}-{view}");
+            if args.iter().any(|a| a == "steps") {
+                count(&name, &top, &rays);
+            } else {
+                measure(&name, isa, &top, &rays);
+            }
         }
     }
     Ok(())
+}
+
+/// Nodes and blocks that rays visit, and triangles that they test.
+fn count(name: &str, top: &TopLevel, rays: &[Ray]) {
+    let accel = Accel::Bvh(top.clone());
+    let total = |cost: &dyn Fn(&Ray) -> Steps| {
+        let (mut steps, mut tests, mut n) = (0, 0, 0);
+        for ray in rays.iter().step_by(16) {
+            let cost = cost(ray);
+            (steps, tests, n) = (steps + cost.steps, tests + cost.tests, n + 1);
+        }
+        format!("{:.2} steps, {:.2} tests", steps as f64 / f64::from(n), tests as f64 / f64::from(n))
+    };
+    let closest = total(&|ray| accel.intersect_cost(ray, &()));
+    let occluded = total(&|ray| accel.occluded_cost(ray, &()));
+    println!("{name:36} closest {closest}   occluded {occluded}");
 }
 
 fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
@@ -125,6 +149,14 @@ fn measure(name: &str, isa: Isa, top: &TopLevel, rays: &[Ray]) {
     println!(
         "{name:36} {isa:8?} closest {closest:6.2} batch {batch_closest:6.2}  occluded {occluded:6.2} batch {batch_occluded:6.2}   hits {percent:5.1} %  sum of t {t:.9e}"
     );
+}
+
+/// Seconds that this process has run on all processors, where the system tells, in its ticks of a hundredth.
+fn process_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(") ").next().unwrap_or_default().split(' ').collect();
+    let ticks = |i: usize| fields.get(i).and_then(|x| x.parse::<f64>().ok()).unwrap_or(0.0);
+    (ticks(11) + ticks(12)) * 0.01
 }
 
 /// Seconds that this thread has run, where the system tells; else seconds since the epoch.

@@ -1,4 +1,4 @@
-//! The binary tree, and for each of its nodes the cheapest way to make a part of an eight-wide tree of it.
+//! The binary tree, and for each of its nodes the cheapest way to make a part of a wide tree of it.
 //!
 //! The cost of a wide tree is the area of its nodes and blocks, each weighted with the time of its test. The cheapest tree is found
 //! from the leaves up by dynamic programming: for each binary node the cost as a forest of at most `i` wide subtrees (Ylitie,
@@ -20,12 +20,12 @@ const NODE_COST: f32 = 1.0;
 /// Time of the test of a block of triangles.
 const BLOCK_COST: f32 = 1.0;
 
-/// Costs of a binary node as a forest of at most 1, 2, … 7 subtrees.
-type Costs = [f32; LANES - 1];
+/// Costs of a binary node as a forest of at most 1, 2, … subtrees, as many as a wide node has children.
+pub(super) type Costs<const WIDTH: usize> = [f32; WIDTH];
 
 /// A node of the binary tree, over a range of references.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BinaryNode {
+pub(super) struct BinaryNode<const WIDTH: usize> {
     pub bounds: Bounds3,
     /// Start of the range.
     pub first: u32,
@@ -35,11 +35,11 @@ pub(super) struct BinaryNode {
     pub second: u32,
     /// `forest[i]`: how many of `i + 1` subtrees the first child gets in the cheapest forest, or zero when one subtree less is
     /// as cheap. `forest[0]` is one when the range becomes a leaf.
-    pub forest: [u8; LANES],
+    pub forest: [u8; WIDTH],
 }
 
-impl BinaryNode {
-    const UNUSED: Self = Self { bounds: Bounds3::EMPTY, first: 0, count: 0, second: 0, forest: [0; LANES] };
+impl<const WIDTH: usize> BinaryNode<WIDTH> {
+    pub const UNUSED: Self = Self { bounds: Bounds3::EMPTY, first: 0, count: 0, second: 0, forest: [0; WIDTH] };
 
     /// Whether the range becomes a leaf of the wide tree.
     pub fn is_leaf(&self) -> bool {
@@ -48,36 +48,44 @@ impl BinaryNode {
 }
 
 /// Sorts the references and builds the tree over them. A node over `n` references has `2n − 1` places beginning with its own.
-pub(super) fn build(refs: &mut [PrimRef]) -> Vec<BinaryNode> {
+pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> Vec<BinaryNode<WIDTH>> {
     if refs.is_empty() {
         return Vec::new();
     }
     let mut nodes = vec![BinaryNode::UNUSED; 2 * refs.len() - 1];
     let extent = Extent::of(refs);
-    let half = extent.bounds.max * 0.5 - extent.bounds.min * 0.5;
-    let scale = if half.max_element() > 0.0 { half.max_element().recip().min(f32::MAX) } else { 1.0 };
-    build_range(refs, &mut nodes, 0, extent, scale, 0);
+    build_range(refs, &mut nodes, 0, extent, scale(&extent.bounds), 0);
     nodes
 }
 
+/// The factor for [`half_area`] in a tree with given bounds.
+pub(super) fn scale(bounds: &Bounds3) -> f32 {
+    let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
+    if half > 0.0 { half.recip().min(f32::MAX) } else { 1.0 }
+}
+
+/// Whether some references may be one leaf, and whether they are not worth cutting.
+pub(super) fn fits_leaf(refs: &[PrimRef]) -> (bool, bool) {
+    let fits = refs.len() == 1 || refs.len() <= LANES && refs.iter().all(|r| !r.is_user());
+    (fits, refs.len() == 1 || fits && refs.len() <= SMALL)
+}
+
 /// Builds the subtree over a range in its places. The depth of the recursion is bounded by [`super::MAX_DEPTH`].
-fn build_range(
+pub(super) fn build_range<const WIDTH: usize>(
     refs: &mut [PrimRef],
-    nodes: &mut [BinaryNode],
+    nodes: &mut [BinaryNode<WIDTH>],
     first: u32,
     extent: Extent,
     scale: f32,
     depth: u32,
-) -> Costs {
+) -> Costs<WIDTH> {
     let count = refs.len();
-    let area = half_area(&extent.bounds, scale);
-    let fits_leaf = count == 1 || count <= LANES && refs.iter().all(|r| !r.is_user());
-    let leaf_cost = if fits_leaf { area * BLOCK_COST } else { f32::INFINITY };
+    let (fits, is_small) = fits_leaf(refs);
     let mut node = BinaryNode { bounds: extent.bounds, first, count: count as u32, ..BinaryNode::UNUSED };
-    if count == 1 || fits_leaf && count <= SMALL {
+    if is_small {
         node.forest[0] = 1;
         nodes[0] = node;
-        return [leaf_cost; LANES - 1];
+        return [half_area(&extent.bounds, scale) * BLOCK_COST; WIDTH];
     }
 
     let middle = split(refs, &extent, scale, depth < SAH_DEPTH);
@@ -94,37 +102,47 @@ fn build_range(
         build_range(right_refs, right_nodes, first + middle as u32, extent, scale, depth + 1)
     };
     let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
-
-    let (costs, forest) = cheapest_forests(&left, &right, area, leaf_cost);
-    root[0] = BinaryNode { forest, ..node };
-    costs
+    root[0] = node;
+    root[0].choose_forests(&left, &right, fits, scale)
 }
 
-/// The recurrence: from the costs of the children to those of a node, and the choices that give them.
-fn cheapest_forests(left: &Costs, right: &Costs, area: f32, leaf_cost: f32) -> (Costs, [u8; LANES]) {
-    let mut forest = [0; LANES];
-    // The cheapest forests with exactly i + 1 places given to the two children.
-    let mut shared = [f32::INFINITY; LANES];
-    for places in 2..=LANES {
-        for of_left in 1..places {
-            let cost = left[of_left - 1] + right[places - of_left - 1];
-            if cost < shared[places - 1] {
-                shared[places - 1] = cost;
-                forest[places - 1] = of_left as u8;
+impl<const WIDTH: usize> BinaryNode<WIDTH> {
+    /// The recurrence: from the costs of the children to those of this node, and the choices that give them.
+    pub fn choose_forests(
+        &mut self,
+        left: &Costs<WIDTH>,
+        right: &Costs<WIDTH>,
+        fits_leaf: bool,
+        scale: f32,
+    ) -> Costs<WIDTH> {
+        let area = half_area(&self.bounds, scale);
+        let leaf_cost = if fits_leaf { area * BLOCK_COST } else { f32::INFINITY };
+        let mut forest = [0; WIDTH];
+        // The cheapest forests with exactly i + 1 places given to the two children.
+        let mut shared = [f32::INFINITY; WIDTH];
+        for places in 2..=WIDTH {
+            for of_left in 1..places {
+                let cost = left[of_left - 1] + right[places - of_left - 1];
+                if cost < shared[places - 1] {
+                    shared[places - 1] = cost;
+                    forest[places - 1] = of_left as u8;
+                }
             }
         }
-    }
-    let mut costs = [0.0; LANES - 1];
-    let inner_cost = area * NODE_COST + shared[LANES - 1];
-    if leaf_cost <= inner_cost {
-        forest[0] = 1;
-    }
-    costs[0] = leaf_cost.min(inner_cost);
-    for i in 1..LANES - 1 {
-        if costs[i - 1] <= shared[i] {
-            forest[i] = 0;
+        let mut costs = [0.0; WIDTH];
+        let inner_cost = area * NODE_COST + shared[WIDTH - 1];
+        if leaf_cost <= inner_cost {
+            forest[0] = 1;
         }
-        costs[i] = costs[i - 1].min(shared[i]);
+        costs[0] = leaf_cost.min(inner_cost);
+        // A subtree with as many places as a node has is that node's: nobody asks for its cost.
+        for i in 1..WIDTH - 1 {
+            if costs[i - 1] <= shared[i] {
+                forest[i] = 0;
+            }
+            costs[i] = costs[i - 1].min(shared[i]);
+        }
+        self.forest = forest;
+        costs
     }
-    (costs, forest)
 }

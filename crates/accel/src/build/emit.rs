@@ -1,5 +1,6 @@
 //! From the binary tree with its choices to the wide tree.
 
+use super::Builder;
 use super::binary::BinaryNode;
 use super::primitives::{PrimRef, Primitives};
 use crate::bvh::Tree;
@@ -9,7 +10,7 @@ use crate::storage::Storage;
 use steradian_math::Bounds3;
 
 /// Lays out the wide tree, depth first.
-pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNode]) -> Tree {
+pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNode<LANES>], builder: Builder) -> Tree {
     let mut layout = Layout { nodes: Vec::new(), leaves: Vec::new() };
     let root = match binary.first() {
         None => ChildRef::EMPTY,
@@ -32,7 +33,8 @@ pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNo
         root,
         bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
-        primitives: refs.len(),
+        primitives: primitives.count(),
+        builder,
     }
 }
 
@@ -44,7 +46,7 @@ struct Layout {
 
 impl Layout {
     /// A leaf: a user primitive or a block of triangles.
-    fn leaf(&mut self, node: &BinaryNode, refs: &[PrimRef]) -> ChildRef {
+    fn leaf(&mut self, node: &BinaryNode<LANES>, refs: &[PrimRef]) -> ChildRef {
         let r = &refs[node.first as usize];
         if r.is_user() {
             return ChildRef::user(r.index());
@@ -54,7 +56,7 @@ impl Layout {
     }
 
     /// All below the root of the binary tree, which is not a leaf.
-    fn subtree(&mut self, binary: &[BinaryNode], refs: &[PrimRef]) -> ChildRef {
+    fn subtree(&mut self, binary: &[BinaryNode<LANES>], refs: &[PrimRef]) -> ChildRef {
         self.nodes.push(Node::EMPTY);
         let mut pending = vec![(0, 0)];
         while let Some((binary_index, index)) = pending.pop() {
@@ -78,13 +80,13 @@ impl Layout {
 }
 
 /// The binary nodes that become the children of a wide node.
-fn children(binary: &[BinaryNode], root: usize) -> [Option<usize>; LANES] {
-    let mut found = [None; LANES];
+pub(super) fn children<const WIDTH: usize>(binary: &[BinaryNode<WIDTH>], root: usize) -> [Option<usize>; WIDTH] {
+    let mut found = [None; WIDTH];
     let mut len = 0;
     // Parts of the forest that are still to be opened: a binary node and how many subtrees it may become.
-    let mut open = [(0, 0); LANES];
+    let mut open = [(0, 0); WIDTH];
     let mut depth = 0;
-    let (mut current, mut places) = (root, LANES);
+    let (mut current, mut places) = (root, WIDTH);
     loop {
         let node = &binary[current];
         if places == 1 || node.second == 0 {

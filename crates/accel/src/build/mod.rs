@@ -1,25 +1,125 @@
-//! Building: a binary tree by the surface area heuristic, then the cheapest eight-wide tree with the same splits.
+//! Building: a binary tree, then the cheapest eight-wide tree with the same splits.
 //!
 //! Every step gives the same result for any number of threads: work is cut at places that depend on the input only.
 
 mod binary;
+mod clip;
 mod emit;
+mod explicit;
+mod ploc;
 mod primitives;
+mod reinsert;
+mod spatial;
 mod split;
 
 pub(crate) use primitives::Primitives;
 
 use crate::bvh::Tree;
 use crate::{Error, Geometry};
+use binary::BinaryNode;
+use explicit::Explicit;
+use primitives::PrimRef;
+use steradian_math::Bounds3;
 
 /// Greatest depth of a tree, in nodes on a way from the root to a leaf: below [`binary::SAH_DEPTH`] ranges are halved, and they
-/// have less than 2^30 primitives.
+/// have less than 2^30 references.
 pub(crate) const MAX_DEPTH: usize = binary::SAH_DEPTH as usize + 31;
 
+/// How the binary tree is made. All give the same hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Builder {
+    /// From the root down by the surface area heuristic over bins.
+    #[default]
+    Sah,
+    /// The same, then optimised by moving subtrees: slower to build, faster to trace.
+    Reinsertion,
+    /// From the root down, with planes that cut triangles in two, then optimised: the slowest to build. It pays where triangles are
+    /// long or of very different sizes.
+    Spatial,
+    /// From the leaves up along a Z-order curve (PLOC): the fastest to build where there are many processors.
+    Ploc,
+}
+
+impl Builder {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Sah, Self::Reinsertion, Self::Spatial, Self::Ploc];
+}
+
+/// Most rounds of the optimisation.
+const ROUNDS: usize = 8;
+
 /// Builds a tree.
-pub(crate) fn build(geometries: &[Geometry]) -> Result<Tree, Error> {
+pub(crate) fn build(geometries: &[Geometry], builder: Builder) -> Result<Tree, Error> {
     let primitives = Primitives::new(geometries)?;
+    let (refs, nodes) = binary_tree(&primitives, builder);
+    Ok(emit::emit(&primitives, &refs, &nodes, builder))
+}
+
+/// What a child of a wide node is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Part {
+    /// Another node.
+    Node(u32),
+    /// A range of primitives.
+    Leaf { first: u32, count: u32 },
+}
+
+/// A node of a wide tree.
+pub(crate) type WideNode<const WIDTH: usize> = [Option<(Bounds3, Part)>; WIDTH];
+
+/// The nodes of a tree of any width, the root first, and the indices of primitives in the order of its leaves.
+pub(crate) fn wide<const WIDTH: usize>(
+    geometries: &[Geometry],
+    builder: Builder,
+) -> Result<(Vec<WideNode<WIDTH>>, Vec<u32>), Error> {
+    let (refs, binary) = binary_tree::<WIDTH>(&Primitives::new(geometries)?, builder);
+    let indices = refs.iter().map(PrimRef::index).collect();
+    let leaf = |node: &BinaryNode<WIDTH>| (node.bounds, Part::Leaf { first: node.first, count: node.count });
+    let mut nodes = vec![[None; WIDTH]];
+    let mut pending = match binary.first() {
+        None => return Ok((Vec::new(), indices)),
+        Some(root) if root.is_leaf() => {
+            nodes[0][0] = Some(leaf(root));
+            Vec::new()
+        }
+        Some(_) => vec![(0, 0)],
+    };
+    while let Some((from, index)) = pending.pop() {
+        for (slot, child) in emit::children(&binary, from).into_iter().flatten().enumerate() {
+            let node = &binary[child];
+            nodes[index][slot] = Some(if node.is_leaf() {
+                leaf(node)
+            } else {
+                nodes.push([None; WIDTH]);
+                pending.push((child, nodes.len() - 1));
+                (node.bounds, Part::Node(nodes.len() as u32 - 1))
+            });
+        }
+    }
+    Ok((nodes, indices))
+}
+
+/// The binary tree, with the choices that make it wide.
+fn binary_tree<const WIDTH: usize>(
+    primitives: &Primitives,
+    builder: Builder,
+) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
     let mut refs = primitives.refs();
-    let nodes = binary::build(&mut refs);
-    Ok(emit::emit(&primitives, &refs, &nodes))
+    if refs.is_empty() {
+        return (refs, Vec::new());
+    }
+    let mut tree = match builder {
+        Builder::Sah => {
+            let nodes = binary::build(&mut refs);
+            return (refs, nodes);
+        }
+        Builder::Reinsertion => {
+            let nodes = binary::build::<WIDTH>(&mut refs);
+            Explicit::of_ranges(refs, &nodes)
+        }
+        Builder::Spatial => spatial::build(primitives, refs),
+        Builder::Ploc => return ploc::build(refs).into_ranges(),
+    };
+    reinsert::optimize(&mut tree, ROUNDS);
+    tree.into_ranges()
 }

@@ -3,47 +3,102 @@
 use crate::layout::{Block, ChildRef};
 use crate::triangle::is_hittable;
 use crate::{Error, Geometry, Shape};
+use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Vec3};
 
-/// A primitive while it is sorted: its box and its index.
+/// A primitive while it is sorted: its box and its index, in half a cache line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimRef {
-    pub min: Vec3,
-    /// Index over all geometries; the top bit is set for user primitives.
-    tagged: u32,
-    pub max: Vec3,
-    /// Twin of the row above, so that a reference is half a cache line.
-    _pad: u32,
+    /// The least corner. The bits of the last coordinate are the index over all geometries with [`PrimRef::NORMAL`], and
+    /// [`PrimRef::USER`] for user primitives.
+    low: Vec4,
+    /// The greatest corner, and nothing.
+    high: Vec4,
+}
+
+/// A box in two registers, whose fourth coordinates mean nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub min: Vec3A,
+    pub max: Vec3A,
+}
+
+impl Span {
+    /// A box without a point.
+    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    /// The box around both.
+    #[inline(always)]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The box as others see it.
+    pub fn bounds(self) -> Bounds3 {
+        Bounds3 { min: self.min.into(), max: self.max.into() }
+    }
 }
 
 impl PrimRef {
     const USER: u32 = 1 << 31;
+    /// Makes a common number of the index: arithmetic in all four lanes is slow where one of them is subnormal.
+    const NORMAL: u32 = 1 << 30;
 
     fn new(bounds: Bounds3, index: u32, user: bool) -> Self {
-        Self { min: bounds.min, tagged: index | if user { Self::USER } else { 0 }, max: bounds.max, _pad: 0 }
+        let tag = index | Self::NORMAL | if user { Self::USER } else { 0 };
+        Self { low: bounds.min.extend(f32::from_bits(tag)), high: bounds.max.extend(0.0) }
+    }
+
+    /// A part of the primitive, within other bounds.
+    pub fn part(&self, bounds: Bounds3) -> Self {
+        Self { low: bounds.min.extend(self.low.w), high: bounds.max.extend(0.0) }
     }
 
     /// Index over all geometries.
     pub fn index(&self) -> u32 {
-        self.tagged & !Self::USER
+        self.low.w.to_bits() & (Self::NORMAL - 1)
     }
 
     /// Whether it is a user primitive.
     pub fn is_user(&self) -> bool {
-        self.tagged & Self::USER != 0
+        self.low.w.to_bits() & Self::USER != 0
     }
 
     /// The middle of the box, without overflow.
     #[inline]
-    pub fn center(&self) -> Vec3 {
-        self.min * 0.5 + self.max * 0.5
+    pub fn center(&self) -> Vec3A {
+        Vec3A::from_vec4(self.low * 0.5 + self.high * 0.5)
+    }
+
+    /// A coordinate of the middle.
+    #[inline]
+    pub fn center_on(&self, axis: usize) -> f32 {
+        self.low[axis] * 0.5 + self.high[axis] * 0.5
+    }
+
+    /// The least corner.
+    #[inline]
+    pub fn min(&self) -> Vec3 {
+        self.low.truncate()
+    }
+
+    /// The greatest corner.
+    #[inline]
+    pub fn max(&self) -> Vec3 {
+        self.high.truncate()
     }
 
     /// The box.
     #[inline]
     pub fn bounds(&self) -> Bounds3 {
-        Bounds3 { min: self.min, max: self.max }
+        Bounds3 { min: self.min(), max: self.max() }
+    }
+
+    /// The box in registers.
+    #[inline]
+    pub fn span(&self) -> Span {
+        Span { min: Vec3A::from_vec4(self.low), max: Vec3A::from_vec4(self.high) }
     }
 }
 

@@ -1,11 +1,14 @@
 //! Where to cut a range of primitives: the surface area heuristic over bins (Wald, "On fast Construction of SAH-based Bounding Volume
 //! Hierarchies", 2007).
 
-use super::primitives::PrimRef;
+use super::primitives::{PrimRef, Span};
+use crate::simd::LANES;
+use glam::Vec3A;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Vec3};
 
-/// Most bins along an axis.
+/// Fewest and most bins along an axis.
+const MIN_BINS: usize = 8;
 const MAX_BINS: usize = 32;
 /// Ranges longer than this are binned by several threads, in pieces of this size.
 const PIECE: usize = 1 << 14;
@@ -15,27 +18,39 @@ const PIECE: usize = 1 << 14;
 pub(super) struct Extent {
     pub bounds: Bounds3,
     pub centers: Bounds3,
+    /// Whether all of them are triangles.
+    pub triangles: bool,
 }
 
 impl Extent {
-    pub const EMPTY: Self = Self { bounds: Bounds3::EMPTY, centers: Bounds3::EMPTY };
+    pub const EMPTY: Self = Self { bounds: Bounds3::EMPTY, centers: Bounds3::EMPTY, triangles: true };
 
     /// The extent of a range.
     pub fn of(refs: &[PrimRef]) -> Self {
         if refs.len() > PIECE {
-            refs.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union)
-        } else {
-            refs.iter().fold(Self::EMPTY, Self::with)
+            return refs.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union);
         }
-    }
-
-    #[inline]
-    fn with(self, r: &PrimRef) -> Self {
-        Self { bounds: self.bounds.union(r.bounds()), centers: self.centers.union_point(r.center()) }
+        let (mut bounds, mut centers, mut triangles) = (Span::EMPTY, Span::EMPTY, true);
+        for r in refs {
+            let center = r.center();
+            bounds = bounds.union(r.span());
+            centers = centers.union(Span { min: center, max: center });
+            triangles &= !r.is_user();
+        }
+        Self { bounds: bounds.bounds(), centers: centers.bounds(), triangles }
     }
 
     fn union(self, other: Self) -> Self {
-        Self { bounds: self.bounds.union(other.bounds), centers: self.centers.union(other.centers) }
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            centers: self.centers.union(other.centers),
+            triangles: self.triangles && other.triangles,
+        }
+    }
+
+    /// How many tests so many of the primitives are: triangles are tested by blocks.
+    pub fn tests(&self, count: u32) -> f32 {
+        if self.triangles { count.div_ceil(LANES as u32) as f32 } else { count as f32 }
     }
 }
 
@@ -48,38 +63,56 @@ pub(super) fn half_area(b: &Bounds3, scale: f32) -> f32 {
     d.x * d.y + d.y * d.z + d.z * d.x
 }
 
+/// The same of a box in registers.
+#[inline(always)]
+fn area_of(b: &Span, scale: f32) -> f32 {
+    if b.min.cmpgt(b.max).any() {
+        return 0.0;
+    }
+    let d = (b.max * 0.5 - b.min * 0.5) * scale;
+    d.x * d.y + d.y * d.z + d.z * d.x
+}
+
 /// Primitives of a range by the place of their centre, along each axis.
-#[derive(Clone)]
-struct Bins {
-    bounds: [[Bounds3; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
+struct Bins<const BINS: usize> {
+    bounds: [[Span; BINS]; 3],
+    counts: [[u32; BINS]; 3],
 }
 
 /// The map from centres to bins.
 #[derive(Clone, Copy)]
 struct Grid {
     count: usize,
-    origin: Vec3,
-    scale: Vec3,
+    origin: Vec3A,
+    scale: Vec3A,
 }
 
 impl Grid {
     fn new(centers: &Bounds3, len: usize) -> Self {
-        let count = (4 + len / 16).clamp(8, MAX_BINS);
+        let count = (4 + len / 16).clamp(MIN_BINS, MAX_BINS);
         let scale = count as f32 / centers.diagonal();
-        Self { count, origin: centers.min, scale: Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO) }
+        let scale = Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO);
+        Self { count, origin: centers.min.into(), scale: scale.into() }
     }
 
-    #[inline]
-    fn bins(&self, center: Vec3) -> [usize; 3] {
+    /// The bins of a centre along all axes.
+    #[inline(always)]
+    fn bins(&self, center: Vec3A) -> [usize; 3] {
         let place = (center - self.origin) * self.scale;
-        place.to_array().map(|x| (x as usize).min(self.count - 1))
+        place.to_array().map(|x| (x as i32 as usize).min(self.count - 1))
+    }
+
+    /// The bin of a centre along one axis.
+    #[inline(always)]
+    fn bin(&self, center: f32, axis: usize) -> usize {
+        let place = (center - self.origin[axis]) * self.scale[axis];
+        (place as i32 as usize).min(self.count - 1)
     }
 }
 
-impl Bins {
+impl<const BINS: usize> Bins<BINS> {
     fn new() -> Self {
-        Self { bounds: [[Bounds3::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] }
+        Self { bounds: [[Span::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] }
     }
 
     fn of(refs: &[PrimRef], grid: Grid) -> Self {
@@ -89,8 +122,10 @@ impl Bins {
         }
         let mut bins = Self::new();
         for r in refs {
+            let span = r.span();
             for (axis, bin) in grid.bins(r.center()).into_iter().enumerate() {
-                bins.bounds[axis][bin] = bins.bounds[axis][bin].union(r.bounds());
+                let bin = bin.min(BINS - 1);
+                bins.bounds[axis][bin] = bins.bounds[axis][bin].union(span);
                 bins.counts[axis][bin] += 1;
             }
         }
@@ -99,7 +134,7 @@ impl Bins {
 
     fn union(mut self, other: &Self) -> Self {
         for axis in 0..3 {
-            for bin in 0..MAX_BINS {
+            for bin in 0..BINS {
                 self.bounds[axis][bin] = self.bounds[axis][bin].union(other.bounds[axis][bin]);
                 self.counts[axis][bin] += other.counts[axis][bin];
             }
@@ -111,44 +146,73 @@ impl Bins {
 /// Sorts a range into two parts that are not empty, and says where the second one begins.
 pub(super) fn split(refs: &mut [PrimRef], extent: &Extent, scale: f32, use_sah: bool) -> usize {
     let chosen = if use_sah { best_plane(refs, extent, scale) } else { None };
-    if let Some((grid, axis, bin)) = chosen {
-        let middle = partition(refs, |r| grid.bins(r.center())[axis] < bin);
-        if middle > 0 && middle < refs.len() {
-            return middle;
-        }
+    if let Some(middle) = chosen.and_then(|cut| cut.apply(refs)) {
+        return middle;
     }
+    halve(refs, extent)
+}
+
+/// Sorts a range into halves, and says where the second one begins.
+pub(super) fn halve(refs: &mut [PrimRef], extent: &Extent) -> usize {
     // All centres at one place, or a tree that grows too deep: halves, by the centre and then by the index.
     let axis = extent.centers.longest_axis();
     let middle = refs.len() / 2;
     refs.select_nth_unstable_by(middle, |a, b| {
-        a.center()[axis].total_cmp(&b.center()[axis]).then(a.index().cmp(&b.index()))
+        a.center_on(axis).total_cmp(&b.center_on(axis)).then(a.index().cmp(&b.index()))
     });
     middle
 }
 
-/// The cheapest cut between bins: the first bin of the second part.
-fn best_plane(refs: &[PrimRef], extent: &Extent, scale: f32) -> Option<(Grid, usize, usize)> {
+/// A cut between bins.
+pub(super) struct Cut {
+    grid: Grid,
+    axis: usize,
+    /// The first bin of the second part.
+    bin: usize,
+    /// Areas of the parts times how many tests are in them.
+    pub cost: f32,
+}
+
+impl Cut {
+    /// Sorts a range into its parts, and says where the second one begins, unless one of them is empty.
+    pub fn apply(&self, refs: &mut [PrimRef]) -> Option<usize> {
+        let middle = partition(refs, |r| self.grid.bin(r.center_on(self.axis), self.axis) < self.bin);
+        (middle > 0 && middle < refs.len()).then_some(middle)
+    }
+}
+
+/// The cheapest cut between bins.
+pub(super) fn best_plane(refs: &[PrimRef], extent: &Extent, scale: f32) -> Option<Cut> {
     let grid = Grid::new(&extent.centers, refs.len());
-    let bins = Bins::of(refs, grid);
+    // What few primitives do not fill need not be cleared and looked through.
+    match grid.count {
+        MIN_BINS => best_of_bins::<MIN_BINS>(refs, extent, scale, grid),
+        _ => best_of_bins::<MAX_BINS>(refs, extent, scale, grid),
+    }
+}
+
+/// The same, with room for so many bins.
+fn best_of_bins<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
+    let bins = Bins::<BINS>::of(refs, grid);
     let mut best = None;
     let mut best_cost = f32::INFINITY;
     for axis in 0..3 {
         // Costs of all second parts, from the end.
-        let mut costs = [0.0_f32; MAX_BINS];
-        let (mut bounds, mut count) = (Bounds3::EMPTY, 0);
-        for bin in (1..grid.count).rev() {
+        let mut costs = [0.0_f32; BINS];
+        let (mut bounds, mut count) = (Span::EMPTY, 0);
+        for bin in (1..grid.count.min(BINS)).rev() {
             bounds = bounds.union(bins.bounds[axis][bin]);
             count += bins.counts[axis][bin];
-            costs[bin] = if count == 0 { f32::INFINITY } else { half_area(&bounds, scale) * count as f32 };
+            costs[bin] = if count == 0 { f32::INFINITY } else { area_of(&bounds, scale) * extent.tests(count) };
         }
-        let (mut bounds, mut count) = (Bounds3::EMPTY, 0);
+        let (mut bounds, mut count) = (Span::EMPTY, 0);
         for (bin, second_cost) in costs.into_iter().enumerate().take(grid.count).skip(1) {
             bounds = bounds.union(bins.bounds[axis][bin - 1]);
             count += bins.counts[axis][bin - 1];
-            let cost = half_area(&bounds, scale) * count as f32 + second_cost;
+            let cost = area_of(&bounds, scale) * extent.tests(count) + second_cost;
             if count > 0 && cost < best_cost {
                 best_cost = cost;
-                best = Some((grid, axis, bin));
+                best = Some(Cut { grid, axis, bin, cost });
             }
         }
     }

@@ -26,7 +26,7 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: Users>(
     let (mut hits, alone) = any_beams(isa, (s, l), tree, packet, lanes, users);
     for lane in Set(alone) {
         let ray = packet.ray(lane, packet.t_max.0[lane]);
-        hits |= u32::from(any_hit_from(isa, tree, &ray, users, &Way::new(&ray), tree.root)) << lane;
+        hits |= u32::from(any_hit_from(isa, tree, &ray, users, &Way::new(&ray, &tree.bounds), tree.root)) << lane;
     }
     hits
 }
@@ -50,8 +50,12 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
         rest &= !group;
         if group.count_ones() < BEAM {
             alone |= group;
+            continue;
+        }
+        let beam = ways.beam(l, group.trailing_zeros() as usize);
+        if !beam.is_narrow(l, group) {
+            alone |= group;
         } else {
-            let beam = ways.beam(l, group.trailing_zeros() as usize);
             let apart = beam.apart(l);
             hits |= Query { isa, s, l, tree, packet, users, beam, apart }.run(group);
         }
@@ -88,7 +92,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 let node = unsafe { tree.node(current) };
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
-                    let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
+                    let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
                     // SAFETY: the stack is deep enough for the tree.
                     unsafe { stack.push(keys, children, current, lanes.count_ones() as usize) };
                 }
@@ -113,7 +117,8 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
-                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane), child) {
+                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane, &ray, &tree.bounds), child)
+                    {
                         open &= !(1 << lane);
                     }
                 }

@@ -21,6 +21,15 @@ fn packet<L: Lanes>(l: L, rays: &[Ray]) -> (Packet, usize) {
     (Packet::new(l, &padded), rays.len())
 }
 
+/// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once. Measured.
+const PAUSE: usize = 7;
+
+/// How many of the next rays go alone without being tried together.
+#[inline(always)]
+fn pause<L: Lanes>(alone: u32, len: usize) -> usize {
+    if alone.count_ones() as usize * 4 > len * 3 { PAUSE * L::COUNT } else { 0 }
+}
+
 /// The nearest hits of rays.
 #[inline(always)]
 pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
@@ -32,8 +41,16 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
     hits: &mut [Option<Hit>],
 ) {
     assert_eq!(rays.len(), hits.len(), "as many answers as rays");
-    let mut done = 0;
+    let (mut done, mut pausing) = (0, 0);
     while done < rays.len() {
+        if pausing > 0 {
+            let end = (done + pausing).min(rays.len());
+            for (ray, hit) in rays[done..end].iter().zip(&mut hits[done..end]) {
+                *hit = nearest_hit(isa, tree, ray, users).map(|nearest| users.hit(nearest));
+            }
+            (done, pausing) = (end, 0);
+            continue;
+        }
         let (packet, len) = packet(l, &rays[done..]);
         let mut found = Found::nothing(&packet.t_max);
         let alone = nearest_beams(isa, (s, l), tree, &packet, (1 << len) - 1, users, &mut found);
@@ -52,6 +69,7 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
         for lane in Set(alone) {
             hits[lane] = nearest_hit(isa, tree, &rays[lane], users).map(|nearest| users.hit(nearest));
         }
+        pausing = pause::<L>(alone, len);
         done += len;
     }
 }
@@ -67,8 +85,16 @@ pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
     occluded: &mut [bool],
 ) {
     assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
-    let mut done = 0;
+    let (mut done, mut pausing) = (0, 0);
     while done < rays.len() {
+        if pausing > 0 {
+            let end = (done + pausing).min(rays.len());
+            for (ray, occluded) in rays[done..end].iter().zip(&mut occluded[done..end]) {
+                *occluded = any_hit(isa, tree, ray, users);
+            }
+            (done, pausing) = (end, 0);
+            continue;
+        }
         let (packet, len) = packet(l, &rays[done..]);
         let (hits, alone) = any_beams(isa, (s, l), tree, &packet, (1 << len) - 1, users);
         let (rays, occluded) = (&rays[done..done + len], &mut occluded[done..done + len]);
@@ -78,6 +104,7 @@ pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
         for lane in Set(alone) {
             occluded[lane] = any_hit(isa, tree, &rays[lane], users);
         }
+        pausing = pause::<L>(alone, len);
         done += len;
     }
 }

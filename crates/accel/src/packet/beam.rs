@@ -5,7 +5,7 @@ use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
 use crate::traverse::{WIDEN, Way};
 use crate::triangle::{Crossing, cross};
-use steradian_math::Vec3;
+use steradian_math::{Bounds3, Ray, Vec3};
 
 /// What the tests need of the rays of a packet, and which way they go.
 pub(super) struct Ways<L: Lanes> {
@@ -22,6 +22,9 @@ pub(super) struct Ways<L: Lanes> {
     /// By axis the rays whose direction is greatest along it.
     along: [u32; 3],
 }
+
+/// Slopes of a beam differ by less than this. Measured.
+const NARROW: f32 = 0.6;
 
 /// Rays with the same signs and the same greatest axis.
 pub(super) struct Beam<L: Lanes> {
@@ -115,7 +118,7 @@ impl<L: Lanes> Ways<L> {
 
 /// What the rays of a beam need when they go on alone.
 pub(super) struct Apart {
-    inverse: [[Wide; 3]; 2],
+    reciprocal: [Wide; 3],
     shear: [Wide; 3],
     axes: [usize; 3],
 }
@@ -123,25 +126,29 @@ pub(super) struct Apart {
 impl Apart {
     /// Of one of the rays.
     #[inline(always)]
-    pub fn get(&self, lane: usize) -> Way {
+    pub fn get(&self, lane: usize, ray: &Ray, bounds: &Bounds3) -> Way {
         let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
-        Way {
-            inverse: [vector(&self.inverse[0]), vector(&self.inverse[1])],
-            axes: self.axes,
-            shear: vector(&self.shear).to_array(),
-        }
+        Way::with(ray, bounds, vector(&self.reciprocal), self.axes, vector(&self.shear).to_array())
     }
 }
 
 impl<L: Lanes> Beam<L> {
+    /// Whether some of its rays go so nearly the same way that their bounds are worth a test.
+    #[inline(always)]
+    pub fn is_narrow(&self, l: L, lanes: u32) -> bool {
+        let mask = l.mask(lanes);
+        let (top, bottom) = (l.splat(f32::INFINITY), l.splat(f32::NEG_INFINITY));
+        let spread = |shear: L::F| l.greatest(l.select(mask, shear, bottom)) - l.least(l.select(mask, shear, top));
+        spread(self.shear[0]).max(spread(self.shear[1])) < NARROW
+    }
+
     /// What its rays need when they go on alone.
     #[inline(always)]
     pub fn apart(&self, l: L) -> Apart {
         let zero = [Wide::splat(0.0); 3];
-        let mut apart = Apart { inverse: [zero; 2], shear: zero, axes: self.axes };
+        let mut apart = Apart { reciprocal: zero, shear: zero, axes: self.axes };
         for axis in 0..3 {
-            l.write(self.inverse[0][axis], &mut apart.inverse[0][axis]);
-            l.write(self.inverse[1][axis], &mut apart.inverse[1][axis]);
+            l.write(self.reciprocal[axis], &mut apart.reciprocal[axis]);
             l.write(self.shear[axis], &mut apart.shear[axis]);
         }
         apart

@@ -12,6 +12,7 @@ use crate::simd::{LANES, Lanes, Simd, key_lane};
 use crate::traverse::{Extra, Nearest, Start, Users, Way};
 use crate::triangle::Crossing;
 use crate::{UserHit, simd};
+use steradian_math::Ray;
 
 /// Finds the nearest hits of the rays in `lanes`: `found` begins with the ends of the intervals.
 #[inline(always)]
@@ -25,8 +26,8 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     found: &mut Found,
 ) {
     for lane in Set(nearest_beams(isa, (s, l), tree, packet, lanes, users, found)) {
-        let way = Way::new(&packet.ray(lane, packet.t_max.0[lane]));
-        single(isa, tree, packet, (lane, &way), tree.root, users, found);
+        let way = |ray: &Ray| Way::new(ray, &tree.bounds);
+        single(isa, tree, packet, (lane, way), tree.root, users, found);
     }
 }
 
@@ -49,8 +50,12 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
         rest &= !group;
         if group.count_ones() < BEAM {
             alone |= group;
+            continue;
+        }
+        let beam = ways.beam(l, group.trailing_zeros() as usize);
+        if !beam.is_narrow(l, group) {
+            alone |= group;
         } else {
-            let beam = ways.beam(l, group.trailing_zeros() as usize);
             let apart = beam.apart(l);
             Query { isa, s, l, tree, packet, users, beam, apart }.run(group, found);
         }
@@ -64,14 +69,14 @@ fn single<U: Users>(
     isa: SupportedIsa,
     tree: &Tree,
     packet: &Packet,
-    (lane, way): (usize, &Way),
+    (lane, way): (usize, impl FnOnce(&Ray) -> Way),
     child: ChildRef,
     users: &U,
     found: &mut Found,
 ) {
     let ray = packet.ray(lane, packet.t_max.0[lane]);
     let start = Start { child, t: found.t.0[lane], best: found.get(lane) };
-    if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, way, start) {
+    if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, &way(&ray), start) {
         found.set(lane, nearest);
     }
 }
@@ -106,7 +111,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 let node = unsafe { tree.node(current) };
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
-                    let (keys, children) = s.sort_descending(enter, lanes, &ChildRef::bits(&node.children));
+                    let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
                     // SAFETY: the stack is deep enough for the tree.
                     unsafe { stack.push(keys, children, current, lanes.count_ones() as usize) };
                 }
@@ -133,7 +138,8 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                     continue;
                 }
                 for lane in Set(active) {
-                    single(self.isa, tree, self.packet, (lane, &self.apart.get(lane)), child, self.users, found);
+                    let way = |ray: &Ray| self.apart.get(lane, ray, &tree.bounds);
+                    single(self.isa, tree, self.packet, (lane, way), child, self.users, found);
                 }
                 farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
             }

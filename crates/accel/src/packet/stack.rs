@@ -4,7 +4,7 @@
 
 use crate::build::MAX_DEPTH;
 use crate::layout::ChildRef;
-use crate::simd::{LANES, key_number};
+use crate::simd::{LANES, last_key};
 use std::mem::MaybeUninit;
 
 /// Room for every tree: a node puts at most eight children on the stack, of which one is taken at once, and the builder bounds the
@@ -56,6 +56,7 @@ impl PacketStack {
     /// Takes children from the top up to one whose box begins at `t` or nearer.
     #[inline(always)]
     pub fn pop(&mut self, t: f32) -> Option<Waiting> {
+        let last = last_key(t);
         loop {
             self.len = self.len.checked_sub(1)?;
             // SAFETY: entries below the length have been written, and the length is below the capacity.
@@ -66,7 +67,7 @@ impl PacketStack {
                     self.parents.get_unchecked(self.len).assume_init(),
                 )
             };
-            if key_number(key) <= t {
+            if key <= last {
                 return Some(Waiting { key, child: ChildRef(child), parent: ChildRef(parent) });
             }
         }

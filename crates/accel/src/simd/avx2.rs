@@ -1,11 +1,11 @@
 //! Lanes in one 256-bit register, masks in another.
 #![allow(unsafe_code)]
 
-use super::sort::sort_descending;
+use super::sort::{nearest, sort_descending};
 use super::{LANES, Lanes, Row, Simd, Wide};
 use std::arch::x86_64::*;
 
-/// Proof that the machine has AVX2, BMI1 and BMI2.
+/// Proof that the machine has AVX2, FMA, BMI1 and BMI2.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx2(());
 
@@ -13,7 +13,7 @@ impl Avx2 {
     /// Makes the token.
     ///
     /// # Safety
-    /// The machine must have AVX2, BMI1 and BMI2.
+    /// The machine must have AVX2, FMA, BMI1 and BMI2.
     #[inline(always)]
     pub(crate) unsafe fn assume_supported() -> Self {
         Self(())
@@ -45,6 +45,11 @@ impl Lanes for Avx2 {
     fn mul(self, a: Self::F, b: Self::F) -> Self::F {
         // SAFETY: see above.
         unsafe { _mm256_mul_ps(a, b) }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_fmadd_ps(a, b, c) }
     }
     #[inline(always)]
     fn div(self, a: Self::F, b: Self::F) -> Self::F {
@@ -151,14 +156,27 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
         // SAFETY: see above.
-        unsafe {
-            // Keys are not negative as signed integers; lanes that are not chosen become -1 and go to the end.
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), lanes);
-            let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-            let is_chosen = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(chosen as i32), bits), bits);
-            let keys = _mm256_or_si256(keys, _mm256_xor_si256(is_chosen, _mm256_set1_epi32(-1)));
-            sort_descending(keys, companions)
-        }
+        unsafe { sort_descending(keys(a, chosen), companions) }
+    }
+    #[inline(always)]
+    fn nearest(self, a: Self::F, chosen: u32) -> usize {
+        // SAFETY: see above.
+        unsafe { nearest(keys(a, chosen)) }
+    }
+}
+
+/// Keys of numbers that are at least +0. As signed integers they are not negative; lanes that are not chosen become -1.
+///
+/// # Safety
+/// The machine must have AVX2.
+#[inline(always)]
+unsafe fn keys(a: __m256, chosen: u32) -> __m256i {
+    // SAFETY: the caller promises AVX2.
+    unsafe {
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), lanes);
+        let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        let is_chosen = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(chosen as i32), bits), bits);
+        _mm256_or_si256(keys, _mm256_xor_si256(is_chosen, _mm256_set1_epi32(-1)))
     }
 }

@@ -1,7 +1,7 @@
 //! Lanes in one 256-bit register, masks in mask registers.
 #![allow(unsafe_code)]
 
-use super::sort::sort_descending;
+use super::sort::{nearest, sort_descending};
 use super::{LANES, Lanes, Row, Simd, Wide};
 use std::arch::x86_64::*;
 
@@ -45,6 +45,11 @@ impl Lanes for Avx512 {
     fn mul(self, a: Self::F, b: Self::F) -> Self::F {
         // SAFETY: see above.
         unsafe { _mm256_mul_ps(a, b) }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_fmadd_ps(a, b, c) }
     }
     #[inline(always)]
     fn div(self, a: Self::F, b: Self::F) -> Self::F {
@@ -143,12 +148,25 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
         // SAFETY: see above.
-        unsafe {
-            // Keys are not negative as signed integers; lanes that are not chosen become -1 and go to the end.
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), lanes);
-            let keys = _mm256_mask_blend_epi32(chosen as __mmask8, _mm256_set1_epi32(-1), keys);
-            sort_descending(keys, companions)
-        }
+        unsafe { sort_descending(keys(a, chosen), companions) }
+    }
+    #[inline(always)]
+    fn nearest(self, a: Self::F, chosen: u32) -> usize {
+        // SAFETY: see above.
+        unsafe { nearest(keys(a, chosen)) }
+    }
+}
+
+/// Keys of numbers that are at least +0. As signed integers they are not negative; lanes that are not chosen become -1.
+///
+/// # Safety
+/// The machine must have AVX-512 F and VL.
+#[inline(always)]
+unsafe fn keys(a: __m256, chosen: u32) -> __m256i {
+    // SAFETY: the caller promises AVX-512.
+    unsafe {
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), lanes);
+        _mm256_mask_blend_epi32(chosen as __mmask8, _mm256_set1_epi32(-1), keys)
     }
 }

@@ -46,6 +46,11 @@ impl Lanes for Avx512Wide {
         unsafe { _mm512_mul_ps(a, b) }
     }
     #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm512_fmadd_ps(a, b, c) }
+    }
+    #[inline(always)]
     fn div(self, a: Self::F, b: Self::F) -> Self::F {
         // SAFETY: see above.
         unsafe { _mm512_div_ps(a, b) }

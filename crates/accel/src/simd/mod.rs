@@ -1,5 +1,5 @@
-//! Eight or sixteen `f32` lanes on several instruction sets, all with the same bits: only correctly rounded operations, no contraction, and
-//! one meaning of minimum and maximum.
+//! Eight or sixteen `f32` lanes on several instruction sets, all with the same bits (but for [`Lanes::mul_add`]): only correctly rounded
+//! operations, no contraction, and one meaning of minimum and maximum.
 //!
 //! A value of a type that implements [`Simd`] is a token: that it exists proves that the machine has the instructions, so that
 //! its operations are safe to call. They are fast only when inlined into a function compiled for that instruction set.
@@ -83,6 +83,9 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a * b`.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a · b + c`, rounded once or twice: the one operation whose bits differ between levels. Boxes are tested with it, whose bounds
+    /// hold for both.
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     /// `a / b`.
     fn div(self, a: Self::F, b: Self::F) -> Self::F;
     /// `if a < b { a } else { b }`: gives `b` where either is NaN.
@@ -147,6 +150,15 @@ pub(crate) trait Simd: Lanes {
         }
         (keys, keys.map(|key| companions[key_lane(key)]))
     }
+
+    /// The lane in `chosen`, which is not empty, that [`Simd::sort_descending`] puts last. It is known sooner than the whole order, and
+    /// what depends on it need not wait.
+    #[inline(always)]
+    fn nearest(self, a: Self::F, chosen: u32) -> usize {
+        let a = self.store(a);
+        let keys = (0..LANES).filter(|lane| chosen >> lane & 1 == 1).map(|lane| key(a[lane], lane));
+        keys.min().map_or(0, key_lane)
+    }
 }
 
 /// A number that is at least +0 and its lane as an integer that sorts like them: the lane replaces the lowest three bits.
@@ -155,10 +167,10 @@ pub(crate) fn key(x: f32, lane: usize) -> u32 {
     x.to_bits() & !LANE_BITS | lane as u32
 }
 
-/// The number in a key, or one that is a little smaller.
+/// The greatest key of a number that is not greater than one that is at least +0.
 #[inline(always)]
-pub(crate) fn key_number(key: u32) -> f32 {
-    f32::from_bits(key & !LANE_BITS)
+pub(crate) fn last_key(x: f32) -> u32 {
+    x.to_bits() | LANE_BITS
 }
 
 /// The lane in a key.
@@ -210,6 +222,7 @@ mod tests {
                     )*};
                 }
                 check!(add sub mul div min max);
+                fused_or_not(s, [a, b], [pa, pb]);
                 let compare = [s.bits(s.le(a, b)), s.bits(s.lt(a, b)), s.bits(s.eq(a, b))];
                 assert_eq!(compare, [p.bits(p.le(pa, pb)), p.bits(p.lt(pa, pb)), p.bits(p.eq(pa, pb))]);
                 let (m, n) = (s.le(a, b), s.le(b, a));
@@ -218,6 +231,16 @@ mod tests {
             }
         }
         sorts(s);
+    }
+
+    /// The sum of a product is rounded once or twice.
+    fn fused_or_not<S: Simd>(s: S, [a, b]: [S::F; 2], [pa, pb]: [[f32; LANES]; 2]) {
+        let same = |x: f32, y: f32| x.to_bits() == y.to_bits() || x.is_nan() && y.is_nan();
+        let found = s.store(s.mul_add(a, b, b));
+        for lane in 0..LANES {
+            let (x, y) = (pa[lane], pb[lane]);
+            assert!(same(found[lane], x.mul_add(y, y)) || same(found[lane], x * y + y), "{x} {y}");
+        }
     }
 
     /// Sorts every choice of lanes, with equal numbers and infinity among them.
@@ -238,6 +261,7 @@ mod tests {
                 assert_eq!(keys[..count], expected);
                 let lanes: Vec<u32> = expected.iter().map(|&key| 100 + key_lane(key) as u32).collect();
                 assert_eq!(sorted[..count], lanes);
+                assert_eq!(s.nearest(s.load(&Row(row)), chosen), key_lane(expected[count - 1]));
             }
         }
     }

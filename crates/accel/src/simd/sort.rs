@@ -36,3 +36,19 @@ pub(super) unsafe fn sort_descending(keys: __m256i, companions: &[u32; LANES]) -
     }
     (sorted_keys, sorted_companions)
 }
+
+/// The lane of the least of some keys that [`sort_descending`] would sort, of which one at least is not -1.
+///
+/// # Safety
+/// The machine must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn nearest(keys: __m256i) -> usize {
+    // SAFETY: the caller promises AVX2.
+    unsafe {
+        // As unsigned integers -1 is the greatest.
+        let least = _mm_min_epu32(_mm256_castsi256_si128(keys), _mm256_extracti128_si256::<1>(keys));
+        let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b01_00_11_10>(least));
+        let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b10_11_00_01>(least));
+        _mm_cvtsi128_si32(least) as usize & (LANES - 1)
+    }
+}

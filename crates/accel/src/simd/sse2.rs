@@ -46,6 +46,10 @@ impl Lanes for Sse2 {
         unsafe { [_mm_mul_ps(a[0], b[0]), _mm_mul_ps(a[1], b[1])] }
     }
     #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        self.add(self.mul(a, b), c)
+    }
+    #[inline(always)]
     fn div(self, a: Self::F, b: Self::F) -> Self::F {
         // SAFETY: see above.
         unsafe { [_mm_div_ps(a[0], b[0]), _mm_div_ps(a[1], b[1])] }

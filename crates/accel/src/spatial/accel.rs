@@ -4,7 +4,7 @@ use super::hierarchy::{Query, cost};
 use super::partition::Partition;
 use super::scene::PartitionedScene;
 use super::search::Steps;
-use crate::{Bvh, Error, Geometry, Hit, Instance, TopLevel, UserPrimitives};
+use crate::{Builder, Bvh, Error, Geometry, Hit, Instance, TopLevel, UserPrimitives};
 use steradian_math::{Bounds3, Ray};
 
 /// A structure by name.
@@ -13,6 +13,20 @@ pub enum Accelerator {
     /// The hierarchy of bounding volumes ([`TopLevel`]), the fast one.
     #[default]
     Bvh,
+    /// The same, optimised by moving subtrees.
+    BvhReinsertion,
+    /// The same, where triangles may be cut.
+    BvhSpatial,
+    /// The same, built from the leaves up.
+    BvhPloc,
+    /// A hierarchy two wide.
+    Bvh2,
+    /// A hierarchy four wide.
+    Bvh4,
+    /// A hierarchy sixteen wide.
+    Bvh16,
+    /// An eight-wide hierarchy with boxes in eight bits for each plane.
+    BvhQuantised,
     /// A uniform grid.
     Grid,
     /// An octree.
@@ -31,8 +45,15 @@ pub enum Accelerator {
 
 impl Accelerator {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 15] = [
         Self::Bvh,
+        Self::BvhReinsertion,
+        Self::BvhSpatial,
+        Self::BvhPloc,
+        Self::Bvh2,
+        Self::Bvh4,
+        Self::Bvh16,
+        Self::BvhQuantised,
         Self::Grid,
         Self::Octree,
         Self::KdTree,
@@ -46,6 +67,17 @@ impl Accelerator {
     pub fn about(self) -> (&'static str, &'static str) {
         match self {
             Self::Bvh => ("bvh", "8-wide bounding volume hierarchy, the default"),
+            Self::BvhReinsertion => ("bvh-reinsertion", "the same, optimised by moving subtrees: slower to build"),
+            Self::BvhSpatial => {
+                ("bvh-spatial", "the same, where triangles may be cut: for long ones and uneven meshes")
+            }
+            Self::BvhPloc => ("bvh-ploc", "the same, built from the leaves up"),
+            Self::Bvh2 => ("bvh2", "2-wide hierarchy, without SIMD"),
+            Self::Bvh4 => ("bvh4", "4-wide hierarchy, without SIMD"),
+            Self::Bvh16 => ("bvh16", "16-wide hierarchy, without SIMD"),
+            Self::BvhQuantised => {
+                ("bvh-quantised", "8-wide hierarchy, boxes in 8 bits a plane: the smallest, without SIMD")
+            }
             Self::Grid => ("grid", "uniform grid, walked by a 3-D DDA"),
             Self::Octree => ("octree", "octree, walked from neighbour to neighbour"),
             Self::KdTree => ("kdtree", "k-d tree by the surface area heuristic, walked with a stack"),
@@ -53,6 +85,17 @@ impl Accelerator {
             Self::KdTreeMedian => ("kdtree-median", "k-d tree through medians, walked with a stack"),
             Self::Bsp => ("bsp", "binary space partition along the planes of polygons"),
             Self::None => ("none", "every ray tests every primitive"),
+        }
+    }
+
+    /// How the eight-wide hierarchy is built, if it is that.
+    pub fn builder(self) -> Option<Builder> {
+        match self {
+            Self::Bvh => Some(Builder::Sah),
+            Self::BvhReinsertion => Some(Builder::Reinsertion),
+            Self::BvhSpatial => Some(Builder::Spatial),
+            Self::BvhPloc => Some(Builder::Ploc),
+            _ => None,
         }
     }
 
@@ -77,9 +120,9 @@ impl Object {
     /// # Errors
     /// When there are too many primitives.
     pub fn build(accelerator: Accelerator, geometries: &[Geometry]) -> Result<Self, Error> {
-        Ok(match accelerator {
-            Accelerator::Bvh => Self::Bvh(Bvh::build(geometries)?),
-            other => Self::Partition(Box::new(Partition::build(other, geometries)?)),
+        Ok(match accelerator.builder() {
+            Some(builder) => Self::Bvh(Bvh::build_by(builder, geometries)?),
+            None => Self::Partition(Box::new(Partition::build(accelerator, geometries)?)),
         })
     }
 
@@ -113,9 +156,9 @@ impl Accel {
         objects: Vec<Object>,
         instances: &[Instance],
     ) -> Result<Self, Error> {
-        if accelerator == Accelerator::Bvh {
+        if let Some(builder) = accelerator.builder() {
             let objects = objects.into_iter().map_while(|o| if let Object::Bvh(o) = o { Some(o) } else { None });
-            return Ok(Self::Bvh(TopLevel::build(world, objects.collect(), instances)?));
+            return Ok(Self::Bvh(TopLevel::build_by(builder, world, objects.collect(), instances)?));
         }
         let objects = objects.into_iter().map_while(|o| if let Object::Partition(o) = o { Some(*o) } else { None });
         Ok(Self::Partition(Box::new(PartitionedScene::build(accelerator, world, objects.collect(), instances)?)))

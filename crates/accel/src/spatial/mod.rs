@@ -24,6 +24,7 @@ mod shear;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod wide;
 
 pub use accel::{Accel, Accelerator, Object};
 pub use bsp::{Order, PolygonOrder};

@@ -8,6 +8,7 @@ use super::kdtree::{KdTree, Planes};
 use super::line::{Line, is_askable};
 use super::octree::Octree;
 use super::search::{AnySearch, NearestSearch, Tally, Visitor};
+use super::wide::{Kind, Wide};
 use crate::traverse::{Nearest, Users};
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray};
@@ -19,6 +20,7 @@ enum Cells {
     Octree(Octree),
     KdTree(KdTree),
     Bsp(Bsp),
+    Wide(Wide),
     /// Not at all: every ray tests every primitive.
     None(Vec<u32>),
 }
@@ -31,7 +33,7 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// Builds the structure; the hierarchy, which is none of these, counts as none.
+    /// Builds the structure; the tuned hierarchies, which are none of these, count as none.
     pub(super) fn build(accelerator: Accelerator, geometries: &[Geometry]) -> Result<Self, Error> {
         let items = Items::new(geometries)?;
         let cells = match accelerator {
@@ -41,7 +43,11 @@ impl Partition {
             Accelerator::KdTreeRopes => Cells::KdTree(KdTree::build(&items, Planes::Sah, true)),
             Accelerator::KdTreeMedian => Cells::KdTree(KdTree::build(&items, Planes::Median, false)),
             Accelerator::Bsp => Cells::Bsp(Bsp::build(&items)),
-            Accelerator::None | Accelerator::Bvh => Cells::None((0..items.list.len() as u32).collect()),
+            Accelerator::Bvh2 => Cells::Wide(Wide::build(Kind::Two, &items, geometries)?),
+            Accelerator::Bvh4 => Cells::Wide(Wide::build(Kind::Four, &items, geometries)?),
+            Accelerator::Bvh16 => Cells::Wide(Wide::build(Kind::Sixteen, &items, geometries)?),
+            Accelerator::BvhQuantised => Cells::Wide(Wide::build(Kind::Quantised, &items, geometries)?),
+            _ => Cells::None((0..items.list.len() as u32).collect()),
         };
         Ok(Self { items, cells })
     }
@@ -63,6 +69,7 @@ impl Partition {
                 Cells::Octree(tree) => tree.bytes(),
                 Cells::KdTree(tree) => tree.bytes(),
                 Cells::Bsp(tree) => tree.bytes(),
+                Cells::Wide(tree) => tree.bytes(),
                 Cells::None(slots) => size_of_val(&slots[..]),
             }
     }
@@ -75,13 +82,17 @@ impl Partition {
             visitor.visit(slots);
             return;
         }
+        if let Cells::Wide(tree) = &self.cells {
+            tree.walk(ray, &self.items.bounds, visitor);
+            return;
+        }
         let Some(line) = Line::new(ray, self.items.padded_bounds(), self.items.padding()) else { return };
         match &self.cells {
             Cells::Grid(grid) => grid.walk(&line, visitor),
             Cells::Octree(tree) => tree.walk(&line, visitor),
             Cells::KdTree(tree) => tree.walk(&line, visitor),
             Cells::Bsp(tree) => tree.walk(&line, visitor),
-            Cells::None(_) => {}
+            Cells::Wide(_) | Cells::None(_) => {}
         }
     }
 

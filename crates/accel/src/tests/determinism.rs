@@ -1,12 +1,12 @@
 //! The same input gives the same bits, for any number of threads and on any level.
 
 use super::{assorted_rays, build, levels, soup};
-use crate::Bvh;
+use crate::{Builder, Bvh, Geometry};
 use steradian_math::Vec3;
 
-fn built_by(threads: usize, mesh: &super::Mesh) -> Bvh {
+fn built_by(threads: usize, builder: Builder, mesh: &super::Mesh) -> Bvh {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    pool.install(|| build(mesh))
+    pool.install(|| Bvh::build_by(builder, &[Geometry::triangles(&mesh.0, &mesh.1)]).expect("few primitives"))
 }
 
 #[test]
@@ -16,11 +16,13 @@ fn the_number_of_threads_changes_nothing() {
     for p in mesh.0.iter_mut().take(30_000) {
         *p = (*p * 8.0).round() / 8.0;
     }
-    let one = built_by(1, &mesh);
-    for threads in [2, 3, 7] {
-        let many = built_by(threads, &mesh);
-        assert_eq!(one.bytes(), many.bytes());
-        assert!(one.same_bits(&many), "{threads} threads");
+    for builder in Builder::ALL {
+        let one = built_by(1, builder, &mesh);
+        for threads in [2, 7] {
+            let many = built_by(threads, builder, &mesh);
+            assert_eq!(one.bytes(), many.bytes());
+            assert!(one.same_bits(&many), "{builder:?} with {threads} threads");
+        }
     }
 }
 

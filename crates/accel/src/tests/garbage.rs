@@ -1,7 +1,7 @@
 //! A thousand scenes that nobody would model: they are built and traced, and every way to ask gives one answer.
 
 use super::{direction, in_cube, levels};
-use crate::{Bvh, Geometry};
+use crate::{Builder, Bvh, Geometry};
 use steradian_math::{Ray, Vec3, hash::HashRng};
 
 /// Numbers that geometry should not have, and some that it may have.
@@ -88,7 +88,8 @@ fn a_thousand_messes_are_built_and_traced() {
     let mut hits = 0;
     for number in 0..1000 {
         let (positions, indices) = mess(number);
-        let bvh = Bvh::build(&[Geometry::triangles(&positions, &indices)]).expect("few primitives");
+        let builder = Builder::ALL[number as usize / 8 % 4];
+        let bvh = Bvh::build_by(builder, &[Geometry::triangles(&positions, &indices)]).expect("few primitives");
         assert!(bvh.bounds().is_empty() || bvh.bounds().min.is_finite() && bvh.bounds().max.is_finite());
         let rays = rays(&positions, &mut HashRng::new(number));
         let alone: Vec<_> = rays.iter().map(|ray| bvh.intersect(ray, &())).collect();

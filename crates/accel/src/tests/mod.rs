@@ -2,6 +2,7 @@
 
 mod batch;
 mod brute_force;
+mod builders;
 mod degenerate;
 mod determinism;
 mod garbage;

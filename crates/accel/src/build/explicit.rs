@@ -1,0 +1,182 @@
+//! A binary tree whose nodes may lie anywhere, for builders that do not go from the root down, and the way from it to the one that is
+//! made wide.
+
+use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, scale};
+use super::primitives::PrimRef;
+use super::split::Extent;
+use crate::simd::LANES;
+use rayon::prelude::*;
+use steradian_math::Bounds3;
+
+/// What is below a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Below {
+    /// Two nodes.
+    Children([u32; 2]),
+    /// A range of references, of which the builder of ranges makes a subtree.
+    Refs { first: u32, count: u32 },
+}
+
+/// A node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Branch {
+    pub bounds: Bounds3,
+    pub below: Below,
+}
+
+/// The tree. It has a reference at least.
+#[derive(Clone, Debug)]
+pub(super) struct Explicit {
+    pub nodes: Vec<Branch>,
+    pub refs: Vec<PrimRef>,
+    pub root: u32,
+}
+
+/// Subtrees with more references than these are laid out by several threads.
+const PARALLEL: usize = 1 << 12;
+
+impl Explicit {
+    /// A tree of one node.
+    pub fn leaf(bounds: Bounds3, refs: Vec<PrimRef>) -> Self {
+        let below = Below::Refs { first: 0, count: refs.len() as u32 };
+        Self { nodes: vec![Branch { bounds, below }], refs, root: 0 }
+    }
+
+    /// A node over two trees.
+    pub fn join(bounds: Bounds3, mut left: Self, right: Self) -> Self {
+        let (nodes, refs) = (left.nodes.len() as u32, left.refs.len() as u32);
+        left.nodes.extend(right.nodes.into_iter().map(|node| Branch {
+            below: match node.below {
+                Below::Children(children) => Below::Children(children.map(|child| child + nodes)),
+                Below::Refs { first, count } => Below::Refs { first: first + refs, count },
+            },
+            ..node
+        }));
+        left.refs.extend(right.refs);
+        let children = [left.root, right.root + nodes];
+        left.nodes.push(Branch { bounds, below: Below::Children(children) });
+        Self { root: left.nodes.len() as u32 - 1, ..left }
+    }
+
+    /// The tree that the builder of ranges has made, down to what fits a block.
+    pub fn of_ranges<const WIDTH: usize>(refs: Vec<PrimRef>, ranges: &[BinaryNode<WIDTH>]) -> Self {
+        let mut nodes = Vec::with_capacity(ranges.len());
+        // Nodes that are still to be taken over: where they come from and where their parent refers to them.
+        let mut pending = vec![(0, None)];
+        while let Some((from, parent)) = pending.pop() {
+            let node = &ranges[from];
+            let index = nodes.len() as u32;
+            let below = if node.second == 0 || node.count <= LANES as u32 {
+                Below::Refs { first: node.first, count: node.count }
+            } else {
+                pending.push((from + node.second as usize, Some((index, 1))));
+                pending.push((from + 1, Some((index, 0))));
+                Below::Children([0; 2])
+            };
+            nodes.push(Branch { bounds: node.bounds, below });
+            if let Some((parent, side)) = parent {
+                let parent: &mut Branch = &mut nodes[parent as usize];
+                if let Below::Children(children) = &mut parent.below {
+                    children[side] = index;
+                }
+            }
+        }
+        Self { nodes, refs, root: 0 }
+    }
+
+    /// All nodes, parents before their children.
+    pub fn from_root(&self) -> Vec<u32> {
+        let mut order = Vec::with_capacity(self.nodes.len());
+        let mut pending = vec![self.root];
+        while let Some(node) = pending.pop() {
+            order.push(node);
+            if let Below::Children(children) = self.nodes[node as usize].below {
+                pending.extend(children);
+            }
+        }
+        order
+    }
+
+    /// The references in the order of the tree, and the tree as ranges of them.
+    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
+        let mut counts = vec![0; self.nodes.len()];
+        for &node in self.from_root().iter().rev() {
+            counts[node as usize] = match self.nodes[node as usize].below {
+                Below::Children([a, b]) => counts[a as usize] + counts[b as usize],
+                Below::Refs { count, .. } => count,
+            };
+        }
+        let mut refs = self.refs.clone();
+        let mut ranges = vec![BinaryNode::UNUSED; 2 * refs.len() - 1];
+        let layout = Layout { scale: scale(&self.nodes[self.root as usize].bounds), tree: &self, counts };
+        layout.place(self.root, &mut refs, &mut ranges, 0, 0);
+        (refs, ranges)
+    }
+}
+
+/// The laying out of a tree.
+struct Layout<'a> {
+    tree: &'a Explicit,
+    /// How many references are below each node.
+    counts: Vec<u32>,
+    scale: f32,
+}
+
+impl Layout<'_> {
+    /// Lays out a subtree in its places. What is too deep is cut anew.
+    fn place<const WIDTH: usize>(
+        &self,
+        index: u32,
+        refs: &mut [PrimRef],
+        ranges: &mut [BinaryNode<WIDTH>],
+        first: u32,
+        depth: u32,
+    ) -> Costs<WIDTH> {
+        let node = &self.tree.nodes[index as usize];
+        let children = match node.below {
+            Below::Children(children) if depth < SAH_DEPTH && refs.len() > 2 => children,
+            _ => {
+                self.gather(index, refs);
+                return build_range(refs, ranges, first, Extent::of(refs), self.scale, depth);
+            }
+        };
+        let middle = self.counts[children[0] as usize] as usize;
+        let (root, below) = ranges.split_at_mut(1);
+        let (left_ranges, right_ranges) = below.split_at_mut(2 * middle - 1);
+        let is_large = refs.len() > PARALLEL;
+        let (left_refs, right_refs) = refs.split_at_mut(middle);
+        let mut left = || self.place(children[0], left_refs, left_ranges, first, depth + 1);
+        let mut right = || self.place(children[1], right_refs, right_ranges, first + middle as u32, depth + 1);
+        let (left, right) = if is_large { rayon::join(left, right) } else { (left(), right()) };
+        let count = refs.len() as u32;
+        root[0] = BinaryNode { bounds: node.bounds, first, count, second: 2 * middle as u32, ..BinaryNode::UNUSED };
+        root[0].choose_forests(&left, &right, fits_leaf(refs).0, self.scale)
+    }
+
+    /// The references below a node.
+    fn gather(&self, index: u32, refs: &mut [PrimRef]) {
+        let (mut pending, mut len) = (vec![index], 0);
+        while let Some(node) = pending.pop() {
+            match self.tree.nodes[node as usize].below {
+                Below::Children(children) => pending.extend(children),
+                Below::Refs { first, count } => {
+                    let count = count as usize;
+                    refs[len..len + count].copy_from_slice(&self.tree.refs[first as usize..][..count]);
+                    len += count;
+                }
+            }
+        }
+    }
+}
+
+/// The box around some references.
+pub(super) fn bounds_of(refs: &[PrimRef]) -> Bounds3 {
+    refs.iter().fold(Bounds3::EMPTY, |bounds, r| bounds.union(r.bounds()))
+}
+
+/// A leaf for each reference.
+pub(super) fn leaves(refs: &[PrimRef]) -> Vec<Branch> {
+    let leaf =
+        |(i, r): (usize, &PrimRef)| Branch { bounds: r.bounds(), below: Below::Refs { first: i as u32, count: 1 } };
+    refs.par_iter().enumerate().map(leaf).collect()
+}

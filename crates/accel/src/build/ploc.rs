@@ -1,0 +1,87 @@
+//! A binary tree from the leaves up: parallel locally-ordered clustering (Meister, Bittner, "Parallel Locally-Ordered Clustering for
+//! Bounding Volume Hierarchy Construction", TVCG 24(3), 2018). Clusters lie along a Z-order curve; each looks for the neighbour within
+//! a distance with which it has the smallest box, and those that choose each other are merged, until there is one.
+
+use super::binary::scale;
+use super::explicit::{Below, Branch, Explicit, leaves};
+use super::primitives::PrimRef;
+use super::split::{Extent, half_area};
+use glam::Vec3A;
+use rayon::prelude::*;
+use steradian_math::Bounds3;
+
+/// How far along the curve a cluster looks in each direction.
+const RADIUS: usize = 12;
+/// Clusters that a thread looks at in one go.
+const PIECE: usize = 1 << 10;
+
+/// Builds the tree; there is a reference at least.
+pub(super) fn build(mut refs: Vec<PrimRef>) -> Explicit {
+    let extent = Extent::of(&refs);
+    let scale = scale(&extent.bounds);
+    sort_along_curve(&mut refs, &extent.centers);
+    let mut nodes = leaves(&refs);
+    nodes.reserve(refs.len());
+    let mut clusters: Vec<(Bounds3, u32)> = nodes.iter().zip(0..).map(|(node, i)| (node.bounds, i)).collect();
+    while clusters.len() > 1 {
+        let nearest = nearest_neighbours(&clusters, scale);
+        let mut merged = Vec::with_capacity(clusters.len() / 2 + 1);
+        for (i, &(bounds, node)) in clusters.iter().enumerate() {
+            let other = nearest[i] as usize;
+            if nearest[other] as usize != i {
+                merged.push((bounds, node));
+            } else if i < other {
+                let bounds = bounds.union(clusters[other].0);
+                merged.push((bounds, nodes.len() as u32));
+                nodes.push(Branch { bounds, below: Below::Children([node, clusters[other].1]) });
+            }
+        }
+        clusters = merged;
+    }
+    Explicit { root: nodes.len() as u32 - 1, nodes, refs }
+}
+
+/// For each cluster the neighbour with which it has the smallest box; of several the first pair. A pair of least area chooses itself,
+/// so that there is always one to merge.
+fn nearest_neighbours(clusters: &[(Bounds3, u32)], scale: f32) -> Vec<u32> {
+    let mut nearest = vec![0; clusters.len()];
+    let look = |(piece, nearest): (usize, &mut [u32])| {
+        for (i, nearest) in (piece * PIECE..).zip(nearest) {
+            let neighbours = i.saturating_sub(RADIUS)..(i + RADIUS + 1).min(clusters.len());
+            let mut best = (f32::INFINITY, usize::MAX, usize::MAX);
+            for j in neighbours.filter(|&j| j != i) {
+                let area = half_area(&clusters[i].0.union(clusters[j].0), scale);
+                // The order of pairs is the same from both sides, or none might choose each other.
+                let pair = (area.min(f32::MAX), i.min(j), i.max(j));
+                if pair < best {
+                    best = pair;
+                    *nearest = j as u32;
+                }
+            }
+        }
+    };
+    nearest.par_chunks_mut(PIECE).enumerate().for_each(look);
+    nearest
+}
+
+/// Sorts references by the place of their centre along a Z-order curve of 2^10 cells in each direction, then by their index.
+fn sort_along_curve(refs: &mut Vec<PrimRef>, centers: &Bounds3) {
+    let (origin, scale) = (Vec3A::from(centers.min), Vec3A::from(1024.0 / centers.diagonal()));
+    let key = |(r, place): (&PrimRef, u32)| {
+        let cell = ((r.center() - origin) * scale).to_array().map(|x| (x as u32).min(1023));
+        let code = cell.into_iter().fold(0, |code, x| code << 1 | spread(x));
+        u64::from(code) << 32 | u64::from(place)
+    };
+    let places = 0..refs.len() as u32;
+    let mut keys: Vec<u64> = refs.par_iter().zip(places).map(key).collect();
+    keys.par_sort_unstable();
+    *refs = keys.into_par_iter().map(|key| refs[key as u32 as usize]).collect();
+}
+
+/// Ten bits with two zeros before each.
+fn spread(x: u32) -> u32 {
+    let x = (x | x << 16) & 0x0300_00ff;
+    let x = (x | x << 8) & 0x0300_f00f;
+    let x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}
