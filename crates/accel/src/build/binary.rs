@@ -19,6 +19,8 @@ const PARALLEL: usize = 1 << 12;
 const NODE_COST: f32 = 1.0;
 /// Time of the test of a block of triangles.
 const BLOCK_COST: f32 = 1.0;
+/// Several blocks instead of one must not cost more than this share of it.
+const WORTH: f32 = 0.97;
 
 /// Costs of a binary node as a forest of at most 1, 2, … subtrees, as many as a wide node has children.
 pub(super) type Costs<const WIDTH: usize> = [f32; WIDTH];
@@ -136,11 +138,15 @@ impl<const WIDTH: usize> BinaryNode<WIDTH> {
         }
         costs[0] = leaf_cost.min(inner_cost);
         // A subtree with as many places as a node has is that node's: nobody asks for its cost.
+        // What fits one block is cut into several only where that saves something: they take memory.
+        let worth = if fits_leaf { WORTH } else { 1.0 };
         for i in 1..WIDTH - 1 {
-            if costs[i - 1] <= shared[i] {
+            if costs[i - 1] * worth <= shared[i] {
                 forest[i] = 0;
+                costs[i] = costs[i - 1];
+            } else {
+                costs[i] = shared[i];
             }
-            costs[i] = costs[i - 1].min(shared[i]);
         }
         self.forest = forest;
         costs

@@ -85,7 +85,7 @@ impl Explicit {
     }
 
     /// All nodes, parents before their children.
-    pub fn from_root(&self) -> Vec<u32> {
+    pub fn downwards(&self) -> Vec<u32> {
         let mut order = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![self.root];
         while let Some(node) = pending.pop() {
@@ -100,7 +100,7 @@ impl Explicit {
     /// The references in the order of the tree, and the tree as ranges of them.
     pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
         let mut counts = vec![0; self.nodes.len()];
-        for &node in self.from_root().iter().rev() {
+        for &node in self.downwards().iter().rev() {
             counts[node as usize] = match self.nodes[node as usize].below {
                 Below::Children([a, b]) => counts[a as usize] + counts[b as usize],
                 Below::Refs { count, .. } => count,

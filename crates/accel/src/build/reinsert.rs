@@ -93,7 +93,7 @@ impl<'a> Work<'a> {
             self.make(node, target);
             made += 1;
         }
-        for &node in self.tree.from_root().iter().rev() {
+        for &node in self.tree.downwards().iter().rev() {
             if let Below::Children([a, b]) = self.tree.nodes[node as usize].below {
                 let bounds = self.bounds(a).union(*self.bounds(b));
                 self.tree.nodes[node as usize].bounds = bounds;
