@@ -32,6 +32,19 @@ pub enum Shape {
     Plane(Plane),
 }
 
+impl Shape {
+    /// The box around it; empty for infinite planes.
+    pub fn bounds(&self) -> Bounds3 {
+        match self {
+            Self::Mesh(m) => Bounds3::from_points(m.positions.iter().copied()),
+            Self::Quadric(q) => q.bounds(),
+            Self::Patches(m) => Bounds3::from_points(m.positions.iter().copied()),
+            Self::Curves(c) => (0..c.count()).fold(Bounds3::EMPTY, |b, k| b.union(c.bounds(k))),
+            Self::Plane(_) => Bounds3::EMPTY,
+        }
+    }
+}
+
 /// A shape with what is attached to it.
 #[derive(Clone, Debug)]
 pub struct Geometry {

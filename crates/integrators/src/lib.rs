@@ -8,16 +8,18 @@ pub mod registry;
 pub mod reuse;
 pub mod session;
 pub mod stokes;
-pub mod volpath;
 pub mod whitted;
 
+mod caustics;
+mod flight;
 mod nee;
 mod partition;
+mod survey;
 mod walk;
 
 pub use registry::{INTEGRATORS, IntegratorKind};
-pub use reuse::DEFAULT_REUSE;
 pub use session::{Control, Film, Plan, Session};
+pub use survey::{Survey, Tactics};
 
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -59,6 +61,7 @@ pub trait Integrator: Sync {
     fn radiance(
         &self,
         scene: &Scene,
+        survey: &Survey,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
@@ -70,11 +73,11 @@ pub trait Integrator: Sync {
         1
     }
 
-    /// Takes a sample for each pixel of a group; `is_open` says whether much of the scene lies under the sky. By default nothing is
+    /// Takes a sample for each pixel of a group. By default nothing is
     /// shared: [`Integrator::radiance`], with the pixels' own numbers.
-    fn group(&self, scene: &Scene, _is_open: bool, seats: &mut [reuse::Seat], counters: &mut Counters) {
+    fn group(&self, scene: &Scene, survey: &Survey, seats: &mut [reuse::Seat], counters: &mut Counters) {
         for seat in seats {
-            seat.radiance = self.radiance(scene, seat.ray, &seat.own, &mut seat.lambda, counters);
+            seat.radiance = self.radiance(scene, survey, seat.ray, &seat.own, &mut seat.lambda, counters);
         }
     }
 }
@@ -128,10 +131,4 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
 #[inline]
 pub(crate) fn live_max(beta: Spectrum, lambda: &Wavelengths) -> f32 {
     if lambda.is_secondary_terminated() { beta[0] } else { beta.max_element() }
-}
-
-/// Whether a path carries nothing any more.
-#[inline]
-pub(crate) fn is_dead(beta: Spectrum, lambda: &Wavelengths) -> bool {
-    live_max(beta, lambda) <= 0.0
 }

@@ -1,24 +1,31 @@
 //! Path tracing, iterative: next-event estimation at every event, weighted with scattering by the power heuristic; Russian roulette
-//! on the throughput (M150, M151, M155, M161). Paths of neighbouring pixels share what they find from the first bounce on ([`crate::reuse`]).
+//! on the throughput (M150, M151, M155, M161), on surfaces alone or through media (M171). Paths of neighbouring pixels share what they
+//! find from the first bounce on ([`crate::reuse`]).
 
 use crate::{
-    Counters, Depth, Integrator,
+    Counters, Depth, Integrator, Survey, Tactics,
     reuse::{self, Seat, Suffix},
     walk::{Arrival, Leg, Vertex, arrive, escape, roulette},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
-/// The path tracer. Media are ignored, surfaces that scatter nothing are passed.
+/// The path tracer. Without `MEDIA` these are ignored; surfaces that scatter nothing are passed.
 #[derive(Clone, Copy, Debug)]
-pub struct Path {
-    /// How far paths are followed.
+pub struct PathTracer<const MEDIA: bool> {
+    /// How far paths are followed; events in media count as those on surfaces.
     pub depth: Depth,
-    /// Paths that share what they find; 1 for none.
-    pub reuse: u32,
+    /// What is done against noise.
+    pub tactics: Tactics,
 }
 
-impl Suffix for Path {
+/// The path tracer between surfaces.
+pub type Path = PathTracer<false>;
+
+/// The path tracer through participating media. Passing straight through a thin pane is no scattering event.
+pub type VolPath = PathTracer<true>;
+
+impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
     fn depth(&self) -> &Depth {
         &self.depth
     }
@@ -27,6 +34,7 @@ impl Suffix for Path {
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
+        survey: &Survey,
         mut vertex: Vertex<'s>,
         mut leg: Leg,
         sampler: &PixelSampler,
@@ -36,10 +44,10 @@ impl Suffix for Path {
         let mut sum = Spectrum::ZERO;
         loop {
             // Light that arrives straight from a light.
-            sum += leg.beta * vertex.direct(scene, leg.events, sampler, lambda, counters);
+            sum += leg.beta * vertex.direct::<MEDIA>(scene, leg.events, sampler, lambda, counters);
             // Scatter.
-            let Some(s) = vertex.sample(leg.events, sampler) else { return sum };
-            leg.turn(&vertex, &s);
+            let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
+            leg.turn::<MEDIA>(scene, &vertex, &s.sample);
             if !leg.beta.is_finite() {
                 // Handed to the film, which counts it.
                 return leg.beta;
@@ -48,8 +56,8 @@ impl Suffix for Path {
                 Some(b) => leg.beta = b,
                 None => return sum,
             }
-            // Follow the ray to the next surface; collect what shines there.
-            match arrive(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
+            // Follow the ray to the next vertex; collect what shines there.
+            match arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
                 Arrival::Vertex(v) => vertex = v,
                 Arrival::End => return sum,
                 Arrival::Escaped => {
@@ -61,19 +69,20 @@ impl Suffix for Path {
     }
 }
 
-impl Integrator for Path {
+impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
     #[inline]
     fn radiance(
         &self,
         scene: &Scene,
+        survey: &Survey,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let (mut leg, mut sum) = (Leg::camera(ray), Spectrum::ZERO);
-        match arrive(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
-            Arrival::Vertex(v) => sum + self.leaving(scene, v, leg, sampler, lambda, counters),
+        let (mut leg, mut sum) = (Leg::camera(scene, ray), Spectrum::ZERO);
+        match arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
+            Arrival::Vertex(v) => sum + self.leaving(scene, survey, v, leg, sampler, lambda, counters),
             Arrival::End => sum,
             Arrival::Escaped => {
                 escape(scene, &leg, &mut sum, &self.depth, lambda);
@@ -83,10 +92,10 @@ impl Integrator for Path {
     }
 
     fn reuse(&self) -> u32 {
-        self.reuse
+        self.tactics.reuse
     }
 
-    fn group(&self, scene: &Scene, is_open: bool, seats: &mut [Seat], counters: &mut Counters) {
-        reuse::group(self, scene, is_open, seats, counters);
+    fn group(&self, scene: &Scene, survey: &Survey, seats: &mut [Seat], counters: &mut Counters) {
+        reuse::group(self, scene, survey, seats, counters);
     }
 }

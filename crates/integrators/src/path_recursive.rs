@@ -2,11 +2,11 @@
 //! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, dimension, nee,
+    Counters, Depth, Integrator, Survey, Tactics, dimension, nee,
     reuse::{self, Seat, Suffix},
     walk::{Leg, MAX_PASSES, Vertex, roulette},
 };
-use steradian_core::{Scene, bsdf::TransportMode, sampler::PixelSampler};
+use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
 /// Recursion goes no deeper than this, whatever the scene asks for: the stack is finite.
@@ -17,45 +17,49 @@ pub const DEEPEST: u32 = 256;
 pub struct PathRecursive {
     /// How far paths are followed.
     pub depth: Depth,
-    /// Paths that share what they find; 1 for none.
-    pub reuse: u32,
+    /// What is done against noise.
+    pub tactics: Tactics,
 }
 
 impl PathRecursive {
     /// Adds to `sum` what arrives along a leg.
+    #[allow(clippy::too_many_arguments)]
     fn follow(
         &self,
         scene: &Scene,
+        survey: &Survey,
         leg: Leg,
         sum: Spectrum,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let Leg { ray, beta, origin, events, passes, .. } = leg;
         counters.rays += 1;
-        let hidden = events == 0 && self.depth.hide_emitters;
+        let hidden = leg.events == 0 && self.depth.hide_emitters;
         // (2) Nothing is hit: the background.
-        let Some(hit) = scene.intersect(&ray) else {
-            let background = nee::background(scene, ray.origin, ray.direction, &origin, lambda);
-            return if hidden { sum } else { sum + beta * background };
+        let Some(hit) = scene.intersect(&leg.ray) else {
+            let background = nee::background(scene, leg.ray.origin, leg.ray.direction, &leg.origin, lambda);
+            return if hidden { sum } else { sum + leg.beta * background };
         };
         // (1) A light is hit.
-        let i = scene.interaction(&ray, &hit);
-        let sum = if hidden { sum } else { sum + beta * nee::emission(scene, &i, &origin, lambda) };
-        // (3) The path is long enough.
-        if events >= self.depth.max.min(DEEPEST) {
+        let i = scene.interaction(&leg.ray, &hit);
+        let sum = if hidden { sum } else { sum + leg.beta * nee::emission(scene, &i, &leg.origin, lambda) };
+        // (3) The path is long enough, unless the surface lets it through.
+        let is_last = leg.events >= self.depth.max.min(DEEPEST);
+        if is_last && !scene.is_see_through {
             return sum;
         }
-        let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
+        let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
         match scene.scattering(&i, choice, lambda) {
+            Some(_) if is_last => sum,
             Some((scattering, frame)) => {
-                self.scattered(scene, Vertex { i, scattering, frame }, leg, sum, sampler, lambda, counters)
+                let vertex = Vertex::Surface { i, scattering, frame, medium: None };
+                self.scattered(scene, survey, vertex, leg, sum, sampler, lambda, counters)
             }
-            None if passes >= MAX_PASSES.min(DEEPEST) => sum,
+            None if leg.passes >= MAX_PASSES.min(DEEPEST) => sum,
             None => {
-                let leg = Leg { ray: i.spawn(ray.direction), passes: passes + 1, ..leg };
-                self.follow(scene, leg, sum, sampler, lambda, counters)
+                let leg = Leg { ray: i.spawn(leg.ray.direction), passes: leg.passes + 1, ..leg };
+                self.follow(scene, survey, leg, sum, sampler, lambda, counters)
             }
         }
     }
@@ -65,35 +69,28 @@ impl PathRecursive {
     fn scattered(
         &self,
         scene: &Scene,
-        Vertex { i, scattering, frame }: Vertex<'_>,
-        Leg { beta, eta2, events, passes, .. }: Leg,
+        survey: &Survey,
+        vertex: Vertex<'_>,
+        mut leg: Leg,
         sum: Spectrum,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let bsdf = &scattering.bsdf;
-        let sum = if bsdf.is_specular() || !scene.lights.can_sample() {
-            sum
-        } else {
-            sum + beta * nee::direct(scene, &i, &frame, bsdf, events, sampler, lambda, counters)
-        };
-        let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
-        let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
-        let Some(s) = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) else { return sum };
-        let beta = beta * s.weight;
-        if !beta.is_finite() {
-            return beta;
+        let sum = sum + leg.beta * vertex.direct::<false>(scene, leg.events, sampler, lambda, counters);
+        let Some(draw) = vertex.sample(&leg, sampler, survey) else { return sum };
+        leg.turn::<false>(scene, &vertex, &draw.sample);
+        if !leg.beta.is_finite() {
+            return leg.beta;
         }
-        let (eta2, events) = (eta2 * (s.eta * s.eta), events + 1);
-        let Some(beta) = roulette(beta, eta2, events, &self.depth, sampler, lambda) else { return sum };
-        let origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
-        let leg = Leg { ray: i.spawn(frame.to_world(s.wi)), beta, eta2, origin, events, passes };
-        self.follow(scene, leg, sum, sampler, lambda, counters)
+        match roulette(leg.beta, leg.eta2, leg.events, &self.depth, sampler, lambda) {
+            Some(beta) => self.follow(scene, survey, Leg { beta, ..leg }, sum, sampler, lambda, counters),
+            None => sum,
+        }
     }
 }
 
-impl Suffix for PathRecursive {
+impl Suffix<false> for PathRecursive {
     fn depth(&self) -> &Depth {
         &self.depth
     }
@@ -101,13 +98,14 @@ impl Suffix for PathRecursive {
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
+        survey: &Survey,
         vertex: Vertex<'s>,
         leg: Leg,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.scattered(scene, vertex, leg, Spectrum::ZERO, sampler, lambda, counters)
+        self.scattered(scene, survey, vertex, leg, Spectrum::ZERO, sampler, lambda, counters)
     }
 }
 
@@ -115,19 +113,20 @@ impl Integrator for PathRecursive {
     fn radiance(
         &self,
         scene: &Scene,
+        survey: &Survey,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.follow(scene, Leg::camera(ray), Spectrum::ZERO, sampler, lambda, counters)
+        self.follow(scene, survey, Leg::camera(scene, ray), Spectrum::ZERO, sampler, lambda, counters)
     }
 
     fn reuse(&self) -> u32 {
-        self.reuse
+        self.tactics.reuse
     }
 
-    fn group(&self, scene: &Scene, is_open: bool, seats: &mut [Seat], counters: &mut Counters) {
-        reuse::group(self, scene, is_open, seats, counters);
+    fn group(&self, scene: &Scene, survey: &Survey, seats: &mut [Seat], counters: &mut Counters) {
+        reuse::group(self, scene, survey, seats, counters);
     }
 }

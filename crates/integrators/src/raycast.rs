@@ -1,6 +1,6 @@
 //! Ray casting (M156): the colour of the first surface, as if the light were everywhere the same.
 
-use crate::{Counters, Integrator, nee, walk::MAX_PASSES};
+use crate::{Counters, Integrator, Survey, nee, walk::MAX_PASSES};
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
@@ -12,6 +12,7 @@ impl Integrator for Raycast {
     fn radiance(
         &self,
         scene: &Scene,
+        _survey: &Survey,
         mut ray: Ray,
         _: &PixelSampler,
         lambda: &mut Wavelengths,

@@ -1,23 +1,32 @@
 //! The integrators by name.
 
 use crate::{
-    Depth, path::Path, path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, volpath::VolPath,
+    Depth, Survey, Tactics,
+    path::{Path, VolPath},
+    path_recursive::PathRecursive,
+    raycast::Raycast,
+    stokes::Stokes,
     whitted::Whitted,
 };
+
+use steradian_core::Scene;
 
 /// The integrators: name, and what it does.
 pub const INTEGRATORS: &[(&str, &str)] = &[
     (
         "path",
-        "path tracing with next-event estimation, multiple importance sampling, Russian roulette and paths shared among pixels; max_depth, rr_depth, hide_emitters, reuse (16)",
+        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass; max_depth, rr_depth, hide_emitters, reuse (16), caustics (true)",
     ),
-    ("volpath", "path tracing through participating media; max_depth, rr_depth, hide_emitters"),
+    (
+        "volpath",
+        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (16), caustics (true)",
+    ),
     ("direct", "light that scattered once; hide_emitters"),
     ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
     ("raycast", "the colour of the first surface"),
     (
         "path-recursive",
-        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16)",
+        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16), caustics (true)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -44,19 +53,32 @@ pub enum IntegratorKind {
 
 impl IntegratorKind {
     /// By name; `None` for names that are not in [`INTEGRATORS`].
-    pub fn named(name: &str, depth: Depth, reuse: u32) -> Option<Self> {
+    pub fn named(name: &str, depth: Depth, tactics: Tactics) -> Option<Self> {
         Some(match name {
-            "path" => Self::Path(Path { depth, reuse }),
-            "volpath" => Self::VolPath(VolPath { depth }),
-            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, reuse }),
+            "path" => Self::Path(Path { depth, tactics }),
+            "volpath" => Self::VolPath(VolPath { depth, tactics }),
+            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, tactics }),
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
-            "path-recursive" => Self::PathRecursive(PathRecursive { depth, reuse }),
+            "path-recursive" => Self::PathRecursive(PathRecursive { depth, tactics }),
             "stokes" => Self::Stokes(Stokes { depth, component: 0 }),
             "stokes-s1" => Self::Stokes(Stokes { depth, component: 1 }),
             "stokes-s2" => Self::Stokes(Stokes { depth, component: 2 }),
             "stokes-s3" => Self::Stokes(Stokes { depth, component: 3 }),
             _ => return None,
         })
+    }
+
+    /// What the integrator wants to know of a scene.
+    pub(crate) fn survey(&self, scene: &Scene) -> Survey {
+        match self {
+            Self::Path(Path { depth, tactics }) | Self::PathRecursive(PathRecursive { depth, tactics })
+                if depth.max > 1 =>
+            {
+                Survey::new(scene, false, tactics)
+            }
+            Self::VolPath(VolPath { depth, tactics }) if depth.max > 1 => Survey::new(scene, scene.has_media, tactics),
+            _ => Survey::default(),
+        }
     }
 }

@@ -17,24 +17,24 @@
 //! difference `L − L_sky`, negative where surfaces are darker than what they hide (a control variate).
 
 use crate::{
-    Counters, Depth, live_max, nee,
+    Counters, Depth, Integrator, Survey, flight, live_max, nee,
     walk::{Arrival, Leg, Vertex, arrive, escape, roulette},
 };
 use steradian_core::{
     ColorMode, Scene,
-    bsdf::{Bsdf, BsdfSample, Lobe, TransportMode},
+    bsdf::{Bsdf, BsdfSample, Lobe},
     sampler::PixelSampler,
 };
-use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, sobol, spectra::Wavelengths, warp};
+use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
 
 /// Most paths that share.
 pub const MAX_GROUP: usize = 16;
 
+/// Mean cosine from which on phase functions count as narrow.
+const FORWARD: f32 = 0.9;
+
 /// Roughness α below which lobes count as narrow.
 const NARROW: f32 = 0.05;
-
-/// Paths that share unless asked otherwise.
-pub const DEFAULT_REUSE: u32 = 16;
 
 /// A pixel's part in a group: one sample of it.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,7 @@ pub struct Seat {
 }
 
 /// How a path tracer goes on from a vertex.
-pub(crate) trait Suffix {
+pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
     /// How far paths are followed.
     fn depth(&self) -> &Depth;
 
@@ -60,6 +60,7 @@ pub(crate) trait Suffix {
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
+        survey: &Survey,
         vertex: Vertex<'s>,
         leg: Leg,
         sampler: &PixelSampler,
@@ -72,13 +73,14 @@ pub(crate) trait Suffix {
 struct Member<'s> {
     seat: usize,
     x: Vertex<'s>,
-    wo: Vec3,
     /// What the path carries to x.
     beta: Spectrum,
     /// Scattering events before x.
     events: u32,
     /// The way on.
     sample: BsdfSample,
+    /// The density by the surface over the one it was drawn with: claims are weighed by the former.
+    ratio: f32,
     leg: Leg,
     found: Found<'s>,
 }
@@ -107,50 +109,69 @@ impl Claim {
 impl Member<'_> {
     /// The environment in a direction that was drawn with a density, as seen from x if nothing were before it.
     fn sky(&self, w: Vec3, pdf: f32, scene: &Scene, lambda: &Wavelengths) -> Spectrum {
-        let origin = Some((nee::context(&self.x.i, &self.x.frame, &self.x.scattering.bsdf), pdf));
-        nee::background(scene, self.x.i.surface.p, w, &origin, lambda)
+        let origin = Some((self.x.context(), pdf));
+        nee::background(scene, self.x.p(), w, &origin, lambda)
     }
 }
 
 /// Samples of all seats of a group.
-pub(crate) fn group<S: Suffix>(suffix: &S, scene: &Scene, is_open: bool, seats: &mut [Seat], counters: &mut Counters) {
+pub(crate) fn group<const MEDIA: bool, S: Suffix<MEDIA>>(
+    suffix: &S,
+    scene: &Scene,
+    survey: &Survey,
+    seats: &mut [Seat],
+    counters: &mut Counters,
+) {
     let depth = suffix.depth();
+    if MEDIA && scene.is_see_through {
+        // Ways between points may lead through several media.
+        for seat in seats {
+            seat.radiance = suffix.radiance(scene, survey, seat.ray, &seat.own, &mut seat.lambda, counters);
+        }
+        return;
+    }
     let mut slots: [Option<(usize, Vertex<'_>, Leg)>; MAX_GROUP] = [const { None }; MAX_GROUP];
     let mut members = 0;
     for (index, seat) in seats.iter_mut().enumerate() {
         let whole = seat.lambda;
         seat.radiance = Spectrum::ZERO;
-        let Some((vertex, leg)) = prefix(scene, seat, depth, counters) else { continue };
-        if seat.lambda == whole && is_shareable(&vertex.scattering.bsdf) {
+        let Some((vertex, leg)) = prefix::<MEDIA>(scene, survey, seat, depth, counters) else { continue };
+        if seat.lambda == whole && is_shareable(&vertex) {
             slots[members] = Some((index, vertex, leg));
             members += 1;
         } else {
-            seat.radiance += suffix.leaving(scene, vertex, leg, &seat.own, &mut seat.lambda, counters);
+            seat.radiance += suffix.leaving(scene, survey, vertex, leg, &seat.own, &mut seat.lambda, counters);
         }
     }
     if let (1, Some((index, vertex, leg))) = (members, slots[0]) {
         let seat = &mut seats[index];
-        seat.radiance += suffix.leaving(scene, vertex, leg, &seat.own, &mut seat.lambda, counters);
+        seat.radiance += suffix.leaving(scene, survey, vertex, leg, &seat.own, &mut seat.lambda, counters);
         return;
     }
     let mut group: [Option<Member<'_>>; MAX_GROUP] = [const { None }; MAX_GROUP];
     for (slot, member) in slots[..members].iter().zip(&mut group) {
         let Some((index, x, leg)) = *slot else { continue };
-        *member = Some(bounce(scene, index, x, leg, &mut seats[index], depth, counters));
+        *member = Some(bounce::<MEDIA>(scene, survey, index, x, leg, &mut seats[index], depth, counters));
     }
-    share(suffix, scene, is_open, &group[..members], seats, counters);
+    share(suffix, scene, survey, &group[..members], seats, counters);
 }
 
 /// Follows a path from the camera to its first vertex that is not specular.
 #[inline]
-fn prefix<'s>(scene: &'s Scene, seat: &mut Seat, depth: &Depth, counters: &mut Counters) -> Option<(Vertex<'s>, Leg)> {
-    let mut leg = Leg::camera(seat.ray);
+fn prefix<'s, const MEDIA: bool>(
+    scene: &'s Scene,
+    survey: &Survey,
+    seat: &mut Seat,
+    depth: &Depth,
+    counters: &mut Counters,
+) -> Option<(Vertex<'s>, Leg)> {
+    let mut leg = Leg::camera(scene, seat.ray);
     loop {
-        match arrive(scene, &mut leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters) {
-            Arrival::Vertex(v) if !v.scattering.bsdf.is_specular() => return Some((v, leg)),
+        match arrive::<MEDIA>(scene, &mut leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters) {
+            Arrival::Vertex(v) if !v.is_specular() => return Some((v, leg)),
             Arrival::Vertex(v) => {
-                let s = v.sample(leg.events, &seat.own)?;
-                leg.turn(&v, &s);
+                let s = v.sample(&leg, &seat.own, survey)?.sample;
+                leg.turn::<MEDIA>(scene, &v, &s);
                 if !leg.beta.is_finite() {
                     seat.radiance = leg.beta;
                     return None;
@@ -168,8 +189,9 @@ fn prefix<'s>(scene: &'s Scene, seat: &mut Seat, depth: &Depth, counters: &mut C
 
 /// Direct light at x, a direction drawn there, and where it leads; emission met there is the pixel's own.
 #[inline]
-fn bounce<'s>(
+fn bounce<'s, const MEDIA: bool>(
     scene: &'s Scene,
+    survey: &Survey,
     index: usize,
     x: Vertex<'s>,
     mut leg: Leg,
@@ -178,18 +200,19 @@ fn bounce<'s>(
     counters: &mut Counters,
 ) -> Member<'s> {
     let (beta, events) = (leg.beta, leg.events);
-    seat.radiance += beta * x.direct(scene, events, &seat.own, &seat.lambda, counters);
-    let wo = x.frame.to_local(x.i.wo);
+    seat.radiance += beta * x.direct::<MEDIA>(scene, events, &seat.own, &seat.lambda, counters);
     let mut found = Found::Nothing;
     let mut sample = BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 };
-    if let Some(s) = x.sample(events, &seat.joint) {
-        sample = s;
-        leg.turn(&x, &s);
+    let mut ratio = 1.0;
+    if let Some(draw) = x.sample(&leg, &seat.joint, survey) {
+        (sample, ratio) = (draw.sample, draw.ratio);
+        leg.turn::<MEDIA>(scene, &x, &sample);
         if !leg.beta.is_finite() {
             seat.radiance = leg.beta;
         } else if live_max(leg.beta, &seat.lambda) > 0.0 {
             let mut lambda = seat.lambda;
-            let arrival = arrive(scene, &mut leg, &mut seat.radiance, depth, &seat.joint, &mut lambda, counters);
+            let arrival =
+                arrive::<MEDIA>(scene, &mut leg, &mut seat.radiance, depth, &seat.joint, &mut lambda, counters);
             found = match arrival {
                 Arrival::Vertex(v) => Found::Surface(v),
                 Arrival::End => Found::Nothing,
@@ -197,32 +220,40 @@ fn bounce<'s>(
             };
         }
     }
-    Member { seat: index, x, wo, beta, events, sample, leg, found }
+    Member { seat: index, x, beta, events, sample, ratio, leg, found }
 }
 
 /// Whether members may stand in for each other at x: a model whose evaluation has the density of its samples, and not one that none are
 /// drawn from, nor one with a lobe so narrow that nobody else ever would.
-fn is_shareable(bsdf: &Bsdf<'_>) -> bool {
-    match bsdf {
-        Bsdf::Diffuse(b) => !b.reflectance.is_black(),
-        Bsdf::DiffuseTransmission(_) | Bsdf::Coated(_) => true,
-        Bsdf::Conductor(b) => b.microfacet.mean_alpha() > NARROW,
-        Bsdf::Dielectric(b) => b.microfacet.mean_alpha() > NARROW,
-        _ => false,
+fn is_shareable(x: &Vertex<'_>) -> bool {
+    match x {
+        Vertex::Surface { scattering, .. } => match &scattering.bsdf {
+            Bsdf::Diffuse(b) => !b.reflectance.is_black(),
+            Bsdf::DiffuseTransmission(_) | Bsdf::Coated(_) => true,
+            Bsdf::Conductor(b) => b.microfacet.mean_alpha() > NARROW,
+            Bsdf::Dielectric(b) => b.microfacet.mean_alpha() > NARROW,
+            _ => false,
+        },
+        Vertex::Medium { scattering, .. } => scattering.g.abs() < FORWARD,
     }
 }
 
-/// Whether light that leaves a surface is the same in all directions of a side. Not where bumps bend the shading normal: they do so as
-/// the viewer's direction asks.
+/// Whether light that leaves y is the same in all directions of a side. Not where bumps bend the shading normal: they do so as the
+/// viewer's direction asks.
 fn is_lambertian(y: &Vertex<'_>) -> bool {
-    y.scattering.detail.is_none() && matches!(y.scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_))
+    match y {
+        Vertex::Surface { scattering, .. } => {
+            scattering.detail.is_none() && matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_))
+        }
+        Vertex::Medium { scattering, .. } => scattering.g == 0.0,
+    }
 }
 
 /// Completes the paths of all members.
-fn share<S: Suffix>(
+fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
     suffix: &S,
     scene: &Scene,
-    is_open: bool,
+    survey: &Survey,
     group: &[Option<Member<'_>>],
     seats: &mut [Seat],
     counters: &mut Counters,
@@ -244,20 +275,31 @@ fn share<S: Suffix>(
                     let Some(beta) = roulette(leg.beta, leg.eta2, leg.events, depth, &joint, &lambda) else { continue };
                     leg.beta = beta;
                     // What disperses at y does so for this pixel alone.
-                    let light = suffix.leaving(scene, y, leg, &joint, &mut lambda, counters);
+                    let light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
                     seat.radiance += whole(light, &lambda, &seat.lambda, scene.mode);
                 } else {
                     let leg = Leg { beta: Spectrum::ONE, eta2: 1.0, ..finder.leg };
-                    let light = suffix.leaving(scene, y, leg, &joint, &mut lambda, counters);
+                    let light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
                     let light = whole(light, &lambda, &seat.lambda, scene.mode);
                     if !light.is_finite() {
                         seat.radiance = light;
-                    } else if is_open || !light.is_black() {
-                        if is_open {
+                    } else if survey.is_open || !light.is_black() {
+                        if survey.is_open {
                             seat.radiance += finder.leg.beta
                                 * finder.sky(finder.leg.ray.direction, finder.sample.pdf, scene, &seat.lambda);
                         }
-                        share_surface(scene, is_open, group, k, &y, light, depth, &mut claims, seats, counters);
+                        share_point::<MEDIA>(
+                            scene,
+                            survey.is_open,
+                            group,
+                            k,
+                            &y,
+                            light,
+                            depth,
+                            &mut claims,
+                            seats,
+                            counters,
+                        );
                     }
                 }
             }
@@ -276,7 +318,7 @@ fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMod
 
 /// Gives the light that leaves the Lambertian point that `k` found to all members that see it.
 #[allow(clippy::too_many_arguments)]
-fn share_surface(
+fn share_point<const MEDIA: bool>(
     scene: &Scene,
     is_open: bool,
     group: &[Option<Member<'_>>],
@@ -289,46 +331,76 @@ fn share_surface(
     counters: &mut Counters,
 ) {
     let Some(finder) = &group[k] else { return };
-    let (p, n) = (y.i.surface.p, y.i.surface.n);
-    // Which side of y is seen, by the normal that decides about it, and the geometry term of the finder: others are held against it.
-    let side = if y.i.surface.ns.dot(y.i.wo) > 0.0 { y.i.surface.ns } else { -y.i.surface.ns };
-    let g = n.dot(y.i.wo).abs() / (p - finder.x.i.surface.p).length_squared();
+    let p = y.p();
+    // The cosine at y towards a direction from x, on the side that is seen: by the normal that decides about it.
+    let facing = match y {
+        Vertex::Surface { i, .. } => {
+            Some((i.surface.n, if i.surface.ns.dot(i.wo) > 0.0 { i.surface.ns } else { -i.surface.ns }))
+        }
+        Vertex::Medium { .. } => None,
+    };
+    let cos = |w: Vec3| match facing {
+        Some((_, side)) if side.dot(w) >= 0.0 => 0.0,
+        Some((n, _)) => n.dot(w).abs(),
+        None => 1.0,
+    };
+    // Of the way from x to y, in the medium between them.
+    let flight = |x: &Vertex<'_>, w: Vec3, distance: f32, lambda: &Wavelengths| {
+        let medium = if MEDIA { x.medium_towards(scene, w) } else { None };
+        match medium {
+            Some(m) => flight::claim(scene, &scene.media[m as usize], distance, facing.is_none(), lambda),
+            None => (Spectrum::ONE, 1.0),
+        }
+    };
     let sky = |member: &Member<'_>, w: Vec3, pdf: f32| {
         if is_open { member.sky(w, pdf, scene, &seats[member.seat].lambda) } else { Spectrum::ZERO }
     };
+    // The geometry term of the finder: others are held against it.
+    let own_distance = (p - finder.x.p()).length();
+    let g = facing.map_or(1.0, |(n, _)| n.dot(y.wo()).abs()) / (own_distance * own_distance);
     let mut total = 0.0;
     for (m, member) in group.iter().enumerate() {
         claims[m] = Claim::NONE;
         let Some(member) = member else { continue };
+        let lambda = &seats[member.seat].lambda;
         if m == k {
-            let pdf = finder.sample.pdf;
-            claims[m] =
-                Claim { value: finder.sample.weight * pdf, pdf, sky: sky(finder, finder.leg.ray.direction, pdf) };
+            let (pdf, w) = (finder.sample.pdf, -y.wo());
+            let (passed, density) = flight(&finder.x, w, own_distance, lambda);
+            claims[m] = Claim {
+                value: finder.sample.weight * passed * pdf,
+                pdf: pdf * density,
+                sky: sky(finder, finder.leg.ray.direction, pdf),
+            };
         } else {
             // The same number of events lies before y, unless it does not matter.
             if member.events != finder.events && depth.max != u32::MAX {
                 continue;
             }
-            let to = p - member.x.i.surface.p;
+            let to = p - member.x.p();
             let d2 = to.length_squared();
             let distance = d2.sqrt();
             let w = to / distance;
-            if side.dot(w) >= 0.0 {
-                continue;
-            }
-            let e = member.x.scattering.bsdf.eval(member.wo, member.x.frame.to_local(w), TransportMode::Radiance);
-            if e.value.is_black() && e.pdf <= 0.0 {
-                continue;
-            }
-            let relative = n.dot(w).abs() / (d2 * g);
+            let relative = cos(w) / (d2 * g);
             if !(relative > 0.0 && relative.is_finite()) {
                 continue;
             }
-            counters.rays += 1;
-            if scene.occluded(&member.x.i.spawn_towards(w, distance)) {
+            let e = member.x.eval(w);
+            if e.value.is_black() && e.pdf <= 0.0 {
                 continue;
             }
-            claims[m] = Claim { value: e.value * relative, pdf: e.pdf * relative, sky: sky(member, w, e.pdf) };
+            if MEDIA && facing.is_none() && member.x.medium_towards(scene, w) != finder.leg.medium {
+                continue;
+            }
+            counters.rays += 1;
+            if scene.occluded(&member.x.spawn_towards(w, distance)) {
+                continue;
+            }
+            let (passed, density) = flight(&member.x, w, distance, lambda);
+            claims[m] = Claim {
+                value: e.value * passed * (finder.ratio * relative),
+                pdf: e.pdf * density * relative,
+                sky: sky(member, w, e.pdf),
+            };
         }
         total += claims[m].pdf;
     }
@@ -338,26 +410,4 @@ fn share_surface(
             seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;
         }
     }
-}
-
-/// Whether the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
-pub(crate) fn is_open(scene: &Scene) -> bool {
-    if scene.lights.environments.is_empty() {
-        return false;
-    }
-    const EDGE: u32 = 16;
-    let (mut seen, mut escaped) = (0, 0);
-    for k in 0..EDGE * EDGE {
-        let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
-        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
-        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
-        let Some(hit) = scene.intersect(&ray) else { continue };
-        let i = scene.interaction(&ray, &hit);
-        let n = if i.surface.n.dot(i.wo) > 0.0 { i.surface.n } else { -i.surface.n };
-        let w =
-            Frame::from_z(n).to_world(warp::cosine_hemisphere(Vec2::from(sobol::shuffled_scrambled_sobol_2d(k, 1))));
-        seen += 1;
-        escaped += u32::from(!scene.occluded(&i.spawn(w)));
-    }
-    escaped * 4 > seen
 }

@@ -6,7 +6,8 @@
 use crate::{
     Counters, Integrator, IntegratorKind, dimension, features,
     partition::{Partition, Place, TILE},
-    reuse::{self, Seat},
+    reuse::Seat,
+    survey::Survey,
 };
 use std::{
     sync::{
@@ -72,7 +73,7 @@ pub struct Film {
 pub struct Session<'s> {
     scene: &'s Scene,
     plan: Plan,
-    is_open: bool,
+    survey: Survey,
     tiles: Vec<Mutex<Tile>>,
     next: u32,
     counters: Counters,
@@ -109,16 +110,17 @@ impl<'s> Session<'s> {
                 }));
             }
         }
-        let is_open = reuse::is_open(scene);
+        let (start, cpu) = (Instant::now(), cpu_time());
+        let survey = plan.integrator.survey(scene);
         Self {
             scene,
             plan,
-            is_open,
+            survey,
             tiles,
             next: 0,
             counters: Counters::default(),
-            wall: Duration::ZERO,
-            cpu: Duration::ZERO,
+            wall: start.elapsed(),
+            cpu: cpu_time().saturating_sub(cpu),
         }
     }
 
@@ -256,8 +258,10 @@ impl<'s> Session<'s> {
                     weights.push(weight);
                 }
                 match &mut seats[..] {
-                    [s] => s.radiance = integrator.radiance(scene, s.ray, &s.own, &mut s.lambda, counters),
-                    seats => integrator.group(scene, self.is_open, seats, counters),
+                    [s] => {
+                        s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters)
+                    }
+                    seats => integrator.group(scene, &self.survey, seats, counters),
                 }
                 for ((p, seat), weight) in places.iter().zip(&seats).zip(&weights).filter(|((p, _), _)| in_area(p)) {
                     let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;

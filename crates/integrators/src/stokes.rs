@@ -4,7 +4,7 @@
 //! from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the picture: S₁ is positive for
 //! light that swings from left to right. In scenes that nothing polarises twice, S₀ is the picture of `path`.
 
-use crate::{Counters, Depth, Integrator, dimension, nee, walk};
+use crate::{Counters, Depth, Integrator, Survey, dimension, nee, walk};
 use steradian_core::{
     Scene,
     bsdf::{TransportMode, polarized},
@@ -29,6 +29,7 @@ impl Integrator for Stokes {
     fn radiance(
         &self,
         scene: &Scene,
+        _survey: &Survey,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,

@@ -1,16 +1,25 @@
-//! The steps of which path tracers are made: along a ray to the next surface that scatters, and on from there.
+//! The steps of which path tracers are made: along a ray to the next point that scatters, and on from there. `MEDIA` says whether light
+//! is scattered between surfaces, and seen through thin panes; without, media are ignored.
 
-use crate::{Counters, Depth, dimension, live_max, nee};
+use crate::{
+    Counters, Depth, Survey,
+    caustics::Draw,
+    dimension,
+    flight::{self, Flight},
+    live_max, nee, power_heuristic,
+};
 use steradian_core::{
     Scene,
-    bsdf::{BsdfSample, TransportMode},
+    bsdf::{BsdfEval, BsdfSample, Lobe, TransportMode},
+    light::LightContext,
     material::Scattering,
+    medium::Medium,
     sampler::PixelSampler,
-    scene::Interaction,
+    scene::{Interaction, SHADOW_END},
 };
-use steradian_math::{Frame, Ray, Spectrum, spectra::Wavelengths};
+use steradian_math::{Frame, Ray, Spectrum, Vec3, spectra::Wavelengths};
 
-/// Surfaces that scatter nothing are passed at most this often on the way to the next event.
+/// Surfaces that scatter nothing are passed at most this often on a path.
 pub(crate) const MAX_PASSES: u32 = 1 << 16;
 
 /// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
@@ -58,44 +67,178 @@ pub(crate) struct Leg {
     pub origin: nee::Origin,
     /// How often it scattered.
     pub events: u32,
-    /// How many surfaces that scatter nothing it passed.
+    /// How many surfaces it passed straight.
     pub passes: u32,
+    /// The medium that it goes through.
+    pub medium: Option<u32>,
 }
 
 impl Leg {
     /// From the camera.
     #[inline]
-    pub fn camera(ray: Ray) -> Self {
-        Self { ray, beta: Spectrum::ONE, eta2: 1.0, origin: None, events: 0, passes: 0 }
+    pub fn camera(scene: &Scene, ray: Ray) -> Self {
+        Self { ray, beta: Spectrum::ONE, eta2: 1.0, origin: None, events: 0, passes: 0, medium: scene.camera.medium }
     }
 
     /// On from a vertex in the direction that was drawn there.
     #[inline]
-    pub fn turn(&mut self, v: &Vertex<'_>, s: &BsdfSample) {
+    pub fn turn<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, s: &BsdfSample) {
         self.beta *= s.weight;
         self.eta2 *= s.eta * s.eta;
-        self.origin =
-            if s.lobe.is_specular() { None } else { Some((nee::context(&v.i, &v.frame, &v.scattering.bsdf), s.pdf)) };
-        self.ray = v.i.spawn(v.frame.to_world(s.wi));
+        if MEDIA && s.lobe.is_transmission() && v.passes_straight() {
+            // Light that goes straight on has not scattered: next-event estimation sees through such surfaces too.
+            self.pass::<MEDIA>(scene, v);
+            return;
+        }
+        self.origin = if s.lobe.is_specular() { None } else { Some((v.context(), s.pdf)) };
+        let direction = v.to_world(s.wi);
+        if MEDIA {
+            self.medium = v.medium_towards(scene, direction);
+        }
+        self.ray = v.spawn(direction);
         self.events += 1;
+    }
+
+    /// Straight on.
+    #[inline]
+    fn pass<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>) {
+        self.passes += 1;
+        if MEDIA {
+            self.medium = v.medium_towards(scene, self.ray.direction);
+        }
+        self.ray = v.spawn(self.ray.direction);
+    }
+
+    /// The dimension of a decision of the next event. Numbers are drawn anew after each surface that was passed on the way to it.
+    #[inline]
+    pub fn dimension(&self, decision: u32) -> u32 {
+        dimension::at(self.events, decision) ^ (self.passes << 16)
     }
 }
 
-/// Where a path scatters.
+/// Where a path scatters. In place, since nothing is allocated per sample.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex<'s> {
-    /// The point.
-    pub i: Interaction,
-    /// How it scatters.
-    pub scattering: Scattering<'s>,
-    /// The shading frame.
-    pub frame: Frame,
+pub(crate) enum Vertex<'s> {
+    /// On a surface.
+    Surface {
+        /// The point.
+        i: Interaction,
+        /// How it scatters.
+        scattering: Scattering<'s>,
+        /// The shading frame.
+        frame: Frame,
+        /// The medium that the path came through.
+        medium: Option<u32>,
+    },
+    /// Within a medium.
+    Medium {
+        /// The point.
+        p: Vec3,
+        /// Back along the path.
+        wo: Vec3,
+        /// How it scatters.
+        scattering: &'s Medium,
+        /// Its index.
+        medium: u32,
+    },
 }
 
 impl Vertex<'_> {
-    /// Light straight from a light, reflected back along the path.
+    /// The point.
     #[inline]
-    pub fn direct(
+    pub fn p(&self) -> Vec3 {
+        match self {
+            Self::Surface { i, .. } => i.surface.p,
+            Self::Medium { p, .. } => *p,
+        }
+    }
+
+    /// Unit direction back along the path.
+    #[inline]
+    pub fn wo(&self) -> Vec3 {
+        match self {
+            Self::Surface { i, .. } => i.wo,
+            Self::Medium { wo, .. } => *wo,
+        }
+    }
+
+    /// Whether light samples find nothing here.
+    #[inline]
+    pub fn is_specular(&self) -> bool {
+        matches!(self, Self::Surface { scattering, .. } if scattering.bsdf.is_specular())
+    }
+
+    /// Whether part of the light goes through as if there were nothing.
+    #[inline]
+    fn passes_straight(&self) -> bool {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => {
+                scattering.bsdf.straight_transmission(frame.to_local(i.wo)).is_some()
+            }
+            Self::Medium { .. } => false,
+        }
+    }
+
+    /// Where light is asked for.
+    #[inline]
+    pub fn context(&self) -> LightContext {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => nee::context(i, frame, &scattering.bsdf),
+            Self::Medium { p, .. } => LightContext { p: *p, n: Vec3::ZERO },
+        }
+    }
+
+    /// A direction in world space from one in that of samples.
+    #[inline]
+    pub fn to_world(&self, w: Vec3) -> Vec3 {
+        match self {
+            Self::Surface { frame, .. } => frame.to_world(w),
+            Self::Medium { .. } => w,
+        }
+    }
+
+    /// A ray that leaves in a direction.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        match self {
+            Self::Surface { i, .. } => i.spawn(direction),
+            Self::Medium { p, .. } => Ray::new(*p, direction),
+        }
+    }
+
+    /// A ray to a point at a distance in a unit direction, that ends just before it.
+    #[inline]
+    pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {
+        Ray { t_max: distance * SHADOW_END, ..self.spawn(direction) }
+    }
+
+    /// The medium that a direction leads through.
+    #[inline]
+    pub fn medium_towards(&self, scene: &Scene, w: Vec3) -> Option<u32> {
+        match self {
+            Self::Surface { i, medium, .. } => scene.medium_towards(i, w, *medium),
+            Self::Medium { medium, .. } => Some(*medium),
+        }
+    }
+
+    /// `f |cos|` for a direction in world space, and the density with which it is drawn.
+    #[inline]
+    pub fn eval(&self, w: Vec3) -> BsdfEval {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => {
+                scattering.bsdf.eval(frame.to_local(i.wo), frame.to_local(w), TransportMode::Radiance)
+            }
+            Self::Medium { wo, scattering, .. } => {
+                let phase = scattering.phase(*wo, w);
+                BsdfEval { value: Spectrum::splat(phase), pdf: phase }
+            }
+        }
+    }
+
+    /// Light straight from a light, scattered back along the path.
+    #[inline]
+    pub fn direct<const MEDIA: bool>(
         &self,
         scene: &Scene,
         event: u32,
@@ -103,37 +246,68 @@ impl Vertex<'_> {
         lambda: &Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let bsdf = &self.scattering.bsdf;
-        if bsdf.is_specular() || !scene.lights.can_sample() {
+        if self.is_specular() || !scene.lights.can_sample() {
             return Spectrum::ZERO;
         }
-        nee::direct(scene, &self.i, &self.frame, bsdf, event, sampler, lambda, counters)
+        let Some(s) = nee::sample_light(scene, &self.context(), event, sampler, lambda) else { return Spectrum::ZERO };
+        let light = match self {
+            Self::Surface { i, scattering, frame, .. } => {
+                nee::unoccluded(&s, frame.to_local(i.wo), frame, &scattering.bsdf)
+            }
+            Self::Medium { wo, scattering, .. } => {
+                let phase = scattering.phase(*wo, s.wi);
+                let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, phase) };
+                s.radiance * (phase * weight / s.pdf)
+            }
+        };
+        if light.is_black() {
+            return Spectrum::ZERO;
+        }
+        if MEDIA {
+            let medium = self.medium_towards(scene, s.wi);
+            return light * flight::towards(scene, self.spawn(s.wi), s.distance, medium, lambda, counters);
+        }
+        counters.rays += 1;
+        if scene.occluded(&self.spawn_towards(s.wi, s.distance)) { Spectrum::ZERO } else { light }
     }
 
-    /// A direction drawn by scattering.
+    /// A direction drawn by scattering, and by the photons near.
     #[inline]
-    pub fn sample(&self, event: u32, sampler: &PixelSampler) -> Option<BsdfSample> {
-        let u = sampler.get_1d(dimension::at(event, dimension::LOBE));
-        let u2 = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
-        self.scattering.bsdf.sample(self.frame.to_local(self.i.wo), u, u2, TransportMode::Radiance)
+    pub fn sample(&self, leg: &Leg, sampler: &PixelSampler, survey: &Survey) -> Option<Draw> {
+        let u2 = sampler.get_2d(dimension::at(leg.events, dimension::DIRECTION));
+        match self {
+            Self::Surface { i, scattering: Scattering { bsdf, .. }, frame, .. } => {
+                let u = sampler.get_1d(leg.dimension(dimension::LOBE));
+                let wo = frame.to_local(i.wo);
+                match &survey.caustics {
+                    Some(c) => c.sample(i.surface.p, frame, wo, bsdf, u, u2),
+                    None => bsdf.sample(wo, u, u2, TransportMode::Radiance).map(Draw::by_surface),
+                }
+            }
+            Self::Medium { wo, scattering, .. } => {
+                let (wi, pdf) = scattering.sample_phase(*wo, u2);
+                let sample = BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 };
+                Some(Draw::by_surface(sample))
+            }
+        }
     }
 }
 
 /// What a ray leads to. In place, since nothing is allocated per sample.
 #[allow(clippy::large_enum_variant)]
 pub(crate) enum Arrival<'s> {
-    /// A surface that scatters, within the depth.
+    /// A point that scatters, within the depth.
     Vertex(Vertex<'s>),
-    /// The path ends on a surface.
+    /// The path ends.
     End,
     /// Nothing is met.
     Escaped,
 }
 
-/// Follows a leg to the next surface that scatters, passing those that do not; adds what surfaces emit on the way to `sum`. The
-/// background is left to the caller.
+/// Follows a leg to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sum`. The background is
+/// left to the caller.
 #[inline]
-pub(crate) fn arrive<'s>(
+pub(crate) fn arrive<'s, const MEDIA: bool>(
     scene: &'s Scene,
     leg: &mut Leg,
     sum: &mut Spectrum,
@@ -142,26 +316,57 @@ pub(crate) fn arrive<'s>(
     lambda: &mut Wavelengths,
     counters: &mut Counters,
 ) -> Arrival<'s> {
-    loop {
+    while leg.passes <= MAX_PASSES {
         counters.rays += 1;
-        let Some(hit) = scene.intersect(&leg.ray) else { return Arrival::Escaped };
+        let hit = scene.intersect(&leg.ray);
+        if let (true, Some(medium)) = (MEDIA, leg.medium) {
+            let scattering = &scene.media[medium as usize];
+            let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
+            let u = sampler.get_1d(leg.dimension(dimension::FLIGHT));
+            let lane = sampler.get_1d(leg.dimension(dimension::LANE));
+            let (factor, t) = match flight::fly(scene, scattering, distance, lane, u, lambda) {
+                Flight::Passed(factor) => (factor, None),
+                Flight::Scattered(t, factor) => (factor, Some(t)),
+            };
+            leg.beta *= factor;
+            if live_max(leg.beta, lambda) <= 0.0 {
+                return Arrival::End;
+            }
+            if let Some(t) = t {
+                if leg.events >= depth.max {
+                    return Arrival::End;
+                }
+                return Arrival::Vertex(Vertex::Medium {
+                    p: leg.ray.at(t),
+                    wo: -leg.ray.direction,
+                    scattering,
+                    medium,
+                });
+            }
+        }
+        let Some(hit) = hit else { return Arrival::Escaped };
         let i = scene.interaction(&leg.ray, &hit);
         if !(leg.events == 0 && depth.hide_emitters) {
             *sum += leg.beta * nee::emission(scene, &i, &leg.origin, lambda);
         }
-        if leg.events >= depth.max {
+        let is_last = leg.events >= depth.max;
+        if is_last && !scene.is_see_through {
             return Arrival::End;
         }
-        let choice = sampler.get_1d_lazily(dimension::at(leg.events, dimension::MIXTURE), scene.has_mixtures);
+        let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
         if let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) {
-            return Arrival::Vertex(Vertex { i, scattering, frame });
+            if is_last {
+                return Arrival::End;
+            }
+            return Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: leg.medium });
         }
         leg.passes += 1;
-        if leg.passes > MAX_PASSES {
-            return Arrival::End;
+        if MEDIA {
+            leg.medium = scene.medium_towards(&i, leg.ray.direction, leg.medium);
         }
         leg.ray = i.spawn(leg.ray.direction);
     }
+    Arrival::End
 }
 
 /// Adds the light of the environments that a leg met to `sum`.

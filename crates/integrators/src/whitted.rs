@@ -1,7 +1,7 @@
 //! Whitted's ray tracing (M158): mirrors and glass are followed in both directions, every light is asked once at each surface, and
 //! nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
-use crate::{Counters, Depth, Integrator, dimension, nee, walk::MAX_PASSES};
+use crate::{Counters, Depth, Integrator, Survey, dimension, nee, walk::MAX_PASSES};
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, TransportMode},
@@ -150,6 +150,7 @@ impl Integrator for Whitted {
     fn radiance(
         &self,
         scene: &Scene,
+        _survey: &Survey,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,

@@ -5,14 +5,14 @@ use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler},
 };
-use steradian_integrators::{DEFAULT_REUSE, Depth, INTEGRATORS, IntegratorKind, Plan};
+use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, Plan, Tactics};
 use steradian_scene::names::did_you_mean;
 
 /// Integrator, samples, depth, threads and layers.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
-    /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, and `reuse`: how many paths
-    /// share what they find, 1, 4 or 16.
+    /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
+    /// find, 1, 4 or 16, and `caustics`: whether photons look for light behind mirrors and glass beforehand.
     pub integrator: Option<String>,
     /// Samples per pixel.
     pub spp: Option<u32>,
@@ -41,7 +41,7 @@ impl Quality {
             roulette_after: scene.settings.rr_depth,
             hide_emitters: scene.settings.hide_emitters,
         };
-        let mut reuse = DEFAULT_REUSE;
+        let mut tactics = Tactics::default();
         for option in options.split(',').filter(|o| !o.is_empty()) {
             let fault = || Error::IntegratorOption(option.into());
             let (key, value) = option.split_once('=').ok_or_else(fault)?;
@@ -51,16 +51,17 @@ impl Quality {
                 "rr_depth" => depth.roulette_after = value.parse().map_err(|_| fault())?,
                 "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
                 "reuse" => {
-                    reuse = value.parse().map_err(|_| fault())?;
-                    if ![1, 4, 16].contains(&reuse) {
+                    tactics.reuse = value.parse().map_err(|_| fault())?;
+                    if ![1, 4, 16].contains(&tactics.reuse) {
                         return Err(fault());
                     }
                 }
+                "caustics" => tactics.caustics = value.parse().map_err(|_| fault())?,
                 _ => return Err(fault()),
             }
         }
         depth.max = self.max_depth.unwrap_or(depth.max);
-        let integrator = IntegratorKind::named(name, depth, reuse).ok_or_else(|| Error::UnknownIntegrator {
+        let integrator = IntegratorKind::named(name, depth, tactics).ok_or_else(|| Error::UnknownIntegrator {
             name: name.into(),
             hint: did_you_mean(name, INTEGRATORS.iter().map(|i| i.0)),
             known: INTEGRATORS.iter().map(|i| i.0).collect::<Vec<_>>().join(", "),

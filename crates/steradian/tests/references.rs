@@ -6,7 +6,7 @@
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
-use steradian::integrators::DEFAULT_REUSE;
+use steradian::integrators::Tactics;
 use steradian::{
     ColorMode, CompileOptions, Control, Layer, Quality, Session, compile, develop,
     image::{self, Image, Limits, metrics},
@@ -23,7 +23,7 @@ fn assets() -> Option<PathBuf> {
 }
 
 fn render(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u32) -> Image {
-    render_sharing(scene, size, mode, spp, DEFAULT_REUSE)
+    render_sharing(scene, size, mode, spp, Tactics::default().reuse)
 }
 
 /// With pixels that err independently, so that the noise of a mean over the frame is known.

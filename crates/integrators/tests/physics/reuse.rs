@@ -5,17 +5,18 @@
 use crate::{
     determinism::collection,
     shot::{Estimate, Shot},
-    stage::{Stage, cuboid, diffuse, light, material, rectangle, rgb, shape, sphere, white},
+    stage::{Stage, cuboid, diffuse, light, look_at, material, medium, rectangle, rgb, shape, sphere, white},
 };
 use steradian_core::{ColorMode, Scene, sampler::SamplerKind};
 use steradian_math::{DVec3, Transform};
+use steradian_scene::{Family, Node};
 
 /// The means of the quadrants of pictures with many seeds.
 fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
     let (w, h) = (scene.film.width as usize, scene.film.height as usize);
     let (mut sum, mut squares) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
     for seed in 0..seeds {
-        let film = shot.seed(1000 * u64::from(shot.reuse) + seed).take(scene);
+        let film = shot.seed(10_000 * u64::from(shot.caustics) + 1000 * u64::from(shot.reuse) + seed).take(scene);
         let mut mean = [[0.0; 3]; 4];
         for (i, p) in film.pixels.iter().enumerate() {
             let quadrant = usize::from(i % w * 2 >= w) + 2 * usize::from(i / w * 2 >= h);
@@ -35,10 +36,10 @@ fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
     })
 }
 
-/// 4σ for every quadrant, with shared paths of four and sixteen against none.
+/// 4σ for every quadrant, with photons, and with shared paths of four and sixteen, against none.
 #[track_caller]
 fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
-    let alone = quadrants(shot.reuse(1), scene, 48);
+    let alone = quadrants(Shot { caustics: false, ..shot.reuse(1) }, scene, 48);
     for (reuse, sampler) in [(4, SamplerKind::Independent), (16, SamplerKind::Independent), (16, SamplerKind::Sobol)] {
         let shared = quadrants(Shot { sampler, ..shot.reuse(reuse) }, scene, 40);
         for (q, (shared, alone)) in shared.iter().zip(&alone).enumerate() {
@@ -140,4 +141,68 @@ fn black_members_have_no_claim() {
     stage.light(light("point").with("position", [0.0, 1.5, 0.0]).with("intensity", white(1.0)));
     stage.film(16, 16).look([0.0, 1.9, 0.0], [0.0, 0.0, 0.01], 70.0);
     is_unbiased("stripes", Shot::of("path", 8).depth(4), &stage.scene(), 0.05);
+}
+
+/// A lamp over a glass ball and a mirror ball, seen from the side.
+fn lenses() -> Stage {
+    let mut stage = Stage::new();
+    let wall = stage.add(material("diffuse").with("reflectance", rgb([0.8, 0.6, 0.4])));
+    let room = stage.place_mesh(cuboid([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]));
+    (room.material, room.reverse_orientation) = (Some(wall), true);
+    stage.mesh_lamp(rectangle([-0.3, 1.95, -0.3], [0.6, 0.0, 0.0], [0.0, 0.0, 0.6]), 8.0);
+    stage.solid(sphere([-0.4, 0.4, 0.1], 0.35), material("dielectric").with("eta", 1.5));
+    stage.solid(sphere([0.45, 0.4, 0.2], 0.35), material("conductor").with("reflectance", white(0.9)));
+    stage.film(16, 16).look([0.0, 1.0, -0.95], [0.0, 0.5, 0.3], 70.0);
+    stage
+}
+
+/// Photons decide where directions are drawn, not what is found there.
+#[test]
+fn caustics_are_unbiased() {
+    for (mode, precision) in [(ColorMode::Rgb, 0.1), (ColorMode::Spectral, 0.15)] {
+        let scene = lenses().scene_in(mode);
+        let shot = Shot::of("path", 16).depth(5);
+        let alone = quadrants(Shot { caustics: false, ..shot }, &scene, 48);
+        for reuse in [1, 16] {
+            let guided = quadrants(shot.reuse(reuse), &scene, 40);
+            for (q, (guided, alone)) in guided.iter().zip(&alone).enumerate() {
+                guided.agrees(&format!("{mode:?}, {reuse} paths, quadrant {q}"), *alone, precision);
+            }
+        }
+    }
+}
+
+/// The light that a small lamp sends through a ball of glass onto the floor has a fraction of the noise.
+#[test]
+fn photons_take_noise_from_caustics() {
+    let mut stage = Stage::new();
+    let floor = stage.place_mesh(rectangle([-2.0, 0.0, 2.0], [4.0, 0.0, 0.0], [0.0, 0.0, -4.0]));
+    floor.material = None;
+    stage.mesh_lamp(rectangle([-0.1, 4.0, -0.1], [0.2, 0.0, 0.0], [0.0, 0.0, 0.2]), 100.0);
+    stage.solid(sphere([0.0, 1.0, 0.0], 0.5), material("dielectric").with("eta", 1.5));
+    stage.film(16, 16).look([0.0, 0.4, -2.0], [0.0, 0.0, 0.0], 15.0);
+    let scene = stage.scene();
+    let noise = |caustics| -> f64 {
+        let film = Shot { caustics, ..Shot::of("path", 64) }.depth(4).take(&scene);
+        film.pixels.iter().map(|p| p.variance_of_mean()[0]).sum()
+    };
+    let (without, with) = (noise(false), noise(true));
+    assert!(with * 8.0 < without, "{without} without photons, {with} with them");
+}
+
+/// In fog points between surfaces share and are shared, with the medium on the way; screens stand between.
+#[test]
+fn sharing_is_unbiased_in_fog() {
+    for (g, precision) in [(0.0, 0.05), (0.6, 0.05)] {
+        let mut stage = screens();
+        let phase = stage.add(Node::new(Family::Phase, "hg", None).with("g", g));
+        let fog = stage.add(medium(rgb([0.1, 0.2, 0.3]), rgb([0.8, 0.6, 0.7])).with("phase", phase));
+        stage.camera(
+            Node::new(Family::Camera, "perspective", None)
+                .with("fov", 75.0)
+                .with("to_world", look_at([0.2, 0.9, -0.95], [0.0, 0.3, 0.3]))
+                .with("medium", fog),
+        );
+        is_unbiased("fog", Shot::of("volpath", 8).depth(4), &stage.scene(), precision);
+    }
 }

@@ -4,7 +4,7 @@ use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
 };
-use steradian_integrators::{Control, Depth, Film, IntegratorKind, Plan, Session};
+use steradian_integrators::{Control, Depth, Film, IntegratorKind, Plan, Session, Tactics};
 
 /// How a picture is taken.
 #[derive(Clone, Copy)]
@@ -19,6 +19,8 @@ pub struct Shot {
     pub sampler: SamplerKind,
     /// Paths that share. Comparisons of means take pixels as independent, so it is one unless sharing itself is tested.
     pub reuse: u32,
+    /// Whether photons look for caustics.
+    pub caustics: bool,
 }
 
 impl Shot {
@@ -34,6 +36,7 @@ impl Shot {
             threads: 1,
             sampler: SamplerKind::Independent,
             reuse: 1,
+            caustics: true,
         }
     }
 
@@ -56,7 +59,8 @@ impl Shot {
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let integrator = IntegratorKind::named(self.integrator, depth, self.reuse).expect("a registered integrator");
+        let tactics = Tactics { reuse: self.reuse, caustics: self.caustics };
+        let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         Session::new(scene, Plan { integrator, sampler, threads: self.threads, features: false })
     }

@@ -1,0 +1,518 @@
+//! Where light comes from after mirrors and glass: photons that find it, and the drawing of directions by them (Jensen 1995, "Importance
+//! Driven Path Tracing Using the Photon Map").
+//!
+//! A path tracer finds light behind a lens or in a mirror by chance alone: no light sample passes there. So before a session a number of
+//! photons are sent from the lights towards everything that may focus light, and where they then land on other surfaces is kept, with the
+//! point q that they came from last. At a point x of a surface near them, directions are drawn with the density
+//!
+//! `p(ω) = (1 − s) p_bsdf(ω) + s Σ_i w_i K(ω, q_i − x)`
+//!
+//! over the photons i of its neighbourhood, with kernels K as wide as the photons lie apart and a share s by how much light they bring. Values divided by this density are right
+//! whatever the photons are, so these need neither be many nor exact: they decide about the error, not about the mean.
+
+use crate::{Counters, live_max, nee};
+use rayon::prelude::*;
+use steradian_core::{
+    ColorMode, Scene,
+    bsdf::{Bsdf, BsdfSample, Diffuse, Lobe, TransportMode},
+    light::LightContext,
+    material::{Material, Model, Roughness},
+    sampler::{PixelSampler, Sampler, SamplerKind},
+    scene::{Interaction, SHADOW_END},
+    texture::FloatTexture,
+};
+use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+
+/// Fewest and most photons that are sent: one for two pixels.
+const PHOTONS: (u32, u32) = (1 << 12, 1 << 18);
+/// Fewer landed ones than this are no guide.
+const FEWEST: usize = 64;
+/// Most photons of a neighbourhood.
+const LANES: usize = 16;
+/// Focusing events that a photon is followed through.
+const EVENTS: u32 = 12;
+/// Scattering focuses where directions are drawn with a greater density than this (sr⁻¹).
+const FOCUSED: f32 = 2.0;
+/// Roughness α above which metals and glass do not focus.
+const BROAD: f32 = 0.25;
+/// The largest share of directions drawn by the photons.
+const MOST: f32 = 0.6;
+/// Below this share they are not asked.
+const LEAST: f32 = 0.03;
+/// How much other light counts against what is focused, for the share.
+const OTHER: f32 = 0.15;
+/// How often a photon lands.
+const LANDINGS: usize = 3;
+/// Bounds of the kernels' radius, rad.
+const RADIUS: (f32, f32) = (0.01, 0.6);
+
+/// The photons that landed, by neighbourhoods.
+#[derive(Clone, Debug)]
+pub struct Caustics {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+}
+
+/// A node of the k-d tree: the axis and the place of the split, and the second child (the first one follows); or a leaf.
+#[derive(Clone, Copy, Debug)]
+enum Node {
+    Split { axis: u8, at: f32, second: u32 },
+    Leaf(u32),
+}
+
+/// Where a photon landed.
+#[derive(Clone, Copy, Debug)]
+struct Photon {
+    /// There.
+    p: Vec3,
+    /// Where it last was before.
+    q: Vec3,
+    /// What it carries (luminance).
+    power: f32,
+    /// An estimate of the irradiance there that other techniques find.
+    other: f32,
+}
+
+/// A neighbourhood; lanes beyond its photons have no weight.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf {
+    /// Around the photons and a margin: elsewhere they say nothing.
+    bounds: Bounds3,
+    /// The share of directions that they draw.
+    share: f32,
+    q: [[f32; LANES]; 3],
+    /// One less the cosine of the kernels' radius.
+    width: [f32; LANES],
+    /// Weight over the kernel's integral.
+    scale: [f32; LANES],
+    /// Sums of the weights up to and with each.
+    sums: [f32; LANES],
+}
+
+/// A direction drawn by the surface or by photons. The density that the sample states is that of the surface alone, which other techniques
+/// are held against; its weight has that of both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draw {
+    pub sample: BsdfSample,
+    /// The density by the surface over that by both.
+    pub ratio: f32,
+}
+
+impl Draw {
+    #[inline]
+    pub fn by_surface(sample: BsdfSample) -> Self {
+        Self { sample, ratio: 1.0 }
+    }
+}
+
+/// What photons are sent to.
+struct Target {
+    bounds: Bounds3,
+    /// Probabilities of this and the ones before it.
+    sum: f32,
+    /// Its own.
+    probability: f32,
+}
+
+impl Caustics {
+    /// Sends the photons; `None` where nothing focuses light, or too few of them land.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        if !scene.lights.can_sample() {
+            return None;
+        }
+        let targets = targets(scene);
+        if targets.is_empty() {
+            return None;
+        }
+        let pixels = scene.film.width.saturating_mul(scene.film.height);
+        let count = (pixels / 2).clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
+        let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
+        let mut photons: Vec<_> = (0..count)
+            .into_par_iter()
+            .flat_map_iter(|index| send(scene, &targets, &sampler.pixel(0, 0, index)).into_iter().flatten())
+            .collect();
+        if photons.len() < FEWEST {
+            return None;
+        }
+        let ambient = 0.1 * photons.iter().map(|p| p.other).sum::<f32>() / photons.len() as f32;
+        for photon in &mut photons {
+            photon.other += ambient;
+            photon.power /= count as f32;
+        }
+        let mut caustics = Self { nodes: Vec::new(), leaves: Vec::new() };
+        caustics.split(&mut photons);
+        Some(caustics)
+    }
+
+    fn split(&mut self, photons: &mut [Photon]) {
+        if photons.len() <= LANES {
+            self.nodes.push(Node::Leaf(self.leaves.len() as u32));
+            self.leaves.push(Leaf::new(photons));
+            return;
+        }
+        let axis = Bounds3::from_points(photons.iter().map(|p| p.p)).longest_axis();
+        let half = photons.len() / 2;
+        photons.select_nth_unstable_by(half, |a, b| a.p[axis].total_cmp(&b.p[axis]));
+        let (node, at) = (self.nodes.len(), photons[half].p[axis]);
+        self.nodes.push(Node::Leaf(0));
+        let (low, high) = photons.split_at_mut(half);
+        self.split(low);
+        self.nodes[node] = Node::Split { axis: axis as u8, at, second: self.nodes.len() as u32 };
+        self.split(high);
+    }
+
+    /// The photons about a point.
+    #[inline]
+    fn leaf(&self, p: Vec3) -> Option<&Leaf> {
+        let mut node = 0;
+        loop {
+            match self.nodes[node] {
+                Node::Split { axis, at, second } => {
+                    node = if p[axis as usize] < at { node + 1 } else { second as usize };
+                }
+                Node::Leaf(leaf) => {
+                    let leaf = &self.leaves[leaf as usize];
+                    return (leaf.share > 0.0 && leaf.bounds.contains(p)).then_some(leaf);
+                }
+            }
+        }
+    }
+
+    /// Draws a direction at `p`, as [`Bsdf::sample`] does, by the surface or by the photons.
+    #[inline]
+    pub(crate) fn sample(&self, p: Vec3, frame: &Frame, wo: Vec3, bsdf: &Bsdf, u: f32, u2: Vec2) -> Option<Draw> {
+        let mode = TransportMode::Radiance;
+        let Some(leaf) = self.leaf(p).filter(|_| is_receiver(bsdf)) else {
+            return bsdf.sample(wo, u, u2, mode).map(Draw::by_surface);
+        };
+        let share = leaf.share;
+        if u < share {
+            let w = leaf.sample(p, u / share, u2);
+            let wi = frame.to_local(w);
+            let e = bsdf.eval(wo, wi, mode);
+            if e.value.is_black() {
+                return None;
+            }
+            let pdf = e.pdf + share * (leaf.pdf(p, w) - e.pdf);
+            let side = if wi.z * wo.z > 0.0 { Lobe::REFLECTION } else { Lobe::TRANSMISSION };
+            let sample = BsdfSample { wi, weight: e.value / pdf, pdf: e.pdf, lobe: side.with(Lobe::GLOSSY), eta: 1.0 };
+            return Some(Draw { sample, ratio: e.pdf / pdf });
+        }
+        let s = bsdf.sample(wo, (u - share) / (1.0 - share), u2, mode)?;
+        let ratio = if s.lobe.is_specular() {
+            1.0 / (1.0 - share)
+        } else {
+            s.pdf / (s.pdf + share * (leaf.pdf(p, frame.to_world(s.wi)) - s.pdf))
+        };
+        Some(Draw { sample: BsdfSample { weight: s.weight * ratio, ..s }, ratio })
+    }
+}
+
+/// Whether photons are of use where a surface scatters like this.
+#[inline]
+fn is_receiver(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Conductor(b) => b.microfacet.mean_alpha() > BROAD,
+        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Hair(_) | Bsdf::Layered(_) => false,
+        _ => true,
+    }
+}
+
+impl Leaf {
+    fn new(photons: &[Photon]) -> Self {
+        let bounds = Bounds3::from_points(photons.iter().map(|p| p.p));
+        let margin = Vec3::splat(0.25 * bounds.diagonal().max_element());
+        let total: f32 = photons.iter().map(|p| p.power).sum();
+        let area = {
+            let d = bounds.diagonal().max(Vec3::splat(0.01 * bounds.diagonal().max_element()));
+            (d.x * d.y).max(d.y * d.z).max(d.z * d.x)
+        };
+        let focused = total / area;
+        let other = photons.iter().map(|p| p.other).sum::<f32>() / photons.len() as f32;
+        let share = (focused / (focused + OTHER * other)).min(MOST);
+        let mut leaf = Self {
+            share: if share >= LEAST { share } else { 0.0 },
+            bounds: Bounds3 { min: bounds.min - margin, max: bounds.max + margin },
+            q: [[0.0; LANES]; 3],
+            width: [1.0; LANES],
+            scale: [0.0; LANES],
+            sums: [1.0; LANES],
+        };
+        let centre = bounds.center();
+        let directions: Vec<Vec3> = photons.iter().map(|p| (p.q - centre).normalize_or_zero()).collect();
+        let mut sum = 0.0;
+        for (i, photon) in photons.iter().enumerate() {
+            // As wide as the third next photon is away.
+            let mut angles: Vec<f32> = directions.iter().map(|d| (*d - directions[i]).length()).collect();
+            angles.sort_unstable_by(f32::total_cmp);
+            let radius = (2.0 * angles[angles.len().min(4) - 1]).clamp(RADIUS.0, RADIUS.1);
+            let width = 1.0 - radius.cos();
+            let weight = photon.power / total;
+            sum += weight;
+            for axis in 0..3 {
+                leaf.q[axis][i] = photon.q[axis];
+            }
+            leaf.width[i] = width;
+            leaf.scale[i] = weight / (std::f32::consts::PI * width * width);
+            leaf.sums[i] = if i + 1 == photons.len() { 1.0 } else { sum };
+        }
+        leaf
+    }
+
+    /// A direction from `p`; its density falls linearly with the cosine from each photon's direction.
+    fn sample(&self, p: Vec3, u: f32, u2: Vec2) -> Vec3 {
+        let i = self.sums.iter().position(|s| u < *s).unwrap_or(0);
+        let z = (Vec3::new(self.q[0][i], self.q[1][i], self.q[2][i]) - p).normalize_or(Vec3::Z);
+        // A cone of a width whose square is uniform.
+        let width = self.width[i] * (1.0 - (1.0 - u2.x).sqrt());
+        let sin = (width * (2.0 - width)).max(0.0).sqrt();
+        let (y, x) = (u2.y * std::f32::consts::TAU).sin_cos();
+        Frame::from_z(z).to_world(Vec3::new(sin * x, sin * y, 1.0 - width)).normalize()
+    }
+
+    /// The density of a direction from `p` (sr⁻¹).
+    fn pdf(&self, p: Vec3, w: Vec3) -> f32 {
+        let mut sum = [0.0; LANES];
+        for i in 0..LANES {
+            let (x, y, z) = (self.q[0][i] - p.x, self.q[1][i] - p.y, self.q[2][i] - p.z);
+            let cos = (x * w.x + y * w.y + z * w.z) / (x * x + y * y + z * z).sqrt();
+            sum[i] = self.scale[i] * (self.width[i] - 1.0 + cos).max(0.0);
+        }
+        sum.iter().sum()
+    }
+}
+
+/// Everything that may focus light, by its share of the cross-sections.
+fn targets(scene: &Scene) -> Vec<Target> {
+    let focuses: Vec<bool> = (0..scene.materials.len() as u32).map(|m| may_focus(&scene.materials, m)).collect();
+    let mut starts: Vec<u32> = scene.placements.iter().map(|p| p.base).collect();
+    starts.push(scene.geometries.len() as u32);
+    starts.sort_unstable();
+    starts.dedup();
+    let within = |from: u32, to: u32| {
+        let (geometries, focuses) = (&scene.geometries[from as usize..to as usize], &focuses);
+        geometries.iter().filter(move |g| focuses[g.material as usize] && !g.is_interface).map(|g| g.shape.bounds())
+    };
+    let mut bounds: Vec<Bounds3> = within(0, starts[0]).collect();
+    for place in &scene.placements {
+        let end = starts.iter().copied().find(|s| *s > place.base).unwrap_or(place.base);
+        bounds.extend(
+            within(place.base, end)
+                .map(|b| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))))),
+        );
+    }
+    bounds.retain(|b| !b.is_empty() && b.diagonal().is_finite() && b.area() > 0.0);
+    let total: f32 = bounds.iter().map(Bounds3::area).sum();
+    let mut sum = 0.0;
+    let even = 1.0 / bounds.len().max(1) as f32;
+    bounds
+        .iter()
+        .map(|&bounds| {
+            let probability = 0.5 * (bounds.area() / total + even);
+            sum += probability;
+            Target { bounds, sum, probability }
+        })
+        .collect()
+}
+
+/// Whether a material may send light on in narrow bundles.
+fn may_focus(materials: &[Material], id: u32) -> bool {
+    let is_narrow = |r: &Roughness| match (r.u, r.v) {
+        (FloatTexture::Constant(u), FloatTexture::Constant(v)) => {
+            let alpha = (u * v).max(0.0).sqrt();
+            (if r.remap { alpha.sqrt() } else { alpha }) <= BROAD
+        }
+        _ => true,
+    };
+    match &materials[id as usize].model {
+        Model::Conductor { roughness, .. }
+        | Model::ConductorReflectance(_, roughness)
+        | Model::Mirror(_, roughness)
+        | Model::Dielectric { roughness, .. } => is_narrow(roughness),
+        Model::ThinDielectric { .. } | Model::Pbr(_) | Model::Principled(_) => true,
+        Model::Mix(a, b, _) | Model::TwoSided(a, b) => may_focus(materials, *a) || may_focus(materials, *b),
+        _ => false,
+    }
+}
+
+/// The dimensions of a photon's random numbers.
+mod dimension {
+    pub const TARGET: u32 = 0;
+    pub const POINT: u32 = 1;
+    pub const DEPTH: u32 = 2;
+    pub const WAVELENGTH: u32 = 3;
+    /// Of a direction of the sky, among those of an event.
+    pub const SKY: u32 = 8;
+    /// Of the light; past those of any later event.
+    pub const LIGHT_EVENT: u32 = 100;
+}
+
+/// Follows a photon from a light towards a target, to where it lands after it was focused.
+fn send(scene: &Scene, targets: &[Target], sampler: &PixelSampler) -> [Option<Photon>; LANDINGS] {
+    let mut landed = [None; LANDINGS];
+    let mut count = 0;
+    trace(scene, targets, sampler, |photon| {
+        landed[count] = Some(photon);
+        count += 1;
+        count < LANDINGS
+    });
+    landed
+}
+
+/// Follows a photon while `land` says so.
+fn trace(
+    scene: &Scene,
+    targets: &[Target],
+    sampler: &PixelSampler,
+    mut land: impl FnMut(Photon) -> bool,
+) -> Option<()> {
+    let mut lambda = match scene.mode {
+        ColorMode::Rgb => Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] },
+        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
+    };
+    let luminance = |s: Spectrum, lambda: &Wavelengths| match scene.mode {
+        ColorMode::Rgb => steradian_math::color::luminance(Vec3::from(s.to_rgb())),
+        ColorMode::Spectral => lambda.luminance(s),
+    };
+    let u = sampler.get_1d(dimension::TARGET);
+    let target = targets.iter().find(|t| u < t.sum).or(targets.last())?;
+    let across = sampler.get_2d(dimension::POINT);
+    let size = target.bounds.diagonal();
+    let towards = target.bounds.min + size * Vec3::new(across.x, across.y, sampler.get_1d(dimension::DEPTH));
+    let ctx = LightContext { p: towards, n: Vec3::ZERO };
+    let s = nee::sample_light(scene, &ctx, dimension::LIGHT_EVENT, sampler, &lambda)?;
+    let w = s.wi.abs();
+    let section = w.x * size.y * size.z + w.y * size.z * size.x + w.z * size.x * size.y;
+    let distance = if s.distance.is_finite() { s.distance } else { 2.0 * scene.bounds().bounding_sphere().1 };
+    let mut ray = Ray::new(towards + s.wi * (distance * SHADOW_END), -s.wi);
+    let mut beta = s.radiance * (section / (s.pdf * target.probability));
+    let (mut q, mut focused) = (None, false);
+    for event in 0..EVENTS {
+        let hit = scene.intersect(&ray)?;
+        let i = scene.interaction(&ray, &hit);
+        let at = |decision| crate::dimension::at(event, decision);
+        let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures);
+        let Some((scattering, frame)) = scene.scattering(&i, choice, &mut lambda) else {
+            ray = i.spawn(ray.direction);
+            continue;
+        };
+        let u = sampler.get_1d(at(crate::dimension::LOBE));
+        let u2 = sampler.get_2d(at(crate::dimension::DIRECTION));
+        let next = scattering.bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Importance)?;
+        if next.lobe.is_specular() || next.pdf > FOCUSED {
+            q = Some(i.surface.p);
+            focused = true;
+        } else {
+            let power = luminance(beta, &lambda);
+            if !(focused && power > 0.0 && power.is_finite()) {
+                return None;
+            }
+            if let Some(q) = q.filter(|_| is_receiver(&scattering.bsdf)) {
+                let other = luminance(irradiance(scene, &i, &frame, event, sampler, &lambda), &lambda);
+                if !land(Photon { p: i.surface.p, q, power, other }) {
+                    return None;
+                }
+            }
+            q = None;
+        }
+        let survival = live_max(next.weight, &lambda).min(1.0);
+        if survival <= 0.0 || sampler.get_1d(at(crate::dimension::ROULETTE)) >= survival {
+            return None;
+        }
+        beta *= next.weight / survival;
+        ray = i.spawn(frame.to_world(next.wi));
+    }
+    None
+}
+
+/// One sample of the irradiance from lights, and of the environment as if nothing were before it.
+fn irradiance(
+    scene: &Scene,
+    i: &Interaction,
+    frame: &Frame,
+    event: u32,
+    sampler: &PixelSampler,
+    lambda: &Wavelengths,
+) -> Spectrum {
+    let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(1.0) });
+    let lights = nee::direct(scene, i, frame, &white, event, sampler, lambda, &mut Counters::default());
+    let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::SKY))));
+    let ctx = nee::context(i, frame, &white);
+    let pdf = frame.z.dot(w).max(0.0) * std::f32::consts::FRAC_1_PI;
+    (lights + nee::background(scene, i.surface.p, w, &Some((ctx, pdf)), lambda)) * std::f32::consts::PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_math::hash::{combine32, unit_f32};
+
+    fn leaf() -> Leaf {
+        let at = |k: u32, scale: f32| Vec3::from([0, 1, 2].map(|axis| (unit_f32(combine32(k, axis)) - 0.5) * scale));
+        let photons: Vec<Photon> = (0..LANES as u32 - 3)
+            .map(|k| Photon {
+                p: at(k, 0.1),
+                q: at(k + 100, 1.0) + Vec3::new(0.0, 0.0, 1.5),
+                power: 1.0 + k as f32,
+                other: 0.1,
+            })
+            .collect();
+        Leaf::new(&photons)
+    }
+
+    /// The density integrates to one, and samples have the mean direction that it gives. 5σ.
+    #[test]
+    fn directions_have_their_density() {
+        let (leaf, p) = (leaf(), Vec3::new(0.02, -0.03, 0.01));
+        let (rows, columns) = (1000, 1000);
+        let (mut total, mut mean) = (0.0_f64, [0.0_f64; 3]);
+        for k in 0..rows * columns {
+            let u = Vec2::new((k % columns) as f32 + 0.5, (k / columns) as f32 + 0.5)
+                / Vec2::new(columns as f32, rows as f32);
+            let w = warp::uniform_sphere(u);
+            let d = f64::from(leaf.pdf(p, w)) * 4.0 * std::f64::consts::PI / f64::from(rows * columns);
+            total += d;
+            (0..3).for_each(|a| mean[a] += d * f64::from(w[a]));
+        }
+        assert!((total - 1.0).abs() < 1e-3, "{total}");
+        let n = 100_000;
+        let (mut sum, mut squares) = ([0.0_f64; 3], [0.0_f64; 3]);
+        for k in 0..n {
+            let u = |d| unit_f32(combine32(k, d));
+            let w = leaf.sample(p, u(1), Vec2::new(u(2), u(3)));
+            assert!((w.length() - 1.0).abs() < 1e-5 && leaf.pdf(p, w) > 0.0);
+            for a in 0..3 {
+                sum[a] += f64::from(w[a]);
+                squares[a] += f64::from(w[a]) * f64::from(w[a]);
+            }
+        }
+        for a in 0..3 {
+            let m = sum[a] / f64::from(n);
+            let sigma = ((squares[a] / f64::from(n) - m * m) / f64::from(n)).sqrt();
+            assert!((m - mean[a]).abs() < 5.0 * sigma, "axis {a}: {m} for {}", mean[a]);
+        }
+    }
+
+    /// Beside a lobe of a surface the photons leave the albedo what it is, in the mean.
+    #[test]
+    fn mixtures_keep_the_albedo() {
+        let mut leaf = leaf();
+        leaf.share = 0.4;
+        let caustics = Caustics { nodes: vec![Node::Leaf(0)], leaves: vec![leaf] };
+        let bsdf = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) });
+        let frame = Frame::from_z(Vec3::new(0.6, 0.0, 0.8));
+        let n = 100_000;
+        let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
+        for k in 0..n {
+            let u = |d| unit_f32(combine32(k, d));
+            let wo = Vec3::new(0.0, 0.6, 0.8);
+            let draw = caustics.sample(Vec3::ZERO, &frame, wo, &bsdf, u(1), Vec2::new(u(2), u(3)));
+            let weight = draw.map_or(0.0, |d| f64::from(d.sample.weight[0]));
+            sum += weight;
+            squares += weight * weight;
+        }
+        let mean = sum / f64::from(n);
+        let sigma = ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt();
+        assert!((mean - 0.7).abs() < 4.0 * sigma && sigma < 0.005, "{mean} ± {sigma}");
+    }
+}

@@ -1,0 +1,61 @@
+//! What is found out about a scene before a session.
+
+use crate::{caustics::Caustics, reuse};
+use steradian_core::Scene;
+use steradian_math::{Frame, Vec2, sobol, warp};
+
+/// What path tracers do against noise. It changes how much samples err, not their mean.
+#[derive(Clone, Copy, Debug)]
+pub struct Tactics {
+    /// Paths of neighbouring pixels that share what they find: 1 (none do), 4 or 16.
+    pub reuse: u32,
+    /// Whether photons look for light behind mirrors and glass beforehand.
+    pub caustics: bool,
+}
+
+impl Default for Tactics {
+    fn default() -> Self {
+        Self { reuse: reuse::MAX_GROUP as u32, caustics: true }
+    }
+}
+
+/// What path tracers know beforehand. It decides about how much samples err, not about their mean.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    /// Whether much of what the camera sees lies under the sky.
+    pub is_open: bool,
+    /// Where light lands that mirrors and glass focused.
+    pub caustics: Option<Caustics>,
+}
+
+impl Survey {
+    /// Of a scene; `media` says whether light is lost or scattered between surfaces.
+    pub fn new(scene: &Scene, media: bool, tactics: &Tactics) -> Self {
+        Self {
+            is_open: tactics.reuse > 1 && !media && is_open(scene),
+            caustics: if tactics.caustics { Caustics::new(scene) } else { None },
+        }
+    }
+}
+
+/// Whether the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
+fn is_open(scene: &Scene) -> bool {
+    if scene.lights.environments.is_empty() {
+        return false;
+    }
+    const EDGE: u32 = 16;
+    let (mut seen, mut escaped) = (0, 0);
+    for k in 0..EDGE * EDGE {
+        let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
+        let Some(hit) = scene.intersect(&ray) else { continue };
+        let i = scene.interaction(&ray, &hit);
+        let n = if i.surface.n.dot(i.wo) > 0.0 { i.surface.n } else { -i.surface.n };
+        let w =
+            Frame::from_z(n).to_world(warp::cosine_hemisphere(Vec2::from(sobol::shuffled_scrambled_sobol_2d(k, 1))));
+        seen += 1;
+        escaped += u32::from(!scene.occluded(&i.spawn(w)));
+    }
+    escaped * 4 > seen
+}
