@@ -273,10 +273,10 @@ impl Leaf {
     /// The density of a direction from `p` (sr⁻¹).
     fn pdf(&self, p: Vec3, w: Vec3) -> f32 {
         let mut sum = [0.0; LANES];
-        for i in 0..LANES {
+        for (i, sum) in sum.iter_mut().enumerate() {
             let (x, y, z) = (self.q[0][i] - p.x, self.q[1][i] - p.y, self.q[2][i] - p.z);
             let cos = (x * w.x + y * w.y + z * w.z) / (x * x + y * y + z * z).sqrt();
-            sum[i] = self.scale[i] * (self.width[i] - 1.0 + cos).max(0.0);
+            *sum = self.scale[i] * (self.width[i] - 1.0 + cos).max(0.0);
         }
         sum.iter().sum()
     }

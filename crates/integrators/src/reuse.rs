@@ -57,6 +57,7 @@ pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
     fn depth(&self) -> &Depth;
 
     /// What a leg that arrived at a vertex brings from there: light scattered towards where it came from, without emission.
+    #[allow(clippy::too_many_arguments)]
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
@@ -189,6 +190,7 @@ fn prefix<'s, const MEDIA: bool>(
 
 /// Direct light at x, a direction drawn there, and where it leads; emission met there is the pixel's own.
 #[inline]
+#[allow(clippy::too_many_arguments)]
 fn bounce<'s, const MEDIA: bool>(
     scene: &'s Scene,
     survey: &Survey,

@@ -91,7 +91,7 @@ impl Leg {
             return;
         }
         self.origin = if s.lobe.is_specular() { None } else { Some((v.context(), s.pdf)) };
-        let direction = v.to_world(s.wi);
+        let direction = v.world(s.wi);
         if MEDIA {
             self.medium = v.medium_towards(scene, direction);
         }
@@ -191,7 +191,7 @@ impl Vertex<'_> {
 
     /// A direction in world space from one in that of samples.
     #[inline]
-    pub fn to_world(&self, w: Vec3) -> Vec3 {
+    pub fn world(&self, w: Vec3) -> Vec3 {
         match self {
             Self::Surface { frame, .. } => frame.to_world(w),
             Self::Medium { .. } => w,
