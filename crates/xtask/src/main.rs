@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod clock;
+mod embree;
 mod generate;
 mod instructions;
 mod loading;
@@ -41,7 +42,7 @@ struct Bench {
     /// Folder for results
     #[arg(long, default_value = "target/bench")]
     out: PathBuf,
-    /// Only these parts: structures, scaling, threads, loading, rivals
+    /// Only these parts: structures, scaling, threads, loading, rays, rivals
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
     /// Largest mesh, in triangles
@@ -50,12 +51,15 @@ struct Bench {
     /// A Python that has Mitsuba 3, to render the same scene with it
     #[arg(long)]
     mitsuba_python: Option<PathBuf>,
-    /// A program that measures Embree and prints what it finds; it is run, and its output kept
+    /// A program that measures Embree: it takes `--json FILE`, `--dump-rays FOLDER` and `--dump-ply CELLS FILE`
     #[arg(long)]
     embree_bench: Option<PathBuf>,
-    /// Arguments for that program
+    /// More arguments for that program
     #[arg(long, allow_hyphen_values = true, value_delimiter = ' ')]
     embree_arguments: Vec<String>,
+    /// Our program, which traces the same rays
+    #[arg(long, default_value = "target/release/steradian")]
+    steradian: PathBuf,
 }
 
 fn main() -> ExitCode {
@@ -89,6 +93,9 @@ impl Bench {
         }
         if is_wanted("loading") {
             loading::measure(&self.out, &mut report)?;
+        }
+        if is_wanted("rays") {
+            embree::measure(self, &mut report)?;
         }
         if is_wanted("rivals") {
             rivals::measure(self, &mut report)?;

@@ -50,14 +50,5 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
         table.note("Time alone: noise differs between renderers, and decides with it.");
         report.add(table);
     }
-    if let Some(program) = &bench.embree_bench {
-        let run = Command::new(program).args(&bench.embree_arguments).output()?;
-        if !run.status.success() {
-            return Err(format!("{} failed: {}", program.display(), String::from_utf8_lossy(&run.stderr)).into());
-        }
-        let path = bench.out.join("embree.txt");
-        std::fs::write(&path, &run.stdout)?;
-        println!("wrote {}", path.display());
-    }
     Ok(())
 }

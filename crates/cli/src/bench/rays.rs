@@ -16,7 +16,7 @@ use steradian::accel::{Bvh, Geometry, Hit, Instance, Isa, TopLevel};
 use steradian::math::{Ray, Vec3};
 
 /// Rays that a thread hands over at once, where they are not sorted.
-const BATCH: usize = 1 << 12;
+const BATCH: usize = 1 << 8;
 /// A repeat lasts at least so long.
 const LEAST: Duration = Duration::from_millis(250);
 
