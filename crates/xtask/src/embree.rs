@@ -27,7 +27,15 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
     let mut table = Table::new(
         "Rays against Embree",
         &[
-            "scene", "rays", "query", "ratio, single", "Mrays/s", "Embree", "ratio, robust", "ratio, many", "Mrays/s, many",
+            "scene",
+            "rays",
+            "query",
+            "ratio, single",
+            "Mrays/s",
+            "Embree",
+            "ratio, robust",
+            "ratio, many",
+            "Mrays/s, many",
             "Embree, best width",
         ],
     );
@@ -47,7 +55,8 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
                 let of = |scene: &str, width: Option<u32>| best(&embree, scene, &name, query, width);
                 let one = of(scene, Some(1));
                 let [widest, robust] = [of(scene, None), of(&format!("{scene}/robust"), Some(1))];
-                let numbers = [rate(&single) / one, rate(&single), one, rate(&single) / robust, many / widest, many, widest];
+                let numbers =
+                    [rate(&single) / one, rate(&single), one, rate(&single) / robust, many / widest, many, widest];
                 // What Embree's program does not measure is left empty.
                 let cells = numbers.map(|x| if x.is_finite() { json!(x) } else { json!("") });
                 let [ratio, rate, one, robust, ratio_many, many, widest] = cells;
