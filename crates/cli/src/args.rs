@@ -84,6 +84,9 @@ pub struct SceneOptions {
     /// Memory for textures (512MiB, 2GiB, …); what is beyond waits in a temporary file. The picture has the same bits
     #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = "Scene")]
     pub texture_limit: Option<usize>,
+    /// Look pictures up by one texel drawn at random, whose mean is the value of the filter
+    #[arg(long, help_heading = "Scene")]
+    pub stochastic_textures: bool,
     /// Set a parameter ($NAME) of a Mitsuba scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,

@@ -1,6 +1,9 @@
 //! Makes the pictures of `docs/textures-gallery.md`: `cargo run -p steradian-core --example texture_gallery -- [FOLDER [NAME…]]`.
 //! Without names it makes all of them, and the page.
 
+#[path = "../tests/one_shape/mod.rs"]
+mod one_shape;
+
 use std::{
     f32::consts::TAU,
     fmt::Write as _,
@@ -8,21 +11,25 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    compile::{Options, compile},
+    bsdf::TransportMode,
+    footprint::RayDifferential,
+    material::Scattering,
     relief::{
         HeightField,
         field::Line,
         parallax,
         search::{self, ConeMap, DistanceField},
     },
-    texture::card,
+    texture::{Footprint, card},
 };
 use steradian_image::{Image, WriteOptions, write};
-use steradian_math::{DVec3, Ray, Transform, Vec2, Vec3, spectra::Wavelengths};
-use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, Shape, SpectrumValue, Value};
+use steradian_math::{Frame, Ray, Vec2, Vec3, spectra::Wavelengths};
+use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, SpectrumValue, Value};
 
 /// Pixels along a side of a tile.
 const SIZE: usize = 120;
+/// The same of views to the horizon.
+const FAR: usize = 240;
 /// Samples along a side of a pixel.
 const GRID: usize = 4;
 
@@ -55,8 +62,31 @@ enum Tile {
     Detail(&'static str, &'static str, Params),
     /// A displaced sphere, with the edges' length.
     Displaced(&'static str, Params),
+    /// A normal map of a dome on four squares whose coordinates are turned and mirrored.
+    Tangents,
+    /// A texture on a unit sphere.
+    Round(&'static str, Params),
+    /// Checks to the horizon, by a filter; so many samples along a side of a pixel.
+    Horizon(&'static str, usize),
+    /// Ripples to the horizon, by what is done to the roughness.
+    Ripples(&'static str, usize),
     /// A relief, by a search.
     Relief(fn(&Relief, &Line, Vec2) -> Option<Vec2>),
+}
+
+/// Pictures that tiles look up.
+struct Files {
+    card: PathBuf,
+    checks: PathBuf,
+    ripples: PathBuf,
+    dome: PathBuf,
+}
+
+impl Tile {
+    /// Pixels along a side.
+    fn side(&self) -> usize {
+        if matches!(self, Self::Horizon(..) | Self::Ripples(..)) { FAR } else { SIZE }
+    }
 }
 
 struct Relief {
@@ -69,6 +99,10 @@ struct Relief {
 const BRICK: Params =
     &[("a", C(0.6, 0.57, 0.5)), ("b", C(0.45, 0.12, 0.07)), ("width", N(1.0)), ("height", N(0.5)), ("mortar", N(0.08))];
 const BUMPS: Params = &[("frequency", N(3.0)), ("gain", N(0.12)), ("octaves", I(4))];
+
+/// Where the viewer of the horizon stands, and light that comes from ahead.
+const EYE: Vec3 = Vec3::new(0.0, 0.0, 1.0);
+const SUN: Vec3 = Vec3::new(0.1, 0.94, 0.33);
 
 const TILES: &[(&str, &str, Tile)] = &[
     ("checkerboard", "Patterns", Tile::Flat("checkerboard", &[])),
@@ -212,6 +246,10 @@ const TILES: &[(&str, &str, Tile)] = &[
     ("wrap_mirror", "Mapping", Tile::Wrapped(&[("wrap_u", S("mirror")), ("wrap_v", S("mirror"))])),
     ("wrap_clamp", "Mapping", Tile::Wrapped(&[("wrap_u", S("clamp")), ("wrap_v", S("clamp"))])),
     ("wrap_black", "Mapping", Tile::Wrapped(&[("wrap_u", S("black")), ("wrap_v", S("black"))])),
+    ("origin_bottom", "Mapping", Tile::Wrapped(&[("origin", S("bottom"))])),
+    ("mirrored_u", "Mapping", Tile::Wrapped(&[("scale_u", N(-1.0)), ("delta_u", N(1.0))])),
+    ("moved", "Mapping", Tile::Wrapped(&[("delta_u", N(0.25)), ("delta_v", N(0.5))])),
+    ("tangent_frames", "Mapping", Tile::Tangents),
     ("khr_transform", "Mapping", Tile::Wrapped(&[("khr_rotation", N(30.0)), ("khr_scale", L(&[0.7, 0.7]))])),
     ("uv", "Mapping", Tile::Sphere(&[("mapping", S("uv"))])),
     (
@@ -248,6 +286,23 @@ const TILES: &[(&str, &str, Tile)] = &[
         "Mapping",
         Tile::Sphere(&[("mapping", S("two_part")), ("object_map", S("proxy_normal")), ("surface", S("plane"))]),
     ),
+    ("triplanar", "Mapping", Tile::Round("triplanar", &[("texture", T("bricks", BRICK)), ("sharpness", N(8.0))])),
+    ("points_1024", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("bilinear", 32)),
+    ("nearest", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("nearest", 1)),
+    ("bilinear", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("bilinear", 1)),
+    ("bspline", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("bspline", 1)),
+    ("mitchell", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("mitchell", 1)),
+    ("catmull_rom", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("catmull_rom", 1)),
+    ("lanczos", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("lanczos", 1)),
+    ("trilinear", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("trilinear", 1)),
+    ("ripmap", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("ripmap", 1)),
+    ("box", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("box", 1)),
+    ("ewa", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("ewa", 1)),
+    ("pattern", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("", 1)),
+    ("ripples_1024", "Normal maps from afar: ripples under a low sun, one sample per pixel", Tile::Ripples("none", 32)),
+    ("ripples_none", "Normal maps from afar: ripples under a low sun, one sample per pixel", Tile::Ripples("none", 1)),
+    ("toksvig", "Normal maps from afar: ripples under a low sun, one sample per pixel", Tile::Ripples("toksvig", 1)),
+    ("lean", "Normal maps from afar: ripples under a low sun, one sample per pixel", Tile::Ripples("lean", 1)),
     ("bump", "Surface detail", Tile::Detail("bump", "fbm", BUMPS)),
     (
         "bump_bricks",
@@ -353,25 +408,8 @@ fn scene(
     let mut material = Node::new(Family::Material, "diffuse", None).with("reflectance", 0.7);
     let mut shape = shape;
     make(&mut desc, &mut material, &mut shape);
-    let (material, node) = (desc.add(material), desc.add(shape));
-    let mesh = mesh.map(|m| desc.add_mesh(m));
-    desc.shapes.push(Shape {
-        node,
-        mesh,
-        world_from_object: Transform::rotate(DVec3::Z, 0.0),
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
-    let light = desc.add(Node::new(Family::Light, "point", None));
-    desc.lights.push(light);
-    let camera = desc.add(Node::new(Family::Camera, "perspective", None));
-    desc.cameras.push(camera);
-    let compiled = compile(&desc, &Options::default());
-    compiled.scene.ok_or_else(|| compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; "))
+    one_shape::add(&mut desc, shape, mesh, Some(material));
+    one_shape::compiled(&desc).map_err(|said| said.join("; "))
 }
 
 fn plane(uv: f32) -> Mesh {
@@ -392,17 +430,21 @@ fn shade(scene: &Scene, ray: &Ray, lit: bool) -> Vec3 {
     let mut lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
     let Some((s, frame)) = scene.scattering(&i, 0.5, &mut lambda) else { return Vec3::ZERO };
     let up = Vec3::new(0.0, 0.0, 1.0);
-    let e = s.bsdf.eval(up, up, steradian_core::bsdf::TransportMode::Radiance);
+    let e = s.bsdf.eval(up, up, TransportMode::Radiance);
     let albedo = Vec3::from(e.value.to_rgb()) * std::f32::consts::PI;
     let light = Vec3::new(-0.5, -0.55, 0.67);
     if lit { albedo * (0.12 + 0.88 * frame.z.dot(light.normalize()).max(0.0)) } else { albedo }
 }
 
-fn render(tile: &Tile, card: &Path, relief: &Relief) -> Result<Vec<[f32; 3]>, String> {
+fn render(tile: &Tile, files: &Files, relief: &Relief) -> Result<Vec<[f32; 3]>, String> {
     let with_card = |params: Params| {
         move |desc: &mut SceneDesc, m: &mut Node, _: &mut Node| {
             let t = texture(desc, "image", params);
-            desc.node_mut(t).set("file", card.to_path_buf(), None).set("origin", "top", None);
+            let node = desc.node_mut(t);
+            node.set("file", files.card.clone(), None);
+            if node.get("origin").is_none() {
+                node.set("origin", "top", None);
+            }
             m.set("reflectance", t, None);
         }
     };
@@ -442,6 +484,66 @@ fn render(tile: &Tile, card: &Path, relief: &Relief) -> Result<Vec<[f32; 3]>, St
                 true,
             )
         }
+        Tile::Tangents => (
+            Some(scene(mesh(), Some(turned_squares()), |desc, m, _| {
+                let t = Node::new(Family::Texture, "image", None)
+                    .with("file", files.dome.clone())
+                    .with("raw", true)
+                    .with("origin", "bottom");
+                let t = desc.add(t);
+                m.set("normal_map", t, None).set("normal_map_mirrors", true, None);
+            })?),
+            false,
+        ),
+        Tile::Round(kind, params) => (
+            Some(scene(Node::new(Family::Shape, "sphere", None), None, |desc, m, _| {
+                let t = texture(desc, kind, params);
+                m.set("reflectance", t, None);
+            })?),
+            true,
+        ),
+        Tile::Horizon(filter, grid) => {
+            let far =
+                scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
+                    let mut t = Node::new(Family::Texture, "checkerboard", None);
+                    if !filter.is_empty() {
+                        t = Node::new(Family::Texture, "image", None)
+                            .with("file", files.checks.clone())
+                            .with("filter", *filter)
+                            .with("max_anisotropy", 64.0)
+                            .with("scale_u", 0.5)
+                            .with("scale_v", 0.5);
+                    }
+                    let t = desc.add(t);
+                    m.set("reflectance", t, None);
+                })?;
+            return Ok(horizon(&far, *grid, |s, frame, _| {
+                let up = frame.to_local(frame.z);
+                Vec3::from(s.bsdf.eval(up, up, TransportMode::Radiance).value.to_rgb()) * std::f32::consts::PI
+            }));
+        }
+        Tile::Ripples(filter, grid) => {
+            let far =
+                scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
+                    let t = Node::new(Family::Texture, "image", None)
+                        .with("file", files.ripples.clone())
+                        .with("raw", true)
+                        .with("filter", "ewa")
+                        .with("max_anisotropy", 64.0);
+                    let t = desc.add(t);
+                    *m = Node::new(Family::Material, "conductor", None)
+                        .with("reflectance", 0.9)
+                        .with("alpha_u", 0.08)
+                        .with("alpha_v", 0.08)
+                        .with("distribution", "beckmann")
+                        .with("normal_map", t)
+                        .with("normal_map_filter", *filter);
+                })?;
+            return Ok(horizon(&far, *grid, |s, frame, wo| {
+                let (wo, wi) = (frame.to_local(wo), frame.to_local(SUN.normalize()));
+                Vec3::from(s.bsdf.eval(wo, wi, TransportMode::Radiance).value.to_rgb()) * Vec3::new(0.25, 0.2, 0.14)
+            }));
+        }
         Tile::Relief(_) => (None, false),
     };
     let lit = !matches!(tile, Tile::Flat(..) | Tile::Wrapped(..));
@@ -471,12 +573,58 @@ fn render(tile: &Tile, card: &Path, relief: &Relief) -> Result<Vec<[f32; 3]>, St
     Ok(pixels)
 }
 
+/// A plane to the horizon, with `grid`² samples per pixel whose footprints are theirs.
+fn horizon(scene: &Scene, grid: usize, shade: impl Fn(&Scattering<'_>, &Frame, Vec3) -> Vec3) -> Vec<[f32; 3]> {
+    let step = 1.0 / (FAR * grid) as f32;
+    let sample = |x: usize, y: usize| {
+        let p = (Vec2::new(x as f32, y as f32) + 0.5) * step;
+        // The horizon lies at a fifth of the tile.
+        let long = Vec3::new(p.x * 1.6 - 0.8, 1.0, (0.2 - p.y) * 1.4);
+        let (d, length) = (long.normalize(), long.length());
+        let across = |v: Vec3| (v - d * v.dot(d)) / length;
+        let direction = [across(Vec3::X * (1.6 * step)), across(Vec3::Z * (-1.4 * step))];
+        let differential = RayDifferential { origin: [Vec3::ZERO; 2], direction };
+        let ray = Ray::new(EYE, d);
+        let Some(hit) = scene.intersect(&ray) else { return Vec3::new(0.45, 0.5, 0.55) };
+        let i = scene.interaction(&ray, &hit);
+        let [dpdx, dpdy] = differential.transfer(d, i.t, i.surface.n);
+        let footprint = Footprint::new(dpdx, dpdy, i.surface.dpdu, scene.dpdv(&i));
+        let at = scene.texture_context_over(&i, footprint);
+        let mut lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+        let Some((s, frame)) = scene.scattering_at(&i, &at, 0.5, &mut lambda) else { return Vec3::ZERO };
+        shade(&s, &frame, -d)
+    };
+    let pixel = |k: usize| {
+        let (x, y) = (k % FAR * grid, k / FAR * grid);
+        let sum: Vec3 = (0..grid * grid).map(|j| sample(x + j % grid, y + j / grid)).sum();
+        (sum / (grid * grid) as f32).to_array()
+    };
+    (0..FAR * FAR).map(pixel).collect()
+}
+
 /// Light on the round tiles, by the normal that the ray meets.
 fn round_light(scene: &Scene, q: Vec2) -> f32 {
     let ray = Ray::new(Vec3::new(q.x, -5.0, -q.y), Vec3::Y);
     let Some(hit) = scene.intersect(&ray) else { return 1.0 };
     let n = scene.interaction(&ray, &hit).surface.ns;
     0.25 + 0.75 * n.dot(Vec3::new(-0.5, -0.7, 0.5).normalize()).max(0.0)
+}
+
+/// Four squares: u to the right, turned by a right angle, mirrored in u, mirrored in v.
+fn turned_squares() -> Mesh {
+    let mut all = Mesh::default();
+    let coordinates: [fn(f32, f32) -> [f32; 2]; 4] =
+        [|x, y| [x, y], |x, y| [y, 1.0 - x], |x, y| [1.0 - x, y], |x, y| [x, 1.0 - y]];
+    for (k, uv) in coordinates.into_iter().enumerate() {
+        let first = all.positions.len() as u32;
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let (column, row) = ((k % 2) as f32, (k / 2) as f32);
+            all.positions.push([2.0 * (column + x), 2.0 * (row + y), 0.0]);
+            all.uvs.push(uv(x, y));
+        }
+        all.triangles.extend([[0, 1, 3], [0, 3, 2]].map(|t| t.map(|i: u32| i + first)));
+    }
+    all
 }
 
 fn octahedron() -> Mesh {
@@ -509,7 +657,9 @@ fn main() -> Result<(), String> {
     let folder = PathBuf::from(args.next().unwrap_or_else(|| "docs/textures".into()));
     let names: Vec<String> = args.collect();
     std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
-    let card_file = std::env::temp_dir().join(format!("steradian-card-{}.exr", std::process::id()));
+    let [card, checks, ripples, dome] = ["card", "checks", "ripples", "dome"]
+        .map(|name| std::env::temp_dir().join(format!("steradian-{name}-{}.exr", std::process::id())));
+    let files = Files { card, checks, ripples, dome };
     let n = 128;
     let at = |i: usize| (i as f32 + 0.5) / n as f32;
     let pixels: Vec<[f32; 3]> =
@@ -518,7 +668,34 @@ fn main() -> Result<(), String> {
         let image = Image::from_rgb(side, side, pixels).map_err(|e| e.to_string())?;
         write(path, &image, &WriteOptions::default()).map_err(|e| e.to_string())
     };
-    save(&card_file, &pixels, n)?;
+    save(&files.card, &pixels, n)?;
+    let checks: Vec<[f32; 3]> =
+        (0..64 * 64).map(|i| if (i % 64 / 32 + i / 64 / 32) % 2 == 0 { [0.8; 3] } else { [0.15, 0.2, 0.3] }).collect();
+    save(&files.checks, &checks, 64)?;
+    // Normals of waves that repeat with the picture.
+    let ripples: Vec<[f32; 3]> = (0..128 * 128)
+        .map(|i| {
+            let p = Vec2::new((i % 128) as f32, (i / 128) as f32) * (TAU / 128.0);
+            let waves = [(5.0, 1.0, 0.1), (-3.0, 4.0, 0.08), (2.0, -7.0, 0.06), (9.0, 6.0, 0.05)];
+            let slope: Vec2 =
+                waves.iter().map(|&(x, y, a)| Vec2::new(x, y).normalize() * (a * (x * p.x + y * p.y).cos())).sum();
+            ((slope.extend(1.0).normalize() + 1.0) * 0.5).to_array()
+        })
+        .collect();
+    save(&files.ripples, &ripples, 128)?;
+    // A dome in the middle; rows run down, v runs up.
+    let dome: Vec<[f32; 3]> = (0..128 * 128)
+        .map(|i| {
+            let p = Vec2::new((i % 128) as f32 - 63.5, 63.5 - (i / 128) as f32) / 48.0;
+            let n = if p.length() < 1.0 {
+                p.extend((1.0 - p.length_squared()).sqrt().max(0.4)).normalize()
+            } else {
+                Vec3::Z
+            };
+            ((n + 1.0) * 0.5).to_array()
+        })
+        .collect();
+    save(&files.dome, &dome, 128)?;
     let field = HeightField::sampled(49, 49, |p| {
         let q = (p - 0.5) * 2.0;
         0.09 * (0.5 + 0.5 * (TAU * 2.0 * p.x).sin() * (TAU * 2.0 * p.y).cos())
@@ -542,14 +719,17 @@ fn main() -> Result<(), String> {
         }
         let _ = writeln!(
             page,
-            "<img src=\"textures/{name}.png\" alt=\"{name}\" title=\"{name}\" width=\"{SIZE}\"> `{name}`"
+            "<img src=\"textures/{name}.png\" alt=\"{name}\" title=\"{name}\" width=\"{}\"> `{name}`",
+            tile.side()
         );
         if names.is_empty() || names.iter().any(|n| n == name) {
-            let pixels = render(tile, &card_file, &relief).map_err(|e| format!("{name}: {e}"))?;
-            save(&folder.join(format!("{name}.png")), &pixels, SIZE)?;
+            let pixels = render(tile, &files, &relief).map_err(|e| format!("{name}: {e}"))?;
+            save(&folder.join(format!("{name}.png")), &pixels, tile.side())?;
         }
     }
-    let _ = std::fs::remove_file(&card_file);
+    for file in [&files.card, &files.checks, &files.ripples, &files.dome] {
+        let _ = std::fs::remove_file(file);
+    }
     if names.is_empty() {
         let at = folder.with_file_name("textures-gallery.md");
         std::fs::write(&at, page).map_err(|e| e.to_string())?;

@@ -388,19 +388,17 @@ impl Scene {
     /// The surface that bump and normal maps change.
     fn base(&self, i: &Interaction) -> Base {
         let s = &i.surface;
-        let dpdv = match &self.geometries[i.geometry as usize].shape {
-            Shape::Mesh(m) => {
-                let local = m.dpdv(i.id.prim);
-                let instance = i.id.instance;
-                if instance == WORLD {
-                    local
-                } else {
-                    self.placements[instance as usize].world_from_group.vector(local)
-                }
-            }
-            _ => s.ns.cross(s.dpdu),
+        let Shape::Mesh(m) = &self.geometries[i.geometry as usize].shape else {
+            return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: s.ns.cross(s.dpdu), tangent: None };
         };
-        Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv }
+        let place = (i.id.instance != WORLD).then(|| &self.placements[i.id.instance as usize].world_from_group);
+        let vector = |v: Vec3| place.map_or(v, |a| a.vector(v));
+        let tangent = m.tangent_frame(i.id.prim, i.coordinates).map(|(t, sign)| {
+            let turned = place.is_some_and(|a| a.m.determinant() < 0.0);
+            // Normals stay on the side that the winding had.
+            (vector(t), if turned { -sign } else { sign })
+        });
+        Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: vector(m.dpdv(i.id.prim)), tangent }
     }
 
     /// The medium on the side of a surface that a direction points to; `current` where the surface separates none.

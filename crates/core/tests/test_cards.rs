@@ -3,6 +3,8 @@
 
 #![allow(clippy::type_complexity)]
 
+mod one_shape;
+
 use std::path::PathBuf;
 use steradian_core::{
     Scene,
@@ -13,7 +15,7 @@ use steradian_core::{
 };
 use steradian_image::{Image, Precision, WriteOptions, write};
 use steradian_math::{DVec3, Ray, Transform, Vec2, Vec3, spectra::Wavelengths};
-use steradian_scene::{Family, Mesh, Node, NodeId, SceneDesc, Shape, Value};
+use steradian_scene::{Family, Mesh, Node, NodeId, SceneDesc, Value};
 
 const LAMBDA: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
 
@@ -59,27 +61,8 @@ fn scene(texture: Node, mesh: Mesh, wrap: impl FnOnce(&mut Node, &mut SceneDesc,
     let texture = desc.add(texture);
     let mut material = Node::new(Family::Material, "diffuse", None);
     wrap(&mut material, &mut desc, texture);
-    let material = desc.add(material);
-    let node = desc.add(Node::new(Family::Shape, "mesh", None));
-    let mesh = desc.add_mesh(mesh);
-    desc.shapes.push(Shape {
-        node,
-        mesh: Some(mesh),
-        world_from_object: Transform::default(),
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
-    let camera = desc.add(Node::new(Family::Camera, "perspective", None));
-    desc.cameras.push(camera);
-    let light = desc.add(Node::new(Family::Light, "point", None));
-    desc.lights.push(light);
-    let compiled = compile(&desc, &Options::default());
-    let said: Vec<String> = compiled.diagnostics.iter().map(|d| d.message.clone()).collect();
-    compiled.scene.unwrap_or_else(|| panic!("{said:?}"))
+    one_shape::add(&mut desc, Node::new(Family::Shape, "mesh", None), Some(mesh), Some(material));
+    one_shape::compiled(&desc).unwrap_or_else(|said| panic!("{said:?}"))
 }
 
 fn textured(texture: Node, mesh: Mesh) -> Scene {
@@ -221,23 +204,7 @@ fn meshes_are_displaced_by_their_textures() {
     let mut desc = SceneDesc::default();
     let ramp = desc.add(Node::new(Family::Texture, "gradient", None));
     let shape = Node::new(Family::Shape, "mesh", None).with("displacement", ramp).with("displacement_scale", 0.75);
-    let node = desc.add(shape.with("edge_length", 0.1));
-    let mesh = desc.add_mesh(quad(UNIT));
-    desc.shapes.push(Shape {
-        node,
-        mesh: Some(mesh),
-        world_from_object: Transform::default(),
-        reverse_orientation: false,
-        material: None,
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
-    let camera = desc.add(Node::new(Family::Camera, "perspective", None));
-    desc.cameras.push(camera);
-    let light = desc.add(Node::new(Family::Light, "point", None));
-    desc.lights.push(light);
+    let node = one_shape::add(&mut desc, shape.with("edge_length", 0.1), Some(quad(UNIT)), None);
     let scene = compile(&desc, &Options::default()).scene.expect("a scene");
     for (x, y) in PLACES {
         let ray = Ray::new(Vec3::new(x, y, 2.0), -Vec3::Z);

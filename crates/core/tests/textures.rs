@@ -1,14 +1,15 @@
 //! Texture nodes through the compiler: every kind, what they combine to, and what is wrong with them.
 
+mod one_shape;
+
 use steradian_core::{
     ColorMode, Scene,
     color::{Color, Role},
-    compile::{Options, compile},
     material::Model,
     texture::{SpectrumTexture, Texture, TextureContext, TextureId, Textures},
 };
-use steradian_math::{Transform, Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
-use steradian_scene::{ColorSpace, Family, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value};
+use steradian_math::{Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
+use steradian_scene::{ColorSpace, Family, Node, NodeId, SceneDesc, SpectrumValue, Value};
 
 const LAMBDA: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
 
@@ -26,26 +27,9 @@ fn numbers(v: &[f64]) -> Value {
 
 /// A sphere whose reflectance is a texture: the scene, or what is wrong.
 fn scene(desc: &mut SceneDesc, texture: NodeId) -> Result<Scene, Vec<String>> {
-    let material = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", texture));
-    let node = desc.add(Node::new(Family::Shape, "sphere", None));
-    desc.shapes.push(Shape {
-        node,
-        mesh: None,
-        world_from_object: Transform::default(),
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
-    let camera = desc.add(Node::new(Family::Camera, "perspective", None));
-    desc.cameras.push(camera);
-    let light = desc.add(Node::new(Family::Light, "point", None));
-    desc.lights.push(light);
-    let compiled = compile(desc, &Options::default());
-    let said: Vec<String> = compiled.diagnostics.iter().map(|d| d.message.clone()).collect();
-    if said.is_empty() { compiled.scene.ok_or_else(Vec::new) } else { Err(said) }
+    let material = Node::new(Family::Material, "diffuse", None).with("reflectance", texture);
+    one_shape::add(desc, Node::new(Family::Shape, "sphere", None), None, Some(material));
+    one_shape::compiled(desc)
 }
 
 fn compiled(node: Node) -> Result<(Scene, TextureId), Vec<String>> {

@@ -4,10 +4,11 @@ use super::{Compiler, ResolvedMaterial};
 use crate::{
     bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
     color::{Color, Role},
-    material::{Eta, Material, Model, NormalMap, Roughness, SurfaceDetail},
+    material::{Eta, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail},
     medium::{MEDIA, Medium},
     texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
+use std::sync::Arc;
 use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
@@ -70,12 +71,15 @@ impl Compiler<'_> {
         if let Some(id) = self.reference(node, "normal_map") {
             let texture = self.texture(id, Role::Unbounded);
             let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
-            detail.normal_map = Some(NormalMap {
+            let mut map = NormalMap {
                 texture: self.as_texture(texture),
                 two_channels: self.bool(node, "normal_map_xy", false),
                 mirrors: self.bool(node, "normal_map_mirrors", mirrors),
                 strength: self.float(node, "normal_map_strength", 1.0),
-            });
+                filtered: None,
+            };
+            map.filtered = self.filtered_normals(node, &map);
+            detail.normal_map = Some(map);
         }
         for name in ["bump", "displacement"] {
             let shadowed = self.desc.format == Format::Pbrt && detail.normal_map.is_some();
@@ -88,6 +92,23 @@ impl Compiler<'_> {
             }
         }
         (detail.normal_map.is_some() || detail.bump.is_some()).then_some(detail)
+    }
+
+    /// A normal map whose spread counts as roughness, where the node asks for it.
+    fn filtered_normals(&mut self, node: &Node, map: &NormalMap) -> Option<Arc<FilteredNormals>> {
+        let kinds = [("none", None), ("toksvig", Some(NormalFilter::Toksvig)), ("lean", Some(NormalFilter::Lean))];
+        let kind = self.choice(node, "normal_map_filter", None, &kinds)?;
+        let Texture::Image(image) = self.textures.get(map.texture) else {
+            self.error(node.span, "'normal_map_filter' needs a normal map that is a picture");
+            return None;
+        };
+        match FilteredNormals::new(image, kind, |v| map.decode(v), self.pages.as_ref()) {
+            Ok(filtered) => Some(Arc::new(filtered)),
+            Err(e) => {
+                self.error(node.span, format!("cannot keep the levels of this normal map: {e}"));
+                None
+            }
+        }
     }
 
     fn nested(&mut self, node: &Node, name: &str, depth: usize) -> ResolvedMaterial {

@@ -24,7 +24,7 @@ mod view;
 use crate::{
     color::ColorMode,
     light::{Emitter, Light, Lights},
-    material::{Material, Model},
+    material::{Material, Model, SurfaceDetail},
     medium::Medium,
     scene::{Geometry, Placement, Scene},
     texture::{
@@ -60,6 +60,8 @@ pub struct Options {
     pub spp: Option<u32>,
     /// Bytes of textures that may be in memory at once; what is beyond waits in a temporary file. `None` for no limit.
     pub texture_limit: Option<usize>,
+    /// Whether all pictures are looked up by one texel drawn at random, whose mean is the filter's value.
+    pub stochastic_textures: bool,
     /// Limits on images.
     pub image_limits: steradian_image::Limits,
 }
@@ -202,9 +204,12 @@ impl Compiler<'_> {
         let has_media =
             camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
         let spp = self.options.spp.unwrap_or(settings.spp);
-        // Bump maps take their differences over the footprint.
-        let bumps = self.materials.iter().any(|m| m.detail.is_some_and(|d| d.bump.is_some()));
-        let footprints = (bumps || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
+        // Bump maps take their differences over the footprint, and normal maps their roughness.
+        let has_detail = self.materials.iter().any(|m| {
+            let filtered = |d: &SurfaceDetail| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some());
+            m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
+        });
+        let footprints = (has_detail || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
         let scene = Scene {
             mode: self.mode,
             footprints,

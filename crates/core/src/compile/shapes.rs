@@ -259,6 +259,9 @@ impl Compiler<'_> {
         if !mesh.triangles.is_empty() || !extra.is_empty() {
             let mut triangles = TriMesh::new(mesh, place, swaps, reverse, flat);
             triangles.triangles.extend(extra);
+            if let Some(word) = self.word(node, "tangents") {
+                self.tangents(node, word, &mut triangles, place, swaps ^ reverse);
+            }
             parts.push(Shape::Mesh(Arc::new(triangles)));
         }
         if !curved.is_empty() {
@@ -266,6 +269,21 @@ impl Compiler<'_> {
             parts.push(Shape::Patches(Arc::new(PatchMesh::new(&curved, place, swaps, reverse, flat))));
         }
         parts
+    }
+
+    /// Tangents for normal maps: those of the coordinates, MikkTSpace's, or a vertex attribute.
+    fn tangents(&mut self, node: &Node, word: &str, mesh: &mut TriMesh, place: &Affine, turned: bool) {
+        match word {
+            "uv" => {}
+            "mikktspace" => mesh.tangents = shape::tangents::mikktspace(mesh),
+            name => match shape::tangents::from_attribute(mesh, name, place, turned) {
+                Some(tangents) => mesh.tangents = tangents,
+                None => {
+                    let what = format!("this mesh has no vertex attribute '{name}' of three or four numbers");
+                    self.error_help(node.span, what, Some("known are 'uv', 'mikktspace', and attributes".into()));
+                }
+            },
+        }
     }
 
     fn curve(&mut self, node: &Node, place: &Affine, swaps: bool, reverse: bool, emits: bool) -> Vec<Shape> {

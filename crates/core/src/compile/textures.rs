@@ -313,7 +313,7 @@ impl Compiler<'_> {
             sums: (filter == Filter::Box).then(|| Arc::new(SummedArea::new(levels.base()))),
             levels,
             filter,
-            stochastic: self.bool(node, "stochastic", false),
+            stochastic: self.bool(node, "stochastic", false) || self.options.stochastic_textures,
             wrap,
             channel,
             origin_bottom: self.choice(node, "origin", true, &[("bottom", true), ("top", false)]),

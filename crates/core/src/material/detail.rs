@@ -3,11 +3,13 @@
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::normal_filter::FilteredNormals;
 use crate::texture::{FloatTexture, TextureContext, TextureId, Textures};
+use std::sync::Arc;
 use steradian_math::{Frame, Vec2, Vec3};
 
 /// A normal map.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct NormalMap {
     /// `(n + 1)/2` in the tangent frame: x along ∂p/∂u, z along the shading normal.
     pub texture: TextureId,
@@ -18,10 +20,12 @@ pub struct NormalMap {
     pub mirrors: bool,
     /// Factor on x and y.
     pub strength: f32,
+    /// The map averaged over footprints, where its spread is to count as roughness.
+    pub filtered: Option<Arc<FilteredNormals>>,
 }
 
 /// What changes the shading normal of a material.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SurfaceDetail {
     /// A normal map.
     pub normal_map: Option<NormalMap>,
@@ -40,12 +44,20 @@ pub struct Base {
     pub dpdu: Vec3,
     /// ∂p/∂v; may be zero.
     pub dpdv: Vec3,
+    /// The tangent that normal maps were made for, and the sign of the bitangent, where the mesh has them.
+    pub tangent: Option<(Vec3, f32)>,
 }
 
 /// The step of differences where the footprint gives none (pbrt-v4's).
 const STEP: f32 = 0.0005;
 
 impl SurfaceDetail {
+    /// The variance of slopes along both axes that the footprint hides, where it is to count as roughness.
+    #[inline]
+    pub fn hidden_slopes(&self, at: &TextureContext) -> Option<Vec2> {
+        Some(self.normal_map.as_ref()?.filtered.as_ref()?.normal(at).1)
+    }
+
     /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the surface.
     pub fn shading_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Vec3 {
         let mut ns = base.ns;
@@ -61,13 +73,26 @@ impl SurfaceDetail {
 }
 
 impl NormalMap {
+    /// The tangent-space normal of a texel's value; not of unit length.
+    pub fn decode(&self, value: Vec3) -> Vec3 {
+        let m = value * 2.0 - 1.0;
+        let z = if self.two_channels { (1.0 - m.x * m.x - m.y * m.y).max(0.0).sqrt() } else { m.z };
+        Vec3::new(m.x * self.strength, m.y * self.strength, z)
+    }
+
     /// The normal in the world.
     fn normal(&self, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
-        let m = textures.rgb(self.texture, at) * 2.0 - 1.0;
-        let z = if self.two_channels { (1.0 - m.x * m.x - m.y * m.y).max(0.0).sqrt() } else { m.z };
-        let m = Vec3::new(m.x * self.strength, m.y * self.strength, z);
-        let frame = Frame::from_zx(base.ns, base.dpdu);
-        let mirrored = self.mirrors && frame.y.dot(base.dpdv) < 0.0;
+        let m = match &self.filtered {
+            Some(filtered) => filtered.normal(at).0,
+            None => self.decode(textures.rgb(self.texture, at)),
+        };
+        let (frame, mirrored) = match base.tangent {
+            Some((tangent, sign)) => (Frame::from_zx(base.ns, tangent), sign < 0.0),
+            None => {
+                let frame = Frame::from_zx(base.ns, base.dpdu);
+                (frame, self.mirrors && frame.y.dot(base.dpdv) < 0.0)
+            }
+        };
         let n = frame.to_world(if mirrored { Vec3::new(m.x, -m.y, m.z) } else { m });
         let n = n.normalize_or(base.ns);
         // Maps that point into the surface are turned over, as Mitsuba has it.
@@ -144,14 +169,14 @@ mod tests {
         TextureContext::new(uv.extend(0.0), uv)
     }
 
-    const FLAT: Base = Base { n: Vec3::Z, ns: Vec3::Z, dpdu: Vec3::X, dpdv: Vec3::Y };
+    const FLAT: Base = Base { n: Vec3::Z, ns: Vec3::Z, dpdu: Vec3::X, dpdv: Vec3::Y, tangent: None };
 
     /// Textures with a map of constant (x, y, z) in [−1, 1].
     fn map(n: Vec3) -> (Textures, SurfaceDetail) {
         let mut textures = Textures::new(ColorMode::Rgb);
         let c = (n + 1.0) * 0.5;
         let texture = textures.add(Texture::Constant(Color::Lanes(steradian_math::Spectrum::rgb(c.x, c.y, c.z))));
-        let normal_map = Some(NormalMap { texture, two_channels: false, mirrors: true, strength: 1.0 });
+        let normal_map = Some(NormalMap { texture, two_channels: false, mirrors: true, strength: 1.0, filtered: None });
         (textures, SurfaceDetail { normal_map, bump: None })
     }
 
@@ -162,7 +187,7 @@ mod tests {
         for _ in 0..50 {
             let mut d = || Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5).normalize();
             let (n, dpdu) = (d(), d());
-            let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu) };
+            let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu), tangent: None };
             assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &base, n) - n).length() < 1e-6);
         }
     }

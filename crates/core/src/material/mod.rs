@@ -13,6 +13,7 @@ pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
 pub use principled::PrincipledMaterial;
 pub mod detail;
+pub mod normal_filter;
 
 use crate::{
     bsdf::{
@@ -25,6 +26,7 @@ use crate::{
 };
 pub use classical::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal};
 pub use detail::{NormalMap, SurfaceDetail};
+pub use normal_filter::{FilteredNormals, NormalFilter};
 use std::sync::Arc;
 use steradian_math::{Spectrum, Vec3, color::luminance, spectra::Wavelengths};
 
@@ -53,7 +55,7 @@ impl Roughness {
             let v = if v.is_finite() { v.max(0.0) } else { 0.0 };
             if self.remap { v.sqrt() } else { v }
         };
-        (remap(self.u.eval(textures, at)), remap(self.v.eval(textures, at)))
+        at.roughened(remap(self.u.eval(textures, at)), remap(self.v.eval(textures, at)))
     }
 
     #[inline]
@@ -211,6 +213,9 @@ impl Material {
 
     /// Whether the shading frame must follow the surface's parametrisation.
     pub fn needs_tangent(&self) -> bool {
+        if self.detail.as_ref().is_some_and(|d| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some())) {
+            return true;
+        }
         match &self.model {
             Model::Conductor { roughness, .. }
             | Model::Dielectric { roughness, .. }
@@ -317,6 +322,14 @@ pub fn scattering<'a>(
             }
             _ => break m,
         }
+    };
+    let rough;
+    let at = match detail.and_then(|d| d.hidden_slopes(at)) {
+        Some(slopes) => {
+            rough = TextureContext { slopes, ..*at };
+            &rough
+        }
+        None => at,
     };
     let spectrum = |t: &SpectrumTexture, lambda: &Wavelengths| albedo(t.eval(textures, at, lambda));
     let bsdf = match &material.model {

@@ -75,6 +75,7 @@ impl PbrMaterial {
                 (x, (1.0 - a) * x)
             }
         };
+        let (x, y) = p.at.roughened(x, y);
         Microfacet::ggx(x, y)
     }
 
@@ -89,6 +90,7 @@ impl PbrMaterial {
         let p = Point { textures, at, lambda };
         let base_color = p.albedo(&self.base_color) * p.float(&self.base_weight).clamp(0.0, 1.0);
         let coat_alpha = p.float(&self.coat_roughness).clamp(0.0, 1.0).powi(2);
+        let (coat_x, coat_y) = at.roughened(coat_alpha, coat_alpha);
         let sheen: Spectrum = albedo(p.albedo(&self.sheen_color) * p.float(&self.sheen_weight));
         Bsdf::Pbr(Pbr::new(&PbrParams {
             base_color,
@@ -105,7 +107,7 @@ impl PbrMaterial {
             sheen_color: sheen,
             sheen_roughness: p.float(&self.sheen_roughness),
             coat: p.float(&self.coat),
-            coat_facets: Microfacet::ggx(coat_alpha, coat_alpha),
+            coat_facets: Microfacet::ggx(coat_x, coat_y),
             coat_eta: p.float(&self.coat_eta),
             coat_color: p.albedo(&self.coat_color),
             tints_metal_edge: self.stretch == Stretch::OpenPbr,

@@ -5,7 +5,7 @@ use crate::{
     bsdf::{Bsdf, Principled, PrincipledThin, principled::PrincipledParams},
     texture::{FloatTexture, SpectrumTexture},
 };
-use steradian_math::Spectrum;
+use steradian_math::{Spectrum, Vec2};
 
 /// Parameters of Disney's surface, in [0, 1] but for `eta` and `diff_trans`.
 #[derive(Clone, Debug)]
@@ -43,10 +43,13 @@ impl PrincipledMaterial {
     pub(super) fn bsdf(&self, p: &Point<'_>) -> Bsdf<'static> {
         let base_color = p.albedo(&self.base_color);
         let luminance = p.luminance(base_color);
+        // One roughness for both axes: that of the mean square slope.
+        let r = p.float(&self.roughness);
+        let (x, y) = p.at.roughened(r * r, r * r);
         let params = PrincipledParams {
             base_color,
             tint: if luminance > 1e-6 { base_color / luminance } else { Spectrum::ONE },
-            roughness: p.float(&self.roughness),
+            roughness: if p.at.slopes == Vec2::ZERO { r } else { (0.5 * (x * x + y * y)).sqrt().sqrt().min(1.0) },
             anisotropic: p.float(&self.anisotropic),
             metallic: p.float(&self.metallic),
             spec_trans: p.float(&self.spec_trans),

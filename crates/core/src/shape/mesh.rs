@@ -1,7 +1,7 @@
 //! Triangle meshes in world (or group) space.
 
 use super::SurfacePoint;
-use steradian_math::{Vec2, Vec3, ray::gamma, transform::Affine};
+use steradian_math::{Vec2, Vec3, Vec4, ray::gamma, transform::Affine};
 use steradian_scene::{Domain, Mesh};
 
 /// Data on a mesh, such as colours.
@@ -30,6 +30,8 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Further data.
     pub attributes: Vec<MeshAttribute>,
+    /// Tangents of normal maps at the corners of triangles, with the sign of the bitangent: none, or one for each triangle.
+    pub tangents: Vec<[Vec4; 3]>,
     /// Whether geometric normals point against the winding (only where there are no vertex normals to follow).
     pub flip: bool,
 }
@@ -54,6 +56,7 @@ impl TriMesh {
                     data: a.data.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect(),
                 })
                 .collect(),
+            tangents: Vec::new(),
             flip: reverse ^ swaps_handedness,
         }
     }
@@ -137,6 +140,12 @@ impl TriMesh {
         if change.is_finite() { change } else { Vec2::ZERO }
     }
 
+    /// The tangent for normal maps at barycentric coordinates of a triangle, and the sign of the bitangent `n × t`.
+    pub fn tangent_frame(&self, triangle: u32, b: Vec2) -> Option<(Vec3, f32)> {
+        let [x, y, z] = self.tangents.get(triangle as usize)?;
+        Some(((*x * (1.0 - b.x - b.y) + *y * b.x + *z * b.y).truncate(), x.w))
+    }
+
     /// How the interpolated vertex normal changes with a displacement in the plane of a triangle; zero without vertex normals.
     pub fn normal_change(&self, triangle: u32, dp: Vec3) -> Vec3 {
         let index = self.triangles[triangle as usize];
@@ -176,6 +185,7 @@ impl TriMesh {
         (self.positions.len() + self.normals.len()) * 12
             + self.uvs.len() * 8
             + self.triangles.len() * 12
+            + self.tangents.len() * 48
             + self.attributes.iter().map(|a| a.data.len() * 4).sum::<usize>()
     }
 }

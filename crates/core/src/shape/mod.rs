@@ -7,6 +7,7 @@ pub mod patch;
 pub mod plane;
 pub mod quadric;
 pub mod subdivision;
+pub mod tangents;
 
 pub use curve::Curves;
 pub use mesh::TriMesh;
@@ -18,7 +19,7 @@ use steradian_math::{Vec2, Vec3};
 
 /// The shapes by name, for the registry.
 pub const SHAPES: &[(&str, &str)] = &[
-    ("mesh", "triangles and bilinear patches; alpha, flat, displacement, edge_length"),
+    ("mesh", "triangles and bilinear patches; alpha, flat, displacement, edge_length, tangents"),
     ("sphere", "center, radius, z_min, z_max, phi_max (degrees)"),
     ("disk", "height, radius, inner_radius, phi_max (degrees)"),
     ("cylinder", "radius, z_min, z_max, phi_max (degrees); or p0, p1, radius"),

@@ -34,7 +34,7 @@ pub struct ImageTexture {
 impl ImageTexture {
     /// The filtered linear values of `N` channels from `first` on, before scale and inversion; black where there is no place.
     #[inline]
-    fn lookup<const N: usize>(&self, at: &TextureContext, first: usize) -> [f32; N] {
+    pub(crate) fn channels<const N: usize>(&self, at: &TextureContext, first: usize) -> [f32; N] {
         let Coordinates2 { mut uv, mut dx, mut dy } = if self.filter.is_prefiltered() {
             self.mapping.coordinates(at)
         } else {
@@ -57,8 +57,9 @@ impl ImageTexture {
         source.lookup(self.filter, &place, first)
     }
 
+    /// A linear value after scale and inversion.
     #[inline]
-    fn finish(&self, v: f32) -> f32 {
+    pub(crate) fn finish(&self, v: f32) -> f32 {
         let v = v * self.scale;
         if self.invert { (1.0 - v).max(0.0) } else { v }
     }
@@ -79,8 +80,8 @@ impl ImageTexture {
             return None;
         }
         let rgb = match self.single() {
-            Some(channel) => Vec3::splat(self.lookup::<1>(at, channel)[0]),
-            None => Vec3::from(self.lookup(at, 0)),
+            Some(channel) => Vec3::splat(self.channels::<1>(at, channel)[0]),
+            None => Vec3::from(self.channels(at, 0)),
         };
         Some(Vec3::new(self.finish(rgb.x), self.finish(rgb.y), self.finish(rgb.z)))
     }
@@ -92,8 +93,8 @@ impl ImageTexture {
             return self.finish(0.0);
         }
         self.finish(match self.single() {
-            Some(channel) => self.lookup::<1>(at, channel)[0],
-            None => self.lookup::<3>(at, 0).iter().sum::<f32>() / 3.0,
+            Some(channel) => self.channels::<1>(at, channel)[0],
+            None => self.channels::<3>(at, 0).iter().sum::<f32>() / 3.0,
         })
     }
 }

@@ -111,6 +111,8 @@ pub struct TextureContext<'a> {
     pub wo: Vec3,
     /// How far the lookup reaches.
     pub footprint: Footprint,
+    /// Variance of the slopes along u and v that a normal map has within the footprint, where it counts as roughness.
+    pub slopes: Vec2,
     /// The mesh, the triangle and the barycentric coordinates of its second and third vertex, where the surface is a mesh.
     pub mesh: Option<(&'a TriMesh, u32, Vec2)>,
 }
@@ -131,7 +133,18 @@ pub struct Footprint {
 impl TextureContext<'_> {
     /// A lookup at a point in space with surface parameters, without a surface.
     pub fn new(p: Vec3, uv: Vec2) -> Self {
-        Self { p, uv, n: Vec3::ZERO, wo: Vec3::ZERO, footprint: Footprint::default(), mesh: None }
+        Self { p, uv, n: Vec3::ZERO, wo: Vec3::ZERO, footprint: Footprint::default(), slopes: Vec2::ZERO, mesh: None }
+    }
+}
+
+impl TextureContext<'_> {
+    /// Roughnesses α along u and v, with the slopes that the footprint hides.
+    #[inline]
+    pub fn roughened(&self, u: f32, v: f32) -> (f32, f32) {
+        if self.slopes == Vec2::ZERO {
+            return (u, v);
+        }
+        ((u * u + 2.0 * self.slopes.x).sqrt(), (v * v + 2.0 * self.slopes.y).sqrt())
     }
 }
 
