@@ -39,8 +39,10 @@ const BROAD: f32 = 0.25;
 const MOST: f32 = 0.6;
 /// Below this share they are not asked.
 const LEAST: f32 = 0.03;
-/// How much other light counts against what is focused, for the share.
-const OTHER: f32 = 0.15;
+/// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that the photons add to.
+const OTHER: (f32, f32) = (1.5, 0.05);
+/// Points that stand for a direction are this many times the size of a neighbourhood away.
+const FAR: f32 = 1e3;
 /// How often a photon lands.
 const LANDINGS: usize = 3;
 /// Bounds of the kernels' radius, rad.
@@ -67,9 +69,11 @@ struct Photon {
     p: Vec3,
     /// Where it last was before.
     q: Vec3,
+    /// How far it came, from the light; infinite from infinite ones.
+    length: f32,
     /// What it carries (luminance).
     power: f32,
-    /// An estimate of the irradiance there that other techniques find.
+    /// An estimate of the irradiance there that the surface's own sampling has to find, and some of that from light samples.
     other: f32,
 }
 
@@ -134,7 +138,7 @@ impl Caustics {
         if photons.len() < FEWEST {
             return None;
         }
-        let ambient = 0.1 * photons.iter().map(|p| p.other).sum::<f32>() / photons.len() as f32;
+        let ambient = 0.05 * photons.iter().map(|p| p.other).sum::<f32>() / photons.len() as f32;
         for photon in &mut photons {
             photon.other += ambient;
             photon.power /= count as f32;
@@ -221,6 +225,7 @@ fn is_receiver(bsdf: &Bsdf) -> bool {
 impl Leaf {
     fn new(photons: &[Photon]) -> Self {
         let bounds = Bounds3::from_points(photons.iter().map(|p| p.p));
+        let scale = bounds.diagonal().max_element().max(f32::MIN_POSITIVE);
         let margin = Vec3::splat(0.25 * bounds.diagonal().max_element());
         let total: f32 = photons.iter().map(|p| p.power).sum();
         let area = {
@@ -229,7 +234,7 @@ impl Leaf {
         };
         let focused = total / area;
         let other = photons.iter().map(|p| p.other).sum::<f32>() / photons.len() as f32;
-        let share = (focused / (focused + OTHER * other)).min(MOST);
+        let share = (focused / (focused + other)).min(MOST);
         let mut leaf = Self {
             share: if share >= LEAST { share } else { 0.0 },
             bounds: Bounds3 { min: bounds.min - margin, max: bounds.max + margin },
@@ -238,19 +243,31 @@ impl Leaf {
             scale: [0.0; LANES],
             sums: [1.0; LANES],
         };
+        // Seen from another point of the neighbourhood a photon came from the same place on the last mirror, from the same image of the
+        // light behind it, or out of the same direction: whatever brings them closest together.
         let centre = bounds.center();
-        let directions: Vec<Vec3> = photons.iter().map(|p| (p.q - centre).normalize_or_zero()).collect();
+        let aims: [&dyn Fn(&Photon) -> Vec3; 3] = [
+            &|photon| photon.q,
+            &|photon| photon.p + (photon.q - photon.p).normalize_or_zero() * photon.length.min(FAR * scale),
+            &|photon| photon.p + (photon.q - photon.p).normalize_or_zero() * (FAR * scale),
+        ];
+        let (points, radii) = aims
+            .iter()
+            .map(|aim| {
+                let points: Vec<Vec3> = photons.iter().map(aim).collect();
+                let radii = radii(centre, &points);
+                (points, radii)
+            })
+            .min_by(|a, b| a.1.iter().sum::<f32>().total_cmp(&b.1.iter().sum()))
+            .unwrap_or_default();
         let mut sum = 0.0;
         for (i, photon) in photons.iter().enumerate() {
-            // As wide as the third next photon is away.
-            let mut angles: Vec<f32> = directions.iter().map(|d| (*d - directions[i]).length()).collect();
-            angles.sort_unstable_by(f32::total_cmp);
-            let radius = (2.0 * angles[angles.len().min(4) - 1]).clamp(RADIUS.0, RADIUS.1);
+            let radius = radii[i];
             let width = 1.0 - radius.cos();
             let weight = photon.power / total;
             sum += weight;
-            for axis in 0..3 {
-                leaf.q[axis][i] = photon.q[axis];
+            for (q, coordinate) in leaf.q.iter_mut().zip(points[i].to_array()) {
+                q[i] = coordinate;
             }
             leaf.width[i] = width;
             leaf.scale[i] = weight / (std::f32::consts::PI * width * width);
@@ -280,6 +297,17 @@ impl Leaf {
         }
         sum.iter().sum()
     }
+}
+
+/// The kernels' radii (rad) at a point: as wide as the third next photon is away.
+fn radii(at: Vec3, points: &[Vec3]) -> Vec<f32> {
+    let directions: Vec<Vec3> = points.iter().map(|p| (*p - at).normalize_or_zero()).collect();
+    let radius = |d: &Vec3| {
+        let mut distances: Vec<f32> = directions.iter().map(|other| (*other - *d).length()).collect();
+        distances.sort_unstable_by(f32::total_cmp);
+        (2.0 * distances[distances.len().min(4) - 1]).clamp(RADIUS.0, RADIUS.1)
+    };
+    directions.iter().map(radius).collect()
 }
 
 /// Everything that may focus light, by its share of the cross-sections.
@@ -341,8 +369,8 @@ mod dimension {
     pub const POINT: u32 = 1;
     pub const DEPTH: u32 = 2;
     pub const WAVELENGTH: u32 = 3;
-    /// Of a direction of the sky, among those of an event.
-    pub const SKY: u32 = 8;
+    /// Of a direction in which indirect light is asked for, among those of an event.
+    pub const AROUND: u32 = 8;
     /// Of the light; past those of any later event.
     pub const LIGHT_EVENT: u32 = 100;
 }
@@ -386,10 +414,11 @@ fn trace(
     let distance = if s.distance.is_finite() { s.distance } else { 2.0 * scene.bounds().bounding_sphere().1 };
     let mut ray = Ray::new(towards + s.wi * (distance * SHADOW_END), -s.wi);
     let mut beta = s.radiance * (section / (s.pdf * target.probability));
-    let (mut q, mut focused) = (None, false);
+    let (mut q, mut focused, mut length) = (None, false, if s.distance.is_finite() { 0.0 } else { f32::INFINITY });
     for event in 0..EVENTS {
         let hit = scene.intersect(&ray)?;
         let i = scene.interaction(&ray, &hit);
+        length += hit.t;
         let at = |decision| crate::dimension::at(event, decision);
         let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures);
         let Some((scattering, frame)) = scene.scattering(&i, choice, &mut lambda) else {
@@ -408,8 +437,8 @@ fn trace(
                 return None;
             }
             if let Some(q) = q.filter(|_| is_receiver(&scattering.bsdf)) {
-                let other = luminance(irradiance(scene, &i, &frame, event, sampler, &lambda), &lambda);
-                if !land(Photon { p: i.surface.p, q, power, other }) {
+                let other = luminance(irradiance(scene, &i, &frame, event, sampler, &mut lambda.clone()), &lambda);
+                if !land(Photon { p: i.surface.p, q, length, power, other }) {
                     return None;
                 }
             }
@@ -425,21 +454,36 @@ fn trace(
     None
 }
 
-/// One sample of the irradiance from lights, and of the environment as if nothing were before it.
+/// One sample of the irradiance at a point, of what arrives directly and after one event, each as much as it counts.
 fn irradiance(
     scene: &Scene,
     i: &Interaction,
     frame: &Frame,
     event: u32,
     sampler: &PixelSampler,
-    lambda: &Wavelengths,
+    lambda: &mut Wavelengths,
 ) -> Spectrum {
-    let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(1.0) });
-    let lights = nee::direct(scene, i, frame, &white, event, sampler, lambda, &mut Counters::default());
-    let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::SKY))));
-    let ctx = nee::context(i, frame, &white);
-    let pdf = frame.z.dot(w).max(0.0) * std::f32::consts::FRAC_1_PI;
-    (lights + nee::background(scene, i.surface.p, w, &Some((ctx, pdf)), lambda)) * std::f32::consts::PI
+    let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ONE });
+    let counters = &mut Counters::default();
+    let direct = nee::direct(scene, i, frame, &white, event, sampler, lambda, counters);
+    let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::AROUND))));
+    let ray = i.spawn(w);
+    let indirect = match scene.intersect(&ray) {
+        None => {
+            let pdf = frame.z.dot(w).max(0.0) * std::f32::consts::FRAC_1_PI;
+            nee::background(scene, ray.origin, w, &Some((nee::context(i, frame, &white), pdf)), lambda)
+        }
+        Some(hit) => {
+            let i = scene.interaction(&ray, &hit);
+            match scene.scattering(&i, 0.5, lambda) {
+                Some((s, frame)) if !s.bsdf.is_specular() => {
+                    nee::direct(scene, &i, &frame, &s.bsdf, event + EVENTS, sampler, lambda, counters)
+                }
+                _ => Spectrum::ZERO,
+            }
+        }
+    };
+    (indirect * OTHER.0 + direct * OTHER.1) * std::f32::consts::PI
 }
 
 #[cfg(test)]
@@ -453,6 +497,7 @@ mod tests {
             .map(|k| Photon {
                 p: at(k, 0.1),
                 q: at(k + 100, 1.0) + Vec3::new(0.0, 0.0, 1.5),
+                length: 3.0,
                 power: 1.0 + k as f32,
                 other: 0.1,
             })
