@@ -297,6 +297,13 @@ pub struct MaterialArgs {
     /// Write a table of angles that the material 'measured' reads (isotropic, every 5° and 10° of azimuth)
     #[arg(long, value_name = "OUT.txt")]
     pub table: Option<PathBuf>,
+    /// Measure a piece of geometry (up is +z) made of the kind, as if it were a material: --albedo and --table count the rays that its middle
+    /// sends back
+    #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval", "microsurface"])]
+    pub geometry: Option<String>,
+    /// The same for a random Gaussian surface of this roughness α (Beckmann's), made of the kind
+    #[arg(long, value_name = "ALPHA", value_parser = values::roughness, conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval"])]
+    pub microsurface: Option<f32>,
     /// Values and densities for pairs of directions from a JSON file: [{"wo": [x,y,z], "wi": [x,y,z]}, …]
     #[arg(long, value_name = "PAIRS.json")]
     pub eval: Option<PathBuf>,

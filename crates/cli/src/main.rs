@@ -17,6 +17,7 @@ mod open;
 mod output;
 mod panics;
 mod progress;
+mod relief;
 mod render;
 mod report;
 mod signal;

@@ -4,7 +4,7 @@ use crate::{
     args::{Color, MaterialArgs},
     diagnostics,
     failure::{self, Failure, Outcome},
-    open,
+    open, relief,
     terminal::{self, Terminal},
     values::known_name,
 };
@@ -31,7 +31,7 @@ const ANGLES: [f64; 9] = [0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];
 const PICTURE: (u32, u32) = (150, 150);
 
 /// What was read off.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct Report {
     schema: u32,
     material: String,
@@ -46,6 +46,8 @@ struct Report {
     fit: Option<Vec<Fit>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     eval: Option<Vec<Evaluated>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    relief: Option<Vec<relief::Reading>>,
 }
 
 /// A pair of directions: towards the viewer and the light, in the shading frame.
@@ -67,17 +69,29 @@ struct Evaluated {
 /// Opens the material and takes what readings were asked for.
 pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene.threads);
+    let write = |path: &Path, text: String| {
+        fs::write(path, text).map_err(|e| Failure::failed(format!("cannot write '{}': {e}", path.display())))?;
+        terminal.say(&format!("wrote {}", path.display()));
+        Ok::<(), Failure>(())
+    };
+    if let Some(relief) = relief::Relief::asked_for(args, terminal)? {
+        if let Some(path) = &args.table {
+            write(path, relief.table(args.samples))?;
+        }
+        let report = Report {
+            schema: 1,
+            material: args.material.clone(),
+            relief: args.albedo.then(|| ANGLES.iter().map(|t| relief.read(*t, args.samples)).collect()),
+            ..Report::default()
+        };
+        return tell(&report, args.json);
+    }
     let (scene, index) = under_glass(args, terminal)?;
     let mut specimen = Specimen::new(&scene, index).at(args.uv.into());
     if let Some(lambda) = args.wavelengths {
         specimen = specimen.with_wavelengths(lambda);
     }
     let pairs = args.eval.as_deref().map(read_pairs).transpose()?;
-    let write = |path: &Path, text: String| {
-        fs::write(path, text).map_err(|e| Failure::failed(format!("cannot write '{}': {e}", path.display())))?;
-        terminal.say(&format!("wrote {}", path.display()));
-        Ok::<(), Failure>(())
-    };
     if let Some(path) = &args.plot {
         write(path, plot::svg(&specimen, &args.material))?;
     }
@@ -102,9 +116,14 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
             fit::MODELS.iter().map(|m| m.fit(&readings)).collect()
         }),
         eval: pairs.map(|p| evaluate(&specimen, &p, args.importance)),
+        relief: None,
     };
-    if args.json {
-        terminal::json(&report)?;
+    tell(&report, args.json)
+}
+
+fn tell(report: &Report, json: bool) -> Outcome {
+    if json {
+        terminal::json(report)?;
     } else {
         terminal::data(report.text().as_bytes())?;
     }
@@ -204,6 +223,12 @@ impl Report {
                 f.alpha,
                 f.residual
             );
+        }
+        if let Some(rows) = &self.relief {
+            let _ = writeln!(out, "geometry\n angle  reflected  met once");
+            for r in rows {
+                let _ = writeln!(out, "{:5}°  {:9.5}  {:8.5}", r.theta, r.albedo, r.single);
+            }
         }
         for (i, e) in self.eval.iter().flatten().enumerate() {
             let _ = writeln!(out, "{i:6}  f cos {}  pdf {:.6}", lanes(&e.value), e.pdf);

@@ -113,6 +113,12 @@ pub fn wavelengths(text: &str) -> Result<[f32; 4], String> {
         .ok_or_else(|| "four wavelengths from 360 to 830 nm are needed, such as 450,550,600,650".into())
 }
 
+/// A roughness α of a surface that is looked at facet by facet.
+pub fn roughness(text: &str) -> Result<f32, String> {
+    let possible = |v: &f32| *v > 0.0 && *v <= 2.0;
+    text.parse().ok().filter(possible).ok_or_else(|| "a roughness above 0 and up to 2 is needed, such as 0.3".into())
+}
+
 /// An integrator with its options; the name is looked up now, so that a slip is not found out after a long load.
 pub fn integrator(text: &str) -> Result<String, String> {
     let name = text.split_once(':').map_or(text, |s| s.0);

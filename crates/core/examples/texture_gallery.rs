@@ -427,7 +427,7 @@ fn plane(uv: f32) -> Mesh {
 fn shade(scene: &Scene, ray: &Ray, lit: bool) -> Vec3 {
     let Some(hit) = scene.intersect(ray) else { return Vec3::splat(0.03) };
     let i = scene.interaction(ray, &hit);
-    let mut lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+    let mut lambda = Wavelengths::RGB;
     let Some((s, frame)) = scene.scattering(&i, 0.5, &mut lambda) else { return Vec3::ZERO };
     let up = Vec3::new(0.0, 0.0, 1.0);
     let e = s.bsdf.eval(up, up, TransportMode::Radiance);
@@ -590,7 +590,7 @@ fn horizon(scene: &Scene, grid: usize, shade: impl Fn(&Scattering<'_>, &Frame, V
         let [dpdx, dpdy] = differential.transfer(d, i.t, i.surface.n);
         let footprint = Footprint::new(dpdx, dpdy, i.surface.dpdu, scene.dpdv(&i));
         let at = scene.texture_context_over(&i, footprint);
-        let mut lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+        let mut lambda = Wavelengths::RGB;
         let Some((s, frame)) = scene.scattering_at(&i, &at, 0.5, &mut lambda) else { return Vec3::ZERO };
         shade(&s, &frame, -d)
     };

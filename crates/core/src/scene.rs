@@ -370,6 +370,7 @@ impl Scene {
         if geometry.is_interface {
             return None;
         }
+        let at = &TextureContext { time: lambda.time, ..*at };
         let front = i.surface.ns.dot(i.wo) > 0.0;
         let s = material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
         let ns = match s.detail {

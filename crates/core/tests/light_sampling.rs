@@ -17,7 +17,7 @@ use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, Shape, Spectrum
 use steradian_testkit::{chi2_test, sidak};
 
 const SAMPLES: u64 = 40_000;
-const LAMBDA: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+const LAMBDA: Wavelengths = Wavelengths::RGB;
 
 /// A light that can be drawn from, as seen from a point.
 struct Case {

@@ -17,7 +17,7 @@ use steradian_image::{Image, Precision, WriteOptions, write};
 use steradian_math::{DVec3, Ray, Transform, Vec2, Vec3, spectra::Wavelengths};
 use steradian_scene::{Family, Mesh, Node, NodeId, SceneDesc, Value};
 
-const LAMBDA: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+const LAMBDA: Wavelengths = Wavelengths::RGB;
 
 /// The card as a file of this test's own.
 struct Card(PathBuf);

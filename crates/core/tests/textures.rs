@@ -11,7 +11,7 @@ use steradian_core::{
 use steradian_math::{Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
 use steradian_scene::{ColorSpace, Family, Node, NodeId, SceneDesc, SpectrumValue, Value};
 
-const LAMBDA: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+const LAMBDA: Wavelengths = Wavelengths::RGB;
 
 fn texture(kind: &str) -> Node {
     Node::new(Family::Texture, kind, None)

@@ -46,43 +46,72 @@ pub struct Scattered {
 }
 
 /// Lights the middle of a scene's geometry (up is +z) from a direction `wi` and follows the light up to so many events, without the scene's
-/// lights. Rays enter over the middle half of the bounds, so that the rim is not seen; light that leaves downwards is lost.
+/// lights. Rays enter over the middle half of the bounds, so that the rim is not seen; those that leave through the sides without meeting
+/// anything do not count, light that leaves downwards is lost.
 pub fn geometry(scene: &Scene, wi: Vec3, bins: Bins, rays: u32, max_events: u32) -> Scattered {
     let bounds = scene.bounds();
     let (centre, extent) = (0.5 * (bounds.min + bounds.max), bounds.max - bounds.min);
-    let lambda = Wavelengths { lambda: [450.0, 550.0, 600.0, 650.0], pdf: [1.0; 4] };
+    let lambda = Wavelengths::at([450.0, 550.0, 600.0, 650.0]);
     let count = bins.rings * bins.sectors;
     let chunk = 1 << 13;
-    let parts: Vec<Vec<[f64; 3]>> = (0..rays.div_ceil(chunk))
+    let parts: Vec<(Vec<[f64; 3]>, u32)> = (0..rays.div_ceil(chunk))
         .into_par_iter()
         .map(|c| {
-            let mut sums = vec![[0.0; 3]; count];
+            let (mut sums, mut met) = (vec![[0.0; 3]; count], 0);
             let mut rng = HashRng::new(u64::from(c));
             for _ in c * chunk..((c + 1) * chunk).min(rays) {
                 let spot = Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, 0.0) * 0.5;
                 let target = Vec3::new(centre.x, centre.y, bounds.max.z) + spot * extent;
-                let start = target + wi * (extent.length() + 1.0);
-                if let Some((w, weight, events)) = follow(scene, Ray::new(start, -wi), lambda, max_events, &mut rng) {
+                let ray = Ray::new(target + wi * (extent.length() + 1.0), -wi);
+                let foot = target - wi * (extent.z / wi.z) - centre;
+                let over_edge = foot.x.abs() > 0.5 * extent.x || foot.y.abs() > 0.5 * extent.y;
+                if over_edge && scene.intersect(&ray).is_none() {
+                    continue;
+                }
+                met += 1;
+                if let Some((w, weight, events)) = follow(scene, ray, lambda, max_events, &mut rng) {
                     let bin = &mut sums[bins.of(w)];
                     bin[0] += weight;
                     bin[1] += weight * weight;
                     bin[2] += if events == 1 { weight } else { 0.0 };
                 }
             }
-            sums
+            (sums, met)
         })
         .collect();
     // ∫cosθ dω over a bin of equal projected solid angle.
-    let n = f64::from(rays);
+    let n = f64::from(parts.iter().map(|p| p.1).sum::<u32>().max(1));
     let area = std::f64::consts::PI / count as f64;
     let sums: Vec<[f64; 3]> =
-        (0..count).map(|b| parts.iter().fold([0.0; 3], |s, p| std::array::from_fn(|i| s[i] + p[b][i]))).collect();
+        (0..count).map(|b| parts.iter().fold([0.0; 3], |s, p| std::array::from_fn(|i| s[i] + p.0[b][i]))).collect();
     let error = |s: &[f64; 3]| ((s[1] / n - (s[0] / n).powi(2)).max(0.0) / n).sqrt();
     Scattered {
         f: sums.iter().map(|s| (s[0] / n / area, error(s) / area)).collect(),
         single: sums.iter().map(|s| s[2] / n / area).collect(),
         albedo: sums.iter().map(|s| s[0] / n).sum(),
     }
+}
+
+/// Bins of [`geometry_table`]: about 6° where light leaves half way.
+const TABLE_BINS: Bins = Bins { rings: 16, sectors: 36 };
+
+/// Step of incident and outgoing angles of [`geometry_table`], degrees.
+const TABLE_STEP: f64 = 7.5;
+
+/// A table of angles, as [`table`], of what a scene's geometry scatters: for each incident direction so many rays, counted in bins.
+pub fn geometry_table(scene: &Scene, azimuths: &[f64], rays: u32, max_events: u32) -> String {
+    let thetas = (90.0 / TABLE_STEP) as usize + 1;
+    let seen: Vec<Scattered> = (0..thetas * azimuths.len())
+        .map(|i| {
+            let theta = (i / azimuths.len()) as f64 * TABLE_STEP;
+            geometry(scene, direction(theta.min(89.5), azimuths[i % azimuths.len()]), TABLE_BINS, rays, max_events)
+        })
+        .collect();
+    angles::write([TABLE_STEP, 10.0], azimuths, |ti, pi, to, po| {
+        let row = (ti / TABLE_STEP).round() as usize * azimuths.len();
+        let column = azimuths.iter().position(|a| *a == pi).unwrap_or(0);
+        seen[row + column].f[TABLE_BINS.of(direction(to.min(89.5), po))].0
+    })
 }
 
 /// The direction in which light leaves upwards, its power, and how often it was scattered.

@@ -23,7 +23,7 @@ pub struct Specimen<'a> {
 impl<'a> Specimen<'a> {
     /// The material with this index, at (½, ½) of its textures, and at 450, 550, 600 and 650 nm in spectral scenes.
     pub fn new(scene: &'a Scene, material: u32) -> Self {
-        let lambda = Wavelengths { lambda: [450.0, 550.0, 600.0, 650.0], pdf: [1.0; 4] };
+        let lambda = Wavelengths::at([450.0, 550.0, 600.0, 650.0]);
         Self { scene, material, uv: Vec2::splat(0.5), lambda }
     }
 
@@ -42,7 +42,7 @@ impl<'a> Specimen<'a> {
     /// At other wavelengths, nm, for scenes in spectral mode.
     #[must_use]
     pub fn with_wavelengths(self, lambda: [f32; 4]) -> Self {
-        Self { lambda: Wavelengths { lambda, pdf: [1.0; 4] }, ..self }
+        Self { lambda: Wavelengths::at(lambda), ..self }
     }
 
     /// What the lanes of its values are.

@@ -395,7 +395,7 @@ fn trace(
     mut land: impl FnMut(Photon) -> bool,
 ) -> Option<()> {
     let mut lambda = match scene.mode {
-        ColorMode::Rgb => Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] },
+        ColorMode::Rgb => Wavelengths::RGB,
         ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
     };
     let luminance = |s: Spectrum, lambda: &Wavelengths| match scene.mode {

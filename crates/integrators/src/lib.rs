@@ -90,6 +90,8 @@ pub(crate) mod dimension {
     pub const LENS: u32 = 1;
     /// Wavelengths.
     pub const WAVELENGTH: u32 = 2;
+    /// Moment of the exposure.
+    pub const TIME: u32 = 3;
     const FIRST_EVENT: u32 = 4;
     const PER_EVENT: u32 = 10;
     /// Choice of a light.

@@ -250,9 +250,10 @@ impl<'s> Session<'s> {
                         if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
                     let ray = scene.camera.ray(film, point, lens);
                     let lambda = match scene.mode {
-                        ColorMode::Rgb => Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] },
+                        ColorMode::Rgb => Wavelengths::RGB,
                         ColorMode::Spectral => Wavelengths::sample_visible(common.get_1d(dimension::WAVELENGTH)),
                     };
+                    let lambda = lambda.at_time(common.get_1d(dimension::TIME));
                     let joint = partition.sampler(sampler, group, index, p.rank);
                     seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
                     weights.push(weight);

@@ -9,6 +9,7 @@ pub mod bounds;
 mod chi_square;
 pub mod color;
 pub mod distribution;
+pub mod elementary;
 pub mod error;
 pub mod frame;
 pub mod geometry;

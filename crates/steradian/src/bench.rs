@@ -47,7 +47,7 @@ pub fn ray_sets(scene: &Scene, most: usize) -> [RaySet; 3] {
 /// A shadow ray from a surface to a light.
 fn to_light(scene: &Scene, i: &Interaction, n: Vec3, choice: f32, u: Vec2) -> Option<Ray> {
     let lambda = match scene.mode {
-        ColorMode::Rgb => Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] },
+        ColorMode::Rgb => Wavelengths::RGB,
         ColorMode::Spectral => Wavelengths::sample_visible(0.5),
     };
     let context = LightContext { p: i.surface.p, n };

@@ -9,8 +9,8 @@ use steradian_scene::{
 /// Deepest nesting of materials in a parameter.
 const MAX_DEPTH: usize = 8;
 
-/// The scene of a material of a kind with parameters as text: a ball (the first shape) on a tiled floor under a soft light and a
-/// grey sky.
+/// The scene of a material of a kind with parameters as text: a ball (the first shape) on a tiled floor in a studio of three lamps under
+/// a dim sky.
 ///
 /// Numbers are written `0.5`, colours `0.8,0.2,0.1`, spectra by name (`metal-Au-eta`), pictures and measured data as file names,
 /// materials as `KIND` or `KIND(name=value;name=value)`, lists of them separated by `|`.
@@ -24,6 +24,35 @@ pub fn describe(kind: &str, params: &[(String, String)]) -> Result<SceneDesc, St
     place(&mut d, ball, Some(material), None);
     furnish(&mut d);
     Ok(d)
+}
+
+/// The geometry of a scene, all of it made of a material of a kind with parameters as text, under an even sky: what
+/// [`crate::instruments::goniometer::geometry`] looks at.
+///
+/// # Errors
+/// As [`describe`].
+pub fn cover(mut d: SceneDesc, kind: &str, params: &[(String, String)]) -> Result<SceneDesc, String> {
+    let material = add_material(&mut d, kind, params, 0)?;
+    for s in &mut d.shapes {
+        (s.material, s.emission, s.interior, s.exterior) = (Some(material), None, None, None);
+    }
+    let sky = d.add(Node::new(Family::Light, "environment", None));
+    d.lights = vec![sky];
+    if d.cameras.is_empty() {
+        let camera = d.add(Node::new(Family::Camera, "perspective", None));
+        d.cameras.push(camera);
+    }
+    Ok(d)
+}
+
+/// One mesh in its own coordinates, without a material.
+pub fn bare(mesh: Mesh) -> SceneDesc {
+    let mut d = SceneDesc { format: Format::Native, ..SceneDesc::default() };
+    let mesh = d.add_mesh(mesh);
+    let node = d.add(Node::new(Family::Shape, "mesh", None));
+    place(&mut d, node, None, None);
+    d.shapes[0].mesh = Some(mesh);
+    d
 }
 
 fn add_material(d: &mut SceneDesc, kind: &str, params: &[(String, String)], depth: usize) -> Result<NodeId, String> {
@@ -54,6 +83,10 @@ fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<V
     Ok(match p.kind {
         Kind::Number => Value::Float(number(text).ok_or_else(fault)?),
         Kind::Integer => Value::Int(text.parse().map_err(|_| fault())?),
+        Kind::List => {
+            let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+            Value::Floats(numbers.ok_or_else(fault)?)
+        }
         Kind::Flag => Value::Bool(text.parse().map_err(|_| fault())?),
         Kind::Word(_) => Value::String(text.into()),
         Kind::File => Value::Path(text.into()),
@@ -109,16 +142,28 @@ fn place(d: &mut SceneDesc, node: NodeId, material: Option<NodeId>, emission: Op
     });
 }
 
-/// Floor, light, sky and camera.
+/// The lamps: corners, and radiance. A large one from the left and behind the viewer, a cool strip on the right, one behind the ball.
+const LAMPS: [([[f32; 3]; 4], [f64; 3]); 3] = [
+    ([[-3.4, 1.6, -2.6], [-2.2, 4.4, -3.0], [-2.2, 4.4, -0.6], [-3.4, 1.6, -0.2]], [11.0, 10.0, 8.6]),
+    ([[3.4, 3.4, -2.0], [3.4, 0.4, -2.0], [3.6, 0.4, -1.4], [3.6, 3.4, -1.4]], [5.5, 6.4, 8.0]),
+    ([[-1.6, 4.6, 2.2], [1.6, 4.6, 2.2], [1.6, 5.2, 1.2], [-1.6, 5.2, 1.2]], [6.0, 6.0, 6.4]),
+];
+
+/// Floor, lamps, sky and camera.
 fn furnish(d: &mut SceneDesc) {
-    let grey = |v: f64| Value::Spectrum(SpectrumValue::Rgb([v; 3], ColorSpace::Srgb));
-    let tiles = Node::new(Family::Texture, "checkerboard", None).with("a", grey(0.55)).with("b", grey(0.2));
-    let tiles = d.add(tiles.with("scale_u", 16.0).with("scale_v", 16.0));
+    let color = |rgb: [f64; 3]| Value::Spectrum(SpectrumValue::Rgb(rgb, ColorSpace::Srgb));
+    let tiles = Node::new(Family::Texture, "checkerboard", None);
+    let tiles = tiles.with("a", color([0.42, 0.41, 0.39])).with("b", color([0.16, 0.16, 0.17]));
+    let tiles = d.add(tiles.with("scale_u", 24.0).with("scale_v", 24.0));
     let floor = d.add(Node::new(Family::Material, "diffuse", None).with("reflectance", Value::Node(tiles)));
-    quad(d, [[-8.0, 0.0, -8.0], [-8.0, 0.0, 8.0], [8.0, 0.0, 8.0], [8.0, 0.0, -8.0]], Some(floor), None);
-    let lamp = d.add(Node::new(Family::Light, "area", None).with("radiance", grey(14.0)));
-    quad(d, [[-2.6, 4.2, -2.6], [-1.2, 4.8, -2.6], [-1.2, 4.8, -1.0], [-2.6, 4.2, -1.0]], None, Some(lamp));
-    let sky = d.add(Node::new(Family::Light, "environment", None).with("radiance", grey(0.55)));
+    quad(d, [[-12.0, 0.0, -12.0], [-12.0, 0.0, 12.0], [12.0, 0.0, 12.0], [12.0, 0.0, -12.0]], Some(floor), None);
+    let black = d.add(Node::new(Family::Material, "diffuse", None).with("reflectance", 0.0));
+    for (corners, radiance) in LAMPS {
+        let lamp = Node::new(Family::Light, "area", None).with("radiance", color(radiance)).with("two_sided", true);
+        let lamp = d.add(lamp);
+        quad(d, corners, Some(black), Some(lamp));
+    }
+    let sky = d.add(Node::new(Family::Light, "environment", None).with("radiance", color([0.20, 0.24, 0.30])));
     d.lights.push(sky);
     let (from, to) = (DVec3::new(0.0, 2.1, -5.2), DVec3::new(0.0, 0.92, 0.0));
     let view = Transform::look_at(from, to, DVec3::Y).unwrap_or_default();
@@ -160,6 +205,19 @@ mod tests {
         let mixed = params(&[("materials", "diffuse(reflectance=0.8,0.1,0.1)|conductor(alpha_u=0.1;alpha_v=0.3)")]);
         let d = describe("mix", &mixed).expect("sound");
         assert!(compile(&d, &CompileOptions::default()).scene.is_some());
+    }
+
+    #[test]
+    fn geometry_is_covered_and_nothing_else_is_left() {
+        let triangle = Mesh {
+            positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let d = cover(bare(triangle), "diffuse", &params(&[("reflectance", "0.3")])).expect("sound");
+        let scene = compile(&d, &CompileOptions::default()).scene.expect("it compiles");
+        assert_eq!((scene.geometries.len(), d.lights.len()), (1, 1));
+        assert_eq!(scene.material_names[scene.geometries[0].material as usize], "diffuse");
     }
 
     #[test]

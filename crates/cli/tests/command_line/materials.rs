@@ -60,3 +60,27 @@ fn slips_are_named() {
     std::fs::write(place.path("long.json"), r#"[{"wo": [0,0,2], "wi": [0,0,1]}]"#).unwrap();
     place.refuse(2, &["material", "diffuse", "--eval", "long.json"], &["not of length one"]);
 }
+
+/// A random surface of mirrors loses next to nothing at the normal, and its table is a material that reflects as much.
+#[test]
+fn geometry_is_a_material() {
+    let place = Place::new();
+    let rough = ["material", "conductor", "--microsurface", "0.3", "--samples", "8192"];
+    let json = place.succeed(&[&rough[..], &["--albedo", "--table", "rough.txt", "--json"]].concat()).json();
+    let albedo = |k: usize| json["relief"][k]["albedo"].as_f64().unwrap();
+    assert!(albedo(0) > 0.99 && albedo(8) > 0.99 && albedo(8) <= 1.0, "{json}");
+    assert!(json["relief"][0]["single"].as_f64().unwrap() > 0.9, "{json}");
+    let json = place.succeed(&["material", "measured", "-p", "file=rough.txt", "--albedo", "--json"]).json();
+    let again = json["albedo"][2]["reflectance"][0].as_f64().unwrap();
+    assert!((again - albedo(2)).abs() < 0.08, "{again} of the table, {} of the surface", albedo(2));
+    // A flat square of a matt material is that material.
+    let square = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0 1 2 3\n";
+    std::fs::write(place.path("square.ply"), square).unwrap();
+    let flat = ["material", "diffuse", "-p", "reflectance=0.5", "--geometry", "square.ply", "--albedo"];
+    let text = place.succeed(&[&flat[..], &["--samples", "1024"]].concat()).stdout;
+    assert!(text.contains("  0.50000   0.50000"), "{text}");
+    place.refuse(2, &["material", "diffuse", "--geometry", "none.ply", "--albedo"], &["none.ply"]);
+    place.refuse(2, &["material", "diffuse", "--microsurface", "-1", "--albedo"], &["roughness"]);
+    place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
+}

@@ -40,7 +40,7 @@ impl Table {
         let mut mean = [0.0; SIZE];
         for (i, row) in at.iter_mut().enumerate() {
             for (j, v) in row.iter_mut().enumerate() {
-                *v = f(step(i).powi(2), step(j).max(1e-3)).clamp(0.0, 1.0);
+                *v = f(step(i).powi(2), step(j)).clamp(0.0, 1.0);
             }
             // Of the interpolant, exactly: Simpson's rule on each interval, where it is a parabola.
             mean[i] = (0..SIZE - 1)
@@ -55,7 +55,11 @@ impl Table {
 
     #[inline]
     fn get(&self, alpha: f32, cos: f32) -> f32 {
-        let ((i, s), (j, t)) = (place(alpha.max(0.0).sqrt()), place(cos));
+        self.at_place(place(alpha.max(0.0).sqrt()), place(cos))
+    }
+
+    #[inline]
+    fn at_place(&self, (i, s): (usize, f32), (j, t): (usize, f32)) -> f32 {
         let row = |i: usize| self.at[i][j] * (1.0 - t) + self.at[i][j + 1] * t;
         row(i) * (1.0 - s) + row(i + 1) * s
     }
@@ -80,7 +84,7 @@ fn points(n: u32) -> impl Iterator<Item = Vec2> {
 static GGX: LazyLock<[Table; 2]> = LazyLock::new(|| {
     [false, true].map(|grazing| {
         Table::new(|alpha, cos| {
-            let (facets, wo) = (Microfacet::ggx(alpha, alpha), at(cos));
+            let (facets, wo) = (Microfacet::ggx(alpha, alpha), at(cos.max(1e-3)));
             let weight = |c: f32| {
                 let w = (1.0 - c.clamp(0.0, 1.0)).powi(5);
                 if grazing { w } else { 1.0 - w }
@@ -103,7 +107,7 @@ static GGX: LazyLock<[Table; 2]> = LazyLock::new(|| {
 
 static SHEEN: LazyLock<Table> = LazyLock::new(|| {
     Table::new(|alpha, cos| {
-        let (alpha, wo) = (alpha.max(sheen::MIN_ALPHA), at(cos));
+        let (alpha, wo) = (alpha.max(sheen::MIN_ALPHA), at(cos.max(1e-3)));
         let n = 1024;
         let sum: f32 = points(n)
             .map(|u| {
@@ -120,7 +124,8 @@ static SHEEN: LazyLock<Table> = LazyLock::new(|| {
 /// The factors `A`, `B` of `f0` and `f90` in the albedo of a GGX surface of roughness `alpha` at a cosine.
 #[inline]
 pub(super) fn ggx(alpha: f32, cos: f32) -> [f32; 2] {
-    GGX.each_ref().map(|t| t.get(alpha, cos))
+    let (row, column) = (place(alpha.max(0.0).sqrt()), place(cos));
+    GGX.each_ref().map(|t| t.at_place(row, column))
 }
 
 /// The same, averaged over the hemisphere by the cosine.

@@ -11,8 +11,11 @@
 
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
 use super::phong::exponent_in_range;
-use std::f32::consts::{PI, TAU};
-use steradian_math::{Spectrum, Vec2, Vec3};
+use std::f32::consts::{LN_2, PI, TAU};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    elementary::{exp_m1, ln_1p, sin_cos_turns},
+};
 
 /// A lobe in the half vector.
 #[derive(Clone, Copy, Debug)]
@@ -41,22 +44,26 @@ impl GlossyLobe for HalfVectorLobe {
         !self.empirical
     }
 
+    fn is_reciprocal(&self) -> bool {
+        !self.empirical
+    }
+
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let Some(h) = (wo + wi).try_normalize() else { return (0.0, 0.0) };
         let n = self.exponent;
         let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-        let power = (-0.5 * n * tan2.ln_1p()).exp();
+        let power = (-0.5 * n * ln_1p(tan2)).exp();
         let pdf = (n + 1.0) / TAU * power / (4.0 * wo.dot(h)).max(1e-6);
         if self.empirical {
             return (power, pdf);
         }
-        let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * n).exp2() + n));
+        let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * LN_2 * n).exp() + n));
         (normalisation * power * wi.z, pdf)
     }
 
     fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
-        let tan2 = (-2.0 * (1.0 - u2.y).max(f32::MIN_POSITIVE).ln() / (self.exponent + 1.0)).exp_m1();
-        let (sin_phi, cos_phi) = (TAU * u2.x).sin_cos();
+        let tan2 = exp_m1(-2.0 * ((1.0 - u2.y).max(f32::MIN_POSITIVE)).ln() / (self.exponent + 1.0));
+        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let r = tan2.max(0.0).sqrt();
         let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0).try_normalize()?;
         (wo.dot(h) > 0.0).then(|| super::fresnel::reflect(wo, h))

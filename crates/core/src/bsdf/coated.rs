@@ -80,24 +80,12 @@ impl<'a> Coated<'a> {
         let (wi, lobe) = if u >= p {
             (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
-            return Some(BsdfSample {
-                wi: Vec3::new(-wo.x, -wo.y, wo.z),
-                weight: self.tint * (r / p),
-                pdf: p,
-                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
-                eta: 1.0,
-            });
+            return Some(BsdfSample::mirrored(wo, self.tint * (r / p), p));
         } else {
             (fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
         };
         let e = self.eval(wo, wi);
-        (e.pdf > 0.0).then(|| BsdfSample {
-            wi,
-            weight: e.value / e.pdf,
-            pdf: e.pdf,
-            lobe: Lobe::REFLECTION.with(lobe),
-            eta: 1.0,
-        })
+        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

@@ -51,24 +51,12 @@ impl Conductor {
             return None;
         }
         if self.microfacet.is_smooth() {
-            return Some(BsdfSample {
-                wi: Vec3::new(-wo.x, -wo.y, wo.z),
-                weight: self.reflectance(wo.z),
-                pdf: 1.0,
-                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
-                eta: 1.0,
-            });
+            return Some(BsdfSample::mirrored(wo, self.reflectance(wo.z), 1.0));
         }
         let m = self.microfacet.sample_visible(wo, u2);
         let wi = fresnel::reflect(wo, m);
         let e = self.of(self.microfacet.reflecting_at(m, wo, wi)?);
-        Some(BsdfSample {
-            wi,
-            weight: e.value / e.pdf,
-            pdf: e.pdf,
-            lobe: Lobe::REFLECTION.with(Lobe::GLOSSY),
-            eta: 1.0,
-        })
+        e.drawn(wi, Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

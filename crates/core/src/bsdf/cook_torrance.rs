@@ -129,25 +129,12 @@ impl CookTorrance {
         let (wi, lobe) = if u >= glossy {
             (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
-            return Some(BsdfSample {
-                wi: Vec3::new(-wo.x, -wo.y, wo.z),
-                weight: self.specular * self.reflectance.eval(wo.z) / glossy,
-                pdf: glossy,
-                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
-                eta: 1.0,
-            });
+            return Some(BsdfSample::mirrored(wo, self.specular * self.reflectance.eval(wo.z) / glossy, glossy));
         } else {
             (fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
         };
         let e = self.eval(wo, wi);
-        let weight = e.value / e.pdf;
-        (e.pdf > 0.0 && weight.is_finite()).then(|| BsdfSample {
-            wi,
-            weight,
-            pdf: e.pdf,
-            lobe: Lobe::REFLECTION.with(lobe),
-            eta: 1.0,
-        })
+        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

@@ -91,26 +91,14 @@ impl Dielectric {
             let facet = self.microfacet.refracting_at(m, wo, wi, eta)?;
             (wi, self.transmitted(facet, f, p, eta, mode), eta, Lobe::TRANSMISSION)
         };
-        (e.pdf > 0.0).then(|| BsdfSample {
-            wi,
-            weight: e.value / e.pdf,
-            pdf: e.pdf,
-            lobe: side.with(Lobe::GLOSSY),
-            eta,
-        })
+        e.drawn(wi, side.with(Lobe::GLOSSY), eta)
     }
 
     fn sample_smooth(&self, wo: Vec3, u: f32, mode: TransportMode) -> Option<BsdfSample> {
         let f = if self.is_matched() { 0.0 } else { fresnel::dielectric(wo.z, self.eta) };
         let p = self.reflection_probability(f)?;
         if u < p {
-            return Some(BsdfSample {
-                wi: Vec3::new(-wo.x, -wo.y, wo.z),
-                weight: self.reflectance * (f / p),
-                pdf: p,
-                lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
-                eta: 1.0,
-            });
+            return Some(BsdfSample::mirrored(wo, self.reflectance * (f / p), p));
         }
         let (wi, eta) = if self.is_matched() { (-wo, 1.0) } else { fresnel::refract(wo, Vec3::Z, self.eta)? };
         let p = 1.0 - p;

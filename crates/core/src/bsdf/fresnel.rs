@@ -266,6 +266,49 @@ mod tests {
         assert!(conductor(1.0, Spectrum::ZERO, Spectrum::ZERO).is_finite());
     }
 
+    /// Light through a prism of apex 60° is turned least by `2 asin(n sin 30°) − 60°` (M130), and more in the blue: glass spreads colours.
+    #[test]
+    fn a_prism_deviates_least_as_the_formula_says() {
+        let half = 30f32.to_radians();
+        let face = |side: f32| Vec3::new(side * half.cos(), half.sin(), 0.0);
+        let deviation = |n: f32, degrees: f32| {
+            // Light comes from the left and below, at an angle from the normal of the left face.
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let n_left = face(-1.0);
+            let w = Vec3::new(n_left.x * cos - n_left.y * sin, n_left.y * cos + n_left.x * sin, 0.0);
+            let (inside, _) = refract(w, face(-1.0), n)?;
+            // The index below the right face is the glass's, where the light comes from.
+            let (out, _) = refract(-inside, face(1.0), n)?;
+            Some((-w).angle_between(out))
+        };
+        for n in [1.5224f32, 1.5143] {
+            let least = (0..900).filter_map(|i| deviation(n, 0.1 * i as f32)).fold(f32::MAX, f32::min);
+            near(least, 2.0 * (n * half.sin()).asin() - 2.0 * half, 2e-4);
+        }
+    }
+
+    /// The primary rainbow stands 42.4° from the shadow of one's head in red light and lower in violet (M129): the most that one reflection
+    /// inside a drop turns light back by.
+    #[test]
+    fn the_rainbow_stands_at_its_angle() {
+        let bow = |n: f32| {
+            let angle = |b: f32| {
+                let (w, start) = (Vec3::X, Vec3::new((1.0 - b * b).sqrt(), b, 0.0));
+                let (inside, _) = refract(w, start, n)?;
+                let chord = |p: Vec3, d: Vec3| p - 2.0 * p.dot(d) * d;
+                let back = chord(start, inside);
+                let again = reflect(-inside, -back);
+                let exit = chord(back, again);
+                // Towards the drop's inside as the light sees it.
+                let (out, _) = refract(-again, exit, n)?;
+                Some(out.angle_between(w).to_degrees())
+            };
+            (1..2000).filter_map(|i| angle(i as f32 / 2000.0)).fold(0.0, f32::max)
+        };
+        near(bow(1.3311), 42.4, 0.06);
+        near(bow(1.3435), 40.6, 0.1);
+    }
+
     #[test]
     fn approximations_are_what_they_are_named() {
         near(f0_from_eta(2.417), 0.1724, 1e-3);

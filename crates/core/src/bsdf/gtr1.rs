@@ -1,8 +1,8 @@
 //! The generalised Trowbridge–Reitz distribution of exponent 1 (Burley 2012, "Physically-Based Shading at Disney", appendix B.2), whose long
 //! tail is Disney's clear coat: `D = (α² − 1) / (π ln α² (1 + (α² − 1) cos²θ))`, for `0 < α < 1`.
 
-use std::f32::consts::{PI, TAU};
-use steradian_math::{Vec2, Vec3};
+use std::f32::consts::PI;
+use steradian_math::{Vec2, Vec3, elementary::sin_cos_turns};
 
 /// `D` at a normal of this cosine (sr⁻¹).
 #[inline]
@@ -17,7 +17,7 @@ pub(super) fn d(alpha: f32, cos: f32) -> f32 {
 pub(super) fn sample(alpha: f32, u: Vec2) -> Vec3 {
     let a2 = alpha * alpha;
     let cos2 = ((1.0 - a2.powf(1.0 - u.y)) / (1.0 - a2)).clamp(0.0, 1.0);
-    let (sin, (sin_phi, cos_phi)) = ((1.0 - cos2).sqrt(), (TAU * u.x).sin_cos());
+    let (sin, (sin_phi, cos_phi)) = ((1.0 - cos2).sqrt(), sin_cos_turns(u.x));
     Vec3::new(sin * cos_phi, sin * sin_phi, cos2.sqrt())
 }
 

@@ -20,8 +20,11 @@
 //! The model keeps all energy that it does not absorb, but is not reciprocal: `A_p` and the tilts look at `wo` alone.
 
 use super::{BsdfEval, BsdfSample, Lobe, fresnel};
-use std::f32::consts::{LN_2, PI, TAU};
-use steradian_math::{Spectrum, Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    elementary::{atan2, sin_cos_turns},
+};
 
 /// Orders of scattering with a lobe of their own; what is left is the last lobe.
 const ORDERS: usize = 3;
@@ -38,8 +41,9 @@ pub struct Hair {
     eta: f32,
     /// Longitudinal variance of the first lobe.
     v0: f32,
-    /// Azimuthal scale of the logistic lobes.
+    /// Azimuthal scale of the logistic lobes, and how much of each lies within half a turn of its middle.
     s: f32,
+    within: f32,
     /// Sine and cosine of the tilt of the scales.
     tilt: [f32; 2],
     offset: Offset,
@@ -87,6 +91,7 @@ impl Hair {
             eta: if eta > 1.0 { eta.min(100.0) } else { 1.0 },
             v0: sqrt_v0 * sqrt_v0,
             s,
+            within: logistic_cdf(PI, s) - logistic_cdf(-PI, s),
             tilt: alpha.to_radians().sin_cos().into(),
             offset,
         }
@@ -107,7 +112,7 @@ impl Hair {
 
     #[inline]
     fn outgoing(&self, wo: Vec3) -> Outgoing {
-        let cos = wo.y.hypot(wo.z);
+        let cos = (wo.y * wo.y + wo.z * wo.z).sqrt();
         let h = match self.offset {
             Offset::Given(h) => h,
             Offset::FromNormal if cos > 0.0 => -wo.y / cos,
@@ -129,7 +134,7 @@ impl Hair {
         if sum > 0.0 {
             chance = chance.map(|c| c / sum);
         }
-        Outgoing { sin: wo.x, cos, phi: wo.z.atan2(wo.y), gamma_o: h.asin(), gamma_t: sin_gamma_t.asin(), a, chance }
+        Outgoing { sin: wo.x, cos, phi: atan2(wo.z, wo.y), gamma_o: h.asin(), gamma_t: sin_gamma_t.asin(), a, chance }
     }
 
     /// Longitudinal variance of a lobe.
@@ -155,11 +160,12 @@ impl Hair {
     /// `M_p N_p` of each lobe.
     #[inline]
     fn lobes(&self, o: &Outgoing, wi: Vec3) -> [f32; ORDERS + 1] {
-        let (sin_i, cos_i) = (wi.x, wi.y.hypot(wi.z));
-        let turn = wi.z.atan2(wi.y) - o.phi;
+        let (sin_i, cos_i) = (wi.x, (wi.y * wi.y + wi.z * wi.z).sqrt());
+        let turn = atan2(wi.z, wi.y) - o.phi;
         std::array::from_fn(|p| {
             let (sin_o, cos_o) = self.tilted(o, p);
-            let n = if p < ORDERS { trimmed_logistic(wrap(turn - specular_turn(p, o)), self.s) } else { 1.0 / TAU };
+            let n =
+                if p < ORDERS { logistic(wrap(turn - specular_turn(p, o)), self.s) / self.within } else { 1.0 / TAU };
             longitudinal(sin_i, cos_i, sin_o, cos_o, self.variance(p)) * n
         })
     }
@@ -193,22 +199,16 @@ impl Hair {
         // d'Eon et al. 2013, "Importance sampling for physically-based hair fiber models", eq. 6 and 7.
         let (sin_o, cos_o) = self.tilted(&o, p);
         let v = self.variance(p);
-        let cos = (1.0 + v * (u2.x + (1.0 - u2.x) * (-2.0 / v).exp()).max(1e-30).ln()).clamp(-1.0, 1.0);
-        let sin_i = (-cos * sin_o + safe_cos(cos) * (TAU * u).cos() * cos_o).clamp(-1.0, 1.0);
+        let cos = (1.0 + v * ((u2.x + (1.0 - u2.x) * (-2.0 / v).exp()).max(1e-30)).ln()).clamp(-1.0, 1.0);
+        let sin_i = (-cos * sin_o + safe_cos(cos) * sin_cos_turns(u).1 * cos_o).clamp(-1.0, 1.0);
         let cos_i = safe_cos(sin_i);
         let turn = if p < ORDERS { specular_turn(p, &o) + sample_trimmed_logistic(u2.y, self.s) } else { TAU * u2.y };
-        let (sin_phi, cos_phi) = (o.phi + turn).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turns((o.phi + turn) / TAU);
         let local = Vec3::new(sin_i, cos_i * cos_phi, cos_i * sin_phi);
         let e = self.eval_at(&o, local);
         let wi = if self.offset == Offset::FromNormal { Vec3::new(-local.y, local.x, local.z) } else { local };
         let side = if wo.z * wi.z < 0.0 { Lobe::TRANSMISSION } else { Lobe::REFLECTION };
-        (e.pdf > 0.0 && e.pdf.is_finite()).then(|| BsdfSample {
-            wi,
-            weight: e.value / e.pdf,
-            pdf: e.pdf,
-            lobe: side.with(Lobe::GLOSSY),
-            eta: 1.0,
-        })
+        e.drawn(wi, side.with(Lobe::GLOSSY), 1.0)
     }
 
     /// All light that is not absorbed, at this angle.
@@ -237,24 +237,21 @@ fn wrap(x: f32) -> f32 {
     x - TAU * (x / TAU).round()
 }
 
-/// `M_p`: a von Mises–Fisher lobe seen in `θ`, of unit integral with `cosθ_i dθ_i`.
+/// `M_p`: a von Mises–Fisher lobe seen in `θ`, of unit integral with `cosθ_i dθ_i`. The exponentials of `I₀` and of
+/// `2 sinh(1/v) = e^(1/v) (1 − e^(−2/v))` are taken together, which neither overflows nor loses digits.
 #[inline]
 fn longitudinal(sin_i: f32, cos_i: f32, sin_o: f32, cos_o: f32, v: f32) -> f32 {
-    let (a, b) = (cos_i * cos_o / v, sin_i * sin_o / v);
-    if v > 0.1 {
-        return (ln_bessel_i0(a) - b).exp() / (2.0 * v * (1.0 / v).sinh());
-    }
-    // sinh(1/v) is exp(1/v)/2 but for 10⁻⁹, and overflows alone.
-    (ln_bessel_i0(a) - b - 1.0 / v + LN_2 - (2.0 * v).ln()).exp()
+    let (power, factor) = bessel_i0(cos_i * cos_o / v);
+    factor * (power - (sin_i * sin_o + 1.0) / v).exp() / (v * (1.0 - (-2.0 / v).exp()))
 }
 
-/// `ln I₀(x)` for `x ≥ 0`, within 3·10⁻⁷ (Abramowitz & Stegun 1964, 9.8.1 and 9.8.2).
+/// `I₀(x) = factor · e^power` for `x ≥ 0`, within 3·10⁻⁷ (Abramowitz & Stegun 1964, 9.8.1 and 9.8.2).
 #[inline]
-fn ln_bessel_i0(x: f32) -> f32 {
+fn bessel_i0(x: f32) -> (f32, f32) {
     if x < 3.75 {
         let t = (x / 3.75) * (x / 3.75);
         let c = [0.004_581_3, 0.036_076_8, 0.265_973_2, 1.206_749_2, 3.089_942_4, 3.515_622_9, 1.0];
-        return c.into_iter().fold(0.0, |sum: f32, c| sum * t + c).ln();
+        return (0.0, c.into_iter().fold(0.0, |sum: f32, c| sum * t + c));
     }
     let t = 3.75 / x;
     let c = [
@@ -268,7 +265,7 @@ fn ln_bessel_i0(x: f32) -> f32 {
         0.013_285_92,
         0.398_942_3,
     ];
-    x - 0.5 * x.ln() + c.into_iter().fold(0.0, |sum: f32, c| sum * t + c).ln()
+    (x, c.into_iter().fold(0.0, |sum: f32, c| sum * t + c) / x.sqrt())
 }
 
 /// The logistic distribution function at `x`.
@@ -277,11 +274,11 @@ fn logistic_cdf(x: f32, s: f32) -> f32 {
     1.0 / (1.0 + (-x / s).exp())
 }
 
-/// The logistic density of scale `s`, cut to `(−π, π)`.
+/// The logistic density of scale `s`.
 #[inline]
-fn trimmed_logistic(x: f32, s: f32) -> f32 {
+fn logistic(x: f32, s: f32) -> f32 {
     let e = (-x.abs() / s).exp();
-    e / (s * (1.0 + e) * (1.0 + e) * (logistic_cdf(PI, s) - logistic_cdf(-PI, s)))
+    e / (s * (1.0 + e) * (1.0 + e))
 }
 
 #[inline]
@@ -300,7 +297,8 @@ mod tests {
     fn the_bessel_function_has_its_tabulated_values() {
         // By the series Σ (x/2)²ᵏ/k!² in double precision.
         for (x, i0) in [(0.0, 1.0), (1.0, 1.266_066), (3.7, 8.738_618), (5.0, 27.239_872), (12.0, 18_948.926)] {
-            let found = ln_bessel_i0(x).exp();
+            let (power, factor) = bessel_i0(x);
+            let found = factor * power.exp();
             assert!((found / i0 - 1.0).abs() < 2e-5, "I0({x}) = {found}, not {i0}");
         }
     }

@@ -214,13 +214,7 @@ impl Layered {
         let c = self.chances(wo);
         let (wi, lobe) = if u < c.reflect {
             if self.coat.is_smooth() {
-                return Some(BsdfSample {
-                    wi: Vec3::new(-wo.x, -wo.y, wo.z),
-                    weight: self.mirrored(wo) / c.reflect,
-                    pdf: c.reflect,
-                    lobe: Lobe::REFLECTION.with(Lobe::SPECULAR),
-                    eta: 1.0,
-                });
+                return Some(BsdfSample::mirrored(wo, self.mirrored(wo) / c.reflect, c.reflect));
             }
             (fresnel::reflect(wo, self.coat.sample_visible(wo, u2)), Lobe::GLOSSY)
         } else if u < c.reflect + c.lobe {
@@ -238,13 +232,7 @@ impl Layered {
         }
         let wi = wi.normalize();
         let e = self.eval(wo, wi);
-        (e.pdf > 0.0).then(|| BsdfSample {
-            wi,
-            weight: e.value / e.pdf,
-            pdf: e.pdf,
-            lobe: Lobe::REFLECTION.with(lobe),
-            eta: 1.0,
-        })
+        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

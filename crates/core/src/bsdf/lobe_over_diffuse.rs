@@ -10,6 +10,11 @@ pub trait GlossyLobe: Copy {
     /// sum.
     fn conserves(&self) -> bool;
 
+    /// Whether it is the same with the directions exchanged.
+    fn is_reciprocal(&self) -> bool {
+        true
+    }
+
     /// `f cosθ_i` for reflectance one, and the density with which `sample` draws `wi` (both sr⁻¹).
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32);
 
@@ -40,6 +45,10 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
         Self { diffuse, specular, lobe, glossy: if s > 0.0 { s / (d + s) } else { 0.0 } }
     }
 
+    pub(super) fn is_reciprocal(&self) -> bool {
+        self.lobe.is_reciprocal()
+    }
+
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
@@ -65,9 +74,7 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
             (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
         };
         let e = self.eval(wo, wi);
-        let weight = e.value / e.pdf;
-        let fine = e.pdf > 0.0 && e.pdf.is_finite() && weight.is_finite() && wi.is_finite();
-        fine.then(|| BsdfSample { wi, weight, pdf: e.pdf, lobe: Lobe::REFLECTION.with(lobe), eta: 1.0 })
+        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 
     pub(super) fn albedo_estimate(&self) -> Spectrum {

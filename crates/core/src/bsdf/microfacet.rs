@@ -65,6 +65,11 @@ impl Microfacet {
         Self::new(NormalDistribution::Ggx, Shadowing::HeightCorrelated, alpha_x, alpha_y)
     }
 
+    /// GGX of one roughness that is in range already.
+    pub(super) const fn isotropic(alpha: f32) -> Self {
+        Self { alpha_x: alpha, alpha_y: alpha, ..Self::SMOOTH }
+    }
+
     /// Whether the surface scatters as a delta distribution.
     #[inline]
     pub fn is_smooth(&self) -> bool {

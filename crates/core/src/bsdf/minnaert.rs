@@ -7,7 +7,7 @@
 
 use super::{BsdfEval, BsdfSample, Lobe};
 use std::f32::consts::TAU;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, elementary::sin_cos_turns};
 
 /// A reflector after Minnaert.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ impl Minnaert {
         }
         let cos = (1.0 - u2.y).powf(1.0 / (self.exponent + 1.0));
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * u2.x).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let wi = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
         let pdf = self.density(cos);
         let lobe = Lobe::REFLECTION.with(Lobe::DIFFUSE);

@@ -155,6 +155,23 @@ pub struct BsdfEval {
 impl BsdfEval {
     /// No light, never sampled.
     pub const ZERO: Self = Self { value: Spectrum::ZERO, pdf: 0.0 };
+
+    /// The sample of a direction of this value that was drawn with this density; `None` where that is no number to divide by.
+    #[inline]
+    pub(crate) fn drawn(self, wi: Vec3, lobe: Lobe, eta: f32) -> Option<BsdfSample> {
+        let weight = self.value / self.pdf;
+        let is_sound = self.pdf > 0.0 && self.pdf.is_finite() && weight.is_finite();
+        is_sound.then_some(BsdfSample { wi, weight, pdf: self.pdf, lobe, eta })
+    }
+}
+
+impl BsdfSample {
+    /// Mirror reflection at the surface, chosen with a probability.
+    #[inline]
+    pub(crate) fn mirrored(wo: Vec3, weight: Spectrum, probability: f32) -> Self {
+        let lobe = Lobe::REFLECTION.with(Lobe::SPECULAR);
+        Self { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf: probability, lobe, eta: 1.0 }
+    }
 }
 
 /// What is being carried along a path: the two differ where light is refracted (Veach 1997, 5.2).
@@ -231,9 +248,33 @@ pub enum Bsdf<'a> {
 const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
 
 impl Bsdf<'_> {
-    /// `f·|cosθ_i|` and the density with which [`Bsdf::sample`] draws `wi`; both zero for specular lobes.
+    /// `f·|cosθ_i|` and the density with which [`Bsdf::sample`] draws `wi`; both zero for specular lobes. The value for importance is
+    /// that for radiance with the directions exchanged (Veach 1997, 5.2), which for most models is the same.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        let e = self.eval_of_model(wo, wi, mode);
+        if mode == TransportMode::Radiance || !self.is_one_way() {
+            return e;
+        }
+        let back = self.eval_of_model(wi, wo, TransportMode::Radiance).value;
+        let cosines = if wo.z.abs() > 1e-6 { (wi.z / wo.z).abs() } else { 0.0 };
+        BsdfEval { value: back * cosines, pdf: e.pdf }
+    }
+
+    /// Whether it is another surface with the two directions exchanged.
+    #[inline]
+    fn is_one_way(&self) -> bool {
+        match self {
+            Self::Phong(b) => !b.is_reciprocal(),
+            Self::BlinnPhong(b) => !b.is_reciprocal(),
+            Self::CompensatedConductor(b) => !b.is_reciprocal(),
+            Self::Measured(_) | Self::Hair(_) => true,
+            _ => false,
+        }
+    }
+
+    #[inline]
+    fn eval_of_model(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         match self {
             Self::Diffuse(b) => b.eval(wo, wi),
             Self::DiffuseTransmission(b) => b.eval(wo, wi),
@@ -261,6 +302,15 @@ impl Bsdf<'_> {
     /// surface scatters nothing or the draw fell outside of the model (it counts as black).
     #[inline]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let mut drawn = self.sample_of_model(wo, u, u2, mode)?;
+        if mode == TransportMode::Importance && self.is_one_way() && !drawn.lobe.is_specular() {
+            drawn.weight = self.eval(wo, drawn.wi, mode).value / drawn.pdf;
+        }
+        Some(drawn)
+    }
+
+    #[inline]
+    fn sample_of_model(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         match self {
             Self::Diffuse(b) => b.sample(wo, u2),
             Self::DiffuseTransmission(b) => b.sample(wo, u, u2),
@@ -294,7 +344,8 @@ impl Bsdf<'_> {
             Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) | Self::Measured(_) | Self::Hair(_) => {
                 false
             }
-            Self::Pbr(_) | Self::Principled(_) | Self::PrincipledThin(_) => false,
+            Self::Principled(_) | Self::PrincipledThin(_) => false,
+            Self::Pbr(b) => b.is_specular(),
             Self::Layered(b) => b.is_specular(),
             Self::Conductor(b) => b.microfacet.is_smooth(),
             Self::Dielectric(b) => b.is_specular(),

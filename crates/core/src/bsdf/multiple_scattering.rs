@@ -88,10 +88,12 @@ impl EnergyTable {
     }
 }
 
+/// The entries are even in `√cos`; between them `E` is linear in the cosine, as it is towards the horizon.
 fn at(row: &[f32; ANGLES], cos: f32) -> f32 {
-    let x = cos.clamp(0.0, 1.0).sqrt() * (ANGLES - 1) as f32;
-    let i = (x as usize).min(ANGLES - 2);
-    row[i] + (row[i + 1] - row[i]) * (x - i as f32)
+    let cos = cos.clamp(0.0, 1.0) * ((ANGLES - 1) * (ANGLES - 1)) as f32;
+    let i = (cos.sqrt() as usize).min(ANGLES - 2);
+    let (low, high) = ((i * i) as f32, ((i + 1) * (i + 1)) as f32);
+    row[i] + (row[i + 1] - row[i]) * ((cos - low) / (high - low))
 }
 
 /// The albedo of perfectly reflecting facets, over a lattice of the normals that are seen.
@@ -176,14 +178,11 @@ impl<'a> CompensatedConductor<'a> {
             (fresnel::reflect(wo, self.conductor.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
         };
         let e = self.eval(wo, wi);
-        let weight = e.value / e.pdf;
-        (e.pdf > 0.0 && weight.is_finite()).then(|| BsdfSample {
-            wi,
-            weight,
-            pdf: e.pdf,
-            lobe: Lobe::REFLECTION.with(lobe),
-            eta: 1.0,
-        })
+        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
+    }
+
+    pub(super) fn is_reciprocal(&self) -> bool {
+        self.kind == Compensation::KullaConty
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

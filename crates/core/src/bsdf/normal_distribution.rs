@@ -15,7 +15,10 @@
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
-use steradian_math::{Vec2, Vec3};
+use steradian_math::{
+    Vec2, Vec3,
+    elementary::{atan2, exp_m1, ln_1p, sin_cos_turns},
+};
 
 /// The shape of the distribution of facet normals.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -93,7 +96,7 @@ impl NormalDistribution {
                     return 0.0;
                 }
                 let gamma = tail.gamma();
-                let log_power = -gamma * (slopes / (cos2 * (gamma - 1.0))).ln_1p();
+                let log_power = -gamma * ln_1p(slopes / (cos2 * (gamma - 1.0)));
                 log_power.exp() / (area * cos2 * cos2)
             }
             Self::Blinn => {
@@ -104,7 +107,7 @@ impl NormalDistribution {
                 }
                 let n = if sin2 > 0.0 { (nx * m.x * m.x + ny * m.y * m.y) / sin2 } else { 0.0 };
                 // ln cosθ by the tangent: the cosine itself is too coarse for narrow lobes.
-                let log_cos = -0.5 * (sin2 / cos2).ln_1p();
+                let log_cos = -0.5 * ln_1p(sin2 / cos2);
                 ((nx + 2.0) * (ny + 2.0)).sqrt() / TAU * (n * log_cos).exp()
             }
             Self::Gaussian => {
@@ -118,26 +121,26 @@ impl NormalDistribution {
     /// Draws a normal with the density [`NormalDistribution::sampled_density`].
     #[inline]
     pub(super) fn sample(self, alpha: Vec2, u: Vec2) -> Vec3 {
-        let (sin_phi, cos_phi) = (TAU * u.x).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turns(u.x);
         let tail = 1.0 - u.y;
         let tan2 = match self {
             Self::Ggx => u.y / tail,
             Self::Beckmann => -tail.ln(),
             Self::StudentT(t) => {
                 let k = t.gamma() - 1.0;
-                k * (-tail.ln() / k).exp_m1()
+                k * exp_m1(-tail.ln() / k)
             }
             Self::Blinn => {
                 // The azimuth has a density in proportion to 1/(n(φ) + 2).
                 let (nx, ny) = exponents(alpha);
                 let d = Vec2::new((ny + 2.0).sqrt() * cos_phi, (nx + 2.0).sqrt() * sin_phi).normalize_or(Vec2::X);
                 let n = nx * d.x * d.x + ny * d.y * d.y;
-                let tan = (-2.0 * tail.ln() / (n + 2.0)).exp_m1().max(0.0).sqrt();
+                let tan = exp_m1(-2.0 * tail.ln() / (n + 2.0)).max(0.0).sqrt();
                 return upright(Vec3::new(tan * d.x, tan * d.y, 1.0));
             }
             Self::Gaussian => {
                 let alpha = (alpha.x * alpha.y).sqrt();
-                let theta = alpha * (-(-u.y * gaussian_range(alpha)).ln_1p()).max(0.0).sqrt();
+                let theta = alpha * (-ln_1p(-u.y * gaussian_range(alpha))).max(0.0).sqrt();
                 let (sin, cos) = theta.min(FRAC_PI_2).sin_cos();
                 return upright(Vec3::new(sin * cos_phi, sin * sin_phi, cos));
             }
@@ -171,7 +174,7 @@ fn upright(m: Vec3) -> Vec3 {
 /// The angle between `m` and the z axis.
 #[inline]
 fn angle(m: Vec3) -> f32 {
-    m.x.hypot(m.y).atan2(m.z)
+    atan2((m.x * m.x + m.y * m.y).sqrt(), m.z)
 }
 
 /// `1 − exp(−(π/2α)²)`: the part of a Gaussian in the plane that lies inside the hemisphere's range of angles.

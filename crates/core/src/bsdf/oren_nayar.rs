@@ -17,7 +17,7 @@
 
 use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, elementary::atan2};
 
 /// Which of the forms.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -94,10 +94,10 @@ impl OrenNayar {
 
     fn full(&self, wo: Vec3, wi: Vec3, s: f32) -> Spectrum {
         let s2 = self.roughness * self.roughness;
-        let angle = |w: Vec3| w.x.hypot(w.y).atan2(w.z);
+        let angle = |w: Vec3| atan2((w.x * w.x + w.y * w.y).sqrt(), w.z);
         let (theta_o, theta_i) = (angle(wo), angle(wi));
         let (alpha, beta) = (theta_o.max(theta_i), theta_o.min(theta_i));
-        let sines = wo.x.hypot(wo.y) * wi.x.hypot(wi.y);
+        let sines = ((wo.x * wo.x + wo.y * wo.y) * (wi.x * wi.x + wi.y * wi.y)).sqrt();
         let cos_phi = if sines > 1e-9 { (s / sines).clamp(-1.0, 1.0) } else { 0.0 };
         let (steep, quarter) = (s2 / (s2 + 0.09), 2.0 * beta * FRAC_1_PI);
         let c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
@@ -129,7 +129,7 @@ impl OrenNayar {
 fn excess(cos: f32) -> f32 {
     let cos = cos.clamp(0.0, 1.0);
     let sin = (1.0 - cos * cos).sqrt();
-    let theta = sin.atan2(cos);
+    let theta = atan2(sin, cos);
     let tangent = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
     sin * (theta - sin * cos) + 2.0 / 3.0 * (tangent - sin)
 }

@@ -6,17 +6,19 @@
 //! F = metallic F_metal + (1 − metallic) F_dielectric                                  glTF 2.0, appendix B.2
 //! F_dielectric = f0 + (f90 − f0)(1 − c)⁵, of the facet; total reflection from inside   KHR_materials_specular, _ior
 //! F_metal = base + (1 − base)(1 − c)⁵ − k c (1 − c)⁶, with the edge's tint at 82°      Hoffman 2019; OpenPBR 1.1, eq. 24
+//! with a film: both interpolated to Airy's reflectance over an index of √F₀ = (n−1)/(n+1)   KHR_materials_iridescence
 //! B = (1 − E(wo))(1 − E(wi))/(1 − Ē) of the dielectric reflection                      albedo_table
 //! L = min over both directions of 1 − weight · E                                       KHR_materials_sheen, albedo scaling
 //! ```
 //!
 //! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the half-vector does at grazing
-//! angles. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume) let light pass without
-//! bending it and are the same from both sides. Colours are kept to 16 bits.
+//! angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume) let light pass without
+//! bending it and are the same from both sides. Colours and weights are kept to 16 bits.
 
 use super::principled::schlick_weight;
 use super::{
-    BsdfEval, BsdfSample, Lobe, Microfacet, TransportMode, albedo_table, fresnel, sample_cosine_hemisphere, sheen,
+    BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel, sample_cosine_hemisphere,
+    sheen,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3};
@@ -38,6 +40,21 @@ impl Unit4 {
     #[inline]
     fn most(self) -> f32 {
         f32::from(self.0.into_iter().max().unwrap_or(0)) * (1.0 / 65535.0)
+    }
+}
+
+/// A number in [0, 1] to 16 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Unit(u16);
+
+impl Unit {
+    fn new(v: f32) -> Self {
+        Self((unit(v) * 65535.0 + 0.5) as u16)
+    }
+
+    #[inline]
+    fn get(self) -> f32 {
+        f32::from(self.0) * (1.0 / 65535.0)
     }
 }
 
@@ -80,6 +97,10 @@ pub struct PbrParams {
     pub coat_color: Spectrum,
     /// Whether specular_color tints metal at the edge (OpenPBR) rather than the dielectric alone (glTF).
     pub tints_metal_edge: bool,
+    /// A film between base and coat.
+    pub film: ThinFilm,
+    /// How much of the base it covers.
+    pub film_weight: f32,
 }
 
 /// The surface at a point.
@@ -93,31 +114,33 @@ pub struct Pbr {
     refracted: Unit4,
     sheen: Unit4,
     coat_color: Unit4,
+    film: ThinFilm,
     facets: Microfacet,
-    coat_facets: Microfacet,
-    metallic: f32,
+    coat_alpha: f32,
     eta: f32,
-    f90: f32,
-    sheen_alpha: f32,
-    coat: f32,
-    coat_f0: f32,
+    film_weight: Unit,
+    /// The f0 with which Schlick's reflectance is nowhere below the dielectric's, film and all lanes included.
+    bound: Unit,
+    metallic: Unit,
+    f90: Unit,
+    sheen_alpha: Unit,
+    coat: Unit,
+    coat_f0: Unit,
     thin: bool,
 }
 
-/// Probabilities of the ways to draw a direction.
-struct Chances {
+/// What is known of a surface once it is seen from a side.
+struct Seen {
+    /// Probabilities of the ways to draw a direction.
     coat: f32,
     facets: f32,
     diffuse: f32,
+    /// `1 − E` of the dielectric reflection.
+    below: f32,
 }
 
 fn unit(v: f32) -> f32 {
     if v > 0.0 { v.min(1.0) } else { 0.0 }
-}
-
-/// Facets too smooth for a density are roughened to the least that has one: the model has no delta lobes.
-fn rough(m: Microfacet) -> Microfacet {
-    if m.is_smooth() { Microfacet::ggx(1.001e-3, 1.001e-3) } else { m }
 }
 
 impl Pbr {
@@ -129,26 +152,50 @@ impl Pbr {
         let opaque = (1.0 - metallic) * (1.0 - transmission);
         let specular = unit(p.specular);
         let coat_eta = if p.coat_eta > 1.0 { p.coat_eta.min(1e3) } else { 1.0 };
-        Self {
+        let f0 = Unit4::new((p.specular_color * fresnel::f0_from_eta(eta)).clamp(0.0, 1.0) * specular);
+        let mut surface = Self {
             metal: Unit4::new(p.base_color),
             edge: Unit4::new(if p.tints_metal_edge { p.specular_color } else { Spectrum::ONE }),
-            f0: Unit4::new((p.specular_color * fresnel::f0_from_eta(eta)).clamp(0.0, 1.0) * specular),
+            f0,
             diffuse: Unit4::new(p.base_color * (opaque * (1.0 - through))),
             through: Unit4::new(p.diffuse_transmission_color * (opaque * through)),
             refracted: Unit4::new(p.transmission_color * ((1.0 - metallic) * transmission)),
             sheen: Unit4::new(p.sheen_color),
             coat_color: Unit4::new(p.coat_color),
-            facets: rough(p.facets),
-            coat_facets: rough(p.coat_facets),
-            metallic,
+            film: p.film,
+            facets: p.facets,
+            coat_alpha: p.coat_facets.mean_alpha().min(1.0),
             // Refraction between equal media has no half-vector.
             eta: if eta < 1.001 { 1.001 } else { eta },
-            f90: specular,
-            sheen_alpha: (unit(p.sheen_roughness) * unit(p.sheen_roughness)).max(sheen::MIN_ALPHA),
-            coat: unit(p.coat),
-            coat_f0: fresnel::f0_from_eta(coat_eta),
+            film_weight: Unit::new(p.film_weight),
+            bound: Unit::new(f0.most()),
+            metallic: Unit::new(metallic),
+            f90: Unit::new(specular),
+            sheen_alpha: Unit::new((unit(p.sheen_roughness) * unit(p.sheen_roughness)).max(sheen::MIN_ALPHA)),
+            coat: Unit::new(p.coat),
+            coat_f0: Unit::new(fresnel::f0_from_eta(coat_eta)),
             thin: p.thin,
+        };
+        if surface.film_weight.0 > 0 {
+            surface.bound = Unit::new(surface.least_f0_above());
         }
+        surface
+    }
+
+    /// The least f0 of a Schlick reflectance that is nowhere below the dielectric's.
+    fn least_f0_above(&self) -> f32 {
+        let f90 = self.f90.get();
+        let at = |i: u8| {
+            let cos = f32::from(i) / 16.0;
+            let s = schlick_weight(cos);
+            (self.dielectric(cos).max_element() - f90 * s) / (1.0 - s)
+        };
+        (1..=16).map(at).fold(self.f0.most(), f32::max) + 0.01
+    }
+
+    #[inline]
+    fn coat_facets(&self) -> Microfacet {
+        Microfacet::isotropic(self.coat_alpha)
     }
 
     fn refracts(&self) -> bool {
@@ -164,6 +211,13 @@ impl Pbr {
         if self.refracts() { self.eta } else { 1.0 }
     }
 
+    /// Whether every lobe is a delta distribution.
+    pub(super) fn is_specular(&self) -> bool {
+        let smooth_coat = self.coat.0 == 0 || self.coat_facets().is_smooth();
+        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.most() == 0.0);
+        self.facets.is_smooth() && smooth_coat && nothing_else
+    }
+
     /// Reflectance of the dielectric where the cosine of the facet is `cos` (negative from inside).
     fn dielectric(&self, cos: f32) -> Spectrum {
         let outside = if cos >= 0.0 {
@@ -175,14 +229,27 @@ impl Pbr {
             }
             c2.sqrt()
         };
-        let f0 = self.f0.get();
-        f0 + (Spectrum::splat(self.f90) - f0) * schlick_weight(outside)
+        let (f0, f90) = (self.f0.get(), self.f90.get());
+        let bare = f0 + (Spectrum::splat(f90) - f0) * schlick_weight(outside);
+        if f90 > 0.0 { self.filmed(outside, bare, f0 / f90, f90) } else { bare }
+    }
+
+    /// A reflectance as the film changes it, over a base of reflectance `f0` at normal incidence; `factor` is on all of it.
+    #[inline]
+    fn filmed(&self, cos: f32, bare: Spectrum, f0: Spectrum, factor: f32) -> Spectrum {
+        if self.film_weight.0 == 0 {
+            return bare;
+        }
+        let root = f0.clamp(0.0, 0.9999).sqrt();
+        let index = root.map(|r| (1.0 + r) / (1.0 - r));
+        let film = self.film.reflectance(cos, index, Spectrum::ZERO) * factor;
+        bare + (film - bare) * self.film_weight.get()
     }
 
     /// Reflectance of base facets from outside.
     fn reflectance(&self, cos: f32) -> Spectrum {
         let dielectric = self.dielectric(cos);
-        if self.metallic == 0.0 {
+        if self.metallic.0 == 0 {
             return dielectric;
         }
         let (base, w) = (self.metal.get(), schlick_weight(cos));
@@ -190,39 +257,47 @@ impl Pbr {
         // Hoffman's term is the lack at cos = 1/7, brought to zero at normal and grazing incidence.
         let lack = schlick((6.0f32 / 7.0).powi(5)) * (Spectrum::ONE - self.edge.get());
         let shape = cos * (1.0 - cos).powi(6) / ((1.0 / 7.0) * (6.0f32 / 7.0).powi(6));
-        let metal = (schlick(w) - lack * shape).clamp(0.0, 1.0);
-        dielectric * (1.0 - self.metallic) + metal * self.metallic
+        let metal = self.filmed(cos, (schlick(w) - lack * shape).clamp(0.0, 1.0), base, 1.0);
+        let metallic = self.metallic.get();
+        dielectric * (1.0 - metallic) + metal * metallic
+    }
+
+    /// Reflectance of base facets from the side that the cosine is on.
+    #[inline]
+    fn reflectance_from(&self, cos: f32) -> Spectrum {
+        if cos >= 0.0 { self.reflectance(cos) } else { self.dielectric(cos) }
     }
 
     /// `1 − E` of the dielectric reflection, its strongest lane.
     fn below(&self, cos: f32) -> f32 {
         let [a, b] = albedo_table::ggx(self.facets.mean_alpha(), cos.abs());
-        (1.0 - self.f0.most() * a - self.f90 * b).clamp(0.0, 1.0)
+        (1.0 - self.bound.get() * a - self.f90.get() * b).clamp(0.0, 1.0)
     }
 
-    /// `B/π cosθ_i`.
-    fn lambert(&self, wo: Vec3, wi: Vec3) -> f32 {
+    /// `B/π cosθ_i`, where `below` is what the reflection leaves of light along `wo`.
+    fn lambert(&self, below: f32, wi: Vec3) -> f32 {
         let [a, b] = albedo_table::ggx_mean(self.facets.mean_alpha());
-        let mean = (1.0 - self.f0.most() * a - self.f90 * b).max(1e-3);
-        self.below(wo.z) * self.below(wi.z) / mean * FRAC_1_PI * wi.z.abs()
+        let mean = (1.0 - self.bound.get() * a - self.f90.get() * b).max(1e-3);
+        below * self.below(wi.z) / mean * FRAC_1_PI * wi.z.abs()
     }
 
     fn coat_albedo(&self, cos: f32) -> f32 {
-        if self.coat == 0.0 {
+        if self.coat.0 == 0 {
             return 0.0;
         }
-        let [a, b] = albedo_table::ggx(self.coat_facets.mean_alpha(), cos);
-        self.coat * (self.coat_f0 * a + b)
+        let [a, b] = albedo_table::ggx(self.coat_alpha, cos);
+        self.coat.get() * (self.coat_f0.get() * a + b)
     }
 
     /// What sheen leaves to the layers below it at one cosine.
     fn sheen_leaves(&self, cos: f32) -> f32 {
-        1.0 - self.sheen.most() * albedo_table::sheen(self.sheen_alpha, cos)
+        let sheen = self.sheen.most();
+        if sheen == 0.0 { 1.0 } else { 1.0 - sheen * albedo_table::sheen(self.sheen_alpha.get(), cos) }
     }
 
     /// What the coat leaves of light that sees it at these cosines on its way, and the colour it gives.
     fn coat_leaves(&self, cosines: &[f32]) -> Spectrum {
-        if self.coat == 0.0 {
+        if self.coat.0 == 0 {
             return Spectrum::ONE;
         }
         let most = cosines.iter().map(|c| self.coat_albedo(*c)).fold(0.0, f32::max);
@@ -234,20 +309,30 @@ impl Pbr {
             let way: f32 = cosines.iter().map(|c| 0.5 / (1.0 - (1.0 - c * c) / 2.25).sqrt()).sum();
             self.coat_color.get().map(|c| c.powf(way))
         };
-        (Spectrum::ONE + (kept - Spectrum::ONE) * self.coat) * (1.0 - most)
+        (Spectrum::ONE + (kept - Spectrum::ONE) * self.coat.get()) * (1.0 - most)
     }
 
-    fn chances(&self, wo: Vec3) -> Chances {
+    /// Reflectance of the coat's facets.
+    #[inline]
+    fn coat_reflectance(&self, cos: f32) -> f32 {
+        let f0 = self.coat_f0.get();
+        self.coat.get() * (f0 + (1.0 - f0) * schlick_weight(cos))
+    }
+
+    fn seen_from(&self, wo: Vec3) -> Seen {
         let cos = wo.z.abs();
         let [a, b] = albedo_table::ggx(self.facets.mean_alpha(), cos);
         let coat = self.coat_albedo(cos);
-        let reflected =
-            self.metallic * self.metal.most().max(b) + (1.0 - self.metallic) * (self.f0.most() * a + self.f90 * b);
+        let (metallic, film) = (self.metallic.get(), 0.5 * self.film_weight.get());
+        let dielectric = self.bound.get() * a + self.f90.get() * b;
+        let reflected = metallic * self.metal.most().max(b).max(film) + (1.0 - metallic) * dielectric;
         let facets = (1.0 - coat) * (reflected + self.refracted.most()).max(0.02);
-        let below = self.below(cos) * (self.diffuse.most() + self.through.most());
-        let diffuse = (1.0 - coat) * below + self.sheen.most() * albedo_table::sheen(self.sheen_alpha, cos);
+        let below = (1.0 - dielectric).clamp(0.0, 1.0);
+        let sheen = self.sheen.most();
+        let sheen = if sheen > 0.0 { sheen * albedo_table::sheen(self.sheen_alpha.get(), cos) } else { 0.0 };
+        let diffuse = (1.0 - coat) * below * (self.diffuse.most() + self.through.most()) + sheen;
         let total = coat + facets + diffuse;
-        Chances { coat: coat / total, facets: facets / total, diffuse: diffuse / total }
+        Seen { coat: coat / total, facets: facets / total, diffuse: diffuse / total, below }
     }
 
     /// The part of the diffuse draws that goes through.
@@ -280,31 +365,38 @@ impl Pbr {
     }
 
     fn eval_outside(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        let c = self.chances(wo);
+        let c = self.seen_from(wo);
         let mut e = BsdfEval::ZERO;
+        let is_rough = !self.facets.is_smooth();
         if wi.z > 0.0 {
-            if let Some(facet) = self.facets.reflecting(wo, wi) {
+            if is_rough && let Some(facet) = self.facets.reflecting(wo, wi) {
                 let f = self.reflectance(facet.cos_o);
                 e.value = f * facet.value;
                 e.pdf = c.facets * self.reflecting_part(f) * facet.pdf;
             }
-            e.value += self.diffuse.get() * self.lambert(wo, wi);
+            if self.diffuse.most() > 0.0 {
+                e.value += self.diffuse.get() * self.lambert(c.below, wi);
+            }
             e.pdf += c.diffuse * (1.0 - self.through_part()) * FRAC_1_PI * wi.z;
             if self.sheen.most() > 0.0 {
                 e.value *= self.sheen_leaves(wo.z).min(self.sheen_leaves(wi.z));
-                e.value += self.sheen.get() * sheen::value(self.sheen_alpha, wo, wi);
+                e.value += self.sheen.get() * sheen::value(self.sheen_alpha.get(), wo, wi);
             }
-            if self.coat > 0.0 {
+            if self.coat.0 > 0 {
                 e.value *= self.coat_leaves(&[wo.z, wi.z]);
-                if let Some(facet) = self.coat_facets.reflecting(wo, wi) {
-                    let f = self.coat_f0 + (1.0 - self.coat_f0) * schlick_weight(facet.cos_o);
-                    e.value += Spectrum::splat(self.coat * f * facet.value);
+                let facets = self.coat_facets();
+                if !facets.is_smooth()
+                    && let Some(facet) = facets.reflecting(wo, wi)
+                {
+                    e.value += Spectrum::splat(self.coat_reflectance(facet.cos_o) * facet.value);
                     e.pdf += c.coat * facet.pdf;
                 }
             }
             return e;
         }
-        if self.refracts() {
+        if !is_rough {
+            // Light that goes through does so in one direction.
+        } else if self.refracts() {
             if let Some(facet) = self.facets.refracting(wo, wi, self.eta) {
                 let (value, p) = self.transmitted(facet.cos_o);
                 let layers = self.coat_leaves(&[wo.z]) * self.sheen_leaves(wo.z);
@@ -319,7 +411,7 @@ impl Pbr {
             e.pdf = c.facets * p * facet.pdf;
         }
         if self.through.most() > 0.0 {
-            e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(wo, wi);
+            e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c.below, wi);
             e.pdf += c.diffuse * self.through_part() * FRAC_1_PI * -wi.z;
         }
         e
@@ -333,12 +425,14 @@ impl Pbr {
 
     /// What a facet lets pass, and the part of its draws that does.
     fn transmitted(&self, cos: f32) -> (Spectrum, f32) {
-        let f = self.dielectric(cos);
-        let reflected = if cos >= 0.0 { self.reflectance(cos) } else { f };
-        (self.refracted.get() * (Spectrum::ONE - f), 1.0 - self.reflecting_part(reflected))
+        let passing = 1.0 - self.reflecting_part(self.reflectance_from(cos));
+        (self.refracted.get() * (Spectrum::ONE - self.dielectric(cos)), passing)
     }
 
     fn eval_inside(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        if self.facets.is_smooth() {
+            return BsdfEval::ZERO;
+        }
         let eta = 1.0 / self.eta;
         if wi.z < 0.0 {
             return self.facets.reflecting(wo, wi).map_or(BsdfEval::ZERO, |facet| {
@@ -360,16 +454,29 @@ impl Pbr {
         let is_inside = wo.z < 0.0 && self.refracts();
         let turn = if wo.z < 0.0 && !is_inside { -1.0 } else { 1.0 };
         let seen = wo * turn;
-        let c = if is_inside { Chances { coat: 0.0, facets: 1.0, diffuse: 0.0 } } else { self.chances(seen) };
+        let c =
+            if is_inside { Seen { coat: 0.0, facets: 1.0, diffuse: 0.0, below: 0.0 } } else { self.seen_from(seen) };
         let mut eta = 1.0;
         let (wi, lobe) = if u < c.coat {
-            (fresnel::reflect(seen, self.coat_facets.sample_visible(seen, u2)), Lobe::GLOSSY)
+            let facets = self.coat_facets();
+            if facets.is_smooth() {
+                let s = self.mirrored(seen, &c);
+                return Some(BsdfSample { wi: s.wi * turn, ..s });
+            }
+            (fresnel::reflect(seen, facets.sample_visible(seen, u2)), Lobe::GLOSSY)
         } else if u < c.coat + c.facets {
             let u = (u - c.coat) / c.facets;
+            if self.facets.is_smooth() {
+                let s = if u < self.reflecting_part(self.reflectance_from(seen.z)) {
+                    self.mirrored(seen, &c)
+                } else {
+                    self.passed(seen, &c, mode)?
+                };
+                return Some(BsdfSample { wi: s.wi * turn, ..s });
+            }
             let m = self.facets.sample_visible(seen, u2);
             let cos = seen.dot(m);
-            let f = if is_inside { self.dielectric(cos) } else { self.reflectance(cos) };
-            if u < self.reflecting_part(f) {
+            if u < self.reflecting_part(self.reflectance_from(cos)) {
                 (fresnel::reflect(seen, m), Lobe::GLOSSY)
             } else if self.thin {
                 let w = fresnel::reflect(seen, m);
@@ -390,14 +497,43 @@ impl Pbr {
         let lobe = if lobe.is_transmission() { lobe } else { lobe.with(Lobe::REFLECTION) };
         let wi = wi * turn;
         let e = self.eval(wo, wi, mode);
-        (e.pdf > 0.0 && e.pdf.is_finite()).then(|| BsdfSample { wi, weight: e.value / e.pdf, pdf: e.pdf, lobe, eta })
+        e.drawn(wi, lobe, eta)
+    }
+
+    /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base alone.
+    fn mirrored(&self, wo: Vec3, c: &Seen) -> BsdfSample {
+        let (mut value, mut chance) = (Spectrum::ZERO, 0.0);
+        if self.facets.is_smooth() {
+            let f = self.reflectance_from(wo.z);
+            value = if wo.z > 0.0 { f * self.layers(wo.z, wo.z) } else { f };
+            chance = c.facets * self.reflecting_part(f);
+        }
+        if c.coat > 0.0 && self.coat_facets().is_smooth() {
+            value += Spectrum::splat(self.coat_reflectance(wo.z));
+            chance += c.coat;
+        }
+        BsdfSample::mirrored(wo, value / chance, chance)
+    }
+
+    /// Light that smooth facets of the base let pass.
+    fn passed(&self, wo: Vec3, c: &Seen, mode: TransportMode) -> Option<BsdfSample> {
+        let (value, passing) = self.transmitted(wo.z);
+        let (pdf, lobe) = (c.facets * passing, Lobe::TRANSMISSION.with(Lobe::SPECULAR));
+        if self.thin {
+            let weight = value * self.layers(wo.z, wo.z) / pdf;
+            return Some(BsdfSample { wi: -wo, weight, pdf, lobe, eta: 1.0 });
+        }
+        let (wi, eta) = fresnel::refract(wo, Vec3::Z, self.eta)?;
+        let above = wo.z.max(wi.z);
+        let layers = self.coat_leaves(&[above]) * self.sheen_leaves(above);
+        Some(BsdfSample { wi, weight: value * layers * (mode.compression(eta) / pdf), pdf, lobe, eta })
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let cos = wo.z.abs();
         let below = (self.diffuse.get() + self.through.get() + self.refracted.get()) * self.below(cos);
         let under = self.reflectance(cos) + below;
-        let sheen = self.sheen.get() * albedo_table::sheen(self.sheen_alpha, cos);
+        let sheen = self.sheen.get() * albedo_table::sheen(self.sheen_alpha.get(), cos);
         let layered = (under * self.sheen_leaves(cos) + sheen) * self.coat_leaves(&[cos, cos]);
         (layered + Spectrum::splat(self.coat_albedo(cos))).clamp(0.0, 1.0)
     }

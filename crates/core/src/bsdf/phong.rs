@@ -13,7 +13,10 @@
 
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
 use std::f32::consts::TAU;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    elementary::{exp_m1, ln_1p, sin_cos_turns},
+};
 
 /// A cosine lobe.
 #[derive(Clone, Copy, Debug)]
@@ -71,11 +74,15 @@ impl CosineLobe {
 /// exponents.
 fn cosine_power(a: Vec3, b: Vec3, n: f32) -> f32 {
     let versine = 0.5 * (a - b).length_squared();
-    if versine >= 1.0 { 0.0 } else { (n * (-versine).ln_1p()).exp() }
+    if versine >= 1.0 { 0.0 } else { (n * ln_1p(-versine)).exp() }
 }
 
 impl GlossyLobe for CosineLobe {
     fn conserves(&self) -> bool {
+        !self.empirical
+    }
+
+    fn is_reciprocal(&self) -> bool {
         !self.empirical
     }
 
@@ -93,9 +100,9 @@ impl GlossyLobe for CosineLobe {
     fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
         let (axis, _) = self.axis(wo)?;
         // The angle by 1 − cosα, which is small for large exponents.
-        let versine = -((1.0 - u2.y).max(f32::MIN_POSITIVE).ln() / (self.exponent + 1.0)).exp_m1();
+        let versine = -exp_m1(((1.0 - u2.y).max(f32::MIN_POSITIVE)).ln() / (self.exponent + 1.0));
         let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * u2.x).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let (s, t) = axis.any_orthonormal_pair();
         Some((s * (sin * cos_phi) + t * (sin * sin_phi) + axis * (1.0 - versine)).normalize_or(axis))
     }

@@ -151,7 +151,7 @@ struct Weights {
 
 impl Principled {
     /// No case of the model that stays in its ranges and has a base of moderate hue sends back more than this part of the light.
-    pub const ALBEDO_BOUND: f32 = 1.6;
+    pub const ALBEDO_BOUND: f32 = 1.75;
 
     /// The surface of `p`.
     pub fn new(p: &PrincipledParams) -> Self {
@@ -282,7 +282,7 @@ impl Principled {
             return None;
         }
         let e = self.eval_with(&w, wo, wi, mode);
-        (e.pdf > 0.0 && e.pdf.is_finite()).then(|| BsdfSample { wi, weight: e.value / e.pdf, pdf: e.pdf, lobe, eta })
+        e.drawn(wi, lobe, eta)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

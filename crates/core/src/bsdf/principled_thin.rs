@@ -125,13 +125,7 @@ impl PrincipledThin {
             return None;
         }
         let e = self.eval(wo, wi);
-        (e.pdf > 0.0 && e.pdf.is_finite()).then(|| BsdfSample {
-            wi,
-            weight: e.value / e.pdf,
-            pdf: e.pdf,
-            lobe,
-            eta: 1.0,
-        })
+        e.drawn(wi, lobe, 1.0)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

@@ -2,7 +2,8 @@
 
 use super::{
     Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Hair, Layered, Measured,
-    Microfacet, NormalDistribution, Pbr, Principled, PrincipledThin, Shadowing, Tail, ThinDielectric, classical,
+    Microfacet, NormalDistribution, Pbr, Principled, PrincipledThin, Shadowing, Tail, ThinDielectric, ThinFilm,
+    classical,
     hair::Offset,
     layered::{Base, Walk},
     measured,
@@ -51,7 +52,8 @@ pub const MODELS: &[Model] = &[
     Model { name: "lafortune", doc: "cosine lobe around a transformed direction", cases: classical::lafortune },
     Model { name: "blinn-phong", doc: "normalised cosine lobe in the half vector", cases: classical::blinn_phong },
     Model { name: "blinn-phong-empirical", doc: "without normalisation", cases: classical::blinn_phong_empirical },
-    Model { name: "ward", doc: "Gaussian lobe, Ward's own and the bounded normalisation", cases: classical::ward },
+    Model { name: "ward", doc: "Gaussian lobe, the bounded normalisation", cases: classical::ward },
+    Model { name: "ward-original", doc: "Gaussian lobe, Ward's own normalisation", cases: classical::ward_original },
     Model { name: "ward-duer", doc: "Gaussian lobe, Dür's normalisation", cases: classical::ward_duer },
     Model { name: "cook-torrance", doc: "facets over a diffuse bulk", cases: classical::cook_torrance },
     Model { name: "conductor-kulla-conty", doc: "metal with light between facets", cases: classical::kulla_conty },
@@ -70,7 +72,8 @@ pub const NON_RECIPROCAL: &[&str] =
     &["phong-empirical", "blinn-phong-empirical", "conductor-turquin", "measured-one-way", "hair"];
 
 /// Models that may reflect more light than they get.
-pub const NON_CONSERVING: &[&str] = &["minnaert-bright-limb", "phong-empirical", "blinn-phong-empirical", "ward-duer"];
+pub const NON_CONSERVING: &[&str] =
+    &["minnaert-bright-limb", "phong-empirical", "blinn-phong-empirical", "ward-original", "ward-duer"];
 
 pub(super) const GREY: Spectrum = Spectrum::new([0.2, 0.5, 0.8, 0.4]);
 
@@ -331,8 +334,8 @@ fn principled_thin(visit: &mut Visitor<'_>) {
 }
 
 fn pbr(visit: &mut Visitor<'_>) {
-    let mut case = |label, params: PbrParams| {
-        visit(Case { label, bsdf: Bsdf::Pbr(Pbr::new(&params)), lossless: false });
+    let mut furnace = |label, params: PbrParams, lossless| {
+        visit(Case { label, bsdf: Bsdf::Pbr(Pbr::new(&params)), lossless });
     };
     let p = PbrParams {
         base_color: GREY,
@@ -353,9 +356,33 @@ fn pbr(visit: &mut Visitor<'_>) {
         coat_eta: 1.5,
         coat_color: Spectrum::ONE,
         tints_metal_edge: false,
+        film: ThinFilm::new(1.3, 0.0, None),
+        film_weight: 0.0,
     };
     let white = PbrParams { base_color: Spectrum::ONE, ..p };
+    let clear = PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, facets: Microfacet::SMOOTH, ..white };
+    furnace("smooth pane", clear, true);
+    furnace("smooth glass", PbrParams { thin: false, ..clear }, true);
+    let oxide = ThinFilm::new(2.2, 900.0, Some([450.0, 500.0, 560.0, 640.0]));
+    furnace("film on a smooth pane", PbrParams { film: oxide, film_weight: 1.0, ..clear }, true);
+    let mut case = |label, params: PbrParams| furnace(label, params, false);
     case("plain", p);
+    case("smooth metal", PbrParams { metallic: 1.0, facets: Microfacet::SMOOTH, ..p });
+    case("smooth, white", PbrParams { facets: Microfacet::SMOOTH, ..white });
+    let smooth_coat = PbrParams { coat: 0.8, coat_facets: Microfacet::SMOOTH, ..white };
+    case("smooth lacquer", smooth_coat);
+    case("smooth lacquer on smooth coloured glass", PbrParams { thin: false, coat_color: GREY, ..clear });
+    case(
+        "smooth lacquer on smooth glass",
+        PbrParams { thin: false, coat: 1.0, coat_facets: Microfacet::SMOOTH, ..clear },
+    );
+    let soap = ThinFilm::new(1.33, 380.0, None);
+    case("film on white", PbrParams { film: soap, film_weight: 1.0, ..white });
+    case("film on metal", PbrParams { film: oxide, film_weight: 0.7, metallic: 0.6, ..white });
+    case(
+        "film on rough glass",
+        PbrParams { film: soap, film_weight: 0.5, thin: false, facets: Microfacet::ggx(0.2, 0.2), ..clear },
+    );
     case("white, rough", PbrParams { facets: Microfacet::ggx(1.0, 1.0), ..white });
     case("white, dense", PbrParams { eta: 2.4, facets: Microfacet::ggx(0.1, 0.1), ..white });
     case("metal, stretched", PbrParams { metallic: 1.0, facets: Microfacet::ggx(0.5, 0.1), ..p });

@@ -231,6 +231,23 @@ mod tests {
         assert!(at(0.25 * wave + 30.0) > 1e-3);
     }
 
+    /// Newton's colours of a soap film as it grows (M132): white of the first order, then without blue, without green, and without red.
+    #[test]
+    fn colours_of_a_growing_film_come_in_their_order() {
+        let seen =
+            |thickness| ThinFilm::new(1.33, thickness, None).reflectance(1.0, Spectrum::ONE, Spectrum::ZERO).to_rgb();
+        let black = seen(5.0);
+        assert!(black.iter().all(|v| *v < 2e-3), "thinner than light is black: {black:?}");
+        let [white, amber, magenta, blue] = [100.0, 165.0, 205.0, 250.0].map(seen);
+        let least = |c: [f32; 3]| (0..3).min_by(|a, b| c[*a].total_cmp(&c[*b]));
+        assert!(white.iter().all(|v| *v > 0.75 * white[1]), "{white:?}");
+        assert_eq!(
+            (least(amber), least(magenta), least(blue)),
+            (Some(2), Some(1), Some(0)),
+            "{amber:?} {magenta:?} {blue:?}"
+        );
+    }
+
     /// RGB is the average of the spectral sum under the response of each channel.
     #[test]
     fn the_series_for_rgb_is_the_average_over_wavelengths() {

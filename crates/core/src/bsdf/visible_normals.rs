@@ -2,12 +2,12 @@
 
 use super::gaussian::{erf, erf_inv};
 use std::f32::consts::PI;
-use steradian_math::{Vec2, Vec3};
+use steradian_math::{Vec2, Vec3, elementary::sin_cos_turns};
 
 /// A visible normal of GGX with `α = 1`: the mirror direction of a visible hemisphere is uniform on a spherical cap, so the
 /// normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023). `w.z ≥ 0`.
 pub(super) fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
-    let (sin_phi, cos_phi) = (2.0 * PI * u.x).sin_cos();
+    let (sin_phi, cos_phi) = sin_cos_turns(u.x);
     let z = (1.0 - u.y) * (1.0 + w.z) - w.z;
     let r = (1.0 - z * z).max(0.0).sqrt();
     Vec3::new(r * cos_phi, r * sin_phi, z) + w
@@ -16,12 +16,12 @@ pub(super) fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
 /// A visible normal of Beckmann with `α = 1`: the slope along `w` by inverting its cumulative distribution numerically in the
 /// variable `x = erf(slope)`, the slope across is Gaussian (Heitz & d'Eon 2014; the domain is Jakob's, 2014). `w.z ≥ 0`.
 pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
-    let sin = w.x.hypot(w.y);
+    let sin = (w.x * w.x + w.y * w.y).sqrt();
     let across = erf_inv(2.0 * u.y - 1.0);
     if sin < 1e-4 {
         // From straight above all slopes are seen alike.
-        let (sin_phi, cos_phi) = (2.0 * PI * u.x).sin_cos();
-        let r = (-(1.0 - u.y).max(f32::MIN_POSITIVE).ln()).sqrt();
+        let (sin_phi, cos_phi) = sin_cos_turns(u.x);
+        let r = (-((1.0 - u.y).max(f32::MIN_POSITIVE)).ln()).sqrt();
         return Vec3::new(r * cos_phi, r * sin_phi, 1.0);
     }
     let along = beckmann_slope(w.z.max(1e-6) / sin, u.x);
@@ -41,7 +41,7 @@ fn beckmann_slope(cot: f32, u: f32) -> f32 {
     let (mut lo, mut hi) = (-1.0f32, erf(cot));
     let target = u.clamp(1e-6, 1.0 - 1e-6) * cumulative(hi, cot);
     // The solution at grazing incidence is known and is the hardest case.
-    let mut x = (hi - (hi + 1.0) * erf((-u.clamp(1e-6, 1.0 - 1e-6).ln()).sqrt())).clamp(lo, hi);
+    let mut x = (hi - (hi + 1.0) * erf((-(u.clamp(1e-6, 1.0 - 1e-6)).ln()).sqrt())).clamp(lo, hi);
     let mut slope = erf_inv(x);
     for _ in 0..10 {
         let excess = cumulative(x, slope) - target;

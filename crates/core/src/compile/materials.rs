@@ -522,7 +522,7 @@ pub(super) fn combine(a: &Color, b: &Color, f: impl Fn(f32, f32) -> f32) -> Colo
             Color::Lanes(Spectrum::new(std::array::from_fn(|i| f(a[i], b[i]))))
         }
         _ => Color::Spectral(Spd::Dense(Arc::new(Dense::new(|l| {
-            let w = Wavelengths { lambda: [l; 4], pdf: [1.0; 4] };
+            let w = Wavelengths::at([l; 4]);
             f(a.eval(&w)[0], b.eval(&w)[0])
         })))),
     }

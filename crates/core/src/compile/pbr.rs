@@ -20,13 +20,8 @@ const fn grey(v: f64) -> SpectrumValue {
 impl Compiler<'_> {
     /// glTF 2.0's metallic-roughness surface with its extensions.
     pub(super) fn metallic_roughness(&mut self, node: &Node) -> Model {
-        self.name_losses(
-            node,
-            &[
-                ("iridescence", "thin films on this surface are not implemented"),
-                ("anisotropy_rotation", "the anisotropy follows the tangent, unrotated"),
-            ],
-        );
+        self.name_losses(node, &[("anisotropy_rotation", "the anisotropy follows the tangent, unrotated")]);
+        let film = self.film_on_base(node, "iridescence", ("iridescence_thickness", 400.0), ("iridescence_eta", 1.3));
         Model::Pbr(Box::new(PbrMaterial {
             base_color: self.spectrum(node, "base_color", Role::Albedo, grey(1.0)),
             base_weight: FloatTexture::Constant(1.0),
@@ -49,6 +44,7 @@ impl Compiler<'_> {
             coat_roughness: self.float_texture(node, "clearcoat_roughness", 0.0),
             coat_eta: FloatTexture::Constant(1.5),
             coat_color: SpectrumTexture::Constant(Color::constant(1.0)),
+            film,
         }))
     }
 
@@ -65,10 +61,10 @@ impl Compiler<'_> {
                 ),
                 ("transmission_scatter", "scattering inside needs an interior medium"),
                 ("coat_roughness_anisotropy", "the coat is isotropic"),
-                ("thin_film_weight", "thin films on this surface are not implemented"),
                 ("emission_luminance", "emission belongs to the shape's light"),
             ],
         );
+        let film = self.film_on_base(node, "thin_film_weight", ("thin_film_thickness", 500.0), ("thin_film_ior", 1.4));
         let subsurface = self.float_texture(node, "subsurface_weight", 0.0);
         let [base, under] = ["base_color", "subsurface_color"].map(|n| self.spectrum(node, n, Role::Albedo, grey(0.8)));
         let base_color = if matches!(subsurface, FloatTexture::Constant(w) if w >= 0.5) { under } else { base };
@@ -95,6 +91,7 @@ impl Compiler<'_> {
             coat_roughness: self.float_texture(node, "coat_roughness", 0.0),
             coat_eta: self.float_texture(node, "coat_ior", 1.6),
             coat_color: self.spectrum(node, "coat_color", Role::Albedo, grey(1.0)),
+            film,
         }))
     }
 
@@ -123,7 +120,20 @@ impl Compiler<'_> {
             coat_roughness: zero,
             coat_eta: FloatTexture::Constant(1.5),
             coat_color: SpectrumTexture::Constant(Color::constant(1.0)),
+            film: None,
         }))
+    }
+
+    /// The weight, thickness (nm) and index of a film, where there is one.
+    fn film_on_base(
+        &mut self,
+        node: &Node,
+        weight: &str,
+        (thickness, nm): (&str, f64),
+        (eta, index): (&str, f64),
+    ) -> Option<[FloatTexture; 3]> {
+        let film = [(weight, 0.0), (thickness, nm), (eta, index)].map(|(name, v)| self.float_texture(node, name, v));
+        (!matches!(film[0], FloatTexture::Constant(w) if w <= 0.0)).then_some(film)
     }
 
     /// Reports what parameters that are set do not do.

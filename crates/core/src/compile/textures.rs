@@ -182,6 +182,7 @@ impl Compiler<'_> {
                 let base = self.texture_level(node)?;
                 Some(Texture::Image(Arc::new(self.image_texture(node, &base))))
             }
+            "time" => Some(Texture::Time),
             "mesh_attribute" => Some(Texture::MeshAttribute {
                 name: self.word(node, "name").unwrap_or_default().into(),
                 domain: self.choice(

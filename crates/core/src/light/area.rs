@@ -40,7 +40,7 @@ impl Emitter {
         if !self.two_sided && n.dot(w) <= 0.0 {
             return Spectrum::ZERO;
         }
-        self.radiance.eval(textures, at, lambda) * self.scale
+        self.radiance.eval(textures, &TextureContext { time: lambda.time, ..*at }, lambda) * self.scale
     }
 
     /// A constant emitter.

@@ -3,9 +3,10 @@
 use super::Point;
 use crate::{
     bsdf::{Bsdf, Hair, hair::Offset},
-    color::Color,
+    color::{Color, ColorMode},
     texture::{FloatTexture, SpectrumTexture},
 };
+use steradian_math::Spectrum;
 
 /// Parameters of a fibre.
 #[derive(Clone, Debug)]
@@ -47,6 +48,10 @@ impl HairMaterial {
                 e + f
             }
         };
+        // The lane that RGB leaves empty has a part in choosing lobes.
+        let [r, g, b, last] = sigma_a.to_array();
+        let last = if p.textures.mode() == ColorMode::Rgb { (r + g + b) / 3.0 } else { last };
+        let sigma_a = Spectrum::new([r, g, b, last]);
         let offset = if self.is_round { Offset::FromNormal } else { Offset::Given(2.0 * p.at.uv.y - 1.0) };
         let (eta, beta_m, alpha) = (p.float(&self.eta), p.float(&self.beta_m), p.float(&self.alpha));
         Bsdf::Hair(Hair::new(offset, sigma_a, eta, beta_m, beta_n, alpha))

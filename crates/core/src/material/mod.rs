@@ -3,6 +3,8 @@
 pub mod catalog;
 
 pub use catalog::MATERIALS;
+#[cfg(test)]
+mod colors_agree;
 mod hair;
 mod layered;
 mod pbr;

@@ -2,7 +2,8 @@
 
 use super::{Eta, Point, albedo};
 use crate::{
-    bsdf::{Bsdf, Microfacet, Pbr, pbr::PbrParams},
+    bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams},
+    color::ColorMode,
     texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
 };
 use steradian_math::{Spectrum, spectra::Wavelengths};
@@ -61,6 +62,8 @@ pub struct PbrMaterial {
     pub coat_eta: FloatTexture,
     /// What light keeps in it.
     pub coat_color: SpectrumTexture,
+    /// A film over the base: how much of it, its thickness (nm) and index.
+    pub film: Option<[FloatTexture; 3]>,
 }
 
 impl PbrMaterial {
@@ -92,7 +95,12 @@ impl PbrMaterial {
         let coat_alpha = p.float(&self.coat_roughness).clamp(0.0, 1.0).powi(2);
         let (coat_x, coat_y) = at.roughened(coat_alpha, coat_alpha);
         let sheen: Spectrum = albedo(p.albedo(&self.sheen_color) * p.float(&self.sheen_weight));
+        let lanes = (textures.mode() == ColorMode::Spectral).then_some(lambda.lambda);
+        let [film_weight, thickness, film_eta] =
+            self.film.as_ref().map_or([0.0, 0.0, 1.0], |f| f.each_ref().map(|t| p.float(t)));
         Bsdf::Pbr(Pbr::new(&PbrParams {
+            film: ThinFilm::new(film_eta, thickness, lanes),
+            film_weight,
             base_color,
             metallic: p.float(&self.metallic),
             facets: self.facets(&p),

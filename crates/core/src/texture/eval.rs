@@ -115,6 +115,7 @@ impl Textures {
                 Want::Float => Spectrum::splat(image.float(at)),
                 _ => self.as_wanted(image.rgb(at).unwrap_or(Vec3::ZERO), want),
             },
+            Texture::Time => Spectrum::splat(at.time),
             Texture::MeshAttribute { name, domain, scale } => match super::attribute(name, *domain, at) {
                 Some((v, 1)) => Spectrum::splat(v[0] * scale),
                 Some((v, _)) => self.as_wanted(Vec3::new(v[0], v[1], v[2]) * *scale, want),

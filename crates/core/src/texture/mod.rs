@@ -95,6 +95,7 @@ pub const TEXTURES: &[(&str, &str)] = &[
         "linear colours of another space; input, from, to (srgb, dci-p3, rec2020, aces), or matrix (9 numbers)",
     ),
     ("hsv", "turned hue, scaled saturation and value; input, hue, saturation, value"),
+    ("time", "the moment of the exposure, from 0 as the shutter opens to 1"),
     ("mesh_attribute", "a vertex or face attribute of the mesh; name, domain, scale"),
 ];
 
@@ -109,6 +110,8 @@ pub struct TextureContext<'a> {
     pub n: Vec3,
     /// Unit direction to the viewer; zero where there is none.
     pub wo: Vec3,
+    /// Place in the shutter interval, [0, 1).
+    pub time: f32,
     /// How far the lookup reaches.
     pub footprint: Footprint,
     /// Variance of the slopes along u and v that a normal map has within the footprint, where it counts as roughness.
@@ -133,7 +136,16 @@ pub struct Footprint {
 impl TextureContext<'_> {
     /// A lookup at a point in space with surface parameters, without a surface.
     pub fn new(p: Vec3, uv: Vec2) -> Self {
-        Self { p, uv, n: Vec3::ZERO, wo: Vec3::ZERO, footprint: Footprint::default(), slopes: Vec2::ZERO, mesh: None }
+        Self {
+            p,
+            uv,
+            n: Vec3::ZERO,
+            wo: Vec3::ZERO,
+            time: 0.0,
+            footprint: Footprint::default(),
+            slopes: Vec2::ZERO,
+            mesh: None,
+        }
     }
 }
 
@@ -171,6 +183,8 @@ pub enum Texture {
     Mix(TextureId, TextureId, TextureId),
     /// Three textures, blended by how much the surface faces the axes.
     Triplanar([TextureId; 3], Box<Triplanar>),
+    /// The moment of the exposure.
+    Time,
     /// A colour, changed.
     Adjust(TextureId, Box<Adjust>),
     /// Data on the mesh.
@@ -188,9 +202,12 @@ impl Texture {
     /// What it is made of.
     fn parts(&self) -> [Option<&TextureId>; 3] {
         match self {
-            Self::Constant(_) | Self::Image(_) | Self::MeshAttribute { .. } | Self::Grid(_) | Self::Pattern(_) => {
-                [None; 3]
-            }
+            Self::Constant(_)
+            | Self::Image(_)
+            | Self::MeshAttribute { .. }
+            | Self::Grid(_)
+            | Self::Pattern(_)
+            | Self::Time => [None; 3],
             Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
             Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
             Self::Triplanar(parts, _) => parts.each_ref().map(Some),
@@ -200,9 +217,12 @@ impl Texture {
 
     fn parts_mut(&mut self) -> [Option<&mut TextureId>; 3] {
         match self {
-            Self::Constant(_) | Self::Image(_) | Self::MeshAttribute { .. } | Self::Grid(_) | Self::Pattern(_) => {
-                [None, None, None]
-            }
+            Self::Constant(_)
+            | Self::Image(_)
+            | Self::MeshAttribute { .. }
+            | Self::Grid(_)
+            | Self::Pattern(_)
+            | Self::Time => [None, None, None],
             Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
             Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
             Self::Triplanar(parts, _) => parts.each_mut().map(Some),

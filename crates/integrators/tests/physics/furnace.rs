@@ -108,7 +108,7 @@ fn lossy_surfaces_show_their_albedo() {
             stage.sky(1.0).probe([2.0 * sin, 0.03, 2.0 * cos], [0.1, 0.03, 0.0]);
             let scene = stage.scene();
             let i = met(&scene);
-            let mut lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+            let mut lambda = Wavelengths::RGB;
             let (s, frame): (_, Frame) = scene.scattering(&i, 0.5, &mut lambda).expect("a surface that scatters");
             if s.bsdf.is_stochastic() {
                 break; // An estimate has no quadrature; the laws of scattering compare its means.

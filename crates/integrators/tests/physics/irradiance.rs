@@ -279,7 +279,7 @@ fn environment_images() {
     };
     use steradian_image::{Encoding, TexelData, Texels};
     use steradian_math::{Vec3, hash::HashRng, spectra::Wavelengths};
-    let lambda = Wavelengths { lambda: [0.0; 4], pdf: [1.0; 4] };
+    let lambda = Wavelengths::RGB;
     for parametrization in [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ] {
         // A dim sky with a few bright spots.
         let (width, height) = if parametrization == Parametrization::Octahedral { (16, 16) } else { (24, 12) };

@@ -16,27 +16,44 @@ const CENTRE: f32 = 538.0;
 const TANH_START: f32 = 0.856_910_6;
 const TANH_RANGE: f32 = 1.827_502;
 
-/// Four wavelengths in nm and the density (1/nm) with which each was drawn. A lane of density zero is terminated.
+/// Four wavelengths in nm and the density (1/nm) with which each was drawn, and the moment: what light of a path is looked at. A lane of
+/// density zero is terminated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wavelengths {
     /// Wavelengths, nm. The first is the hero.
     pub lambda: [f32; 4],
     /// Densities, 1/nm.
     pub pdf: [f32; 4],
+    /// Place in the shutter interval, [0, 1).
+    pub time: f32,
 }
 
 impl Wavelengths {
+    /// No wavelengths, for the lanes of RGB, as the shutter opens.
+    pub const RGB: Self = Self::at([0.0; 4]);
+
+    /// These wavelengths, each of density one, as the shutter opens.
+    pub const fn at(lambda: [f32; 4]) -> Self {
+        Self { lambda, pdf: [1.0; 4], time: 0.0 }
+    }
+
+    /// The same at another moment.
+    #[must_use]
+    pub fn at_time(self, time: f32) -> Self {
+        Self { time, ..self }
+    }
+
     /// Four evenly spaced wavelengths of [360, 830] nm from `u` in [0, 1); each is uniformly distributed.
     pub fn sample_uniform(u: f32) -> Self {
         let range = LAMBDA_MAX - LAMBDA_MIN;
-        Self { lambda: strata(u).map(|u| LAMBDA_MIN + u * range), pdf: [1.0 / range; 4] }
+        Self { lambda: strata(u).map(|u| LAMBDA_MIN + u * range), pdf: [1.0 / range; 4], time: 0.0 }
     }
 
     /// Four stratified wavelengths from `u` in [0, 1), distributed by [`visible_pdf`].
     pub fn sample_visible(u: f32) -> Self {
         let tanh = strata(u).map(tanh_at);
         // sech² = 1 − tanh² spares the hyperbolic cosine.
-        Self { lambda: tanh.map(lambda_at), pdf: tanh.map(|t| SLOPE / TANH_RANGE * (1.0 - t * t)) }
+        Self { lambda: tanh.map(lambda_at), pdf: tanh.map(|t| SLOPE / TANH_RANGE * (1.0 - t * t)), time: 0.0 }
     }
 
     /// Keeps the hero wavelength alone, for a path whose direction depends on it (dispersion): the other lanes get density zero

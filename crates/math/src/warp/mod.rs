@@ -17,8 +17,8 @@ pub use phase::{hg_phase, sample_hg};
 pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::{spherical_triangle, spherical_triangle_area, spherical_triangle_pdf};
 
-use crate::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use crate::{Vec2, Vec3, elementary::sin_cos_octant};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 /// Density of [`uniform_hemisphere`], `1/2π`.
 pub const UNIFORM_HEMISPHERE_PDF: f32 = 0.5 * FRAC_1_PI;
@@ -33,10 +33,13 @@ pub fn concentric_disk(u: Vec2) -> Vec2 {
     if p == Vec2::ZERO {
         return Vec2::ZERO;
     }
-    let (r, phi) =
-        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * (p.y / p.x)) } else { (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y)) };
-    let (sin, cos) = phi.sin_cos();
-    Vec2::new(r * cos, r * sin)
+    if p.x.abs() > p.y.abs() {
+        let (sin, cos) = sin_cos_octant(p.y / p.x);
+        Vec2::new(p.x * cos, p.x * sin)
+    } else {
+        let (cos, sin) = sin_cos_octant(p.x / p.y);
+        Vec2::new(p.y * cos, p.y * sin)
+    }
 }
 
 /// A direction with density `cosθ/π` (M148), by Malley's method: a uniform point of the disk, lifted to the hemisphere.

@@ -7,7 +7,7 @@
 
 use super::{MeasuredError, polarimetric::neighbours};
 use std::{f32::consts::PI, fmt::Write};
-use steradian_math::Vec3;
+use steradian_math::{Vec3, elementary::atan2};
 
 /// Most rows that are read.
 const MAX_ROWS: usize = 1 << 22;
@@ -101,8 +101,8 @@ impl AngleTable {
 
     /// `f` (sr⁻¹) in linear RGB for light from `wi` seen from `wo`, both above the surface.
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
-        let theta = |w: Vec3| w.x.hypot(w.y).atan2(w.z).to_degrees();
-        let phi = |w: Vec3| w.y.atan2(w.x);
+        let theta = |w: Vec3| atan2((w.x * w.x + w.y * w.y).sqrt(), w.z).to_degrees();
+        let phi = |w: Vec3| atan2(w.y, w.x);
         let mut azimuth = phi(wo) - if self.isotropic { phi(wi) } else { 0.0 };
         if self.mirrored {
             azimuth = (azimuth + PI).rem_euclid(2.0 * PI) - PI;

@@ -166,7 +166,7 @@ impl<'a> Measured<'a> {
         let (mut value, pdf) = self.data.lanes(wo, wi, self.uv, lambda);
         if self.mode == ColorMode::Spectral && !spectral {
             // The colour becomes a spectrum; its lanes are read off at the path's wavelengths.
-            let at = Wavelengths { lambda: self.lambda, pdf: [1.0; 4] };
+            let at = Wavelengths::at(self.lambda);
             value = color::texel(Vec3::from(value.to_rgb()), Role::Unbounded, &at, ColorMode::Spectral);
         }
         let pdf = self.data.directions.as_ref().map_or(pdf, |d| d.pdf(wo, wi));
@@ -188,7 +188,7 @@ impl<'a> Measured<'a> {
         };
         let e = self.eval(wo, wi);
         let lobe = Lobe::REFLECTION.with(Lobe::GLOSSY);
-        (e.pdf > 0.0).then(|| BsdfSample { wi, weight: e.value / e.pdf, pdf: e.pdf, lobe, eta: 1.0 })
+        e.drawn(wi, lobe, 1.0)
     }
 
     /// The albedo of a matt surface that reflects as this does at the mirror direction and around: the mean of a few directions.

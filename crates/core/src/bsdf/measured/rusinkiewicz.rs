@@ -1,7 +1,7 @@
 //! Half–difference angles of a pair of directions (Rusinkiewicz 1998): the half vector's angle from the normal, and the angles of one
 //! direction around the half vector. Mirror peaks lie at a half angle of zero for every incidence.
 
-use steradian_math::Vec3;
+use steradian_math::{Vec3, elementary::atan2};
 
 /// Angles in radians of a pair above an isotropic surface.
 #[derive(Clone, Copy, Debug)]
@@ -19,10 +19,10 @@ impl HalfDifference {
     #[inline]
     pub fn new(w: Vec3, other: Vec3) -> Option<Self> {
         let h = (w + other).try_normalize()?;
-        let sin_h = h.x.hypot(h.y);
+        let sin_h = (h.x * h.x + h.y * h.y).sqrt();
         let (cos_phi, sin_phi) = if sin_h > 0.0 { (h.x / sin_h, h.y / sin_h) } else { (1.0, 0.0) };
         let x = w.dot(Vec3::new(h.z * cos_phi, h.z * sin_phi, -sin_h));
         let y = w.dot(Vec3::new(-sin_phi, cos_phi, 0.0));
-        Some(Self { theta_h: sin_h.atan2(h.z), theta_d: x.hypot(y).atan2(w.dot(h)), phi_d: y.atan2(x) })
+        Some(Self { theta_h: atan2(sin_h, h.z), theta_d: atan2((x * x + y * y).sqrt(), w.dot(h)), phi_d: atan2(y, x) })
     }
 }
