@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, TAU};
 const ROUND: f32 = 12_582_912.0;
 
 /// `ln 2` in two parts, of which the first has few bits, so that its products with small integers are exact.
-const LN_2: [f32; 2] = [0.693_359_375, -2.121_944_4e-4];
+const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 
 /// The nearest integer to a number below 2²² in magnitude, twice: as a number and as an integer.
 #[inline]

@@ -81,6 +81,6 @@ fn geometry_is_a_material() {
     let text = place.succeed(&[&flat[..], &["--samples", "1024"]].concat()).stdout;
     assert!(text.contains("  0.50000   0.50000"), "{text}");
     place.refuse(2, &["material", "diffuse", "--geometry", "none.ply", "--albedo"], &["none.ply"]);
-    place.refuse(2, &["material", "diffuse", "--microsurface", "-1", "--albedo"], &["roughness"]);
+    place.refuse(2, &["material", "diffuse", "--microsurface", "0", "--albedo"], &["roughness"]);
     place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
 }
