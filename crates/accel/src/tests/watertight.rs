@@ -148,7 +148,7 @@ fn no_ray_of_many_escapes() {
     assert_closed_for_batches(&icosphere(4), 10_000_000);
 }
 
-/// A thousand million rays, or as many as `STERADIAN_RAYS` says: about ten minutes of a processor, optimised.
+/// A thousand million rays, or as many as `STERADIAN_RAYS` says: a quarter of an hour of a processor at least.
 #[test]
 #[ignore = "long: for nightly runs"]
 fn no_ray_of_very_many_escapes() {
