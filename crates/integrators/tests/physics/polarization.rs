@@ -90,7 +90,7 @@ fn radiance_is_that_of_path_where_nothing_polarises_twice() {
     stage.lamp(sphere([2.0, 4.0, -2.0], 0.5), 6.0);
     stage.look([0.0, 2.0, -5.0], [0.0, 0.8, 0.0], 45.0);
     let scene = stage.scene();
-    let take = |name| Shot { caustics: false, ..Shot::of(name, 32) }.roulette_after(1000).depth(6).take(&scene);
+    let take = |name| Shot::of(name, 32).roulette_after(1000).depth(6).take(&scene);
     let (path, stokes, s1) = (take("path"), take("stokes"), take("stokes-s1"));
     let mut polarised = 0;
     for ((a, b), s1) in path.pixels.iter().zip(&stokes.pixels).zip(&s1.pixels) {

@@ -36,10 +36,10 @@ fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
     })
 }
 
-/// 4σ for every quadrant, with photons, and with shared paths of four and sixteen, against none.
+/// 4σ for every quadrant, with shared paths of four and sixteen against none.
 #[track_caller]
 fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
-    let alone = quadrants(Shot { caustics: false, ..shot.reuse(1) }, scene, 48);
+    let alone = quadrants(shot.reuse(1), scene, 48);
     for (reuse, sampler) in [(4, SamplerKind::Independent), (16, SamplerKind::Independent), (16, SamplerKind::Sobol)] {
         let shared = quadrants(Shot { sampler, ..shot.reuse(reuse) }, scene, 40);
         for (q, (shared, alone)) in shared.iter().zip(&alone).enumerate() {
@@ -161,7 +161,7 @@ fn lenses() -> Stage {
 fn caustics_are_unbiased() {
     for (mode, precision) in [(ColorMode::Rgb, 0.1), (ColorMode::Spectral, 0.15)] {
         let scene = lenses().scene_in(mode);
-        let shot = Shot::of("path", 16).depth(5);
+        let shot = Shot { caustics: true, ..Shot::of("path", 16).depth(5) };
         let alone = quadrants(Shot { caustics: false, ..shot }, &scene, 48);
         for reuse in [1, 16] {
             let guided = quadrants(shot.reuse(reuse), &scene, 40);

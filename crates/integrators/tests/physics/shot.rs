@@ -36,7 +36,7 @@ impl Shot {
             threads: 1,
             sampler: SamplerKind::Independent,
             reuse: 1,
-            caustics: true,
+            caustics: false,
         }
     }
 
