@@ -31,6 +31,12 @@ fn everywhere(name: &str, file: &str, content: &[u8], expect: Expect) -> Vec<Cas
             ),
         ),
         (
+            "texture with levels",
+            format!(
+                "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"{file}\" \"string filter\" \"EWA\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\""
+            ),
+        ),
+        (
             "roughness",
             format!(
                 "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"{file}\"\nMaterial \"conductor\" \"texture roughness\" \"t\"\nShape \"sphere\""
@@ -139,6 +145,65 @@ fn exr_of(window: [i32; 4]) -> Vec<u8> {
     exr
 }
 
+/// Headers of formats without checksums that claim 30000² pixels in two thousand bytes, or nothing.
+fn claims() -> Vec<(&'static str, &'static str, Vec<u8>)> {
+    let tga = |side: u16| {
+        let mut header = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+        header.extend([side.to_le_bytes(), side.to_le_bytes()].concat());
+        header.extend([24, 0]);
+        header
+    };
+    let words = |start: &[u8], words: &[u32]| {
+        let mut header = start.to_vec();
+        words.iter().for_each(|w| header.extend(w.to_le_bytes()));
+        header
+    };
+    let bmp = |side| words(b"BM", &[2054, 0, 54, 40, side, side, 1 | 24 << 16, 0, 0, 2835, 2835, 0, 0]);
+    let dds = |side, code: &[u8; 4]| {
+        let mut header = vec![124, 0x1007, side, side, 0, 0, 0];
+        header.extend([0; 11]);
+        header.extend([32, 4, u32::from_le_bytes(*code), 0, 0, 0, 0, 0, 0x1000, 0, 0, 0, 0]);
+        words(b"DDS ", &header)
+    };
+    // BC7, one level.
+    let identifier = [0xab, b'K', b'T', b'X', b' ', b'2', b'0', 0xbb, 13, 10, 0x1a, 10];
+    let level = [104, 0, 2000, 0, 2000, 0];
+    let ktx = |side| {
+        let header = [145, 1, side, side, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+        words(&identifier, &[&header[..], &level[..]].concat())
+    };
+    let ppm = |side: u32| format!("P6 {side} {side} 255\n").into_bytes();
+    let all = vec![
+        ("TGA of 30000²", "i.tga", tga(30_000)),
+        ("TGA of nothing", "i.tga", tga(0)),
+        ("BMP of 30000²", "i.bmp", bmp(30_000)),
+        ("BMP of nothing", "i.bmp", bmp(0)),
+        ("DDS of 30000², BC1", "i.dds", dds(30_000, b"DXT1")),
+        ("DDS of 30000², of another kind", "i.dds", dds(30_000, b"DX10")),
+        ("DDS of nothing", "i.dds", dds(0, b"DXT1")),
+        ("KTX2 of 30000²", "i.ktx2", ktx(30_000)),
+        ("KTX2 of nothing", "i.ktx2", ktx(0)),
+        ("PPM of 30000²", "i.ppm", ppm(30_000)),
+        ("PPM of nothing", "i.ppm", ppm(0)),
+    ];
+    all.into_iter().map(|(name, file, header)| (name, file, [&header[..], &[77; 2000]].concat())).collect()
+}
+
+/// An EXR file whose list of channels names 65536 of them.
+fn exr_of_channels() -> Vec<u8> {
+    let sound = bytes(FileKind::Exr, &uniform(4, 0.5));
+    let key = b"channels\0chlist\0";
+    let at = sound.windows(key.len()).position(|w| w == key).expect("it has channels") + key.len();
+    let size = u32::from_le_bytes(sound[at..at + 4].try_into().expect("four bytes")) as usize;
+    let mut list = Vec::new();
+    for i in 0..65_536 {
+        list.extend(format!("c{i:05}\0").into_bytes());
+        [1_u32, 0, 1, 1].iter().for_each(|v| list.extend(v.to_le_bytes()));
+    }
+    list.push(0);
+    [&sound[..at], &(list.len() as u32).to_le_bytes(), &list, &sound[at + 4 + size..]].concat()
+}
+
 pub fn table() -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add =
@@ -167,6 +232,18 @@ pub fn table() -> Vec<Case> {
     {
         cases.extend(everywhere(name, "i.png", &png_of(size[0], size[1]), Refused("i.png")));
     }
+    for (file, kind) in [("i.dds", FileKind::Dds), ("i.ktx2", FileKind::Ktx2), ("i.ppm", FileKind::Pnm)] {
+        // Sides that are no powers of two, and no multiples of a block.
+        let pixels: Vec<[f32; 3]> = (0..13 * 7).map(|i| [i as f32 / 91.0; 3]).collect();
+        let sound = bytes(kind, &Image::from_rgb(13, 7, &pixels).expect("the size is right"));
+        cases.extend(everywhere(&format!("{kind} of 13 x 7"), file, &sound, Either));
+        cases.extend(everywhere(&format!("half of {kind}"), file, &sound[..sound.len() / 2], Refused("i.")));
+    }
+    for (name, file, content) in claims() {
+        cases.extend(everywhere(name, file, &content, Refused("i.")));
+    }
+    cases.extend(everywhere("PNG of 30000²", "i.png", &png_of(30_000, 30_000), Refused("i.png")));
+    cases.extend(everywhere("EXR of 65536 channels", "i.exr", &exr_of_channels(), Refused("i.exr")));
     for (name, window) in [
         ("EXR of 2000000²", [0, 0, 1_999_999, 1_999_999]),
         ("EXR of the whole range", [i32::MIN, i32::MIN, i32::MAX, i32::MAX]),
