@@ -131,13 +131,19 @@ pub struct RenderArgs {
     /// Time of rendering (10s, 2m, 1h30m) after which to stop; without --spp as many samples are taken as it allows
     #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = "Quality")]
     pub time: Option<Duration>,
+    /// Estimated relative error of the picture (0.05, or 5%) at which to stop; without --spp as many samples are taken as it needs
+    #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Quality")]
+    pub error: Option<f64>,
+    /// Give parts of the picture that err more more of the samples; --spp is the mean then
+    #[arg(long, help_heading = "Quality")]
+    pub adaptive: bool,
     /// Chooses among statistically equal pictures
     #[arg(long, value_name = "N", help_heading = "Quality")]
     pub seed: Option<u64>,
     /// Most scattering events on a path; -1 for no limit
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
-    /// Random numbers
+    /// Random numbers (see `steradian list samplers`); `scene` for those that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
     /// Layers to add to .exr files (a comma-separated list of `steradian list layers`, or `all`)
@@ -163,7 +169,7 @@ fn accelerator_names() -> PossibleValuesParser {
 
 fn sampler_names() -> PossibleValuesParser {
     let family = steradian::registry().into_iter().find(|f| f.0 == "samplers");
-    PossibleValuesParser::new(family.into_iter().flat_map(|f| f.1).map(|s| s.0))
+    PossibleValuesParser::new(family.into_iter().flat_map(|f| f.1).map(|s| s.0).chain(["scene"]))
 }
 
 /// How pictures are stored.

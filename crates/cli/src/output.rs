@@ -86,6 +86,10 @@ pub struct Provenance<'a> {
     pub nonfinite: u64,
     /// `rgb` or `spectral`.
     pub color: &'a str,
+    /// Estimated relative error.
+    pub error: Option<f64>,
+    /// Whether parts of the picture that err more got more samples.
+    pub adaptive: bool,
 }
 
 /// Writes into the picture how it was made and, where it is a part of its frame, which part.
@@ -107,6 +111,10 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
     m.set_text("steradian:integrator", provenance.integrator);
     m.set_text("steradian:color", provenance.color);
     m.set("samplesPerPixel", samples);
+    m.set_text("steradian:sampling", if provenance.adaptive { "adaptive" } else { "even" });
+    if let Some(error) = provenance.error {
+        m.set("steradian:relative_error", Value::Float(error as f32));
+    }
     m.set("steradian:seed", integer(provenance.seed));
     m.set("renderTimeSeconds", Value::Float(provenance.seconds as f32));
     m.set("steradian:nonfinite_dropped", integer(provenance.nonfinite));

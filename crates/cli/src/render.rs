@@ -54,6 +54,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let saving = Instant::now();
     let done = session.counters();
     let spp = done.samples as f64 / pixels as f64;
+    let error = session.error();
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
     let film = session.film();
     let mut picture = steradian::develop(&scene, &film, &quality.layers);
@@ -67,6 +68,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         seconds: session.wall().as_secs_f64(),
         nonfinite: done.nonfinite,
         color,
+        error,
+        adaptive: quality.adaptive,
     };
     output::label(&mut picture, &scene, &provenance);
     output::save(&outputs, &picture, &write_options)?;
@@ -79,6 +82,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         color,
         seed: plan.sampler.seed,
         spp: report::number(spp),
+        adaptive: quality.adaptive,
+        relative_error: error,
         width,
         height,
         threads: session.threads(),
@@ -94,6 +99,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         empty_pixels,
         stopped: stop.map(|s| match s {
             Stop::Time => "time",
+            Stop::Error => "error",
             Stop::Signal(signal) => signals::name(signal),
         }),
         outputs: &outputs,
@@ -120,8 +126,10 @@ fn quality(args: &RenderArgs) -> Quality {
     }
     Quality {
         integrator: args.integrator.clone(),
-        // Time alone ends the render where it is all that is asked for.
-        spp: args.spp.or(args.time.map(|_| MAX_SPP)),
+        // Time or error alone end the render where they are all that is asked for.
+        spp: args.spp.or((args.time.is_some() || args.error.is_some()).then_some(MAX_SPP)),
+        adaptive: args.adaptive,
+        error: args.error,
         seed: args.seed,
         threads: usize::from(args.scene_options.threads),
         max_depth: args.max_depth.map(|d| u32::try_from(d).unwrap_or(u32::MAX)),
@@ -154,6 +162,10 @@ fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
             terminal.warn(&format!("stopped by {}: what there is was saved", signals::name(signal)))
         }
         Some(Stop::Time) => terminal.say("stopped when the time was up"),
+        Some(Stop::Error) => {
+            let error = report.relative_error.unwrap_or_default();
+            terminal.say(&format!("stopped at an estimated relative error of {:.3} %", 100.0 * error))
+        }
         None => {}
     }
     if report.empty_pixels > 0 {

@@ -22,6 +22,11 @@ pub struct Report<'a> {
     pub seed: u64,
     /// Samples per pixel; the mean where pixels differ.
     pub spp: Number,
+    /// Whether parts of the picture that err more got more samples.
+    pub adaptive: bool,
+    /// The estimated relative error of the picture: the root of the expected relMSE if samples were independent; null
+    /// where pixels have fewer than two.
+    pub relative_error: Option<f64>,
     /// Pixels of the picture.
     pub width: u32,
     /// Pixels of the picture.
@@ -48,7 +53,7 @@ pub struct Report<'a> {
     pub nonfinite_dropped: u64,
     /// Pixels without any sample, when stopped early.
     pub empty_pixels: u64,
-    /// What ended it early: `time`, `SIGINT`, `SIGTERM`, or null.
+    /// What ended it early: `time`, `error`, `SIGINT`, `SIGTERM`, or null.
     pub stopped: Option<&'static str>,
     /// The files written.
     pub outputs: &'a [PathBuf],

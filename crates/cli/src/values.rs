@@ -87,6 +87,19 @@ pub fn bytes(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A relative error such as `0.05` or `5%`.
+pub fn error(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let value = match text.strip_suffix('%') {
+        Some(percent) => percent.trim_end().parse::<f64>().map(|v| v * 0.01),
+        None => text.parse(),
+    };
+    value
+        .ok()
+        .filter(|v| *v > 0.0 && v.is_finite())
+        .ok_or_else(|| "a number above zero is needed, such as 0.05 or 5%".into())
+}
+
 /// `NAME=VALUE`.
 pub fn definition(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {

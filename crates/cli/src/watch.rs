@@ -26,6 +26,8 @@ const TILE_PIXELS: f64 = 256.0;
 pub enum Stop {
     /// The time was up.
     Time,
+    /// The error is as small as asked for.
+    Error,
     /// A signal came.
     Signal(u8),
 }
@@ -68,8 +70,11 @@ pub fn render(
         let _ended = Ended(&done, watcher.thread().clone());
         passes(session, control);
     });
-    // Asked to stop after the last tile: nothing is missing.
-    stop.get().copied().filter(|_| session.counters().samples < planned)
+    if session.is_done() {
+        // Asked to stop after the last tile: nothing is missing.
+        return session.is_good_enough().then_some(Stop::Error);
+    }
+    stop.get().copied()
 }
 
 /// Passes of growing size, small enough that a tile does not take long.

@@ -102,6 +102,8 @@ pub struct Settings {
     pub spp: u32,
     /// The point set.
     pub sampler: SamplerKind,
+    /// The one that the file names, which is another one than `sampler` where files of other programs name theirs.
+    pub named_sampler: SamplerKind,
     /// Chooses among statistically equal images.
     pub seed: u64,
 }

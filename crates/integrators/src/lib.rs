@@ -1,5 +1,6 @@
 //! Light transport: estimators of the radiance that a camera ray carries, and the session that turns them into a film.
 
+pub mod adaptive;
 pub mod features;
 pub mod path;
 pub mod path_recursive;

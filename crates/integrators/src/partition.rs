@@ -70,6 +70,12 @@ impl Partition {
         PIXELS as u32 / self.size
     }
 
+    /// A pixel of a group, in the frame.
+    pub fn first(&self, group: u32) -> [u32; 2] {
+        let p = u32::from(self.order[(group * self.size) as usize]);
+        [self.corner[0] + p % TILE, self.corner[1] + p / TILE]
+    }
+
     /// The pixels of a group, of which some may lie beyond the frame.
     pub fn places(&self, group: u32) -> impl Iterator<Item = Place> + '_ {
         let first = (group * self.size) as usize;

@@ -1,10 +1,15 @@
 //! A rendering session: advances a film by samples, on any number of threads, with the same bits for any of them.
 //!
 //! The frame is cut into tiles, each owned by one thread at a time. A pixel's samples are added in the order of their index, whatever
-//! the number of steps they come in, so sums do not depend on threads, tiles or steps.
+//! the number of steps they come in, so sums do not depend on threads, tiles or steps. What depends on the picture so far, namely how many samples a
+//! cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
+
+mod tile;
 
 use crate::{
-    Counters, Integrator, IntegratorKind, dimension, features,
+    Counters, Integrator, IntegratorKind,
+    adaptive::{self, Need, Round},
+    dimension, features,
     partition::{Partition, Place, TILE},
     reuse::Seat,
     survey::Survey,
@@ -21,7 +26,11 @@ use steradian_core::{
     film::{Crop, FirstHit, FirstHitSums, Pixel},
     sampler::Sampler,
 };
-use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec2, hash::combine64, spectra::Wavelengths};
+use tile::{CELLS, Tile, cell_of};
+
+/// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
+const FIRST_LOOK: u32 = 16;
 
 /// What is to be rendered, and how.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +43,10 @@ pub struct Plan {
     pub threads: usize,
     /// Whether first hits are gathered for auxiliary layers.
     pub features: bool,
+    /// Whether cells that err more get more samples; `spp` is the mean then.
+    pub adaptive: bool,
+    /// The relative error of the picture ([`Session::error`]) at which to stop.
+    pub error: Option<f64>,
 }
 
 /// Shared with whoever watches a step: progress, and the wish to stop.
@@ -47,14 +60,12 @@ pub struct Control {
     pub cancel: AtomicBool,
 }
 
-/// The sums over a rectangle of pixels.
-#[derive(Debug)]
-struct Tile {
-    area: Crop,
-    pixels: Vec<Pixel>,
-    features: Vec<FirstHitSums>,
-    /// Samples each pixel has.
-    done: u32,
+/// A group's pixels while they are worked at; kept, so that nothing is allocated per sample.
+#[derive(Default)]
+struct Desk {
+    places: Vec<Place>,
+    seats: Vec<Seat>,
+    weights: Vec<f32>,
 }
 
 /// The state of a film: what a session gives to be looked at or saved.
@@ -75,7 +86,15 @@ pub struct Session<'s> {
     plan: Plan,
     survey: Survey,
     tiles: Vec<Mutex<Tile>>,
+    /// Cells of a row of tiles.
+    columns: usize,
+    round: Round,
+    /// Samples per pixel, in the mean, that the steps so far were to reach, and whether all tiles have.
     next: u32,
+    is_complete: bool,
+    /// When the error is looked at next.
+    look: u32,
+    is_good_enough: bool,
     counters: Counters,
     wall: Duration,
     cpu: Duration,
@@ -91,23 +110,19 @@ impl<'s> Session<'s> {
     /// Starts with an empty film.
     pub fn new(scene: &'s Scene, plan: Plan) -> Self {
         let crop = scene.film.crop;
+        let round = Round::first(plan.sampler.spp, plan.adaptive);
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;
+        let columns = (aligned(crop.x0)..crop.x1).step_by(TILE as usize);
         for y in (aligned(crop.y0)..crop.y1).step_by(TILE as usize) {
-            for x in (aligned(crop.x0)..crop.x1).step_by(TILE as usize) {
+            for x in columns.clone() {
                 let area = Crop {
                     x0: x.max(crop.x0),
                     y0: y.max(crop.y0),
                     x1: (x + TILE).min(crop.x1),
                     y1: (y + TILE).min(crop.y1),
                 };
-                let n = (area.width() * area.height()) as usize;
-                tiles.push(Mutex::new(Tile {
-                    area,
-                    pixels: vec![Pixel::default(); n],
-                    features: if plan.features { vec![FirstHitSums::default(); n] } else { Vec::new() },
-                    done: 0,
-                }));
+                tiles.push(Mutex::new(Tile::new(area, plan.features, round.length())));
             }
         }
         let (start, cpu) = (Instant::now(), cpu_time());
@@ -117,7 +132,12 @@ impl<'s> Session<'s> {
             plan,
             survey,
             tiles,
+            columns: columns.len() * CELLS as usize,
+            round,
             next: 0,
+            is_complete: true,
+            look: FIRST_LOOK,
+            is_good_enough: false,
             counters: Counters::default(),
             wall: start.elapsed(),
             cpu: cpu_time().saturating_sub(cpu),
@@ -132,12 +152,31 @@ impl<'s> Session<'s> {
         }
     }
 
-    /// Takes further samples of every pixel, up to the plan's number; fewer where `control` cancels. Tiles that a cancelled step did
-    /// not reach are caught up by the next one.
+    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. Tiles that a cancelled step
+    /// did not reach are caught up by the next one.
     pub fn step(&mut self, samples: u32, control: &Control) {
-        self.next = self.next.saturating_add(samples).min(self.plan.sampler.spp);
+        let goal = self.next.saturating_add(samples).min(self.plan.sampler.spp);
+        loop {
+            if !self.is_complete {
+                self.advance(control);
+                if !self.is_complete {
+                    return;
+                }
+                self.decide();
+            }
+            if self.next >= goal || self.is_good_enough {
+                return;
+            }
+            let look = if self.plan.error.is_some() { self.look } else { u32::MAX };
+            self.next = goal.min(self.round.end).min(look);
+            self.is_complete = false;
+        }
+    }
+
+    /// Brings all tiles to where the steps are.
+    fn advance(&mut self, control: &Control) {
         let (start, cpu) = (Instant::now(), cpu_time());
-        let counters = match &self.plan.integrator {
+        let (counters, reached) = match &self.plan.integrator {
             IntegratorKind::Path(i) => self.run(i, control),
             IntegratorKind::VolPath(i) => self.run(i, control),
             IntegratorKind::Whitted(i) => self.run(i, control),
@@ -145,19 +184,63 @@ impl<'s> Session<'s> {
             IntegratorKind::PathRecursive(i) => self.run(i, control),
             IntegratorKind::Stokes(i) => self.run(i, control),
         };
+        self.is_complete = reached == self.tiles.len();
         self.counters += counters;
         self.wall += start.elapsed();
         self.cpu += cpu_time().saturating_sub(cpu);
     }
 
-    /// Samples that a pixel has when the steps so far are complete.
+    /// What the picture decides, when all tiles are where the steps are.
+    fn decide(&mut self) {
+        if let Some(error) = self.plan.error.filter(|_| self.next >= self.look) {
+            self.is_good_enough = self.error().is_some_and(|e| e <= error);
+            self.look = self.look.saturating_add(self.look / 4);
+        }
+        if self.next == self.round.end && self.next < self.plan.sampler.spp && !self.is_good_enough {
+            let mut needs = vec![Need::default(); self.tiles.len() * (CELLS * CELLS) as usize];
+            let at = |tile: usize, cell: usize| -> usize {
+                let (cells, across) = (CELLS as usize, self.columns / CELLS as usize);
+                (tile / across * cells + cell / cells) * self.columns + tile % across * cells + cell % cells
+            };
+            for (t, tile) in self.tiles.iter().enumerate() {
+                for (c, need) in lock(tile).close(self.round).into_iter().enumerate() {
+                    needs[at(t, c)] = need;
+                }
+            }
+            let round = self.round.next(self.plan.sampler.spp);
+            let counts = adaptive::allocate(&needs, self.columns, round.length());
+            for (t, tile) in self.tiles.iter().enumerate() {
+                for (c, cell) in lock(tile).cells.iter_mut().enumerate() {
+                    cell.target = counts[at(t, c)];
+                }
+            }
+            self.round = round;
+        }
+    }
+
+    /// Samples that a pixel has, in the mean, when the steps so far are complete.
     pub fn samples(&self) -> u32 {
         self.next
     }
 
-    /// Whether the plan is carried out.
+    /// Whether the plan is carried out: all samples are taken, or the error is small enough.
     pub fn is_done(&self) -> bool {
-        self.next >= self.plan.sampler.spp
+        self.is_complete && (self.next >= self.plan.sampler.spp || self.is_good_enough)
+    }
+
+    /// Whether the plan's error was reached.
+    pub fn is_good_enough(&self) -> bool {
+        self.is_good_enough
+    }
+
+    /// The estimated relative error of the picture: the square root of the mean, over pixels and channels, of the variance of the pixel
+    /// over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those of independent samples: with a sampler that
+    /// spreads them well the true error is smaller. `None` before all pixels have two samples.
+    pub fn error(&self) -> Option<f64> {
+        let crop = self.scene.film.crop;
+        let values = 3.0 * f64::from(crop.width()) * f64::from(crop.height());
+        let sum: Option<f64> = self.tiles.iter().map(|t| lock(t).squared_errors(self.round)).sum();
+        sum.map(|s| (s / values).sqrt())
     }
 
     /// What was done so far.
@@ -187,9 +270,10 @@ impl<'s> Session<'s> {
         for tile in &self.tiles {
             let tile = lock(tile);
             let w = tile.area.width() as usize;
+            let pixels: Vec<Pixel> = tile.film(self.round).collect();
             for (row, y) in (tile.area.y0..tile.area.y1).enumerate() {
                 let to = (y - crop.y0) as usize * crop.width() as usize + (tile.area.x0 - crop.x0) as usize;
-                film.pixels[to..to + w].copy_from_slice(&tile.pixels[row * w..(row + 1) * w]);
+                film.pixels[to..to + w].copy_from_slice(&pixels[row * w..(row + 1) * w]);
                 if self.plan.features {
                     film.features[to..to + w].copy_from_slice(&tile.features[row * w..(row + 1) * w]);
                 }
@@ -198,8 +282,9 @@ impl<'s> Session<'s> {
         film
     }
 
-    fn run<I: Integrator>(&self, integrator: &I, control: &Control) -> Counters {
-        let next_tile = AtomicUsize::new(0);
+    /// Brings tiles to where the steps are until cancelled; what was done, and how many tiles are there.
+    fn run<I: Integrator>(&self, integrator: &I, control: &Control) -> (Counters, usize) {
+        let (next_tile, reached) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let total = Mutex::new(Counters::default());
         let work = || {
             let mut counters = Counters::default();
@@ -209,6 +294,7 @@ impl<'s> Session<'s> {
                 }
                 let mut mine = Counters::default();
                 self.render_tile(integrator, &mut lock(tile), &mut mine);
+                reached.fetch_add(1, Ordering::Relaxed);
                 control.samples.fetch_add(mine.samples, Ordering::Relaxed);
                 control.rays.fetch_add(mine.rays, Ordering::Relaxed);
                 counters += mine;
@@ -221,70 +307,103 @@ impl<'s> Session<'s> {
             }
             work();
         });
-        total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+        (total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), reached.into_inner())
     }
 
     fn render_tile<I: Integrator>(&self, integrator: &I, tile: &mut Tile, counters: &mut Counters) {
-        let (scene, sampler) = (self.scene, &self.plan.sampler);
-        let (film, area) = (&scene.film, tile.area);
-        let corner = [area.x0 / TILE * TILE, area.y0 / TILE * TILE];
-        let partition = Partition::new(corner, integrator.reuse(), sampler.seed);
-        let in_area = |p: &Place| (area.x0..area.x1).contains(&p.x) && (area.y0..area.y1).contains(&p.y);
-        let (mut places, mut seats, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for index in tile.done..self.next {
-            for group in 0..partition.groups() {
-                // Members beyond the crop take part, so that a crop has the bits of the whole.
-                places.clear();
-                places.extend(partition.places(group).filter(|p| p.x < film.width && p.y < film.height));
-                if !places.iter().any(in_area) {
-                    continue;
-                }
-                let common = partition.sampler(sampler, group, index, 0);
-                seats.clear();
-                weights.clear();
-                for p in &places {
-                    let own = sampler.pixel(p.x, p.y, index);
-                    let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
-                    let point = Vec2::new(p.x as f32 + 0.5, p.y as f32 + 0.5) + offset;
-                    let lens =
-                        if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
-                    let ray = scene.camera.ray(film, point, lens);
-                    let lambda = match scene.mode {
-                        ColorMode::Rgb => Wavelengths::RGB,
-                        ColorMode::Spectral => Wavelengths::sample_visible(common.get_1d(dimension::WAVELENGTH)),
-                    };
-                    let lambda = lambda.at_time(common.get_1d(dimension::TIME));
-                    let joint = partition.sampler(sampler, group, index, p.rank);
-                    seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
-                    weights.push(weight);
-                }
-                match &mut seats[..] {
-                    [s] => {
-                        s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters)
-                    }
-                    seats => integrator.group(scene, &self.survey, seats, counters),
-                }
-                for ((p, seat), weight) in places.iter().zip(&seats).zip(&weights).filter(|((p, _), _)| in_area(p)) {
-                    let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
-                    let mut l = seat.radiance * film.imaging_ratio;
-                    if film.max_component.is_finite() {
-                        let m = l.max_element();
-                        if m > film.max_component {
-                            l *= film.max_component / m;
-                        }
-                    }
-                    counters.samples += 1;
-                    if !tile.pixels[at].add(color::to_rgb(l, &seat.lambda, scene.mode) * *weight) {
-                        counters.nonfinite += 1;
-                    }
-                    if self.plan.features {
-                        let hit: FirstHit = features::first_hit(scene, seat.ray, &seat.lambda);
-                        tile.features[at].add(&hit);
-                    }
+        let area = tile.area;
+        let mut desk = Desk::default();
+        let partition =
+            Partition::new([area.x0 / TILE * TILE, area.y0 / TILE * TILE], integrator.reuse(), self.plan.sampler.seed);
+        for cell in 0..tile.cells.len() {
+            let (done, target) = (tile.cells[cell].done, tile.cells[cell].target);
+            let goal = self.round.share(target, self.next);
+            // Rounds are independent of each other.
+            let sampler = match self.round.number {
+                0 => self.plan.sampler,
+                n => Sampler { spp: target, seed: combine64(self.plan.sampler.seed, n.into()), ..self.plan.sampler },
+            };
+            let groups: Vec<u32> = (0..partition.groups())
+                .filter(|g| {
+                    let [x, y] = partition.first(*g);
+                    cell_of(x, y) == cell
+                })
+                .collect();
+            let mut mine = Counters::default();
+            for index in done..goal {
+                for group in &groups {
+                    self.render_group(integrator, tile, &mut desk, &partition, &sampler, (*group, index), &mut mine);
                 }
             }
+            let cell = &mut tile.cells[cell];
+            cell.done = goal;
+            cell.rays += mine.rays;
+            cell.samples += mine.samples;
+            *counters += mine;
         }
-        tile.done = self.next;
+    }
+
+    /// One sample of each pixel of a group.
+    #[allow(clippy::too_many_arguments)]
+    fn render_group<I: Integrator>(
+        &self,
+        integrator: &I,
+        tile: &mut Tile,
+        desk: &mut Desk,
+        partition: &Partition,
+        sampler: &Sampler,
+        (group, index): (u32, u32),
+        counters: &mut Counters,
+    ) {
+        let (scene, film, area) = (self.scene, &self.scene.film, tile.area);
+        let in_area = |p: &Place| (area.x0..area.x1).contains(&p.x) && (area.y0..area.y1).contains(&p.y);
+        let Desk { places, seats, weights } = desk;
+        // Members beyond the crop take part, so that a crop has the bits of the whole.
+        places.clear();
+        places.extend(partition.places(group).filter(|p| p.x < film.width && p.y < film.height));
+        if !places.iter().any(in_area) {
+            return;
+        }
+        let common = partition.sampler(sampler, group, index, 0);
+        seats.clear();
+        weights.clear();
+        for p in &*places {
+            let own = sampler.pixel(p.x, p.y, index);
+            let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
+            let point = Vec2::new(p.x as f32 + 0.5, p.y as f32 + 0.5) + offset;
+            let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
+            let ray = scene.camera.ray(film, point, lens);
+            let lambda = match scene.mode {
+                ColorMode::Rgb => Wavelengths::RGB,
+                ColorMode::Spectral => Wavelengths::sample_visible(common.get_1d(dimension::WAVELENGTH)),
+            };
+            let lambda = lambda.at_time(common.get_1d(dimension::TIME));
+            let joint = partition.sampler(sampler, group, index, p.rank);
+            seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
+            weights.push(weight);
+        }
+        match &mut seats[..] {
+            [s] => s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters),
+            seats => integrator.group(scene, &self.survey, seats, counters),
+        }
+        for ((p, seat), weight) in places.iter().zip(&*seats).zip(&*weights).filter(|((p, _), _)| in_area(p)) {
+            let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
+            let mut l = seat.radiance * film.imaging_ratio;
+            if film.max_component.is_finite() {
+                let m = l.max_element();
+                if m > film.max_component {
+                    l *= film.max_component / m;
+                }
+            }
+            counters.samples += 1;
+            if !tile.pixels[at].add(color::to_rgb(l, &seat.lambda, scene.mode) * *weight) {
+                counters.nonfinite += 1;
+            }
+            if self.plan.features {
+                let hit: FirstHit = features::first_hit(scene, seat.ray, &seat.lambda);
+                tile.features[at].add(&hit);
+            }
+        }
     }
 }
 

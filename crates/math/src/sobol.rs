@@ -114,6 +114,40 @@ pub const fn owen_scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
+/// How the points of one pair of dimensions are shuffled and scrambled.
+#[derive(Clone, Copy, Debug)]
+pub struct Scramble {
+    order: u32,
+    x: u32,
+    y: u32,
+}
+
+impl Scramble {
+    /// That of a hash of what the pair is for.
+    #[inline]
+    pub const fn new(hash: u64) -> Self {
+        // Two halves and the high half of a product.
+        Self { order: hash as u32, x: (hash >> 32) as u32, y: (hash.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32 }
+    }
+
+    /// The point of the first dimension, for an index given with its bits reversed, which is where both shuffling and scrambling start.
+    #[inline]
+    pub fn point_1d(self, reversed: u32) -> f32 {
+        let i = laine_karras(reversed, self.order).reverse_bits();
+        unit_f32(laine_karras(i, self.x).reverse_bits())
+    }
+
+    /// The point of the first two dimensions, for an index given with its bits reversed: as [`shuffled_scrambled_sobol_2d`].
+    #[inline]
+    pub fn point_2d(self, reversed: u32) -> [f32; 2] {
+        let i = laine_karras(reversed, self.order).reverse_bits();
+        // Both are turned round at once.
+        let (x, y) = (laine_karras(i, self.x), laine_karras(pascal(i), self.y));
+        let both = (x as u64 | (y as u64) << 32).reverse_bits();
+        [unit_f32((both >> 32) as u32), unit_f32(both as u32)]
+    }
+}
+
 /// Point `index` of the first dimension, shuffled and scrambled by `seed`.
 #[inline]
 pub fn shuffled_scrambled_sobol_1d(index: u32, seed: u32) -> f32 {
@@ -148,7 +182,7 @@ pub fn shuffled_scrambled_sobol_4d(index: u32, seed: u32) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hash::HashRng;
+    use crate::hash::{HashRng, mix64};
 
     #[test]
     fn generator_matrices_are_the_published_ones() {
@@ -206,6 +240,10 @@ mod tests {
             for k in [4, 8, 10] {
                 let points: Vec<_> = (0..1 << k).map(|i| shuffled_scrambled_sobol_2d(i, seed)).collect();
                 assert!(is_net(&points), "seed {seed}, 2^{k} points");
+                let scramble = Scramble::new(mix64(u64::from(seed)));
+                let points: Vec<_> = (0..1_u32 << k).map(|i| scramble.point_2d(i.reverse_bits())).collect();
+                assert!(is_net(&points), "seed {seed}, 2^{k} points");
+                assert!(points.iter().zip(0..).all(|(p, i)| p[0] == scramble.point_1d(u32::reverse_bits(i))));
                 let mut line: Vec<usize> = (0..1_u32 << k)
                     .map(|i| (shuffled_scrambled_sobol_1d(i, seed) * (1_u32 << k) as f32) as usize)
                     .collect();

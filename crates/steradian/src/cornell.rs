@@ -90,7 +90,7 @@ fn empty_box() -> SceneDesc {
     scene.film = Some(scene.add(film));
     let filter = Node::new(Family::Filter, "gaussian", None);
     scene.filter = Some(scene.add(filter));
-    let sampler = Node::new(Family::Sampler, "sobol", None).with("samples", 256_i64);
+    let sampler = Node::new(Family::Sampler, "zsobol", None).with("samples", 256_i64);
     scene.sampler = Some(scene.add(sampler));
     let integrator = Node::new(Family::Integrator, "path", None);
     scene.integrator = Some(scene.add(integrator));

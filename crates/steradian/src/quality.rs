@@ -3,7 +3,7 @@
 use crate::{Error, Layer};
 use steradian_core::{
     Scene,
-    sampler::{SAMPLERS, Sampler},
+    sampler::{SAMPLERS, Sampler, SamplerKind},
 };
 use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, Plan, Tactics};
 use steradian_scene::names::did_you_mean;
@@ -14,15 +14,19 @@ pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
     /// find, 1, 4 or 16, and `caustics`: whether photons look for light behind mirrors and glass beforehand.
     pub integrator: Option<String>,
-    /// Samples per pixel.
+    /// Samples per pixel; their mean with `adaptive`.
     pub spp: Option<u32>,
+    /// Whether parts of the picture that err more get more samples.
+    pub adaptive: bool,
+    /// The relative error of the picture ([`steradian_integrators::Session::error`]) at which to stop.
+    pub error: Option<f64>,
     /// Chooses among statistically equal images.
     pub seed: Option<u64>,
     /// Threads; 0 for one per processor.
     pub threads: usize,
     /// Most scattering events.
     pub max_depth: Option<u32>,
-    /// Sampler by name.
+    /// Sampler by name, or `scene` for the one that the scene's file names.
     pub sampler: Option<String>,
     /// Auxiliary layers.
     pub layers: Vec<Layer>,
@@ -68,7 +72,8 @@ impl Quality {
         })?;
         let kind = match self.sampler.as_deref() {
             None => scene.settings.sampler,
-            Some(name) => SAMPLERS.iter().find(|s| s.0 == name).map(|s| s.1).ok_or_else(|| Error::UnknownSampler {
+            Some("scene") => scene.settings.named_sampler,
+            Some(name) => SamplerKind::named(name).ok_or_else(|| Error::UnknownSampler {
                 name: name.into(),
                 hint: did_you_mean(name, SAMPLERS.iter().map(|s| s.0)),
                 known: SAMPLERS.iter().map(|s| s.0).collect::<Vec<_>>().join(", "),
@@ -84,6 +89,8 @@ impl Quality {
             sampler,
             threads: self.threads,
             features: self.layers.iter().any(|l| l.needs_features()),
+            adaptive: self.adaptive,
+            error: self.error,
         })
     }
 

@@ -50,5 +50,5 @@ fn help_version_and_completions() {
     place.refuse(2, &[], &["Usage"]);
     // What is not there is not shown.
     let help = place.succeed(&["render", "--help"]).stdout;
-    assert!(!help.contains("--nthreads") && !help.contains("--resume") && !help.contains("--error"));
+    assert!(!help.contains("--nthreads") && !help.contains("--resume"));
 }

@@ -173,6 +173,40 @@ fn time_ends_a_render() {
 }
 
 #[test]
+fn an_error_ends_the_render() {
+    let place = Place::new();
+    let run = place.succeed(&[
+        "render",
+        "--size",
+        "32x32",
+        "--error",
+        "3%",
+        "--adaptive",
+        "--aov",
+        "samples",
+        "--json",
+        "-o",
+        "e.exr",
+    ]);
+    let json = run.json();
+    assert_eq!((&json["stopped"], &json["adaptive"]), (&"error".into(), &true.into()));
+    assert!(json["relative_error"].as_f64().is_some_and(|e| e > 0.015 && e <= 0.03), "{json}");
+    assert!(json["spp"].as_f64().is_some_and(|n| (20.0..2000.0).contains(&n)), "{json}");
+    assert!(run.stderr.contains("relative error"), "{}", run.stderr);
+    let picture = place.picture("e.exr");
+    assert_eq!(picture.metadata.get("steradian:sampling"), Some(&Value::Text("adaptive".into())));
+    assert!(matches!(picture.metadata.get("steradian:relative_error"), Some(Value::Float(e)) if *e <= 0.0301));
+    let samples = picture.channel("samples.Y").unwrap();
+    let (least, most) = samples.iter().fold((f32::MAX, 0.0_f32), |(a, b), n| (a.min(*n), b.max(*n)));
+    assert!(least >= 4.0 && most > least, "{least} to {most}");
+    // What ends first, ends it; and with one sample nothing is known of the error.
+    let run = place.succeed(&small(&["--error", "0.001%", "--json", "-q", "-o", "t.exr"]));
+    assert_eq!((&run.json()["spp"], &run.json()["stopped"]), (&4.into(), &().into()));
+    let run = place.succeed(&["render", "--size", "8x8", "--spp", "1", "--json", "-q", "-o", "t.exr"]);
+    assert_eq!((&run.json()["relative_error"], &run.json()["adaptive"]), (&().into(), &false.into()));
+}
+
+#[test]
 fn quiet_says_nothing() {
     let run = Place::new().succeed(&small(&["--quiet"]));
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
@@ -192,6 +226,7 @@ fn bad_command_lines_are_refused_before_rendering() {
         (&["--camera", "front"], &["no camera 'front'"]),
         (&["--spp", "0"], &["--spp"]),
         (&["--time", "soon"], &["--time"]),
+        (&["--error", "0"], &["--error", "above zero"]),
         (&["--aov", "normals"], &["did you mean 'normal'?"]),
         (&["--aov", "normal", "-o", "x.png"], &[".exr"]),
         (&["--tonemap", "agz"], &["agx"]),

@@ -228,7 +228,8 @@ impl Compiler<'_> {
             rr_depth: 2,
             hide_emitters: false,
             spp: 16,
-            sampler: SamplerKind::Sobol,
+            sampler: SamplerKind::default(),
+            named_sampler: SamplerKind::default(),
             seed: 0,
         };
         if let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) {
@@ -240,18 +241,21 @@ impl Compiler<'_> {
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
         }
         if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
-            // The point set changes the noise of a picture, not the picture: files of other programs name theirs, which are not
-            // better than the default.
-            if self.desc.format == Format::Native {
-                match SAMPLERS.iter().find(|s| s.0 == node.kind) {
-                    Some(s) => settings.sampler = s.1,
-                    None => {
-                        let help = names::did_you_mean(&node.kind, SAMPLERS.iter().map(|s| s.0));
-                        self.error_help(node.span, format!("sampler '{}' is not implemented", node.kind), help);
-                    }
+            match SamplerKind::named(&node.kind) {
+                Some(kind) => settings.named_sampler = kind,
+                None => {
+                    let help = names::did_you_mean(&node.kind, SAMPLERS.iter().map(|s| s.0));
+                    self.error_help(node.span, format!("sampler '{}' is not implemented", node.kind), help);
                 }
-            } else if node.kind != "sobol" {
-                let what = format!("sampler '{}' is replaced by 'sobol'; --sampler decides otherwise", node.kind);
+            }
+            // The point set changes the noise of a picture, not the picture: files of other programs name theirs, often what was there by
+            // default, and none is better than ours.
+            let named = settings.named_sampler;
+            if self.desc.format == Format::Native {
+                settings.sampler = named;
+            } else if named != settings.sampler {
+                let ours = settings.sampler.name();
+                let what = format!("sampler '{}' is replaced by '{ours}'; --sampler scene keeps it", node.kind);
                 self.diagnostics.note(&self.desc.sources, node.span, what);
             }
             settings.seed = self.int(node, "seed").unwrap_or(0) as u64;

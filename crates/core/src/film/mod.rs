@@ -39,6 +39,17 @@ pub struct Pixel {
 }
 
 impl Pixel {
+    /// The pixel whose mean has a value and an estimated variance, from a number of samples: the inverse of [`Self::mean`] and
+    /// [`Self::variance_of_mean`].
+    pub fn of(mean: [f64; 3], variance_of_mean: [f64; 3], samples: u32) -> Self {
+        let n = f64::from(samples);
+        Self {
+            sum: mean.map(|m| m * n),
+            sum_squares: std::array::from_fn(|c| n * (variance_of_mean[c] * (n - 1.0) + mean[c] * mean[c])),
+            samples,
+        }
+    }
+
     /// Adds a sample; returns `false`, and adds zero radiance, if it is not finite. This is the one gate for NaN and infinity.
     #[inline]
     pub fn add(&mut self, rgb: Vec3) -> bool {
@@ -186,5 +197,7 @@ mod tests {
         }
         // Sample variance 5/3, over four samples.
         assert!((p.variance_of_mean()[0] - 5.0 / 12.0).abs() < 1e-12);
+        let q = Pixel::of(p.mean(), p.variance_of_mean(), p.samples);
+        assert!((q.mean()[0] - 2.5).abs() < 1e-12 && (q.variance_of_mean()[0] - 5.0 / 12.0).abs() < 1e-12);
     }
 }

@@ -1,11 +1,20 @@
 //! Samplers: random numbers as a pure function of (pixel, sample index, dimension, seed).
 //!
-//! A path asks for its numbers by dimension, so it does not matter in which order, on which thread, or in which run they are drawn.
+//! A path asks for its numbers by dimension, so it does not matter in which order, on which thread, or in which run they are drawn. Each sampler
+//! gives uniform numbers for any number of samples, and those of different dimensions, and of different seeds, are independent of each other.
+
+mod halton;
+mod lattice;
+mod permute;
+mod pmj;
+mod strata;
+#[cfg(test)]
+mod tests;
 
 use steradian_math::{
     Vec2,
-    hash::{ONE_MINUS_EPSILON, combine32, mix32, unit_f32},
-    sobol,
+    hash::{combine32, mix32, mix64, unit_f32},
+    sobol::Scramble,
 };
 
 /// Which point set the samples of a pixel form.
@@ -15,52 +24,132 @@ pub enum SamplerKind {
     Independent,
     /// One number in each of `spp` strata (a jittered grid in two dimensions), in an order shuffled per dimension.
     Stratified,
+    /// Correlated multi-jittering (Kensler 2013).
+    MultiJitter,
     /// The Sobol' sequence, padded in pairs of dimensions that are each shuffled and Owen-scrambled by hashing (Burley 2020,
-    /// "Practical Hash-based Owen Scrambling").
-    #[default]
+    /// "Practical Hash-based Owen Scrambling"); pixels are independent of each other.
     Sobol,
+    /// The same, where the pixels of a block take consecutive parts of one sequence, along a Z-curve, so that neighbours err in opposite
+    /// directions (Ahmed, Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels").
+    #[default]
+    ZSobol,
+    /// Halton points with digits scrambled at random (Owen).
+    Halton,
+    /// Progressive multi-jittered (0,2) points that keep a distance (Christensen, Kensler, Kilpatrick 2018).
+    Pmj02,
+    /// A rank-1 lattice with random shifts.
+    Lattice,
 }
 
 /// The samplers by name, for the registry: name, kind, what it is.
 pub const SAMPLERS: &[(&str, SamplerKind, &str)] = &[
-    ("sobol", SamplerKind::Sobol, "Owen-scrambled Sobol' pairs, shuffled per dimension (Burley 2020); the default"),
+    (
+        "zsobol",
+        SamplerKind::ZSobol,
+        "Owen-scrambled Sobol' pairs, shared along a Z-curve so that the error is blue noise (Ahmed, Wonka 2020); the default",
+    ),
+    (
+        "sobol",
+        SamplerKind::Sobol,
+        "Owen-scrambled Sobol' pairs, shuffled per dimension (Burley 2020); pixels are independent",
+    ),
+    ("halton", SamplerKind::Halton, "Halton points with Owen-scrambled digits"),
+    (
+        "pmj02",
+        SamplerKind::Pmj02,
+        "progressive multi-jittered (0,2) points that keep a distance (Christensen, Kensler, Kilpatrick 2018); for powers of two of samples",
+    ),
+    (
+        "lattice",
+        SamplerKind::Lattice,
+        "an extensible rank-1 lattice (Cools, Kuo, Nuyens 2006), shifted at random (Cranley, Patterson 1976)",
+    ),
+    (
+        "multijitter",
+        SamplerKind::MultiJitter,
+        "correlated multi-jittering (Kensler 2013); the number of samples must be known",
+    ),
+    (
+        "stratified",
+        SamplerKind::Stratified,
+        "jittered strata over the samples of a pixel, shuffled per dimension; the number of samples must be known",
+    ),
     ("independent", SamplerKind::Independent, "independent uniform random numbers"),
-    ("stratified", SamplerKind::Stratified, "jittered strata over the samples of a pixel, shuffled per dimension"),
 ];
+
+impl SamplerKind {
+    /// By name; `None` for names that are not in [`SAMPLERS`].
+    pub fn named(name: &str) -> Option<Self> {
+        SAMPLERS.iter().find(|s| s.0 == name).map(|s| s.1)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        SAMPLERS.iter().find(|s| s.1 == self).map_or("", |s| s.0)
+    }
+}
 
 /// A sampler for a whole image.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     /// The point set.
     pub kind: SamplerKind,
-    /// Samples per pixel; the strata of [`SamplerKind::Stratified`].
+    /// Samples per pixel; the strata of samplers that have a fixed number.
     pub spp: u32,
     /// Chooses among statistically equal images.
     pub seed: u64,
 }
 
+/// log₂ of the edge of the blocks of pixels that share a sequence, and of the most samples of it that a pixel has: together an index of 32 bits.
+/// Further samples are of other sequences.
+const BLOCK: u32 = 8;
+const LONGEST: u32 = 16;
+
+/// Most consecutive points of a member of a group.
+const LARGEST_BLOCK: u32 = 1024;
+
 impl Sampler {
     /// The sampler of one sample of one pixel.
     #[inline]
     pub fn pixel(&self, x: u32, y: u32, index: u32) -> PixelSampler {
-        let seed = combine32(combine32(mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ 0x5d4e_8a1b), x), y);
-        PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index }
+        if self.kind != SamplerKind::ZSobol {
+            return self.with(0x5d4e_8a1b, [x, y, 0], index);
+        }
+        // A pixel's samples are 2^bits consecutive points of the block's sequence, so they are a net of their own.
+        let bits = self.spp.max(1).next_power_of_two().trailing_zeros().min(LONGEST);
+        let place = spread_bits(x) | spread_bits(y) << 1;
+        let within = index & ((1 << bits) - 1);
+        self.with(0x5d4e_8a1b, [x >> BLOCK, y >> BLOCK, index >> bits], place << bits | within)
     }
 
     /// The sampler of one sample of a group of pixels, whose samples together form one point set: the member `rank` of `of` has a block of
     /// consecutive points, so that its own are stratified too. `x`, `y` and `group` name the group.
     #[inline]
     pub fn group(&self, x: u32, y: u32, group: u32, index: u32, rank: u32, of: u32) -> PixelSampler {
-        let base = mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ 0x91e1_0da5);
-        let seed = combine32(combine32(combine32(base, x), y), group);
         let block = self.spp.clamp(1, LARGEST_BLOCK).next_power_of_two();
-        let index = (index / block * of + rank).wrapping_mul(block).wrapping_add(index % block);
-        PixelSampler { kind: self.kind, spp: self.spp.max(1).saturating_mul(of), seed, index }
+        let within = index % block;
+        let index = (index / block * of + rank).wrapping_mul(block).wrapping_add(within);
+        let sampler = self.with(0x91e1_0da5, [x, y, group], index);
+        PixelSampler { spp: sampler.spp.saturating_mul(of), ..sampler }
+    }
+
+    /// A sample of the point set that some numbers name.
+    #[inline]
+    fn with(&self, salt: u32, name: [u32; 3], index: u32) -> PixelSampler {
+        let base = mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ salt);
+        let seed = name.iter().fold(base, |seed, n| combine32(seed, *n));
+        PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index, reversed: index.reverse_bits() }
     }
 }
 
-/// Most consecutive points of a member of a group.
-const LARGEST_BLOCK: u32 = 1024;
+/// Puts a zero above each of the last bits of a coordinate in a block.
+#[inline]
+const fn spread_bits(v: u32) -> u32 {
+    let v = v & ((1 << BLOCK) - 1);
+    let v = (v | v << 4) & 0x0f0f;
+    let v = (v | v << 2) & 0x3333;
+    (v | v << 1) & 0x5555
+}
 
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
@@ -69,20 +158,17 @@ pub struct PixelSampler {
     spp: u32,
     seed: u32,
     index: u32,
+    /// The index with its bits reversed.
+    reversed: u32,
 }
 
 impl PixelSampler {
     /// The number in `[0, 1)` of a dimension.
     #[inline]
     pub fn get_1d(&self, dimension: u32) -> f32 {
-        let seed = combine32(self.seed, dimension);
         match self.kind {
-            SamplerKind::Sobol => sobol::shuffled_scrambled_sobol_1d(self.index, seed),
-            SamplerKind::Independent => unit_f32(combine32(seed, self.index)),
-            SamplerKind::Stratified => {
-                let stratum = permute(self.index % self.spp, self.spp, seed);
-                stratum_point(stratum, self.spp, combine32(seed, self.index ^ 0x68bc_21eb))
-            }
+            SamplerKind::ZSobol | SamplerKind::Sobol => self.scramble(dimension).point_1d(self.reversed),
+            _ => self.other_1d(dimension),
         }
     }
 
@@ -95,21 +181,45 @@ impl PixelSampler {
     /// The point in `[0, 1)²` of a dimension (the pair counts as one).
     #[inline]
     pub fn get_2d(&self, dimension: u32) -> Vec2 {
+        match self.kind {
+            SamplerKind::ZSobol | SamplerKind::Sobol => Vec2::from(self.scramble(dimension).point_2d(self.reversed)),
+            _ => self.other_2d(dimension),
+        }
+    }
+
+    /// How the points of a dimension are shuffled and scrambled.
+    #[inline]
+    fn scramble(&self, dimension: u32) -> Scramble {
+        Scramble::new(mix64(u64::from(self.seed) << 32 | u64::from(dimension)))
+    }
+
+    /// Out of the way of the default.
+    #[inline(never)]
+    fn other_1d(&self, dimension: u32) -> f32 {
         let seed = combine32(self.seed, dimension);
         match self.kind {
-            SamplerKind::Sobol => Vec2::from(sobol::shuffled_scrambled_sobol_2d(self.index, seed)),
-            SamplerKind::Independent => {
+            SamplerKind::Stratified | SamplerKind::MultiJitter => strata::stratified_1d(self.index, self.spp, seed),
+            SamplerKind::Halton if dimension < halton::PAIRS => halton::coordinate(self.index, dimension, 0, seed),
+            SamplerKind::Pmj02 => pmj::point(self.index, self.spp, seed).x,
+            SamplerKind::Lattice => lattice::point(self.index, dimension, self.seed, seed).x,
+            _ => unit_f32(combine32(seed, self.index)),
+        }
+    }
+
+    #[inline(never)]
+    fn other_2d(&self, dimension: u32) -> Vec2 {
+        let seed = combine32(self.seed, dimension);
+        match self.kind {
+            SamplerKind::Stratified => strata::stratified_2d(self.index, self.spp, seed),
+            SamplerKind::MultiJitter => strata::multijitter_2d(self.index, self.spp, seed),
+            SamplerKind::Halton if dimension < halton::PAIRS => {
+                Vec2::from([0, 1].map(|axis| halton::coordinate(self.index, dimension, axis, seed)))
+            }
+            SamplerKind::Pmj02 => pmj::point(self.index, self.spp, seed),
+            SamplerKind::Lattice => lattice::point(self.index, dimension, self.seed, seed),
+            _ => {
                 let a = combine32(seed, self.index);
                 Vec2::new(unit_f32(a), unit_f32(mix32(a ^ 0x02e5_be93)))
-            }
-            SamplerKind::Stratified => {
-                let columns = (self.spp as f32).sqrt() as u32;
-                let columns = columns.max(1);
-                let rows = self.spp.div_ceil(columns);
-                let cells = columns * rows;
-                let cell = permute(self.index % self.spp, cells, seed);
-                let (a, b) = (combine32(seed, self.index ^ 0x68bc_21eb), combine32(seed, self.index ^ 0x02e5_be93));
-                Vec2::new(stratum_point(cell % columns, columns, a), stratum_point(cell / columns, rows, b))
             }
         }
     }
@@ -118,111 +228,5 @@ impl PixelSampler {
     #[inline]
     pub fn hash(&self, dimension: u32) -> u32 {
         combine32(combine32(self.seed, dimension), self.index ^ 0x9e37_79b9)
-    }
-}
-
-/// A jittered point of one of `n` strata of the unit interval.
-fn stratum_point(stratum: u32, n: u32, jitter: u32) -> f32 {
-    ((stratum as f32 + unit_f32(jitter)) / n as f32).min(ONE_MINUS_EPSILON)
-}
-
-/// A random permutation of `0..n`, evaluated at `i` (Kensler 2013, "Correlated Multi-Jittered Sampling").
-fn permute(mut i: u32, n: u32, p: u32) -> u32 {
-    let w = n.next_power_of_two().wrapping_sub(1);
-    loop {
-        i ^= p;
-        i = i.wrapping_mul(0xe170_893d);
-        i ^= p >> 16;
-        i ^= (i & w) >> 4;
-        i ^= p >> 8;
-        i = i.wrapping_mul(0x0929_eb3f);
-        i ^= p >> 23;
-        i ^= (i & w) >> 1;
-        i = i.wrapping_mul(1 | p >> 27);
-        i = i.wrapping_mul(0x6935_fa69);
-        i ^= (i & w) >> 11;
-        i = i.wrapping_mul(0x74dc_b303);
-        i ^= (i & w) >> 2;
-        i = i.wrapping_mul(0x9e50_1cc3);
-        i ^= (i & w) >> 2;
-        i = i.wrapping_mul(0xc860_a3df);
-        i &= w;
-        i ^= i >> 5;
-        if i < n {
-            return (i.wrapping_add(p)) % n;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn kinds() -> impl Iterator<Item = SamplerKind> {
-        SAMPLERS.iter().map(|s| s.1)
-    }
-
-    #[test]
-    fn permutations_are_bijective() {
-        for n in [1, 2, 3, 7, 64, 100] {
-            let mut seen = vec![false; n as usize];
-            (0..n).for_each(|i| seen[permute(i, n, 0x1234_5678) as usize] = true);
-            assert!(seen.iter().all(|&s| s));
-        }
-    }
-
-    #[test]
-    fn numbers_lie_in_the_unit_interval_and_integrate() {
-        // ∫ x² y dx dy = 1/6; the standard error of 4096 independent samples is 0.0034.
-        for kind in kinds() {
-            let s = Sampler { kind, spp: 4096, seed: 7 };
-            let mean = (0..4096)
-                .map(|i| {
-                    let p = s.pixel(3, 5, i).get_2d(9);
-                    assert!(p.min_element() >= 0.0 && p.max_element() < 1.0);
-                    f64::from(p.x * p.x * p.y)
-                })
-                .sum::<f64>()
-                / 4096.0;
-            assert!((mean - 1.0 / 6.0).abs() < 0.014, "{kind:?}: {mean}");
-        }
-    }
-
-    /// M153: the error of stratified and low-discrepancy samples falls faster than `n^-1/2`.
-    #[test]
-    fn structured_samplers_converge_faster() {
-        let error = |kind, n: u32| {
-            let pixels = 64;
-            let mse = (0..pixels)
-                .map(|x| {
-                    let s = Sampler { kind, spp: n, seed: 1 };
-                    let mean = (0..n).map(|i| s.pixel(x, 0, i).get_2d(4)).map(|p| f64::from(p.x * p.y)).sum::<f64>();
-                    (mean / f64::from(n) - 0.25).powi(2)
-                })
-                .sum::<f64>();
-            (mse / f64::from(pixels)).sqrt()
-        };
-        let slope = |kind| (error(kind, 16) / error(kind, 1024)).log2() / 6.0;
-        assert!((slope(SamplerKind::Independent) - 0.5).abs() < 0.15, "{}", slope(SamplerKind::Independent));
-        assert!(slope(SamplerKind::Stratified) > 0.8, "{}", slope(SamplerKind::Stratified));
-        assert!(slope(SamplerKind::Sobol) > 1.1, "{}", slope(SamplerKind::Sobol));
-    }
-
-    #[test]
-    fn every_argument_matters() {
-        for kind in kinds() {
-            let s = Sampler { kind, spp: 16, seed: 1 };
-            let base = s.pixel(1, 2, 3).get_1d(4);
-            assert_eq!(base, s.pixel(1, 2, 3).get_1d(4));
-            for other in [
-                s.pixel(2, 2, 3).get_1d(4),
-                s.pixel(1, 3, 3).get_1d(4),
-                s.pixel(1, 2, 4).get_1d(4),
-                s.pixel(1, 2, 3).get_1d(5),
-                Sampler { seed: 2, ..s }.pixel(1, 2, 3).get_1d(4),
-            ] {
-                assert_ne!(base, other, "{kind:?}");
-            }
-        }
     }
 }

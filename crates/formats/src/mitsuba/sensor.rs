@@ -279,7 +279,9 @@ impl Reader<'_> {
         };
         let kind = match self.plugin(object) {
             "independent" => "independent",
-            "stratified" | "multijitter" | "orthogonal" => "stratified",
+            "stratified" => "stratified",
+            "multijitter" | "orthogonal" => "multijitter",
+            "halton" | "hammersley" => "halton",
             _ if self.is_known(object) => "sobol",
             _ => return self.unknown_plugin(object),
         };

@@ -9,8 +9,9 @@ const SAMPLERS: [&str; 7] = ["zsobol", "sobol", "paddedsobol", "halton", "pmj02b
 pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Option<NodeId> {
     let given = dict.kind.as_str();
     let kind = match given {
-        "independent" | "stratified" | "sobol" => given,
-        "zsobol" | "paddedsobol" | "halton" | "pmj02bn" => "sobol",
+        "independent" | "stratified" | "sobol" | "zsobol" | "halton" => given,
+        "paddedsobol" => "sobol",
+        "pmj02bn" => "pmj02",
         _ => {
             let help = match given {
                 "lowdiscrepancy" | "02sequence" => Some(format!("'{given}' is of pbrt-v3; use 'paddedsobol'")),
@@ -22,9 +23,6 @@ pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Opti
             return None;
         }
     };
-    if !matches!(given, "sobol" | "independent" | "stratified" | "zsobol") {
-        scene.report.note(dict.span, format!("sampler '{given}' is rendered as 'sobol'; only the noise differs"));
-    }
     let mut b = Build::new(scene, dict, Family::Sampler, kind);
     if kind == "stratified" {
         let [x, y] = ["xsamples", "ysamples"].map(|n| b.dict.int(&mut b.scene.report, n).unwrap_or(4));

@@ -3,6 +3,7 @@
 //! Statistical comparisons are made at four standard errors, estimated by the film itself, with fixed seeds. Comparisons without
 //! spread allow for rounding alone.
 
+mod adaptive;
 mod color;
 mod determinism;
 mod film;

@@ -21,6 +21,8 @@ pub struct Shot {
     pub reuse: u32,
     /// Whether photons look for caustics.
     pub caustics: bool,
+    pub adaptive: bool,
+    pub error: Option<f64>,
 }
 
 impl Shot {
@@ -37,6 +39,8 @@ impl Shot {
             sampler: SamplerKind::Independent,
             reuse: 1,
             caustics: false,
+            adaptive: false,
+            error: None,
         }
     }
 
@@ -52,6 +56,10 @@ impl Shot {
         Self { reuse, ..self }
     }
 
+    pub fn adaptive(self) -> Self {
+        Self { adaptive: true, ..self }
+    }
+
     pub fn seed(self, seed: u64) -> Self {
         Self { seed, ..self }
     }
@@ -62,7 +70,8 @@ impl Shot {
         let tactics = Tactics { reuse: self.reuse, caustics: self.caustics };
         let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
-        Session::new(scene, Plan { integrator, sampler, threads: self.threads, features: false })
+        let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
+        Session::new(scene, Plan { integrator, sampler, threads, features: false, adaptive, error })
     }
 
     /// The finished film; every sample must have been finite.

@@ -52,7 +52,7 @@ fn an_empty_scene_has_the_defaults_of_pbrt() {
         "gaussian",
         &[("radius_x", some(1.5)), ("radius_y", some(1.5)), ("sigma", some(0.5))],
     );
-    check(d.node(d.sampler.unwrap()), "sobol", &[("samples", some(16)), ("seed", some(0))]);
+    check(d.node(d.sampler.unwrap()), "zsobol", &[("samples", some(16)), ("seed", some(0))]);
     check(d.node(d.integrator.unwrap()), "volpath", &[("max_depth", some(5))]);
 }
 
@@ -147,10 +147,10 @@ fn samplers_and_integrators() {
     for (text, kind, samples) in [
         ("\"independent\"", "independent", 4),
         ("\"sobol\"", "sobol", 16),
-        ("\"zsobol\" \"integer pixelsamples\" 7", "sobol", 7),
-        ("\"halton\"", "sobol", 16),
+        ("\"zsobol\" \"integer pixelsamples\" 7", "zsobol", 7),
+        ("\"halton\"", "halton", 16),
         ("\"paddedsobol\" \"string randomization\" \"owen\"", "sobol", 16),
-        ("\"pmj02bn\"", "sobol", 16),
+        ("\"pmj02bn\"", "pmj02", 16),
         ("\"stratified\" \"integer xsamples\" 3", "stratified", 12),
     ] {
         let i = load(&format!("Sampler {text} WorldBegin"));
