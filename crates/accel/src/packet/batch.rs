@@ -21,7 +21,7 @@ fn packet<L: Lanes>(l: L, rays: &[Ray]) -> (Packet, usize) {
     (Packet::new(l, &padded), rays.len())
 }
 
-/// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once. Measured.
+/// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once.
 const PAUSE: usize = 7;
 
 /// How many of the next rays go alone without being tried together.

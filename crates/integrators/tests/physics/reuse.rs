@@ -187,7 +187,7 @@ fn photons_take_noise_from_caustics() {
         film.pixels.iter().map(|p| p.variance_of_mean()[0]).sum()
     };
     let (without, with) = (noise(false), noise(true));
-    assert!(with * 8.0 < without, "{without} without photons, {with} with them");
+    assert!(with * 4.0 < without, "{without} without photons, {with} with them");
 }
 
 /// In fog points between surfaces share and are shared, with the medium on the way; screens stand between.
