@@ -1,6 +1,6 @@
 //! Next-event estimation: what a light, chosen in proportion to what it can contribute, adds at a scattering event.
 
-use crate::{Counters, dimension, power_heuristic};
+use crate::{dimension, power_heuristic};
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, TransportMode},
@@ -42,29 +42,6 @@ pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, bsdf: &Bsdf) -> Spec
     }
     let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, e.pdf) };
     e.value * s.radiance * (weight / s.pdf)
-}
-
-/// The estimate of direct light at a surface.
-#[allow(clippy::too_many_arguments)]
-#[inline]
-pub fn direct(
-    scene: &Scene,
-    i: &Interaction,
-    frame: &Frame,
-    bsdf: &Bsdf,
-    event: u32,
-    sampler: &PixelSampler,
-    lambda: &Wavelengths,
-    counters: &mut Counters,
-) -> Spectrum {
-    let ctx = context(i, frame, bsdf);
-    let Some(s) = sample_light(scene, &ctx, event, sampler, lambda) else { return Spectrum::ZERO };
-    let light = unoccluded(&s, frame.to_local(i.wo), frame, bsdf);
-    if light.is_black() {
-        return Spectrum::ZERO;
-    }
-    counters.rays += 1;
-    if scene.occluded(&i.spawn_towards(s.wi, s.distance)) { Spectrum::ZERO } else { light }
 }
 
 /// Where a path last scattered, for the weight of light that it then meets; `None` from the camera and after specular events, when no

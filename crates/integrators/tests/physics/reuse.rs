@@ -172,6 +172,17 @@ fn caustics_are_unbiased() {
     }
 }
 
+/// With photons too, the recursive form and any number of threads give the bits of the iterative one.
+#[test]
+fn photons_are_the_same_on_every_run() {
+    let scene = lenses().scene();
+    let shot = |integrator| Shot { caustics: true, ..Shot::of(integrator, 4) }.depth(8).reuse(16);
+    let bits = |shot: Shot| -> Vec<_> { shot.take(&scene).pixels.iter().map(|p| p.mean().map(f64::to_bits)).collect() };
+    let path = bits(shot("path"));
+    assert!(path == bits(shot("path-recursive")) && path == bits(Shot { threads: 3, ..shot("path") }));
+    assert!(path != bits(Shot { caustics: false, ..shot("path") }));
+}
+
 /// The light that a small lamp sends through a ball of glass onto the floor has a fraction of the noise.
 #[test]
 fn photons_take_noise_from_caustics() {

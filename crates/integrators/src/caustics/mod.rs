@@ -7,44 +7,29 @@
 //!
 //! `p(ω) = (1 − s) p_bsdf(ω) + s Σ_i w_i K(ω, q_i − x)`
 //!
-//! over the photons i of its neighbourhood, with kernels K as wide as the photons lie apart and a share s by how much light they bring. Values divided by this density are right
-//! whatever the photons are, so these need neither be many nor exact: they decide about the error, not about the mean.
+//! over the photons i of its neighbourhood, with kernels K as wide as the photons lie apart and a share s by how much light
+//! they bring. Values divided by this density are right whatever the photons are, so these need neither be many nor exact: they decide about
+//! the error, not about the mean.
 
-use crate::{Counters, live_max, nee};
-use rayon::prelude::*;
+mod photons;
+
+use photons::{Photon, is_receiver};
 use steradian_core::{
-    ColorMode, Scene,
-    bsdf::{Bsdf, BsdfSample, Diffuse, Lobe, TransportMode},
-    light::LightContext,
-    material::{Material, Model, Roughness},
-    sampler::{PixelSampler, Sampler, SamplerKind},
-    scene::{Interaction, SHADOW_END},
-    texture::FloatTexture,
+    Scene,
+    bsdf::{Bsdf, BsdfSample, Lobe, TransportMode},
 };
-use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+use steradian_math::{Bounds3, Frame, Vec2, Vec3};
 
-/// Fewest and most photons that are sent: one for two pixels.
-const PHOTONS: (u32, u32) = (1 << 12, 1 << 18);
 /// Fewer landed ones than this are no guide.
 const FEWEST: usize = 64;
 /// Most photons of a neighbourhood.
 const LANES: usize = 16;
-/// Focusing events that a photon is followed through.
-const EVENTS: u32 = 12;
-/// Scattering focuses where directions are drawn with a greater density than this (sr⁻¹).
-const FOCUSED: f32 = 2.0;
-/// Roughness α above which metals and glass do not focus.
-const BROAD: f32 = 0.25;
 /// The largest share of directions drawn by the photons.
 const MOST: f32 = 0.6;
 /// Below this share they are not asked.
 const LEAST: f32 = 0.03;
-/// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that the photons add to.
-const OTHER: (f32, f32) = (1.5, 0.05);
 /// Points that stand for a direction are this many times the size of a neighbourhood away.
 const FAR: f32 = 1e3;
-/// How often a photon lands.
-const LANDINGS: usize = 3;
 /// Bounds of the kernels' radius, rad.
 const RADIUS: (f32, f32) = (0.01, 0.6);
 
@@ -60,21 +45,6 @@ pub struct Caustics {
 enum Node {
     Split { axis: u8, at: f32, second: u32 },
     Leaf(u32),
-}
-
-/// Where a photon landed.
-#[derive(Clone, Copy, Debug)]
-struct Photon {
-    /// There.
-    p: Vec3,
-    /// Where it last was before.
-    q: Vec3,
-    /// How far it came, from the light; infinite from infinite ones.
-    length: f32,
-    /// What it carries (luminance).
-    power: f32,
-    /// An estimate of the irradiance there that the surface's own sampling has to find, and some of that from light samples.
-    other: f32,
 }
 
 /// A neighbourhood; lanes beyond its photons have no weight.
@@ -109,39 +79,12 @@ impl Draw {
     }
 }
 
-/// What photons are sent to.
-struct Target {
-    bounds: Bounds3,
-    /// Probabilities of this and the ones before it.
-    sum: f32,
-    /// Its own.
-    probability: f32,
-}
-
 impl Caustics {
     /// Sends the photons; `None` where nothing focuses light, or too few of them land.
     pub fn new(scene: &Scene) -> Option<Self> {
-        if !scene.lights.can_sample() {
-            return None;
-        }
-        let targets = targets(scene);
-        if targets.is_empty() {
-            return None;
-        }
-        let pixels = scene.film.width.saturating_mul(scene.film.height);
-        let count = (pixels / 2).clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
-        let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
-        let mut photons: Vec<_> = (0..count)
-            .into_par_iter()
-            .flat_map_iter(|index| send(scene, &targets, &sampler.pixel(0, 0, index)).into_iter().flatten())
-            .collect();
+        let mut photons = photons::send(scene);
         if photons.len() < FEWEST {
             return None;
-        }
-        let ambient = 0.05 * photons.iter().map(|p| p.other).sum::<f32>() / photons.len() as f32;
-        for photon in &mut photons {
-            photon.other += ambient;
-            photon.power /= count as f32;
         }
         let mut caustics = Self { nodes: Vec::new(), leaves: Vec::new() };
         caustics.split(&mut photons);
@@ -209,16 +152,6 @@ impl Caustics {
             s.pdf / (s.pdf + share * (leaf.pdf(p, frame.to_world(s.wi)) - s.pdf))
         };
         Some(Draw { sample: BsdfSample { weight: s.weight * ratio, ..s }, ratio })
-    }
-}
-
-/// Whether photons are of use where a surface scatters like this.
-#[inline]
-fn is_receiver(bsdf: &Bsdf) -> bool {
-    match bsdf {
-        Bsdf::Conductor(b) => b.microfacet.mean_alpha() > BROAD,
-        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Hair(_) | Bsdf::Layered(_) => false,
-        _ => true,
     }
 }
 
@@ -310,186 +243,15 @@ fn radii(at: Vec3, points: &[Vec3]) -> Vec<f32> {
     directions.iter().map(radius).collect()
 }
 
-/// Everything that may focus light, by its share of the cross-sections.
-fn targets(scene: &Scene) -> Vec<Target> {
-    let focuses: Vec<bool> = (0..scene.materials.len() as u32).map(|m| may_focus(&scene.materials, m)).collect();
-    let mut starts: Vec<u32> = scene.placements.iter().map(|p| p.base).collect();
-    starts.push(scene.geometries.len() as u32);
-    starts.sort_unstable();
-    starts.dedup();
-    let within = |from: u32, to: u32| {
-        let (geometries, focuses) = (&scene.geometries[from as usize..to as usize], &focuses);
-        geometries.iter().filter(move |g| focuses[g.material as usize] && !g.is_interface).map(|g| g.shape.bounds())
-    };
-    let mut bounds: Vec<Bounds3> = within(0, starts[0]).collect();
-    for place in &scene.placements {
-        let end = starts.iter().copied().find(|s| *s > place.base).unwrap_or(place.base);
-        bounds.extend(
-            within(place.base, end)
-                .map(|b| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))))),
-        );
-    }
-    bounds.retain(|b| !b.is_empty() && b.diagonal().is_finite() && b.area() > 0.0);
-    let total: f32 = bounds.iter().map(Bounds3::area).sum();
-    let mut sum = 0.0;
-    let even = 1.0 / bounds.len().max(1) as f32;
-    bounds
-        .iter()
-        .map(|&bounds| {
-            let probability = 0.5 * (bounds.area() / total + even);
-            sum += probability;
-            Target { bounds, sum, probability }
-        })
-        .collect()
-}
-
-/// Whether a material may send light on in narrow bundles.
-fn may_focus(materials: &[Material], id: u32) -> bool {
-    let is_narrow = |r: &Roughness| match (r.u, r.v) {
-        (FloatTexture::Constant(u), FloatTexture::Constant(v)) => {
-            let alpha = (u * v).max(0.0).sqrt();
-            (if r.remap { alpha.sqrt() } else { alpha }) <= BROAD
-        }
-        _ => true,
-    };
-    match &materials[id as usize].model {
-        Model::Conductor { roughness, .. }
-        | Model::ConductorReflectance(_, roughness)
-        | Model::Mirror(_, roughness)
-        | Model::Dielectric { roughness, .. } => is_narrow(roughness),
-        Model::ThinDielectric { .. } | Model::Pbr(_) | Model::Principled(_) => true,
-        Model::Mix(a, b, _) | Model::TwoSided(a, b) => may_focus(materials, *a) || may_focus(materials, *b),
-        _ => false,
-    }
-}
-
-/// The dimensions of a photon's random numbers.
-mod dimension {
-    pub const TARGET: u32 = 0;
-    pub const POINT: u32 = 1;
-    pub const DEPTH: u32 = 2;
-    pub const WAVELENGTH: u32 = 3;
-    /// Of a direction in which indirect light is asked for, among those of an event.
-    pub const AROUND: u32 = 8;
-    /// Of the light; past those of any later event.
-    pub const LIGHT_EVENT: u32 = 100;
-}
-
-/// Follows a photon from a light towards a target, to where it lands after it was focused.
-fn send(scene: &Scene, targets: &[Target], sampler: &PixelSampler) -> [Option<Photon>; LANDINGS] {
-    let mut landed = [None; LANDINGS];
-    let mut count = 0;
-    trace(scene, targets, sampler, |photon| {
-        landed[count] = Some(photon);
-        count += 1;
-        count < LANDINGS
-    });
-    landed
-}
-
-/// Follows a photon while `land` says so.
-fn trace(
-    scene: &Scene,
-    targets: &[Target],
-    sampler: &PixelSampler,
-    mut land: impl FnMut(Photon) -> bool,
-) -> Option<()> {
-    let mut lambda = match scene.mode {
-        ColorMode::Rgb => Wavelengths::RGB,
-        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
-    };
-    let luminance = |s: Spectrum, lambda: &Wavelengths| match scene.mode {
-        ColorMode::Rgb => steradian_math::color::luminance(Vec3::from(s.to_rgb())),
-        ColorMode::Spectral => lambda.luminance(s),
-    };
-    let u = sampler.get_1d(dimension::TARGET);
-    let target = targets.iter().find(|t| u < t.sum).or(targets.last())?;
-    let across = sampler.get_2d(dimension::POINT);
-    let size = target.bounds.diagonal();
-    let towards = target.bounds.min + size * Vec3::new(across.x, across.y, sampler.get_1d(dimension::DEPTH));
-    let ctx = LightContext { p: towards, n: Vec3::ZERO };
-    let s = nee::sample_light(scene, &ctx, dimension::LIGHT_EVENT, sampler, &lambda)?;
-    let w = s.wi.abs();
-    let section = w.x * size.y * size.z + w.y * size.z * size.x + w.z * size.x * size.y;
-    let distance = if s.distance.is_finite() { s.distance } else { 2.0 * scene.bounds().bounding_sphere().1 };
-    let mut ray = Ray::new(towards + s.wi * (distance * SHADOW_END), -s.wi);
-    let mut beta = s.radiance * (section / (s.pdf * target.probability));
-    let (mut q, mut focused, mut length) = (None, false, if s.distance.is_finite() { 0.0 } else { f32::INFINITY });
-    for event in 0..EVENTS {
-        let hit = scene.intersect(&ray)?;
-        let i = scene.interaction(&ray, &hit);
-        length += hit.t;
-        let at = |decision| crate::dimension::at(event, decision);
-        let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures);
-        let Some((scattering, frame)) = scene.scattering(&i, choice, &mut lambda) else {
-            ray = i.spawn(ray.direction);
-            continue;
-        };
-        let u = sampler.get_1d(at(crate::dimension::LOBE));
-        let u2 = sampler.get_2d(at(crate::dimension::DIRECTION));
-        let next = scattering.bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Importance)?;
-        if next.lobe.is_specular() || next.pdf > FOCUSED {
-            q = Some(i.surface.p);
-            focused = true;
-        } else {
-            let power = luminance(beta, &lambda);
-            if !(focused && power > 0.0 && power.is_finite()) {
-                return None;
-            }
-            if let Some(q) = q.filter(|_| is_receiver(&scattering.bsdf)) {
-                let other = luminance(irradiance(scene, &i, &frame, event, sampler, &mut lambda.clone()), &lambda);
-                if !land(Photon { p: i.surface.p, q, length, power, other }) {
-                    return None;
-                }
-            }
-            q = None;
-        }
-        let survival = live_max(next.weight, &lambda).min(1.0);
-        if survival <= 0.0 || sampler.get_1d(at(crate::dimension::ROULETTE)) >= survival {
-            return None;
-        }
-        beta *= next.weight / survival;
-        ray = i.spawn(frame.to_world(next.wi));
-    }
-    None
-}
-
-/// One sample of the irradiance at a point, of what arrives directly and after one event, each as much as it counts.
-fn irradiance(
-    scene: &Scene,
-    i: &Interaction,
-    frame: &Frame,
-    event: u32,
-    sampler: &PixelSampler,
-    lambda: &mut Wavelengths,
-) -> Spectrum {
-    let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ONE });
-    let counters = &mut Counters::default();
-    let direct = nee::direct(scene, i, frame, &white, event, sampler, lambda, counters);
-    let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::AROUND))));
-    let ray = i.spawn(w);
-    let indirect = match scene.intersect(&ray) {
-        None => {
-            let pdf = frame.z.dot(w).max(0.0) * std::f32::consts::FRAC_1_PI;
-            nee::background(scene, ray.origin, w, &Some((nee::context(i, frame, &white), pdf)), lambda)
-        }
-        Some(hit) => {
-            let i = scene.interaction(&ray, &hit);
-            match scene.scattering(&i, 0.5, lambda) {
-                Some((s, frame)) if !s.bsdf.is_specular() => {
-                    nee::direct(scene, &i, &frame, &s.bsdf, event + EVENTS, sampler, lambda, counters)
-                }
-                _ => Spectrum::ZERO,
-            }
-        }
-    };
-    (indirect * OTHER.0 + direct * OTHER.1) * std::f32::consts::PI
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steradian_math::hash::{combine32, unit_f32};
+    use steradian_core::bsdf::Diffuse;
+    use steradian_math::{
+        Spectrum,
+        hash::{combine32, unit_f32},
+        warp,
+    };
 
     fn leaf() -> Leaf {
         let at = |k: u32, scale: f32| Vec3::from([0, 1, 2].map(|axis| (unit_f32(combine32(k, axis)) - 0.5) * scale));

@@ -1,0 +1,288 @@
+//! Photons on their way from the lights through what focuses them, and where they land.
+
+use crate::{Counters, live_max, nee, walk::Vertex};
+use rayon::prelude::*;
+use steradian_core::{
+    ColorMode, Scene,
+    bsdf::{Bsdf, Diffuse, TransportMode},
+    light::LightContext,
+    material::{Material, Model, Roughness, Scattering},
+    sampler::{PixelSampler, Sampler, SamplerKind},
+    scene::{Interaction, SHADOW_END},
+    texture::FloatTexture,
+};
+use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
+
+/// Fewest and most photons that are sent: one for two pixels.
+const PHOTONS: (u32, u32) = (1 << 12, 1 << 18);
+/// Focusing events that a photon is followed through.
+const EVENTS: u32 = 12;
+/// Scattering focuses where directions are drawn with a greater density than this (sr⁻¹).
+const FOCUSED: f32 = 2.0;
+/// Roughness α above which metals and glass do not focus.
+const BROAD: f32 = 0.25;
+/// How often a photon lands.
+const LANDINGS: usize = 3;
+/// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that the photons add to.
+const OTHER: (f32, f32) = (1.5, 0.05);
+/// The share of the mean of that light that counts everywhere: what was not estimated.
+const AMBIENT: f32 = 0.05;
+
+/// Where a photon landed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Photon {
+    /// There.
+    pub p: Vec3,
+    /// Where it last was before.
+    pub q: Vec3,
+    /// How far it came, from the light; infinite from infinite ones.
+    pub length: f32,
+    /// What it carries (luminance).
+    pub power: f32,
+    /// An estimate of the irradiance there that the surface's own sampling has to find, and some of that from light samples.
+    pub other: f32,
+}
+
+/// What photons are sent to.
+struct Target {
+    bounds: Bounds3,
+    /// Probabilities of this and the ones before it.
+    sum: f32,
+    /// Its own.
+    probability: f32,
+}
+
+/// Sends photons towards everything that may focus light; those that land, in an order that depends on the scene alone.
+pub(super) fn send(scene: &Scene) -> Vec<Photon> {
+    let targets = targets(scene);
+    if targets.is_empty() || !scene.lights.can_sample() {
+        return Vec::new();
+    }
+    let pixels = scene.film.width.saturating_mul(scene.film.height);
+    let count = (pixels / 2).clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
+    let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
+    let mut photons: Vec<_> = (0..count)
+        .into_par_iter()
+        .flat_map_iter(|index| landings(scene, &targets, &sampler.pixel(0, 0, index)).into_iter().flatten())
+        .collect();
+    let ambient = AMBIENT * photons.iter().map(|p| p.other).sum::<f32>() / photons.len().max(1) as f32;
+    for photon in &mut photons {
+        photon.other += ambient;
+        photon.power /= count as f32;
+    }
+    photons
+}
+
+/// Whether photons are of use where a surface scatters like this.
+#[inline]
+pub(super) fn is_receiver(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Conductor(b) => b.microfacet.mean_alpha() > BROAD,
+        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Hair(_) | Bsdf::Layered(_) => false,
+        _ => true,
+    }
+}
+
+/// Everything that may focus light, by its share of the cross-sections.
+fn targets(scene: &Scene) -> Vec<Target> {
+    let focuses = focusing(&scene.materials);
+    let boxes: Vec<Option<Bounds3>> = scene
+        .geometries
+        .iter()
+        .map(|g| (focuses[g.material as usize] && !g.is_interface).then(|| g.shape.bounds()))
+        .collect();
+    // Where the geometry of the world and of each group begins.
+    let mut starts: Vec<u32> = scene.placements.iter().map(|p| p.base).collect();
+    starts.push(scene.geometries.len() as u32);
+    starts.sort_unstable();
+    starts.dedup();
+    let within = |from: u32, to: u32| boxes[from as usize..to as usize].iter().flatten();
+    let mut bounds: Vec<Bounds3> = within(0, starts[0]).copied().collect();
+    for place in &scene.placements {
+        let end = starts[starts.partition_point(|s| *s <= place.base)];
+        let placed = |b: &Bounds3| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))));
+        bounds.extend(within(place.base, end).map(placed));
+    }
+    bounds.retain(|b| !b.is_empty() && b.diagonal().is_finite() && b.area() > 0.0);
+    let total: f32 = bounds.iter().map(Bounds3::area).sum();
+    let mut sum = 0.0;
+    let even = 1.0 / bounds.len().max(1) as f32;
+    bounds
+        .iter()
+        .map(|&bounds| {
+            let probability = 0.5 * (bounds.area() / total + even);
+            sum += probability;
+            Target { bounds, sum, probability }
+        })
+        .collect()
+}
+
+/// Which materials may send light on in narrow bundles.
+fn focusing(materials: &[Material]) -> Vec<bool> {
+    let is_narrow = |r: &Roughness| match (r.u, r.v) {
+        (FloatTexture::Constant(u), FloatTexture::Constant(v)) => {
+            let alpha = (u * v).max(0.0).sqrt();
+            (if r.remap { alpha.sqrt() } else { alpha }) <= BROAD
+        }
+        _ => true,
+    };
+    let mut focuses: Vec<bool> = Vec::with_capacity(materials.len());
+    for material in materials {
+        focuses.push(match &material.model {
+            Model::Conductor { roughness, .. }
+            | Model::ConductorReflectance(_, roughness)
+            | Model::Mirror(_, roughness)
+            | Model::Dielectric { roughness, .. } => is_narrow(roughness),
+            Model::ThinDielectric { .. } | Model::Pbr(_) | Model::Principled(_) => true,
+            // Wrappers refer to materials with smaller indices.
+            Model::Mix(a, b, _) | Model::TwoSided(a, b) => focuses[*a as usize] || focuses[*b as usize],
+            _ => false,
+        });
+    }
+    focuses
+}
+
+/// The dimensions of a photon's random numbers.
+mod dimension {
+    pub const TARGET: u32 = 0;
+    pub const POINT: u32 = 1;
+    pub const DEPTH: u32 = 2;
+    pub const WAVELENGTH: u32 = 3;
+    /// Of a direction in which indirect light is asked for, among those of an event.
+    pub const AROUND: u32 = 8;
+    /// Of the light; past those of any later event.
+    pub const LIGHT_EVENT: u32 = 100;
+}
+
+/// Follows a photon from a light towards a target, to where it lands after it was focused.
+fn landings(scene: &Scene, targets: &[Target], sampler: &PixelSampler) -> [Option<Photon>; LANDINGS] {
+    let mut landed = [None; LANDINGS];
+    let mut count = 0;
+    trace(scene, targets, sampler, |photon| {
+        landed[count] = Some(photon);
+        count += 1;
+        count < LANDINGS
+    });
+    landed
+}
+
+/// Follows a photon while `land` says so.
+fn trace(
+    scene: &Scene,
+    targets: &[Target],
+    sampler: &PixelSampler,
+    mut land: impl FnMut(Photon) -> bool,
+) -> Option<()> {
+    let mut lambda = match scene.mode {
+        ColorMode::Rgb => Wavelengths::RGB,
+        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
+    };
+    let luminance = |s: Spectrum, lambda: &Wavelengths| match scene.mode {
+        ColorMode::Rgb => steradian_math::color::luminance(Vec3::from(s.to_rgb())),
+        ColorMode::Spectral => lambda.luminance(s),
+    };
+    let u = sampler.get_1d(dimension::TARGET);
+    let target = targets.get(targets.partition_point(|t| t.sum <= u)).or(targets.last())?;
+    let across = sampler.get_2d(dimension::POINT);
+    let size = target.bounds.diagonal();
+    let towards = target.bounds.min + size * Vec3::new(across.x, across.y, sampler.get_1d(dimension::DEPTH));
+    let ctx = LightContext { p: towards, n: Vec3::ZERO };
+    let s = nee::sample_light(scene, &ctx, dimension::LIGHT_EVENT, sampler, &lambda)?;
+    let w = s.wi.abs();
+    let section = w.x * size.y * size.z + w.y * size.z * size.x + w.z * size.x * size.y;
+    let distance = if s.distance.is_finite() { s.distance } else { 2.0 * scene.bounds().bounding_sphere().1 };
+    let mut ray = Ray::new(towards + s.wi * (distance * SHADOW_END), -s.wi);
+    let mut beta = s.radiance * (section / (s.pdf * target.probability));
+    let (mut q, mut focused, mut length) = (None, false, if s.distance.is_finite() { 0.0 } else { f32::INFINITY });
+    for event in 0..EVENTS {
+        let hit = scene.intersect(&ray)?;
+        let i = scene.interaction(&ray, &hit);
+        length += hit.t;
+        let at = |decision| crate::dimension::at(event, decision);
+        let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures);
+        let Some((scattering, frame)) = scene.scattering(&i, choice, &mut lambda) else {
+            ray = i.spawn(ray.direction);
+            continue;
+        };
+        let u = sampler.get_1d(at(crate::dimension::LOBE));
+        let u2 = sampler.get_2d(at(crate::dimension::DIRECTION));
+        let next = scattering.bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Importance)?;
+        if next.lobe.is_specular() || next.pdf > FOCUSED {
+            q = Some(i.surface.p);
+            focused = true;
+        } else {
+            let power = luminance(beta, &lambda);
+            if !(focused && power > 0.0 && power.is_finite()) {
+                return None;
+            }
+            if let Some(q) = q.filter(|_| is_receiver(&scattering.bsdf)) {
+                let other = luminance(irradiance(scene, &i, &frame, event, sampler, &mut lambda.clone()), &lambda);
+                if !land(Photon { p: i.surface.p, q, length, power, other }) {
+                    return None;
+                }
+            }
+            q = None;
+        }
+        let survival = live_max(next.weight, &lambda).min(1.0);
+        if survival <= 0.0 || sampler.get_1d(at(crate::dimension::ROULETTE)) >= survival {
+            return None;
+        }
+        beta *= next.weight / survival;
+        ray = i.spawn(frame.to_world(next.wi));
+    }
+    None
+}
+
+/// One sample of the irradiance at a point, of what arrives directly and after one event, each as much as it counts.
+fn irradiance(
+    scene: &Scene,
+    i: &Interaction,
+    frame: &Frame,
+    event: u32,
+    sampler: &PixelSampler,
+    lambda: &mut Wavelengths,
+) -> Spectrum {
+    let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ONE });
+    let counters = &mut Counters::default();
+    let vertex = |i, scattering, frame| Vertex::Surface { i, scattering, frame, medium: None };
+    let here = vertex(*i, Scattering { bsdf: white, flipped: false, detail: None }, *frame);
+    let direct = here.direct::<false>(scene, event, sampler, lambda, counters);
+    let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::AROUND))));
+    let ray = i.spawn(w);
+    let indirect = match scene.intersect(&ray) {
+        None => {
+            let pdf = frame.z.dot(w).max(0.0) * std::f32::consts::FRAC_1_PI;
+            nee::background(scene, ray.origin, w, &Some((here.context(), pdf)), lambda)
+        }
+        Some(hit) => {
+            let i = scene.interaction(&ray, &hit);
+            scene.scattering(&i, 0.5, lambda).map_or(Spectrum::ZERO, |(scattering, frame)| {
+                vertex(i, scattering, frame).direct::<false>(scene, event + EVENTS, sampler, lambda, counters)
+            })
+        }
+    };
+    (indirect * OTHER.0 + direct * OTHER.1) * std::f32::consts::PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_core::{color::Color, material::Eta, texture::SpectrumTexture};
+
+    /// Mixtures of mixtures are looked at once each.
+    #[test]
+    fn mixtures_focus_as_their_parts_do() {
+        let material = |model| Material { model, two_sided: false, detail: None };
+        for focuses in [false, true] {
+            let white = SpectrumTexture::Constant(Color::constant(1.0));
+            let first = if focuses {
+                Model::ThinDielectric { eta: Eta::Constant(1.5), reflectance: white.clone(), transmittance: white }
+            } else {
+                Model::Diffuse(white)
+            };
+            let mut materials = vec![material(first)];
+            materials.extend((0..100).map(|i| material(Model::Mix(i, i, FloatTexture::Constant(0.5)))));
+            assert_eq!(focusing(&materials), vec![focuses; 101]);
+        }
+    }
+}
