@@ -134,7 +134,7 @@ pub struct RenderArgs {
     /// Estimated relative error of the picture (0.05, or 5%) at which to stop; without --spp as many samples are taken as it needs
     #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Quality")]
     pub error: Option<f64>,
-    /// Give parts of the picture that err more more of the samples; --spp is the mean then
+    /// Give parts of the picture that err more more of the samples, where that pays; --spp is the mean then
     #[arg(long, help_heading = "Quality")]
     pub adaptive: bool,
     /// Chooses among statistically equal pictures

@@ -141,6 +141,8 @@ pub struct Scene {
     pub texture_pages: Option<Arc<Pages>>,
     /// What footprints are made from, where any texture asks for them.
     pub footprints: Option<ViewFootprint>,
+    /// Whether anything changes over the exposure.
+    pub is_timed: bool,
     /// Whether any material is a mixture.
     pub has_mixtures: bool,
     /// Whether light is lost or scattered between surfaces.
@@ -356,7 +358,8 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
-        self.scattering_at(i, &self.texture_context(i), choice, lambda)
+        let at = TextureContext { time: lambda.time, ..self.texture_context(i) };
+        self.scattering_when(i, &at, choice, lambda)
     }
 
     /// As [`Scene::scattering`], with textures looked up where `at` says.
@@ -368,11 +371,22 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
+        self.scattering_when(i, &TextureContext { time: lambda.time, ..*at }, choice, lambda)
+    }
+
+    /// As [`Scene::scattering_at`], at the moment that `at` says.
+    #[inline]
+    fn scattering_when<'a>(
+        &'a self,
+        i: &Interaction,
+        at: &TextureContext<'a>,
+        choice: f32,
+        lambda: &mut Wavelengths,
+    ) -> Option<(Scattering<'a>, Frame)> {
         let geometry = &self.geometries[i.geometry as usize];
         if geometry.is_interface {
             return None;
         }
-        let at = &TextureContext { time: lambda.time, ..*at };
         let front = i.surface.ns.dot(i.wo) > 0.0;
         let s = material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
         let ns = match s.detail {

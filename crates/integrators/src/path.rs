@@ -35,19 +35,21 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
         &self,
         scene: &'s Scene,
         survey: &Survey,
-        mut vertex: Vertex<'s>,
+        vertex: &Vertex<'s>,
         mut leg: Leg,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
+        let mut vertex = vertex;
+        let mut next;
         let mut sum = Spectrum::ZERO;
         loop {
             // Light that arrives straight from a light.
             sum += leg.beta * vertex.direct::<MEDIA>(scene, leg.events, sampler, lambda, counters);
             // Scatter.
             let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
-            leg.turn::<MEDIA>(scene, &vertex, &s.sample);
+            leg.turn::<MEDIA>(scene, vertex, &s.sample);
             if !leg.beta.is_finite() {
                 // Handed to the film, which counts it.
                 return leg.beta;
@@ -58,7 +60,10 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
             }
             // Follow the ray to the next vertex; collect what shines there.
             match arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
-                Arrival::Vertex(v) => vertex = v,
+                Arrival::Vertex(v) => {
+                    next = v;
+                    vertex = &next;
+                }
                 Arrival::End => return sum,
                 Arrival::Escaped => {
                     escape(scene, &leg, &mut sum, &self.depth, lambda);
@@ -82,7 +87,7 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
     ) -> Spectrum {
         let (mut leg, mut sum) = (Leg::camera(scene, ray), Spectrum::ZERO);
         match arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
-            Arrival::Vertex(v) => sum + self.leaving(scene, survey, v, leg, sampler, lambda, counters),
+            Arrival::Vertex(v) => sum + self.leaving(scene, survey, &v, leg, sampler, lambda, counters),
             Arrival::End => sum,
             Arrival::Escaped => {
                 escape(scene, &leg, &mut sum, &self.depth, lambda);

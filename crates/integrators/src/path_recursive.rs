@@ -54,7 +54,7 @@ impl PathRecursive {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
-                self.scattered(scene, survey, vertex, leg, sum, sampler, lambda, counters)
+                self.scattered(scene, survey, &vertex, leg, sum, sampler, lambda, counters)
             }
             None if leg.passes >= MAX_PASSES.min(DEEPEST) => sum,
             None => {
@@ -70,7 +70,7 @@ impl PathRecursive {
         &self,
         scene: &Scene,
         survey: &Survey,
-        vertex: Vertex<'_>,
+        vertex: &Vertex<'_>,
         mut leg: Leg,
         sum: Spectrum,
         sampler: &PixelSampler,
@@ -79,7 +79,7 @@ impl PathRecursive {
     ) -> Spectrum {
         let sum = sum + leg.beta * vertex.direct::<false>(scene, leg.events, sampler, lambda, counters);
         let Some(draw) = vertex.sample(&leg, sampler, survey) else { return sum };
-        leg.turn::<false>(scene, &vertex, &draw.sample);
+        leg.turn::<false>(scene, vertex, &draw.sample);
         if !leg.beta.is_finite() {
             return leg.beta;
         }
@@ -99,7 +99,7 @@ impl Suffix<false> for PathRecursive {
         &self,
         scene: &'s Scene,
         survey: &Survey,
-        vertex: Vertex<'s>,
+        vertex: &Vertex<'s>,
         leg: Leg,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,

@@ -62,7 +62,7 @@ pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
         &self,
         scene: &'s Scene,
         survey: &Survey,
-        vertex: Vertex<'s>,
+        vertex: &Vertex<'s>,
         leg: Leg,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
@@ -107,7 +107,42 @@ impl Claim {
     const NONE: Self = Self { value: Spectrum::ZERO, pdf: 0.0, sky: Spectrum::ZERO };
 }
 
-impl Member<'_> {
+impl<'s> Member<'s> {
+    /// A path that arrived at x.
+    #[inline]
+    fn at(seat: usize, x: Vertex<'s>, leg: Leg) -> Self {
+        let sample = BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 };
+        Self { seat, x, beta: leg.beta, events: leg.events, sample, ratio: 1.0, leg, found: Found::Nothing }
+    }
+
+    /// Direct light at x, a direction drawn there, and where it leads; emission met there is the pixel's own.
+    #[inline]
+    fn bounce<const MEDIA: bool>(
+        &mut self,
+        scene: &'s Scene,
+        survey: &Survey,
+        seat: &mut Seat,
+        depth: &Depth,
+        counters: &mut Counters,
+    ) {
+        let Self { x, leg, .. } = self;
+        seat.radiance += leg.beta * x.direct::<MEDIA>(scene, leg.events, &seat.own, &seat.lambda, counters);
+        let Some(draw) = x.sample(leg, &seat.joint, survey) else { return };
+        (self.sample, self.ratio) = (draw.sample, draw.ratio);
+        leg.turn::<MEDIA>(scene, x, &self.sample);
+        if !leg.beta.is_finite() {
+            seat.radiance = leg.beta;
+        } else if live_max(leg.beta, &seat.lambda) > 0.0 {
+            let mut lambda = seat.lambda;
+            self.found =
+                match arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.joint, &mut lambda, counters) {
+                    Arrival::Vertex(v) => Found::Surface(v),
+                    Arrival::End => Found::Nothing,
+                    Arrival::Escaped => Found::Sky,
+                };
+        }
+    }
+
     /// The environment in a direction that was drawn with a density, as seen from x if nothing were before it.
     fn sky(&self, w: Vec3, pdf: f32, scene: &Scene, lambda: &Wavelengths) -> Spectrum {
         let origin = Some((self.x.context(), pdf));
@@ -131,30 +166,29 @@ pub(crate) fn group<const MEDIA: bool, S: Suffix<MEDIA>>(
         }
         return;
     }
-    let mut slots: [Option<(usize, Vertex<'_>, Leg)>; MAX_GROUP] = [const { None }; MAX_GROUP];
+    let mut group: [Option<Member<'_>>; MAX_GROUP] = [const { None }; MAX_GROUP];
     let mut members = 0;
     for (index, seat) in seats.iter_mut().enumerate() {
         let whole = seat.lambda;
         seat.radiance = Spectrum::ZERO;
-        let Some((vertex, leg)) = prefix::<MEDIA>(scene, survey, seat, depth, counters) else { continue };
-        if seat.lambda == whole && is_shareable(&vertex) {
-            slots[members] = Some((index, vertex, leg));
+        let Some((x, leg)) = prefix::<MEDIA>(scene, survey, seat, depth, counters) else { continue };
+        if seat.lambda == whole && is_shareable(&x) {
+            group[members] = Some(Member::at(index, x, leg));
             members += 1;
         } else {
-            seat.radiance += suffix.leaving(scene, survey, vertex, leg, &seat.own, &mut seat.lambda, counters);
+            seat.radiance += suffix.leaving(scene, survey, &x, leg, &seat.own, &mut seat.lambda, counters);
         }
     }
-    if let (1, Some((index, vertex, leg))) = (members, slots[0]) {
-        let seat = &mut seats[index];
-        seat.radiance += suffix.leaving(scene, survey, vertex, leg, &seat.own, &mut seat.lambda, counters);
+    let group = &mut group[..members];
+    if let [Some(Member { seat, x, leg, .. })] = group {
+        let seat = &mut seats[*seat];
+        seat.radiance += suffix.leaving(scene, survey, x, *leg, &seat.own, &mut seat.lambda, counters);
         return;
     }
-    let mut group: [Option<Member<'_>>; MAX_GROUP] = [const { None }; MAX_GROUP];
-    for (slot, member) in slots[..members].iter().zip(&mut group) {
-        let Some((index, x, leg)) = *slot else { continue };
-        *member = Some(bounce::<MEDIA>(scene, survey, index, x, leg, &mut seats[index], depth, counters));
+    for member in group.iter_mut().flatten() {
+        member.bounce::<MEDIA>(scene, survey, &mut seats[member.seat], depth, counters);
     }
-    share(suffix, scene, survey, &group[..members], seats, counters);
+    share(suffix, scene, survey, group, seats, counters);
 }
 
 /// Follows a path from the camera to its first vertex that is not specular.
@@ -186,43 +220,6 @@ fn prefix<'s, const MEDIA: bool>(
             }
         }
     }
-}
-
-/// Direct light at x, a direction drawn there, and where it leads; emission met there is the pixel's own.
-#[inline]
-#[allow(clippy::too_many_arguments)]
-fn bounce<'s, const MEDIA: bool>(
-    scene: &'s Scene,
-    survey: &Survey,
-    index: usize,
-    x: Vertex<'s>,
-    mut leg: Leg,
-    seat: &mut Seat,
-    depth: &Depth,
-    counters: &mut Counters,
-) -> Member<'s> {
-    let (beta, events) = (leg.beta, leg.events);
-    seat.radiance += beta * x.direct::<MEDIA>(scene, events, &seat.own, &seat.lambda, counters);
-    let mut found = Found::Nothing;
-    let mut sample = BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 };
-    let mut ratio = 1.0;
-    if let Some(draw) = x.sample(&leg, &seat.joint, survey) {
-        (sample, ratio) = (draw.sample, draw.ratio);
-        leg.turn::<MEDIA>(scene, &x, &sample);
-        if !leg.beta.is_finite() {
-            seat.radiance = leg.beta;
-        } else if live_max(leg.beta, &seat.lambda) > 0.0 {
-            let mut lambda = seat.lambda;
-            let arrival =
-                arrive::<MEDIA>(scene, &mut leg, &mut seat.radiance, depth, &seat.joint, &mut lambda, counters);
-            found = match arrival {
-                Arrival::Vertex(v) => Found::Surface(v),
-                Arrival::End => Found::Nothing,
-                Arrival::Escaped => Found::Sky,
-            };
-        }
-    }
-    Member { seat: index, x, beta, events, sample, ratio, leg, found }
 }
 
 /// Whether members may stand in for each other at x: a model whose evaluation has the density of its samples, and not one that none are
@@ -266,13 +263,13 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
         let Some(finder) = finder else { continue };
         let seat = &mut seats[finder.seat];
         let is_own = finder.sample.lobe.is_specular();
-        match finder.found {
+        match &finder.found {
             Found::Nothing => {}
             Found::Sky => escape(scene, &finder.leg, &mut seat.radiance, depth, &seat.lambda),
             Found::Surface(y) => {
                 let joint = seat.joint;
                 let mut lambda = seat.lambda;
-                if is_own || !is_lambertian(&y) {
+                if is_own || !is_lambertian(y) {
                     let mut leg = finder.leg;
                     let Some(beta) = roulette(leg.beta, leg.eta2, leg.events, depth, &joint, &lambda) else { continue };
                     leg.beta = beta;
@@ -295,7 +292,7 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
                             survey.is_open,
                             group,
                             k,
-                            &y,
+                            y,
                             light,
                             depth,
                             &mut claims,

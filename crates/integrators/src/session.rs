@@ -32,6 +32,9 @@ use tile::{CELLS, Tile, cell_of};
 /// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
 const FIRST_LOOK: u32 = 16;
 
+/// Samples are spread unevenly from this [`adaptive::gain`] on: it is told from few samples.
+const WORTH: f64 = 1.25;
+
 /// What is to be rendered, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
@@ -43,7 +46,7 @@ pub struct Plan {
     pub threads: usize,
     /// Whether first hits are gathered for auxiliary layers.
     pub features: bool,
-    /// Whether cells that err more get more samples; `spp` is the mean then.
+    /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
     pub adaptive: bool,
     /// The relative error of the picture ([`Session::error`]) at which to stop.
     pub error: Option<f64>,
@@ -203,14 +206,24 @@ impl<'s> Session<'s> {
                 (tile / across * cells + cell / cells) * self.columns + tile % across * cells + cell % cells
             };
             for (t, tile) in self.tiles.iter().enumerate() {
-                for (c, need) in lock(tile).close(self.round).into_iter().enumerate() {
+                for (c, need) in lock(tile).needs(self.round).into_iter().enumerate() {
                     needs[at(t, c)] = need;
                 }
             }
             let round = self.round.next(self.plan.sampler.spp);
             let counts = adaptive::allocate(&needs, self.columns, round.length());
+            if self.round.number == 0 && adaptive::gain(&needs, &counts, self.round, round) < WORTH {
+                // As if nothing else had been asked for.
+                self.round = Round::first(self.plan.sampler.spp, false);
+                for tile in &self.tiles {
+                    lock(tile).cells.iter_mut().for_each(|cell| cell.target = self.round.length());
+                }
+                return;
+            }
             for (t, tile) in self.tiles.iter().enumerate() {
-                for (c, cell) in lock(tile).cells.iter_mut().enumerate() {
+                let mut tile = lock(tile);
+                tile.close(self.round);
+                for (c, cell) in tile.cells.iter_mut().enumerate() {
                     cell.target = counts[at(t, c)];
                 }
             }
@@ -377,7 +390,7 @@ impl<'s> Session<'s> {
                 ColorMode::Rgb => Wavelengths::RGB,
                 ColorMode::Spectral => Wavelengths::sample_visible(common.get_1d(dimension::WAVELENGTH)),
             };
-            let lambda = lambda.at_time(common.get_1d(dimension::TIME));
+            let lambda = if scene.is_timed { lambda.at_time(common.get_1d(dimension::TIME)) } else { lambda };
             let joint = partition.sampler(sampler, group, index, p.rank);
             seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
             weights.push(weight);

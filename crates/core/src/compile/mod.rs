@@ -219,6 +219,7 @@ impl Compiler<'_> {
                 .materials
                 .iter()
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            is_timed: textures.is_timed(),
             has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
             geometries: std::mem::take(&mut self.geometries),
             accel,

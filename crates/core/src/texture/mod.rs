@@ -258,6 +258,11 @@ impl Textures {
         Self { mode, ..Self::default() }
     }
 
+    /// Whether any changes over the exposure.
+    pub fn is_timed(&self) -> bool {
+        self.nodes.iter().any(|t| matches!(t, Texture::Time))
+    }
+
     /// What the lanes of values are.
     pub fn mode(&self) -> ColorMode {
         self.mode

@@ -43,8 +43,14 @@ pub struct Caustics {
 /// A node of the k-d tree: the axis and the place of the split, and the second child (the first one follows); or a leaf.
 #[derive(Clone, Copy, Debug)]
 enum Node {
-    Split { axis: u8, at: f32, second: u32 },
+    Split {
+        axis: u8,
+        at: f32,
+        second: u32,
+    },
     Leaf(u32),
+    /// Nothing that would guide.
+    Nothing,
 }
 
 /// A neighbourhood; lanes beyond its photons have no weight.
@@ -87,25 +93,32 @@ impl Caustics {
             return None;
         }
         let mut caustics = Self { nodes: Vec::new(), leaves: Vec::new() };
-        caustics.split(&mut photons);
-        Some(caustics)
+        caustics.split(&mut photons).then_some(caustics)
     }
 
-    fn split(&mut self, photons: &mut [Photon]) {
+    /// Whether anything in the node of these photons guides.
+    fn split(&mut self, photons: &mut [Photon]) -> bool {
         if photons.len() <= LANES {
-            self.nodes.push(Node::Leaf(self.leaves.len() as u32));
-            self.leaves.push(Leaf::new(photons));
-            return;
+            let leaf = Leaf::new(photons);
+            let guides = leaf.share > 0.0;
+            self.nodes.push(if guides { Node::Leaf(self.leaves.len() as u32) } else { Node::Nothing });
+            self.leaves.extend(guides.then_some(leaf));
+            return guides;
         }
         let axis = Bounds3::from_points(photons.iter().map(|p| p.p)).longest_axis();
         let half = photons.len() / 2;
         photons.select_nth_unstable_by(half, |a, b| a.p[axis].total_cmp(&b.p[axis]));
         let (node, at) = (self.nodes.len(), photons[half].p[axis]);
-        self.nodes.push(Node::Leaf(0));
+        self.nodes.push(Node::Nothing);
         let (low, high) = photons.split_at_mut(half);
-        self.split(low);
-        self.nodes[node] = Node::Split { axis: axis as u8, at, second: self.nodes.len() as u32 };
-        self.split(high);
+        let near = self.split(low);
+        let second = self.nodes.len() as u32;
+        if !(self.split(high) | near) {
+            self.nodes.truncate(node + 1);
+            return false;
+        }
+        self.nodes[node] = Node::Split { axis: axis as u8, at, second };
+        true
     }
 
     /// The photons about a point.
@@ -117,9 +130,10 @@ impl Caustics {
                 Node::Split { axis, at, second } => {
                     node = if p[axis as usize] < at { node + 1 } else { second as usize };
                 }
+                Node::Nothing => return None,
                 Node::Leaf(leaf) => {
                     let leaf = &self.leaves[leaf as usize];
-                    return (leaf.share > 0.0 && leaf.bounds.contains(p)).then_some(leaf);
+                    return leaf.bounds.contains(p).then_some(leaf);
                 }
             }
         }
@@ -129,7 +143,7 @@ impl Caustics {
     #[inline]
     pub(crate) fn sample(&self, p: Vec3, frame: &Frame, wo: Vec3, bsdf: &Bsdf, u: f32, u2: Vec2) -> Option<Draw> {
         let mode = TransportMode::Radiance;
-        let Some(leaf) = self.leaf(p).filter(|_| is_receiver(bsdf)) else {
+        let Some(leaf) = is_receiver(bsdf).then(|| self.leaf(p)).flatten() else {
             return bsdf.sample(wo, u, u2, mode).map(Draw::by_surface);
         };
         let share = leaf.share;

@@ -23,6 +23,25 @@ pub struct Cell {
     freedom: f64,
 }
 
+/// What a round tells of the relative variance of samples in a cell, in two ways.
+#[derive(Clone, Copy, Debug, Default)]
+struct Noise {
+    /// By how samples of a pixel differ, summed over pixels: too much where samplers spread them well.
+    samples: f64,
+    /// By how pixels differ from their neighbours: too much where the picture has detail.
+    bends: f64,
+    /// How many neighbourhoods were looked at.
+    count: u32,
+}
+
+impl Noise {
+    /// The lesser of both.
+    fn variance(self, pixels: u32) -> f64 {
+        let samples = self.samples / f64::from(pixels.max(1));
+        if self.count > 0 { samples.min(self.bends / f64::from(self.count)) } else { samples }
+    }
+}
+
 /// The sums over a rectangle of pixels.
 #[derive(Debug)]
 pub struct Tile {
@@ -73,8 +92,8 @@ impl Tile {
         cell_of(self.area.x0 + at % width, self.area.y0 + at / width)
     }
 
-    /// Ends a round that is complete: it becomes part of the past. What each cell needs from now on.
-    pub fn close(&mut self, round: Round) -> [Need; (CELLS * CELLS) as usize] {
+    /// What each cell needs after a round that is complete.
+    pub fn needs(&mut self, round: Round) -> [Need; (CELLS * CELLS) as usize] {
         let joined: Vec<Pixel> = self.film(round).collect();
         let mut needs = [Need::default(); (CELLS * CELLS) as usize];
         let mut means = [0.0; (CELLS * CELLS) as usize];
@@ -83,29 +102,49 @@ impl Tile {
             needs[c].pixels += 1;
             means[c] += p.mean().iter().map(|m| m * m).sum::<f64>() / 3.0;
         }
-        let mut found = [0.0; (CELLS * CELLS) as usize];
+        let mut found = [Noise::default(); (CELLS * CELLS) as usize];
         for (at, (now, all)) in self.pixels.iter().zip(&joined).enumerate() {
             let c = self.cell_at(at);
             let around = means[c] / f64::from(needs[c].pixels.max(1));
             let (v, m) = (now.variance_of_mean(), all.mean());
-            for k in 0..3 {
-                // Half by the cell: the mean of a pixel that a rare bright sample hit is no measure of its level.
-                let level = 0.5 * (m[k] * m[k] + around) + FLOOR;
-                found[c] += v[k] * f64::from(now.samples) / level / 3.0;
+            // Half by the cell: the mean of a pixel that a rare bright sample hit is no measure of its level.
+            let levels = m.map(|m| f64::from(now.samples) / (0.5 * (m * m + around) + FLOOR) / 3.0);
+            found[c].samples += (0..3).map(|k| v[k] * levels[k]).sum::<f64>();
+            for beside in [1, self.area.width() as usize] {
+                let Some(bends) = self.bends(at, beside) else { continue };
+                found[c].bends += (0..3).map(|k| bends[k] * levels[k]).sum::<f64>();
+                found[c].count += 1;
             }
         }
         for ((cell, need), found) in self.cells.iter_mut().zip(&mut needs).zip(found) {
             let freedom = f64::from(cell.done.saturating_sub(1));
-            cell.variance += found / f64::from(need.pixels.max(1)) * freedom;
+            cell.variance += found.variance(need.pixels) * freedom;
             cell.freedom += freedom;
             let variance = if cell.freedom > 0.0 { cell.variance / cell.freedom } else { 0.0 };
             need.variance = if variance.is_finite() { variance } else { f64::MAX };
             need.rays = cell.rays as f64 / cell.samples.max(1) as f64;
-            cell.done = 0;
         }
-        self.past = joined;
-        self.pixels.fill(Pixel::default());
         needs
+    }
+
+    /// Ends a round that is complete: it becomes part of the past.
+    pub fn close(&mut self, round: Round) {
+        self.past = self.film(round).collect();
+        self.pixels.fill(Pixel::default());
+        self.cells.iter_mut().for_each(|cell| cell.done = 0);
+    }
+
+    /// The square by which a pixel's mean leaves the line between its neighbours to both sides, if they lie in its cell: that of independent
+    /// errors, on a smooth surface.
+    fn bends(&self, at: usize, beside: usize) -> Option<[f64; 3]> {
+        let (a, b) = (at.checked_sub(beside)?, at + beside);
+        let (c, width) = (self.cell_at(at), self.area.width() as usize);
+        let is_in_line = beside == width || a / width == b / width;
+        if !is_in_line || b >= self.pixels.len() || self.cell_at(a) != c || self.cell_at(b) != c {
+            return None;
+        }
+        let [before, here, after] = [a, at, b].map(|i| self.pixels[i].mean());
+        Some(std::array::from_fn(|k| (before[k] - 2.0 * here[k] + after[k]).powi(2) / 6.0))
     }
 
     /// Sum over pixels and channels of the estimated relative squared errors; `None` where a pixel has not the two samples that it takes.
