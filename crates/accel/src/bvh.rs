@@ -13,6 +13,9 @@ use crate::traverse::{Nearest, Users};
 use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
 use steradian_math::{Bounds3, Ray};
 
+/// With more nodes than these a tree is large. In tests small ones are, too.
+const LARGE: usize = if cfg!(test) { 8 } else { (2 << 20) / size_of::<Node>() };
+
 /// The parts of a hierarchy that traversal reads. Nodes and blocks are in depth-first order.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
@@ -59,6 +62,42 @@ impl Tree {
         debug_assert!(child.is_block());
         // SAFETY: the builder makes references to blocks that exist only, and nothing changes a tree.
         unsafe { self.blocks.get_unchecked(child.index()) }
+    }
+
+    /// Whether the tree is larger than what is near a processor: rays that go everywhere wait for memory.
+    #[inline(always)]
+    pub fn is_large(&self) -> bool {
+        self.nodes.len() > LARGE
+    }
+
+    /// Asks for the memory of children of a node, in a large tree.
+    #[inline(always)]
+    pub fn prefetch_children(&self, node: &Node, mut lanes: u32) {
+        if self.is_large() {
+            while lanes != 0 {
+                self.prefetch(node.children[lanes.trailing_zeros() as usize & (LANES - 1)]);
+                lanes &= lanes - 1;
+            }
+        }
+    }
+
+    /// Asks for the memory of a node or block that will be read soon: for every other cache line, as lines come in pairs.
+    #[inline(always)]
+    pub fn prefetch(&self, child: ChildRef) {
+        let (start, size) = if child.is_node() {
+            (self.nodes.as_ptr().cast::<u8>(), size_of::<Node>())
+        } else {
+            (self.blocks.as_ptr().cast::<u8>(), size_of::<Block>())
+        };
+        let place = start.wrapping_add(child.index() * size);
+        #[cfg(target_arch = "x86_64")]
+        for line in [0, 2] {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            // SAFETY: a prefetch of any address does nothing but time.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(place.wrapping_add(64 * line).cast()) };
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = place;
     }
 
     /// The name of the primitive with an index over all geometries, when the tree is seen as an instance with a number.

@@ -4,7 +4,7 @@
 use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Simd};
-use crate::stack::Stack;
+use crate::stack::{Stack, Waiting};
 use crate::traverse::{Nearest, Slabs, Users, Way};
 use crate::triangle::Shear;
 use crate::{Hit, UserHit};
@@ -17,7 +17,8 @@ pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, 
     let slabs = Slabs::new(s, &way);
     let shear = Shear::new(s, ray, &way);
     let t_max = s.splat(ray.t_max);
-    let mut stack = Stack::new();
+    let mut stack = std::mem::MaybeUninit::uninit();
+    let stack = Stack::emptied(&mut stack);
     let mut current = tree.root;
     loop {
         if current.is_node() {

@@ -13,6 +13,34 @@ const CAPACITY: usize = (LANES - 1) * MAX_DEPTH + 2 * LANES;
 /// How many children are written at once.
 const HALF: usize = LANES / 2;
 
+/// A stack, made in its place: to move one is to copy much that means nothing.
+pub(crate) trait Waiting: Sized {
+    /// An empty stack.
+    fn emptied(place: &mut MaybeUninit<Self>) -> &mut Self;
+}
+
+impl Waiting for Stack {
+    #[inline(always)]
+    fn emptied(place: &mut MaybeUninit<Self>) -> &mut Self {
+        // SAFETY: the length is written; the children may be anything.
+        unsafe {
+            (&raw mut (*place.as_mut_ptr()).len).write(0);
+            place.assume_init_mut()
+        }
+    }
+}
+
+impl Waiting for OrderedStack {
+    #[inline(always)]
+    fn emptied(place: &mut MaybeUninit<Self>) -> &mut Self {
+        // SAFETY: as above.
+        unsafe {
+            (&raw mut (*place.as_mut_ptr()).len).write(0);
+            place.assume_init_mut()
+        }
+    }
+}
+
 /// Children that wait to be visited.
 pub(crate) struct Stack {
     children: [MaybeUninit<ChildRef>; CAPACITY],
@@ -20,12 +48,6 @@ pub(crate) struct Stack {
 }
 
 impl Stack {
-    /// An empty stack.
-    #[inline(always)]
-    pub fn new() -> Self {
-        Self { children: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
-    }
-
     /// Puts a child on the stack.
     ///
     /// # Safety
@@ -55,17 +77,6 @@ pub(crate) struct OrderedStack {
 }
 
 impl OrderedStack {
-    /// An empty stack.
-    #[inline(always)]
-    pub fn new() -> Self {
-        const { assert!(size_of::<ChildRef>() == size_of::<u32>()) };
-        Self {
-            keys: [const { MaybeUninit::uninit() }; CAPACITY],
-            children: [const { MaybeUninit::uninit() }; CAPACITY],
-            len: 0,
-        }
-    }
-
     /// Puts the first `count` children of a node that are sorted by distance on the stack, but for the last of them, which is the
     /// nearest.
     ///

@@ -1,13 +1,11 @@
-//! Queries: single rays through the hierarchy, nearest children first.
+//! What the queries share: what they need of a ray, and what they ask of the leaves.
 #![allow(unsafe_code)]
 
-use crate::bvh::Tree;
 use crate::dispatch::SupportedIsa;
-use crate::layout::{Block, ChildRef, Node};
+use crate::layout::{ChildRef, Node};
 use crate::packet::{Found, Packet};
-use crate::simd::{LANES, Simd};
-use crate::stack::{OrderedStack, Stack};
-use crate::triangle::{Shear, axes};
+use crate::simd::Simd;
+use crate::triangle::axes;
 use crate::{Hit, UserHit};
 use steradian_math::{Bounds3, Ray, Vec3};
 
@@ -200,127 +198,4 @@ impl<S: Simd> Slabs<S> {
 #[inline(always)]
 pub(crate) fn is_traceable(ray: &Ray) -> bool {
     ray.is_valid() && ray.t_max > 0.0
-}
-
-/// The nearest hit of a traceable ray in `(0, ray.t_max)`, from a start on.
-#[inline(always)]
-pub(crate) fn nearest<S: Simd, U: Users>(
-    s: S,
-    tree: &Tree,
-    ray: &Ray,
-    users: &U,
-    way: &Way,
-    start: Start<U::Extra>,
-) -> Option<Nearest<U::Extra>> {
-    let slabs = Slabs::new(s, way);
-    let shear = Shear::new(s, ray, way);
-    let mut stack = OrderedStack::new();
-    let Start { child: mut current, mut t, mut best } = start;
-    loop {
-        if current.is_node() {
-            // SAFETY: the reference comes from the tree and is to a node.
-            let node = unsafe { tree.node(current) };
-            let (enter, lanes) = slabs.test(s, node, s.splat(t));
-            if lanes & lanes.wrapping_sub(1) != 0 {
-                // The nearest child is next; the others wait, nearer ones above.
-                current = node.children[s.nearest(enter, lanes) & (LANES - 1)];
-                let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
-                // SAFETY: the number of lanes is at most LANES; the stack is deep enough for the tree.
-                unsafe { stack.push_all_but_nearest(keys, children, lanes.count_ones() as usize) };
-                continue;
-            }
-            if lanes != 0 {
-                current = node.children[lanes.trailing_zeros() as usize & (LANES - 1)];
-                continue;
-            }
-        } else if current.is_block() {
-            // SAFETY: the reference comes from the tree and is to a block.
-            let block = unsafe { tree.block(current) };
-            if let Some(candidates) = shear.test(s, block, s.splat(t)) {
-                let mut lanes = candidates.lanes;
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-                    lanes &= lanes - 1;
-                    let index = block.ids[lane] & !Block::FILTERED;
-                    let closer = candidates.t[lane] < t
-                        || candidates.t[lane] == t && best.is_some_and(|best| index < best.index);
-                    if closer {
-                        let (u, v) = candidates.barycentrics(lane);
-                        let hit = UserHit { t: candidates.t[lane], u, v };
-                        if block.ids[lane] == index || users.accept(index, hit, ray) {
-                            t = hit.t;
-                            best = Some(Nearest { hit, index, extra: users.triangle() });
-                        }
-                    }
-                }
-            }
-        } else if current != ChildRef::EMPTY {
-            // A user primitive may win a tie, so that it sees an interval that contains the hit so far.
-            let index = current.index() as u32;
-            let wins_ties = best.is_some_and(|best| index < best.index);
-            let t_max = if wins_ties { t.next_up() } else { t };
-            if let Some((hit, extra)) = users.intersect(index, &Ray { t_max, ..*ray })
-                && hit.t > 0.0
-                && hit.t < t_max
-            {
-                t = hit.t;
-                best = Some(Nearest { hit, index, extra });
-            }
-        }
-        match stack.pop(t) {
-            Some(child) => current = child,
-            None => return best,
-        }
-    }
-}
-
-/// Whether a traceable ray has any hit in `(0, ray.t_max)` below a child.
-#[inline(always)]
-pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool {
-    let slabs = Slabs::new(s, way);
-    let shear = Shear::new(s, ray, way);
-    let t_max = s.splat(ray.t_max);
-    let mut stack = Stack::new();
-    let mut current = start;
-    loop {
-        if current.is_node() {
-            // SAFETY: the reference comes from the tree and is to a node.
-            let node = unsafe { tree.node(current) };
-            let (_, mut lanes) = slabs.test(s, node, t_max);
-            if lanes != 0 {
-                current = node.children[lanes.trailing_zeros() as usize & (LANES - 1)];
-                lanes &= lanes - 1;
-                while lanes != 0 {
-                    // SAFETY: the stack is deep enough for the tree.
-                    unsafe { stack.push(node.children[lanes.trailing_zeros() as usize & (LANES - 1)]) };
-                    lanes &= lanes - 1;
-                }
-                continue;
-            }
-        } else if current.is_block() {
-            // SAFETY: the reference comes from the tree and is to a block.
-            let block = unsafe { tree.block(current) };
-            if let Some(candidates) = shear.test(s, block, t_max) {
-                let mut lanes = candidates.lanes;
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-                    lanes &= lanes - 1;
-                    let index = block.ids[lane] & !Block::FILTERED;
-                    if candidates.t[lane] < ray.t_max {
-                        let (u, v) = candidates.barycentrics(lane);
-                        let hit = UserHit { t: candidates.t[lane], u, v };
-                        if block.ids[lane] == index || users.accept(index, hit, ray) {
-                            return true;
-                        }
-                    }
-                }
-            }
-        } else if current != ChildRef::EMPTY && users.occluded(current.index() as u32, ray) {
-            return true;
-        }
-        match stack.pop() {
-            Some(child) => current = child,
-            None => return false,
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! Prints build times and millions of rays per second, one thread, on a mesh of a million triangles, a small one, and a thousand
 //! instances of the small one.
 //!
-//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [BUILDER] [SCENE…] [RAYS…] [steps]`, where the names are
+//! `cargo run --release -p steradian-accel --example rays [baseline|avx2|avx512] [BUILDER] [SCENE…] [VIEW…] [RAYS…] [steps]`, where the names are
 //! those that are printed; without them everything is measured, on the best level. `steps` counts instead of measuring.
 #![allow(clippy::print_stdout)]
 
@@ -16,6 +16,7 @@ use steradian_math::{DVec3, Ray};
 const BATCH: usize = 256;
 
 const SCENES: [&str; 3] = ["mesh_1M", "mesh_10k", "inst_1000x10k"];
+const VIEWS: [&str; 2] = ["outside", "inside"];
 const SETS: [&str; 5] = ["primary", "bounce1", "bounce1shuf", "bounce2", "shadow"];
 
 /// Whether a name is among the arguments, or none of its kind is.
@@ -73,7 +74,7 @@ fn run(name: &str, n: i32, instanced: bool, isa: Isa, args: &[String]) -> Result
             ("inside", DVec3::new(0.1, 0.05, -0.08), DVec3::new(0.5, 0.3, 1.0), 1.0),
         ]
     };
-    for &(view, eye, at, tan_half) in views {
+    for &(view, eye, at, tan_half) in views.iter().filter(|(view, ..)| is_wanted(args, &VIEWS, view)) {
         let (light, half) = match (view, instanced) {
             ("inside", _) => (DVec3::new(0.0, 0.3, 0.0), 0.1),
             (_, true) => (DVec3::new(0.0, 40.0, 20.0), 10.0),

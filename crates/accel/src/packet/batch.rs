@@ -1,33 +1,165 @@
 //! Slices of rays, packet by packet.
 
 use super::any::any_beams;
+use super::flight::alone;
 use super::nearest::nearest_beams;
 use super::{Found, Packet, Set};
 use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
+use crate::dispatch::SupportedIsa;
+use crate::search::{Any, Closest};
 use crate::simd::{Lanes, Simd, WIDE};
 use crate::traverse::{Extra, Nearest, Users};
 use crate::{Hit, UserHit};
+use std::cell::Cell;
 use steradian_math::Ray;
 
-/// The next packet of a slice, and how many rays of the slice are in it. The last one is filled with copies.
+/// A packet of some rays. One of few is filled with copies.
 #[inline(always)]
-fn packet<L: Lanes>(l: L, rays: &[Ray]) -> (Packet, usize) {
+fn packet<L: Lanes>(l: L, rays: &[Ray]) -> Packet {
     if rays.len() >= L::COUNT {
-        return (Packet::new(l, rays), L::COUNT);
+        return Packet::new(l, rays);
     }
     let mut padded = [rays[0]; WIDE];
     padded[..rays.len()].copy_from_slice(rays);
-    (Packet::new(l, &padded), rays.len())
+    Packet::new(l, &padded)
 }
 
 /// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once.
 const PAUSE: usize = 7;
 
-/// How many of the next rays go alone without being tried together.
-#[inline(always)]
-fn pause<L: Lanes>(alone: u32, len: usize) -> usize {
-    if alone.count_ones() as usize * 4 > len * 3 { PAUSE * L::COUNT } else { 0 }
+/// Rays that go alone, until there are enough of them.
+struct Alone {
+    places: [u32; Self::MOST],
+    len: usize,
+}
+
+impl Alone {
+    const MOST: usize = 256;
+
+    fn new() -> Self {
+        Self { places: [0; Self::MOST], len: 0 }
+    }
+
+    /// Adds rays of a packet that begins at a place.
+    #[inline(always)]
+    fn add(&mut self, first: usize, lanes: u32) {
+        for lane in Set(lanes) {
+            self.places[self.len] = (first + lane) as u32;
+            self.len += 1;
+        }
+    }
+
+    /// Whether another packet finds no room.
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        self.len + WIDE > Self::MOST
+    }
+
+    /// Takes all of them.
+    #[inline(always)]
+    fn take(&mut self) -> &[u32] {
+        &self.places[..std::mem::take(&mut self.len)]
+    }
+}
+
+/// Many queries of one kind.
+trait Batch<S: Simd, L: Lanes> {
+    /// Traces the packet that begins at a place and has so many rays, and gives back those of them that must go alone.
+    fn together(&self, s: S, l: L, first: usize, len: usize) -> u32;
+    /// Traces rays alone.
+    fn alone(&self, s: S, places: &[u32]);
+
+    /// Traces all rays: the next packets in one go, those that go alone when there are enough of them.
+    #[inline(always)]
+    fn run(&self, s: S, l: L, count: usize) {
+        let (mut done, mut pausing) = (0, 0);
+        let mut waiting = Alone::new();
+        while done < count {
+            let len = L::COUNT.min(count - done);
+            let lanes = if pausing > 0 {
+                pausing -= 1;
+                (1 << len) - 1
+            } else {
+                let lanes = self.together(s, l, done, len);
+                pausing = if lanes.count_ones() as usize * 4 > len * 3 { PAUSE } else { 0 };
+                lanes
+            };
+            waiting.add(done, lanes);
+            done += len;
+            if waiting.is_full() || done == count {
+                self.alone(s, waiting.take());
+            }
+        }
+    }
+}
+
+/// The nearest hits of rays.
+struct ClosestHits<'a, U> {
+    isa: SupportedIsa,
+    tree: &'a Tree,
+    rays: &'a [Ray],
+    users: &'a U,
+    hits: &'a [Cell<Option<Hit>>],
+}
+
+impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
+    #[inline(always)]
+    fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
+        let packet = packet(l, &self.rays[first..first + len]);
+        let mut found = Found::nothing(&packet.t_max);
+        let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users, &mut found);
+        let sum = l.read(&found.sum);
+        l.write(l.div(l.read(&found.u), sum), &mut found.u);
+        l.write(l.div(l.read(&found.v), sum), &mut found.v);
+        for (lane, hit) in self.hits[first..first + len].iter().enumerate() {
+            let lane = lane & (WIDE - 1);
+            hit.set((found.hits >> lane & 1 == 1).then(|| {
+                let parameters = UserHit { t: found.t.0[lane], u: found.u.0[lane], v: found.v.0[lane] };
+                let extra = U::Extra::from_bits(found.extra.0[lane].to_bits());
+                self.users.hit(Nearest { hit: parameters, index: found.index(lane), extra })
+            }));
+        }
+        alone
+    }
+
+    #[inline(always)]
+    fn alone(&self, s: S, places: &[u32]) {
+        for &place in places {
+            self.hits[place as usize].set(None);
+        }
+        alone::<S, U, Closest<S, U::Extra>>(s, self.tree, self.rays, self.users, places, |place, nearest| {
+            self.hits[place].set(nearest.map(|nearest| self.users.hit(nearest)));
+        });
+    }
+}
+
+/// Which rays hit anything.
+struct AnyHits<'a, U> {
+    isa: SupportedIsa,
+    tree: &'a Tree,
+    rays: &'a [Ray],
+    users: &'a U,
+    occluded: &'a [Cell<bool>],
+}
+
+impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
+    #[inline(always)]
+    fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
+        let packet = packet(l, &self.rays[first..first + len]);
+        let (hits, alone) = any_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users);
+        for (lane, occluded) in self.occluded[first..first + len].iter().enumerate() {
+            occluded.set(hits >> lane & 1 == 1);
+        }
+        alone
+    }
+
+    #[inline(always)]
+    fn alone(&self, s: S, places: &[u32]) {
+        for &place in places {
+            self.occluded[place as usize].set(false);
+        }
+        alone::<S, U, Any<S>>(s, self.tree, self.rays, self.users, places, |place, hit| self.occluded[place].set(hit));
+    }
 }
 
 /// The nearest hits of rays.
@@ -41,37 +173,8 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
     hits: &mut [Option<Hit>],
 ) {
     assert_eq!(rays.len(), hits.len(), "as many answers as rays");
-    let (mut done, mut pausing) = (0, 0);
-    while done < rays.len() {
-        if pausing > 0 {
-            let end = (done + pausing).min(rays.len());
-            for (ray, hit) in rays[done..end].iter().zip(&mut hits[done..end]) {
-                *hit = nearest_hit(isa, tree, ray, users).map(|nearest| users.hit(nearest));
-            }
-            (done, pausing) = (end, 0);
-            continue;
-        }
-        let (packet, len) = packet(l, &rays[done..]);
-        let mut found = Found::nothing(&packet.t_max);
-        let alone = nearest_beams(isa, (s, l), tree, &packet, (1 << len) - 1, users, &mut found);
-        let sum = l.read(&found.sum);
-        l.write(l.div(l.read(&found.u), sum), &mut found.u);
-        l.write(l.div(l.read(&found.v), sum), &mut found.v);
-        let (rays, hits) = (&rays[done..done + len], &mut hits[done..done + len]);
-        for (lane, hit) in hits.iter_mut().enumerate() {
-            let lane = lane & (WIDE - 1);
-            *hit = (found.hits >> lane & 1 == 1).then(|| {
-                let parameters = UserHit { t: found.t.0[lane], u: found.u.0[lane], v: found.v.0[lane] };
-                let extra = U::Extra::from_bits(found.extra.0[lane].to_bits());
-                users.hit(Nearest { hit: parameters, index: found.index(lane), extra })
-            });
-        }
-        for lane in Set(alone) {
-            hits[lane] = nearest_hit(isa, tree, &rays[lane], users).map(|nearest| users.hit(nearest));
-        }
-        pausing = pause::<L>(alone, len);
-        done += len;
-    }
+    let hits = Cell::from_mut(hits).as_slice_of_cells();
+    ClosestHits { isa, tree, rays, users, hits }.run(s, l, rays.len());
 }
 
 /// Which rays hit anything.
@@ -85,26 +188,6 @@ pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
     occluded: &mut [bool],
 ) {
     assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
-    let (mut done, mut pausing) = (0, 0);
-    while done < rays.len() {
-        if pausing > 0 {
-            let end = (done + pausing).min(rays.len());
-            for (ray, occluded) in rays[done..end].iter().zip(&mut occluded[done..end]) {
-                *occluded = any_hit(isa, tree, ray, users);
-            }
-            (done, pausing) = (end, 0);
-            continue;
-        }
-        let (packet, len) = packet(l, &rays[done..]);
-        let (hits, alone) = any_beams(isa, (s, l), tree, &packet, (1 << len) - 1, users);
-        let (rays, occluded) = (&rays[done..done + len], &mut occluded[done..done + len]);
-        for (lane, occluded) in occluded.iter_mut().enumerate() {
-            *occluded = hits >> lane & 1 == 1;
-        }
-        for lane in Set(alone) {
-            occluded[lane] = any_hit(isa, tree, &rays[lane], users);
-        }
-        pausing = pause::<L>(alone, len);
-        done += len;
-    }
+    let occluded = Cell::from_mut(occluded).as_slice_of_cells();
+    AnyHits { isa, tree, rays, users, occluded }.run(s, l, rays.len());
 }

@@ -1,0 +1,106 @@
+//! Single rays, several on their way at once: while one waits for memory the others go on.
+#![allow(unsafe_code)]
+
+use crate::bvh::Tree;
+use crate::search::{Query, to_the_end};
+use crate::simd::Simd;
+use crate::stack::Waiting;
+use crate::traverse::{Users, Way, is_traceable};
+use std::array::from_fn;
+use std::mem::MaybeUninit;
+use std::time::{Duration, Instant};
+use steradian_math::Ray;
+
+/// How many rays are on their way at once. Measured.
+const FLIGHT: usize = 6;
+
+/// So many rays are traced either way to see which is faster, when there are [`ENOUGH`] of them.
+const TRIAL: usize = 24;
+const ENOUGH: usize = 5 * TRIAL;
+
+/// Traces the rays with given places alone, and hands over the answers of those that are traceable. In a large tree they may wait for
+/// memory or not: the clock tells. All ways give the same bits.
+#[inline(always)]
+pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
+    s: S,
+    tree: &Tree,
+    rays: &[Ray],
+    users: &U,
+    mut places: &[u32],
+    mut answer: impl FnMut(usize, Q::Answer),
+) {
+    let mut times = [Duration::ZERO; 2];
+    let trials = if tree.is_large() && places.len() >= ENOUGH { 2 } else { 0 };
+    for part in 0..=trials {
+        let is_trial = part < trials;
+        let some = places.split_off(..if is_trial { TRIAL } else { places.len() }).unwrap_or_default();
+        let flies = if is_trial { part == 1 } else { times[1] < times[0] };
+        let start = is_trial.then(Instant::now);
+        if flies {
+            fly::<S, U, Q>(s, tree, rays, users, some, &mut answer);
+        } else {
+            for place in some.iter().map(|&place| place as usize) {
+                let ray = &rays[place];
+                if is_traceable(ray) {
+                    let query = Q::at_root(s, tree, ray, &Way::new(ray, &tree.bounds));
+                    answer(place, to_the_end(s, tree, ray, users, query));
+                }
+            }
+        }
+        if let Some(start) = start {
+            times[part] = start.elapsed();
+        }
+    }
+}
+
+/// The same, with several rays on their way at once.
+#[inline(always)]
+fn fly<S: Simd, U: Users, Q: Query<S, U>>(
+    s: S,
+    tree: &Tree,
+    rays: &[Ray],
+    users: &U,
+    places: &[u32],
+    answer: &mut impl FnMut(usize, Q::Answer),
+) {
+    let mut next = places.iter().map(|&place| place as usize);
+    let mut queries = [const { MaybeUninit::<Q>::uninit() }; FLIGHT];
+    let mut stacks = [const { MaybeUninit::<Q::Stack>::uninit() }; FLIGHT];
+    let mut place_of = [0; FLIGHT];
+    // The slots: first come those that have a ray, which are all that are open once each has been looked at.
+    let mut order: [usize; FLIGHT] = from_fn(|i| i);
+    let (mut open, mut flying) = (FLIGHT, 0);
+    while open > 0 {
+        let mut i = 0;
+        while i < open {
+            let slot = order[i];
+            if i < flying {
+                // SAFETY: what has a ray has been written.
+                let (query, stack) = unsafe { (queries[slot].assume_init_mut(), stacks[slot].assume_init_mut()) };
+                let place = place_of[slot];
+                let Some(found) = query.step(stack, s, tree, &rays[place], users) else {
+                    tree.prefetch(query.current());
+                    i += 1;
+                    continue;
+                };
+                answer(place, found);
+            }
+            // The slot is free for the next ray.
+            match next.find(|&place| is_traceable(&rays[place])) {
+                Some(place) => {
+                    let ray = &rays[place];
+                    queries[slot].write(Q::at_root(s, tree, ray, &Way::new(ray, &tree.bounds)));
+                    Q::Stack::emptied(&mut stacks[slot]);
+                    place_of[slot] = place;
+                    flying = flying.max(i + 1);
+                    i += 1;
+                }
+                None => {
+                    open -= 1;
+                    flying = flying.min(open);
+                    order.swap(i, open);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Queries of single rays, nearest children first, step by step: a step is the test of a node or of a leaf, so that several rays can
+//! be on their way at once.
+#![allow(unsafe_code)]
+
+use crate::UserHit;
+use crate::bvh::Tree;
+use crate::layout::{Block, ChildRef};
+use crate::simd::{LANES, Simd};
+use crate::stack::{OrderedStack, Stack, Waiting};
+use crate::traverse::{Nearest, Slabs, Start, Users, Way};
+use crate::triangle::Shear;
+use std::mem::MaybeUninit;
+use steradian_math::Ray;
+
+/// A query on its way.
+pub(crate) trait Query<S: Simd, U: Users>: Sized {
+    /// What it finds.
+    type Answer: Copy;
+    /// What waits to be visited.
+    type Stack: Waiting;
+    /// At the root of a tree.
+    fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self;
+    /// What is visited next.
+    fn current(&self) -> ChildRef;
+    /// Visits a node or a leaf: the answer when that was the last one. The ray is the one that it began with, and the stack the one
+    /// that was empty then.
+    fn step(&mut self, stack: &mut Self::Stack, s: S, tree: &Tree, ray: &Ray, users: &U) -> Option<Self::Answer>;
+}
+
+/// The search for the nearest hit of a traceable ray in `(0, ray.t_max)`.
+pub(crate) struct Closest<S: Simd, E> {
+    slabs: Slabs<S>,
+    shear: Shear<S>,
+    current: ChildRef,
+    t: f32,
+    best: Option<Nearest<E>>,
+}
+
+impl<S: Simd, E: Copy> Closest<S, E> {
+    #[inline(always)]
+    fn new(s: S, ray: &Ray, way: &Way, Start { child, t, best }: Start<E>) -> Self {
+        let (slabs, shear) = (Slabs::new(s, way), Shear::new(s, ray, way));
+        Self { slabs, shear, current: child, t, best }
+    }
+}
+
+impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
+    type Answer = Option<Nearest<U::Extra>>;
+    type Stack = OrderedStack;
+
+    #[inline(always)]
+    fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self {
+        Self::new(s, ray, way, Start { child: tree.root, t: ray.t_max, best: None })
+    }
+
+    #[inline(always)]
+    fn current(&self) -> ChildRef {
+        self.current
+    }
+
+    #[inline(always)]
+    fn step(&mut self, stack: &mut OrderedStack, s: S, tree: &Tree, ray: &Ray, users: &U) -> Option<Self::Answer> {
+        let current = self.current;
+        if current.is_node() {
+            // SAFETY: the reference comes from the tree and is to a node.
+            let node = unsafe { tree.node(current) };
+            let (enter, lanes) = self.slabs.test(s, node, s.splat(self.t));
+            if lanes & lanes.wrapping_sub(1) != 0 {
+                // The nearest child is next; the others wait, nearer ones above.
+                tree.prefetch_children(node, lanes);
+                self.current = node.children[s.nearest(enter, lanes) & (LANES - 1)];
+                let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
+                // SAFETY: the number of lanes is at most LANES; the stack is deep enough for the tree.
+                unsafe { stack.push_all_but_nearest(keys, children, lanes.count_ones() as usize) };
+                return None;
+            }
+            if lanes != 0 {
+                self.current = node.children[lanes.trailing_zeros() as usize & (LANES - 1)];
+                return None;
+            }
+        } else if current.is_block() {
+            // SAFETY: the reference comes from the tree and is to a block.
+            let block = unsafe { tree.block(current) };
+            if let Some(candidates) = self.shear.test(s, block, s.splat(self.t)) {
+                let mut lanes = candidates.lanes;
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+                    lanes &= lanes - 1;
+                    let index = block.ids[lane] & !Block::FILTERED;
+                    let closer = candidates.t[lane] < self.t
+                        || candidates.t[lane] == self.t && self.best.is_some_and(|best| index < best.index);
+                    if closer {
+                        let (u, v) = candidates.barycentrics(lane);
+                        let hit = UserHit { t: candidates.t[lane], u, v };
+                        if block.ids[lane] == index || users.accept(index, hit, ray) {
+                            self.t = hit.t;
+                            self.best = Some(Nearest { hit, index, extra: users.triangle() });
+                        }
+                    }
+                }
+            }
+        } else if current != ChildRef::EMPTY {
+            // A user primitive may win a tie, so that it sees an interval that contains the hit so far.
+            let index = current.index() as u32;
+            let wins_ties = self.best.is_some_and(|best| index < best.index);
+            let t_max = if wins_ties { self.t.next_up() } else { self.t };
+            if let Some((hit, extra)) = users.intersect(index, &Ray { t_max, ..*ray })
+                && hit.t > 0.0
+                && hit.t < t_max
+            {
+                self.t = hit.t;
+                self.best = Some(Nearest { hit, index, extra });
+            }
+        }
+        match stack.pop(self.t) {
+            Some(child) => {
+                self.current = child;
+                None
+            }
+            None => Some(self.best),
+        }
+    }
+}
+
+/// The search for any hit of a traceable ray in `(0, ray.t_max)`.
+pub(crate) struct Any<S: Simd> {
+    slabs: Slabs<S>,
+    shear: Shear<S>,
+    current: ChildRef,
+    t_max: S::F,
+}
+
+impl<S: Simd> Any<S> {
+    #[inline(always)]
+    fn new(s: S, ray: &Ray, way: &Way, start: ChildRef) -> Self {
+        let (slabs, shear) = (Slabs::new(s, way), Shear::new(s, ray, way));
+        Self { slabs, shear, current: start, t_max: s.splat(ray.t_max) }
+    }
+}
+
+impl<S: Simd, U: Users> Query<S, U> for Any<S> {
+    type Answer = bool;
+    type Stack = Stack;
+
+    #[inline(always)]
+    fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self {
+        Self::new(s, ray, way, tree.root)
+    }
+
+    #[inline(always)]
+    fn current(&self) -> ChildRef {
+        self.current
+    }
+
+    #[inline(always)]
+    fn step(&mut self, stack: &mut Stack, s: S, tree: &Tree, ray: &Ray, users: &U) -> Option<bool> {
+        let current = self.current;
+        if current.is_node() {
+            // SAFETY: the reference comes from the tree and is to a node.
+            let node = unsafe { tree.node(current) };
+            let (_, mut lanes) = self.slabs.test(s, node, self.t_max);
+            if lanes != 0 {
+                if lanes & (lanes - 1) != 0 {
+                    tree.prefetch_children(node, lanes);
+                }
+                self.current = node.children[lanes.trailing_zeros() as usize & (LANES - 1)];
+                lanes &= lanes - 1;
+                while lanes != 0 {
+                    // SAFETY: the stack is deep enough for the tree.
+                    unsafe { stack.push(node.children[lanes.trailing_zeros() as usize & (LANES - 1)]) };
+                    lanes &= lanes - 1;
+                }
+                return None;
+            }
+        } else if current.is_block() {
+            // SAFETY: the reference comes from the tree and is to a block.
+            let block = unsafe { tree.block(current) };
+            if let Some(candidates) = self.shear.test(s, block, self.t_max) {
+                let mut lanes = candidates.lanes;
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+                    lanes &= lanes - 1;
+                    let index = block.ids[lane] & !Block::FILTERED;
+                    if candidates.t[lane] < ray.t_max {
+                        let (u, v) = candidates.barycentrics(lane);
+                        let hit = UserHit { t: candidates.t[lane], u, v };
+                        if block.ids[lane] == index || users.accept(index, hit, ray) {
+                            return Some(true);
+                        }
+                    }
+                }
+            }
+        } else if current != ChildRef::EMPTY && users.occluded(current.index() as u32, ray) {
+            return Some(true);
+        }
+        match stack.pop() {
+            Some(child) => {
+                self.current = child;
+                None
+            }
+            None => Some(false),
+        }
+    }
+}
+
+/// The nearest hit of a traceable ray in `(0, ray.t_max)`, from a start on.
+#[inline(always)]
+pub(crate) fn nearest<S: Simd, U: Users>(
+    s: S,
+    tree: &Tree,
+    ray: &Ray,
+    users: &U,
+    way: &Way,
+    start: Start<U::Extra>,
+) -> Option<Nearest<U::Extra>> {
+    to_the_end(s, tree, ray, users, Closest::new(s, ray, way, start))
+}
+
+/// Whether a traceable ray has any hit in `(0, ray.t_max)` below a child.
+#[inline(always)]
+pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool {
+    to_the_end(s, tree, ray, users, Any::new(s, ray, way, start))
+}
+
+/// Step after step.
+#[inline(always)]
+pub(crate) fn to_the_end<S: Simd, U: Users, Q: Query<S, U>>(
+    s: S,
+    tree: &Tree,
+    ray: &Ray,
+    users: &U,
+    mut query: Q,
+) -> Q::Answer {
+    let mut stack = MaybeUninit::uninit();
+    let stack = Q::Stack::emptied(&mut stack);
+    loop {
+        if let Some(answer) = query.step(stack, s, tree, ray, users) {
+            return answer;
+        }
+    }
+}
