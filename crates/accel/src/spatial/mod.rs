@@ -14,6 +14,7 @@ mod items;
 mod kdtree;
 mod line;
 mod lists;
+mod moving;
 mod octree;
 mod overlap;
 mod partition;
@@ -28,4 +29,5 @@ mod wide;
 
 pub use accel::{Accel, Accelerator, Object};
 pub use bsp::{Order, PolygonOrder};
+pub use moving::{MovingBvh, MovingTriangles};
 pub use search::Steps;

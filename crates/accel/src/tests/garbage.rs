@@ -111,3 +111,36 @@ fn a_thousand_messes_are_built_and_traced() {
     }
     assert!(hits > 5000, "{hits}");
 }
+
+#[test]
+fn rays_that_are_no_rays_cost_nothing() {
+    use crate::{Accel, Accelerator, Steps};
+    let (positions, indices) = super::soup(3000, 0.1, 8);
+    let geometries = [Geometry::triangles(&positions, &indices)];
+    let good = super::assorted_rays(Vec3::ZERO, 1.0, 200, 5);
+    for accelerator in Accelerator::ALL {
+        let accel = Accel::build(accelerator, &geometries, Vec::new(), &[]).expect("few primitives");
+        let costs = |rays: &[Ray]| {
+            let both = |ray: &Ray| [accel.intersect_cost(ray, &()), accel.occluded_cost(ray, &())];
+            rays.iter().flat_map(both).map(|Steps { steps, tests }| steps + tests).collect::<Vec<_>>()
+        };
+        let usual = costs(&good).iter().sum::<u64>() as f64 / (2 * good.len()) as f64;
+        assert!(usual > 1.0, "{accelerator:?}");
+        // One number of a ray at a time is none, or infinite, and all directions are.
+        let mut bad = Vec::new();
+        for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for (i, ray) in good.iter().take(70).enumerate() {
+                let mut ray = *ray;
+                match i % 7 {
+                    6 => ray.t_max = if number > 0.0 { f32::NAN } else { number },
+                    i if i < 3 => ray.origin[i] = number,
+                    i => ray.direction[i - 3] = number,
+                }
+                bad.push(ray);
+            }
+        }
+        let worst = costs(&bad).into_iter().max().unwrap_or(0) as f64;
+        assert!(worst <= 2.5 * usual, "{accelerator:?}: {worst} steps, of good rays {usual}");
+        assert!(bad.iter().all(|ray| accel.intersect(ray, &()).is_none() && !accel.occluded(ray, &())));
+    }
+}
