@@ -1,5 +1,5 @@
 //! Nanoseconds that texture lookups take: the median over batches of random places, for a picture of 1024² that is in the caches for the most
-//! part. `cargo bench -p steradian-core --bench textures`.
+//! part. `cargo bench -p steradian-core --bench textures [-- FILTER…]`.
 #![allow(clippy::print_stdout, reason = "it is what benchmarks are for")]
 
 use std::{hint::black_box, sync::Arc, time::Instant};
@@ -53,10 +53,13 @@ fn places() -> Vec<Coordinates2> {
 
 fn main() {
     let places = places();
+    // What is named on the command line, or everything.
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|w| w == name);
     for kind in ["8-bit", "half", "float", "8-bit in pages"] {
         let pages = kind.ends_with("pages").then(|| Pages::new(64 << 20).expect("a temporary file"));
         let texels = Arc::new(texels(kind.trim_end_matches(" in pages")));
-        for (name, filter) in FILTERS {
+        for (name, filter) in FILTERS.into_iter().filter(|f| is_wanted(f.0)) {
             let shape = match filter {
                 Filter::Trilinear | Filter::Ewa(_) => Shape::Mip,
                 Filter::Ripmap => Shape::Rip,

@@ -1,6 +1,6 @@
 //! Three-dimensional textures on a grid (M218), with interpolation over the eight corners of a cell or the four of a simplex in it (M204).
 
-use super::{Mapping, TextureContext, Wrap};
+use super::{Mapping, TextureContext, Wrap, whole::floor};
 use std::sync::Arc;
 use steradian_image::VoxelGrid;
 use steradian_math::Vec3;
@@ -33,7 +33,7 @@ pub struct GridTexture {
 }
 
 impl GridTexture {
-    fn sample(&self, c: [i64; 3]) -> Vec3 {
+    fn sample(&self, c: [i32; 3]) -> Vec3 {
         let size = self.grid.size;
         let [x, y, z] = std::array::from_fn(|k| self.wrap.apply(c[k], size[k]));
         let (Some(x), Some(y), Some(z)) = (x, y, z) else { return Vec3::ZERO };
@@ -56,14 +56,14 @@ impl GridTexture {
     /// The value at a point of the unit cube.
     fn at(&self, p: Vec3) -> Vec3 {
         let p = p * Vec3::from(self.grid.size.map(|n| n as f32));
-        let whole = |p: Vec3| p.to_array().map(|v| v.floor() as i64);
+        let whole = |p: Vec3| p.to_array().map(floor);
         if self.interpolation == Interpolation::Nearest {
             return self.sample(whole(p));
         }
         let p = p - 0.5;
         let c = whole(p);
         let d = p - p.floor();
-        let corner = |x: i64, y: i64, z: i64| {
+        let corner = |x: i32, y: i32, z: i32| {
             self.sample([c[0].saturating_add(x), c[1].saturating_add(y), c[2].saturating_add(z)])
         };
         if self.interpolation == Interpolation::Tetrahedral {

@@ -95,14 +95,14 @@ impl MipKernel {
     }
 
     /// For each of `to` texels that stand for `from` ones: the first of those it is made of, and their weights, which add up to one.
-    pub fn taps(self, from: usize, to: usize) -> Vec<(i64, Vec<f32>)> {
+    pub fn taps(self, from: usize, to: usize) -> Vec<(i32, Vec<f32>)> {
         let ratio = from as f32 / to as f32;
         let taps = |i: usize| {
             let centre = (i as f32 + 0.5) * ratio;
             let (low, high) = (centre - self.radius() * ratio, centre + self.radius() * ratio);
             // Edges that fall on texel borders up to rounding take no further texel in.
-            let (first, end) = ((low + 1e-4).floor() as i64, (high - 1e-4).ceil() as i64);
-            let weight = |j: i64| match self {
+            let (first, end) = ((low + 1e-4).floor() as i32, (high - 1e-4).ceil() as i32);
+            let weight = |j: i32| match self {
                 Self::Box => high.min(j as f32 + 1.0) - low.max(j as f32),
                 _ => self.value((j as f32 + 0.5 - centre) / ratio),
             };

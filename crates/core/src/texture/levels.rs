@@ -42,6 +42,7 @@ pub struct Levels {
     levels: Vec<Level>,
     /// How many sizes there are in x; for mip-maps all are in one row.
     columns: usize,
+    rows: usize,
 }
 
 impl Levels {
@@ -60,7 +61,7 @@ impl Levels {
     /// Number of sizes in x and in y; (n, 1) for mip-maps.
     #[inline]
     pub fn counts(&self) -> (usize, usize) {
-        (self.columns, self.levels.len() / self.columns)
+        (self.columns, self.rows)
     }
 
     /// Bytes of all levels, wherever they are kept.
@@ -70,7 +71,7 @@ impl Levels {
 
     /// The picture alone.
     pub fn flat(base: Level) -> Self {
-        Self { levels: vec![base], columns: 1 }
+        Self { levels: vec![base], columns: 1, rows: 1 }
     }
 
     /// Makes the levels of a picture; into `pages` where they are not to stay in memory.
@@ -117,7 +118,7 @@ impl Levels {
                 row = Some(plane);
             }
         }
-        Ok(Self { levels, columns })
+        Ok(Self { levels, columns, rows })
     }
 }
 

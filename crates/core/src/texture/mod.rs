@@ -2,7 +2,9 @@
 
 pub mod adjust;
 pub mod card;
+mod detail;
 mod eval;
+mod ewa;
 pub mod exact;
 pub mod filter;
 pub mod grid;
@@ -11,12 +13,14 @@ pub mod kernel;
 pub mod levels;
 pub mod mapping;
 pub mod noise;
+mod one_tap;
 pub mod pages;
 pub mod pattern;
 pub mod ramp;
 pub mod store;
 pub mod summed;
 pub mod triplanar;
+mod whole;
 pub mod wrap;
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Texels on disk, in square tiles of 64 × 64 in Morton order, of which those that were used last are in memory: scenes may have more
 //! textures than memory. What is looked up has the same bits as without.
 
-use super::store::{Decoder, Kind};
+use super::store::{Decoder, Kind, from_half};
 use half::f16;
 use std::{
     collections::HashMap,
@@ -218,7 +218,7 @@ impl<'a> TileView<'a> {
         match level.kind {
             Kind::U8 => decoder.u8(tile[i]),
             Kind::U16 => decoder.stored(f32::from(u16::from_ne_bytes([tile[2 * i], tile[2 * i + 1]])) / 65535.0),
-            Kind::F16 => decoder.stored(f16::from_ne_bytes([tile[2 * i], tile[2 * i + 1]]).to_f32()),
+            Kind::F16 => decoder.stored(from_half(f16::from_ne_bytes([tile[2 * i], tile[2 * i + 1]]))),
             Kind::F32 => {
                 decoder.stored(f32::from_ne_bytes([tile[4 * i], tile[4 * i + 1], tile[4 * i + 2], tile[4 * i + 3]]))
             }

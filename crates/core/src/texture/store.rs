@@ -1,8 +1,13 @@
 //! Where texels are: in memory as the file has them, or in tiles that are brought in when they are wanted.
 
+#![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
+
 use super::pages::{PagedTexels, TileView};
+use glam::Vec4;
+use half::f16;
 use std::sync::Arc;
 use steradian_image::{Encoding, TexelData, Texels};
+use steradian_math::Vec2;
 
 pub use super::pages::Pages;
 
@@ -63,7 +68,13 @@ impl Decoder {
     /// Of any other stored value.
     #[inline]
     pub fn stored(&self, value: f32) -> f32 {
-        if self.encoding == Encoding::Linear { value } else { self.encoding.decode(value) }
+        if self.encoding == Encoding::Linear { value } else { self.curved(value) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn curved(&self, value: f32) -> f32 {
+        self.encoding.decode(value)
     }
 }
 
@@ -78,6 +89,12 @@ enum Place {
 pub struct Level {
     place: Place,
     size: (usize, usize, usize),
+    /// Width and height.
+    scale: Vec2,
+    /// Samples from one row to the next.
+    stride: usize,
+    /// Index of the alpha channel; one that no channel has if there is none.
+    alpha: usize,
     kind: Kind,
     decoder: Decoder,
     /// For alpha.
@@ -93,7 +110,18 @@ impl Level {
             Some(pages) => Place::Pages(Arc::new(PagedTexels::new(&texels, pages)?)),
             None => Place::Memory(texels),
         };
-        Ok(Self { place, size, kind, decoder, linear: Decoder::new(Encoding::Linear) })
+        let scale = Vec2::new(size.0 as f32, size.1 as f32);
+        let alpha = if matches!(size.2, 2 | 4) { size.2 - 1 } else { usize::MAX };
+        Ok(Self {
+            place,
+            size,
+            scale,
+            stride: size.0 * size.2,
+            alpha,
+            kind,
+            decoder,
+            linear: Decoder::new(Encoding::Linear),
+        })
     }
 
     /// The same texels, read in another encoding.
@@ -111,6 +139,12 @@ impl Level {
     #[inline]
     pub fn height(&self) -> usize {
         self.size.1
+    }
+
+    /// Width and height, which coordinates in periods are multiplied with.
+    #[inline]
+    pub fn scale(&self) -> Vec2 {
+        self.scale
     }
 
     /// Samples per texel.
@@ -142,7 +176,7 @@ impl Level {
     /// Index of the alpha channel.
     #[inline]
     pub fn alpha(&self) -> Option<usize> {
-        matches!(self.size.2, 2 | 4).then(|| self.size.2 - 1)
+        (self.alpha < self.size.2).then_some(self.alpha)
     }
 
     /// Calls `f` with each sample's index in its row and its linear value.
@@ -178,13 +212,13 @@ impl Level {
     }
 
     /// How `N` channels from `first` on are looked at.
-    #[inline]
+    #[inline(always)]
     pub fn view(&self, first: usize) -> AnyView<'_> {
-        let (width, _, channels) = self.size;
-        let decoder = if self.alpha() == Some(first) { &self.linear } else { &self.decoder };
+        let (channels, stride) = (self.size.2, self.stride);
+        let decoder = if first == self.alpha { &self.linear } else { &self.decoder };
         macro_rules! view {
             ($data:expr) => {
-                Samples { data: $data, width, channels, first, decoder }
+                Samples { data: $data, stride, channels, first, decoder }
             };
         }
         match &self.place {
@@ -194,15 +228,30 @@ impl Level {
                 TexelData::F16(data) => AnyView::F16(view!(data)),
                 TexelData::F32(data) => AnyView::F32(view!(data)),
             },
-            Place::Pages(pages) => AnyView::Tiles(TileView::new(pages), first, decoder),
+            Place::Pages(pages) => {
+                AnyView::Tiles(Tiles { tiles: TileView::new(pages), width: self.size.0, first, decoder })
+            }
         }
     }
 }
 
-/// Something that gives linear values of texels.
-pub trait View<const N: usize> {
+/// Something that gives linear values of texels: of `N` channels, in the first lanes.
+pub trait View {
     /// The values of the texel at `x`, `y`, which are within the picture.
-    fn texel(&mut self, x: usize, y: usize) -> [f32; N];
+    fn texel<const N: usize>(&mut self, x: usize, y: usize) -> Vec4;
+
+    /// The values of a texel by its number, where rows follow each other.
+    fn numbered<const N: usize>(&mut self, number: usize) -> Vec4;
+
+    /// `K` texels from `x`, `y` on to the right, all of which are within the picture.
+    #[inline(always)]
+    fn strip<const N: usize, const K: usize>(&mut self, x: usize, y: usize) -> [Vec4; K] {
+        let mut strip = [Vec4::ZERO; K];
+        for k in 0..K {
+            strip[k] = self.texel::<N>(x + k, y);
+        }
+        strip
+    }
 }
 
 /// A view of texels, whatever they are kept as.
@@ -212,66 +261,149 @@ pub enum AnyView<'a> {
     /// 16-bit codes.
     U16(Samples<'a, u16>),
     /// Half floats.
-    F16(Samples<'a, half::f16>),
+    F16(Samples<'a, f16>),
     /// Floats.
     F32(Samples<'a, f32>),
     /// Tiles.
-    Tiles(TileView<'a>, usize, &'a Decoder),
+    Tiles(Tiles<'a>),
 }
 
 /// Samples in memory, row by row.
 pub struct Samples<'a, T> {
     data: &'a [T],
-    width: usize,
+    /// Samples from one row to the next.
+    stride: usize,
     channels: usize,
     first: usize,
     decoder: &'a Decoder,
 }
 
-impl<T> Samples<'_, T> {
-    #[inline]
-    fn get<const N: usize>(&self, x: usize, y: usize, decode: impl Fn(&T) -> f32) -> [f32; N] {
-        let i = (y * self.width + x) * self.channels + self.first;
+/// A sample as it is stored.
+pub trait Sample {
+    /// Its linear value.
+    fn linear(&self, decoder: &Decoder) -> f32;
+}
+
+impl Sample for u8 {
+    #[inline(always)]
+    fn linear(&self, decoder: &Decoder) -> f32 {
+        decoder.u8(*self)
+    }
+}
+
+impl Sample for u16 {
+    #[inline(always)]
+    fn linear(&self, decoder: &Decoder) -> f32 {
+        decoder.stored(f32::from(*self) / 65535.0)
+    }
+}
+
+impl Sample for f16 {
+    #[inline(always)]
+    fn linear(&self, decoder: &Decoder) -> f32 {
+        decoder.stored(from_half(*self))
+    }
+}
+
+impl Sample for f32 {
+    #[inline(always)]
+    fn linear(&self, decoder: &Decoder) -> f32 {
+        decoder.stored(*self)
+    }
+}
+
+/// A half float as a float, without the call that finds out whether the processor has an instruction for it.
+#[inline(always)]
+pub(super) fn from_half(half: f16) -> f32 {
+    let bits = u32::from(half.to_bits());
+    // The exponent is moved by a multiplication, which is right for denormal numbers too.
+    let magnitude = (f32::from_bits((bits & 0x7fff) << 13) * 2_f32.powi(112)).to_bits();
+    let special = if bits & 0x7c00 == 0x7c00 { 0x7f80_0000 } else { 0 };
+    f32::from_bits(magnitude | special | (bits & 0x8000) << 16)
+}
+
+impl<T: Sample> Samples<'_, T> {
+    #[inline(always)]
+    fn at<const N: usize>(&self, i: usize) -> Vec4 {
         let texel = &self.data[i..i + N];
-        std::array::from_fn(|c| decode(&texel[c]))
+        let mut values = [0.0; 4];
+        for c in 0..N {
+            values[c] = texel[c].linear(self.decoder);
+        }
+        Vec4::from_array(values)
+    }
+
+    /// `K` texels of `C` channels, the first of which are looked at.
+    #[inline(always)]
+    fn row<const N: usize, const K: usize, const C: usize>(&self, start: usize) -> [Vec4; K] {
+        let row = &self.data[start..start + (K - 1) * C + N];
+        let mut strip = [Vec4::ZERO; K];
+        for k in 0..K {
+            let mut values = [0.0; 4];
+            for c in 0..N {
+                values[c] = row[k * C + c].linear(self.decoder);
+            }
+            strip[k] = Vec4::from_array(values);
+        }
+        strip
+    }
+
+    #[inline(always)]
+    fn index(&self, x: usize, y: usize) -> usize {
+        y * self.stride + x * self.channels + self.first
     }
 }
 
-impl<const N: usize> View<N> for Samples<'_, u8> {
-    #[inline]
-    fn texel(&mut self, x: usize, y: usize) -> [f32; N] {
-        self.get(x, y, |&v| self.decoder.u8(v))
+impl<T: Sample> View for Samples<'_, T> {
+    #[inline(always)]
+    fn texel<const N: usize>(&mut self, x: usize, y: usize) -> Vec4 {
+        self.at::<N>(self.index(x, y))
+    }
+
+    #[inline(always)]
+    fn numbered<const N: usize>(&mut self, number: usize) -> Vec4 {
+        self.at::<N>(number * self.channels + self.first)
+    }
+
+    #[inline(always)]
+    fn strip<const N: usize, const K: usize>(&mut self, x: usize, y: usize) -> [Vec4; K] {
+        let start = self.index(x, y);
+        match self.channels {
+            // The usual numbers need but one test whether all is within the picture.
+            3 => self.row::<N, K, 3>(start),
+            4 => self.row::<N, K, 4>(start),
+            channels => {
+                let mut strip = [Vec4::ZERO; K];
+                for k in 0..K {
+                    strip[k] = self.at::<N>(start + k * channels);
+                }
+                strip
+            }
+        }
     }
 }
 
-impl<const N: usize> View<N> for Samples<'_, u16> {
-    #[inline]
-    fn texel(&mut self, x: usize, y: usize) -> [f32; N] {
-        self.get(x, y, |&v| self.decoder.stored(f32::from(v) / 65535.0))
-    }
+/// Tiles.
+pub struct Tiles<'a> {
+    tiles: TileView<'a>,
+    width: usize,
+    first: usize,
+    decoder: &'a Decoder,
 }
 
-impl<const N: usize> View<N> for Samples<'_, half::f16> {
-    #[inline]
-    fn texel(&mut self, x: usize, y: usize) -> [f32; N] {
-        self.get(x, y, |v| self.decoder.stored(v.to_f32()))
+impl View for Tiles<'_> {
+    #[inline(never)]
+    fn texel<const N: usize>(&mut self, x: usize, y: usize) -> Vec4 {
+        let mut values = [0.0; 4];
+        for c in 0..N {
+            values[c] = self.tiles.linear(x, y, self.first + c, self.decoder);
+        }
+        Vec4::from_array(values)
     }
-}
 
-impl<const N: usize> View<N> for Samples<'_, f32> {
     #[inline]
-    fn texel(&mut self, x: usize, y: usize) -> [f32; N] {
-        self.get(x, y, |&v| self.decoder.stored(v))
-    }
-}
-
-/// Tiles, read as channels from the first one on.
-pub struct Tiles<'a, 'b>(pub &'b mut TileView<'a>, pub usize, pub &'b Decoder);
-
-impl<const N: usize> View<N> for Tiles<'_, '_> {
-    #[inline]
-    fn texel(&mut self, x: usize, y: usize) -> [f32; N] {
-        std::array::from_fn(|c| self.0.linear(x, y, self.1 + c, self.2))
+    fn numbered<const N: usize>(&mut self, number: usize) -> Vec4 {
+        self.texel::<N>(number % self.width, number / self.width)
     }
 }
 
@@ -279,27 +411,26 @@ impl<const N: usize> View<N> for Tiles<'_, '_> {
 macro_rules! on_level {
     ($level:expr, $first:expr, |$view:ident| $body:expr) => {
         match $level.view($first) {
-            $crate::texture::store::AnyView::U8(mut v) => {
-                let $view = &mut v;
-                $body
-            }
-            $crate::texture::store::AnyView::U16(mut v) => {
-                let $view = &mut v;
-                $body
-            }
-            $crate::texture::store::AnyView::F16(mut v) => {
-                let $view = &mut v;
-                $body
-            }
-            $crate::texture::store::AnyView::F32(mut v) => {
-                let $view = &mut v;
-                $body
-            }
-            $crate::texture::store::AnyView::Tiles(mut t, first, decoder) => {
-                let $view = &mut $crate::texture::store::Tiles(&mut t, first, decoder);
-                $body
-            }
+            $crate::texture::store::AnyView::U8(mut $view) => $body,
+            $crate::texture::store::AnyView::U16(mut $view) => $body,
+            $crate::texture::store::AnyView::F16(mut $view) => $body,
+            $crate::texture::store::AnyView::F32(mut $view) => $body,
+            $crate::texture::store::AnyView::Tiles(mut $view) => $body,
         }
     };
 }
 pub(super) use on_level;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_half_float_has_its_value() {
+        for bits in 0..=u16::MAX {
+            let half = f16::from_bits(bits);
+            let (seen, wanted) = (from_half(half), half.to_f32());
+            assert!(seen.to_bits() == wanted.to_bits() || seen.is_nan() && wanted.is_nan(), "{bits:04x}");
+        }
+    }
+}

@@ -136,7 +136,8 @@ mod tests {
                 let mut sum = [0.0_f64; 2];
                 for y in y0..y0 + h {
                     for x in x0..x0 + w {
-                        let (tx, ty) = (wrap.apply(x.div_euclid(4), width), wrap.apply(y.div_euclid(4), height));
+                        let (tx, ty) =
+                            (wrap.apply(x.div_euclid(4) as i32, width), wrap.apply(y.div_euclid(4) as i32, height));
                         if let (Some(x), Some(y)) = (tx, ty) {
                             (0..2).for_each(|c| sum[c] += f64::from(value(x, y, c)));
                         }

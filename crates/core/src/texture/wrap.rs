@@ -1,5 +1,7 @@
 //! What lies outside of a picture.
 
+use super::whole::fraction;
+
 /// What lies outside of the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
@@ -27,11 +29,11 @@ impl Wrap {
 
     /// The texel that stands at index `i` of `n`; `None` for black.
     #[inline]
-    pub fn apply(self, i: i64, n: usize) -> Option<usize> {
-        if (i as u64) < n as u64 {
+    pub fn apply(self, i: i32, n: usize) -> Option<usize> {
+        if i >= 0 && (i as usize) < n {
             return Some(i as usize);
         }
-        self.outside(i, n as i64)
+        self.outside(i64::from(i), n as i64)
     }
 
     #[cold]
@@ -54,8 +56,8 @@ impl Wrap {
     #[inline]
     pub fn reduce(self, u: f32) -> f32 {
         match self {
-            Self::Repeat if !(0.0..=1.0).contains(&u) => u - u.floor(),
-            Self::Mirror if !(0.0..=2.0).contains(&u) => u - 2.0 * (u * 0.5).floor(),
+            Self::Repeat if !(0.0..=1.0).contains(&u) => fraction(u),
+            Self::Mirror if !(0.0..=2.0).contains(&u) => 2.0 * fraction(0.5 * u),
             _ => u,
         }
     }
@@ -72,8 +74,8 @@ mod tests {
         assert_eq!(at(Wrap::Mirror), [1, 1, 0, 0, 1, 1, 0, 0]);
         assert_eq!(at(Wrap::Clamp), [0, 0, 0, 0, 1, 1, 1, 1]);
         assert_eq!(at(Wrap::Black), [9, 9, 9, 0, 1, 9, 9, 9]);
-        assert_eq!(Wrap::Repeat.apply(i64::MAX, 1), Some(0));
-        assert_eq!(Wrap::Mirror.apply(i64::MIN, 3), Some(1));
+        assert_eq!(Wrap::Repeat.apply(i32::MAX, 1), Some(0));
+        assert_eq!(Wrap::Mirror.apply(i32::MIN, 3), Some(1));
     }
 
     #[test]
@@ -81,7 +83,7 @@ mod tests {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Black] {
             for i in -40..40 {
                 let u = (i as f32 + 0.5) / 8.0;
-                let texel = |u: f32| wrap.apply((u * 4.0).floor() as i64, 4);
+                let texel = |u: f32| wrap.apply((u * 4.0).floor() as i32, 4);
                 assert_eq!(texel(wrap.reduce(u)), texel(u), "{wrap:?} {u}");
             }
         }
