@@ -23,7 +23,7 @@ use steradian_math::{Bounds3, Frame, Vec2, Vec3};
 /// Fewer landed ones than this are no guide.
 const FEWEST: usize = 64;
 /// Most photons of a neighbourhood.
-const LANES: usize = 16;
+const LANES: usize = 32;
 /// The largest share of directions drawn by the photons.
 const MOST: f32 = 0.6;
 /// Below this share they are not asked.

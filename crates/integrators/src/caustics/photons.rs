@@ -13,8 +13,8 @@ use steradian_core::{
 };
 use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
 
-/// Fewest and most photons that are sent: one for two pixels.
-const PHOTONS: (u32, u32) = (1 << 12, 1 << 18);
+/// Fewest and most photons that are sent: one for a pixel.
+const PHOTONS: (u32, u32) = (1 << 12, 1 << 19);
 /// Focusing events that a photon is followed through.
 const EVENTS: u32 = 12;
 /// Scattering focuses where directions are drawn with a greater density than this (sr⁻¹).
@@ -24,7 +24,7 @@ const BROAD: f32 = 0.25;
 /// How often a photon lands.
 const LANDINGS: usize = 3;
 /// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that the photons add to.
-const OTHER: (f32, f32) = (1.5, 0.05);
+const OTHER: (f32, f32) = (0.75, 0.025);
 /// The share of the mean of that light that counts everywhere: what was not estimated.
 const AMBIENT: f32 = 0.05;
 
@@ -59,7 +59,7 @@ pub(super) fn send(scene: &Scene) -> Vec<Photon> {
         return Vec::new();
     }
     let pixels = scene.film.width.saturating_mul(scene.film.height);
-    let count = (pixels / 2).clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
+    let count = pixels.clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
     let mut photons: Vec<_> = (0..count)
         .into_par_iter()
