@@ -22,9 +22,10 @@ from pathlib import Path
 
 import numpy as np
 
-ERF = "Mitsuba's Smith masking of Beckmann is a rational fit, within 0.35 % for one direction; ours is the exact error function"
-FLOOR = ("values differ by 0.14 % where the light that leaves the base counts: Mitsuba interpolates the transmittance of the coat in a table of "
-         "its own, ours is integrated")
+ERF = ("Mitsuba's Smith masking of Beckmann is a rational fit, within 0.35 % for one direction, ours the exact error function: with the fit in "
+       "its place they differ by {}")
+FLOOR = ("the transmittance of the coat for one direction: Mitsuba integrates it at 64 cosines by 32 × 32 Gauss points, which exceeds the integral by "
+         "1e-4 to 4e-4; our 512 points fall short of it by 2e-4 to 4e-4")
 PLASTIC_PDF = "densities: the lobes are chosen by other probabilities, which values do not depend on"
 BELOW = "densities are compared where light can arrive: below an opaque surface Mitsuba states a density of directions that it gives the value 0"
 THIN = ("left out are pairs through the sheet whose mirrored microfacet turns away from the unmirrored direction: Mitsuba tests the masking of "
@@ -32,6 +33,20 @@ THIN = ("left out are pairs through the sheet whose mirrored microfacet turns aw
 HAIR = ("compared where wo is above the surface (from inside of the fibre Mitsuba passes light unscattered); the longitudinal lobe differs by up to "
         "0.57 %: for x > 12 Mitsuba, as pbrt, takes ln I₀(x) by an asymptotic series with 1/(16 x) where it has 1/(8 x) + 1/(16 x²)")
 HAIR_PDF = "densities: lobes are chosen by luminance there, by the mean of the channels here; they agree where absorption is grey"
+
+
+def masking_fit_over_exact(w, alpha=0.2):
+    """Smith's masking of Beckmann for one direction: the rational fit of Walter et al. (2007), over the error function."""
+    a = np.abs(w[:, 2]) / (alpha * np.hypot(w[:, 0], w[:, 1]))
+    fit = np.where(a < 1.6, (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a), 1)
+    tail = np.array([math.erfc(x) for x in a])
+    return fit * (1 + 0.5 * (np.exp(-a * a) / (a * math.sqrt(math.pi)) - tail))
+
+
+def with_their_masking(wo, wi, values, pdfs):
+    """What ours would be with Mitsuba's masking: both directions are masked in values, the first in densities."""
+    seen = masking_fit_over_exact(wo)
+    return values * (seen * masking_fit_over_exact(wi))[:, None], pdfs * seen
 
 
 def above(wo, wi, value):
@@ -94,6 +109,15 @@ MODELS = [
     ("hair pigment", '<bsdf type="hair"><float name="eumelanin" value="0.5"/><float name="pheomelanin" value="0.2"/></bsdf>', 7e-3, None, (above, above), HAIR + "; " + HAIR_PDF),
     ("twosided", f'<bsdf type="twosided">{rough("roughconductor", 0.3, "ggx", GOLD)[:-7]}</bsdf></bsdf>', 1e-3, 1e-3, ALL, ""),
 ]
+
+CHECKED = """
+## Where the causes were checked
+
+- **Masking of Beckmann.** The script puts the rational fit (Walter et al. 2007) in place of the error function and fails where more than 1e-3 remains: the row has
+  what does.
+- **Coat of `roughplastic`** (GGX, α = 0.3, index 1.49). Mitsuba's value was computed anew from its description (visible normals, 32 × 32 points of Gauss and
+  Legendre, linear interpolation between 64 cosines, the internal reflectance as a mean over the same 64): it gives Mitsuba's values to 2e-6. The same integral
+  with 200 × 200 points shows the errors that the row names."""
 
 
 def scene(bsdf):
@@ -179,6 +203,12 @@ def main():
             wo, wi, values, pdfs = theirs(mi, text, args.pairs, rng)
             our_values, our_pdfs = ours(args.program, text, wo, wi, Path(folder))
             kept = [c and c(wo, wi, values) for c in compared]
+            if why == ERF:
+                # The cause is held against the same limit as all others.
+                mended = with_their_masking(wo, wi, our_values, our_pdfs)
+                rest = [spread(theirs, ours_, None)[1] for theirs, ours_ in zip((values, pdfs), mended)]
+                failed |= max(rest) > 1e-3
+                why = why.format(f"{rest[0]:.1e} and {rest[1]:.1e}")
             v, d = spread(values, our_values, kept[0]), spread(pdfs, our_pdfs, kept[1])
             bad = v[1] > limit_value or (limit_pdf is not None and d[1] > limit_pdf)
             failed |= bad
@@ -189,6 +219,8 @@ def main():
             else:
                 show = lambda s: f"{s[0]:9.1e} {s[1]:9.1e} {s[2]:5}"
                 print(f"{name:26} {show(v)}  {show(d)} {'FAILED' if bad else 'ok'}{'  (' + why + ')' if why else ''}")
+    if args.markdown:
+        print(CHECKED)
     return int(failed)
 
 
