@@ -1,6 +1,6 @@
 //! The cost of scattering: nanoseconds for one sample, one evaluation and one density of each registered model, and of all shuffled.
 //!
-//! `cargo bench -p steradian-core --bench bsdf [-- NAME]`. Each figure is the median over repetitions, that in brackets the least, which a
+//! `cargo bench -p steradian-core --bench bsdf [-- NAME [CASE]]`, with parts of the names; the cases are listed where a name is given. Each figure is the median over repetitions, that in brackets the least, which a
 //! busy machine disturbs less. Values are drawn from all cases of the
 //! registry; in the shuffled run, of the first case of each, neighbours are of different models, as in a scene.
 #![allow(clippy::print_stdout, reason = "a benchmark's output")]
@@ -35,22 +35,48 @@ fn events() -> Vec<Event> {
     (0..EVENTS).map(|_| event()).collect()
 }
 
+/// One sample and one evaluation, which gives the density too.
+fn scatter(b: &Bsdf<'_>, e: &Event) {
+    let e = black_box(e);
+    black_box(&b.sample(e.wo, e.u, e.u2, TransportMode::Radiance));
+    black_box(&b.eval(e.wo, e.wi, TransportMode::Radiance));
+}
+
+/// Median and least of some times.
+fn middle_and_least(mut times: Vec<f64>) -> [f64; 2] {
+    times.sort_by(f64::total_cmp);
+    [times[times.len() / 2], times[0]]
+}
+
 /// Median and least nanoseconds per event over values taken in turn.
 fn measure(values: &[Bsdf<'_>], events: &[Event]) -> [f64; 2] {
-    let mut times: Vec<f64> = (0..REPETITIONS)
-        .map(|_| {
-            let start = Instant::now();
-            for (i, e) in events.iter().enumerate() {
-                let b = &values[i % values.len()];
-                // `eval` gives the density too.
-                black_box(b.sample(black_box(e.wo), e.u, e.u2, TransportMode::Radiance));
-                black_box(b.eval(black_box(e.wo), e.wi, TransportMode::Radiance));
-            }
-            start.elapsed().as_nanos() as f64 / events.len() as f64
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    [times[REPETITIONS / 2], times[0]]
+    let once = |_| {
+        let start = Instant::now();
+        for (b, e) in values.iter().cycle().zip(events) {
+            scatter(b, e);
+        }
+        start.elapsed().as_nanos() as f64 / events.len() as f64
+    };
+    middle_and_least((0..REPETITIONS).map(once).collect())
+}
+
+/// Nanoseconds of one event of each value where all take turns and each event is timed by itself: medians over the events, less that of timing
+/// nothing. What a processor does of one event during the next is left out, so that these times are longer than those of many events alike.
+fn measure_each(values: &[Bsdf<'_>], events: &[Event]) -> Vec<f64> {
+    let time = |work: &dyn Fn()| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_nanos() as f64
+    };
+    let nothing = middle_and_least(events.iter().map(|e| time(&|| _ = black_box(e))).collect())[0];
+    let mut times = vec![Vec::new(); values.len()];
+    for _ in 0..REPETITIONS / 10 {
+        for (i, e) in events.iter().enumerate() {
+            let b = &values[i % values.len()];
+            times[i % values.len()].push(time(&|| scatter(b, e)) - nothing);
+        }
+    }
+    times.into_iter().map(|t| middle_and_least(t)[0]).collect()
 }
 
 /// All cases of all models, shuffled, are handed to `done`. Values borrow from their visitors, so visits are nested: those of the
@@ -72,13 +98,26 @@ fn shuffled(models: &[Model], values: &[Bsdf<'_>], done: &mut dyn FnMut(&[Bsdf<'
 }
 
 fn main() {
-    let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
+    let mut arguments = std::env::args().skip(1).filter(|a| !a.starts_with('-'));
+    let (wanted, wanted_case) = (arguments.next().unwrap_or_default(), arguments.next().unwrap_or_default());
     let events = events();
     let (mut medians, mut leasts) = (Vec::new(), Vec::new());
     for model in MODELS.iter().filter(|m| m.name.contains(&wanted)) {
         let mut times = Vec::new();
-        (model.cases)(&mut |case| times.push((measure(&[case.bsdf], &events), case.label)));
+        (model.cases)(&mut |case| {
+            if !case.label.contains(&wanted_case) {
+                return;
+            }
+            let time = measure(&[case.bsdf], &events);
+            if !wanted.is_empty() {
+                println!("    {:40} {:7.1} ns ({:6.1})", case.label, time[0], time[1]);
+            }
+            times.push((time, case.label));
+        });
         times.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        if times.is_empty() {
+            continue;
+        }
         let ([median, least], slowest) = (times[times.len() / 2].0, &times[times.len() - 1]);
         println!("{:24} {median:7.1} ns ({least:6.1})   slowest {:.1} ns: {}", model.name, slowest.0[0], slowest.1);
         medians.push(median);
@@ -93,6 +132,8 @@ fn main() {
         shuffled(MODELS, &[], &mut |values| {
             let [median, least] = measure(values, &events);
             println!("{:24} {median:7.1} ns ({least:6.1})", "one of each, shuffled");
+            let [median, least] = middle_and_least(measure_each(values, &events));
+            println!("{:24} {median:7.1} ns ({least:6.1})", "median over the shuffled");
         });
     }
 }

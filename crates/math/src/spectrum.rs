@@ -1,6 +1,6 @@
 //! A value per colour lane: three linear Rec.709 components (and an unused fourth), or four sampled wavelengths.
 
-use crate::Vec4;
+use crate::{Vec4, elementary};
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub};
 
 /// Four lanes of radiance, reflectance, density, … Arithmetic is lane by lane; what the lanes mean is known by whoever made the
@@ -72,13 +72,13 @@ impl Spectrum {
     /// `exp` of each lane.
     #[inline]
     pub fn exp(self) -> Self {
-        self.map(f32::exp)
+        self.map(elementary::exp)
     }
 
     /// Square root of each lane, negative lanes as zero.
     #[inline]
     pub fn sqrt(self) -> Self {
-        self.map(|v| v.max(0.0).sqrt())
+        Self(self.0.max(Vec4::ZERO).sqrt())
     }
 
     /// A function of each lane.
@@ -109,8 +109,7 @@ impl Spectrum {
     /// Lane-wise quotient, zero where the divisor is zero.
     #[inline]
     pub fn safe_div(self, d: Self) -> Self {
-        let (n, d) = (self.0.to_array(), d.0.to_array());
-        Self::new(std::array::from_fn(|i| if d[i] == 0.0 { 0.0 } else { n[i] / d[i] }))
+        Self(Vec4::select(d.0.cmpeq(Vec4::ZERO), Vec4::ZERO, self.0 / d.0))
     }
 }
 

@@ -55,18 +55,17 @@ impl Table {
 
     #[inline]
     fn get(&self, alpha: f32, cos: f32) -> f32 {
-        self.at_place(place(alpha.max(0.0).sqrt()), place(cos))
+        self.at_place(row(alpha), place(cos))
     }
 
     #[inline]
-    fn at_place(&self, (i, s): (usize, f32), (j, t): (usize, f32)) -> f32 {
+    fn at_place(&self, (i, s): Row, (j, t): (usize, f32)) -> f32 {
         let row = |i: usize| self.at[i][j] * (1.0 - t) + self.at[i][j + 1] * t;
         row(i) * (1.0 - s) + row(i + 1) * s
     }
 
     #[inline]
-    fn mean(&self, alpha: f32) -> f32 {
-        let (i, s) = place(alpha.max(0.0).sqrt());
+    fn mean(&self, (i, s): Row) -> f32 {
         self.mean[i] * (1.0 - s) + self.mean[i + 1] * s
     }
 }
@@ -123,15 +122,24 @@ static SHEEN: LazyLock<Table> = LazyLock::new(|| {
 
 /// The factors `A`, `B` of `f0` and `f90` in the albedo of a GGX surface of roughness `alpha` at a cosine.
 #[inline]
-pub(super) fn ggx(alpha: f32, cos: f32) -> [f32; 2] {
-    let (row, column) = (place(alpha.max(0.0).sqrt()), place(cos));
+pub(super) fn ggx(row: Row, cos: f32) -> [f32; 2] {
+    let column = place(cos);
     GGX.each_ref().map(|t| t.at_place(row, column))
+}
+
+/// A roughness in the tables.
+pub(super) type Row = (usize, f32);
+
+/// Where the tables have the roughness `alpha`.
+#[inline]
+pub(super) fn row(alpha: f32) -> Row {
+    place(alpha.max(0.0).sqrt())
 }
 
 /// The same, averaged over the hemisphere by the cosine.
 #[inline]
-pub(super) fn ggx_mean(alpha: f32) -> [f32; 2] {
-    GGX.each_ref().map(|t| t.mean(alpha))
+pub(super) fn ggx_mean(row: Row) -> [f32; 2] {
+    GGX.each_ref().map(|t| t.mean(row))
 }
 
 /// The albedo of the white sheen of roughness `alpha` at a cosine.
@@ -147,15 +155,15 @@ mod tests {
     #[test]
     fn smooth_surfaces_reflect_by_schlick_and_all_tables_lie_in_the_unit_interval() {
         for cos in [0.1, 0.5, 1.0f32] {
-            let [a, b] = ggx(0.0, cos);
+            let [a, b] = ggx(row(0.0), cos);
             let w = (1.0 - cos).powi(5);
             assert!((a + b - 1.0).abs() < 1e-5 && (b - w).abs() < 6e-3, "{cos}: {a} {b}");
             assert!((0.0..=1.0).contains(&sheen(0.3, cos)));
         }
         // Schlick's mean over the hemisphere: 2∫(1−μ)⁵μ dμ = 1/21.
-        assert!((ggx_mean(0.0)[1] - 1.0 / 21.0).abs() < 2e-3);
+        assert!((ggx_mean(row(0.0))[1] - 1.0 / 21.0).abs() < 2e-3);
         // At α = 1 and normal incidence half of the facets reflect downwards, and ∫ s/(1 + s) ds is left of the rest.
-        let [a, b] = ggx(1.0, 1.0);
+        let [a, b] = ggx(row(1.0), 1.0);
         assert!((a + b - (1.0 - std::f32::consts::LN_2)).abs() < 4e-3, "{}", a + b);
     }
 }

@@ -14,7 +14,7 @@ use super::phong::exponent_in_range;
 use std::f32::consts::{LN_2, PI, TAU};
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{exp_m1, ln_1p, sin_cos_turns},
+    elementary::{exp, exp_m1, ln, ln_1p, sin_cos_turns},
 };
 
 /// A lobe in the half vector.
@@ -48,25 +48,37 @@ impl GlossyLobe for HalfVectorLobe {
         !self.empirical
     }
 
+    #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let Some(h) = (wo + wi).try_normalize() else { return (0.0, 0.0) };
-        let n = self.exponent;
+        let h = wo + wi;
         let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-        let power = (-0.5 * n * ln_1p(tan2)).exp();
-        let pdf = (n + 1.0) / TAU * power / (4.0 * wo.dot(h)).max(1e-6);
+        self.of_power(exp(-0.5 * self.exponent * ln_1p(tan2)), 0.5 * h.length(), wi)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
+        let ln_cos = ln(1.0 - u2.y) / (self.exponent + 1.0);
+        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
+        let r = exp_m1(-2.0 * ln_cos).max(0.0).sqrt();
+        let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0).try_normalize()?;
+        let cos_o = wo.dot(h);
+        let wi = 2.0 * cos_o * h - wo;
+        let (value, pdf) = self.of_power(exp(self.exponent * ln_cos), cos_o, wi);
+        (cos_o > 0.0).then_some((wi, value, pdf))
+    }
+}
+
+impl HalfVectorLobe {
+    /// Value and density by `cos^n θ_h` and the cosine between direction and half vector.
+    #[inline(always)]
+    fn of_power(&self, power: f32, cos_o: f32, wi: Vec3) -> (f32, f32) {
+        let n = self.exponent;
+        let pdf = (n + 1.0) / TAU * power / (4.0 * cos_o).max(1e-6);
         if self.empirical {
             return (power, pdf);
         }
-        let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * LN_2 * n).exp() + n));
+        let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * (exp(-0.5 * LN_2 * n) + n));
         (normalisation * power * wi.z, pdf)
-    }
-
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
-        let tan2 = exp_m1(-2.0 * ((1.0 - u2.y).max(f32::MIN_POSITIVE)).ln() / (self.exponent + 1.0));
-        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
-        let r = tan2.max(0.0).sqrt();
-        let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0).try_normalize()?;
-        (wo.dot(h) > 0.0).then(|| super::fresnel::reflect(wo, h))
     }
 }
 

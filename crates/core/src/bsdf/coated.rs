@@ -60,11 +60,20 @@ impl<'a> Coated<'a> {
             return BsdfEval::ZERO;
         }
         let (_, t_o, p) = self.at(wo);
+        self.eval_at(wo, wi, t_o, p, None)
+    }
+
+    /// The value where the interface lets `t_o` pass along `wo` and is sampled with probability `p`; with the facet's normal, if it is known.
+    #[inline]
+    fn eval_at(&self, wo: Vec3, wi: Vec3, t_o: f32, p: f32, m: Option<Vec3>) -> BsdfEval {
+        if wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
         let (_, t_i) = self.table.interface(self.place, wi.z);
         let cosine = wi.z * FRAC_1_PI;
         let mut e = BsdfEval { value: self.base * (t_o * t_i * cosine), pdf: (1.0 - p) * cosine };
         if !self.microfacet.is_smooth()
-            && let Some(facet) = self.microfacet.reflecting(wo, wi)
+            && let Some(facet) = self.microfacet.reflecting_by(m, wo, wi)
         {
             e.value += self.tint * (fresnel::dielectric(facet.cos_o, self.table.eta()) * facet.value);
             e.pdf += p * facet.pdf;
@@ -76,15 +85,16 @@ impl<'a> Coated<'a> {
         if wo.z <= 0.0 {
             return None;
         }
-        let (r, _, p) = self.at(wo);
-        let (wi, lobe) = if u >= p {
-            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        let (r, t_o, p) = self.at(wo);
+        let (wi, m, lobe) = if u >= p {
+            (sample_cosine_hemisphere(u2)?, None, Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
             return Some(BsdfSample::mirrored(wo, self.tint * (r / p), p));
         } else {
-            (fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
+            let m = self.microfacet.sample_visible(wo, u2);
+            (fresnel::reflect(wo, m), Some(m), Lobe::GLOSSY)
         };
-        let e = self.eval(wo, wi);
+        let e = self.eval_at(wo, wi, t_o, p, m);
         e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 

@@ -39,9 +39,16 @@ impl Conductor {
         if wo.z <= 0.0 || self.microfacet.is_smooth() {
             return BsdfEval::ZERO;
         }
-        self.microfacet.reflecting(wo, wi).map_or(BsdfEval::ZERO, |facet| self.of(facet))
+        self.eval_by(None, wo, wi)
     }
 
+    /// The value for a rough surface and `wo` above it; with the facet's normal, if it is known.
+    #[inline]
+    pub(super) fn eval_by(&self, m: Option<Vec3>, wo: Vec3, wi: Vec3) -> BsdfEval {
+        self.microfacet.reflecting_by(m, wo, wi).map_or(BsdfEval::ZERO, |facet| self.of(facet))
+    }
+
+    #[inline]
     fn of(&self, facet: Facet) -> BsdfEval {
         BsdfEval { value: self.reflectance(facet.cos_o) * facet.value, pdf: facet.pdf }
     }

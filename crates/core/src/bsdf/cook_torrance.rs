@@ -105,7 +105,15 @@ impl CookTorrance {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let glossy = self.glossy(wo);
+        self.eval_at(wo, wi, self.glossy(wo), None)
+    }
+
+    /// The value where facets are sampled with probability `glossy`; with the facet's normal, if it is known.
+    #[inline]
+    fn eval_at(&self, wo: Vec3, wi: Vec3, glossy: f32, m: Option<Vec3>) -> BsdfEval {
+        if wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
         let cosine = wi.z * FRAC_1_PI;
         let mut e = BsdfEval::ZERO;
         if glossy < 1.0 {
@@ -113,7 +121,7 @@ impl CookTorrance {
         }
         if glossy > 0.0
             && !self.microfacet.is_smooth()
-            && let Some(facet) = self.microfacet.reflecting(wo, wi)
+            && let Some(facet) = self.microfacet.reflecting_by(m, wo, wi)
         {
             e.value += self.specular * self.reflectance.eval(facet.cos_o) * facet.value;
             e.pdf += glossy * facet.pdf;
@@ -126,14 +134,15 @@ impl CookTorrance {
             return None;
         }
         let glossy = self.glossy(wo);
-        let (wi, lobe) = if u >= glossy {
-            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        let (wi, m, lobe) = if u >= glossy {
+            (sample_cosine_hemisphere(u2)?, None, Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
             return Some(BsdfSample::mirrored(wo, self.specular * self.reflectance.eval(wo.z) / glossy, glossy));
         } else {
-            (fresnel::reflect(wo, self.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
+            let m = self.microfacet.sample_visible(wo, u2);
+            (fresnel::reflect(wo, m), Some(m), Lobe::GLOSSY)
         };
-        let e = self.eval(wo, wi);
+        let e = self.eval_at(wo, wi, glossy, m);
         e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 

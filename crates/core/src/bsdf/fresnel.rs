@@ -63,15 +63,13 @@ pub fn conductor(cos_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     let (cos2, sin2) = (cos * cos, 1.0 - cos * cos);
     let (eta2, k2) = (eta.0 * eta.0, k.0 * k.0);
     let t = eta2 - k2 - Vec4::splat(sin2);
-    let sqrt = |v: Vec4| Spectrum(v).sqrt().0;
+    let sqrt = |v: Vec4| v.max(Vec4::ZERO).sqrt();
     let a2_plus_b2 = sqrt(t * t + 4.0 * eta2 * k2);
     let a = sqrt(0.5 * (a2_plus_b2 + t));
-    let tiny = Vec4::splat(f32::MIN_POSITIVE);
-    let (x, y) = (a2_plus_b2 + Vec4::splat(cos2), 2.0 * cos * a);
-    let s = (x - y) / (x + y).max(tiny);
-    let (x, y) = (a2_plus_b2 * cos2 + Vec4::splat(sin2 * sin2), y * sin2);
-    let p = s * ((x - y) / (x + y).max(tiny));
-    Spectrum(0.5 * (s + p))
+    // R_s = (x_s − y_s)/(x_s + y_s), R_p = R_s (x_p − y_p)/(x_p + y_p), and their mean with one division.
+    let (xs, ys) = (a2_plus_b2 + Vec4::splat(cos2), 2.0 * cos * a);
+    let (xp, yp) = (a2_plus_b2 * cos2 + Vec4::splat(sin2 * sin2), ys * sin2);
+    Spectrum((xs - ys) * xp / ((xs + ys) * (xp + yp)).max(Vec4::splat(f32::MIN_POSITIVE)))
 }
 
 /// The approximation for metals with large `k`, `((η−1)² + 4η(1−c)⁵ + k²) / ((η+1)² + k²)` with `c = cosθ` (Lazányi &
@@ -154,17 +152,18 @@ pub fn reflect(w: Vec3, n: Vec3) -> Vec3 {
 /// from the surface, and the relative index `η_t/η_i` on its way (M83). `None` under total internal reflection.
 ///
 /// `eta` is the index on the side that `−n` points to, relative to the side of `n`; `w` may lie on either side.
-#[inline]
+#[inline(always)]
 pub fn refract(w: Vec3, n: Vec3, eta: f32) -> Option<(Vec3, f32)> {
     let c = w.dot(n);
     let n = if c < 0.0 { -n } else { n };
     let (cos_i, eta) = oriented(c, eta);
+    let inverse = 1.0 / eta;
     let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
     if sin2_t >= 1.0 {
         return None;
     }
     let cos_t = (1.0 - sin2_t).sqrt();
-    Some((-w / eta + (cos_i / eta - cos_t) * n, eta))
+    Some((w * -inverse + (cos_i * inverse - cos_t) * n, eta))
 }
 
 #[cfg(test)]

@@ -2,21 +2,24 @@
 //! tail is Disney's clear coat: `D = (α² − 1) / (π ln α² (1 + (α² − 1) cos²θ))`, for `0 < α < 1`.
 
 use std::f32::consts::PI;
-use steradian_math::{Vec2, Vec3, elementary::sin_cos_turns};
+use steradian_math::{
+    Vec2, Vec3,
+    elementary::{ln, pow, sin_cos_turns},
+};
 
 /// `D` at a normal of this cosine (sr⁻¹).
 #[inline]
 pub(super) fn d(alpha: f32, cos: f32) -> f32 {
     let a2 = alpha * alpha;
     // 1 − cos² first: at small α the sum loses all digits otherwise.
-    (1.0 - a2) / (-PI * a2.ln() * ((1.0 - cos * cos).max(0.0) + a2 * cos * cos))
+    (1.0 - a2) / (-PI * ln(a2) * ((1.0 - cos * cos).max(0.0) + a2 * cos * cos))
 }
 
 /// A normal with density `D cosθ` (B.2, eq. 2 and 3).
 #[inline]
 pub(super) fn sample(alpha: f32, u: Vec2) -> Vec3 {
     let a2 = alpha * alpha;
-    let cos2 = ((1.0 - a2.powf(1.0 - u.y)) / (1.0 - a2)).clamp(0.0, 1.0);
+    let cos2 = ((1.0 - pow(a2, 1.0 - u.y)) / (1.0 - a2)).clamp(0.0, 1.0);
     let (sin, (sin_phi, cos_phi)) = ((1.0 - cos2).sqrt(), sin_cos_turns(u.x));
     Vec3::new(sin * cos_phi, sin * sin_phi, cos2.sqrt())
 }

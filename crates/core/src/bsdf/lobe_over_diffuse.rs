@@ -18,8 +18,8 @@ pub trait GlossyLobe: Copy {
     /// `f cosθ_i` for reflectance one, and the density with which `sample` draws `wi` (both sr⁻¹).
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32);
 
-    /// A direction, not necessarily above the surface.
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3>;
+    /// A direction, not necessarily above the surface, with what `eval` says of it.
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)>;
 }
 
 /// A lobe beside Lambertian reflection.
@@ -53,8 +53,14 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let cosine = wi.z * FRAC_1_PI;
         let (value, pdf) = if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) };
+        self.sum(wi, value, pdf)
+    }
+
+    /// The sum of both parts where the lobe has this value and density.
+    #[inline]
+    fn sum(&self, wi: Vec3, value: f32, pdf: f32) -> BsdfEval {
+        let cosine = wi.z * FRAC_1_PI;
         if !(value.is_finite() && pdf.is_finite()) {
             return BsdfEval::ZERO;
         }
@@ -68,12 +74,18 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
         if wo.z <= 0.0 {
             return None;
         }
-        let (wi, lobe) = if u < self.glossy {
-            (self.lobe.sample(wo, u2)?, Lobe::GLOSSY)
+        let (wi, value, pdf, lobe) = if u < self.glossy {
+            let (wi, value, pdf) = self.lobe.sample(wo, u2)?;
+            (wi, value, pdf, Lobe::GLOSSY)
         } else {
-            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+            let wi = sample_cosine_hemisphere(u2)?;
+            let (value, pdf) = if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) };
+            (wi, value, pdf, Lobe::DIFFUSE)
         };
-        let e = self.eval(wo, wi);
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let e = self.sum(wi, value, pdf);
         e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 

@@ -10,7 +10,8 @@
 //! direction sees them where a way to do so is known: GGX and Beckmann under Smith's masking, and every distribution in
 //! V-grooves; else as they are.
 
-use super::masking::{smith_lambda, v_groove};
+use super::masking::{projected_area, v_groove};
+use super::normal_distribution::ggx_density;
 use super::visible_normals;
 pub use super::{masking::Shadowing, normal_distribution::NormalDistribution};
 use steradian_math::{Vec2, Vec3};
@@ -73,7 +74,7 @@ impl Microfacet {
     /// Whether the surface scatters as a delta distribution.
     #[inline]
     pub fn is_smooth(&self) -> bool {
-        self.alpha_x.max(self.alpha_y) < Self::SMOOTH_BELOW
+        self.alpha_x < Self::SMOOTH_BELOW && self.alpha_y < Self::SMOOTH_BELOW
     }
 
     /// The isotropic roughness with the same area of the slope ellipse, `√(α_x α_y)`.
@@ -100,7 +101,13 @@ impl Microfacet {
     /// Smith's `Λ(w)`: masked over visible facet area.
     #[inline]
     pub fn lambda(&self, w: Vec3) -> f32 {
-        smith_lambda(self.distribution, self.alpha(), w)
+        self.area(w) / w.z.abs() - 1.0
+    }
+
+    /// The facets' area that `w` sees, projected on it, per area of the surface: `|cosθ| (1 + Λ)`.
+    #[inline]
+    fn area(&self, w: Vec3) -> f32 {
+        projected_area(self.distribution, self.alpha(), w)
     }
 
     /// The fraction `G₁(w, m)` of the facets with normal `m` that `w` sees. Under Smith's assumption `m` does not
@@ -109,7 +116,7 @@ impl Microfacet {
     pub fn g1(&self, w: Vec3, m: Vec3) -> f32 {
         match self.shadowing {
             Shadowing::VGroove => v_groove(w, m),
-            _ => 1.0 / (1.0 + self.lambda(w)),
+            _ => w.z.abs() / self.area(w),
         }
     }
 
@@ -121,16 +128,20 @@ impl Microfacet {
                 let (o, i) = (v_groove(wo, m), v_groove(wi, m));
                 if wo.z * wi.z >= 0.0 { o.min(i) } else { (o + i - 1.0).max(0.0) }
             }
-            _ => self.g2_from(self.lambda(wo), self.lambda(wi)),
+            _ => wo.z.abs() * self.smith_g2(wo, wi, self.area(wo)),
         }
     }
 
+    /// Smith's `G₂/|cosθ_o|` by the area that `wo` sees.
     #[inline]
-    fn g2_from(&self, lambda_o: f32, lambda_i: f32) -> f32 {
-        match self.shadowing {
-            Shadowing::Separable => 1.0 / ((1.0 + lambda_o) * (1.0 + lambda_i)),
-            _ => 1.0 / (1.0 + lambda_o + lambda_i),
-        }
+    fn smith_g2(&self, wo: Vec3, wi: Vec3, area_o: f32) -> f32 {
+        let (cos_o, cos_i, area_i) = (wo.z.abs(), wi.z.abs(), self.area(wi));
+        // 1/(1 + Λ(wo) + Λ(wi)) and 1/((1 + Λ(wo)) (1 + Λ(wi))).
+        cos_i
+            / match self.shadowing {
+                Shadowing::Separable => area_o * area_i,
+                _ => area_o * cos_i + (area_i - cos_i) * cos_o,
+            }
     }
 
     /// Whether visible normals are drawn by stretching a surface of unit roughness.
@@ -138,6 +149,12 @@ impl Microfacet {
     fn is_stretched(&self) -> bool {
         matches!(self.distribution, NormalDistribution::Ggx | NormalDistribution::Beckmann)
             && self.shadowing != Shadowing::VGroove
+    }
+
+    /// The commonest of these.
+    #[inline]
+    fn is_ggx(&self) -> bool {
+        self.distribution == NormalDistribution::Ggx && self.shadowing != Shadowing::VGroove
     }
 
     /// Density of the normals that [`Microfacet::sample_visible`] draws for `w` (sr⁻¹): `G₁(w, m) |w·m| D(m) /
@@ -148,7 +165,7 @@ impl Microfacet {
             return 0.0;
         }
         if self.is_stretched() {
-            return self.g1(w, m) * w.dot(m).abs() * self.d(m) / w.z.abs();
+            return w.dot(m).abs() * self.d(m) / self.area(w);
         }
         let drawn = self.distribution.sampled_density(self.alpha(), m);
         match self.shadowing {
@@ -162,30 +179,35 @@ impl Microfacet {
 
     /// Draws a normal with the density [`Microfacet::d_visible`]: one that `w` sees, where that can be done. `w` may
     /// lie on either side, the normal is in the upper hemisphere.
-    #[inline]
+    #[inline(always)]
     pub fn sample_visible(&self, w: Vec3, u: Vec2) -> Vec3 {
         let w = if w.z < 0.0 { -w } else { w };
-        if !self.is_stretched() {
-            return self.sample_unstretched(w, u);
+        if self.is_ggx() {
+            // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
+            let stretched = unit(Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z)).unwrap_or(Vec3::Z);
+            let m = visible_normals::sample_ggx(stretched, u);
+            return unit(Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6))).unwrap_or(Vec3::Z);
         }
-        // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
-        let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z).normalize_or(Vec3::Z);
-        let m = match self.distribution {
-            NormalDistribution::Ggx => visible_normals::sample_ggx(stretched, u),
-            _ => visible_normals::sample_beckmann(stretched, u),
-        };
-        Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6)).normalize_or(Vec3::Z)
+        let slopes = self.sample_slopes(w, u);
+        unit(slopes.extend(1.0)).unwrap_or(Vec3::Z)
     }
 
-    /// A normal of the distribution; in V-grooves that or its mirror image across the groove, in proportion to the area
-    /// seen (Heitz & d'Eon 2014, 4). The last digits of the number that sets the azimuth choose between the two.
-    fn sample_unstretched(&self, w: Vec3, u: Vec2) -> Vec3 {
-        let m = self.distribution.sample(self.alpha(), u);
-        if self.shadowing != Shadowing::VGroove {
-            return m;
+    /// The same for the other surfaces, as minus the slopes of the facet. (Pairs of numbers are handed back in registers, normals are not.)
+    #[inline(never)]
+    fn sample_slopes(&self, w: Vec3, u: Vec2) -> Vec2 {
+        let alpha = self.alpha();
+        if self.is_stretched() {
+            let stretched = unit(Vec3::new(alpha.x * w.x, alpha.y * w.y, w.z)).unwrap_or(Vec3::Z);
+            return alpha * visible_normals::sample_beckmann(stretched, u);
         }
-        let (here, across) = faces_of_groove(w, m);
-        if (u.x * 4096.0).fract() * (here + across) < here { m } else { Vec3::new(-m.x, -m.y, m.z) }
+        let slopes = self.distribution.sample(alpha, u);
+        if self.shadowing != Shadowing::VGroove {
+            return slopes;
+        }
+        // That facet or its mirror image across the groove, in proportion to the area seen (Heitz & d'Eon 2014, 4). The last digits of
+        // the number that sets the azimuth choose between the two.
+        let (here, across) = faces_of_groove(w, slopes.extend(1.0));
+        if (u.x * 4096.0).fract() * (here + across) < here { slopes } else { -slopes }
     }
 
     /// What a normal that was drawn for `wo` carries to `wi`, for unit Fresnel factor: value over density.
@@ -200,27 +222,44 @@ impl Microfacet {
     }
 
     /// The facet that mirrors `wi` into `wo`; both must be on one side.
-    #[inline]
+    #[inline(always)]
     pub(super) fn reflecting(&self, wo: Vec3, wi: Vec3) -> Option<Facet> {
-        if wo.z * wi.z <= 0.0 {
+        // The half vector makes the same angle with both, so its length says the cosine.
+        let h = wo + wi;
+        let length2 = h.length_squared();
+        if wo.z * wi.z <= 0.0 || length2 < f32::MIN_POSITIVE {
             return None;
         }
-        self.reflecting_at(upper(wo + wi)?, wo, wi)
+        let cos_o = (0.5 * length2.sqrt()).copysign(wo.z);
+        self.facet(h, length2, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
+    }
+
+    /// The same, with the normal of the facet where it is known.
+    #[inline(always)]
+    pub(super) fn reflecting_by(&self, m: Option<Vec3>, wo: Vec3, wi: Vec3) -> Option<Facet> {
+        // The same code for both, with the half vector in place of the normal.
+        let (h, known) = m.map_or((wo + wi, false), |m| (m, true));
+        let length2 = if known { 1.0 } else { h.length_squared() };
+        if wo.z * wi.z <= 0.0 || length2 < f32::MIN_POSITIVE {
+            return None;
+        }
+        let cos_o = if known { wo.dot(h) } else { (0.5 * length2.sqrt()).copysign(wo.z) };
+        self.facet(h, length2, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
     }
 
     /// Reflection by the facet `m`: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn reflecting_at(&self, m: Vec3, wo: Vec3, wi: Vec3) -> Option<Facet> {
         if wo.z * wi.z <= 0.0 {
             return None;
         }
         let cos_o = wo.dot(m);
-        self.facet(m, wo, wi, 0.25 / cos_o.abs(), self.d(m) / (4.0 * wo.z.abs()))
+        self.facet(m, 1.0, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
     }
 
     /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo`
     /// to the side of `wi`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn refracting(&self, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
         if wo.z * wi.z >= 0.0 {
             return None;
@@ -229,7 +268,7 @@ impl Microfacet {
     }
 
     /// Refraction by the facet `m` (Walter et al. 2007, eq. 21), for the transport of importance.
-    #[inline]
+    #[inline(always)]
     pub(super) fn refracting_at(&self, m: Vec3, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
         let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
         // A facet cannot be seen from behind.
@@ -238,20 +277,37 @@ impl Microfacet {
         }
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
-        self.facet(m, wo, wi, jacobian, self.d(m) * cos_o.abs() * jacobian / wo.z.abs())
+        self.facet(m, 1.0, wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
     }
 
-    /// The facet `m`, with solid angle `jacobian` of normals per solid angle of `wi`, whose visible density, but for
-    /// masking, is `unmasked`. A density that vanishes or overflows (a grazing direction) carries nothing.
-    #[inline]
-    fn facet(&self, m: Vec3, wo: Vec3, wi: Vec3, jacobian: f32, unmasked: f32) -> Option<Facet> {
-        let (value, pdf) = if self.is_stretched() {
-            let (lambda_o, lambda_i) = (self.lambda(wo), self.lambda(wi));
-            (unmasked * self.g2_from(lambda_o, lambda_i), unmasked / (1.0 + lambda_o))
+    /// The facet whose normal is along `h` or `−h`, of squared length `length2`, with solid angle `jacobian` of normals per solid angle of
+    /// `wi`, and `seen = jacobian |wo·m|`. A density that vanishes or overflows (a grazing direction) carries nothing.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "inlined: what is not used is not computed")]
+    fn facet(&self, h: Vec3, length2: f32, wo: Vec3, wi: Vec3, cos_o: f32, jacobian: f32, seen: f32) -> Option<Facet> {
+        let (value, pdf) = if self.is_ggx() {
+            self.smith(wo, wi, seen * ggx_density(self.alpha(), h, length2))
         } else {
-            (unmasked * self.g2(wo, wi, m), self.d_visible(wo, m) * jacobian)
+            self.of_others(upper(h)?, wo, wi, jacobian, seen)
         };
-        (pdf > 0.0 && pdf.is_finite() && value.is_finite()).then_some(Facet { cos_o: wo.dot(m), value, pdf })
+        (pdf > 0.0 && pdf.is_finite() && value.is_finite()).then_some(Facet { cos_o, value, pdf })
+    }
+
+    /// Value and density of surfaces other than Smith's GGX.
+    #[inline(never)]
+    fn of_others(&self, m: Vec3, wo: Vec3, wi: Vec3, jacobian: f32, seen: f32) -> (f32, f32) {
+        let d = self.d(m);
+        if self.is_stretched() {
+            return self.smith(wo, wi, seen * d);
+        }
+        (seen * d * self.g2(wo, wi, m) / wo.z.abs(), self.d_visible(wo, m) * jacobian)
+    }
+
+    /// Value and density where visible normals are drawn, but for masking `seen`.
+    #[inline(always)]
+    fn smith(&self, wo: Vec3, wi: Vec3, seen: f32) -> (f32, f32) {
+        let area = self.area(wo);
+        (seen * self.smith_g2(wo, wi, area), seen / area)
     }
 }
 
@@ -262,9 +318,16 @@ fn faces_of_groove(w: Vec3, m: Vec3) -> (f32, f32) {
     ((up + aside).max(0.0), (up - aside).max(0.0))
 }
 
+/// The unit vector along `v`.
+#[inline]
+fn unit(v: Vec3) -> Option<Vec3> {
+    let length2 = v.length_squared();
+    (length2 > f32::MIN_POSITIVE && length2 < f32::INFINITY).then(|| v * (1.0 / length2.sqrt()))
+}
+
 /// The direction of `v` or `−v` that points up.
 #[inline]
 fn upper(v: Vec3) -> Option<Vec3> {
-    let m = v.try_normalize()?;
-    Some(if m.z < 0.0 { -m } else { m })
+    let m = unit(v)?;
+    Some(m * 1f32.copysign(m.z))
 }

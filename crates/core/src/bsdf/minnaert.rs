@@ -7,7 +7,10 @@
 
 use super::{BsdfEval, BsdfSample, Lobe};
 use std::f32::consts::TAU;
-use steradian_math::{Spectrum, Vec2, Vec3, elementary::sin_cos_turns};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    elementary::{exp, ln, pow, sin_cos_turns},
+};
 
 /// A reflector after Minnaert.
 #[derive(Clone, Copy, Debug)]
@@ -25,18 +28,19 @@ impl Minnaert {
 
     /// `∫ f cosθ_i dω_i`, held where `k < 1` makes it grow without bound.
     fn albedo(&self, cos_o: f32) -> Spectrum {
-        self.reflectance * cos_o.powf(self.exponent - 1.0).min(1e6)
+        self.reflectance * pow(cos_o, self.exponent - 1.0).min(1e6)
     }
 
-    fn density(&self, cos: f32) -> f32 {
-        (self.exponent + 1.0) / TAU * cos.powf(self.exponent)
+    /// By the logarithm of the cosine.
+    fn density(&self, ln_cos: f32) -> f32 {
+        (self.exponent + 1.0) / TAU * exp(self.exponent * ln_cos)
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let pdf = self.density(wi.z);
+        let pdf = self.density(ln(wi.z));
         BsdfEval { value: self.albedo(wo.z) * pdf, pdf }
     }
 
@@ -44,11 +48,12 @@ impl Minnaert {
         if wo.z <= 0.0 || self.reflectance.is_black() {
             return None;
         }
-        let cos = (1.0 - u2.y).powf(1.0 / (self.exponent + 1.0));
+        let ln_cos = ln(1.0 - u2.y) / (self.exponent + 1.0);
+        let cos = exp(ln_cos);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let wi = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
-        let pdf = self.density(cos);
+        let pdf = self.density(ln_cos);
         let lobe = Lobe::REFLECTION.with(Lobe::DIFFUSE);
         (cos > 0.0 && pdf > 0.0).then(|| BsdfSample { wi, weight: self.albedo(wo.z), pdf, lobe, eta: 1.0 })
     }

@@ -150,8 +150,16 @@ impl<'a> CompensatedConductor<'a> {
         if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
             return BsdfEval::ZERO;
         }
-        let mut e = self.conductor.eval(wo, wi);
-        let lost = self.lost(wo.z);
+        self.eval_at(wo, wi, self.lost(wo.z), None)
+    }
+
+    /// The value where facets lose `lost` of what they reflect along `wo`; with the facet's normal, if it is known.
+    #[inline]
+    fn eval_at(&self, wo: Vec3, wi: Vec3, lost: f32, m: Option<Vec3>) -> BsdfEval {
+        if wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let mut e = self.conductor.eval_by(m, wo, wi);
         match self.kind {
             Compensation::Turquin => e.value *= Spectrum::ONE + self.colour * (lost / (1.0 - lost)),
             Compensation::KullaConty => {
@@ -171,13 +179,14 @@ impl<'a> CompensatedConductor<'a> {
             return self.conductor.sample(wo, u2);
         }
         // The broad lobe carries what single scattering loses, and is drawn with that probability.
-        let broad = self.kind == Compensation::KullaConty && u < self.lost(wo.z);
-        let (wi, lobe) = if broad {
-            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        let lost = self.lost(wo.z);
+        let (wi, m, lobe) = if self.kind == Compensation::KullaConty && u < lost {
+            (sample_cosine_hemisphere(u2)?, None, Lobe::DIFFUSE)
         } else {
-            (fresnel::reflect(wo, self.conductor.microfacet.sample_visible(wo, u2)), Lobe::GLOSSY)
+            let m = self.conductor.microfacet.sample_visible(wo, u2);
+            (fresnel::reflect(wo, m), Some(m), Lobe::GLOSSY)
         };
-        let e = self.eval(wo, wi);
+        let e = self.eval_at(wo, wi, lost, m);
         e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
     }
 

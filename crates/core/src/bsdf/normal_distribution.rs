@@ -17,7 +17,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
 use steradian_math::{
     Vec2, Vec3,
-    elementary::{atan2, exp_m1, ln_1p, sin_cos_turns},
+    elementary::{atan2, exp, exp_m1, ln, ln_1p, sin_cos, sin_cos_turns},
 };
 
 /// The shape of the distribution of facet normals.
@@ -77,27 +77,27 @@ impl NormalDistribution {
     /// `D(m)` for `m` in the upper hemisphere and roughness `alpha` along the two tangents (sr⁻¹).
     #[inline]
     pub(super) fn density(self, alpha: Vec2, m: Vec3) -> f32 {
-        let (x, y) = (m.x / alpha.x, m.y / alpha.y);
-        let (slopes, cos2) = (x * x + y * y, m.z * m.z);
-        let area = PI * alpha.x * alpha.y;
+        if self == Self::Ggx {
+            return ggx_density(alpha, m, 1.0);
+        }
+        let (x, y, area, cos2) = (m.x * alpha.y, m.y * alpha.x, alpha.x * alpha.y, m.z * m.z);
+        let slopes = (x * x + y * y) / (area * area);
+        if self == Self::Beckmann {
+            return if cos2 < 1e-10 { 0.0 } else { beckmann_density(alpha, exp(-slopes / cos2), cos2) };
+        }
+        self.density_of_others(alpha, m, slopes, cos2)
+    }
+
+    #[inline(never)]
+    fn density_of_others(self, alpha: Vec2, m: Vec3, slopes: f32, cos2: f32) -> f32 {
         match self {
-            Self::Ggx => {
-                let q = slopes + cos2;
-                1.0 / (area * q * q)
-            }
-            Self::Beckmann => {
-                if cos2 < 1e-10 {
-                    return 0.0;
-                }
-                (-slopes / cos2).exp() / (area * cos2 * cos2)
-            }
             Self::StudentT(tail) => {
                 if cos2 < 1e-10 {
                     return 0.0;
                 }
                 let gamma = tail.gamma();
                 let log_power = -gamma * ln_1p(slopes / (cos2 * (gamma - 1.0)));
-                log_power.exp() / (area * cos2 * cos2)
+                exp(log_power) / (PI * alpha.x * alpha.y * cos2 * cos2)
             }
             Self::Blinn => {
                 let (nx, ny) = exponents(alpha);
@@ -108,45 +108,45 @@ impl NormalDistribution {
                 let n = if sin2 > 0.0 { (nx * m.x * m.x + ny * m.y * m.y) / sin2 } else { 0.0 };
                 // ln cosθ by the tangent: the cosine itself is too coarse for narrow lobes.
                 let log_cos = -0.5 * ln_1p(sin2 / cos2);
-                ((nx + 2.0) * (ny + 2.0)).sqrt() / TAU * (n * log_cos).exp()
+                ((nx + 2.0) * (ny + 2.0)).sqrt() / TAU * exp(n * log_cos)
             }
-            Self::Gaussian => {
+            _ => {
                 let alpha = (alpha.x * alpha.y).sqrt();
                 let x = angle(m) / alpha;
-                gaussian_normalisation(alpha) * (-x * x).exp()
+                gaussian_normalisation(alpha) * exp(-x * x)
             }
         }
     }
 
-    /// Draws a normal with the density [`NormalDistribution::sampled_density`].
+    /// Draws a normal with the density [`NormalDistribution::sampled_density`]: `m_x/m_z` and `m_y/m_z`, which may be infinite.
     #[inline]
-    pub(super) fn sample(self, alpha: Vec2, u: Vec2) -> Vec3 {
+    pub(super) fn sample(self, alpha: Vec2, u: Vec2) -> Vec2 {
         let (sin_phi, cos_phi) = sin_cos_turns(u.x);
         let tail = 1.0 - u.y;
         let tan2 = match self {
             Self::Ggx => u.y / tail,
-            Self::Beckmann => -tail.ln(),
+            Self::Beckmann => -ln(tail),
             Self::StudentT(t) => {
                 let k = t.gamma() - 1.0;
-                k * exp_m1(-tail.ln() / k)
+                k * exp_m1(-ln(tail) / k)
             }
             Self::Blinn => {
                 // The azimuth has a density in proportion to 1/(n(φ) + 2).
                 let (nx, ny) = exponents(alpha);
                 let d = Vec2::new((ny + 2.0).sqrt() * cos_phi, (nx + 2.0).sqrt() * sin_phi).normalize_or(Vec2::X);
                 let n = nx * d.x * d.x + ny * d.y * d.y;
-                let tan = exp_m1(-2.0 * tail.ln() / (n + 2.0)).max(0.0).sqrt();
-                return upright(Vec3::new(tan * d.x, tan * d.y, 1.0));
+                let tan = exp_m1(-2.0 * ln(tail) / (n + 2.0)).max(0.0).sqrt();
+                return tan * d;
             }
             Self::Gaussian => {
                 let alpha = (alpha.x * alpha.y).sqrt();
                 let theta = alpha * (-ln_1p(-u.y * gaussian_range(alpha))).max(0.0).sqrt();
-                let (sin, cos) = theta.min(FRAC_PI_2).sin_cos();
-                return upright(Vec3::new(sin * cos_phi, sin * sin_phi, cos));
+                let (sin, cos) = sin_cos(theta.min(FRAC_PI_2));
+                return sin / cos.max(1e-6) * Vec2::new(cos_phi, sin_phi);
             }
         };
         let r = tan2.max(0.0).sqrt();
-        upright(Vec3::new(alpha.x * r * cos_phi, alpha.y * r * sin_phi, 1.0))
+        alpha * r * Vec2::new(cos_phi, sin_phi)
     }
 
     /// The density with which [`NormalDistribution::sample`] draws `m`: `D(m) cosθ_m`, but for the Gaussian, of which
@@ -157,18 +157,26 @@ impl NormalDistribution {
             return self.density(alpha, m) * m.z;
         }
         let alpha = (alpha.x * alpha.y).sqrt();
-        let (sin, theta) = (m.x.hypot(m.y), angle(m));
+        let (sin, theta) = ((m.x * m.x + m.y * m.y).sqrt(), angle(m));
         let theta_over_sin = if sin > 1e-6 { theta / sin } else { 1.0 };
         let x = theta / alpha;
-        theta_over_sin * (-x * x).exp() / (PI * alpha * alpha * gaussian_range(alpha))
+        theta_over_sin * exp(-x * x) / (PI * alpha * alpha * gaussian_range(alpha))
     }
 }
 
-/// The unit vector along `m`, straight up where it has no direction.
+/// `D` of Beckmann by `exp(−s)` and the square of the cosine.
 #[inline]
-fn upright(m: Vec3) -> Vec3 {
-    let m = m.normalize_or(Vec3::Z);
-    if m.is_finite() { m } else { Vec3::Z }
+pub(super) fn beckmann_density(alpha: Vec2, exponential: f32, cos2: f32) -> f32 {
+    exponential / (PI * alpha.x * alpha.y * (cos2 * cos2))
+}
+
+/// `D` of GGX for a normal of any length, whose square is given. Both sides of the fraction are taken times `(α_x α_y)⁴`, which spares
+/// divisions.
+#[inline]
+pub(super) fn ggx_density(alpha: Vec2, m: Vec3, length2: f32) -> f32 {
+    let (x, y, z) = (m.x * alpha.y, m.y * alpha.x, m.z * (alpha.x * alpha.y));
+    let (q, area) = (x * x + y * y + z * z, alpha.x * alpha.y);
+    area * area * area * (length2 * length2) / (PI * q * q)
 }
 
 /// The angle between `m` and the z axis.
@@ -181,7 +189,7 @@ fn angle(m: Vec3) -> f32 {
 #[inline]
 fn gaussian_range(alpha: f32) -> f32 {
     let x = FRAC_PI_2 / alpha;
-    -(-x * x).exp_m1()
+    -exp_m1(-x * x)
 }
 
 /// `N(α)` with `1/N = 2π ∫ exp(−(θ/α)²) sinθ cosθ dθ`, from a table over `α/(1 + α)` of `N·π α²`, which tends to one

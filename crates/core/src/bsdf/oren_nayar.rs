@@ -17,7 +17,7 @@
 
 use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};
-use steradian_math::{Spectrum, Vec2, Vec3, elementary::atan2};
+use steradian_math::{Spectrum, Vec2, Vec3, elementary::acos};
 
 /// Which of the forms.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,7 +36,12 @@ pub enum OrenNayarForm {
 #[derive(Clone, Copy, Debug)]
 pub struct OrenNayar {
     reflectance: Spectrum,
+    /// `ρ_ms/(1 − ⟨E⟩)` of EON.
+    lost: Spectrum,
     roughness: f32,
+    /// The factors of ρ and of `ρ s/t` of all forms but the full one.
+    flat: f32,
+    azimuthal: f32,
     form: OrenNayarForm,
 }
 
@@ -49,10 +54,18 @@ impl OrenNayar {
     /// A reflector of albedo ρ and roughness σ (the first two forms, radians) or `r` (the others); held in their
     /// ranges.
     pub fn new(reflectance: Spectrum, roughness: f32, form: OrenNayarForm) -> Self {
-        use OrenNayarForm::{Full, Qualitative};
+        use OrenNayarForm::{EnergyPreserving, Fujii, Full, Qualitative};
         let largest = if matches!(form, Qualitative | Full) { FRAC_PI_2 } else { 1.0 };
         let roughness = if roughness > 0.0 { roughness.min(largest) } else { 0.0 };
-        Self { reflectance: reflectance.clamp(0.0, 1.0), roughness, form }
+        let (reflectance, s2) = (reflectance.clamp(0.0, 1.0), roughness * roughness);
+        let scale = 1.0 / (1.0 + C1 * roughness);
+        let (flat, azimuthal) = match form {
+            Qualitative | Full => (1.0 - 0.5 * s2 / (s2 + 0.33), 0.45 * s2 / (s2 + 0.09)),
+            Fujii | EnergyPreserving => (scale, scale * roughness),
+        };
+        let mean = scale * (1.0 + C2 * roughness);
+        let scattered_on = reflectance.map(|rho| rho * rho * mean / (1.0 - rho * (1.0 - mean)));
+        Self { reflectance, lost: scattered_on / (1.0 - mean).max(1e-7), roughness, flat, azimuthal, form }
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
@@ -68,45 +81,38 @@ impl OrenNayar {
         let (rho, s) = (self.reflectance, wo.x * wi.x + wo.y * wi.y);
         let highest = wo.z.max(wi.z);
         match self.form {
-            OrenNayarForm::Qualitative => {
-                let s2 = self.roughness * self.roughness;
-                let (a, b) = (1.0 - 0.5 * s2 / (s2 + 0.33), 0.45 * s2 / (s2 + 0.09));
-                rho * (a + b * s.max(0.0) / highest)
-            }
+            OrenNayarForm::Qualitative => rho * (self.flat + self.azimuthal * s.max(0.0) / highest),
             OrenNayarForm::Full => self.full(wo, wi, s),
             OrenNayarForm::Fujii => rho * self.fujii(s, highest),
             OrenNayarForm::EnergyPreserving => {
-                let r = self.roughness;
-                let scale = 1.0 / (1.0 + C1 * r);
-                let albedo = |w: Vec3| scale * (1.0 + r * FRAC_1_PI * excess(w.z));
-                let mean = scale * (1.0 + C2 * r);
-                let lost = ((1.0 - albedo(wo)) * (1.0 - albedo(wi))).max(0.0) / (1.0 - mean).max(1e-7);
-                let scattered_on = rho.map(|rho| rho * rho * mean / (1.0 - rho * (1.0 - mean)));
-                rho * self.fujii(s, highest) + scattered_on * lost
+                let albedo = |w: Vec3| self.flat + self.azimuthal * FRAC_1_PI * excess(w.z);
+                let lost = ((1.0 - albedo(wo)) * (1.0 - albedo(wi))).max(0.0);
+                rho * self.fujii(s, highest) + self.lost * lost
             }
         }
     }
 
     fn fujii(&self, s: f32, highest: f32) -> f32 {
         let t = if s > 0.0 { highest } else { 1.0 };
-        (1.0 + self.roughness * s / t) / (1.0 + C1 * self.roughness)
+        self.flat + self.azimuthal * s / t
     }
 
     fn full(&self, wo: Vec3, wi: Vec3, s: f32) -> Spectrum {
         let s2 = self.roughness * self.roughness;
-        let angle = |w: Vec3| atan2((w.x * w.x + w.y * w.y).sqrt(), w.z);
-        let (theta_o, theta_i) = (angle(wo), angle(wi));
-        let (alpha, beta) = (theta_o.max(theta_i), theta_o.min(theta_i));
-        let sines = ((wo.x * wo.x + wo.y * wo.y) * (wi.x * wi.x + wi.y * wi.y)).sqrt();
+        // α is the larger of the two angles from the normal, β the smaller.
+        let sin2 = |w: Vec3| w.x * w.x + w.y * w.y;
+        let (cos_a, cos_b) = (wo.z.min(wi.z).min(1.0), wo.z.max(wi.z).min(1.0));
+        let (sin_a, sin_b) = (sin2(wo).max(sin2(wi)).sqrt(), sin2(wo).min(sin2(wi)).sqrt());
+        let (alpha, beta) = (acos(cos_a), acos(cos_b));
+        let sines = sin_a * sin_b;
         let cos_phi = if sines > 1e-9 { (s / sines).clamp(-1.0, 1.0) } else { 0.0 };
         let (steep, quarter) = (s2 / (s2 + 0.09), 2.0 * beta * FRAC_1_PI);
-        let c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
-        let c2 = 0.45 * steep * if cos_phi >= 0.0 { alpha.sin() } else { alpha.sin() - quarter.powi(3) };
+        let c2 = self.azimuthal * if cos_phi >= 0.0 { sin_a } else { sin_a - quarter * quarter * quarter };
         let c3 = 0.125 * steep * (4.0 * alpha * beta * FRAC_1_PI * FRAC_1_PI).powi(2);
         // tan of half the sum of the angles grows only to the tangent of the smaller one's complement.
-        let half = (0.5 * (alpha + beta)).min(FRAC_PI_2 - 1e-4).tan();
-        let tan_beta = beta.min(FRAC_PI_2 - 1e-4).tan();
-        let direct = (c1 + cos_phi * c2 * tan_beta + (1.0 - cos_phi.abs()) * c3 * half).max(0.0);
+        let half = (sin_a + sin_b) / (cos_a + cos_b).max(1e-4);
+        let tan_beta = sin_b / cos_b.max(1e-4);
+        let direct = (self.flat + cos_phi * c2 * tan_beta + (1.0 - cos_phi.abs()) * c3 * half).max(0.0);
         let between = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_phi * quarter * quarter);
         self.reflectance * direct + self.reflectance * self.reflectance * between
     }
@@ -129,7 +135,7 @@ impl OrenNayar {
 fn excess(cos: f32) -> f32 {
     let cos = cos.clamp(0.0, 1.0);
     let sin = (1.0 - cos * cos).sqrt();
-    let theta = atan2(sin, cos);
+    let theta = acos(cos);
     let tangent = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
     sin * (theta - sin * cos) + 2.0 / 3.0 * (tangent - sin)
 }

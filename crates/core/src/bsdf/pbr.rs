@@ -21,7 +21,7 @@ use super::{
     sheen,
 };
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, elementary::pow};
 
 /// A spectrum of values in [0, 1] to 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +130,7 @@ pub struct Pbr {
 }
 
 /// What is known of a surface once it is seen from a side.
+#[derive(Default)]
 struct Seen {
     /// Probabilities of the ways to draw a direction.
     coat: f32,
@@ -137,6 +138,8 @@ struct Seen {
     diffuse: f32,
     /// `1 − E` of the dielectric reflection.
     below: f32,
+    /// The base's roughness in the tables.
+    row: albedo_table::Row,
 }
 
 fn unit(v: f32) -> f32 {
@@ -256,7 +259,7 @@ impl Pbr {
         let schlick = |w: f32| base + (Spectrum::ONE - base) * w;
         // Hoffman's term is the lack at cos = 1/7, brought to zero at normal and grazing incidence.
         let lack = schlick((6.0f32 / 7.0).powi(5)) * (Spectrum::ONE - self.edge.get());
-        let shape = cos * (1.0 - cos).powi(6) / ((1.0 / 7.0) * (6.0f32 / 7.0).powi(6));
+        let shape = cos * (1.0 - cos) * w * (7.0 * (7.0f32 / 6.0).powi(6));
         let metal = self.filmed(cos, (schlick(w) - lack * shape).clamp(0.0, 1.0), base, 1.0);
         let metallic = self.metallic.get();
         dielectric * (1.0 - metallic) + metal * metallic
@@ -269,23 +272,23 @@ impl Pbr {
     }
 
     /// `1 − E` of the dielectric reflection, its strongest lane.
-    fn below(&self, cos: f32) -> f32 {
-        let [a, b] = albedo_table::ggx(self.facets.mean_alpha(), cos.abs());
+    fn below(&self, row: albedo_table::Row, cos: f32) -> f32 {
+        let [a, b] = albedo_table::ggx(row, cos.abs());
         (1.0 - self.bound.get() * a - self.f90.get() * b).clamp(0.0, 1.0)
     }
 
-    /// `B/π cosθ_i`, where `below` is what the reflection leaves of light along `wo`.
-    fn lambert(&self, below: f32, wi: Vec3) -> f32 {
-        let [a, b] = albedo_table::ggx_mean(self.facets.mean_alpha());
+    /// `B/π cosθ_i` of light that is seen so.
+    fn lambert(&self, seen: &Seen, wi: Vec3) -> f32 {
+        let [a, b] = albedo_table::ggx_mean(seen.row);
         let mean = (1.0 - self.bound.get() * a - self.f90.get() * b).max(1e-3);
-        below * self.below(wi.z) / mean * FRAC_1_PI * wi.z.abs()
+        seen.below * self.below(seen.row, wi.z) / mean * FRAC_1_PI * wi.z.abs()
     }
 
     fn coat_albedo(&self, cos: f32) -> f32 {
         if self.coat.0 == 0 {
             return 0.0;
         }
-        let [a, b] = albedo_table::ggx(self.coat_alpha, cos);
+        let [a, b] = albedo_table::ggx(albedo_table::row(self.coat_alpha), cos);
         self.coat.get() * (self.coat_f0.get() * a + b)
     }
 
@@ -307,7 +310,7 @@ impl Pbr {
         } else {
             // Half of the colour's two ways each, along the direction refracted at an index of 1.5.
             let way: f32 = cosines.iter().map(|c| 0.5 / (1.0 - (1.0 - c * c) / 2.25).sqrt()).sum();
-            self.coat_color.get().map(|c| c.powf(way))
+            self.coat_color.get().map(|c| pow(c, way))
         };
         (Spectrum::ONE + (kept - Spectrum::ONE) * self.coat.get()) * (1.0 - most)
     }
@@ -321,7 +324,8 @@ impl Pbr {
 
     fn seen_from(&self, wo: Vec3) -> Seen {
         let cos = wo.z.abs();
-        let [a, b] = albedo_table::ggx(self.facets.mean_alpha(), cos);
+        let row = albedo_table::row(self.facets.mean_alpha());
+        let [a, b] = albedo_table::ggx(row, cos);
         let coat = self.coat_albedo(cos);
         let (metallic, film) = (self.metallic.get(), 0.5 * self.film_weight.get());
         let dielectric = self.bound.get() * a + self.f90.get() * b;
@@ -332,7 +336,8 @@ impl Pbr {
         let sheen = if sheen > 0.0 { sheen * albedo_table::sheen(self.sheen_alpha.get(), cos) } else { 0.0 };
         let diffuse = (1.0 - coat) * below * (self.diffuse.most() + self.through.most()) + sheen;
         let total = coat + facets + diffuse;
-        Seen { coat: coat / total, facets: facets / total, diffuse: diffuse / total, below }
+        let inverse = 1.0 / total;
+        Seen { coat: coat * inverse, facets: facets * inverse, diffuse: diffuse * inverse, below, row }
     }
 
     /// The part of the diffuse draws that goes through.
@@ -353,29 +358,29 @@ impl Pbr {
             return BsdfEval::ZERO;
         }
         if wo.z > 0.0 {
-            return self.eval_outside(wo, wi, mode);
+            return self.eval_outside(&self.seen_from(wo), None, wo, wi, mode);
         }
         if self.refracts() {
             self.eval_inside(wo, wi, mode)
         } else if self.transmits() {
-            self.eval_outside(-wo, -wi, mode)
+            self.eval_outside(&self.seen_from(-wo), None, -wo, -wi, mode)
         } else {
             BsdfEval::ZERO
         }
     }
 
-    fn eval_outside(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        let c = self.seen_from(wo);
+    /// The value for light that leaves outside and is seen so; with the normal of reflecting facets, if it is known.
+    fn eval_outside(&self, c: &Seen, m: Option<Vec3>, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         let mut e = BsdfEval::ZERO;
         let is_rough = !self.facets.is_smooth();
         if wi.z > 0.0 {
-            if is_rough && let Some(facet) = self.facets.reflecting(wo, wi) {
+            if is_rough && let Some(facet) = self.facets.reflecting_by(m, wo, wi) {
                 let f = self.reflectance(facet.cos_o);
                 e.value = f * facet.value;
                 e.pdf = c.facets * self.reflecting_part(f) * facet.pdf;
             }
             if self.diffuse.most() > 0.0 {
-                e.value += self.diffuse.get() * self.lambert(c.below, wi);
+                e.value += self.diffuse.get() * self.lambert(c, wi);
             }
             e.pdf += c.diffuse * (1.0 - self.through_part()) * FRAC_1_PI * wi.z;
             if self.sheen.most() > 0.0 {
@@ -386,7 +391,7 @@ impl Pbr {
                 e.value *= self.coat_leaves(&[wo.z, wi.z]);
                 let facets = self.coat_facets();
                 if !facets.is_smooth()
-                    && let Some(facet) = facets.reflecting(wo, wi)
+                    && let Some(facet) = facets.reflecting_by(m, wo, wi)
                 {
                     e.value += Spectrum::splat(self.coat_reflectance(facet.cos_o) * facet.value);
                     e.pdf += c.coat * facet.pdf;
@@ -411,7 +416,7 @@ impl Pbr {
             e.pdf = c.facets * p * facet.pdf;
         }
         if self.through.most() > 0.0 {
-            e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c.below, wi);
+            e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c, wi);
             e.pdf += c.diffuse * self.through_part() * FRAC_1_PI * -wi.z;
         }
         e
@@ -454,16 +459,18 @@ impl Pbr {
         let is_inside = wo.z < 0.0 && self.refracts();
         let turn = if wo.z < 0.0 && !is_inside { -1.0 } else { 1.0 };
         let seen = wo * turn;
-        let c =
-            if is_inside { Seen { coat: 0.0, facets: 1.0, diffuse: 0.0, below: 0.0 } } else { self.seen_from(seen) };
-        let mut eta = 1.0;
+        let c = if is_inside { Seen { facets: 1.0, ..Seen::default() } } else { self.seen_from(seen) };
+        // What reflects to the same side, the base or the coat, does so by facets of one normal.
+        let (mut eta, mut normal) = (1.0, None);
         let (wi, lobe) = if u < c.coat {
             let facets = self.coat_facets();
             if facets.is_smooth() {
                 let s = self.mirrored(seen, &c);
                 return Some(BsdfSample { wi: s.wi * turn, ..s });
             }
-            (fresnel::reflect(seen, facets.sample_visible(seen, u2)), Lobe::GLOSSY)
+            let m = facets.sample_visible(seen, u2);
+            normal = Some(m);
+            (fresnel::reflect(seen, m), Lobe::GLOSSY)
         } else if u < c.coat + c.facets {
             let u = (u - c.coat) / c.facets;
             if self.facets.is_smooth() {
@@ -477,6 +484,7 @@ impl Pbr {
             let m = self.facets.sample_visible(seen, u2);
             let cos = seen.dot(m);
             if u < self.reflecting_part(self.reflectance_from(cos)) {
+                normal = Some(m);
                 (fresnel::reflect(seen, m), Lobe::GLOSSY)
             } else if self.thin {
                 let w = fresnel::reflect(seen, m);
@@ -495,9 +503,9 @@ impl Pbr {
             return None;
         }
         let lobe = if lobe.is_transmission() { lobe } else { lobe.with(Lobe::REFLECTION) };
-        let wi = wi * turn;
-        let e = self.eval(wo, wi, mode);
-        e.drawn(wi, lobe, eta)
+        let e =
+            if is_inside { self.eval_inside(seen, wi, mode) } else { self.eval_outside(&c, normal, seen, wi, mode) };
+        e.drawn(wi * turn, lobe, eta)
     }
 
     /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base alone.
@@ -531,7 +539,8 @@ impl Pbr {
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let cos = wo.z.abs();
-        let below = (self.diffuse.get() + self.through.get() + self.refracted.get()) * self.below(cos);
+        let below = (self.diffuse.get() + self.through.get() + self.refracted.get())
+            * self.below(albedo_table::row(self.facets.mean_alpha()), cos);
         let under = self.reflectance(cos) + below;
         let sheen = self.sheen.get() * albedo_table::sheen(self.sheen_alpha.get(), cos);
         let layered = (under * self.sheen_leaves(cos) + sheen) * self.coat_leaves(&[cos, cos]);

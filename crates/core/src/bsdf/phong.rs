@@ -15,7 +15,7 @@ use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
 use std::f32::consts::TAU;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{exp_m1, ln_1p, sin_cos_turns},
+    elementary::{exp, exp_m1, ln, ln_1p, pow, sin_cos_turns},
 };
 
 /// A cosine lobe.
@@ -65,6 +65,9 @@ impl CosineLobe {
     /// The lobe's axis and the length of the transformed direction.
     fn axis(&self, wo: Vec3) -> Option<(Vec3, f32)> {
         let d = self.coefficients * wo;
+        if self.coefficients == Phong::MIRROR {
+            return Some((d, 1.0));
+        }
         let length = d.length();
         (length > 1e-6).then(|| (d / length, length))
     }
@@ -72,9 +75,11 @@ impl CosineLobe {
 
 /// `cos^n` of the angle between two unit vectors, by their distance: the cosine itself is too coarse for large
 /// exponents.
+#[inline]
 fn cosine_power(a: Vec3, b: Vec3, n: f32) -> f32 {
     let versine = 0.5 * (a - b).length_squared();
-    if versine >= 1.0 { 0.0 } else { (n * ln_1p(-versine)).exp() }
+    // Half of the directions lie behind: not worth a branch.
+    exp(n * ln_1p(-versine.min(0.999_999_9))) * f32::from(u8::from(versine < 1.0))
 }
 
 impl GlossyLobe for CosineLobe {
@@ -86,25 +91,37 @@ impl GlossyLobe for CosineLobe {
         !self.empirical
     }
 
+    #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let Some((axis, length)) = self.axis(wo) else { return (0.0, 0.0) };
-        let power = cosine_power(axis, wi, self.exponent);
+        self.of_power(cosine_power(axis, wi, self.exponent), length, wi)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
+        let (axis, length) = self.axis(wo)?;
+        // The angle by 1 − cosα, which is small for large exponents.
+        let ln_cos = ln(1.0 - u2.y) / (self.exponent + 1.0);
+        let versine = -exp_m1(ln_cos);
+        let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
+        let (s, t) = axis.any_orthonormal_pair();
+        let wi = s * (sin * cos_phi) + t * (sin * sin_phi) + axis * (1.0 - versine);
+        let (value, pdf) = self.of_power(exp(self.exponent * ln_cos), length, wi);
+        Some((wi, value, pdf))
+    }
+}
+
+impl CosineLobe {
+    /// Value and density by `cos^n α`.
+    #[inline(always)]
+    fn of_power(&self, power: f32, length: f32, wi: Vec3) -> (f32, f32) {
         let pdf = (self.exponent + 1.0) / TAU * power;
         if self.empirical {
             return (power, pdf);
         }
-        let size = if self.coefficients == Phong::MIRROR { 1.0 } else { length.powf(self.exponent) };
+        let size = if length == 1.0 { 1.0 } else { pow(length, self.exponent) };
         ((self.exponent + 2.0) / TAU * power * size * wi.z, pdf)
-    }
-
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
-        let (axis, _) = self.axis(wo)?;
-        // The angle by 1 − cosα, which is small for large exponents.
-        let versine = -exp_m1(((1.0 - u2.y).max(f32::MIN_POSITIVE)).ln() / (self.exponent + 1.0));
-        let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
-        let (s, t) = axis.any_orthonormal_pair();
-        Some((s * (sin * cos_phi) + t * (sin * sin_phi) + axis * (1.0 - versine)).normalize_or(axis))
     }
 }
 

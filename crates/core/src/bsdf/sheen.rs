@@ -9,7 +9,10 @@
 //! with the five numbers interpolated by `(1 − α)²` between the two fits of the paper's table 1.
 
 use std::f32::consts::TAU;
-use steradian_math::Vec3;
+use steradian_math::{
+    Vec3,
+    elementary::{exp, pow},
+};
 
 /// Below it the distribution is too narrow about the horizon for `f32`; α is raised to it.
 pub(super) const MIN_ALPHA: f32 = 0.02;
@@ -19,8 +22,8 @@ fn lambda(alpha: f32, cos: f32) -> f32 {
     const ROUGH: [f32; 5] = [21.5473, 3.82987, 0.19823, -1.97760, -4.32054];
     let t = (1.0 - alpha) * (1.0 - alpha);
     let [a, b, c, d, e]: [f32; 5] = std::array::from_fn(|i| ROUGH[i] + (SHARP[i] - ROUGH[i]) * t);
-    let l = |x: f32| a / (1.0 + b * x.powf(c)) + d * x + e;
-    if cos < 0.5 { l(cos).exp() } else { (2.0 * l(0.5) - l(1.0 - cos)).exp() }
+    let l = |x: f32| a / (1.0 + b * pow(x, c)) + d * x + e;
+    exp(if cos < 0.5 { l(cos) } else { 2.0 * l(0.5) - l(1.0 - cos) })
 }
 
 /// `f cosθ_i` of white sheen for directions on the upper side; `alpha` in `[MIN_ALPHA, 1]`.
@@ -31,7 +34,7 @@ pub(super) fn value(alpha: f32, wo: Vec3, wi: Vec3) -> f32 {
         return 0.0;
     }
     let inv = 1.0 / alpha;
-    let d = (2.0 + inv) * (1.0 - h.z * h.z).max(0.0).powf(0.5 * inv) / TAU;
+    let d = (2.0 + inv) * pow((1.0 - h.z * h.z).max(0.0), 0.5 * inv) / TAU;
     let g = 1.0 / (1.0 + lambda(alpha, wo.z) + lambda(alpha, wi.z));
     let value = d * g / (4.0 * wo.z.max(1e-6));
     if value.is_finite() { value } else { 0.0 }

@@ -13,12 +13,12 @@
 //! the medium above. Beyond the angle where the film itself reflects totally (a film of lower index) everything is
 //! reflected.
 
-use glam::DVec3;
-use std::f32::consts::TAU;
+use glam::{DVec3, Vec4};
 use std::sync::LazyLock;
 use steradian_math::{
     Spectrum,
     color::space::REC709,
+    elementary::sin_cos_turns,
     spectra::{LAMBDA_COUNT, LAMBDA_MIN, cie, d65},
 };
 
@@ -54,122 +54,146 @@ impl ThinFilm {
         let sin2 = 1.0 - cos1 * cos1;
         let cos2 = (1.0 - sin2 / (self.eta * self.eta)).max(0.0).sqrt();
         let path = 2.0 * self.eta * self.thickness * cos2;
-        // Amplitudes at the top, perpendicular and parallel.
-        let top = [
-            (cos1 - self.eta * cos2) / (cos1 + self.eta * cos2).max(1e-12),
-            (self.eta * cos1 - cos2) / (self.eta * cos1 + cos2).max(1e-12),
+        let base = Complex { re: eta.0, im: k.0 };
+        let bottom = amplitudes(self.eta, cos2, base, base.refracted_cosine(sin2));
+        // Amplitudes at the top, perpendicular and parallel, each with that at the bottom.
+        let pairs = [
+            ((cos1 - self.eta * cos2) / (cos1 + self.eta * cos2).max(1e-12), bottom[0]),
+            ((self.eta * cos1 - cos2) / (self.eta * cos1 + cos2).max(1e-12), bottom[1]),
         ];
-        let mut lanes = [0.0; 4];
-        for (i, lane) in lanes.iter_mut().enumerate() {
-            let base = Complex { re: eta[i], im: k[i] };
-            let cos3 = base.refracted_cosine(sin2);
-            let bottom = amplitudes(self.eta, cos2, base, cos3);
-            let lambda = self.lambda[i];
-            let of = |r12: f32, r23: Complex| match (lambda > 0.0, i) {
-                (true, _) => airy(r12, r23, TAU * path / lambda),
-                (false, 3) => 0.0,
-                (false, _) => series(r12, r23, path, i),
-            };
-            let mean = 0.5 * (of(top[0], bottom[0]) + of(top[1], bottom[1]));
-            *lane = if mean.is_finite() { mean.clamp(0.0, 1.0) } else { 1.0 };
-        }
-        Spectrum::new(lanes)
+        let sum = if self.lambda[0] > 0.0 {
+            let phase = Complex::phase(self.lambda.map(|l| path / l));
+            pairs.map(|(top, bottom)| airy(top, bottom, phase))
+        } else {
+            series(pairs, path)
+        };
+        let mean = 0.5 * (sum[0] + sum[1]);
+        let sound = Vec4::select(mean.is_finite_mask(), mean.clamp(Vec4::ZERO, Vec4::ONE), Vec4::ONE);
+        Spectrum(if self.lambda[0] > 0.0 { sound } else { sound.with_w(0.0) })
     }
 }
 
-/// A complex number of which only what is needed here exists.
+/// A complex number in each lane, of which only what is needed here exists.
 #[derive(Clone, Copy, Debug)]
 struct Complex {
-    re: f32,
-    im: f32,
+    re: Vec4,
+    im: Vec4,
 }
 
 impl Complex {
+    /// `exp(2πi turns)`.
+    fn phase(turns: [f32; 4]) -> Self {
+        let parts = turns.map(sin_cos_turns);
+        Self { re: Vec4::from_array(parts.map(|p| p.1)), im: Vec4::from_array(parts.map(|p| p.0)) }
+    }
+
+    #[inline]
     fn mul(self, b: Self) -> Self {
         Self { re: self.re * b.re - self.im * b.im, im: self.re * b.im + self.im * b.re }
     }
 
+    #[inline]
     fn scaled(self, k: f32) -> Self {
         Self { re: self.re * k, im: self.im * k }
     }
 
+    #[inline]
     fn sub(self, b: Self) -> Self {
         Self { re: self.re - b.re, im: self.im - b.im }
     }
 
+    #[inline]
     fn add(self, b: Self) -> Self {
         Self { re: self.re + b.re, im: self.im + b.im }
     }
 
+    #[inline]
     fn div(self, b: Self) -> Self {
-        let d = (b.re * b.re + b.im * b.im).max(1e-30);
+        let d = (b.re * b.re + b.im * b.im).max(Vec4::splat(1e-30));
         Self { re: (self.re * b.re + self.im * b.im) / d, im: (self.im * b.re - self.re * b.im) / d }
     }
 
+    #[inline]
     fn sqrt(self) -> Self {
-        let m = self.re.hypot(self.im);
-        Self { re: (0.5 * (m + self.re)).max(0.0).sqrt(), im: (0.5 * (m - self.re)).max(0.0).sqrt().copysign(self.im) }
+        let m = self.norm();
+        let root = |v: Vec4| (0.5 * v).max(Vec4::ZERO).sqrt();
+        Self { re: root(m + self.re), im: root(m - self.re).copysign(self.im) }
     }
 
-    fn norm(self) -> f32 {
-        self.re.hypot(self.im)
+    #[inline]
+    fn norm(self) -> Vec4 {
+        (self.re * self.re + self.im * self.im).sqrt()
     }
 
-    fn argument(self) -> f32 {
-        self.im.atan2(self.re)
+    /// The number as a length and a direction of length one (or zero).
+    #[inline]
+    fn polar(self) -> (Vec4, Self) {
+        let norm = self.norm();
+        let inverse = norm.max(Vec4::splat(1e-30)).recip();
+        (norm, Self { re: self.re * inverse, im: self.im * inverse })
     }
 
     /// `cosθ₃` in the base of this index `η + ik` for the squared sine in the medium above. Fields decay into the base.
     fn refracted_cosine(self, sin2: f32) -> Self {
-        let n2 = self.mul(self);
-        let c = Self { re: 1.0, im: 0.0 }.sub(Self { re: sin2, im: 0.0 }.div(n2)).sqrt();
+        let real = |re: f32| Self { re: Vec4::splat(re), im: Vec4::ZERO };
+        let c = real(1.0).sub(real(sin2).div(self.mul(self))).sqrt();
         // n cosθ must have a positive imaginary part.
-        if self.mul(c).im < 0.0 { c.scaled(-1.0) } else { c }
+        let grows = self.mul(c).im.cmplt(Vec4::ZERO);
+        Self { re: Vec4::select(grows, -c.re, c.re), im: Vec4::select(grows, -c.im, c.im) }
     }
 }
 
 /// Amplitudes of reflection where light in the film meets the base, perpendicular and parallel.
 fn amplitudes(film: f32, cos2: f32, base: Complex, cos3: Complex) -> [Complex; 2] {
-    let real = |re: f32| Complex { re, im: 0.0 };
+    let real = |re: f32| Complex { re: Vec4::splat(re), im: Vec4::ZERO };
     let of = |a: Complex, b: Complex| a.sub(b).div(a.add(b));
     [of(real(film * cos2), base.mul(cos3)), of(base.scaled(cos2), cos3.scaled(film))]
 }
 
-/// Airy's sum at the phase `2β`.
-fn airy(r12: f32, r23: Complex, phase: f32) -> f32 {
-    let (b, q) = (r23.norm(), r12 * r23.norm());
-    let twice = 2.0 * q * (phase + r23.argument()).cos();
-    (r12 * r12 + b * b + twice) / (1.0 + q * q + twice).max(1e-12)
+/// Airy's sum at the phase `e^{2iβ}`.
+fn airy(r12: f32, r23: Complex, phase: Complex) -> Vec4 {
+    let b2 = r23.re * r23.re + r23.im * r23.im;
+    let twice = 2.0 * r12 * r23.mul(phase).re;
+    (Vec4::splat(r12 * r12) + b2 + twice) / (Vec4::ONE + r12 * r12 * b2 + twice).max(Vec4::splat(1e-12))
 }
 
-/// The same sum as a series, averaged over a channel of RGB.
-fn series(r12: f32, r23: Complex, path: f32, channel: usize) -> f32 {
-    let (b, shift) = (r23.norm().min(1.0), r23.argument());
-    let q = (r12 * b).clamp(-0.9999, 0.9999);
-    let mean = (1.0 - r12 * r12) * (1.0 - b * b) / (1.0 - q * q);
-    let (mut sum, mut power) = (1.0, 1.0);
-    for m in 1..=TERMS {
-        power *= -q;
-        let order = m as f32;
-        let (sin, cos) = (order * shift).sin_cos();
-        let [re, im] = response(order * path, channel);
-        sum += 2.0 * power * (re * cos - im * sin);
-    }
-    1.0 - mean * sum
+/// The same sums as a series, averaged over the channels of RGB.
+fn series(pairs: [(f32, Complex); 2], path: f32) -> [Vec4; 2] {
+    let responses: [Complex; TERMS] = std::array::from_fn(|m| response((m + 1) as f32 * path));
+    pairs.map(|(r12, r23)| {
+        let (norm, direction) = r23.polar();
+        let b = norm.min(Vec4::ONE);
+        let q = (r12 * b).clamp(Vec4::splat(-0.9999), Vec4::splat(0.9999));
+        let mean = (1.0 - r12 * r12) * (Vec4::ONE - b * b) / (Vec4::ONE - q * q);
+        // (−q e^{iφ})^m by repeated multiplication.
+        let factor = Complex { re: -q * direction.re, im: -q * direction.im };
+        let (mut power, mut sum) = (factor, Vec4::ONE);
+        for response in responses {
+            sum += 2.0 * power.mul(response).re;
+            power = power.mul(factor);
+        }
+        Vec4::ONE - mean * sum
+    })
 }
 
-/// The mean of `exp(2πi·path/λ)` over what a channel of linear Rec.709 sees of a white surface under D65.
-fn response(path: f32, channel: usize) -> [f32; 2] {
-    static TABLE: LazyLock<Vec<[[f32; 2]; 3]>> = LazyLock::new(|| {
-        (0..=(LONGEST / STEP) as usize + 1).map(|i| mean_phasor(i as f64 * f64::from(STEP))).collect()
+/// The mean of `exp(2πi·path/λ)` over what the channels of linear Rec.709 see of a white surface under D65.
+fn response(path: f32) -> Complex {
+    static TABLE: LazyLock<Vec<Complex>> = LazyLock::new(|| {
+        let lanes = |of: [[f32; 2]; 3], i: usize| Vec4::new(of[0][i], of[1][i], of[2][i], 0.0);
+        let entry = |i: usize| {
+            let mean = mean_phasor(i as f64 * f64::from(STEP));
+            Complex { re: lanes(mean, 0), im: lanes(mean, 1) }
+        };
+        (0..=(LONGEST / STEP) as usize + 1).map(entry).collect()
     });
     let x = path / STEP;
     let i = x as usize;
-    if i + 1 >= TABLE.len() {
-        return [0.0; 2];
+    let table = &*TABLE;
+    if i + 1 >= table.len() {
+        return Complex { re: Vec4::ZERO, im: Vec4::ZERO };
     }
-    let (a, b, t) = (TABLE[i][channel], TABLE[i + 1][channel], x - i as f32);
-    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
+    let (a, b, t) = (table[i], table[i + 1], x - i as f32);
+    a.add(b.sub(a).scaled(t))
 }
 
 fn observer(lambda: f64) -> DVec3 {

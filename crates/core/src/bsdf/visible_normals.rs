@@ -2,10 +2,14 @@
 
 use super::gaussian::{erf, erf_inv};
 use std::f32::consts::PI;
-use steradian_math::{Vec2, Vec3, elementary::sin_cos_turns};
+use steradian_math::{
+    Vec2, Vec3,
+    elementary::{acos, exp, ln, pow, sin_cos_turns},
+};
 
 /// A visible normal of GGX with `α = 1`: the mirror direction of a visible hemisphere is uniform on a spherical cap, so the
 /// normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023). `w.z ≥ 0`.
+#[inline]
 pub(super) fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(u.x);
     let z = (1.0 - u.y) * (1.0 + w.z) - w.z;
@@ -13,21 +17,21 @@ pub(super) fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
     Vec3::new(r * cos_phi, r * sin_phi, z) + w
 }
 
-/// A visible normal of Beckmann with `α = 1`: the slope along `w` by inverting its cumulative distribution numerically in the
+/// A visible normal of Beckmann with `α = 1`, as minus its slopes: the slope along `w` by inverting its cumulative distribution numerically in the
 /// variable `x = erf(slope)`, the slope across is Gaussian (Heitz & d'Eon 2014; the domain is Jakob's, 2014). `w.z ≥ 0`.
-pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
+pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec2 {
     let sin = (w.x * w.x + w.y * w.y).sqrt();
     let across = erf_inv(2.0 * u.y - 1.0);
     if sin < 1e-4 {
         // From straight above all slopes are seen alike.
         let (sin_phi, cos_phi) = sin_cos_turns(u.x);
-        let r = (-((1.0 - u.y).max(f32::MIN_POSITIVE)).ln()).sqrt();
-        return Vec3::new(r * cos_phi, r * sin_phi, 1.0);
+        let r = (-ln(1.0 - u.y)).sqrt();
+        return Vec2::new(r * cos_phi, r * sin_phi);
     }
     let along = beckmann_slope(w.z.max(1e-6) / sin, u.x);
     let (cos_phi, sin_phi) = (w.x / sin, w.y / sin);
     // A slope is minus the gradient of the normal.
-    Vec3::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across), 1.0)
+    Vec2::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across))
 }
 
 /// The slope along a direction of cotangent `cot`, for the cumulative probability `u`.
@@ -37,11 +41,13 @@ pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
 fn beckmann_slope(cot: f32, u: f32) -> f32 {
     let tan = 1.0 / cot;
     let inv_sqrt_pi = 1.0 / PI.sqrt();
-    let cumulative = |x: f32, s: f32| 1.0 + x + inv_sqrt_pi * tan * (-s * s).exp();
+    let cumulative = |x: f32, s: f32| 1.0 + x + inv_sqrt_pi * tan * exp(-s * s);
     let (mut lo, mut hi) = (-1.0f32, erf(cot));
     let target = u.clamp(1e-6, 1.0 - 1e-6) * cumulative(hi, cot);
-    // The solution at grazing incidence is known and is the hardest case.
-    let mut x = (hi - (hi + 1.0) * erf((-(u.clamp(1e-6, 1.0 - 1e-6)).ln()).sqrt())).clamp(lo, hi);
+    // Jakob's fit (2014) of the solution.
+    let theta = acos(cot / (1.0 + cot * cot).sqrt());
+    let power = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
+    let mut x = (hi - (hi + 1.0) * pow(1.0 - u.clamp(1e-6, 1.0 - 1e-6), power)).clamp(lo, hi);
     let mut slope = erf_inv(x);
     for _ in 0..10 {
         let excess = cumulative(x, slope) - target;

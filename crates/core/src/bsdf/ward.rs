@@ -15,6 +15,7 @@
 
 use super::NormalDistribution::Beckmann;
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
+use super::normal_distribution::beckmann_density;
 use steradian_math::{Spectrum, Vec2, Vec3};
 
 /// Which normalisation.
@@ -51,9 +52,28 @@ impl GlossyLobe for GaussianLobe {
         self.form != WardForm::Duer
     }
 
+    #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let Some(h) = (wo + wi).try_normalize() else { return (0.0, 0.0) };
-        let (d, cos) = (Beckmann.density(self.alpha, h), wo.dot(h).max(1e-6));
+        self.of_half(Beckmann.density(self.alpha, h), h, wo, wi)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
+        let h = Beckmann.sample(self.alpha, u2).extend(1.0).try_normalize()?;
+        // What the uniform number left is the exponential in the distribution.
+        let d = beckmann_density(self.alpha, 1.0 - u2.y, h.z * h.z);
+        let wi = super::fresnel::reflect(wo, h);
+        let (value, pdf) = self.of_half(d, h, wo, wi);
+        (wo.dot(h) > 0.0).then_some((wi, value, pdf))
+    }
+}
+
+impl GaussianLobe {
+    /// Value and density by the density of the half vector.
+    #[inline(always)]
+    fn of_half(&self, d: f32, h: Vec3, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let cos = wo.dot(h).max(1e-6);
         let cos4 = (h.z * h.z) * (h.z * h.z);
         let value = match self.form {
             WardForm::Ward => d * cos4 * 0.25 * (wi.z / wo.z).sqrt(),
@@ -61,11 +81,6 @@ impl GlossyLobe for GaussianLobe {
             WardForm::Bounded => d * 0.25 / (cos * cos) * wi.z,
         };
         (value, d * h.z / (4.0 * cos))
-    }
-
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<Vec3> {
-        let h = Beckmann.sample(self.alpha, u2);
-        (wo.dot(h) > 0.0).then(|| super::fresnel::reflect(wo, h))
     }
 }
 

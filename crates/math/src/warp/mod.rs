@@ -30,16 +30,17 @@ pub const UNIFORM_SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
 #[inline]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
-    if p == Vec2::ZERO {
-        return Vec2::ZERO;
-    }
-    if p.x.abs() > p.y.abs() {
-        let (sin, cos) = sin_cos_octant(p.y / p.x);
-        Vec2::new(p.x * cos, p.x * sin)
-    } else {
-        let (cos, sin) = sin_cos_octant(p.x / p.y);
-        Vec2::new(p.y * cos, p.y * sin)
-    }
+    // Exchanged by bits: a branch would be mispredicted half of the time.
+    let is_high = u32::from(p.x.abs() <= p.y.abs()).wrapping_neg();
+    let exchanged = |v: Vec2| {
+        let (x, y) = (v.x.to_bits(), v.y.to_bits());
+        let swap = (x ^ y) & is_high;
+        Vec2::new(f32::from_bits(x ^ swap), f32::from_bits(y ^ swap))
+    };
+    let Vec2 { x: long, y: short } = exchanged(p);
+    // The middle is no exception: zero over the smallest number.
+    let (sin, cos) = sin_cos_octant(short / (long.abs().max(f32::MIN_POSITIVE).copysign(long)));
+    exchanged(Vec2::new(long * cos, long * sin))
 }
 
 /// A direction with density `cosθ/π` (M148), by Malley's method: a uniform point of the disk, lifted to the hemisphere.
