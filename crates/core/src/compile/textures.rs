@@ -14,7 +14,12 @@ use crate::{
     },
 };
 use rayon::prelude::*;
-use std::{collections::BTreeSet, path::Path, sync::Arc};
+use std::{
+    cmp::Reverse,
+    collections::{BTreeSet, HashMap},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Domain, Family, Node, NodeId, SpectrumValue, Value};
@@ -41,14 +46,12 @@ impl Compiler<'_> {
             None => others.extend(&textures),
             Some(limit) => match Pages::new(limit) {
                 Ok(pages) => {
-                    let page = |p: &&Path| {
-                        let level = load(p).and_then(|image| {
-                            let texels = Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?;
-                            Ok(Loaded { texels, faults: image.faults })
-                        });
-                        (p.to_path_buf(), level)
+                    let page = |p: &Path| -> Result<Loaded<Level>, String> {
+                        let image = load(p)?;
+                        let texels = Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?;
+                        Ok(Loaded { texels, faults: image.faults })
                     };
-                    self.paged = textures.par_iter().map(page).collect();
+                    self.paged = load_within(limit / 2, textures, page);
                     self.pages = Some(pages);
                 }
                 Err(e) => {
@@ -106,7 +109,8 @@ impl Compiler<'_> {
         self.known_texture(id, role)
     }
 
-    /// Compiles a texture and all that it is made of, parts first: depth is the file's, so it is followed with a stack of our own.
+    /// Compiles a texture and all that it is made of, parts first: depth is the file's, so it is followed with a stack
+    /// of our own.
     fn texture_parts(&mut self, root: NodeId, role: Role) {
         let mut stack = vec![(root, role, false)];
         while let Some((id, role, parts_are_done)) = stack.pop() {
@@ -348,6 +352,32 @@ impl Compiler<'_> {
             }
         }
     }
+}
+
+/// Loads pictures, as many at once as take about so many bytes while they are decoded. The largest files come first,
+/// and show how much the others may take.
+fn load_within(
+    bytes: usize,
+    files: BTreeSet<&Path>,
+    load: impl Fn(&Path) -> Result<Loaded<Level>, String> + Sync,
+) -> HashMap<PathBuf, Result<Loaded<Level>, String>> {
+    let size = |p: &Path| std::fs::metadata(p).map_or(0, |m| m.len());
+    let mut files: Vec<&Path> = files.into_iter().collect();
+    files.sort_by_key(|p| Reverse(size(p)));
+    let mut loaded = HashMap::new();
+    let (mut rest, mut at_once) = (&files[..], 1);
+    while !rest.is_empty() {
+        let (now, later) = rest.split_at(at_once.min(rest.len()));
+        let levels: Vec<_> = now.par_iter().map(|p| load(p)).collect();
+        let taken = |(p, level): (&&Path, &Result<Loaded<Level>, String>)| {
+            size(p) as usize + level.as_ref().map_or(0, |l| l.texels.byte_size())
+        };
+        let most = now.iter().zip(&levels).map(taken).max().unwrap_or(0);
+        at_once = (bytes / most.max(1)).clamp(1, rayon::current_num_threads());
+        loaded.extend(now.iter().map(|p| p.to_path_buf()).zip(levels));
+        rest = later;
+    }
+    loaded
 }
 
 /// Infinite and NaN values become black; gives how many there were.

@@ -50,6 +50,8 @@ impl FilteredNormals {
     ) -> std::io::Result<Self> {
         let base = image.levels.base();
         let (width, height, channels) = (base.width(), base.height(), base.channels());
+        let bytes = width * height * kind.channels() * size_of::<f32>();
+        let room = pages.map(|pages| pages.take_room(bytes));
         let mut data = Vec::with_capacity(width * height * kind.channels());
         let mut row = vec![0.0; width * channels];
         for y in 0..height {
@@ -83,7 +85,9 @@ impl FilteredNormals {
             wrap: image.wrap.map(|w| if w == Wrap::Black { Wrap::Clamp } else { w }),
             keep_coverage: None,
         };
-        let levels = Levels::new(Level::new(Arc::new(texels), pages)?, &recipe, pages)?;
+        let base = Level::new(Arc::new(texels), pages)?;
+        drop(room);
+        let levels = Levels::new(base, &recipe, pages)?;
         let moments = ImageTexture {
             levels: Arc::new(levels),
             sums: None,

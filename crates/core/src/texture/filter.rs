@@ -242,7 +242,8 @@ pub(super) fn first_tap<const K: usize>(level: &Level, uv: Vec2) -> ([i32; 2], V
 
 #[inline(always)]
 fn is_inside<const K: usize>(start: i32, n: usize) -> bool {
-    start >= 0 && start as usize + K <= n
+    // Negative numbers are large ones without sign.
+    start as u32 as usize + K <= n
 }
 
 #[inline(always)]

@@ -356,6 +356,47 @@ fn pages_change_nothing() {
     }
 }
 
+/// Many textures that are made and looked up in turn never take more than the limit, but for a tile that comes in before others go.
+#[test]
+fn many_textures_stay_within_their_limit() {
+    let (size, count, limit) = (512, 16, 2 << 20);
+    let pages = Pages::new(limit).unwrap();
+    let recipe = recipe(Filter::Trilinear, Wrap::Repeat);
+    let pictures: Vec<[Levels; 2]> = (0..count)
+        .map(|n| {
+            let code = |i: usize| ((i as u32 ^ n << 20).wrapping_mul(2_654_435_761) >> 24) as u8;
+            let data = TexelData::U8((0..size * size * 4).map(code).collect());
+            let texels = Texels {
+                width: size,
+                height: size,
+                channels: 4,
+                data,
+                encoding: Encoding::Srgb,
+                metadata: Default::default(),
+            };
+            let texels = Arc::new(texels);
+            [None, Some(&pages)]
+                .map(|pages| Levels::new(Level::new(texels.clone(), pages).unwrap(), &recipe, pages).unwrap())
+        })
+        .collect();
+    for i in 0..4000_u32 {
+        let random = |salt: u32| steradian_math::hash::unit_f32(steradian_math::hash::mix32(4 * i + salt));
+        let s = random(3) * 16.0 / size as f32;
+        let at = Coordinates2 { uv: Vec2::new(random(0), random(1)), dx: Vec2::new(s, 0.0), dy: Vec2::new(0.0, s) };
+        let [seen, wanted] = pictures[(i % count) as usize].each_ref().map(|levels| {
+            let source = Source { levels, sums: None, wrap: [Wrap::Repeat; 2] };
+            source.lookup::<3>(Filter::Trilinear, &at, 0).map(f32::to_bits)
+        });
+        assert_eq!(seen, wanted, "{i}");
+    }
+    let (on_disk, used, loads) = pages.usage();
+    let tile = 64 * 64 * 4;
+    let threads = rayon::current_num_threads() + 1;
+    assert!(on_disk > 8 * limit as u64 && loads > 2000 && !pages.has_failed(), "{on_disk} {loads}");
+    assert!(used <= pages.peak() && pages.peak() <= limit + threads * tile, "{used} {}", pages.peak());
+    assert!(pages.peak() > limit - limit / 4, "the room is used: {}", pages.peak());
+}
+
 /// Strange footprints and places give numbers.
 #[test]
 fn lookups_of_strange_places_are_finite() {

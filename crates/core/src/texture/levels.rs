@@ -87,6 +87,13 @@ impl Levels {
             Shape::Rip => (halvings(w), halvings(h)),
             _ => (halvings(w.max(h)), 1),
         };
+        // While levels are made, the first takes most: its linear values, what is stored of them, and the next one's.
+        let first = match recipe.shape {
+            Shape::Flat => 0,
+            Shape::Mip => halved(w) * halved(h),
+            Shape::Rip => 2 * halved(w) * h,
+        } * base.channels();
+        let _room = pages.map(|pages| pages.take_room(first * (5 * size_of::<f32>() / 4 + base.kind().bytes())));
         let mut levels: Vec<Level> = Vec::with_capacity(columns * rows);
         // The values that the next level is made from, before they were rounded: along the row, and of the first column.
         let mut row: Option<Plane> = None;
@@ -112,7 +119,7 @@ impl Levels {
                     keep_coverage(&mut plane, cut, wanted);
                 }
                 levels.push(plane.store(&base, pages)?);
-                if i == 0 {
+                if i == 0 && recipe.shape == Shape::Rip {
                     column = Some(plane.clone());
                 }
                 row = Some(plane);

@@ -1,5 +1,5 @@
-//! Texels on disk, in square tiles of 64 × 64 in Morton order, of which those that were used last are in memory: scenes may have more
-//! textures than memory. What is looked up has the same bits as without.
+//! Texels on disk, in square tiles of 64 × 64 in Morton order, of which those that were used last are in memory: scenes
+//! may have more textures than memory. What is looked up has the same bits as without.
 
 use super::store::{Decoder, Kind, from_half};
 use half::f16;
@@ -17,7 +17,8 @@ use steradian_image::{TexelData, Texels};
 /// Edge of a tile, texels.
 pub const TILE: usize = 64;
 
-/// The index of a texel in its tile: the bits of x and y in turn (Morton 1966), so that neighbours are near each other in memory.
+/// The index of a texel in its tile: the bits of x and y in turn (Morton 1966), so that neighbours are near each other
+/// in memory.
 #[inline]
 pub fn morton(x: usize, y: usize) -> usize {
     spread(x) | spread(y) << 1
@@ -40,6 +41,8 @@ pub struct Pages {
     /// Most bytes of tiles in memory.
     limit: usize,
     used: AtomicUsize,
+    /// The most that ever were.
+    peak: AtomicUsize,
     shards: Vec<Mutex<Shard>>,
     /// Tiles that were brought in.
     loads: AtomicU64,
@@ -62,13 +65,15 @@ struct Held {
 const SHARDS: usize = 16;
 
 impl Pages {
-    /// A store that holds at most about `limit` bytes of tiles in memory, backed by a nameless file among the temporary ones.
+    /// A store that holds at most about `limit` bytes of tiles in memory, backed by a nameless file among the temporary
+    /// ones.
     pub fn new(limit: usize) -> io::Result<Arc<Self>> {
         Ok(Arc::new(Self {
             file: tempfile::tempfile()?,
             end: AtomicU64::new(0),
             limit,
             used: AtomicUsize::new(0),
+            peak: AtomicUsize::new(0),
             shards: (0..SHARDS).map(|_| Mutex::default()).collect(),
             loads: AtomicU64::new(0),
             failed: AtomicBool::new(false),
@@ -78,6 +83,29 @@ impl Pages {
     /// Bytes on disk, bytes in memory, and how often tiles were brought in.
     pub fn usage(&self) -> (u64, usize, u64) {
         (self.end.load(Ordering::Relaxed), self.used.load(Ordering::Relaxed), self.loads.load(Ordering::Relaxed))
+    }
+
+    /// Most bytes in memory at any time, room that was taken included.
+    pub fn peak(&self) -> usize {
+        self.peak.load(Ordering::Relaxed)
+    }
+
+    /// Takes room for other work on textures: as many bytes fewer are for tiles until it is given back.
+    pub fn take_room(&self, bytes: usize) -> Room<'_> {
+        self.used.fetch_add(bytes, Ordering::Relaxed);
+        // Tiles that were not used for the longest time go, a quarter of each shard's in turn, as long as there are
+        // any.
+        let mut are_left = true;
+        while are_left && self.used.load(Ordering::Relaxed) > self.limit {
+            are_left = false;
+            for shard in &self.shards {
+                let mut shard = shard.lock().unwrap_or_else(PoisonError::into_inner);
+                self.evict(&mut shard);
+                are_left |= !shard.tiles.is_empty();
+            }
+        }
+        self.peak.fetch_max(self.used.load(Ordering::Relaxed), Ordering::Relaxed);
+        Room { pages: self, bytes }
     }
 
     /// Whether a tile could not be read back, and counts as black.
@@ -103,13 +131,14 @@ impl Pages {
                 return held.bytes.clone();
             }
         }
-        let mut tile = vec![0; bytes];
-        if read_at(&self.file, &mut tile, offset).is_err() {
-            tile.fill(0);
+        let mut tile: Arc<[u8]> = std::iter::repeat_n(0, bytes).collect();
+        if let Some(place) = Arc::get_mut(&mut tile)
+            && read_at(&self.file, place, offset).is_err()
+        {
+            place.fill(0);
             self.failed.store(true, Ordering::Relaxed);
         }
         self.loads.fetch_add(1, Ordering::Relaxed);
-        let tile: Arc<[u8]> = tile.into();
         let mut shard = shard.lock().unwrap_or_else(PoisonError::into_inner);
         let now = shard.clock;
         if shard.tiles.insert(offset, Held { bytes: tile.clone(), last_use: now }).is_none() {
@@ -118,11 +147,16 @@ impl Pages {
         if self.used.load(Ordering::Relaxed) > self.limit {
             self.evict(&mut shard);
         }
+        self.peak.fetch_max(self.used.load(Ordering::Relaxed), Ordering::Relaxed);
         tile
     }
 
-    /// Drops the tiles of a shard that were not used for the longest time: a quarter of them, so that it is seldom done.
+    /// Drops the tiles of a shard that were not used for the longest time: a quarter of them, so that it is seldom
+    /// done.
     fn evict(&self, shard: &mut Shard) {
+        if shard.tiles.is_empty() {
+            return;
+        }
         let mut uses: Vec<u64> = shard.tiles.values().map(|t| t.last_use).collect();
         let quarter = uses.len().div_ceil(4) - 1;
         let oldest = *uses.select_nth_unstable(quarter).1;
@@ -135,6 +169,19 @@ impl Pages {
             keep
         });
         self.used.fetch_sub(freed, Ordering::Relaxed);
+    }
+}
+
+/// Bytes that are not for tiles, until it is dropped.
+#[derive(Debug)]
+pub struct Room<'a> {
+    pages: &'a Pages,
+    bytes: usize,
+}
+
+impl Drop for Room<'_> {
+    fn drop(&mut self) {
+        self.pages.used.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
