@@ -166,29 +166,26 @@ pub(crate) fn group<const MEDIA: bool, S: Suffix<MEDIA>>(
         }
         return;
     }
-    let mut group: [Option<Member<'_>>; MAX_GROUP] = [const { None }; MAX_GROUP];
-    let mut members = 0;
+    let mut group: Vec<Member<'_>> = Vec::with_capacity(seats.len());
     for (index, seat) in seats.iter_mut().enumerate() {
         let whole = seat.lambda;
         seat.radiance = Spectrum::ZERO;
         let Some((x, leg)) = prefix::<MEDIA>(scene, survey, seat, depth, counters) else { continue };
         if seat.lambda == whole && is_shareable(&x) {
-            group[members] = Some(Member::at(index, x, leg));
-            members += 1;
+            group.push(Member::at(index, x, leg));
         } else {
             seat.radiance += suffix.leaving(scene, survey, &x, leg, &seat.own, &mut seat.lambda, counters);
         }
     }
-    let group = &mut group[..members];
-    if let [Some(Member { seat, x, leg, .. })] = group {
+    if let [Member { seat, x, leg, .. }] = &group[..] {
         let seat = &mut seats[*seat];
         seat.radiance += suffix.leaving(scene, survey, x, *leg, &seat.own, &mut seat.lambda, counters);
         return;
     }
-    for member in group.iter_mut().flatten() {
+    for member in &mut group {
         member.bounce::<MEDIA>(scene, survey, &mut seats[member.seat], depth, counters);
     }
-    share(suffix, scene, survey, group, seats, counters);
+    share(suffix, scene, survey, &group, seats, counters);
 }
 
 /// Follows a path from the camera to its first vertex that is not specular.
@@ -253,14 +250,13 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
     suffix: &S,
     scene: &Scene,
     survey: &Survey,
-    group: &[Option<Member<'_>>],
+    group: &[Member<'_>],
     seats: &mut [Seat],
     counters: &mut Counters,
 ) {
     let depth = suffix.depth();
     let mut claims = [Claim::NONE; MAX_GROUP];
     for (k, finder) in group.iter().enumerate() {
-        let Some(finder) = finder else { continue };
         let seat = &mut seats[finder.seat];
         let is_own = finder.sample.lobe.is_specular();
         match &finder.found {
@@ -320,7 +316,7 @@ fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMod
 fn share_point<const MEDIA: bool>(
     scene: &Scene,
     is_open: bool,
-    group: &[Option<Member<'_>>],
+    group: &[Member<'_>],
     k: usize,
     y: &Vertex<'_>,
     light: Spectrum,
@@ -329,7 +325,7 @@ fn share_point<const MEDIA: bool>(
     seats: &mut [Seat],
     counters: &mut Counters,
 ) {
-    let Some(finder) = &group[k] else { return };
+    let finder = &group[k];
     let p = y.p();
     // The cosine at y towards a direction from x, on the side that is seen: by the normal that decides about it.
     let facing = match y {
@@ -360,7 +356,6 @@ fn share_point<const MEDIA: bool>(
     let mut total = 0.0;
     for (m, member) in group.iter().enumerate() {
         claims[m] = Claim::NONE;
-        let Some(member) = member else { continue };
         let lambda = &seats[member.seat].lambda;
         if m == k {
             let (pdf, w) = (finder.sample.pdf, -y.wo());
@@ -404,7 +399,6 @@ fn share_point<const MEDIA: bool>(
         total += claims[m].pdf;
     }
     for (member, claim) in group.iter().zip(&*claims) {
-        let Some(member) = member else { continue };
         if !claim.value.is_black() {
             seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;
         }
