@@ -90,19 +90,13 @@ pub(super) fn build_range<const WIDTH: usize>(
         return [half_area(&extent.bounds, scale) * BLOCK_COST; WIDTH];
     }
 
-    let middle = split(refs, &extent, scale, depth < SAH_DEPTH);
+    let (middle, [left_extent, right_extent]) = split(refs, &extent, scale, depth < SAH_DEPTH);
     node.second = 2 * middle as u32;
     let (root, children) = nodes.split_at_mut(1);
     let (left_nodes, right_nodes) = children.split_at_mut(2 * middle - 1);
     let (left_refs, right_refs) = refs.split_at_mut(middle);
-    let mut left = || {
-        let extent = Extent::of(left_refs);
-        build_range(left_refs, left_nodes, first, extent, scale, depth + 1)
-    };
-    let mut right = || {
-        let extent = Extent::of(right_refs);
-        build_range(right_refs, right_nodes, first + middle as u32, extent, scale, depth + 1)
-    };
+    let mut left = || build_range(left_refs, left_nodes, first, left_extent, scale, depth + 1);
+    let mut right = || build_range(right_refs, right_nodes, first + middle as u32, right_extent, scale, depth + 1);
     let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
     root[0] = node;
     root[0].choose_forests(&left, &right, fits, scale)

@@ -33,7 +33,7 @@ pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNo
         root,
         bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
-        primitives: primitives.count(),
+        primitives: refs.len(),
         builder,
     }
 }

@@ -51,8 +51,10 @@ const ROUNDS: usize = 8;
 /// Builds a tree.
 pub(crate) fn build(geometries: &[Geometry], builder: Builder) -> Result<Tree, Error> {
     let primitives = Primitives::new(geometries)?;
-    let (refs, nodes) = binary_tree(&primitives, builder);
-    Ok(emit::emit(&primitives, &refs, &nodes, builder))
+    let refs = primitives.refs();
+    let count = refs.len();
+    let (refs, nodes) = binary_tree(&primitives, refs, builder);
+    Ok(Tree { primitives: count, ..emit::emit(&primitives, &refs, &nodes, builder) })
 }
 
 /// What a child of a wide node is.
@@ -72,7 +74,8 @@ pub(crate) fn wide<const WIDTH: usize>(
     geometries: &[Geometry],
     builder: Builder,
 ) -> Result<(Vec<WideNode<WIDTH>>, Vec<u32>), Error> {
-    let (refs, binary) = binary_tree::<WIDTH>(&Primitives::new(geometries)?, builder);
+    let primitives = Primitives::new(geometries)?;
+    let (refs, binary) = binary_tree::<WIDTH>(&primitives, primitives.refs(), builder);
     let indices = refs.iter().map(PrimRef::index).collect();
     let leaf = |node: &BinaryNode<WIDTH>| (node.bounds, Part::Leaf { first: node.first, count: node.count });
     let mut nodes = vec![[None; WIDTH]];
@@ -102,9 +105,9 @@ pub(crate) fn wide<const WIDTH: usize>(
 /// The binary tree, with the choices that make it wide.
 fn binary_tree<const WIDTH: usize>(
     primitives: &Primitives,
+    mut refs: Vec<PrimRef>,
     builder: Builder,
 ) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
-    let mut refs = primitives.refs();
     if refs.is_empty() {
         return (refs, Vec::new());
     }

@@ -7,6 +7,9 @@ use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Vec3};
 
+/// Fewest primitives that are worth a task of their own.
+const PIECE: usize = 1 << 10;
+
 /// A primitive while it is sorted: its box and its index, in half a cache line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimRef {
@@ -126,13 +129,21 @@ impl<'a> Primitives<'a> {
 
     /// References to all primitives that a ray can hit, in the order of their indices.
     pub(super) fn refs(&self) -> Vec<PrimRef> {
-        let of_geometry = |(geometry, &first): (&'a Geometry<'a>, &u32)| {
-            (0..geometry.len()).into_par_iter().filter_map(move |prim| {
+        let mut refs = Vec::with_capacity(self.first[self.geometries.len()] as usize);
+        for (geometry, &first) in self.geometries.iter().zip(&self.first) {
+            let reference = |prim: usize| {
                 let (bounds, user) = usable(geometry, prim)?;
                 Some(PrimRef::new(bounds, first + prim as u32, user))
-            })
-        };
-        self.geometries.par_iter().zip(&self.first).flat_map(of_geometry).collect()
+            };
+            let unusable = PrimRef::new(Bounds3::EMPTY, 0, false);
+            let all = (0..geometry.len()).into_par_iter().with_min_len(PIECE);
+            let start = refs.len();
+            refs.par_extend(all.map(|prim| reference(prim).unwrap_or(unusable)));
+            if refs[start..].par_iter().with_min_len(PIECE).any(|r| r.bounds().is_empty()) {
+                refs.retain(|r| !r.bounds().is_empty());
+            }
+        }
+        refs
     }
 
     /// How many primitives a ray can hit.

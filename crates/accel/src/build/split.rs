@@ -30,14 +30,11 @@ impl Extent {
         if refs.len() > PIECE {
             return refs.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union);
         }
-        let (mut bounds, mut centers, mut triangles) = (Span::EMPTY, Span::EMPTY, true);
+        let mut measure = Measure::EMPTY;
         for r in refs {
-            let center = r.center();
-            bounds = bounds.union(r.span());
-            centers = centers.union(Span { min: center, max: center });
-            triangles &= !r.is_user();
+            measure.add(r, r.center());
         }
-        Self { bounds: bounds.bounds(), centers: centers.bounds(), triangles }
+        measure.extent()
     }
 
     fn union(self, other: Self) -> Self {
@@ -51,6 +48,29 @@ impl Extent {
     /// How many tests so many of the primitives are: triangles are tested by blocks.
     pub fn tests(&self, count: u32) -> f32 {
         if self.triangles { count.div_ceil(LANES as u32) as f32 } else { count as f32 }
+    }
+}
+
+/// An extent that grows, in registers.
+struct Measure {
+    bounds: Span,
+    centers: Span,
+    triangles: bool,
+}
+
+impl Measure {
+    const EMPTY: Self = Self { bounds: Span::EMPTY, centers: Span::EMPTY, triangles: true };
+
+    /// Adds a primitive with a given centre.
+    #[inline(always)]
+    fn add(&mut self, r: &PrimRef, center: Vec3A) {
+        self.bounds = self.bounds.union(r.span());
+        self.centers = self.centers.union(Span { min: center, max: center });
+        self.triangles &= !r.is_user();
+    }
+
+    fn extent(&self) -> Extent {
+        Extent { bounds: self.bounds.bounds(), centers: self.centers.bounds(), triangles: self.triangles }
     }
 }
 
@@ -143,13 +163,15 @@ impl<const BINS: usize> Bins<BINS> {
     }
 }
 
-/// Sorts a range into two parts that are not empty, and says where the second one begins.
-pub(super) fn split(refs: &mut [PrimRef], extent: &Extent, scale: f32, use_sah: bool) -> usize {
+/// Sorts a range into two parts that are not empty, and says where the second one begins and what is known of both.
+pub(super) fn split(refs: &mut [PrimRef], extent: &Extent, scale: f32, use_sah: bool) -> (usize, [Extent; 2]) {
     let chosen = if use_sah { best_plane(refs, extent, scale) } else { None };
-    if let Some(middle) = chosen.and_then(|cut| cut.apply(refs)) {
-        return middle;
+    if let Some(parts) = chosen.and_then(|cut| cut.apply(refs)) {
+        return parts;
     }
-    halve(refs, extent)
+    let middle = halve(refs, extent);
+    let (left, right) = refs.split_at(middle);
+    (middle, [Extent::of(left), Extent::of(right)])
 }
 
 /// Sorts a range into halves, and says where the second one begins.
@@ -174,10 +196,10 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    /// Sorts a range into its parts, and says where the second one begins, unless one of them is empty.
-    pub fn apply(&self, refs: &mut [PrimRef]) -> Option<usize> {
-        let middle = partition(refs, |r| self.grid.bin(r.center_on(self.axis), self.axis) < self.bin);
-        (middle > 0 && middle < refs.len()).then_some(middle)
+    /// Sorts a range into its parts, and says where the second one begins and what is known of both, unless one of them is empty.
+    pub fn apply(&self, refs: &mut [PrimRef]) -> Option<(usize, [Extent; 2])> {
+        let (middle, parts) = partition(refs, |center| self.grid.bin(center[self.axis], self.axis) < self.bin);
+        (middle > 0 && middle < refs.len()).then_some((middle, parts))
     }
 }
 
@@ -219,20 +241,34 @@ fn best_of_bins<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32
     best
 }
 
-/// Moves what satisfies the predicate to the front, in an order that depends on the input only, and counts it.
-fn partition(refs: &mut [PrimRef], mut first: impl FnMut(&PrimRef) -> bool) -> usize {
+/// Moves primitives whose centre satisfies the predicate to the front, in an order that depends on the input only, and counts them.
+/// Measures both parts on the way.
+fn partition(refs: &mut [PrimRef], first: impl Fn(Vec3A) -> bool) -> (usize, [Extent; 2]) {
+    let (mut left, mut right) = (Measure::EMPTY, Measure::EMPTY);
     let (mut i, mut j) = (0, refs.len());
     loop {
-        while i < j && first(&refs[i]) {
+        while i < j {
+            let center = refs[i].center();
+            if !first(center) {
+                break;
+            }
+            left.add(&refs[i], center);
             i += 1;
         }
-        while i < j && !first(&refs[j - 1]) {
+        while i < j {
+            let center = refs[j - 1].center();
+            if first(center) {
+                break;
+            }
+            right.add(&refs[j - 1], center);
             j -= 1;
         }
         if i >= j {
-            return i;
+            return (i, [left.extent(), right.extent()]);
         }
         refs.swap(i, j - 1);
+        left.add(&refs[i], refs[i].center());
+        right.add(&refs[j - 1], refs[j - 1].center());
         i += 1;
         j -= 1;
     }
