@@ -1,10 +1,12 @@
 //! Footprints: how far the point that a pixel sees moves when the sample moves by a pixel (M65). Texture filters average over them.
 //!
 //! Ray differentials follow Igehy, "Tracing Ray Differentials", SIGGRAPH 1999: transfer (eq. 10 to 12), reflection (14, 15) and
-//! refraction (16, 17). Where nothing was carried along, the footprint is that which the camera would have if it saw the point directly,
-//! as in Pharr, Jakob, Humphreys, *Physically Based Rendering* 4th ed., § 10.1.3.
+//! refraction (16, 17). A rough surface is taken for the mirror of the facet that the sample drew, curved as the surface is: its own
+//! spread of directions is left to the samples. Where nothing was carried along, the footprint is that which the camera would have if it saw
+//! the point directly, as in Pharr, Jakob, Humphreys, *Physically Based Rendering* 4th ed., § 10.1.3.
 
 use crate::{
+    bsdf::BsdfSample,
     scene::{Interaction, Scene, Shape},
     shape::QuadricKind,
     texture::Footprint,
@@ -44,13 +46,38 @@ pub struct RayDifferential {
     pub direction: [Vec3; 2],
 }
 
-/// What a specular event does to a ray: a reflection, or a refraction with the ratio of the indices on the far side and on this one.
+/// What a facet does to a ray: a reflection, or a refraction with the ratio of the indices on the far side and on this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bounce {
     /// Mirror reflection.
     Reflection,
     /// Refraction; index of the far side over that of this side.
     Refraction(f32),
+}
+
+/// Samples of rough lobes denser than this per steradian carry differentials on: those of lobes within about 10° of their middle.
+const NARROW: f32 = 10.0;
+
+impl Bounce {
+    /// Of a sample that differentials follow: a specular one, or one of a narrow lobe. Elsewhere they lose their meaning, since what is
+    /// seen there is blurred far beyond them.
+    #[inline]
+    pub fn of(s: &BsdfSample) -> Option<Self> {
+        let is_narrow = s.lobe.is_glossy() && s.pdf > NARROW;
+        if !s.lobe.is_specular() && !is_narrow {
+            return None;
+        }
+        Some(if s.lobe.is_transmission() { Self::Refraction(s.eta) } else { Self::Reflection })
+    }
+
+    /// The normal, on the side of `n`, of the facet that turns a ray from `d` to `wi`; `n` where it goes straight on, as at any facet.
+    fn facet(self, d: Vec3, wi: Vec3, n: Vec3) -> Vec3 {
+        let across = match self {
+            Self::Reflection => d - wi,
+            Self::Refraction(relative) => d / relative - wi,
+        };
+        if across.length_squared() > 1e-8 { across.normalize() * 1.0_f32.copysign(across.dot(n)) } else { n }
+    }
 }
 
 impl RayDifferential {
@@ -69,8 +96,8 @@ impl RayDifferential {
         Self { origin: std::array::from_fn(|k| self.origin[k] + self.direction[k] * t), direction: self.direction }
     }
 
-    /// The differential of the ray that leaves towards `wi` after a specular event at a hit; `dn` are the derivatives of the unit shading
-    /// normal `n` for the displacements `dp`.
+    /// The differential of the ray that leaves towards `wi` after an event at a facet; `dn` are the derivatives of its unit normal `n`
+    /// for the displacements `dp`.
     pub fn scatter(&self, d: Vec3, wi: Vec3, n: Vec3, dp: [Vec3; 2], dn: [Vec3; 2], bounce: Bounce) -> Self {
         // The normal is taken against the ray.
         let side = if d.dot(n) > 0.0 { -1.0 } else { 1.0 };
@@ -121,7 +148,7 @@ impl Scene {
         }
     }
 
-    /// The differential after a specular event at a hit; `None` where it leaves the range of numbers.
+    /// The differential of the ray that leaves a hit towards `wi`; `None` where it leaves the range of numbers.
     pub fn scatter_differential(
         &self,
         i: &Interaction,
@@ -132,7 +159,8 @@ impl Scene {
         let d = -i.wo;
         let dp = differential.transfer(d, i.t, i.surface.n);
         let dn = dp.map(|dp| self.normal_derivative(i, dp));
-        Some(differential.scatter(d, wi, i.surface.ns, dp, dn, bounce)).filter(RayDifferential::is_finite)
+        let n = bounce.facet(d, wi, i.surface.ns);
+        Some(differential.scatter(d, wi, n, dp, dn, bounce)).filter(RayDifferential::is_finite)
     }
 
     /// ∂p/∂v at a hit, in the world; may be zero. For curves it runs along the rim and for quadrics along the profile.
@@ -144,6 +172,7 @@ impl Scene {
             // Both are in the space that the point is in.
             Shape::Quadric(q) => q.dpdv(self.local_point(i)),
             Shape::Curves(c) => c.dpdv(i.id.prim, u, i.surface.n, i.surface.dpdu),
+            Shape::Field(f) => f.dpdv(u, v),
             Shape::Plane(p) => p.dpdv(),
         };
         if i.id.instance == WORLD {
@@ -153,8 +182,8 @@ impl Scene {
         }
     }
 
-    /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches and curves is
-    /// left out.
+    /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches, curves and
+    /// height fields is left out.
     fn normal_derivative(&self, i: &Interaction, dp: Vec3) -> Vec3 {
         match &self.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) if !m.normals.is_empty() => {

@@ -8,7 +8,7 @@ use crate::{
     material::{self, Material, Model, Scattering, detail::Base},
     medium::Medium,
     sampler::SamplerKind,
-    shape::{Curves, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
+    shape::{Curves, Field, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
     texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
 use std::sync::Arc;
@@ -28,6 +28,8 @@ pub enum Shape {
     Patches(Arc<PatchMesh>),
     /// Curves.
     Curves(Arc<Curves>),
+    /// A height field.
+    Field(Arc<Field>),
     /// An infinite plane.
     Plane(Plane),
 }
@@ -40,6 +42,7 @@ impl Shape {
             Self::Quadric(q) => q.bounds(),
             Self::Patches(m) => Bounds3::from_points(m.positions.iter().copied()),
             Self::Curves(c) => (0..c.count()).fold(Bounds3::EMPTY, |b, k| b.union(c.bounds(k))),
+            Self::Field(f) => (0..f.count()).fold(Bounds3::EMPTY, |b, k| b.union(f.bounds(k))),
             Self::Plane(_) => Bounds3::EMPTY,
         }
     }
@@ -219,6 +222,7 @@ impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
             }
             Shape::Patches(m) => m.intersect(id.prim, ray).filter(passes),
             Shape::Curves(c) => c.intersect(id.prim, ray).filter(passes),
+            Shape::Field(f) => f.intersect(id.prim, ray, passes),
             Shape::Mesh(_) | Shape::Plane(_) => None,
         }
     }
@@ -444,6 +448,7 @@ impl Scene {
             Shape::Mesh(m) => m.bytes(),
             Shape::Patches(m) => m.bytes(),
             Shape::Curves(c) => c.bytes(),
+            Shape::Field(f) => f.bytes(),
             Shape::Quadric(_) | Shape::Plane(_) => size_of::<Quadric>(),
         });
         self.accel.bytes() + shapes.sum::<usize>()
@@ -458,6 +463,7 @@ fn surface(shape: &Shape, hit: &Hit, ray: &Ray) -> SurfacePoint {
         Shape::Quadric(q) => q.surface(ray, hit.t),
         Shape::Patches(m) => m.surface(hit.id.prim, hit.u, hit.v),
         Shape::Curves(c) => c.surface(hit.id.prim, hit.u, hit.v, ray, hit.t),
+        Shape::Field(f) => f.surface(hit.u, hit.v),
         Shape::Plane(p) => p.surface(ray, hit.t),
     }
 }

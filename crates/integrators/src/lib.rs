@@ -18,6 +18,9 @@ mod partition;
 mod survey;
 mod walk;
 
+#[cfg(test)]
+mod differential_tests;
+
 pub use registry::{INTEGRATORS, IntegratorKind};
 pub use session::{Control, Film, Plan, Session};
 pub use survey::{Survey, Tactics};

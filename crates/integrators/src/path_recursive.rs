@@ -50,7 +50,8 @@ impl PathRecursive {
             return sum;
         }
         let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
-        match scene.scattering(&i, choice, lambda) {
+        let at = scene.texture_context_over(&i, scene.footprint(&i, leg.differential.as_ref()));
+        match scene.scattering_at(&i, &at, choice, lambda) {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
@@ -58,7 +59,8 @@ impl PathRecursive {
             }
             None if leg.passes >= MAX_PASSES.min(DEEPEST) => sum,
             None => {
-                let leg = Leg { ray: i.spawn(leg.ray.direction), passes: leg.passes + 1, ..leg };
+                let differential = leg.differential.map(|d| d.advance(i.t));
+                let leg = Leg { ray: i.spawn(leg.ray.direction), passes: leg.passes + 1, differential, ..leg };
                 self.follow(scene, survey, leg, sum, sampler, lambda, counters)
             }
         }

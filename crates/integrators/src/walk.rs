@@ -11,6 +11,7 @@ use crate::{
 use steradian_core::{
     Scene,
     bsdf::{BsdfEval, BsdfSample, Lobe, TransportMode},
+    footprint::{Bounce, RayDifferential},
     light::LightContext,
     material::Scattering,
     medium::Medium,
@@ -71,13 +72,25 @@ pub(crate) struct Leg {
     pub passes: u32,
     /// The medium that it goes through.
     pub medium: Option<u32>,
+    /// What makes textures' footprints, up to the first event that blurs; from there on they are those of the camera seeing the
+    /// point.
+    pub differential: Option<RayDifferential>,
 }
 
 impl Leg {
     /// From the camera.
     #[inline]
     pub fn camera(scene: &Scene, ray: Ray) -> Self {
-        Self { ray, beta: Spectrum::ONE, eta2: 1.0, origin: None, events: 0, passes: 0, medium: scene.camera.medium }
+        Self {
+            ray,
+            beta: Spectrum::ONE,
+            eta2: 1.0,
+            origin: None,
+            events: 0,
+            passes: 0,
+            medium: scene.camera.medium,
+            differential: scene.ray_differential(&ray),
+        }
     }
 
     /// On from a vertex in the direction that was drawn there.
@@ -97,6 +110,10 @@ impl Leg {
         }
         self.ray = v.spawn(direction);
         self.events += 1;
+        self.differential = match (&self.differential, v, Bounce::of(s)) {
+            (Some(d), Vertex::Surface { i, .. }, Some(bounce)) => scene.scatter_differential(i, d, direction, bounce),
+            _ => None,
+        };
     }
 
     /// Straight on.
@@ -107,6 +124,9 @@ impl Leg {
             self.medium = v.medium_towards(scene, self.ray.direction);
         }
         self.ray = v.spawn(self.ray.direction);
+        if let Vertex::Surface { i, .. } = v {
+            self.differential = self.differential.map(|d| d.advance(i.t));
+        }
     }
 
     /// The dimension of a decision of the next event. Numbers are drawn anew after each surface that was passed on the way to it.
@@ -354,7 +374,8 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
             return Arrival::End;
         }
         let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
-        if let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) {
+        let at = scene.texture_context_over(&i, scene.footprint(&i, leg.differential.as_ref()));
+        if let Some((scattering, frame)) = scene.scattering_at(&i, &at, choice, lambda) {
             if is_last {
                 return Arrival::End;
             }
@@ -365,6 +386,7 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
             leg.medium = scene.medium_towards(&i, leg.ray.direction, leg.medium);
         }
         leg.ray = i.spawn(leg.ray.direction);
+        leg.differential = leg.differential.map(|d| d.advance(i.t));
     }
     Arrival::End
 }

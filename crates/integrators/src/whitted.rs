@@ -132,11 +132,10 @@ impl Whitted {
             }
             for (s, factor) in ways.into_iter().flatten() {
                 let ray = i.spawn(frame.to_world(s.wi));
-                let differential = differential.as_ref().and_then(|d| {
-                    let passes = s.lobe.is_transmission();
-                    let bounce = if passes { Bounce::Refraction(s.eta) } else { Bounce::Reflection };
-                    scene.scatter_differential(&i, d, ray.direction, bounce)
-                });
+                let bounce = Bounce::of(&s);
+                let differential = differential
+                    .zip(bounce)
+                    .and_then(|(d, bounce)| scene.scatter_differential(&i, &d, ray.direction, bounce));
                 let next = Branch { ray, differential, events: events + 1, limit };
                 sum += factor * self.trace(scene, next, sampler, lambda, counters);
             }

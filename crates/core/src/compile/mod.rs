@@ -6,6 +6,7 @@ mod coats;
 mod dispersion;
 mod displacement;
 mod hair;
+mod height_field;
 mod layered;
 mod lights;
 mod mapping;

@@ -1,6 +1,6 @@
 //! Compiling shapes: geometry placed in the space it is traced in, with material, emission and media.
 
-use super::Compiler;
+use super::{Compiler, height_field};
 use crate::{
     color::Role,
     light::{AreaLight, AreaShape, Emitter, Light},
@@ -79,6 +79,7 @@ impl Compiler<'_> {
                 Shape::Quadric(q) => vec![q.bounds()],
                 Shape::Patches(m) => (0..m.patches.len() as u32).map(|i| m.bounds(i)).collect(),
                 Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
+                Shape::Field(f) => (0..f.count()).map(|i| f.bounds(i)).collect(),
             };
             let reach_is_finite = match &part {
                 Shape::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
@@ -221,6 +222,18 @@ impl Compiler<'_> {
                 }
             }
             "curve" => self.curve(node, place, swaps, reverse, emits),
+            "height_field" => match self.height_field(
+                node,
+                place,
+                swaps,
+                reverse,
+                if emits { height_field::MOST_EMITTING } else { height_field::MOST },
+            ) {
+                // Lights need samples of their area, which triangles give.
+                Some(field) if emits => self.mesh_parts(node, &field.mesh(), place, swaps, reverse, false, emits),
+                Some(field) => vec![Shape::Field(Arc::new(field))],
+                None => Vec::new(),
+            },
             other => {
                 let help = names::did_you_mean(other, SHAPES.iter().map(|s| s.0));
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);

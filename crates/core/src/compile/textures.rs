@@ -35,7 +35,7 @@ impl Compiler<'_> {
             self.desc.nodes.iter().filter(|n| wanted(n)).filter_map(|n| n.path("file")).collect()
         };
         let textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
-        let mut others = names(|n| n.family == Family::Light);
+        let mut others = names(|n| n.family == Family::Light || n.kind == "height_field");
         let limits = self.options.image_limits;
         let load = |p: &Path| -> Result<Loaded<Arc<Texels>>, String> {
             let mut texels = steradian_image::read_texels(p, &limits).map_err(|e| e.to_string())?;

@@ -63,13 +63,20 @@ impl HeightField {
         self.data.iter().copied().fold(f32::MAX, f32::min)
     }
 
-    fn sample(&self, i: usize, j: usize) -> f32 {
+    /// A sample; `i` along u, `j` along v.
+    pub(crate) fn sample(&self, i: usize, j: usize) -> f32 {
         self.data[j * self.width + i]
     }
 
     /// Heights at the corners of a cell: (0, 0), (1, 0), (0, 1), (1, 1).
-    fn corners(&self, i: usize, j: usize) -> [f32; 4] {
+    pub(crate) fn corners(&self, i: usize, j: usize) -> [f32; 4] {
         [self.sample(i, j), self.sample(i + 1, j), self.sample(i, j + 1), self.sample(i + 1, j + 1)]
+    }
+
+    /// Heights at the corners of the cell that a place lies in.
+    pub(crate) fn corners_at(&self, uv: Vec2) -> [f32; 4] {
+        let (i, j) = self.cell(uv);
+        self.corners(i, j)
     }
 
     /// The largest height of a cell.
@@ -78,7 +85,7 @@ impl HeightField {
     }
 
     /// The cell that a place lies in.
-    pub(super) fn cell(&self, uv: Vec2) -> (usize, usize) {
+    pub(crate) fn cell(&self, uv: Vec2) -> (usize, usize) {
         let (w, h) = self.cells();
         let index = |x: f32, n: usize| ((x * n as f32).floor().max(0.0) as usize).min(n - 1);
         (index(uv.x, w), index(uv.y, h))
@@ -94,8 +101,8 @@ impl HeightField {
         (a * (1.0 - s) + b * s) * (1.0 - t) + (c * (1.0 - s) + d * s) * t
     }
 
-    /// The unit normal at a place.
-    pub fn normal(&self, uv: Vec2) -> Vec3 {
+    /// The derivatives of the height along u and v at a place.
+    pub fn slope(&self, uv: Vec2) -> Vec2 {
         let uv = uv.clamp(Vec2::ZERO, Vec2::ONE);
         let (w, h) = self.cells();
         let (i, j) = self.cell(uv);
@@ -103,7 +110,21 @@ impl HeightField {
         let [a, b, c, d] = self.corners(i, j);
         let du = ((b - a) * (1.0 - t) + (d - c) * t) * w as f32;
         let dv = ((c - a) * (1.0 - s) + (d - b) * s) * h as f32;
-        Vec3::new(-du, -dv, 1.0).normalize_or(Vec3::Z)
+        Vec2::new(du, dv)
+    }
+
+    /// The unit normal at a place.
+    pub fn normal(&self, uv: Vec2) -> Vec3 {
+        (-self.slope(uv)).extend(1.0).normalize_or(Vec3::Z)
+    }
+
+    /// The derivatives at a sample: differences over both its neighbours, at the rim over one.
+    pub(crate) fn vertex_slope(&self, i: usize, j: usize) -> Vec2 {
+        let (w, h) = self.cells();
+        let (i0, i1, j0, j1) = (i.saturating_sub(1), (i + 1).min(w), j.saturating_sub(1), (j + 1).min(h));
+        let du = (self.sample(i1, j) - self.sample(i0, j)) * w as f32 / (i1 - i0) as f32;
+        let dv = (self.sample(i, j1) - self.sample(i, j0)) * h as f32 / (j1 - j0) as f32;
+        Vec2::new(du, dv)
     }
 
     /// The part of a line over the unit square and not above the relief's top; `None` where there is none.

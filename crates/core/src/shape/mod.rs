@@ -2,6 +2,7 @@
 
 pub mod curve;
 pub mod displacement;
+pub mod height_field;
 pub mod mesh;
 pub mod patch;
 pub mod plane;
@@ -10,6 +11,7 @@ pub mod subdivision;
 pub mod tangents;
 
 pub use curve::Curves;
+pub use height_field::Field;
 pub use mesh::TriMesh;
 pub use patch::PatchMesh;
 pub use plane::Plane;
@@ -23,6 +25,7 @@ pub const SHAPES: &[(&str, &str)] = &[
     ("sphere", "center, radius, z_min, z_max, phi_max (degrees)"),
     ("disk", "height, radius, inner_radius, phi_max (degrees)"),
     ("cylinder", "radius, z_min, z_max, phi_max (degrees); or p0, p1, radius"),
+    ("height_field", "heights over the unit square, traced without triangles; heights, nu, nv, file, scale, smooth"),
     ("plane", "the infinite plane n·x + d = 0; normal, distance"),
     ("loop_subdivision", "the limit surface of a mesh by Loop's rules; levels"),
     ("curve", "cubic or quadratic Bézier or B-spline; points, degree, basis, type, width0, width1, normals"),

@@ -254,7 +254,7 @@ impl Sides {
 
 /// Roots of `a x² + b x + c`, without cancellation; infinite or NaN for those that are missing.
 #[inline]
-fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
+pub(super) fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     let q = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));
     let (r0, r1) = (q / a, c / q);
     // A double root is reported once.

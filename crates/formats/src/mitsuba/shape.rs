@@ -6,7 +6,7 @@ use super::{
     normals,
     reader::Reader,
     solids,
-    texture::rgb,
+    texture::{Role, rgb},
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Group, Instance, Mesh, Node, NodeId, Shape};
@@ -195,6 +195,7 @@ impl Reader<'_> {
                 Some(Geometry { node, mesh: None, world_from_object, reverse_orientation })
             }
             "cylinder" => self.cylinder(object, world_from_object),
+            "heightfield" => self.height_field(object, world_from_object),
             known if self.is_known(object) => {
                 self.error(self.span(object), format!("there is no shape '{known}'"));
                 self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
@@ -259,6 +260,32 @@ impl Reader<'_> {
             // A mirrored sphere faces inwards in Mitsuba.
             reverse_orientation: flip != to_world.swaps_handedness(),
         })
+    }
+
+    /// Mitsuba 0.6's: a picture's heights over [-1, 1]².
+    fn height_field(&mut self, object: ObjectId, to_world: Transform) -> Option<Geometry> {
+        let mut node = self.node(Family::Shape, "height_field", object);
+        let nested = self.graph.children(object, Category::Texture).first().map(|&(_, texture)| texture);
+        match nested {
+            Some(texture) => {
+                let heights = self.texture(texture, Role::Scalar)?;
+                node.set("heights", heights, None);
+                for (from, to) in [("width", "nu"), ("height", "nv")] {
+                    if let Some(count) = self.int(object, from) {
+                        node.set(to, count, Some(self.value_span(object, from)));
+                    }
+                }
+            }
+            None => {
+                let span = self.value_span(object, "filename");
+                node.set("file", self.needed_file(object, "filename")?, Some(span));
+            }
+        }
+        node.set("scale", self.float(object, "scale").unwrap_or(1.0), None);
+        node.set("smooth", self.bool(object, "shading_normals").unwrap_or(true), None);
+        let square = Transform::translate(DVec3::new(-1.0, -1.0, 0.0)) * Transform::scale(DVec3::new(2.0, 2.0, 1.0));
+        let reverse_orientation = self.bool(object, "flip_normals").unwrap_or(false);
+        Some(Geometry { node, mesh: None, world_from_object: to_world * square, reverse_orientation })
     }
 
     fn cylinder(&mut self, object: ObjectId, to_world: Transform) -> Option<Geometry> {

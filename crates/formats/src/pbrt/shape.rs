@@ -3,11 +3,11 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene};
 use steradian_scene::{Family, Mesh, NodeId, names};
 
-const KINDS: [&str; 8] =
-    ["sphere", "disk", "cylinder", "trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve"];
+const KINDS: [&str; 9] =
+    ["sphere", "disk", "cylinder", "trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve", "heightfield"];
 
 /// Shapes of pbrt-v3 that pbrt-v4 left out.
-const OLD_KINDS: [&str; 5] = ["cone", "paraboloid", "hyperboloid", "heightfield", "nurbs"];
+const OLD_KINDS: [&str; 4] = ["cone", "paraboloid", "hyperboloid", "nurbs"];
 
 /// Translates a shape into its node and, for meshes, the index of its data.
 pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Option<usize>)> {
@@ -15,6 +15,8 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
     let kind = match given {
         "trianglemesh" | "plymesh" | "bilinearmesh" => "mesh",
         "loopsubdiv" => "loop_subdivision",
+        // Of pbrt-v3.
+        "heightfield" => "height_field",
         kind => kind,
     };
     let mut b = Build::new(scene, dict, Family::Shape, kind);
@@ -40,6 +42,11 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
             b.float("phimax", "phi_max", 360.0);
         }
         "curve" => curve(&mut b)?,
+        "heightfield" => {
+            b.int("nu", "nu", None);
+            b.int("nv", "nv", None);
+            b.floats("Pz", "heights", Type::Float);
+        }
         "plymesh" => {
             mesh = Some(ply(&mut b)?);
             b.set("flat", false);

@@ -32,6 +32,22 @@ fn cylinders_run_from_p0_to_p1() {
 }
 
 #[test]
+fn height_fields_reach_from_minus_one_to_one() {
+    let desc = good(
+        "<shape type=\"heightfield\"><texture type=\"checkerboard\"/><integer name=\"width\" value=\"5\"/>
+         <float name=\"scale\" value=\"0.2\"/></shape>",
+    );
+    let shape = &desc.shapes[0];
+    let node = desc.node(shape.node);
+    assert_eq!(node.kind, "height_field");
+    assert_eq!((node.int("nu"), node.int("nv"), node.float("scale")), (Some(5), None, Some(0.2)));
+    assert_eq!((node.bool("smooth"), child(&desc, node, "heights").kind.as_str()), (Some(true), "checkerboard"));
+    let corner = |x: f64, y: f64| shape.world_from_object.point(DVec3::new(x, y, 0.5));
+    assert_eq!((corner(0.0, 0.0), corner(1.0, 1.0)), (DVec3::new(-1.0, -1.0, 0.5), DVec3::new(1.0, 1.0, 0.5)));
+    assert!(errors(&read("<shape type=\"heightfield\"/>"))[0].contains("needs 'filename'"));
+}
+
+#[test]
 fn textures_on_disks_are_turned() {
     let desc = good(
         "<bsdf id=\"b\" type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"/></bsdf>

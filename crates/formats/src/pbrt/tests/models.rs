@@ -650,6 +650,13 @@ fn meshes_written_in_the_scene() {
 }
 
 #[test]
+fn height_fields_of_the_version_before() {
+    let s = shape(&world("Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 2 \"float Pz\" [0 1 2 3 4 5]")).clone();
+    check(&s, "height_field", &[("nu", some(3)), ("nv", some(2)), ("alpha", None)]);
+    assert_eq!(s.floats("heights"), Some(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0][..]));
+}
+
+#[test]
 fn curves() {
     let d = world("Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"float width\" 0.5 \"float width1\" 0.1");
     check(
