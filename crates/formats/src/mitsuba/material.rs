@@ -7,6 +7,62 @@ use super::{
 };
 use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 
+/// The parameters of models that have the same in both vocabularies: Disney's, and Steradian's own under its own names.
+fn parameters_taken_over(plugin: &str) -> Option<&'static [&'static str]> {
+    Some(match plugin {
+        "principled" => &[
+            "base_color",
+            "roughness",
+            "anisotropic",
+            "metallic",
+            "spec_trans",
+            "eta",
+            "specular",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "clearcoat",
+            "clearcoat_gloss",
+        ],
+        "principledthin" => &[
+            "base_color",
+            "roughness",
+            "anisotropic",
+            "spec_trans",
+            "eta",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "diff_trans",
+        ],
+        "oren_nayar" => &["reflectance", "form", "roughness", "sigma"],
+        "minnaert" => &["reflectance", "k"],
+        "blinn_phong" => &["diffuse_reflectance", "specular_reflectance", "exponent", "form"],
+        "lafortune" => &["diffuse_reflectance", "specular_reflectance", "exponent", "coefficients"],
+        "cook_torrance" => &[
+            "diffuse_reflectance",
+            "specular_reflectance",
+            "fresnel",
+            "eta",
+            "k",
+            "f0",
+            "f90",
+            "film_thickness",
+            "film_eta",
+            "coupling",
+            "alpha_u",
+            "alpha_v",
+            "remap_roughness",
+            "distribution",
+            "gamma",
+            "shadowing",
+        ],
+        _ => return None,
+    })
+}
+
 impl Reader<'_> {
     /// A BSDF as a material node; `None` after an error.
     pub fn material(&mut self, object: ObjectId) -> Option<NodeId> {
@@ -16,6 +72,11 @@ impl Reader<'_> {
     fn material_node(&mut self, object: ObjectId) -> Option<NodeId> {
         let plugin = self.plugin(object).to_owned();
         self.graph.objects[object].visited = true;
+        if let Some(known) = parameters_taken_over(&plugin) {
+            let node = self.verbatim(object, Family::Material);
+            self.only_known(object, known);
+            return node;
+        }
         let node = match plugin.as_str() {
             "diffuse" => {
                 let mut node = self.node(Family::Material, "diffuse", object);
@@ -55,10 +116,6 @@ impl Reader<'_> {
             }
             "roughdiffuse" => self.rough_diffuse(object),
             "phong" | "ward" => self.classical_lobe(object, plugin == "ward"),
-            // Steradian's own, under its own names.
-            "oren_nayar" | "minnaert" | "blinn_phong" | "lafortune" | "cook_torrance" => {
-                return self.verbatim(object, Family::Material);
-            }
             "twosided" => {
                 let sides = self.nested(object, 1, 2)?;
                 let back = sides.get(1).or(sides.first()).copied()?;
@@ -78,7 +135,7 @@ impl Reader<'_> {
                 node.with("materials", self.nested(object, 2, 2)?)
             }
             "measured" | "measured_polarized" => {
-                let file = self.file(object, "filename")?;
+                let file = self.needed_file(object, "filename")?;
                 self.ignore(object, &["alpha_sample"]);
                 let span = Some(self.value_span(object, "filename"));
                 let mut node = self.node(Family::Material, "measured", object);
@@ -97,6 +154,14 @@ impl Reader<'_> {
             }
         };
         Some(self.desc.add(node))
+    }
+
+    /// Has the properties reported that a model taken over as it stands does not know. Sampling rates change the noise only.
+    fn only_known(&mut self, object: ObjectId, known: &'static [&'static str]) {
+        self.ignore(object, known);
+        for p in &mut self.graph.objects[object].props {
+            p.used = p.name.is_empty() || p.name.ends_with("_sampling_rate") || known.contains(&p.name.as_str());
+        }
     }
 
     /// The nested BSDFs, of which there must be between `least` and `most`.

@@ -196,6 +196,27 @@ fn parameters_without_values_are_reported_once() {
 }
 
 #[test]
+fn models_taken_over_as_they_stand_know_their_parameters() {
+    let ball = |bsdf: &str| read(&format!("<shape type=\"sphere\">{bsdf}</shape><sensor type=\"perspective\"/>"));
+    for (model, wrong, right) in [
+        ("principled", "rougness", "roughness"),
+        ("principledthin", "dif_trans", "diff_trans"),
+        ("cook_torrance", "couplin", "coupling"),
+        ("minnaert", "reflectence", "reflectance"),
+    ] {
+        let import = ball(&format!("<bsdf type=\"{model}\"><float name=\"{wrong}\" value=\"0.1\"/></bsdf>"));
+        let said: Vec<&Diagnostic> = import.diagnostics.iter().collect();
+        assert_eq!(said.len(), 1, "{model}");
+        assert_eq!(said[0].message, format!("the BSDF '{model}' does not use '{wrong}'"));
+        assert_eq!(said[0].help.as_deref(), Some(format!("did you mean '{right}'?").as_str()));
+    }
+    let rates = "<bsdf type=\"principled\"><float name=\"clearcoat_sampling_rate\" value=\"2\"/></bsdf>";
+    assert_eq!(ball(rates).diagnostics.iter().count(), 0);
+    let missing = errors(&ball("<bsdf type=\"measured\"/>"));
+    assert!(missing.len() == 1 && missing[0].starts_with("error: the BSDF 'measured' needs 'filename'"), "{missing:?}");
+}
+
+#[test]
 fn unused_properties_name_their_neighbours() {
     let import =
         read("<shape type=\"sphere\"><float name=\"radios\" value=\"1\"/></shape><sensor type=\"perspective\"/>");
