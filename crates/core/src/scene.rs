@@ -393,13 +393,17 @@ impl Scene {
         }
         let front = i.surface.ns.dot(i.wo) > 0.0;
         let s = material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
-        let ns = match s.detail {
-            None => i.surface.ns,
-            Some(detail) => detail.shading_normal(&self.textures, at, &self.base(i), i.wo),
+        let (ns, tangent) = match s.detail {
+            None => (i.surface.ns, i.surface.dpdu),
+            Some(detail) => {
+                let base = self.base(i);
+                let ns = detail.shading_normal(&self.textures, at, &base, i.wo);
+                (ns, detail.tangent(&self.textures, at, &base))
+            }
         };
         let z = if s.flipped { -ns } else { ns };
         let frame = if self.materials[geometry.material as usize].needs_tangent() {
-            Frame::from_zx(z, i.surface.dpdu)
+            Frame::from_zx(z, tangent)
         } else {
             Frame::from_z(z)
         };

@@ -1,6 +1,7 @@
 //! Histograms and integrals over the sphere of directions.
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 use steradian_math::Vec3;
 
 /// Cells of equal solid angle: bands of equal `z`, sectors of equal azimuth.
@@ -30,13 +31,36 @@ impl SphereGrid {
     /// Each cell is first cut into 16 parts, then divided until two levels agree within `tolerance` (absolute, per cell) or
     /// 4⁹ parts are reached. Features much smaller than a 64th of a cell can be missed.
     pub fn integrate(&self, density: impl Fn(Vec3) -> f64, tolerance: f64) -> Vec<f64> {
+        (0..self.cells()).map(|i| self.integrate_cell(i, &density, tolerance, LEVELS)).collect()
+    }
+
+    /// What `histogram`, of `samples` draws, should hold if it follows `density`, to a small part of its own noise.
+    ///
+    /// Cells that differ from what is seen by more than noise often does are integrated again by a finer quadrature, so
+    /// that corners which an edge of the density cuts off, and which samples hit, are not overlooked.
+    pub fn expected_counts(&self, density: impl Fn(Vec3) -> f64, histogram: &[u64], samples: u64) -> Vec<f64> {
+        let n = samples as f64;
+        let cell = |(i, &seen): (usize, &u64)| {
+            let noise = (seen as f64 + 5.0).sqrt();
+            let expected = n * self.integrate_cell(i, &density, 0.5 * noise / n, LEVELS);
+            if (expected - seen as f64).abs() < 2.0 * noise {
+                return expected;
+            }
+            n * self.integrate_cell(i, &density, 0.05 * noise / n, FINE_LEVELS)
+        };
+        histogram.iter().enumerate().map(cell).collect()
+    }
+
+    fn integrate_cell(
+        &self,
+        i: usize,
+        density: &impl Fn(Vec3) -> f64,
+        tolerance: f64,
+        levels: RangeInclusive<u32>,
+    ) -> f64 {
         let (dz, dphi) = (2.0 / self.bands as f64, 2.0 * PI / self.sectors as f64);
-        (0..self.cells())
-            .map(|i| {
-                let (z, phi) = ((i / self.sectors) as f64 * dz - 1.0, (i % self.sectors) as f64 * dphi);
-                integrate_patch(&density, [z, z + dz], [phi, phi + dphi], tolerance, 0)
-            })
-            .collect()
+        let (z, phi) = ((i / self.sectors) as f64 * dz - 1.0, (i % self.sectors) as f64 * dphi);
+        integrate_patch(density, [z, z + dz], [phi, phi + dphi], tolerance, &levels, 0)
     }
 }
 
@@ -59,11 +83,36 @@ fn gauss(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2]) -> f64 {
     (at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1)) * 0.25 * (z[1] - z[0]) * (phi[1] - phi[0])
 }
 
-/// Levels of division that are always made, and that are made at most.
-const LEVELS: (u32, u32) = (2, 9);
+/// Whether the density is zero in some corners of a patch and matters in others.
+fn ends_here(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64) -> bool {
+    // Not on the sides themselves, of which some are the horizon.
+    const CORNERS: [f64; 2] = [1e-3, 1.0 - 1e-3];
+    let at = |i: usize, j: usize| {
+        f(direction(z[0] + (z[1] - z[0]) * CORNERS[i], phi[0] + (phi[1] - phi[0]) * CORNERS[j]))
+            * (z[1] - z[0])
+            * (phi[1] - phi[0])
+    };
+    let corners = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
+    corners.contains(&0.0) && corners.iter().any(|v| *v > tolerance)
+}
 
-/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ.
-fn integrate_patch(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64, level: u32) -> f64 {
+/// Levels of division that are always made, and that are made at most.
+const LEVELS: RangeInclusive<u32> = 2..=9;
+/// The same where something was overlooked.
+const FINE_LEVELS: RangeInclusive<u32> = 6..=11;
+/// Relative differences below this are rounding of single precision.
+const ROUNDING: f64 = 1e-5;
+
+/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ, and where the density ends: there they
+/// may agree by chance.
+fn integrate_patch(
+    f: &impl Fn(Vec3) -> f64,
+    z: [f64; 2],
+    phi: [f64; 2],
+    tolerance: f64,
+    levels: &RangeInclusive<u32>,
+    level: u32,
+) -> f64 {
     let whole = gauss(f, z, phi);
     let (zm, pm) = (0.5 * (z[0] + z[1]), 0.5 * (phi[0] + phi[1]));
     let quarters = [
@@ -73,10 +122,11 @@ fn integrate_patch(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], toleran
         ([zm, z[1]], [pm, phi[1]]),
     ];
     let parts: f64 = quarters.iter().map(|q| gauss(f, q.0, q.1)).sum();
-    if level >= LEVELS.1 || (level >= LEVELS.0 && (parts - whole).abs() < tolerance) {
+    let agree = level >= *levels.start() && (parts - whole).abs() < tolerance.max(ROUNDING * parts.abs());
+    if level >= *levels.end() || (agree && !ends_here(f, z, phi, tolerance)) {
         return parts;
     }
-    quarters.iter().map(|q| integrate_patch(f, q.0, q.1, tolerance * 0.25, level + 1)).sum()
+    quarters.iter().map(|q| integrate_patch(f, q.0, q.1, tolerance * 0.25, levels, level + 1)).sum()
 }
 
 #[cfg(test)]
@@ -90,6 +140,29 @@ mod tests {
         // A narrow lobe: (n + 1)/(2π) cosⁿ.
         let lobe = |w: Vec3| f64::from(w.dot(Vec3::new(0.6, 0.48, 0.64)).max(0.0)).powi(2000) * 2001.0 / (2.0 * PI);
         assert!((integrate_sphere(lobe, 1e-5) - 1.0).abs() < 1e-4);
+    }
+
+    /// Caps, whose edges cut small corners off cells.
+    #[test]
+    fn hard_edges_are_where_samples_find_them() {
+        let grid = SphereGrid { bands: 20, sectors: 40 };
+        let (samples, cos) = (100_000, 0.9);
+        let mut rng = steradian_math::hash::HashRng::new(5);
+        for k in 0..3 {
+            let axis = direction(0.5 + 0.08 * f64::from(k), 0.3);
+            let density = |w: Vec3| if f64::from(w.dot(axis)) > cos { 0.5 / PI / (1.0 - cos) } else { 0.0 };
+            let (s, t) = axis.any_orthonormal_pair();
+            let mut histogram = vec![0; grid.cells()];
+            for _ in 0..samples {
+                let w = direction(1.0 - (1.0 - cos) * f64::from(rng.next_f32()), 2.0 * PI * f64::from(rng.next_f32()));
+                histogram[grid.cell(s * w.x + t * w.y + axis * w.z)] += 1;
+            }
+            let overlooks = |expected: &[f64]| histogram.iter().zip(expected).any(|(&seen, &e)| seen > 1 && e < 1e-6);
+            let expected = grid.expected_counts(density, &histogram, samples);
+            assert!(!overlooks(&expected));
+            let chi2 = crate::chi2_test(&histogram, &expected, samples);
+            assert!(chi2.p_value > crate::sidak(0.01, 3), "{chi2:?}");
+        }
     }
 
     #[test]

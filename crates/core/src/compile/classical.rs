@@ -336,6 +336,23 @@ mod tests {
         Value::Node(desc.add(Node::new(Family::Texture, "checkerboard", None).with("a", a).with("b", b)))
     }
 
+    /// M99: each part of a texture has its own albedo.
+    #[test]
+    fn the_albedo_is_that_of_the_place() {
+        let (scene, said) = scene(ColorMode::Rgb, |d| {
+            let squares = varying(d, 0.2, 0.7);
+            material("diffuse").with("reflectance", squares)
+        });
+        let scene = scene.expect(&said);
+        for (uv, albedo) in [([0.25, 0.25], 0.2), ([1.25, 0.25], 0.7), ([1.75, 1.5], 0.2)] {
+            let seen = with_bsdf(&scene, Vec2::from(uv), &mut Wavelengths::RGB.clone(), |b| {
+                let value = |wi| f64::from(b.eval(Vec3::Z, wi, TransportMode::Radiance).value[0]);
+                steradian_testkit::integrate_sphere(value, 1e-5)
+            });
+            assert!((seen - albedo).abs() < 1e-4, "{uv:?}: {seen}");
+        }
+    }
+
     #[test]
     fn every_number_varies_over_the_surface() {
         for (kind, name, range) in [

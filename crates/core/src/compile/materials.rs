@@ -91,7 +91,11 @@ impl Compiler<'_> {
                 }
             }
         }
-        (detail.normal_map.is_some() || detail.bump.is_some()).then_some(detail)
+        if node.get("anisotropy_rotation").is_some() {
+            let rotation = self.float_texture(node, "anisotropy_rotation", 0.0);
+            detail.rotation = (!matches!(rotation, FloatTexture::Constant(0.0))).then_some(rotation);
+        }
+        (detail.normal_map.is_some() || detail.bump.is_some() || detail.rotation.is_some()).then_some(detail)
     }
 
     /// A normal map whose spread counts as roughness, where the node asks for it.
@@ -307,7 +311,9 @@ impl Compiler<'_> {
     ) -> Roughness {
         use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
         let u_value = self.roughness_value(node, u, alpha);
-        let v_value = if node.get(v).is_some() { self.roughness_value(node, v, alpha) } else { u_value };
+        // What one word of a file gave to both is looked at once.
+        let own = |n: &str| node.param(n).map(|p| (&p.value, p.span));
+        let v_value = if own(v).is_none() || own(v) == own(u) { u_value } else { self.roughness_value(node, v, alpha) };
         let tail = Tail::new(self.float(node, "gamma", 2.0));
         Roughness {
             u: u_value,

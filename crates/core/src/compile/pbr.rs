@@ -20,7 +20,6 @@ const fn grey(v: f64) -> SpectrumValue {
 impl Compiler<'_> {
     /// glTF 2.0's metallic-roughness surface with its extensions.
     pub(super) fn metallic_roughness(&mut self, node: &Node) -> Model {
-        self.name_losses(node, &[("anisotropy_rotation", "the anisotropy follows the tangent, unrotated")]);
         let film = self.film_on_base(node, "iridescence", ("iridescence_thickness", 400.0), ("iridescence_eta", 1.3));
         Model::Pbr(Box::new(PbrMaterial {
             base_color: self.spectrum(node, "base_color", Role::Albedo, grey(1.0)),

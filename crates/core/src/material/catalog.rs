@@ -175,6 +175,14 @@ pub struct Entry {
 
 const ALPHA_U: Parameter = tex("alpha_u", POSITIVE, "0", "roughness α along the tangent; 0 is smooth").refused();
 const ALPHA_V: Parameter = tex("alpha_v", POSITIVE, "alpha_u", "roughness α along the bitangent").refused();
+const ROTATION: Parameter = tex(
+    "anisotropy_rotation",
+    ANY,
+    "0",
+    "turn of the tangent that the highlight is stretched along, from ∂p/∂u towards ∂p/∂v",
+)
+.unit("degrees");
+
 const REMAP: Parameter = flag("remap_roughness", "false", "whether alpha_u and alpha_v are r of α = √r");
 const DISTRIBUTION: Parameter =
     word("distribution", "ggx, beckmann, student_t, blinn, gaussian", "ggx", "distribution of microfacet normals");
@@ -537,6 +545,7 @@ pub const MATERIALS: &[Entry] = &[
             tex("specular", UNIT, "1", "strength of the dielectric reflection"),
             tex("specular_color", POSITIVE, "1", "its tint at normal incidence"),
             tex("anisotropy", UNIT, "0", "stretch of the highlight along the tangent"),
+            ROTATION,
             tex("transmission", UNIT, "0", "how much of the dielectric lets light through"),
             flag("thin", "true", "whether there is no volume, so that light passes unbent"),
             tex("diffuse_transmission", UNIT, "0", "how much of the diffuse light goes through"),
@@ -564,6 +573,7 @@ pub const MATERIALS: &[Entry] = &[
             tex("specular_color", UNIT, "1", "tint of the dielectric reflection, and of metal at 82°"),
             tex("specular_roughness", UNIT, "0.3", "roughness; α is its square"),
             tex("specular_roughness_anisotropy", UNIT, "0", "stretch of the highlight"),
+            ROTATION,
             spectrum("specular_ior", POSITIVE, "1.5", "index of refraction"),
             number("dispersion", POSITIVE, "0", "20 over the Abbe number"),
             tex("transmission_weight", UNIT, "0", "how much of the dielectric refracts"),

@@ -1,4 +1,5 @@
-//! Surface detail by the shading normal: normal maps (M222) and bump maps (M223), and what keeps them from sending light into the surface.
+//! Surface detail by the shading frame: normal maps (M222) and bump maps (M223), what keeps them from sending light into the surface, and
+//! the turn of the tangent that stretched highlights follow.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -24,13 +25,15 @@ pub struct NormalMap {
     pub filtered: Option<Arc<FilteredNormals>>,
 }
 
-/// What changes the shading normal of a material.
+/// What changes the shading frame of a material.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceDetail {
     /// A normal map.
     pub normal_map: Option<NormalMap>,
     /// Heights along the normal, in scene units.
     pub bump: Option<FloatTexture>,
+    /// Degrees that the tangent is turned from ∂p/∂u towards ∂p/∂v, before anything is stretched along it.
+    pub rotation: Option<FloatTexture>,
 }
 
 /// The surface that detail is put on.
@@ -60,6 +63,9 @@ impl SurfaceDetail {
 
     /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the surface.
     pub fn shading_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Vec3 {
+        if self.normal_map.is_none() && self.bump.is_none() {
+            return base.ns;
+        }
         let mut ns = base.ns;
         if let Some(map) = &self.normal_map {
             ns = map.normal(textures, at, base);
@@ -69,6 +75,20 @@ impl SurfaceDetail {
         }
         let side = if base.ns.dot(wo) < 0.0 { -1.0 } else { 1.0 };
         bend(ns * side, base.n * side, wo) * side
+    }
+}
+
+impl SurfaceDetail {
+    /// ∂p/∂u, or where the detail turns it.
+    pub fn tangent(&self, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
+        let angle = self.rotation.as_ref().map_or(0.0, |r| r.eval(textures, at).to_radians());
+        if angle == 0.0 || !angle.is_finite() {
+            return base.dpdu;
+        }
+        let t = base.dpdu.reject_from_normalized(base.ns).normalize_or_zero();
+        let across = base.ns.cross(t);
+        let side = if across.dot(base.dpdv) < 0.0 { -1.0 } else { 1.0 };
+        t * angle.cos() + across * (side * angle.sin())
     }
 }
 
@@ -177,7 +197,7 @@ mod tests {
         let c = (n + 1.0) * 0.5;
         let texture = textures.add(Texture::Constant(Color::Lanes(steradian_math::Spectrum::rgb(c.x, c.y, c.z))));
         let normal_map = Some(NormalMap { texture, two_channels: false, mirrors: true, strength: 1.0, filtered: None });
-        (textures, SurfaceDetail { normal_map, bump: None })
+        (textures, SurfaceDetail { normal_map, ..SurfaceDetail::default() })
     }
 
     #[test]
@@ -190,6 +210,27 @@ mod tests {
             let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu), tangent: None };
             assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &base, n) - n).length() < 1e-6);
         }
+    }
+
+    /// Counter-clockwise seen from the normal, or as the parametrisation is mirrored; alone it leaves the normal as it is.
+    #[test]
+    fn the_tangent_turns_towards_the_bitangent() {
+        let textures = Textures::new(ColorMode::Rgb);
+        let turned = |degrees: f32, base: &Base| {
+            let rotation = Some(FloatTexture::Constant(degrees));
+            let detail = SurfaceDetail { rotation, ..SurfaceDetail::default() };
+            let at = at(Vec2::ZERO);
+            let grazing = Vec3::new(1.0, 0.0, 1e-3).normalize();
+            assert_eq!(detail.shading_normal(&textures, &at, base, grazing), base.ns);
+            detail.tangent(&textures, &at, base)
+        };
+        let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-6, "{a} {b}");
+        near(turned(90.0, &FLAT), Vec3::Y);
+        near(turned(-30.0, &FLAT), Vec3::new(0.75f32.sqrt(), -0.5, 0.0));
+        near(turned(90.0, &Base { dpdv: -Vec3::Y, ..FLAT }), -Vec3::Y);
+        let leaning = Base { dpdu: Vec3::new(2.0, 0.0, 5.0), ..FLAT };
+        near(turned(180.0, &leaning), -Vec3::X);
+        assert_eq!(turned(0.0, &leaning), leaning.dpdu);
     }
 
     #[test]
@@ -225,7 +266,7 @@ mod tests {
         let mut pattern = PatternTexture::new(pattern, mapping);
         pattern.gain = gain;
         let id = textures.add(Texture::Pattern(Arc::new(pattern)));
-        (textures, SurfaceDetail { normal_map: None, bump: Some(FloatTexture::Texture(id)) })
+        (textures, SurfaceDetail { bump: Some(FloatTexture::Texture(id)), ..SurfaceDetail::default() })
     }
 
     #[test]
