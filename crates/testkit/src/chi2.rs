@@ -16,16 +16,19 @@ pub struct Chi2 {
 /// Cells with a smaller expected count are pooled: below it the statistic is not χ² distributed.
 const MIN_EXPECTED: f64 = 5.0;
 
-/// Relative error that an integral of the expectation may have: without it, a million samples would find the quadrature wanting.
-const QUADRATURE: f64 = 2e-4;
-
 /// Tests whether `observed` counts follow the `expected` ones.
 ///
 /// `total` samples were drawn; what they and `expected` leave out of the cells (draws that were rejected) forms one more
-/// cell, of which only what exceeds the quadrature's own error (2·10⁻⁴ of all) counts. Cells that expect fewer than five are
-/// pooled, smallest first. Two outcomes are so wrong that they need no statistics and give `p = 0`: more than one sample where
-/// less than 10⁻⁶ of one was expected, and an expectation that sums to over 0.1 % (and one sample) more than `total`.
+/// cell. Cells that expect fewer than five are pooled, smallest first. Two outcomes are so wrong that they need no
+/// statistics and give `p = 0`: more than one sample where less than 10⁻⁶ of one was expected, and an expectation that sums
+/// to over 0.1 % (and one sample) more than `total`.
 pub fn chi2_test(observed: &[u64], expected: &[f64], total: u64) -> Chi2 {
+    chi2_test_within(observed, expected, total, 0.0)
+}
+
+/// [`chi2_test`] for expectations whose sum may err by a part `quadrature` of `total`: of the draws that were rejected only what
+/// exceeds that counts. So many samples as to find the quadrature itself wanting need it.
+pub fn chi2_test_within(observed: &[u64], expected: &[f64], total: u64, quadrature: f64) -> Chi2 {
     assert_eq!(observed.len(), expected.len(), "one expectation per cell");
     let impossible = Chi2 { statistic: f64::INFINITY, degrees: 0, p_value: 0.0 };
     let (seen, foreseen) = (observed.iter().sum::<u64>(), expected.iter().sum::<f64>());
@@ -33,10 +36,10 @@ pub fn chi2_test(observed: &[u64], expected: &[f64], total: u64) -> Chi2 {
         return impossible;
     }
     let mut cells: Vec<(f64, f64)> = observed.iter().map(|&o| o as f64).zip(expected.iter().copied()).collect();
-    let (rejected, slack) = ((total - seen) as f64, QUADRATURE * total as f64);
+    let (rejected, slack) = ((total - seen) as f64, quadrature * total as f64);
     let left_out = total as f64 - foreseen;
     cells.push((rejected, rejected.clamp(left_out - slack, left_out + slack).max(0.0)));
-    // An unexpected sample or two may be rounding.
+    // The last cell holds the rounding of the quadrature too, so an unexpected sample or two may be real.
     if cells.iter().any(|&(o, e)| e < 0.0 || (e < 1e-6 && o > 1.0)) {
         return impossible;
     }

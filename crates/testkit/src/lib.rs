@@ -4,6 +4,6 @@ mod chi2;
 mod sphere;
 mod z;
 
-pub use chi2::{Chi2, chi2_test, sidak};
+pub use chi2::{Chi2, chi2_test, chi2_test_within, sidak};
 pub use sphere::{SphereGrid, integrate_sphere};
 pub use z::{Moments, normal_two_sided_p, z_test};
