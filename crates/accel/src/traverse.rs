@@ -118,11 +118,12 @@ impl Way {
     /// For a valid ray in a tree with given bounds.
     #[inline(always)]
     pub fn new(ray: &Ray, bounds: &Bounds3) -> Self {
-        let d = ray.direction;
-        let axes = axes(d);
+        let d = &ray.direction;
+        let axes = axes(*d);
         let [x, y, z] = axes;
         let reciprocal = d.recip();
-        Self::with(ray, bounds, reciprocal, axes, [d[x] / d[z], d[y] / d[z], reciprocal[z]])
+        let along = at(d, z);
+        Self::with(ray, bounds, reciprocal, axes, [at(d, x) / along, at(d, y) / along, 1.0 / along])
     }
 
     /// From what takes divisions.
@@ -180,8 +181,8 @@ impl<S: Simd> Slabs<S> {
     pub fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
         let near = |axis| self.plane(s, node, self.near[axis], 0, axis);
         let far = |axis| self.plane(s, node, self.far[axis], 1, axis);
-        let enter = s.max(s.max(near(0), near(1)), s.max(near(2), s.splat(0.0)));
-        let leave = s.min(s.min(far(0), far(1)), s.min(far(2), t_max));
+        let enter = s.farther(s.farther(near(0), near(1)), s.farther(near(2), s.splat(0.0)));
+        let leave = s.nearer(s.nearer(far(0), far(1)), s.nearer(far(2), t_max));
         (enter, s.bits(s.le(enter, leave)))
     }
 
@@ -194,8 +195,28 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
+/// A coordinate of a vector in memory, without a branch.
+#[inline(always)]
+pub(crate) fn at(v: &Vec3, axis: usize) -> f32 {
+    let coordinates: &[f32; 3] = v.as_ref();
+    debug_assert!(axis < 3);
+    // SAFETY: axes are less than three.
+    unsafe { *coordinates.get_unchecked(axis) }
+}
+
 /// Whether a ray can hit anything at all.
 #[inline(always)]
 pub(crate) fn is_traceable(ray: &Ray) -> bool {
-    ray.is_valid() && ray.t_max > 0.0
+    let (o, d) = (ray.origin, ray.direction);
+    // Where the sum is finite all of them are.
+    let sum = (o.x + o.y + o.z) + (d.x + d.y + d.z);
+    let moves = (d.x.to_bits() | d.y.to_bits() | d.z.to_bits()) << 1 != 0;
+    ray.t_max > 0.0 && moves && (sum.is_finite() || is_valid(ray))
+}
+
+/// The same for rays that are not common.
+#[cold]
+#[inline(never)]
+fn is_valid(ray: &Ray) -> bool {
+    ray.is_valid()
 }

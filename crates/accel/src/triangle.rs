@@ -8,7 +8,7 @@
 
 use crate::layout::Block;
 use crate::simd::{LANES, Lanes, Simd, WIDE, Wide};
-use crate::traverse::Way;
+use crate::traverse::{Way, at};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// What the test needs of a ray.
@@ -51,8 +51,11 @@ pub(crate) fn axes(direction: Vec3) -> [usize; 3] {
     } else {
         2
     };
-    [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z]
+    AXES[z]
 }
+
+/// By the last of them.
+static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl<S: Simd> Shear<S> {
     /// For a valid ray.
@@ -61,7 +64,7 @@ impl<S: Simd> Shear<S> {
         let [x, y, z] = way.axes;
         Self {
             axes: way.axes,
-            origin: s.splat3(Vec3::new(ray.origin[x], ray.origin[y], ray.origin[z])),
+            origin: [x, y, z].map(|axis| s.splat(at(&ray.origin, axis))),
             shear: [s.splat(way.shear[0]), s.splat(way.shear[1]), s.splat(way.shear[2])],
         }
     }

@@ -67,6 +67,16 @@ impl Lanes for Avx512 {
         unsafe { _mm256_max_ps(a, b) }
     }
     #[inline(always)]
+    fn nearer(self, a: Self::F, b: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b))) }
+    }
+    #[inline(always)]
+    fn farther(self, a: Self::F, b: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b))) }
+    }
+    #[inline(always)]
     fn le(self, a: Self::F, b: Self::F) -> Self::M {
         // SAFETY: see above.
         unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }

@@ -66,6 +66,16 @@ impl Lanes for Avx512Wide {
         unsafe { _mm512_max_ps(a, b) }
     }
     #[inline(always)]
+    fn nearer(self, a: Self::F, b: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm512_castsi512_ps(_mm512_min_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b))) }
+    }
+    #[inline(always)]
+    fn farther(self, a: Self::F, b: Self::F) -> Self::F {
+        // SAFETY: see above.
+        unsafe { _mm512_castsi512_ps(_mm512_max_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b))) }
+    }
+    #[inline(always)]
     fn le(self, a: Self::F, b: Self::F) -> Self::M {
         // SAFETY: see above.
         unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }

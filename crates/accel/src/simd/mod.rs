@@ -92,6 +92,17 @@ pub(crate) trait Lanes: Copy {
     fn min(self, a: Self::F, b: Self::F) -> Self::F;
     /// `if a > b { a } else { b }`: gives `b` where either is NaN.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    /// [`Lanes::min`] of numbers that are not NaN and of which one at least is not negative; of two negative ones either. Faster where
+    /// integers are compared faster than numbers.
+    #[inline(always)]
+    fn nearer(self, a: Self::F, b: Self::F) -> Self::F {
+        self.min(a, b)
+    }
+    /// [`Lanes::max`] of such numbers.
+    #[inline(always)]
+    fn farther(self, a: Self::F, b: Self::F) -> Self::F {
+        self.max(a, b)
+    }
     /// `a <= b`, false for NaN.
     fn le(self, a: Self::F, b: Self::F) -> Self::M;
     /// `a < b`, false for NaN.
@@ -223,6 +234,12 @@ mod tests {
                 }
                 check!(add sub mul div min max);
                 fused_or_not(s, [a, b], [pa, pb]);
+                let (nearer, farther) = (s.store(s.nearer(a, b)), s.store(s.farther(a, b)));
+                for (lane, y) in
+                    pb.into_iter().enumerate().filter(|&(_, y)| x.max(y) >= 0.0 && !x.is_nan() && !y.is_nan())
+                {
+                    assert!(nearer[lane] == x.min(y) && farther[lane] == x.max(y), "{x} {y}");
+                }
                 let compare = [s.bits(s.le(a, b)), s.bits(s.lt(a, b)), s.bits(s.eq(a, b))];
                 assert_eq!(compare, [p.bits(p.le(pa, pb)), p.bits(p.lt(pa, pb)), p.bits(p.eq(pa, pb))]);
                 let (m, n) = (s.le(a, b), s.le(b, a));
