@@ -1,5 +1,5 @@
 //! Nanoseconds that texture lookups take: the median over batches of random places, for a picture of 1024² that is in the caches for the most
-//! part. `cargo bench -p steradian-core --bench textures [-- FILTER…]`.
+//! part. `cargo bench -p steradian-core --bench textures [-- FILTER… KIND…]`.
 #![allow(clippy::print_stdout, reason = "it is what benchmarks are for")]
 
 use std::{hint::black_box, sync::Arc, time::Instant};
@@ -55,8 +55,11 @@ fn main() {
     let places = places();
     // What is named on the command line, or everything.
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|w| w == name);
-    for kind in ["8-bit", "half", "float", "8-bit in pages"] {
+    const KINDS: [&str; 4] = ["8-bit", "half", "float", "8-bit in pages"];
+    let is_kind = |w: &String| KINDS.contains(&w.as_str());
+    let (kinds, filters): (Vec<String>, Vec<String>) = wanted.into_iter().partition(is_kind);
+    let is_wanted = |name: &str| filters.is_empty() || filters.iter().any(|w| w == name);
+    for kind in KINDS.into_iter().filter(|k| kinds.is_empty() || kinds.iter().any(|w| w == k)) {
         let pages = kind.ends_with("pages").then(|| Pages::new(64 << 20).expect("a temporary file"));
         let texels = Arc::new(texels(kind.trim_end_matches(" in pages")));
         for (name, filter) in FILTERS.into_iter().filter(|f| is_wanted(f.0)) {

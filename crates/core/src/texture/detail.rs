@@ -13,15 +13,17 @@ pub fn level_of(length: f32, count: usize) -> (usize, f32) {
     }
 }
 
-/// [`level_of`] for the square of a length.
+/// [`level_of`] for the square of a length, and as many levels as there may be; `None` for lengths that are not above one.
 #[inline(always)]
-pub fn level_of_square(square: f32, count: usize) -> (usize, f32) {
-    if square > 1.0 {
-        let (exponent, t) = log2(square);
-        within((exponent >> 1) as usize, 0.5 * ((exponent & 1) as f32 + t), count)
-    } else {
-        (0, 0.0)
+pub fn level_of_square(square: f32) -> Option<(usize, f32)> {
+    // NaN is no length.
+    if square <= 1.0 || square.is_nan() {
+        return None;
     }
+    let i = ((square.to_bits() >> 23) as i32 - 127) >> 1;
+    // In units of 2ⁱ, less one.
+    let m = square.sqrt() * f32::from_bits(((127 - i) as u32) << 23) - 1.0;
+    Some((i as usize, log2_of_significand(m)))
 }
 
 #[inline(always)]
@@ -34,12 +36,18 @@ fn within(i: usize, t: f32, count: usize) -> (usize, f32) {
 #[inline(always)]
 fn log2(x: f32) -> (i32, f32) {
     let bits = x.to_bits();
-    // The significand is 1 + m. The polynomial is the minimax one for (log₂(1 + m) − m) / (m (1 − m)).
     let m = f32::from_bits((bits & 0x7f_ffff) | 0x3f80_0000) - 1.0;
+    ((bits >> 23) as i32 - 127, log2_of_significand(m))
+}
+
+/// log₂(1 + m) for m in `[0, 1]`.
+#[inline(always)]
+fn log2_of_significand(m: f32) -> f32 {
+    // The minimax polynomial for (log₂(1 + m) − m) / (m (1 − m)).
     const Q: [f32; 6] = [0.442_666_76, -0.277_891_4, 0.195_448_46, -0.129_719_44, 0.063_332_654, -0.015_208_775];
     let m2 = m * m;
     let q = (Q[0] + m * Q[1]) + m2 * ((Q[2] + m * Q[3]) + m2 * (Q[4] + m * Q[5]));
-    ((bits >> 23) as i32 - 127, m + (m - m2) * q)
+    m + (m - m2) * q
 }
 
 #[cfg(test)]
@@ -62,13 +70,14 @@ mod tests {
 
     #[test]
     fn squares_lead_to_the_same_levels() {
-        for length in [0.3, 1.0, 1.5, 2.0, 7.9, 8.0, 300.0, 1e12] {
-            let ((i, s), (j, t)) = (level_of(length, 9), level_of_square(length * length, 9));
-            assert!(i == j && (s - t).abs() < 1e-5, "{length}");
+        for length in [1.000_01, 1.5, 1.999_999_9, 2.0, 2.000_000_2, 7.9, 8.0, 300.0, 1e12, 1e18] {
+            let ((i, s), (j, t)) = (level_of(length, 99), level_of_square(length * length).unwrap());
+            assert!((i as f32 + s - j as f32 - t).abs() < 1e-5 && (0.0..=1.0).contains(&t), "{length}");
         }
-        for strange in [f32::NAN, 0.0, -1.0] {
-            assert_eq!((level_of(strange, 9), level_of_square(strange, 1)), ((0, 0.0), (0, 0.0)));
+        for strange in [f32::NAN, 0.0, -1.0, 1.0] {
+            assert_eq!((level_of(strange, 9), level_of_square(strange)), ((0, 0.0), None));
         }
         assert_eq!(level_of(f32::INFINITY, 9), (8, 0.0));
+        assert_eq!(level_of_square(f32::INFINITY).unwrap().0, 64);
     }
 }

@@ -3,13 +3,13 @@
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 
 use super::{
-    detail::level_of_square,
-    filter::{Source, mix},
+    filter::Source,
     mapping::Coordinates2,
     store::{Level, View, on_level},
     whole::{FAR, ceil, floor, nearest},
+    wrap::Wrap,
 };
-use glam::Vec4;
+use glam::{Mat4, Vec4};
 use steradian_math::Vec2;
 
 /// An ellipse in texels of a level: `a x² + b x y + c y² < 1` about its centre.
@@ -20,8 +20,10 @@ struct Ellipse {
     c: f32,
     /// Half of the extent in x and y.
     half: Vec2,
-    /// Length of the longest cut along x.
+    /// Length of the longest cut along x, which is that through the centre.
     cut: f32,
+    /// How far the middles of cuts along x move for each step in y.
+    slope: f32,
 }
 
 /// Largest extent that is filtered, in texels. Vast footprints are seen on the last level, which is small: this is out
@@ -29,33 +31,36 @@ struct Ellipse {
 const MOST: f32 = 512.0;
 
 impl Ellipse {
-    /// With the given half axes in texels, made wider by a texel, in which texels are joined to a continuous picture;
-    /// `None` if it is vast.
+    /// With the given half axes in texels, the squares of which are made longer by `blur`; `None` if it is vast.
     #[inline(always)]
-    fn new(centre: Vec2, s: Vec2, t: Vec2) -> Option<Self> {
+    fn new(centre: Vec2, s: Vec2, t: Vec2, blur: f32) -> Option<Self> {
         // Heckbert, eq. 3.6 and following, times f.
-        let a = s.y * s.y + t.y * t.y + 1.0;
+        let a = s.y * s.y + t.y * t.y + blur;
         let b = -2.0 * (s.x * s.y + t.x * t.y);
-        let c = s.x * s.x + t.x * t.x + 1.0;
+        let c = s.x * s.x + t.x * t.x + blur;
         let most = 0.25 * MOST * MOST;
         (a <= most && c <= most).then(|| {
             let f = a * c - 0.25 * b * b;
-            let inverse = 1.0 / f;
+            let [by_f, by_a, ..] = (Vec4::ONE / Vec4::new(f, a, 1.0, 1.0)).to_array();
+            let [x, y, cut, _] = Vec4::new(c, a, 4.0 * f * by_a, 1.0).map(f32::sqrt).to_array();
             Self {
                 centre: centre.clamp(Vec2::splat(-FAR), Vec2::splat(FAR)),
-                a: a * inverse,
-                b: b * inverse,
-                c: c * inverse,
-                half: Vec2::new(c.sqrt(), a.sqrt()),
-                cut: 2.0 * (f / a).sqrt(),
+                a: a * by_f,
+                b: b * by_f,
+                c: c * by_f,
+                half: Vec2::new(x, y),
+                cut,
+                slope: -0.5 * b * by_a,
             }
         })
     }
 }
 
 impl Source<'_> {
-    /// The mean over the footprint, an ellipse with half axes dx and dy, by a Gaussian that has fallen to e⁻² at its
-    /// rim.
+    /// The mean over the footprint, an ellipse with half axes dx and dy, by a Gaussian that has fallen to e⁻² at its rim. It is taken on
+    /// the level at which the shorter half axis is one to two texels long. Squares of the half axes are made longer by that of the shorter
+    /// one, and by one texel at least: so that texels are joined to a continuous picture, and so that one level becomes the
+    /// next without a step.
     #[inline(never)]
     pub(super) fn ewa<const N: usize>(&self, at: &Coordinates2, anisotropy: f32, first: usize) -> Vec4 {
         let base = self.levels.base();
@@ -71,91 +76,130 @@ impl Source<'_> {
             short *= least.sqrt() / b2.sqrt();
             b2 = least;
         }
-        let (i, t) = level_of_square(b2, self.levels.counts().0);
-        let near = self.ellipse::<N>(i, at.uv, long, short, first);
-        mix(near, t, || self.ellipse::<N>(i + 1, at.uv, long, short, first))
-    }
-
-    /// The mean over an ellipse with the given half axes (in periods) on one level.
-    #[inline(never)]
-    fn ellipse<const N: usize>(&self, i: usize, uv: Vec2, long: Vec2, short: Vec2, first: usize) -> Vec4 {
-        let level = self.levels.at(i, 0);
+        let level = self.levels.of_square(b2);
         let scale = level.scale();
-        let Some(ellipse) = Ellipse::new(uv * scale - 0.5, long * scale, short * scale) else {
-            return self.bilinear::<N>(self.levels.at(self.levels.counts().0 - 1, 0), uv, first);
+        let short = short * scale;
+        let blur = short.length_squared().max(1.0);
+        let Some(ellipse) = Ellipse::new(at.uv * scale - 0.5, long * scale, short, blur) else {
+            return self.bilinear::<N>(self.levels.last(), at.uv, first);
         };
+        if !ellipse.is_inside(level) {
+            return self.mean_across_edges::<N>(&ellipse, level, first);
+        }
         on_level!(level, first, |view| {
+            let texels = &mut Inside(&mut view);
             if ellipse.cut <= 4.0 {
-                self.strips::<N, 4, _>(&mut view, &ellipse, level)
+                ellipse.mean::<N, 4, 0>(1, texels)
             } else if ellipse.cut <= 6.0 {
-                self.strips::<N, 6, _>(&mut view, &ellipse, level)
+                ellipse.mean::<N, 4, 2>(1, texels)
             } else {
-                self.strips::<N, 8, _>(&mut view, &ellipse, level)
+                ellipse.mean::<N, 4, 4>(ellipse.strips(8.0), texels)
             }
         })
     }
 
-    /// The weighted mean of the texels inside, row by row in strips of `K` texels, which are as long as the longest
-    /// cut: some texels have no weight, but processors need not guess where rows end.
+    /// [`Ellipse::mean`] where texels may be outside of the picture.
+    #[cold]
+    #[inline(never)]
+    fn mean_across_edges<const N: usize>(&self, ellipse: &Ellipse, level: &Level, first: usize) -> Vec4 {
+        let size = [level.width(), level.height()];
+        on_level!(level, first, |view| {
+            ellipse.mean::<N, 4, 0>(ellipse.strips(4.0), &mut Across { view: &mut view, wrap: self.wrap, size })
+        })
+    }
+}
+
+/// Texels of a row, one in each lane, for each channel.
+trait Row {
+    /// `K` texels from `x`, `y` on to the right.
+    fn lanes<const N: usize, const K: usize>(&mut self, x: i32, y: i32) -> [Vec4; N];
+}
+
+/// All are within the picture.
+struct Inside<'v, V>(&'v mut V);
+
+impl<'a, V: View<'a>> Row for Inside<'_, V> {
     #[inline(always)]
-    fn strips<const N: usize, const K: usize, V: View>(&self, view: &mut V, ellipse: &Ellipse, level: &Level) -> Vec4 {
-        let &Ellipse { centre, a, b, c, half, cut } = ellipse;
-        let strips = if K == 8 { ceil(cut / 8.0) } else { 1 };
-        let length = (K as i32 * strips) as f32;
-        let reach = Vec2::new(half.x + 0.5 * length, half.y) + 1.0;
-        let is_inside = (centre - reach).cmpge(Vec2::ZERO).all() && (centre + reach).cmplt(level.scale()).all();
-        let slope = -0.5 * b / a;
-        let to_start = centre.x - 0.5 * (length - 1.0);
-        let mut sum = Vec4::ZERO;
-        let mut total = Vec4::ZERO;
+    fn lanes<const N: usize, const K: usize>(&mut self, x: i32, y: i32) -> [Vec4; N] {
+        self.0.lanes::<N, K>(x as usize, y as usize)
+    }
+}
+
+/// Some may be outside.
+struct Across<'v, V> {
+    view: &'v mut V,
+    wrap: [Wrap; 2],
+    size: [usize; 2],
+}
+
+impl<'a, V: View<'a>> Row for Across<'_, V> {
+    #[inline]
+    fn lanes<const N: usize, const K: usize>(&mut self, x: i32, y: i32) -> [Vec4; N] {
+        let mut strip = [Vec4::ZERO; 4];
+        if let Some(y) = self.wrap[1].apply(y, self.size[1]) {
+            for k in 0..K {
+                if let Some(x) = self.wrap[0].apply(x + k as i32, self.size[0]) {
+                    strip[k] = self.view.texel::<N>(x, y);
+                }
+            }
+        }
+        let strip = Mat4::from_cols(strip[0], strip[1], strip[2], strip[3]).transpose();
+        std::array::from_fn(|c| strip.col(c))
+    }
+}
+
+impl Ellipse {
+    /// How many strips of so many texels are as long as the longest cut.
+    fn strips(&self, length: f32) -> i32 {
+        ceil(self.cut / length)
+    }
+
+    /// Whether all texels that [`Self::mean`] looks at are within the picture.
+    #[inline(always)]
+    fn is_inside(&self, level: &Level) -> bool {
+        // Strips are longer than the cut by less than eight texels, half of which are on either side, and begin at the nearest texel.
+        let reach = Vec2::new(self.half.x + 5.0, self.half.y) + 1.0;
+        (self.centre - reach).cmpge(Vec2::ZERO).all() && (self.centre + reach).cmplt(level.scale()).all()
+    }
+
+    /// The weighted mean of the texels inside, row by row in strips of `K + L` texels, of which there are as many as the
+    /// longest cut takes: some texels have no weight, but processors need not guess where rows end.
+    #[inline(always)]
+    fn mean<const N: usize, const K: usize, const L: usize>(&self, strips: i32, texels: &mut impl Row) -> Vec4 {
+        let &Self { centre, a, b, c, half, slope, .. } = self;
+        let to_start = centre.x - 0.5 * (((K + L) as i32 * strips) as f32 - 1.0);
+        let (mut sum, mut total) = ([Vec4::ZERO; N], Vec4::ZERO);
         for row in ceil(centre.y - half.y)..=floor(centre.y + half.y) {
             let y = row as f32 - centre.y;
             let mut start = nearest(to_start + slope * y);
+            let (by, cyy) = (Vec4::splat(b * y), Vec4::splat(c * y * y));
             for _ in 0..strips {
                 let x = Vec4::splat(start as f32 - centre.x) + Vec4::new(0.0, 1.0, 2.0, 3.0);
-                let weight = |x: Vec4| gaussian((x * a + b * y) * x + c * y * y);
-                let (low, mut high) = (weight(x), Vec4::ZERO);
-                if K > 4 {
-                    high = weight(x + 4.0);
+                let weight = |x: Vec4| gaussian((x * a + by) * x + cyy);
+                let low = weight(x);
+                total += low;
+                let strip = texels.lanes::<N, K>(start, row);
+                for c in 0..N {
+                    sum[c] += strip[c] * low;
                 }
-                total += low + high;
-                let (low, high) = (low.to_array(), high.to_array());
-                let strip = if is_inside {
-                    view.strip::<N, K>(start as usize, row as usize)
-                } else {
-                    self.across::<N, K, V>(view, level, start, row)
-                };
-                let mut parts = [Vec4::ZERO; 2];
-                for k in 0..K {
-                    parts[k % 2] += strip[k] * if k < 4 { low[k % 4] } else { high[k % 4] };
+                if L > 0 {
+                    let high = weight(x + 4.0);
+                    total += high;
+                    let strip = texels.lanes::<N, L>(start + 4, row);
+                    for c in 0..N {
+                        sum[c] += strip[c] * high;
+                    }
                 }
-                sum += parts[0] + parts[1];
-                start += K as i32;
+                start += (K + L) as i32;
             }
         }
+        // Sums over lanes: the columns are channels, and the weights where there is room.
+        let mut columns = [total; 4];
+        columns[..N].copy_from_slice(&sum);
+        let rows = Mat4::from_cols(columns[0], columns[1], columns[2], columns[3]).transpose();
+        let sums = (rows.x_axis + rows.y_axis) + (rows.z_axis + rows.w_axis);
         // A texel's centre is always near, so there is some weight.
-        sum * (1.0 / total.element_sum())
-    }
-
-    /// A strip of texels some of which may be outside of the picture.
-    #[cold]
-    #[inline(never)]
-    fn across<const N: usize, const K: usize, V: View>(
-        &self,
-        view: &mut V,
-        level: &Level,
-        start: i32,
-        row: i32,
-    ) -> [Vec4; K] {
-        let mut strip = [Vec4::ZERO; K];
-        if let Some(row) = self.wrap[1].apply(row, level.height()) {
-            for k in 0..K {
-                if let Some(column) = self.wrap[0].apply(start + k as i32, level.width()) {
-                    strip[k] = view.texel::<N>(column, row);
-                }
-            }
-        }
-        strip
+        sums * (1.0 / if N < 4 { sums.w } else { total.element_sum() })
     }
 }
 

@@ -13,7 +13,7 @@ use super::{
     mapping::Coordinates2,
     store::{Level, View, on_level},
     summed::SummedArea,
-    whole::split,
+    whole::{before, split},
     wrap::Wrap,
 };
 use glam::Vec4;
@@ -37,7 +37,7 @@ pub enum Filter {
     /// The mean over the footprint's box, from a summed-area table.
     Box,
     /// An elliptical Gaussian over the footprint (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989,
-    /// § 3.5), on the levels at which its shorter axis is one to two texels long. Footprints that are longer than this
+    /// § 3.5), on the level at which its shorter half axis is one to two texels long. Footprints that are longer than this
     /// many times their width are made wider.
     Ewa(f32),
 }
@@ -83,8 +83,8 @@ impl Source<'_> {
         let values = match filter {
             Filter::Nearest => self.nearest::<N>(base, at.uv, first),
             Filter::Bilinear => self.bilinear::<N>(base, at.uv, first),
-            Filter::Bicubic(cubic) => self.separable::<N, 4>(base, at.uv, first, |t| cubic.weights(t)),
-            Filter::Lanczos => self.separable::<N, 6>(base, at.uv, first, lanczos_weights),
+            Filter::Bicubic(cubic) => self.bicubic::<N>(base, at.uv, first, cubic),
+            Filter::Lanczos => self.lanczos::<N>(base, at.uv, first),
             Filter::Trilinear => self.trilinear::<N>(at, first),
             Filter::Ripmap => self.ripmap::<N>(at, first),
             Filter::Box => match self.sums {
@@ -106,21 +106,53 @@ impl Source<'_> {
 
     #[inline(never)]
     pub(super) fn bilinear<const N: usize>(&self, level: &Level, uv: Vec2, first: usize) -> Vec4 {
-        self.separable::<N, 2>(level, uv, first, linear_weights)
+        let ([x, y, ..], t) = before((uv * level.scale()).extend(0.0).extend(0.0));
+        if !(is_inside::<2>(x, level.width()) && is_inside::<2>(y, level.height())) {
+            return self.across_edges::<N, 2>(level, uv, first, linear_weights);
+        }
+        on_level!(level, first, |view| {
+            let square = view.square::<N>(x as usize, y as usize);
+            interpolate(&square, [Vec4::splat(t.x), Vec4::splat(t.y)])
+        })
+    }
+
+    #[inline(never)]
+    fn bicubic<const N: usize>(&self, level: &Level, uv: Vec2, first: usize, cubic: Cubic) -> Vec4 {
+        self.separable::<N, 4>(level, uv, first, |t| cubic.weights(t))
+    }
+
+    #[inline(never)]
+    fn lanczos<const N: usize>(&self, level: &Level, uv: Vec2, first: usize) -> Vec4 {
+        self.separable::<N, 6>(level, uv, first, lanczos_weights)
     }
 
     #[inline(never)]
     fn trilinear<const N: usize>(&self, at: &Coordinates2, first: usize) -> Vec4 {
-        let (i, t) = level_of_square(longest_square(self.levels.base(), at), self.levels.counts().0);
-        if t == 0.0 {
-            return self.bilinear::<N>(self.levels.at(i, 0), at.uv, first);
-        }
-        let (near, far) = (self.levels.at(i, 0), self.levels.at(i + 1, 0));
+        let base = self.levels.base();
+        let Some((i, t)) = level_of_square(longest_square(base, at)) else {
+            return self.bilinear::<N>(base, at.uv, first);
+        };
+        let Some([near, far]) = self.levels.pair(i) else {
+            return self.bilinear::<N>(self.levels.last(), at.uv, first);
+        };
         // Both places at once.
         let (p, q) = (at.uv * near.scale(), at.uv * far.scale());
-        let ([x, y, u, v], s) = split(Vec4::new(p.x, p.y, q.x, q.y) - 0.5);
-        let near = self.weighted::<N, 2>(near, at.uv, first, [x, y], Vec2::new(s.x, s.y), linear_weights);
-        near * (1.0 - t) + self.weighted::<N, 2>(far, at.uv, first, [u, v], Vec2::new(s.z, s.w), linear_weights) * t
+        let ([x, y, u, v], s) = before(Vec4::new(p.x, p.y, q.x, q.y));
+        if !(is_inside::<2>(x, near.width())
+            && is_inside::<2>(y, near.height())
+            && is_inside::<2>(u, far.width())
+            && is_inside::<2>(v, far.height()))
+        {
+            let near = self.bilinear::<N>(near, at.uv, first);
+            return near * (1.0 - t) + self.bilinear::<N>(far, at.uv, first) * t;
+        }
+        on_level!(near, first, |view| {
+            let Some(mut other) = view.of(far) else { return Vec4::ZERO };
+            let squares = view.squares::<N>([x as usize, y as usize], &mut other, [u as usize, v as usize]);
+            let near = interpolate(&squares[0], [Vec4::splat(s.x), Vec4::splat(s.y)]);
+            let far = interpolate(&squares[1], [Vec4::splat(s.z), Vec4::splat(s.w)]);
+            near * (1.0 - t) + far * t
+        })
     }
 
     #[inline(never)]
@@ -151,22 +183,7 @@ impl Source<'_> {
         first: usize,
         weights: impl Fn(f32) -> [f32; K],
     ) -> Vec4 {
-        let (start, t) = first_tap::<K>(level, uv);
-        self.weighted::<N, K>(level, uv, first, start, t, weights)
-    }
-
-    /// [`Self::separable`], where it is known which texel comes first and how far the place is beyond the one before
-    /// it.
-    #[inline(always)]
-    fn weighted<const N: usize, const K: usize>(
-        &self,
-        level: &Level,
-        uv: Vec2,
-        first: usize,
-        [x, y]: [i32; 2],
-        t: Vec2,
-        weights: impl Fn(f32) -> [f32; K],
-    ) -> Vec4 {
+        let ([x, y], t) = first_tap::<K>(level, uv);
         if !(is_inside::<K>(x, level.width()) && is_inside::<K>(y, level.height())) {
             return self.across_edges::<N, K>(level, uv, first, weights);
         }
@@ -244,6 +261,13 @@ pub(super) fn first_tap<const K: usize>(level: &Level, uv: Vec2) -> ([i32; 2], V
 fn is_inside<const K: usize>(start: i32, n: usize) -> bool {
     // Negative numbers are large ones without sign.
     start as u32 as usize + K <= n
+}
+
+/// Linear between four texels, row by row, for places in each lane's square.
+#[inline(always)]
+fn interpolate(square: &[Vec4; 4], [x, y]: [Vec4; 2]) -> Vec4 {
+    let along = |a: Vec4, b: Vec4| a * (Vec4::ONE - x) + b * x;
+    along(square[0], square[1]) * (Vec4::ONE - y) + along(square[2], square[3]) * y
 }
 
 #[inline(always)]

@@ -52,6 +52,26 @@ impl Levels {
         &self.levels[j * self.columns + i]
     }
 
+    /// A level of a mip-map, as for [`Self::at`], and the next smaller one; `None` for the last.
+    #[inline(always)]
+    pub fn pair(&self, i: usize) -> Option<&[Level; 2]> {
+        self.levels.get(i..)?.first_chunk()
+    }
+
+    /// The level of a mip-map at which a length is one to two texels, given its square in texels of the picture; the first or last
+    /// for those that are shorter or longer.
+    #[inline(always)]
+    pub fn of_square(&self, square: f32) -> &Level {
+        let i = ((square.to_bits() >> 23) as i32 - 127).max(0) as usize >> 1;
+        &self.levels[i.min(self.columns - 1)]
+    }
+
+    /// The smallest level of a mip-map.
+    #[inline]
+    pub fn last(&self) -> &Level {
+        &self.levels[self.columns - 1]
+    }
+
     /// The picture itself.
     #[inline]
     pub fn base(&self) -> &Level {

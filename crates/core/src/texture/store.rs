@@ -236,12 +236,35 @@ impl Level {
 }
 
 /// Something that gives linear values of texels: of `N` channels, in the first lanes.
-pub trait View {
+pub trait View<'a>: Sized {
+    /// The same view of another level of the picture; `None` if that is kept otherwise.
+    fn of(&self, level: &'a Level) -> Option<Self>;
+
+    /// Two texels from `x`, `y` on to the right and the two below them, all of which are within the picture.
+    #[inline(always)]
+    fn square<const N: usize>(&mut self, x: usize, y: usize) -> [Vec4; 4] {
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel::<N>(x + i, y + j))
+    }
+
+    /// [`Self::square`] of two levels of a picture.
+    #[inline(always)]
+    fn squares<const N: usize>(&mut self, at: [usize; 2], other: &mut Self, there: [usize; 2]) -> [[Vec4; 4]; 2] {
+        [self.square::<N>(at[0], at[1]), other.square::<N>(there[0], there[1])]
+    }
+
     /// The values of the texel at `x`, `y`, which are within the picture.
     fn texel<const N: usize>(&mut self, x: usize, y: usize) -> Vec4;
 
     /// The values of a texel by its number, where rows follow each other.
     fn numbered<const N: usize>(&mut self, number: usize) -> Vec4;
+
+    /// At most four texels from `x`, `y` on to the right, one in each lane, for each of `N` channels; all are within the picture.
+    #[inline(always)]
+    fn lanes<const N: usize, const K: usize>(&mut self, x: usize, y: usize) -> [Vec4; N] {
+        let strip: [Vec4; 4] = std::array::from_fn(|k| if k < K { self.texel::<N>(x + k, y) } else { Vec4::ZERO });
+        let [a, b, c, d] = strip.map(|texel| texel.to_array());
+        std::array::from_fn(|n| Vec4::new(a[n], b[n], c[n], d[n]))
+    }
 
     /// `K` texels from `x`, `y` on to the right, all of which are within the picture.
     #[inline(always)]
@@ -269,6 +292,7 @@ pub enum AnyView<'a> {
 }
 
 /// Samples in memory, row by row.
+#[derive(Clone, Copy)]
 pub struct Samples<'a, T> {
     data: &'a [T],
     /// Samples from one row to the next.
@@ -279,15 +303,23 @@ pub struct Samples<'a, T> {
 }
 
 /// A sample as it is stored.
-pub trait Sample {
+pub trait Sample: Sized {
     /// Its linear value.
     fn linear(&self, decoder: &Decoder) -> f32;
+
+    /// The samples of a picture, if they are such.
+    fn of(data: &TexelData) -> Option<&[Self]>;
 }
 
 impl Sample for u8 {
     #[inline(always)]
     fn linear(&self, decoder: &Decoder) -> f32 {
         decoder.u8(*self)
+    }
+
+    #[inline(always)]
+    fn of(data: &TexelData) -> Option<&[Self]> {
+        if let TexelData::U8(data) = data { Some(data) } else { None }
     }
 }
 
@@ -296,6 +328,11 @@ impl Sample for u16 {
     fn linear(&self, decoder: &Decoder) -> f32 {
         decoder.stored(f32::from(*self) / 65535.0)
     }
+
+    #[inline(always)]
+    fn of(data: &TexelData) -> Option<&[Self]> {
+        if let TexelData::U16(data) = data { Some(data) } else { None }
+    }
 }
 
 impl Sample for f16 {
@@ -303,12 +340,22 @@ impl Sample for f16 {
     fn linear(&self, decoder: &Decoder) -> f32 {
         decoder.stored(from_half(*self))
     }
+
+    #[inline(always)]
+    fn of(data: &TexelData) -> Option<&[Self]> {
+        if let TexelData::F16(data) = data { Some(data) } else { None }
+    }
 }
 
 impl Sample for f32 {
     #[inline(always)]
     fn linear(&self, decoder: &Decoder) -> f32 {
         decoder.stored(*self)
+    }
+
+    #[inline(always)]
+    fn of(data: &TexelData) -> Option<&[Self]> {
+        if let TexelData::F32(data) = data { Some(data) } else { None }
     }
 }
 
@@ -348,13 +395,90 @@ impl<T: Sample> Samples<'_, T> {
         strip
     }
 
+    /// [`View::lanes`] for `C` channels, or for however many there are if that is none.
+    #[inline(always)]
+    fn lanes_of<const N: usize, const K: usize, const C: usize>(&self, x: usize, y: usize) -> [Vec4; N] {
+        let channels = if C == 0 { self.channels } else { C };
+        let row = &self.data[y * self.stride + x * channels + self.first..][..(K - 1) * channels + N];
+        let mut lanes = [Vec4::ZERO; N];
+        for c in 0..N {
+            let mut values = [0.0; 4];
+            for k in 0..K {
+                values[k] = row[k * channels + c].linear(self.decoder);
+            }
+            lanes[c] = Vec4::from_array(values);
+        }
+        lanes
+    }
+
     #[inline(always)]
     fn index(&self, x: usize, y: usize) -> usize {
         y * self.stride + x * self.channels + self.first
     }
 }
 
-impl<T: Sample> View for Samples<'_, T> {
+impl<T: Sample> Samples<'_, T> {
+    /// [`View::square`] for `C` channels, or for however many there are if that is none.
+    #[inline(always)]
+    fn square_of<const N: usize, const C: usize>(&self, [x, y]: [usize; 2]) -> [Vec4; 4] {
+        let channels = if C == 0 { self.channels } else { C };
+        let start = y * self.stride + x * channels + self.first;
+        let mut square = [Vec4::ZERO; 4];
+        for j in 0..2 {
+            let row = &self.data[start + j * self.stride..][..channels + N];
+            for k in 0..2 {
+                let mut values = [0.0; 4];
+                for c in 0..N {
+                    values[c] = row[k * channels + c].linear(self.decoder);
+                }
+                square[2 * j + k] = Vec4::from_array(values);
+            }
+        }
+        square
+    }
+}
+
+impl<'a, T: Sample> View<'a> for Samples<'a, T> {
+    #[inline(always)]
+    fn of(&self, level: &'a Level) -> Option<Self> {
+        match &level.place {
+            Place::Memory(texels) => Some(Self { data: T::of(&texels.data)?, stride: level.stride, ..*self }),
+            Place::Pages(_) => None,
+        }
+    }
+
+    #[inline(always)]
+    fn squares<const N: usize>(&mut self, at: [usize; 2], other: &mut Self, there: [usize; 2]) -> [[Vec4; 4]; 2] {
+        macro_rules! of {
+            ($channels:literal) => {
+                [self.square_of::<N, $channels>(at), other.square_of::<N, $channels>(there)]
+            };
+        }
+        match self.channels {
+            3 => of!(3),
+            4 => of!(4),
+            _ => of!(0),
+        }
+    }
+
+    #[inline(always)]
+    fn lanes<const N: usize, const K: usize>(&mut self, x: usize, y: usize) -> [Vec4; N] {
+        match self.channels {
+            3 => self.lanes_of::<N, K, 3>(x, y),
+            4 => self.lanes_of::<N, K, 4>(x, y),
+            _ => self.lanes_of::<N, K, 0>(x, y),
+        }
+    }
+
+    #[inline(always)]
+    fn square<const N: usize>(&mut self, x: usize, y: usize) -> [Vec4; 4] {
+        match self.channels {
+            3 => self.square_of::<N, 3>([x, y]),
+            4 => self.square_of::<N, 4>([x, y]),
+            _ => self.square_of::<N, 0>([x, y]),
+        }
+    }
+
     #[inline(always)]
     fn texel<const N: usize>(&mut self, x: usize, y: usize) -> Vec4 {
         self.at::<N>(self.index(x, y))
@@ -391,7 +515,20 @@ pub struct Tiles<'a> {
     decoder: &'a Decoder,
 }
 
-impl View for Tiles<'_> {
+impl<'a> View<'a> for Tiles<'a> {
+    #[inline(always)]
+    fn of(&self, level: &'a Level) -> Option<Self> {
+        match &level.place {
+            Place::Pages(pages) => Some(Self {
+                tiles: TileView::new(pages),
+                width: level.size.0,
+                first: self.first,
+                decoder: self.decoder,
+            }),
+            Place::Memory(_) => None,
+        }
+    }
+
     #[inline(never)]
     fn texel<const N: usize>(&mut self, x: usize, y: usize) -> Vec4 {
         let mut values = [0.0; 4];

@@ -26,6 +26,20 @@ pub fn split(x: Vec4) -> ([i32; 4], Vec4) {
     (integers, x - whole)
 }
 
+/// For each lane the texel whose centre comes before the place `x` (texel centres are at halves), and how far the place is beyond it, in
+/// `[0, 1]`: at a centre it may be the texel before that one and 1, which is the same place. Quicker than [`split`]; lanes that are not
+/// within ±2²², and NaN, give some number that is not in `[0, 2²²)`.
+#[inline(always)]
+pub fn before(x: Vec4) -> ([i32; 4], Vec4) {
+    let shifted = x + (SHIFT - 1.0);
+    let bits = shifted.to_array();
+    let mut integers = [0; 4];
+    for k in 0..4 {
+        integers[k] = (bits[k].to_bits() as i32).wrapping_sub(SHIFT.to_bits() as i32);
+    }
+    (integers, (x - 0.5) - (shifted - SHIFT))
+}
+
 /// The greatest whole number that is not above `x`, held at ±2²².
 #[inline(always)]
 pub fn floor(x: f32) -> i32 {
@@ -53,6 +67,22 @@ pub fn fraction(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texels_before_places() {
+        for i in 0..4000 {
+            let x = i as f32 * 0.313 - 100.0;
+            for x in [x, x.floor() + 0.5, x.floor()] {
+                let ([i, ..], t) = before(Vec4::splat(x));
+                assert!((0.0..=1.0).contains(&t.x) && i as f32 + 0.5 + t.x == x, "{x}: {i} {}", t.x);
+            }
+        }
+        let far = [FAR, 1e7, 1e10, f32::MAX, f32::INFINITY, f32::NAN];
+        for x in far.into_iter().chain(far.map(|x| -x)) {
+            let ([i, ..], _) = before(Vec4::splat(2.0 * x));
+            assert!(!(0..FAR as i32).contains(&i), "{x}: {i}");
+        }
+    }
 
     #[test]
     fn as_the_library_has_it() {
