@@ -39,7 +39,7 @@ pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, 
                     let lane = lanes.trailing_zeros() as usize & (LANES - 1);
                     lanes &= lanes - 1;
                     let index = block.ids[lane] & !Block::FILTERED;
-                    let (u, v) = candidates.barycentrics(lane);
+                    let (u, v) = (candidates.u[lane], candidates.v[lane]);
                     let hit = UserHit { t: candidates.t[lane], u, v };
                     if hit.t < ray.t_max && (block.ids[lane] == index || users.accept(index, hit, ray)) {
                         hits.push(users.hit(Nearest { hit, index, extra: users.triangle() }));

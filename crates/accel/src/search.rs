@@ -90,7 +90,7 @@ impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
                     let closer = candidates.t[lane] < self.t
                         || candidates.t[lane] == self.t && self.best.is_some_and(|best| index < best.index);
                     if closer {
-                        let (u, v) = candidates.barycentrics(lane);
+                        let (u, v) = (candidates.u[lane], candidates.v[lane]);
                         let hit = UserHit { t: candidates.t[lane], u, v };
                         if block.ids[lane] == index || users.accept(index, hit, ray) {
                             self.t = hit.t;
@@ -182,7 +182,7 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
                     lanes &= lanes - 1;
                     let index = block.ids[lane] & !Block::FILTERED;
                     if candidates.t[lane] < ray.t_max {
-                        let (u, v) = candidates.barycentrics(lane);
+                        let (u, v) = (candidates.u[lane], candidates.v[lane]);
                         let hit = UserHit { t: candidates.t[lane], u, v };
                         if block.ids[lane] == index || users.accept(index, hit, ray) {
                             return Some(true);

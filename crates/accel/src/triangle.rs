@@ -28,16 +28,10 @@ pub(crate) struct Candidates {
     pub lanes: u32,
     /// Distances.
     pub t: [f32; LANES],
-    /// Edge functions that belong to the second and third vertex, and the sum of all three.
-    pub edges: [[f32; LANES]; 3],
-}
-
-impl Candidates {
-    /// Barycentric coordinates of the second and third vertex.
-    #[inline(always)]
-    pub fn barycentrics(&self, lane: usize) -> (f32, f32) {
-        (self.edges[0][lane] / self.edges[2][lane], self.edges[1][lane] / self.edges[2][lane])
-    }
+    /// Barycentric coordinates of the second vertex,
+    pub u: [f32; LANES],
+    /// and of the third.
+    pub v: [f32; LANES],
 }
 
 /// The axes in the order x, y, z of the sheared space of a direction.
@@ -91,7 +85,7 @@ impl<S: Simd> Shear<S> {
     pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
         let corners = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
         let Crossing { lanes, t, v, w, sum } = cross(s, corners, self.shear[2], t_max)?;
-        Some(Candidates { lanes, t: s.store(t), edges: [s.store(v), s.store(w), s.store(sum)] })
+        Some(Candidates { lanes, t: s.store(t), u: s.store(s.div(v, sum)), v: s.store(s.div(w, sum)) })
     }
 }
 
