@@ -1,14 +1,13 @@
 //! The hierarchy over the geometries of one space.
-#![allow(unsafe_code)]
 
+use crate::arena::Arena;
 use crate::dispatch::{SupportedIsa, all_hits, any_hit, any_hits, nearest_hit, nearest_hits};
 use crate::geometry::WORLD;
-use crate::layout::{Block, ChildRef, Node};
+use crate::layout::{ChildRef, Node};
 use crate::refit::refit;
 use crate::simd::LANES;
 #[cfg(test)]
 use crate::simd::Row;
-use crate::storage::Storage;
 use crate::traverse::{Nearest, Users};
 use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
 use steradian_math::{Bounds3, Ray};
@@ -16,11 +15,10 @@ use steradian_math::{Bounds3, Ray};
 /// With more nodes than these a tree is large. In tests small ones are, too.
 const LARGE: usize = if cfg!(test) { 8 } else { (2 << 20) / size_of::<Node>() };
 
-/// The parts of a hierarchy that traversal reads. Nodes and blocks are in depth-first order.
+/// The parts of a hierarchy that traversal reads.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
-    pub nodes: Storage<Node>,
-    pub blocks: Storage<Block>,
+    pub arena: Arena,
     pub root: ChildRef,
     pub bounds: Bounds3,
     /// For each geometry the index of its first primitive over all geometries, and at the end the number of primitives.
@@ -42,32 +40,10 @@ impl Tree {
         Ok(kept)
     }
 
-    /// The node a reference is to.
-    ///
-    /// # Safety
-    /// The reference must be to a node, and come from this tree.
-    #[inline(always)]
-    pub unsafe fn node(&self, child: ChildRef) -> &Node {
-        debug_assert!(child.is_node());
-        // SAFETY: the builder makes references to nodes that exist only, and nothing changes a tree.
-        unsafe { self.nodes.get_unchecked(child.index()) }
-    }
-
-    /// The block of triangles a reference is to.
-    ///
-    /// # Safety
-    /// The reference must be to a block, and come from this tree.
-    #[inline(always)]
-    pub unsafe fn block(&self, child: ChildRef) -> &Block {
-        debug_assert!(child.is_block());
-        // SAFETY: the builder makes references to blocks that exist only, and nothing changes a tree.
-        unsafe { self.blocks.get_unchecked(child.index()) }
-    }
-
     /// Whether the tree is larger than what is near a processor: rays that go everywhere wait for memory.
     #[inline(always)]
     pub fn is_large(&self) -> bool {
-        self.nodes.len() > LARGE
+        self.arena.nodes().len() > LARGE
     }
 
     /// Asks for the memory of children of a node, in a large tree.
@@ -75,29 +51,10 @@ impl Tree {
     pub fn prefetch_children(&self, node: &Node, mut lanes: u32) {
         if self.is_large() {
             while lanes != 0 {
-                self.prefetch(node.children[lanes.trailing_zeros() as usize & (LANES - 1)]);
+                self.arena.prefetch(node.children[lanes.trailing_zeros() as usize & (LANES - 1)]);
                 lanes &= lanes - 1;
             }
         }
-    }
-
-    /// Asks for the memory of a node or block that will be read soon: for every other cache line, as lines come in pairs.
-    #[inline(always)]
-    pub fn prefetch(&self, child: ChildRef) {
-        let (start, size) = if child.is_node() {
-            (self.nodes.as_ptr().cast::<u8>(), size_of::<Node>())
-        } else {
-            (self.blocks.as_ptr().cast::<u8>(), size_of::<Block>())
-        };
-        let place = start.wrapping_add(child.index() * size);
-        #[cfg(target_arch = "x86_64")]
-        for line in [0, 2] {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            // SAFETY: a prefetch of any address does nothing but time.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(place.wrapping_add(64 * line).cast()) };
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        let _ = place;
     }
 
     /// The name of the primitive with an index over all geometries, when the tree is seen as an instance with a number.
@@ -114,7 +71,7 @@ impl Tree {
         while boxes.len() < count {
             let nodes = boxes.iter().enumerate().filter(|(_, (_, child))| child.is_node());
             let Some((greatest, _)) = nodes.max_by(|a, b| a.1.0.area().total_cmp(&b.1.0.area())) else { break };
-            let node = &self.nodes[boxes.swap_remove(greatest).1.index()];
+            let node = &self.arena.nodes()[Arena::node_index(boxes.swap_remove(greatest).1)];
             let children = (0..LANES).map(|lane| (node.child_bounds(lane), node.children[lane]));
             boxes.extend(children.filter(|(bounds, _)| !bounds.is_empty()));
         }
@@ -123,7 +80,7 @@ impl Tree {
 
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + size_of_val(&self.first[..]) + size_of::<Self>()
+        self.arena.bytes() + size_of_val(&self.first[..]) + size_of::<Self>()
     }
 }
 
@@ -265,9 +222,17 @@ impl Bvh {
         let (a, b) = (&self.tree, &other.tree);
         a.root == b.root
             && (a.bounds, &a.first) == (b.bounds, &b.first)
-            && (a.nodes.len(), a.blocks.len()) == (b.nodes.len(), b.blocks.len())
-            && a.nodes.iter().zip(&b.nodes[..]).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.children == b.children)
-            && a.blocks.iter().zip(&b.blocks[..]).all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
+            && (a.arena.nodes().len(), a.arena.blocks().len()) == (b.arena.nodes().len(), b.arena.blocks().len())
+            && a.arena
+                .nodes()
+                .iter()
+                .zip(b.arena.nodes())
+                .all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.children == b.children)
+            && a.arena
+                .blocks()
+                .iter()
+                .zip(b.arena.blocks())
+                .all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
     }
 
     /// The tree alone.

@@ -23,7 +23,7 @@ pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, 
     loop {
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.
-            let node = unsafe { tree.node(current) };
+            let node = unsafe { tree.arena.node(current) };
             let (_, mut lanes) = slabs.test(s, node, t_max);
             while lanes != 0 {
                 // SAFETY: the stack is deep enough for the tree.
@@ -32,7 +32,7 @@ pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, 
             }
         } else if current.is_block() {
             // SAFETY: the reference comes from the tree and is to a block.
-            let block = unsafe { tree.block(current) };
+            let block = unsafe { tree.arena.block(current) };
             if let Some(candidates) = shear.test(s, block, t_max) {
                 let mut lanes = candidates.lanes;
                 while lanes != 0 {

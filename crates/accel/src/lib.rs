@@ -18,6 +18,7 @@
 //!
 //! This crate knows nothing of materials, and is the only one with `unsafe` code, which each module that needs it allows by name.
 
+mod arena;
 pub mod bounding;
 mod build;
 mod bvh;

@@ -1,5 +1,6 @@
 //! Geometry that moves while it stays the same in number: boxes and triangles are set anew, and the shape of the tree is kept.
 
+use crate::arena::Arena;
 use crate::build::Primitives;
 use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef, Node};
@@ -18,12 +19,16 @@ pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
         let lanes = block.lanes();
         (0..LANES).all(|lane| lanes >> lane & 1 == 0 || held(block.ids[lane] & !Block::FILTERED))
     };
-    let users_held =
-        tree.nodes.iter().flat_map(|node| &node.children).all(|child| !child.is_user() || held(child.index() as u32));
-    if !users_held || !tree.blocks.par_iter().all(is_in_place) {
+    let users_held = tree
+        .arena
+        .nodes()
+        .iter()
+        .flat_map(|node| &node.children)
+        .all(|child| !child.is_user() || held(child.index() as u32));
+    if !users_held || !tree.arena.blocks().par_iter().all(is_in_place) {
         return false;
     }
-    tree.blocks.par_iter_mut().for_each(|block| {
+    tree.arena.parts_mut().1.par_iter_mut().for_each(|block| {
         let lanes = block.lanes();
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
             let index = block.ids[lane] & !Block::FILTERED;
@@ -33,28 +38,29 @@ pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
         }
     });
     // Children come after their parents.
-    let mut bounds = vec![Bounds3::EMPTY; tree.nodes.len()];
-    let of_child = |child: ChildRef, blocks: &[Block], bounds: &[Bounds3]| {
+    let arena = &tree.arena;
+    let mut bounds = vec![Bounds3::EMPTY; arena.nodes().len()];
+    let of_child = |child: ChildRef, bounds: &[Bounds3]| {
         if child.is_node() {
-            bounds[child.index()]
+            bounds[Arena::node_index(child)]
         } else if child.is_block() {
-            blocks[child.index()].bounds()
+            arena.blocks()[arena.block_index(child)].bounds()
         } else if child.is_user() {
             primitives.bounds(child.index() as u32).unwrap_or(Bounds3::EMPTY)
         } else {
             Bounds3::EMPTY
         }
     };
-    for i in (0..tree.nodes.len()).rev() {
-        let children = tree.nodes[i].children;
-        let mut node = Node::EMPTY;
+    let mut nodes = vec![Node::EMPTY; bounds.len()];
+    for i in (0..nodes.len()).rev() {
+        let children = arena.nodes()[i].children;
         for (lane, child) in children.into_iter().enumerate().filter(|(_, child)| *child != ChildRef::EMPTY) {
-            let b = of_child(child, &tree.blocks, &bounds);
-            node.set(lane, &b, child);
+            let b = of_child(child, &bounds);
+            nodes[i].set(lane, &b, child);
             bounds[i] = bounds[i].union(b);
         }
-        tree.nodes[i] = node;
     }
-    tree.bounds = of_child(tree.root, &tree.blocks, &bounds);
+    tree.bounds = of_child(tree.root, &bounds);
+    tree.arena.parts_mut().0.copy_from_slice(&nodes);
     true
 }

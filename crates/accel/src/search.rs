@@ -63,7 +63,7 @@ impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
         let current = self.current;
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.
-            let node = unsafe { tree.node(current) };
+            let node = unsafe { tree.arena.node(current) };
             let (enter, lanes) = self.slabs.test(s, node, s.splat(self.t));
             if lanes & lanes.wrapping_sub(1) != 0 {
                 // The nearest child is next; the others wait, nearer ones above.
@@ -80,7 +80,7 @@ impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
             }
         } else if current.is_block() {
             // SAFETY: the reference comes from the tree and is to a block.
-            let block = unsafe { tree.block(current) };
+            let block = unsafe { tree.arena.block(current) };
             if let Some(candidates) = self.shear.test(s, block, s.splat(self.t)) {
                 let mut lanes = candidates.lanes;
                 while lanes != 0 {
@@ -157,7 +157,7 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
         let current = self.current;
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.
-            let node = unsafe { tree.node(current) };
+            let node = unsafe { tree.arena.node(current) };
             let (_, mut lanes) = self.slabs.test(s, node, self.t_max);
             if lanes != 0 {
                 if lanes & (lanes - 1) != 0 {
@@ -174,7 +174,7 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
             }
         } else if current.is_block() {
             // SAFETY: the reference comes from the tree and is to a block.
-            let block = unsafe { tree.block(current) };
+            let block = unsafe { tree.arena.block(current) };
             if let Some(candidates) = self.shear.test(s, block, self.t_max) {
                 let mut lanes = candidates.lanes;
                 while lanes != 0 {

@@ -30,7 +30,7 @@ impl<T: Copy> Storage<T> {
     }
 
     /// Memory for `len` elements that are not initialised.
-    fn uninit(len: usize) -> Storage<MaybeUninit<T>> {
+    fn allocated(len: usize) -> Storage<MaybeUninit<T>> {
         let Some(layout) = Self::layout(len) else { return Storage { start: NonNull::dangling(), len: 0 } };
         // SAFETY: the layout has a size.
         let start = unsafe { alloc(layout) };
@@ -43,12 +43,23 @@ impl<T: Copy> Storage<T> {
         }
     }
 
+    /// `len` elements that may be anything.
+    ///
+    /// # Safety
+    /// Any bits, even none, must be an element.
+    pub unsafe fn uninit(len: usize) -> Self {
+        let storage = Self::allocated(len);
+        let anything = Self { start: storage.start.cast(), len };
+        std::mem::forget(storage);
+        anything
+    }
+
     /// `len` elements that are made in parallel by a function of the index.
     pub fn from_fn(len: usize, element: impl Fn(usize) -> T + Sync) -> Self
     where
         T: Send,
     {
-        let mut storage = Self::uninit(len);
+        let mut storage = Self::allocated(len);
         storage.par_iter_mut().enumerate().for_each(|(i, place)| {
             place.write(element(i));
         });

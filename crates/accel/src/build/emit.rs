@@ -3,14 +3,20 @@
 use super::Builder;
 use super::binary::BinaryNode;
 use super::primitives::{PrimRef, Primitives};
+use crate::Error;
+use crate::arena::Arena;
 use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
-use crate::storage::Storage;
 use steradian_math::Bounds3;
 
 /// Lays out the wide tree, depth first.
-pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNode<LANES>], builder: Builder) -> Tree {
+pub(super) fn emit(
+    primitives: &Primitives,
+    refs: &[PrimRef],
+    binary: &[BinaryNode<LANES>],
+    builder: Builder,
+) -> Result<Tree, Error> {
     let mut layout = Layout { nodes: Vec::new(), leaves: Vec::new() };
     let root = match binary.first() {
         None => ChildRef::EMPTY,
@@ -27,15 +33,35 @@ pub(super) fn emit(primitives: &Primitives, refs: &[PrimRef], binary: &[BinaryNo
         }
         block
     };
-    Tree {
-        blocks: Storage::from_fn(layout.leaves.len(), block),
-        nodes: Storage::from_fn(layout.nodes.len(), |i| layout.nodes[i]),
-        root,
+    let (nodes, blocks) = (layout.nodes.len(), layout.leaves.len());
+    // The layout counts nodes and blocks; in memory blocks begin where nodes end.
+    let placed = |child: ChildRef| {
+        if child.is_node() {
+            Arena::node_ref(child.index())
+        } else if child.is_block() {
+            Arena::block_ref(nodes, child.index())
+        } else {
+            child
+        }
+    };
+    let node = |i: usize| Node { children: layout.nodes[i].children.map(placed), ..layout.nodes[i] };
+    let lines = Arena::lines(nodes, blocks) as u64;
+    let limit = u64::from(ChildRef::LIMIT);
+    if lines >= limit {
+        let count = refs.len() as u64;
+        return Err(Error::TooManyPrimitives {
+            count,
+            limit: (u128::from(count) * u128::from(limit) / u128::from(lines)) as u64,
+        });
+    }
+    Ok(Tree {
+        arena: Arena::new((nodes, blocks), node, block),
+        root: placed(root),
         bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
         primitives: refs.len(),
         builder,
-    }
+    })
 }
 
 /// Nodes, and the ranges of references that become blocks.

@@ -54,7 +54,7 @@ pub(crate) fn build(geometries: &[Geometry], builder: Builder) -> Result<Tree, E
     let refs = primitives.refs();
     let count = refs.len();
     let (refs, nodes) = binary_tree(&primitives, refs, builder);
-    Ok(Tree { primitives: count, ..emit::emit(&primitives, &refs, &nodes, builder) })
+    Ok(Tree { primitives: count, ..emit::emit(&primitives, &refs, &nodes, builder)? })
 }
 
 /// What a child of a wide node is.

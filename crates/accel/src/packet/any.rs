@@ -89,7 +89,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         loop {
             if current.is_node() {
                 // SAFETY: the reference comes from the tree and is to a node.
-                let node = unsafe { tree.node(current) };
+                let node = unsafe { tree.arena.node(current) };
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
                     let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
@@ -109,7 +109,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
             loop {
                 let Some(Waiting { key, child, parent }) = stack.pop(farthest) else { return group & !open };
                 // SAFETY: parents are nodes of the tree.
-                let node = unsafe { tree.node(parent) };
+                let node = unsafe { tree.arena.node(parent) };
                 active = open & self.beam.enters(l, node, key_lane(key), t_max);
                 if active.count_ones() >= FEW {
                     current = child;
@@ -134,7 +134,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
     fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, t_max: L::F) -> u32 {
         let (s, l) = (self.s, self.l);
         // SAFETY: the reference comes from the tree and is to a block.
-        let block = unsafe { self.tree.block(reference) };
+        let block = unsafe { self.tree.arena.block(reference) };
         let mut open = active;
         for slot in Set(interval.triangles(s, block)) {
             let slot = slot & (LANES - 1);

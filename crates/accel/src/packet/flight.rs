@@ -82,7 +82,7 @@ fn fly<S: Simd, U: Users, Q: Query<S, U>>(
                 let (query, stack) = unsafe { (queries[slot].assume_init_mut(), stacks[slot].assume_init_mut()) };
                 let place = place_of[slot];
                 let Some(found) = query.step(stack, s, tree, &rays[place], users) else {
-                    tree.prefetch(query.current());
+                    tree.arena.prefetch(query.current());
                     i += 1;
                     continue;
                 };

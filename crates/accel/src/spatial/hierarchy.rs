@@ -5,6 +5,7 @@ use super::line::is_askable;
 use super::scene::Total;
 use super::search::{Steps, Tally};
 use super::shear::Shear;
+use crate::arena::Arena;
 use crate::bvh::Tree;
 use crate::geometry::WORLD;
 use crate::layout::{Block, ChildRef};
@@ -62,7 +63,7 @@ fn walk<U: UserPrimitives>(
         }
         steps.step();
         if child.is_node() {
-            let node = &tree.nodes[child.index()];
+            let node = &tree.arena.nodes()[Arena::node_index(child)];
             let entry = |lane: usize| node.child_bounds(lane).intersect(ray.origin, inverse, t).map(|s| s.0);
             let first = stack.len();
             stack.extend((0..LANES).filter_map(|lane| Some((node.children[lane], entry(lane)?))));
@@ -71,7 +72,7 @@ fn walk<U: UserPrimitives>(
                 Query::Any => stack[first..].reverse(),
             }
         } else if child.is_block() {
-            let block = &tree.blocks[child.index()];
+            let block = &tree.arena.blocks()[tree.arena.block_index(child)];
             for (lane, &tagged) in block.ids.iter().enumerate() {
                 let row = |i: usize| block.rows[i].0[lane];
                 if row(0).is_nan() {
