@@ -48,7 +48,8 @@ impl Described {
 
 impl Entry {
     fn new(family: &str, name: &'static str, description: &'static str) -> Self {
-        let material = materials::entry(name).filter(|_| family == "materials");
+        let of_all = (name == materials::DETAIL.name).then_some(&materials::DETAIL);
+        let material = materials::entry(name).or(of_all).filter(|_| family == "materials");
         Self {
             name,
             description,

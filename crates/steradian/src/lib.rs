@@ -44,7 +44,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     use steradian_core as core;
     vec![
         ("integrators", INTEGRATORS.to_vec()),
-        ("materials", core::material::MATERIALS.iter().map(|e| (e.name, e.doc)).collect()),
+        ("materials", materials::MATERIALS.iter().chain([&materials::DETAIL]).map(|e| (e.name, e.doc)).collect()),
         ("textures", core::texture::TEXTURES.to_vec()),
         ("lights", core::light::LIGHTS.to_vec()),
         ("shapes", core::shape::SHAPES.to_vec()),

@@ -67,9 +67,10 @@ fn add_material(d: &mut SceneDesc, kind: &str, params: &[(String, String)], dept
         .ok_or_else(|| unknown("material", kind, catalog::MATERIALS.iter().map(|m| m.name).collect()))?;
     let mut node = Node::new(Family::Material, kind, None);
     for (name, text) in params {
-        let parameter = entry.parameters.iter().find(|p| p.name == name).ok_or_else(|| {
-            unknown(&format!("parameter of '{kind}'"), name, entry.parameters.iter().map(|p| p.name).collect())
-        })?;
+        let known = || entry.parameters.iter().chain(catalog::DETAIL.parameters);
+        let parameter = known()
+            .find(|p| p.name == name)
+            .ok_or_else(|| unknown(&format!("parameter of '{kind}'"), name, known().map(|p| p.name).collect()))?;
         let value = value(d, parameter, text, depth)?;
         node.set(name.as_str(), value, None);
     }
@@ -106,6 +107,10 @@ fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<V
                 }
                 None => Value::Spectrum(SpectrumValue::Named(text.into())),
             }
+        }
+        Kind::Map => {
+            let image = Node::new(Family::Texture, "image", None).with("file", Value::Path(text.into()));
+            Value::Node(d.add(image.with("encoding", "linear").with("raw", true)))
         }
         Kind::Material => Value::Node(nested(d, text, depth)?),
         Kind::Materials => {

@@ -146,7 +146,8 @@ impl Compiler<'_> {
             _ => {
                 let v = self.at_sodium_line(node, name, default);
                 if v <= 0.0 {
-                    self.error(node.span, format!("an index of refraction of {v} is not possible"));
+                    let span = node.param(name).and_then(|p| p.span).or(node.span);
+                    self.error(span, format!("an index of refraction of {v} is not possible"));
                     return FloatTexture::Constant(default as f32);
                 }
                 FloatTexture::Constant(v)

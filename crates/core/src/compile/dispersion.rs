@@ -6,7 +6,7 @@ use crate::{
     material::Eta,
 };
 use std::sync::Arc;
-use steradian_math::spectra::{Dense, Dispersion, Spd};
+use steradian_math::spectra::{Dense, Dispersion, LAMBDA_COUNT, LAMBDA_MIN, Spd};
 use steradian_scene::Node;
 
 /// The sodium line, nm: where an index that cannot depend on the wavelength is taken.
@@ -20,7 +20,8 @@ impl Compiler<'_> {
         let formula = if node.param("abbe_number").is_some() {
             let abbe = self.float(node, "abbe_number", 0.0);
             if abbe < 0.0 {
-                self.error(node.span, format!("an Abbe number of {abbe} is negative"));
+                let span = node.param("abbe_number").and_then(|p| p.span).or(node.span);
+                self.error(span, format!("an Abbe number of {abbe} is negative"));
             }
             Dispersion::from_abbe(f64::from(self.at_sodium_line(node, "eta", default)), f64::from(abbe))
         } else if node.param("cauchy").is_some() {
@@ -40,6 +41,16 @@ impl Compiler<'_> {
         } else {
             return None;
         };
+        let lambdas = (0..LAMBDA_COUNT).map(|i| LAMBDA_MIN + i as f32);
+        if let Some(l) = lambdas.map(f64::from).find(|l| !formula.is_possible(*l)) {
+            let name = ["abbe_number", "cauchy", "sellmeier"].into_iter().find(|n| node.param(n).is_some());
+            let span = name.and_then(|n| node.param(n)).and_then(|p| p.span).or(node.span);
+            let what = format!(
+                "by '{}' the index of refraction at {l} nm is not in [0.05, 20]; it is held there",
+                name.unwrap_or_default()
+            );
+            self.diagnostics.warn(&self.desc.sources, span, what);
+        }
         let sodium = formula.eval(SODIUM);
         let dense = Dense::new(|l| formula.eval(f64::from(l)) as f32);
         let flat = dense.values().windows(2).all(|w| w[0] == w[1]);

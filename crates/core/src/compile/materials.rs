@@ -41,6 +41,7 @@ impl Compiler<'_> {
             return failed;
         }
         let before = self.materials.len();
+        let node = &*self.within_ranges(node);
         let mut resolved = self.new_material(node, depth);
         if let Some(detail) = self.surface_detail(node) {
             // What stands for this node alone is changed, what others share is copied.
@@ -126,7 +127,6 @@ impl Compiler<'_> {
     }
 
     fn new_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
-        let node = &*self.within_ranges(node);
         let model = match node.kind.as_str() {
             "diffuse" => Model::Diffuse(self.spectrum(node, "reflectance", Role::Albedo, HALF)),
             "diffuse_transmission" => {
@@ -393,7 +393,8 @@ impl Compiler<'_> {
     pub(super) fn eta_named(&mut self, node: &Node, name: &str, default: f64) -> Eta {
         let sodium = self.at_sodium_line(node, name, default);
         if sodium <= 0.0 {
-            self.error(node.span, format!("an index of refraction of {sodium} is not possible"));
+            let span = node.param(name).and_then(|p| p.span).or(node.span);
+            self.error(span, format!("an index of refraction of {sodium} is not possible"));
             return Eta::Constant(default as f32);
         }
         if self.mode == crate::color::ColorMode::Spectral {
@@ -425,7 +426,14 @@ impl Compiler<'_> {
             FloatTexture::Texture(_) => (0.0, 1.0),
         };
         let (u, v) = (range(roughness.u), range(roughness.v));
-        let eta = self.at_sodium_line(node, "eta", eta);
+        let eta = match self.at_sodium_line(node, "eta", eta) {
+            given if given > 0.0 => given,
+            given => {
+                let span = node.param("eta").and_then(|p| p.span).or(node.span);
+                self.error(span, format!("an index of refraction of {given} is not possible"));
+                eta as f32
+            }
+        };
         let alpha = (u.0.min(v.0), u.1.max(v.1));
         Model::Coated {
             reflectance: base,

@@ -154,7 +154,7 @@ impl Compiler<'_> {
             Eta::Constant(n) if strength > 0.0 && self.mode == ColorMode::Spectral => {
                 let square = |line: f32| 1.0 / (line * line);
                 let b = (n - 1.0) * strength / 20.0 / (square(LINES[0]) - square(LINES[2]));
-                let at = move |nm: f32| (n + b * (square(nm * 1e-3) - square(LINES[1]))).max(1.0);
+                let at = move |nm: f32| (n + b * (square(nm * 1e-3) - square(LINES[1]))).clamp(1.0, 20.0);
                 Eta::Dispersive(Color::Spectral(Spd::Dense(Arc::new(Dense::new(at)))))
             }
             eta => eta,

@@ -1,54 +1,88 @@
 //! Constant values of materials are held in the ranges that the catalogue of materials states, and reported where they were not.
 
 use super::Compiler;
-use crate::material::catalog::{self, Parameter};
+use crate::material::catalog;
 use std::borrow::Cow;
-use steradian_scene::{Node, SpectrumValue, Value};
+use steradian_math::spectra;
+use steradian_scene::{Node, Param, SpectrumValue, Value};
 
 impl Compiler<'_> {
-    /// The node with every constant number and spectrum inside its range.
+    /// The node with every constant number and spectrum inside its range. What is refused, and what is not finite, stands there as a number
+    /// for the material's own compiler to report.
     pub(super) fn within_ranges<'n>(&mut self, node: &'n Node) -> Cow<'n, Node> {
         let mut held = Cow::Borrowed(node);
-        let parameters = catalog::entry(&node.kind).map_or(&[][..], |e| e.parameters);
-        for p in parameters.iter().filter(|p| !p.refuses) {
-            let Some(given) = node.param(p.name) else { continue };
-            let Some((value, outside)) = hold(&given.value, p) else { continue };
-            let what = format!(
-                "parameter '{}' of material '{}' is {outside}; it must be {} and is held there",
-                p.name,
-                node.kind,
-                p.range_text()
-            );
-            self.diagnostics.warn(&self.desc.sources, given.span.or(node.span), what);
+        for p in catalog::ranges(&node.kind) {
+            let Some(given) = node.param(p.name).and_then(|given| self.constant_of(given)) else { continue };
+            let numbers = numbers(&given.value);
+            let (low, high) = p.range;
+            let Some(bad) = numbers.iter().copied().find(|v| !(low..=high).contains(v)) else { continue };
+            let hopeless = |v: &&f64| !v.is_finite() || (!(low..=high).contains(*v) && p.outside.refuses(**v));
+            let value = match numbers.iter().find(hopeless) {
+                Some(hopeless) => Value::Float(*hopeless),
+                None => {
+                    let what = format!(
+                        "parameter '{}' of material '{}' is {bad}; it must be {} and is held there",
+                        p.name,
+                        node.kind,
+                        p.range_text()
+                    );
+                    self.diagnostics.warn(&self.desc.sources, given.span.or(node.span), what);
+                    mapped(&given.value, |v| v.clamp(low, high))
+                }
+            };
             held.to_mut().set(p.name, value, given.span);
         }
         held
     }
+
+    /// The parameter itself, or the value of the texture it names, where that is the same everywhere.
+    fn constant_of<'p>(&self, mut given: &'p Param) -> Option<&'p Param>
+    where
+        Self: 'p,
+    {
+        for _ in 0..=self.desc.nodes.len() {
+            let Value::Node(id) = given.value else { return Some(given) };
+            let texture = self.node(id);
+            if texture.kind != "constant" {
+                return None;
+            }
+            given = texture.param("value")?;
+        }
+        None
+    }
 }
 
-/// The value held in the range, and what was outside of it; `None` where nothing was. Numbers that are not finite are for others to report.
-fn hold(value: &Value, p: &Parameter) -> Option<(Value, f64)> {
-    let (low, high) = p.range;
-    let outside = |v: &f64| v.is_finite() && !(low..=high).contains(v);
-    let fit = |v: f64| if v.is_finite() { v.clamp(low, high) } else { v };
+/// The numbers that a constant value is made of.
+fn numbers(value: &Value) -> Vec<f64> {
+    let wide = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect();
     match value {
-        Value::Float(v) => outside(v).then(|| (Value::Float(fit(*v)), *v)),
-        Value::Int(v) => {
-            let v = *v as f64;
-            outside(&v).then(|| (Value::Int(fit(v) as i64), v))
-        }
-        Value::Spectrum(SpectrumValue::Constant(v)) => {
-            outside(v).then(|| (Value::Spectrum(SpectrumValue::Constant(fit(*v))), *v))
-        }
-        Value::Spectrum(SpectrumValue::Rgb(rgb, space)) => {
-            let bad = *rgb.iter().find(|v| outside(v))?;
-            Some((Value::Spectrum(SpectrumValue::Rgb(rgb.map(fit), *space)), bad))
-        }
-        Value::Spectrum(SpectrumValue::Sampled { lambdas, values }) => {
-            let bad = values.iter().map(|v| f64::from(*v)).find(|v| outside(v))?;
-            let values = values.iter().map(|v| fit(f64::from(*v)) as f32).collect();
-            Some((Value::Spectrum(SpectrumValue::Sampled { lambdas: lambdas.clone(), values }), bad))
-        }
-        _ => None,
+        Value::Float(v) | Value::Spectrum(SpectrumValue::Constant(v)) => vec![*v],
+        Value::Int(v) => vec![*v as f64],
+        Value::Spectrum(SpectrumValue::Rgb(rgb, _)) => rgb.to_vec(),
+        Value::Spectrum(SpectrumValue::Sampled { values, .. }) => wide(values),
+        Value::Spectrum(SpectrumValue::Named(word)) => spectra::named(word).map_or_else(Vec::new, |c| wide(c.values())),
+        _ => Vec::new(),
+    }
+}
+
+/// The value with a function of each of its numbers in their place.
+fn mapped(value: &Value, f: impl Fn(f64) -> f64) -> Value {
+    let narrow = |values: &[f32]| values.iter().map(|v| f(f64::from(*v)) as f32).collect::<Vec<_>>();
+    match value {
+        Value::Float(v) => Value::Float(f(*v)),
+        Value::Int(v) => Value::Int(f(*v as f64) as i64),
+        Value::Spectrum(s) => Value::Spectrum(match s {
+            SpectrumValue::Constant(v) => SpectrumValue::Constant(f(*v)),
+            SpectrumValue::Rgb(rgb, space) => SpectrumValue::Rgb(rgb.map(&f), *space),
+            SpectrumValue::Sampled { lambdas, values } => {
+                SpectrumValue::Sampled { lambdas: lambdas.clone(), values: narrow(values) }
+            }
+            SpectrumValue::Named(word) => match spectra::named(word) {
+                Some(c) => SpectrumValue::Sampled { lambdas: c.lambda().into(), values: narrow(c.values()) },
+                None => s.clone(),
+            },
+            SpectrumValue::Blackbody(_) => s.clone(),
+        }),
+        _ => value.clone(),
     }
 }

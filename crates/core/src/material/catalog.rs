@@ -24,6 +24,8 @@ pub enum Kind {
     Material,
     /// A list of materials.
     Materials,
+    /// A texture.
+    Map,
     /// Three numbers.
     Vector,
     /// Some numbers.
@@ -43,9 +45,35 @@ impl Kind {
             Self::Word(words) => words,
             Self::Material => "material",
             Self::Materials => "materials",
+            Self::Map => "texture",
             Self::Vector => "three numbers",
             Self::List => "list of numbers",
             Self::File => "file",
+        }
+    }
+}
+
+/// What becomes of a number outside its range. The compiler of the material reports what is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// It is held at the end.
+    Held,
+    /// It is an error.
+    Refused,
+    /// It is an error below zero, else held at the end.
+    NegativeRefused,
+    /// It is an error up to zero, else held at the end.
+    NotPositiveRefused,
+}
+
+impl Outside {
+    /// Whether a value outside the range is an error.
+    pub fn refuses(self, v: f64) -> bool {
+        match self {
+            Self::Held => false,
+            Self::Refused => true,
+            Self::NegativeRefused => v < 0.0,
+            Self::NotPositiveRefused => v <= 0.0,
         }
     }
 }
@@ -59,10 +87,10 @@ pub struct Parameter {
     pub kind: Kind,
     /// Unit; empty for pure numbers.
     pub unit: &'static str,
-    /// Least and greatest number; values outside are reported. Infinite for no bound.
+    /// Least and greatest number; values outside are reported. Infinite for what is no number.
     pub range: (f64, f64),
-    /// Whether values outside are errors, which the material's own compiler reports, rather than held at the end.
-    pub refuses: bool,
+    /// What becomes of values outside.
+    pub outside: Outside,
     /// Another parameter and its value with which alone this one counts.
     pub needs: Option<(&'static str, &'static str)>,
     /// What counts where it is absent.
@@ -73,14 +101,22 @@ pub struct Parameter {
 
 /// Reflectances, opacities, weights: 0 to 1.
 pub const UNIT: (f64, f64) = (0.0, 1.0);
-/// Nothing below zero.
-pub const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
-/// Any number.
-pub const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+/// Roughness α of facets; 1 is rough.
+const ALPHA: (f64, f64) = (0.0, 16.0);
+/// Relative indices of refraction; real ones lie between 0.2 and 5.
+const INDEX: (f64, f64) = (0.05, 20.0);
+/// Both parts of the complex index of a metal; real ones are below 30, those of a made-up reflectance are larger.
+const OPTICAL_CONSTANT: (f64, f64) = (0.0, 1e6);
+/// Optical depth.
+const DEPTH: (f64, f64) = (0.0, 1e4);
+/// A factor or concentration without a natural end.
+const FACTOR: (f64, f64) = (0.0, 1e6);
+/// For what is no number.
+const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 impl Parameter {
     const fn new(kind: Kind, name: &'static str, range: (f64, f64), default: &'static str, doc: &'static str) -> Self {
-        Self { name, kind, unit: "", range, refuses: false, needs: None, default, doc }
+        Self { name, kind, unit: "", range, outside: Outside::Held, needs: None, default, doc }
     }
 
     /// With a unit.
@@ -91,7 +127,19 @@ impl Parameter {
 
     /// Whose values outside the range are errors.
     pub const fn refused(mut self) -> Self {
-        self.refuses = true;
+        self.outside = Outside::Refused;
+        self
+    }
+
+    /// Whose values below zero are errors.
+    const fn not_negative(mut self) -> Self {
+        self.outside = Outside::NegativeRefused;
+        self
+    }
+
+    /// Whose values up to zero are errors.
+    const fn above_zero(mut self) -> Self {
+        self.outside = Outside::NotPositiveRefused;
         self
     }
 
@@ -113,7 +161,6 @@ impl Parameter {
     pub fn range_text(&self) -> String {
         match self.range {
             ANY => String::new(),
-            (low, f64::INFINITY) => format!("≥ {low}"),
             (low, high) => format!("in [{low}, {high}]"),
         }
     }
@@ -152,6 +199,10 @@ const fn word(name: &'static str, words: &'static str, default: &'static str, do
     Parameter::new(Kind::Word(words), name, ANY, default, doc)
 }
 
+const fn map(name: &'static str, default: &'static str, doc: &'static str) -> Parameter {
+    Parameter::new(Kind::Map, name, ANY, default, doc)
+}
+
 const fn material(name: &'static str, default: &'static str, doc: &'static str) -> Parameter {
     Parameter::new(Kind::Material, name, ANY, default, doc)
 }
@@ -173,11 +224,11 @@ pub struct Entry {
     pub source: &'static str,
 }
 
-const ALPHA_U: Parameter = tex("alpha_u", POSITIVE, "0", "roughness α along the tangent; 0 is smooth").refused();
-const ALPHA_V: Parameter = tex("alpha_v", POSITIVE, "alpha_u", "roughness α along the bitangent").refused();
+const ALPHA_U: Parameter = tex("alpha_u", ALPHA, "0", "roughness α along the tangent; 0 is smooth").not_negative();
+const ALPHA_V: Parameter = tex("alpha_v", ALPHA, "alpha_u", "roughness α along the bitangent").not_negative();
 const ROTATION: Parameter = tex(
     "anisotropy_rotation",
-    ANY,
+    (-3600.0, 3600.0),
     "0",
     "turn of the tangent that the highlight is stretched along, from ∂p/∂u towards ∂p/∂v",
 )
@@ -186,7 +237,8 @@ const ROTATION: Parameter = tex(
 const REMAP: Parameter = flag("remap_roughness", "false", "whether alpha_u and alpha_v are r of α = √r");
 const DISTRIBUTION: Parameter =
     word("distribution", "ggx, beckmann, student_t, blinn, gaussian", "ggx", "distribution of microfacet normals");
-const GAMMA: Parameter = number("gamma", ANY, "2", "tail of the distribution").with("distribution", "student_t");
+const GAMMA: Parameter =
+    number("gamma", (1.65, 100.0), "2", "tail of the distribution").with("distribution", "student_t");
 const SHADOWING: Parameter = word(
     "shadowing",
     "height_correlated, separable, v_groove",
@@ -202,9 +254,10 @@ const LOBE: Parameter = tex("specular_reflectance", UNIT, "0.2", "albedo of the 
 const REFLECTANCE_FACTOR: Parameter = tex("specular_reflectance", UNIT, "1", "factor on reflection");
 const TRANSMITTANCE_FACTOR: Parameter = tex("specular_transmittance", UNIT, "1", "factor on transmission");
 const GLASS_ETA: Parameter =
-    spectrum("eta", POSITIVE, "1.5", "index of refraction inside over outside; spectra disperse").refused();
+    spectrum("eta", INDEX, "1.5", "index of refraction inside over outside; spectra disperse").above_zero();
 const ABBE: Parameter =
-    number("abbe_number", POSITIVE, "none", "Abbe number of a glass whose index at the sodium line is eta").refused();
+    number("abbe_number", (0.0, 1e4), "none", "Abbe number of a glass whose index at the sodium line is eta")
+        .not_negative();
 const CAUCHY: Parameter = Parameter::new(
     Kind::List,
     "cauchy",
@@ -232,12 +285,14 @@ pub const MATERIALS: &[Entry] = &[
         name: "conductor",
         doc: "metal, smooth or rough; a perfect mirror without eta, k and reflectance",
         parameters: &[
-            tex("eta", POSITIVE, "1", "real part of the index of refraction"),
-            tex("k", POSITIVE, "0", "imaginary part of the index of refraction"),
+            tex("eta", OPTICAL_CONSTANT, "1", "real part of the index of refraction"),
+            tex("k", OPTICAL_CONSTANT, "0", "imaginary part of the index of refraction"),
             tex("reflectance", UNIT, "none", "reflectance at normal incidence, instead of eta and k"),
-            number("permittivity", ANY, "none", "relative permittivity, instead of eta and k"),
-            number("permeability", POSITIVE, "1", "relative permeability").refused().with("permittivity", "4"),
-            number("conductivity", POSITIVE, "none", "conductivity, instead of eta and k").unit("S/m").refused(),
+            number("permittivity", (-1e6, 1e6), "none", "relative permittivity, instead of eta and k"),
+            number("permeability", (1e-6, 1e6), "1", "relative permeability").above_zero().with("permittivity", "4"),
+            number("conductivity", (0.0, 1e12), "none", "conductivity, instead of eta and k")
+                .unit("S/m")
+                .not_negative(),
             ALPHA_U,
             ALPHA_V,
             REMAP,
@@ -294,7 +349,7 @@ pub const MATERIALS: &[Entry] = &[
             REMAP,
             DISTRIBUTION,
             REFLECTANCE_FACTOR,
-            tex("thickness", POSITIVE, "0.01", "optical depth of the coat"),
+            tex("thickness", DEPTH, "0.01", "optical depth of the coat"),
             tex(
                 "albedo",
                 UNIT,
@@ -302,8 +357,8 @@ pub const MATERIALS: &[Entry] = &[
                 "single-scattering albedo in the coat; above 0 random walks replace the closed form",
             ),
             tex("g", (-1.0, 1.0), "0", "mean cosine of the phase function in the coat"),
-            integer("max_depth", POSITIVE, "10", "most reflections inside the coat"),
-            integer("samples", POSITIVE, "1", "walks for each evaluation"),
+            integer("max_depth", FACTOR, "10", "most reflections inside the coat"),
+            integer("samples", (1.0, 1000.0), "1", "walks for each evaluation"),
         ],
         source: "Kubelka, Munk (1931); Guo, Hašan, Zhao, Position-Free Monte Carlo Simulation for Layered BSDFs (2018)",
     },
@@ -420,14 +475,14 @@ pub const MATERIALS: &[Entry] = &[
             DIFFUSE,
             tex("specular_reflectance", UNIT, "0.5", "factor on the facets"),
             word("fresnel", "dielectric, conductor, large_k, schlick", "dielectric", "what the facets reflect"),
-            tex("eta", POSITIVE, "1.5", "index of refraction of the facets").refused(),
-            tex("k", POSITIVE, "0", "imaginary part of it").with("fresnel", "conductor"),
+            tex("eta", OPTICAL_CONSTANT, "1.5", "index of refraction of the facets").above_zero(),
+            tex("k", OPTICAL_CONSTANT, "0", "imaginary part of it").with("fresnel", "conductor"),
             tex("f0", UNIT, "0.04", "reflectance at normal incidence").with("fresnel", "schlick"),
             tex("f90", UNIT, "1", "reflectance at grazing incidence").with("fresnel", "schlick"),
             FILM_THICKNESS,
             FILM_ETA,
             word("coupling", "sum, ashikhmin_shirley, fresnel", "sum", "how the diffuse part gives way to the facets"),
-            tex("alpha_u", POSITIVE, "0.3", "roughness along the tangent").refused(),
+            tex("alpha_u", ALPHA, "0.3", "roughness along the tangent").not_negative(),
             ALPHA_V,
             REMAP,
             word(
@@ -461,15 +516,15 @@ pub const MATERIALS: &[Entry] = &[
         name: "hair",
         doc: "a fibre of hair or fur",
         parameters: &[
-            tex("sigma_a", POSITIVE, "none", "absorption").unit("per fibre radius"),
+            tex("sigma_a", (0.0, 1e8), "none", "absorption").unit("per fibre radius"),
             tex("color", UNIT, "none", "colour of a mass of hair, instead of sigma_a"),
             tex("reflectance", UNIT, "none", "the same as color"),
-            tex("eumelanin", POSITIVE, "1.3 if no colour is given", "concentration of the brown and black pigment"),
-            tex("pheomelanin", POSITIVE, "0", "concentration of the yellow and red pigment"),
-            tex("eta", (1.0, f64::INFINITY), "1.55", "index of refraction"),
+            tex("eumelanin", FACTOR, "1.3 if no colour is given", "concentration of the brown and black pigment"),
+            tex("pheomelanin", FACTOR, "0", "concentration of the yellow and red pigment"),
+            tex("eta", (1.0, 100.0), "1.55", "index of refraction"),
             tex("beta_m", UNIT, "0.3", "roughness along the fibre"),
             tex("beta_n", UNIT, "0.3", "roughness around the fibre"),
-            tex("alpha", ANY, "2", "tilt of the scales").unit("degrees"),
+            tex("alpha", (-90.0, 90.0), "2", "tilt of the scales").unit("degrees"),
             flag("round", "false", "whether the surface is a tube along the bitangent, not a strip along the tangent"),
         ],
         source: "Chiang, Bitterli, Tappan, Burley, A Practical and Controllable Hair and Fur Model (2016); d'Eon et al. (2011)",
@@ -478,21 +533,23 @@ pub const MATERIALS: &[Entry] = &[
         name: "coated_conductor",
         doc: "a dielectric coat over a metal, by random walks",
         parameters: &[
-            spectrum("interface.eta", POSITIVE, "1.5", "index of refraction of the coat"),
-            tex("interface.uroughness", POSITIVE, "0", "roughness of the coat along the tangent"),
-            tex("interface.vroughness", POSITIVE, "interface.uroughness", "roughness of the coat along the bitangent"),
-            tex("conductor.eta", POSITIVE, "copper's", "real part of the metal's index"),
-            tex("conductor.k", POSITIVE, "copper's", "imaginary part of the metal's index"),
+            spectrum("interface.eta", INDEX, "1.5", "index of refraction of the coat").above_zero(),
+            tex("interface.uroughness", ALPHA, "0", "roughness of the coat along the tangent").not_negative(),
+            tex("interface.vroughness", ALPHA, "interface.uroughness", "roughness of the coat along the bitangent")
+                .not_negative(),
+            tex("conductor.eta", OPTICAL_CONSTANT, "copper's", "real part of the metal's index"),
+            tex("conductor.k", OPTICAL_CONSTANT, "copper's", "imaginary part of the metal's index"),
             tex("reflectance", UNIT, "none", "reflectance of the metal, instead of its index"),
-            tex("conductor.uroughness", POSITIVE, "0", "roughness of the metal along the tangent"),
-            tex("conductor.vroughness", POSITIVE, "conductor.uroughness", "roughness of the metal along the bitangent"),
+            tex("conductor.uroughness", ALPHA, "0", "roughness of the metal along the tangent").not_negative(),
+            tex("conductor.vroughness", ALPHA, "conductor.uroughness", "roughness of the metal along the bitangent")
+                .not_negative(),
             REMAP,
             DISTRIBUTION,
-            tex("thickness", POSITIVE, "0.01", "optical depth of the coat"),
+            tex("thickness", DEPTH, "0.01", "optical depth of the coat"),
             tex("albedo", UNIT, "0", "single-scattering albedo of the medium in the coat"),
             tex("g", (-1.0, 1.0), "0", "mean cosine of the medium's phase function"),
-            integer("max_depth", POSITIVE, "10", "most events of a walk"),
-            integer("samples", POSITIVE, "1", "walks for each evaluation"),
+            integer("max_depth", FACTOR, "10", "most events of a walk"),
+            integer("samples", (1.0, 1000.0), "1", "walks for each evaluation"),
         ],
         source: "Guo, Hašan, Zhao, Position-Free Monte Carlo Simulation for Arbitrary Layered BSDFs (2018); PBR 4th ed., 14.3",
     },
@@ -505,7 +562,7 @@ pub const MATERIALS: &[Entry] = &[
             tex("anisotropic", UNIT, "0", "stretch of the highlight"),
             tex("metallic", UNIT, "0", "how much of it is metal"),
             tex("spec_trans", UNIT, "0", "how much of the rest refracts"),
-            tex("eta", POSITIVE, "1.5", "index of refraction"),
+            tex("eta", INDEX, "1.5", "index of refraction").above_zero(),
             number("specular", UNIT, "0.5", "the same as a reflectance from 0 to 8 %, instead of eta"),
             tex("spec_tint", UNIT, "0", "how much the base colours the highlight"),
             tex("sheen", UNIT, "0", "sheen of cloth"),
@@ -524,7 +581,7 @@ pub const MATERIALS: &[Entry] = &[
             tex("roughness", UNIT, "0.5", "roughness; α is its square"),
             tex("anisotropic", UNIT, "0", "stretch of the highlight"),
             tex("spec_trans", UNIT, "0", "how much of it is a pane"),
-            tex("eta", POSITIVE, "1.5", "index of refraction"),
+            tex("eta", INDEX, "1.5", "index of refraction").above_zero(),
             tex("spec_tint", UNIT, "0", "how much the base colours the highlight"),
             tex("sheen", UNIT, "0", "sheen of cloth"),
             tex("sheen_tint", UNIT, "0", "how much the base colours the sheen"),
@@ -540,10 +597,10 @@ pub const MATERIALS: &[Entry] = &[
             tex("base_color", UNIT, "1", "colour"),
             tex("metallic", UNIT, "1", "how much of it is metal"),
             tex("roughness", UNIT, "1", "roughness; α is its square"),
-            spectrum("eta", POSITIVE, "1.5", "index of refraction"),
-            number("dispersion", POSITIVE, "0", "20 over the Abbe number"),
+            spectrum("eta", INDEX, "1.5", "index of refraction").above_zero(),
+            number("dispersion", (0.0, 20.0), "0", "20 over the Abbe number"),
             tex("specular", UNIT, "1", "strength of the dielectric reflection"),
-            tex("specular_color", POSITIVE, "1", "its tint at normal incidence"),
+            tex("specular_color", FACTOR, "1", "its tint at normal incidence"),
             tex("anisotropy", UNIT, "0", "stretch of the highlight along the tangent"),
             ROTATION,
             tex("transmission", UNIT, "0", "how much of the dielectric lets light through"),
@@ -574,15 +631,15 @@ pub const MATERIALS: &[Entry] = &[
             tex("specular_roughness", UNIT, "0.3", "roughness; α is its square"),
             tex("specular_roughness_anisotropy", UNIT, "0", "stretch of the highlight"),
             ROTATION,
-            spectrum("specular_ior", POSITIVE, "1.5", "index of refraction"),
-            number("dispersion", POSITIVE, "0", "20 over the Abbe number"),
+            spectrum("specular_ior", INDEX, "1.5", "index of refraction").above_zero(),
+            number("dispersion", (0.0, 20.0), "0", "20 over the Abbe number"),
             tex("transmission_weight", UNIT, "0", "how much of the dielectric refracts"),
             tex("transmission_color", UNIT, "1", "factor on what is refracted"),
             flag("geometry_thin_walled", "false", "whether light passes unbent"),
             tex("coat_weight", UNIT, "0", "clear coat"),
             tex("coat_color", UNIT, "1", "what light keeps on its way in and out of the coat"),
             tex("coat_roughness", UNIT, "0", "roughness of the coat; α is its square"),
-            tex("coat_ior", POSITIVE, "1.6", "index of refraction of the coat"),
+            tex("coat_ior", INDEX, "1.6", "index of refraction of the coat"),
             tex("fuzz_weight", UNIT, "0", "sheen, as Charlie's"),
             tex("fuzz_color", UNIT, "1", "its colour"),
             tex("fuzz_roughness", UNIT, "0.5", "its roughness; α is the square"),
@@ -637,9 +694,50 @@ pub const MATERIALS: &[Entry] = &[
     },
 ];
 
+/// What can be set of every material: what changes its shading normal.
+pub const DETAIL: Entry = Entry {
+    name: "any",
+    doc: "every material: maps that change its shading normal",
+    parameters: &[
+        map("normal_map", "none", "normals in the tangent frame, each component from -1 to 1 as 0 to 1"),
+        flag("normal_map_xy", "false", "whether the map has x and y alone"),
+        flag("normal_map_mirrors", "true; false in pbrt and Mitsuba scenes", "whether its y follows ∂p/∂v"),
+        number("normal_map_strength", (-100.0, 100.0), "1", "factor on the slopes of the map"),
+        word(
+            "normal_map_filter",
+            "none, toksvig, lean",
+            "none",
+            "how the spread of normals in a footprint becomes roughness; for maps that are pictures",
+        ),
+        map("bump", "none", "heights, of which the slopes count").unit("scene units"),
+        map("displacement", "none", "the same, as pbrt names it").unit("scene units"),
+    ],
+    source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, Baker, LEAN mapping (2010)",
+};
+
 /// The entry of a kind.
 pub fn entry(kind: &str) -> Option<&'static Entry> {
     MATERIALS.iter().find(|e| e.name == kind)
+}
+
+/// What is read of pbrt's `subsurface`, for which a coat over a diffuse surface stands in.
+const SUBSURFACE: &[Parameter] = &[
+    spectrum("eta", INDEX, "1.33", "index of refraction").above_zero(),
+    tex("uroughness", ALPHA, "0", "roughness α along the tangent").not_negative(),
+    tex("vroughness", ALPHA, "uroughness", "roughness α along the bitangent").not_negative(),
+    tex("reflectance", UNIT, "0.7", "albedo of the diffuse surface"),
+    spectrum("sigma_a", (0.0, 1e8), "1", "absorption"),
+    spectrum("sigma_s", (0.0, 1e8), "1", "scattering"),
+    number("g", (-0.99, 0.99), "0", "mean cosine of the phase function"),
+];
+
+/// The parameters whose constant values are held in their ranges.
+pub(crate) fn ranges(kind: &str) -> impl Iterator<Item = &'static Parameter> + use<> {
+    let own = match kind {
+        "subsurface" => SUBSURFACE,
+        _ => entry(kind).map_or(&[][..], |e| e.parameters),
+    };
+    own.iter().chain(DETAIL.parameters)
 }
 
 /// The table as a page of documentation.
@@ -648,7 +746,7 @@ pub fn markdown() -> String {
         "# Materials\n\nEvery kind of material in Steradian's vocabulary, to which the readers of other formats translate. This page is written by\n\
          `steradian list materials --markdown`. Values outside their range are reported, and refused or held at its end.\n",
     );
-    for e in MATERIALS {
+    for e in MATERIALS.iter().chain([&DETAIL]) {
         let _ = write!(out, "\n## `{}`\n\n{}.\n", e.name, capital(e.doc));
         let _ = write!(out, "\nSource: {}.\n", e.source);
         if e.parameters.is_empty() {
@@ -691,6 +789,78 @@ mod tests {
                 assert!(p.range.0 < p.range.1, "{}: {}", e.name, p.name);
             }
         }
+    }
+
+    /// Everything that is to be had, by the names of the literature: the kind, and where it is a choice inside of it the parameter and
+    /// its word.
+    #[test]
+    fn every_model_is_there() {
+        let kind = |kind: &str| entry(kind).unwrap_or_else(|| panic!("there is no '{kind}'"));
+        let kinds = [
+            "diffuse",
+            "diffuse_transmission",
+            "oren_nayar",
+            "minnaert",
+            "conductor",
+            "dielectric",
+            "thin_dielectric",
+            "phong",
+            "blinn_phong",
+            "ward",
+            "lafortune",
+            "cook_torrance",
+            "plastic",
+            "coated_diffuse",
+            "coated_conductor",
+            "principled",
+            "principledthin",
+            "metallic_roughness",
+            "openpbr",
+            "hair",
+            "sheen",
+            "mix",
+            "mask",
+            "two_sided",
+            "interface",
+            "measured",
+        ];
+        kinds.iter().for_each(|k| assert!(!kind(k).source.is_empty()));
+        assert_eq!(MATERIALS.len(), kinds.len(), "a model without a line here");
+        let has = |k: &str, names: &[&str]| {
+            for name in names {
+                assert!(kind(k).parameters.iter().any(|p| p.name == *name), "{k} has no '{name}'");
+            }
+        };
+        has("ward", &["alpha_u", "alpha_v"]);
+        has("cook_torrance", &["f0", "f90", "eta", "k", "film_thickness", "film_eta", "coupling"]);
+        has("conductor", &["permittivity", "permeability", "conductivity", "film_thickness", "alpha_u", "alpha_v"]);
+        has("dielectric", &["abbe_number", "cauchy", "sellmeier", "alpha_u", "alpha_v"]);
+        has("measured", &["file", "harmonics"]);
+        has(
+            "metallic_roughness",
+            &["eta", "specular", "specular_color", "anisotropy", "anisotropy_rotation", "dispersion"],
+        );
+        has("metallic_roughness", &["transmission", "diffuse_transmission", "sheen_color", "clearcoat", "iridescence"]);
+        has("openpbr", &["fuzz_weight", "coat_weight", "thin_film_weight", "subsurface_weight", "transmission_weight"]);
+        let chooses = |k: &str, name: &str, words: &[&str]| {
+            let known = kind(k).parameters.iter().find(|p| p.name == name).map(|p| p.kind);
+            let Some(Kind::Word(known)) = known else { panic!("{k} has no choice of '{name}'") };
+            for word in words {
+                assert!(known.split(", ").any(|w| w == *word), "{k}: '{word}' is no {name}");
+            }
+        };
+        chooses("oren_nayar", "form", &["energy_preserving", "full", "qualitative"]);
+        chooses("phong", "form", &["modified", "empirical"]);
+        chooses("blinn_phong", "form", &["normalised", "empirical"]);
+        chooses("ward", "form", &["ward", "duer", "bounded"]);
+        for k in ["cook_torrance", "conductor", "dielectric"] {
+            chooses(k, "distribution", &["ggx", "beckmann", "blinn", "gaussian", "student_t"]);
+            chooses(k, "shadowing", &["v_groove", "separable", "height_correlated"]);
+        }
+        chooses("cook_torrance", "fresnel", &["dielectric", "conductor", "large_k", "schlick"]);
+        chooses("conductor", "compensation", &["kulla_conty", "turquin"]);
+        let maps: Vec<_> = DETAIL.parameters.iter().map(|p| p.name).collect();
+        assert!(["normal_map", "bump"].iter().all(|n| maps.contains(n)));
     }
 
     /// The messages that compiling a material with one parameter gives.

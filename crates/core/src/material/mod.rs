@@ -4,6 +4,8 @@ pub mod catalog;
 
 pub use catalog::MATERIALS;
 #[cfg(test)]
+mod bad_values;
+#[cfg(test)]
 mod colors_agree;
 mod hair;
 mod layered;

@@ -31,15 +31,25 @@ impl Dispersion {
         Self::Cauchy([n_d - b * d, b, 0.0])
     }
 
+    /// What the formula says at `lambda` nm.
+    fn formula(&self, lambda: f64) -> f64 {
+        let l2 = (lambda * 1e-3).powi(2);
+        match self {
+            Self::Cauchy([a, b, c]) => a + b / l2 + c / (l2 * l2),
+            Self::Sellmeier(terms) => (1.0 + terms.iter().map(|[b, c]| b * l2 / (l2 - c)).sum::<f64>()).max(0.0).sqrt(),
+        }
+    }
+
     /// The index at `lambda` nm; not below 0.05 nor above 20, where a formula leaves what is possible (Sellmeier's at a
     /// resonance).
     pub fn eval(&self, lambda: f64) -> f64 {
-        let l2 = (lambda * 1e-3).powi(2);
-        let n = match self {
-            Self::Cauchy([a, b, c]) => a + b / l2 + c / (l2 * l2),
-            Self::Sellmeier(terms) => (1.0 + terms.iter().map(|[b, c]| b * l2 / (l2 - c)).sum::<f64>()).max(0.0).sqrt(),
-        };
+        let n = self.formula(lambda);
         if n.is_nan() { 1.0 } else { n.clamp(0.05, 20.0) }
+    }
+
+    /// Whether [`Dispersion::eval`] gives what the formula says at `lambda` nm.
+    pub fn is_possible(&self, lambda: f64) -> bool {
+        (0.05..=20.0).contains(&self.formula(lambda))
     }
 
     /// The Abbe number of the formula; infinite without dispersion.
