@@ -90,6 +90,8 @@ pub struct Provenance<'a> {
     pub error: Option<f64>,
     /// Whether parts of the picture that err more got more samples.
     pub adaptive: bool,
+    /// Whether photons told where light comes from behind mirrors and glass.
+    pub caustics: bool,
 }
 
 /// Writes into the picture how it was made and, where it is a part of its frame, which part.
@@ -112,6 +114,7 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
     m.set_text("steradian:color", provenance.color);
     m.set("samplesPerPixel", samples);
     m.set_text("steradian:sampling", if provenance.adaptive { "adaptive" } else { "even" });
+    m.set_text("steradian:caustics", if provenance.caustics { "photons" } else { "chance" });
     if let Some(error) = provenance.error {
         m.set("steradian:relative_error", Value::Float(error as f32));
     }

@@ -69,7 +69,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         nonfinite: done.nonfinite,
         color,
         error,
-        adaptive: quality.adaptive,
+        adaptive: session.is_uneven(),
+        caustics: session.asks_photons(),
     };
     output::label(&mut picture, &scene, &provenance);
     output::save(&outputs, &picture, &write_options)?;
@@ -82,7 +83,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         color,
         seed: plan.sampler.seed,
         spp: report::number(spp),
-        adaptive: quality.adaptive,
+        adaptive: session.is_uneven(),
+        caustics: session.asks_photons(),
         relative_error: error,
         width,
         height,

@@ -24,6 +24,8 @@ pub struct Report<'a> {
     pub spp: Number,
     /// Whether parts of the picture that err more got more samples.
     pub adaptive: bool,
+    /// Whether photons told where light comes from behind mirrors and glass.
+    pub caustics: bool,
     /// The estimated relative error of the picture: the root of the expected relMSE if samples were independent; null
     /// where pixels have fewer than two.
     pub relative_error: Option<f64>,

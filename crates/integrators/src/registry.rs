@@ -15,18 +15,18 @@ use steradian_core::Scene;
 pub const INTEGRATORS: &[(&str, &str)] = &[
     (
         "path",
-        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and, if asked for, photons that find light behind mirrors and glass; max_depth, rr_depth, hide_emitters, reuse (16), caustics (false)",
+        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass where that pays; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto)",
     ),
     (
         "volpath",
-        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (16), caustics (false)",
+        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto)",
     ),
     ("direct", "light that scattered once; hide_emitters"),
     ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
     ("raycast", "the colour of the first surface"),
     (
         "path-recursive",
-        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16), caustics (false)",
+        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -75,9 +75,9 @@ impl IntegratorKind {
             Self::Path(Path { depth, tactics }) | Self::PathRecursive(PathRecursive { depth, tactics })
                 if depth.max > 1 =>
             {
-                Survey::new(scene, false, tactics)
+                Survey::new::<false>(scene, depth, tactics)
             }
-            Self::VolPath(VolPath { depth, tactics }) if depth.max > 1 => Survey::new(scene, scene.has_media, tactics),
+            Self::VolPath(VolPath { depth, tactics }) if depth.max > 1 => Survey::new::<true>(scene, depth, tactics),
             _ => Survey::default(),
         }
     }

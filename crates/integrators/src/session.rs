@@ -246,6 +246,16 @@ impl<'s> Session<'s> {
         self.is_good_enough
     }
 
+    /// Whether parts of the picture get more samples than others, as the plan's `adaptive` allows.
+    pub fn is_uneven(&self) -> bool {
+        self.round.number > 0
+    }
+
+    /// Whether photons tell where light comes from behind mirrors and glass.
+    pub fn asks_photons(&self) -> bool {
+        self.survey.caustics.is_some()
+    }
+
     /// The estimated relative error of the picture: the square root of the mean, over pixels and channels, of the variance of the pixel
     /// over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those of independent samples: with a sampler that
     /// spreads them well the true error is smaller. `None` before all pixels have two samples.

@@ -1,8 +1,15 @@
 //! What is found out about a scene before a session.
 
-use crate::{caustics::Caustics, reuse};
+use crate::{
+    Depth,
+    caustics::{Caustics, trial},
+    reuse,
+};
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
+
+/// Photons are asked from this [`trial::gain`] on: they cost time, and paths that are shared err less than those of the trial.
+const WORTH: f64 = 1.8;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
 #[derive(Clone, Copy, Debug)]
@@ -10,12 +17,13 @@ pub struct Tactics {
     /// Paths of neighbouring pixels that share what they find: 1 (none do), 4 or 16.
     pub reuse: u32,
     /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and some loss elsewhere.
-    pub caustics: bool,
+    /// `None` where a trial is to tell.
+    pub caustics: Option<bool>,
 }
 
 impl Default for Tactics {
     fn default() -> Self {
-        Self { reuse: reuse::MAX_GROUP as u32, caustics: false }
+        Self { reuse: reuse::MAX_GROUP as u32, caustics: None }
     }
 }
 
@@ -29,12 +37,18 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Of a scene; `media` says whether light is lost or scattered between surfaces.
-    pub fn new(scene: &Scene, media: bool, tactics: &Tactics) -> Self {
-        Self {
-            is_open: tactics.reuse > 1 && !media && is_open(scene),
-            caustics: if tactics.caustics { Caustics::new(scene) } else { None },
+    /// Of a scene, for paths of a depth.
+    pub fn new<const MEDIA: bool>(scene: &Scene, depth: &Depth, tactics: &Tactics) -> Self {
+        let is_open = tactics.reuse > 1 && !(MEDIA && scene.has_media) && is_open(scene);
+        let caustics = if tactics.caustics == Some(false) { None } else { Caustics::new(scene) };
+        let mut survey = Self { is_open, caustics };
+        if survey.caustics.is_some()
+            && tactics.caustics.is_none()
+            && trial::gain::<MEDIA>(scene, &survey, depth) < WORTH
+        {
+            survey.caustics = None;
         }
+        survey
     }
 }
 

@@ -60,7 +60,8 @@ impl Quality {
                         return Err(fault());
                     }
                 }
-                "caustics" => tactics.caustics = value.parse().map_err(|_| fault())?,
+                "caustics" if value == "auto" => tactics.caustics = None,
+                "caustics" => tactics.caustics = Some(value.parse().map_err(|_| fault())?),
                 _ => return Err(fault()),
             }
         }

@@ -12,6 +12,7 @@
 //! the error, not about the mean.
 
 mod photons;
+pub(crate) mod trial;
 
 use photons::{Photon, is_receiver};
 use steradian_core::{
@@ -250,9 +251,15 @@ impl Leaf {
 fn radii(at: Vec3, points: &[Vec3]) -> Vec<f32> {
     let directions: Vec<Vec3> = points.iter().map(|p| (*p - at).normalize_or_zero()).collect();
     let radius = |d: &Vec3| {
-        let mut distances: Vec<f32> = directions.iter().map(|other| (*other - *d).length()).collect();
-        distances.sort_unstable_by(f32::total_cmp);
-        (2.0 * distances[distances.len().min(4) - 1]).clamp(RADIUS.0, RADIUS.1)
+        // Squared distances of itself and the three next.
+        let mut nearest = [f32::INFINITY; 4];
+        for other in &directions {
+            let mut distance = (*other - *d).length_squared();
+            for near in &mut nearest {
+                (*near, distance) = (near.min(distance), near.max(distance));
+            }
+        }
+        (2.0 * nearest[directions.len().min(4) - 1].sqrt()).clamp(RADIUS.0, RADIUS.1)
     };
     directions.iter().map(radius).collect()
 }

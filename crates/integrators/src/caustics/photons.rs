@@ -13,8 +13,10 @@ use steradian_core::{
 };
 use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
 
-/// Fewest and most photons that are sent: one for a pixel.
-const PHOTONS: (u32, u32) = (1 << 12, 1 << 19);
+/// Pixels for each photon that is sent. One for a pixel costs more and guides no better.
+const PIXELS: u32 = 8;
+/// Fewest and most photons.
+const PHOTONS: (u32, u32) = (1 << 12, 1 << 16);
 /// Focusing events that a photon is followed through.
 const EVENTS: u32 = 12;
 /// Scattering focuses where directions are drawn with a greater density than this (sr⁻¹).
@@ -59,7 +61,7 @@ pub(super) fn send(scene: &Scene) -> Vec<Photon> {
         return Vec::new();
     }
     let pixels = scene.film.width.saturating_mul(scene.film.height);
-    let count = pixels.clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
+    let count = (pixels / PIXELS).clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
     let mut photons: Vec<_> = (0..count)
         .into_par_iter()

@@ -16,7 +16,9 @@ fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
     let (w, h) = (scene.film.width as usize, scene.film.height as usize);
     let (mut sum, mut squares) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
     for seed in 0..seeds {
-        let film = shot.seed(10_000 * u64::from(shot.caustics) + 1000 * u64::from(shot.reuse) + seed).take(scene);
+        let film = shot
+            .seed(10_000 * u64::from(shot.caustics == Some(true)) + 1000 * u64::from(shot.reuse) + seed)
+            .take(scene);
         let mut mean = [[0.0; 3]; 4];
         for (i, p) in film.pixels.iter().enumerate() {
             let quadrant = usize::from(i % w * 2 >= w) + 2 * usize::from(i / w * 2 >= h);
@@ -161,8 +163,8 @@ fn lenses() -> Stage {
 fn caustics_are_unbiased() {
     for (mode, precision) in [(ColorMode::Rgb, 0.1), (ColorMode::Spectral, 0.15)] {
         let scene = lenses().scene_in(mode);
-        let shot = Shot { caustics: true, ..Shot::of("path", 16).depth(5) };
-        let alone = quadrants(Shot { caustics: false, ..shot }, &scene, 48);
+        let shot = Shot { caustics: Some(true), ..Shot::of("path", 16).depth(5) };
+        let alone = quadrants(Shot { caustics: Some(false), ..shot }, &scene, 48);
         for reuse in [1, 16] {
             let guided = quadrants(shot.reuse(reuse), &scene, 40);
             for (q, (guided, alone)) in guided.iter().zip(&alone).enumerate() {
@@ -176,29 +178,49 @@ fn caustics_are_unbiased() {
 #[test]
 fn photons_are_the_same_on_every_run() {
     let scene = lenses().scene();
-    let shot = |integrator| Shot { caustics: true, ..Shot::of(integrator, 4) }.depth(8).reuse(16);
+    let shot = |integrator| Shot { caustics: Some(true), ..Shot::of(integrator, 4) }.depth(8).reuse(16);
     let bits = |shot: Shot| -> Vec<_> { shot.take(&scene).pixels.iter().map(|p| p.mean().map(f64::to_bits)).collect() };
     let path = bits(shot("path"));
     assert!(path == bits(shot("path-recursive")) && path == bits(Shot { threads: 3, ..shot("path") }));
-    assert!(path != bits(Shot { caustics: false, ..shot("path") }));
+    assert!(path != bits(Shot { caustics: Some(false), ..shot("path") }));
+}
+
+/// A ball of a model between a small lamp and the floor, of which some about `at` is all that is seen.
+fn lens(model: &str, at: [f64; 3]) -> Scene {
+    let mut stage = Stage::new();
+    let floor = stage.place_mesh(rectangle([-2.0, 0.0, 2.0], [4.0, 0.0, 0.0], [0.0, 0.0, -4.0]));
+    floor.material = None;
+    stage.mesh_lamp(rectangle([-0.1, 4.0, -0.1], [0.2, 0.0, 0.0], [0.0, 0.0, 0.2]), 100.0);
+    stage.solid(sphere([0.0, 1.0, 0.0], 0.5), material(model).with("eta", 1.5));
+    stage.film(16, 16).look([0.0, 0.4, -2.0], at, 15.0);
+    stage.scene()
 }
 
 /// The light that a small lamp sends through a ball of glass onto the floor has a fraction of the noise.
 #[test]
 fn photons_take_noise_from_caustics() {
-    let mut stage = Stage::new();
-    let floor = stage.place_mesh(rectangle([-2.0, 0.0, 2.0], [4.0, 0.0, 0.0], [0.0, 0.0, -4.0]));
-    floor.material = None;
-    stage.mesh_lamp(rectangle([-0.1, 4.0, -0.1], [0.2, 0.0, 0.0], [0.0, 0.0, 0.2]), 100.0);
-    stage.solid(sphere([0.0, 1.0, 0.0], 0.5), material("dielectric").with("eta", 1.5));
-    stage.film(16, 16).look([0.0, 0.4, -2.0], [0.0, 0.0, 0.0], 15.0);
-    let scene = stage.scene();
+    let scene = lens("dielectric", [0.0; 3]);
     let noise = |caustics| -> f64 {
-        let film = Shot { caustics, ..Shot::of("path", 64) }.depth(4).take(&scene);
+        let film = Shot { caustics: Some(caustics), ..Shot::of("path", 64) }.depth(4).take(&scene);
         film.pixels.iter().map(|p| p.variance_of_mean()[0]).sum()
     };
     let (without, with) = (noise(false), noise(true));
     assert!(with * 4.0 < without, "{without} without photons, {with} with them");
+}
+
+/// Photons are asked where they pay: below a lens, and not beside a mirror, which spreads what it has.
+#[test]
+fn a_trial_tells_whether_photons_pay() {
+    for (model, at, pays) in [("dielectric", [0.0; 3], true), ("conductor", [1.2, 0.0, 0.0], false)] {
+        let scene = lens(model, at);
+        let bits = |caustics| -> Vec<_> {
+            let film = Shot { caustics, ..Shot::of("path", 4) }.depth(4).take(&scene);
+            film.pixels.iter().map(|p| p.mean().map(f64::to_bits)).collect()
+        };
+        let [asked, not] = [true, false].map(|c| bits(Some(c)));
+        assert!(asked != not, "{model}: no photons are near");
+        assert!(bits(None) == if pays { asked } else { not }, "{model}: the trial should say {pays}");
+    }
 }
 
 /// In fog points between surfaces share and are shared, with the medium on the way; screens stand between.

@@ -19,8 +19,8 @@ pub struct Shot {
     pub sampler: SamplerKind,
     /// Paths that share. Comparisons of means take pixels as independent, so it is one unless sharing itself is tested.
     pub reuse: u32,
-    /// Whether photons look for caustics.
-    pub caustics: bool,
+    /// Whether photons look for caustics; `None` where a trial tells.
+    pub caustics: Option<bool>,
     pub adaptive: bool,
     pub error: Option<f64>,
 }
@@ -38,7 +38,7 @@ impl Shot {
             threads: 1,
             sampler: SamplerKind::Independent,
             reuse: 1,
-            caustics: false,
+            caustics: Some(false),
             adaptive: false,
             error: None,
         }

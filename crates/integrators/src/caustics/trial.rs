@@ -1,0 +1,162 @@
+//! Whether photons pay: a few paths whose directions they helped to draw tell how much pixels vary, and how much they would without.
+//!
+//! Where a path brings contributions `c_k` by directions of which the surfaces alone have the share `r_k` of the density so far, it would bring
+//! `c_k / r_k` without photons, `r_k` times as often. So its square would be `Σ_k c_k (c_k / r_k + 2 Σ_{j<k} c_j / r_j)` in the mean.
+
+use crate::{
+    Counters, Depth, Survey, dimension,
+    walk::{Arrival, Leg, arrive, escape, roulette},
+};
+use rayon::prelude::*;
+use steradian_core::{
+    ColorMode, Scene,
+    sampler::{PixelSampler, Sampler, SamplerKind},
+};
+use steradian_math::{Spectrum, Vec2, Vec3, color, spectra::Wavelengths};
+
+/// Edge of a cell of the picture, pixels, where it is small; otherwise there are at most so many to an edge.
+const CELL: u32 = 8;
+const MOST_CELLS: u32 = 48;
+/// Paths of a cell.
+const PATHS: u32 = 16;
+/// What is brighter than this many times its pixel counts as just so bright: without photons it is met so seldom that a picture of
+/// usual length has little noise from it.
+const BRIGHTEST: f64 = 100.0;
+/// Added to squares of pixels, to which errors are relative.
+const FLOOR: f64 = crate::adaptive::FLOOR;
+
+/// What a path brought: luminances, each with the density of the directions before it by surfaces alone over that with photons.
+type Contributions = Vec<(f64, f64)>;
+
+/// By how much the photons of `survey` lower the variance of the picture's samples.
+pub(crate) fn gain<const MEDIA: bool>(scene: &Scene, survey: &Survey, depth: &Depth) -> f64 {
+    let sampler = Sampler { kind: SamplerKind::Sobol, spp: PATHS, seed: 1 };
+    let cells = [scene.film.width, scene.film.height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
+    let variances: Vec<[f64; 2]> = (0..cells[0] * cells[1])
+        .into_par_iter()
+        .map(|cell| {
+            let at = [cell % cells[0], cell / cells[0]];
+            let paths: Vec<Contributions> = (0..PATHS)
+                .map(|index| trace::<MEDIA>(scene, survey, depth, at, cells, &sampler.pixel(at[0], at[1], index)))
+                .collect();
+            variances(&paths)
+        })
+        .collect();
+    let sum = |which: usize| variances.iter().map(|v| v[which]).sum::<f64>();
+    let (with, without) = (sum(0), sum(1));
+    if with > 0.0 { without / with } else { 1.0 }
+}
+
+/// The relative variance of paths to the same cell, with photons and without.
+fn variances(paths: &[Contributions]) -> [f64; 2] {
+    let n = paths.len() as f64;
+    let mean = paths.iter().flatten().map(|c| c.0).sum::<f64>() / n;
+    let pixel = (mean * mean + FLOOR).sqrt();
+    let most = BRIGHTEST * pixel;
+    let (mut with, mut without) = (0.0, 0.0);
+    for path in paths {
+        with += path.iter().map(|c| c.0).sum::<f64>().min(most).powi(2);
+        let mut before = 0.0;
+        for (light, ratio) in path {
+            let alone = (light / ratio).min(most);
+            without += alone * ratio * (alone + 2.0 * before);
+            before += alone;
+        }
+    }
+    [with, without].map(|squares| (squares / n - mean * mean) / (pixel * pixel))
+}
+
+/// Follows a path from the camera.
+fn trace<const MEDIA: bool>(
+    scene: &Scene,
+    survey: &Survey,
+    depth: &Depth,
+    at: [u32; 2],
+    cells: [u32; 2],
+    sampler: &PixelSampler,
+) -> Contributions {
+    let film = &scene.film;
+    let mut lambda = match scene.mode {
+        ColorMode::Rgb => Wavelengths::RGB,
+        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
+    };
+    let within = sampler.get_2d(dimension::FILM);
+    let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
+    let place = Vec2::new(place(0, film.width), place(1, film.height));
+    let ray = scene.camera.ray(film, place, sampler.get_2d(dimension::LENS));
+    let luminance = |s: Spectrum, lambda: &Wavelengths| {
+        let luminance = match scene.mode {
+            ColorMode::Rgb => color::luminance(Vec3::from(s.to_rgb())),
+            ColorMode::Spectral => lambda.luminance(s),
+        };
+        f64::from(luminance * film.imaging_ratio)
+    };
+    let counters = &mut Counters::default();
+    let mut leg = Leg::camera(scene, ray);
+    let (mut found, mut ratio) = (Contributions::new(), 1.0);
+    loop {
+        let mut light = Spectrum::ZERO;
+        let arrival = arrive::<MEDIA>(scene, &mut leg, &mut light, depth, sampler, &mut lambda, counters);
+        match &arrival {
+            Arrival::Escaped => escape(scene, &leg, &mut light, depth, &lambda),
+            Arrival::Vertex(v) => light += leg.beta * v.direct::<MEDIA>(scene, leg.events, sampler, &lambda, counters),
+            Arrival::End => {}
+        }
+        let light = luminance(light, &lambda);
+        if light.is_finite() && light != 0.0 {
+            found.push((light, ratio));
+        }
+        let Arrival::Vertex(v) = &arrival else { return found };
+        let Some(draw) = v.sample(&leg, sampler, survey) else { return found };
+        ratio *= f64::from(draw.ratio);
+        leg.turn::<MEDIA>(scene, v, &draw.sample);
+        match roulette(leg.beta, leg.eta2, leg.events, depth, sampler, &lambda) {
+            Some(b) if b.is_finite() && ratio > 0.0 => leg.beta = b,
+            _ => return found,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_math::hash::{combine32, unit_f32};
+
+    /// Paths of up to two decisions for one of two directions, which bring light of their own each time: those of a mixture tell the variance
+    /// of those without, and their own. 5σ of the 30 parts, which are compared among themselves.
+    #[test]
+    fn a_mixture_tells_the_variance_without() {
+        // Light and probability, alone and in the mixture, of the first direction.
+        let (bright, dim) = (8.0, 0.5);
+        let (alone, mixed) = (0.05, 0.4);
+        let paths = |p: f64, part: u32| -> Vec<Contributions> {
+            (0..2000)
+                .map(|path| {
+                    let (mut found, mut weight, mut ratio) = (Contributions::new(), 1.0, 1.0);
+                    for event in 0..2 {
+                        let is_first = f64::from(unit_f32(combine32(part * 2000 + path, event))) < p;
+                        let of = |q: f64| if is_first { q } else { 1.0 - q };
+                        weight *= of(alone) / of(p);
+                        ratio *= of(alone) / of(p);
+                        found.push((weight * if is_first { bright } else { dim }, ratio));
+                    }
+                    found
+                })
+                .collect()
+        };
+        let stated = |values: Vec<f64>| {
+            let n = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / n;
+            (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0)))
+        };
+        let told = stated((0..30).map(|part| variances(&paths(mixed, part))[1]).collect());
+        let found = stated((30..60).map(|part| variances(&paths(alone, part))[0]).collect());
+        assert!((told.0 - found.0).abs() < 5.0 * (told.1 + found.1).sqrt(), "{told:?} {found:?}");
+        // The mixture's own is another one.
+        let own = stated((0..30).map(|part| variances(&paths(mixed, part))[0]).collect());
+        assert!(own.0 < 0.7 * found.0, "{own:?} {found:?}");
+        // Without a mixture both are the same.
+        let same = variances(&paths(alone, 99));
+        assert!((same[0] - same[1]).abs() < 1e-9, "{same:?}");
+    }
+}
