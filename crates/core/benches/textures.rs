@@ -12,6 +12,7 @@ use steradian_core::texture::{
     pages::Pages,
     store::Level,
     summed::SummedArea,
+    wrap::BLACK,
 };
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::Vec2;
@@ -73,7 +74,7 @@ fn main() {
             let base = Level::new(texels.clone(), pages.as_ref()).expect("room on disk");
             let levels = Levels::new(base, &recipe, pages.as_ref()).expect("room on disk");
             let sums = (filter == Filter::Box).then(|| SummedArea::new(levels.base()));
-            let source = Source { levels: &levels, sums: sums.as_ref(), wrap };
+            let source = Source { levels: &levels, sums: sums.as_ref(), wrap, borders: &BLACK };
             let mut times: Vec<f64> = (0..BATCHES)
                 .map(|_| {
                     let start = Instant::now();

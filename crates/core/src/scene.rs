@@ -247,7 +247,7 @@ impl Scene {
 
     /// Whether an alpha-tested hit counts: by chance, with a random number that is a function of ray and point.
     fn is_opaque_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> bool {
-        let at = match &geometry.shape {
+        let mut at = match &geometry.shape {
             Shape::Mesh(m) => TextureContext {
                 mesh: Some((m, hit.id.prim, Vec2::new(hit.u, hit.v))),
                 ..TextureContext::new(ray.at(hit.t), m.uv(hit.id.prim, hit.u, hit.v))
@@ -257,8 +257,17 @@ impl Scene {
                 TextureContext { n: s.ns, ..TextureContext::new(s.p, s.uv) }
             }
         };
+        let p = at.p;
+        if self.footprints.is_some()
+            && matches!(alpha, FloatTexture::Texture(id) if self.textures.effort(*id).is_filtered)
+        {
+            // Nothing is known of how the ray came: the footprint is that which the camera would have here.
+            let place = (hit.id.instance != WORLD).then(|| &self.placements[hit.id.instance as usize].world_from_group);
+            let i = self.interaction(&place.map_or(*ray, |place| place.ray(ray)), hit);
+            (at.p, at.n, at.footprint) = (i.surface.p, i.surface.ns, self.footprint(&i, None));
+        }
         let a = alpha.eval(&self.textures, &at);
-        a >= 1.0 || (a > 0.0 && hash_point(at.p, ray.direction, hit.id.prim) < a)
+        a >= 1.0 || (a > 0.0 && hash_point(p, ray.direction, hit.id.prim) < a)
     }
 
     /// The nearest surface along a ray.

@@ -134,15 +134,25 @@ fn wraps() {
         if k < 1.0 { k } else { 2.0 - k }
     };
     let edge = |v: f32| v.clamp(0.0, 0.9999);
-    let cases: [(&str, &dyn Fn(f32, f32) -> Option<(f32, f32)>); 4] = [
+    // An edge that was crossed turns the other coordinate round.
+    let turned = |v: f32, other: f32| if (0.0..1.0).contains(&other) { mirror(v) } else { 1.0 - mirror(v) };
+    let cases: [(&str, &dyn Fn(f32, f32) -> Option<(f32, f32)>); 5] = [
         ("repeat", &|u, v| Some((u.rem_euclid(1.0), v.rem_euclid(1.0)))),
         ("mirror", &|u, v| Some((mirror(u), mirror(v)))),
         ("clamp", &|u, v| Some((edge(u), edge(v)))),
+        ("octahedral", &|u, v| Some((turned(u, v), turned(v, u)))),
         ("black", &|u, v| ((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v)).then_some((u, v))),
     ];
     for (name, to) in cases {
         let node = card.node().with("origin", "top").with("wrap_u", name).with("wrap_v", name);
         holds(name, &textured(node, quad(wide)), |x, y| to(3.0 * x - 1.0, 3.0 * y - 1.0));
+    }
+    // Borders of other colours.
+    for (name, border) in [("one", Vec3::ONE), ("border", Vec3::new(0.25, 0.5, 0.75))] {
+        let node = card.node().with("origin", "top").with("wrap_u", name).with("wrap_v", name);
+        let scene = textured(node.with("border", border.as_dvec3().to_array()), quad(wide));
+        assert_eq!((seen(&scene, 0.05, 0.5), seen(&scene, 0.5, 0.9)), (border, border));
+        assert!((seen(&scene, 0.45, 0.4) - shows(0.35, 0.2)).length() < 1e-6);
     }
     // Each axis has its own.
     let node = card.node().with("origin", "top").with("wrap_u", "clamp").with("wrap_v", "mirror");

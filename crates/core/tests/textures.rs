@@ -211,3 +211,54 @@ fn what_is_wrong_is_said() {
         assert!(said.iter().any(|s| s.contains(words)), "{kind}: {said:?}");
     }
 }
+
+/// Masks are passed by chance, with the mean opacity of the footprint: from afar as much is hit as from near, pixel by pixel, and no
+/// ray is needed for each hole.
+#[test]
+fn masks_from_afar_keep_their_coverage() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mask.pfm");
+    // Holes of one texel at random: a third is there.
+    let n = 64_u32;
+    let there = |i: u32| f32::from(steradian_math::hash::mix32(i).is_multiple_of(3));
+    let coverage = (0..n * n).map(there).sum::<f32>() / (n * n) as f32;
+    let image =
+        steradian_image::Image::from_rgb(64, 64, &(0..n * n).map(|i| [there(i); 3]).collect::<Vec<_>>()).unwrap();
+    steradian_image::write(&file, &image, &Default::default()).unwrap();
+    let scene = |filter: &str| {
+        let mut desc = SceneDesc::default();
+        let mask =
+            texture("image").with("file", Value::Path(file.clone())).with("filter", filter).with("scale_u", 2000.0);
+        let mask = desc.add(mask.with("scale_v", 2000.0).with("raw", true));
+        // A square of 100 × 100, seen from the origin at a distance of 50: a pixel sees more than all 64² texels.
+        let quad = steradian_scene::Mesh {
+            positions: vec![[-50., -50., 50.], [50., -50., 50.], [50., 50., 50.], [-50., 50., 50.]],
+            uvs: vec![[0., 0.], [1., 0.], [1., 1.], [0., 1.]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Default::default()
+        };
+        let shape = Node::new(Family::Shape, "mesh", None).with("alpha", mask);
+        one_shape::add(&mut desc, shape, Some(quad), Some(Node::new(Family::Material, "diffuse", None)));
+        one_shape::compiled(&desc).unwrap()
+    };
+    // Rays to one and the same place, from places around the eye: what varies is the hash alone.
+    let hits = |scene: &Scene, spot: Vec3| {
+        let mut rng = HashRng::new(7);
+        let count = 2000;
+        let hit = (0..count).filter(|_| {
+            let eye = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 0.01;
+            scene.occluded(&steradian_math::Ray::new(eye, (spot - eye).normalize()))
+        });
+        hit.count() as f32 / count as f32
+    };
+    let (far, points) = (scene("trilinear"), scene("nearest"));
+    let mut uneven = 0;
+    for k in 0..6 {
+        let spot = Vec3::new(3.0 * k as f32 - 7.3, 1.7 * k as f32 - 3.1, 50.0);
+        // Four standard errors of 2000 chances of a third are 0.042.
+        let seen = hits(&far, spot);
+        assert!((seen - coverage).abs() < 0.042, "{k}: {seen} {coverage}");
+        uneven += i32::from((hits(&points, spot) - coverage).abs() > 0.2);
+    }
+    assert!(uneven > 3, "without footprints each spot is a hole or not: {uneven}");
+}

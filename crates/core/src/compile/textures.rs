@@ -11,6 +11,7 @@ use crate::{
         levels::{Levels, Recipe, Shape},
         store::{Level, Pages},
         summed::SummedArea,
+        wrap::Borders,
     },
 };
 use rayon::prelude::*;
@@ -21,7 +22,7 @@ use std::{
     sync::Arc,
 };
 use steradian_image::{Encoding, TexelData, Texels};
-use steradian_math::{DVec3, Transform};
+use steradian_math::{DVec3, Transform, Vec3};
 use steradian_scene::{Domain, Family, Node, NodeId, SpectrumValue, Value};
 
 /// What single channels are called.
@@ -240,7 +241,7 @@ impl Compiler<'_> {
             ("tetrahedral", Interpolation::Tetrahedral),
         ];
         let wraps =
-            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
+            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Border)];
         let mut mapping = self.mapping(node);
         if self.bool(node, "use_grid_bounds", false) {
             let [min, max] = grid.bounds.map(|c| DVec3::from(c.map(f64::from)));
@@ -286,10 +287,13 @@ impl Compiler<'_> {
             Filter::Ewa(most) => Filter::Ewa(self.float(node, "max_anisotropy", most.into()).clamp(1.0, 64.0)),
             other => other,
         };
-        let wraps =
-            [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Black)];
-        let wrap =
-            [self.choice(node, "wrap_u", Wrap::Repeat, &wraps), self.choice(node, "wrap_v", Wrap::Repeat, &wraps)];
+        let (wrap, borders) = self.wraps(node, base.channels());
+        let filter = if wrap[0] == Wrap::Octahedral && filter == Filter::Box {
+            self.approximated(node.span, "filter 'box' has no sums across octahedral edges; 'trilinear' stands in");
+            Filter::Trilinear
+        } else {
+            filter
+        };
         let recipe = Recipe {
             shape: match filter {
                 Filter::Trilinear | Filter::Ewa(_) => Shape::Mip,
@@ -320,12 +324,38 @@ impl Compiler<'_> {
             filter,
             stochastic: self.bool(node, "stochastic", false) || self.options.stochastic_textures,
             wrap,
+            borders,
             channel,
             origin_bottom: self.choice(node, "origin", true, &[("bottom", true), ("top", false)]),
             scale: self.float(node, "scale", 1.0),
             invert: self.bool(node, "invert", false),
             mapping: self.mapping(node),
         }
+    }
+
+    /// What lies beyond the sides and beyond top and bottom of a picture.
+    fn wraps(&mut self, node: &Node, channels: usize) -> ([Wrap; 2], Borders) {
+        let border = self.vec3(node, "border", Vec3::ZERO);
+        let border = match channels {
+            1 => [border.element_sum() / 3.0, 0.0, 0.0, 0.0],
+            2 => [border.element_sum() / 3.0, 1.0, 0.0, 0.0],
+            _ => border.extend(1.0).to_array(),
+        };
+        let known = [
+            ("repeat", (Wrap::Repeat, [0.0; 4])),
+            ("mirror", (Wrap::Mirror, [0.0; 4])),
+            ("clamp", (Wrap::Clamp, [0.0; 4])),
+            ("octahedral", (Wrap::Octahedral, [0.0; 4])),
+            ("border", (Wrap::Border, border)),
+            ("black", (Wrap::Border, [0.0; 4])),
+            ("one", (Wrap::Border, [1.0; 4])),
+        ];
+        let [(u, beyond_u), (v, beyond_v)] =
+            ["wrap_u", "wrap_v"].map(|name| self.choice(node, name, known[0].1, &known));
+        if (u == Wrap::Octahedral) != (v == Wrap::Octahedral) {
+            self.error(node.span, "an octahedral map has wrap 'octahedral' on both axes");
+        }
+        ([u, v], [beyond_u, beyond_v])
     }
 
     /// The sizes of a picture, made once for all textures that need the same.

@@ -82,7 +82,7 @@ impl FilteredNormals {
         let recipe = Recipe {
             shape: if filter == Filter::Ripmap { Shape::Rip } else { Shape::Mip },
             kernel: MipKernel::Box,
-            wrap: image.wrap.map(|w| if w == Wrap::Black { Wrap::Clamp } else { w }),
+            wrap: image.wrap.map(|w| if w == Wrap::Border { Wrap::Clamp } else { w }),
             keep_coverage: None,
         };
         let base = Level::new(Arc::new(texels), pages)?;
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::{
         bsdf::{Microfacet, NormalDistribution, Shadowing},
-        texture::Mapping,
+        texture::{Mapping, wrap::BLACK},
     };
     use steradian_math::hash::HashRng;
 
@@ -164,6 +164,7 @@ mod tests {
             filter: Filter::Trilinear,
             stochastic: false,
             wrap: [Wrap::Repeat; 2],
+            borders: BLACK,
             channel: None,
             origin_bottom: false,
             scale: 1.0,

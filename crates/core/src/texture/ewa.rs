@@ -7,7 +7,6 @@ use super::{
     mapping::Coordinates2,
     store::{Level, View, on_level},
     whole::{FAR, ceil, floor, nearest},
-    wrap::Wrap,
 };
 use glam::{Mat4, Vec4};
 use steradian_math::Vec2;
@@ -102,9 +101,8 @@ impl Source<'_> {
     #[cold]
     #[inline(never)]
     fn mean_across_edges<const N: usize>(&self, ellipse: &Ellipse, level: &Level, first: usize) -> Vec4 {
-        let size = [level.width(), level.height()];
         on_level!(level, first, |view| {
-            ellipse.mean::<N, 4, 0>(ellipse.strips(4.0), &mut Across { view: &mut view, wrap: self.wrap, size })
+            ellipse.mean::<N, 4, 0>(ellipse.strips(4.0), &mut Across { view: &mut view, source: self, level, first })
         })
     }
 }
@@ -128,20 +126,17 @@ impl<'a, V: View<'a>> Row for Inside<'_, V> {
 /// Some may be outside.
 struct Across<'v, V> {
     view: &'v mut V,
-    wrap: [Wrap; 2],
-    size: [usize; 2],
+    source: &'v Source<'v>,
+    level: &'v Level,
+    first: usize,
 }
 
 impl<'a, V: View<'a>> Row for Across<'_, V> {
     #[inline]
     fn lanes<const N: usize, const K: usize>(&mut self, x: i32, y: i32) -> [Vec4; N] {
         let mut strip = [Vec4::ZERO; 4];
-        if let Some(y) = self.wrap[1].apply(y, self.size[1]) {
-            for k in 0..K {
-                if let Some(x) = self.wrap[0].apply(x + k as i32, self.size[0]) {
-                    strip[k] = self.view.texel::<N>(x, y);
-                }
-            }
+        for k in 0..K {
+            strip[k] = self.source.texel::<N, V>(self.view, self.level, [x + k as i32, y], self.first);
         }
         let strip = Mat4::from_cols(strip[0], strip[1], strip[2], strip[3]).transpose();
         std::array::from_fn(|c| strip.col(c))

@@ -14,7 +14,7 @@ use super::{
     store::{Level, View, on_level},
     summed::SummedArea,
     whole::{before, split},
-    wrap::Wrap,
+    wrap::{Borders, Wrap},
 };
 use glam::Vec4;
 use steradian_math::Vec2;
@@ -73,6 +73,8 @@ pub struct Source<'a> {
     pub sums: Option<&'a SummedArea>,
     /// What lies outside.
     pub wrap: [Wrap; 2],
+    /// The colours of borders.
+    pub borders: &'a Borders,
 }
 
 impl Source<'_> {
@@ -99,9 +101,10 @@ impl Source<'_> {
     #[inline(never)]
     pub(super) fn nearest<const N: usize>(&self, level: &Level, uv: Vec2, first: usize) -> Vec4 {
         let ([x, y, ..], _) = split((uv * level.scale()).extend(0.0).extend(0.0));
-        let (x, y) = (self.wrap[0].apply(x, level.width()), self.wrap[1].apply(y, level.height()));
-        let (Some(x), Some(y)) = (x, y) else { return Vec4::ZERO };
-        on_level!(level, first, |view| view.texel::<N>(x, y))
+        match Wrap::place(self.wrap, [x, y], [level.width(), level.height()]) {
+            Ok([x, y]) => on_level!(level, first, |view| view.texel::<N>(x, y)),
+            Err(axis) => self.border::<N>(axis, first),
+        }
     }
 
     #[inline(never)]
@@ -170,7 +173,7 @@ impl Source<'_> {
         let base = self.levels.base();
         let size = extent(base, at).max(Vec2::ONE).min(Vec2::splat(1e6));
         let centre = at.uv * base.scale();
-        sums.mean(centre.as_dvec2().into(), size.as_dvec2().into(), self.wrap, first)
+        sums.mean(centre.as_dvec2().into(), size.as_dvec2().into(), self.wrap, self.borders, first)
     }
 
     /// `K × K` texels with weights that are products; `weights` is for a point that lies `t` beyond the texel before
@@ -197,7 +200,7 @@ impl Source<'_> {
         })
     }
 
-    /// [`Self::separable`] for texels some of which are outside; what is black has no weight.
+    /// [`Self::separable`] for texels some of which are outside.
     #[cold]
     #[inline(never)]
     fn across_edges<const N: usize, const K: usize>(
@@ -207,15 +210,14 @@ impl Source<'_> {
         first: usize,
         weights: impl Fn(f32) -> [f32; K],
     ) -> Vec4 {
-        let (start, t) = first_tap::<K>(level, uv);
-        let ((columns, across), (rows, down)) =
-            (self.wrapped(start, &weights(t.x), level, 0), self.wrapped(start, &weights(t.y), level, 1));
+        let ([x, y], t) = first_tap::<K>(level, uv);
+        let (across, down) = (weights(t.x), weights(t.y));
         on_level!(level, first, |view| {
             let mut sum = Vec4::ZERO;
             for j in 0..K {
                 let mut strip = [Vec4::ZERO; K];
                 for k in 0..K {
-                    strip[k] = view.texel::<N>(columns[k], rows[j]);
+                    strip[k] = self.texel::<N, _>(&mut view, level, [x + k as i32, y + j as i32], first);
                 }
                 sum += mean(&strip, &across) * down[j];
             }
@@ -223,24 +225,26 @@ impl Source<'_> {
         })
     }
 
-    /// The texels that stand at `K` indices along an axis; weights of those that are black become nothing.
+    /// What stands at a place that may be outside of the picture.
     #[inline]
-    pub(super) fn wrapped<const K: usize>(
+    pub(super) fn texel<'a, const N: usize, V: View<'a>>(
         &self,
-        start: [i32; 2],
-        weights: &[f32; K],
+        view: &mut V,
         level: &Level,
-        axis: usize,
-    ) -> ([usize; K], [f32; K]) {
-        let (mut index, mut weights) = ([0; K], *weights);
-        let n = if axis == 0 { level.width() } else { level.height() };
-        for k in 0..K {
-            match self.wrap[axis].apply(start[axis] + k as i32, n) {
-                Some(i) => index[k] = i,
-                None => weights[k] = 0.0,
-            }
+        at: [i32; 2],
+        first: usize,
+    ) -> Vec4 {
+        match Wrap::place(self.wrap, at, [level.width(), level.height()]) {
+            Ok([x, y]) => view.texel::<N>(x, y),
+            Err(axis) => self.border::<N>(axis, first),
         }
-        (index, weights)
+    }
+
+    /// The colour beyond the ends of an axis.
+    fn border<const N: usize>(&self, axis: usize, first: usize) -> Vec4 {
+        let mut values = [0.0; 4];
+        values[..N].copy_from_slice(&self.borders[axis][first..first + N]);
+        Vec4::from_array(values)
     }
 }
 

@@ -180,7 +180,7 @@ mod tests {
         let t = texture([4, 1, 1], Interpolation::Nearest, |p| p.x);
         assert_eq!((at(&t, Vec3::new(0.3, 0.5, 0.5)), at(&t, Vec3::new(7.0, -2.0, 0.0))), (0.375, 0.875));
         assert_eq!(at(&t, Vec3::splat(f32::NAN)), 0.0);
-        let t = GridTexture { wrap: Wrap::Black, ..t };
+        let t = GridTexture { wrap: Wrap::Border, ..t };
         assert_eq!(at(&t, Vec3::new(7.0, 0.0, 0.0)), 0.0);
     }
 }

@@ -2,9 +2,10 @@
 
 use super::{
     Filter, Mapping, TextureContext, Wrap, filter::Source, levels::Levels, mapping::Coordinates2, summed::SummedArea,
+    wrap::Borders,
 };
 use std::sync::Arc;
-use steradian_math::{Vec2, Vec3};
+use steradian_math::Vec3;
 
 /// A picture with everything its lookup needs.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub struct ImageTexture {
     pub stochastic: bool,
     /// Horizontal and vertical wrap.
     pub wrap: [Wrap; 2],
+    /// The colours of borders.
+    pub borders: Borders,
     /// The channel to look at instead of the colour.
     pub channel: Option<usize>,
     /// Row 0 of the file is at v = 1 (as pbrt has it).
@@ -47,8 +50,9 @@ impl ImageTexture {
             uv.y = 1.0 - uv.y;
             (dx.y, dy.y) = (-dx.y, -dy.y);
         }
-        let uv = Vec2::new(self.wrap[0].reduce(uv.x), self.wrap[1].reduce(uv.y));
-        let source = Source { levels: &self.levels, sums: self.sums.as_deref(), wrap: self.wrap };
+        let uv = Wrap::reduce(self.wrap, uv);
+        let source =
+            Source { levels: &self.levels, sums: self.sums.as_deref(), wrap: self.wrap, borders: &self.borders };
         let place = Coordinates2 { uv, dx, dy };
         if self.stochastic {
             let salt = at.p.x.to_bits() ^ at.p.y.to_bits().rotate_left(11) ^ at.p.z.to_bits().rotate_left(22);

@@ -9,12 +9,13 @@ use super::{
     pages::Pages,
     store::Level,
     summed::SummedArea,
+    wrap::BLACK,
 };
 use std::sync::Arc;
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::{Vec2, Vec3};
 
-const WRAPS: [Wrap; 4] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Black];
+const WRAPS: [Wrap; 5] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Border, Wrap::Octahedral];
 
 fn picture(width: usize, height: usize, channels: usize, data: TexelData, encoding: Encoding) -> Level {
     let texels = Texels { width, height, channels, data, encoding, metadata: Default::default() };
@@ -43,6 +44,7 @@ fn texture(base: Level, filter: Filter, wrap: Wrap) -> ImageTexture {
         filter,
         stochastic: false,
         wrap: [wrap; 2],
+        borders: BLACK,
         channel: None,
         origin_bottom: false,
         scale: 1.0,
@@ -61,6 +63,58 @@ fn over(u: f32, v: f32, dx: Vec2, dy: Vec2) -> TextureContext<'static> {
     at
 }
 
+/// Beyond a border each filter sees its colour, that of the sides before that of top and bottom, and mixes it with the picture at the edge.
+#[test]
+fn borders_have_their_colours() {
+    for (name, filter) in FILTERS {
+        for stochastic in [false, true] {
+            let mut t = texture(grey(8, 8, |_, _| 0.25), filter, Wrap::Border);
+            (t.borders, t.stochastic) = ([[0.5, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]], stochastic);
+            let d = Vec2::splat(0.01);
+            let seen = |u, v| t.float(&over(u, v, d, Vec2::new(d.x, -d.y)));
+            // Weights are of no more than rounding, or of equal magnitude for negative lobes.
+            let close = |u, v, wanted: f32| {
+                let negative = stochastic && matches!(filter, Filter::Bicubic(_) | Filter::Lanczos);
+                let seen = seen(u, v);
+                assert!(negative || (seen - wanted).abs() < 1e-4, "{name} {stochastic} at {u} {v}: {seen}");
+            };
+            close(-3.0, 0.5, 0.5);
+            close(0.5, 4.0, 0.75);
+            close(-3.0, 4.0, 0.5);
+            close(0.5, 0.5, 0.25);
+        }
+        let mut t = texture(grey(8, 8, |_, _| 0.25), filter, Wrap::Border);
+        t.borders = [[0.75, 0.0, 0.0, 0.0]; 2];
+        let middle = t.float(&over(0.0, 0.5, Vec2::new(0.2, 0.0), Vec2::new(0.0, 0.2)));
+        let wanted = if filter == Filter::Nearest { 0.25 } else { 0.5 };
+        assert!((middle - wanted).abs() < 1e-3, "{name}: {middle}");
+    }
+}
+
+/// Across the edge of an octahedral map all filters see the other half of the edge, as pbrt-v4's `octahedralsphere` has it.
+#[test]
+fn octahedral_edges_are_joined() {
+    // A function of the direction: no filter may see a step at the edge.
+    let n = 64;
+    let value = |x: f32, y: f32| {
+        let d = steradian_math::warp::equal_area_square_to_sphere(Vec2::new(x, y) / n as f32);
+        0.5 + 0.3 * d.x + 0.2 * d.y
+    };
+    for (name, filter) in FILTERS.into_iter().filter(|f| f.1 != Filter::Box) {
+        let t = texture(grey(n, n, value), filter, Wrap::Octahedral);
+        let seen = |u, v| t.float(&over(u, v, Vec2::new(0.01, 0.0), Vec2::new(0.0, 0.01)));
+        for k in 1..30 {
+            let (v, e) = (k as f32 / 30.0 + 0.003, 0.004);
+            for (a, b) in [((-e, v), (e, 1.0 - v)), ((1.0 + e, v), (1.0 - e, 1.0 - v)), ((v, -e), (1.0 - v, e))] {
+                let (a, b) = (seen(a.0, a.1), seen(b.0, b.1));
+                assert!((a - b).abs() < 1e-5, "{name} {k}: {a} {b}");
+            }
+            let (here, there) = (seen(e, v), seen(-e, v));
+            assert!((here - there).abs() < 0.03, "{name} {k}: {here} {there}");
+        }
+    }
+}
+
 #[test]
 fn half_texel_conventions() {
     let two_by_two = |filter, wrap| {
@@ -76,10 +130,10 @@ fn half_texel_conventions() {
     assert_eq!(r.float(&at(0.0, 0.25)), 0.5);
     assert_eq!(r.float(&at(1.25, 0.25)), 0.0);
     assert_eq!(r.float(&at(1.0, 1.0)), 1.75);
-    assert_eq!(two_by_two(Filter::Bilinear, Wrap::Black).float(&at(1.0, 1.0)), 1.0);
+    assert_eq!(two_by_two(Filter::Bilinear, Wrap::Border).float(&at(1.0, 1.0)), 1.0);
     assert_eq!(two_by_two(Filter::Bilinear, Wrap::Mirror).float(&at(1.25, 0.25)), 1.0);
     assert_eq!(two_by_two(Filter::Nearest, Wrap::Clamp).float(&at(1.0, 1.0)), 4.0);
-    assert_eq!(two_by_two(Filter::Nearest, Wrap::Black).float(&at(1.0, 1.0)), 0.0);
+    assert_eq!(two_by_two(Filter::Nearest, Wrap::Border).float(&at(1.0, 1.0)), 0.0);
     assert_eq!(two_by_two(Filter::Nearest, Wrap::Repeat).float(&at(1.0, 0.0)), 0.0);
     let mut bottom = two_by_two(Filter::Nearest, Wrap::Clamp);
     bottom.origin_bottom = true;
@@ -153,7 +207,7 @@ fn constants_are_kept() {
                         for k in 0..12 {
                             let s = 0.02 * (1.7_f32).powi(k);
                             // Black borders are seen from afar.
-                            let s = if wrap == Wrap::Black { s.min(0.05) } else { s };
+                            let s = if wrap == Wrap::Border { s.min(0.05) } else { s };
                             let p = over(0.5, 0.47, Vec2::new(s, 0.3 * s), Vec2::new(-0.1 * s, 0.2 * s));
                             let seen = t.float(&p);
                             assert!(
@@ -341,8 +395,8 @@ fn pages_change_nothing() {
         let paged = Levels::new(Level::new(texels.clone(), Some(&pages)).unwrap(), &recipe, Some(&pages)).unwrap();
         let sums = [SummedArea::new(memory.base()), SummedArea::new(paged.base())];
         let wrap = [Wrap::Mirror; 2];
-        let a = Source { levels: &memory, sums: Some(&sums[0]), wrap };
-        let b = Source { levels: &paged, sums: Some(&sums[1]), wrap };
+        let a = Source { levels: &memory, sums: Some(&sums[0]), wrap, borders: &BLACK };
+        let b = Source { levels: &paged, sums: Some(&sums[1]), wrap, borders: &BLACK };
         for i in 0..200 {
             let s = 0.001 * 1.03_f32.powi(i);
             let at = Coordinates2 {
@@ -384,7 +438,7 @@ fn many_textures_stay_within_their_limit() {
         let s = random(3) * 16.0 / size as f32;
         let at = Coordinates2 { uv: Vec2::new(random(0), random(1)), dx: Vec2::new(s, 0.0), dy: Vec2::new(0.0, s) };
         let [seen, wanted] = pictures[(i % count) as usize].each_ref().map(|levels| {
-            let source = Source { levels, sums: None, wrap: [Wrap::Repeat; 2] };
+            let source = Source { levels, sums: None, wrap: [Wrap::Repeat; 2], borders: &BLACK };
             source.lookup::<3>(Filter::Trilinear, &at, 0).map(f32::to_bits)
         });
         assert_eq!(seen, wanted, "{i}");

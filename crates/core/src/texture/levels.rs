@@ -189,8 +189,11 @@ impl Rows for Level {
 /// A smaller picture: rows first, then columns.
 fn shrink(source: &dyn Rows, (width, height): (usize, usize), recipe: &Recipe) -> Plane {
     let (w, h, channels) = source.size();
-    // Black borders are no part of the picture: its levels are made as if it went on.
-    let wrap = recipe.wrap.map(|wrap| if wrap == Wrap::Black { Wrap::Clamp } else { wrap });
+    // Borders are no part of the picture: its levels are made as if it went on. So are those of octahedral maps, which box filters do not look beyond.
+    let wrap = recipe.wrap.map(|wrap| match wrap {
+        Wrap::Border | Wrap::Octahedral => Wrap::Clamp,
+        wrap => wrap,
+    });
     let (across, down) = (recipe.kernel.taps(w, width), recipe.kernel.taps(h, height));
     let alpha = (recipe.keep_coverage.is_some() && matches!(channels, 2 | 4)).then(|| channels - 1);
     let mut data = vec![0.0; width * height * channels];

@@ -55,8 +55,8 @@ pub const TEXTURES: &[(&str, &str)] = &[
     (
         "image",
         "a picture; file, filter (nearest bilinear bicubic bspline mitchell catmull_rom lanczos trilinear ripmap box ewa), \
-         max_anisotropy, mip_filter (box gaussian lanczos kaiser), keep_coverage, stochastic, channel, wrap_u, wrap_v, encoding, raw, \
-         origin, scale, invert, mapping",
+         max_anisotropy, mip_filter (box gaussian lanczos kaiser), keep_coverage, stochastic, channel, wrap_u, wrap_v (repeat mirror clamp black one border octahedral), border, \
+         encoding, raw, origin, scale, invert, mapping",
     ),
     ("checkerboard", "squares or cubes of two values; a, b, dimension (2 or 3), pattern"),
     (
@@ -251,6 +251,8 @@ pub struct Textures {
 pub struct Effort {
     /// Textures met; held at the limit of the type.
     pub lookups: u32,
+    /// Whether any of them is averaged over footprints.
+    pub is_filtered: bool,
 }
 
 /// Most textures met in one evaluation, in scenes from files: more would take longer than a picture is worth.
@@ -274,9 +276,15 @@ impl Textures {
 
     /// Adds a texture whose parts are already there.
     pub fn add(&mut self, texture: Texture) -> TextureId {
-        let mut effort = Effort { lookups: 1 };
+        let is_filtered = match &texture {
+            Texture::Image(image) => image.filter.is_prefiltered(),
+            Texture::Pattern(pattern) => pattern.is_filtered(),
+            _ => false,
+        };
+        let mut effort = Effort { lookups: 1, is_filtered };
         for part in texture.parts().into_iter().flatten().map(|id| self.effort(*id)) {
             effort.lookups = effort.lookups.saturating_add(part.lookups);
+            effort.is_filtered |= part.is_filtered;
         }
         if let Texture::Constant(Color::Spectral(spectrum)) = &texture {
             let role = if matches!(spectrum, Spd::Illuminant(_)) { Role::Illuminant } else { Role::Unbounded };
@@ -316,11 +324,7 @@ impl Textures {
 
     /// Whether any texture is averaged over footprints.
     pub fn is_filtered(&self) -> bool {
-        self.nodes.iter().any(|t| match t {
-            Texture::Image(image) => image.filter.is_prefiltered(),
-            Texture::Pattern(pattern) => pattern.is_filtered(),
-            _ => false,
-        })
+        self.efforts.iter().any(|e| e.is_filtered)
     }
 
     /// What it takes to evaluate a texture.

@@ -6,7 +6,7 @@ use super::{
     filter::{Filter, Source, extent, first_tap, lanes, longest_square},
     kernel::lanczos_weights,
     mapping::Coordinates2,
-    store::{Level, View, on_level},
+    store::{Level, on_level},
 };
 use glam::Vec4;
 use steradian_math::{Vec2, hash::mix32};
@@ -65,9 +65,9 @@ impl Source<'_> {
         random: &mut Random,
         weights: impl Fn(f32) -> [f32; K],
     ) -> Vec4 {
-        let (start, t) = first_tap::<K>(level, uv);
-        let mut choose = |t: f32, axis: usize| {
-            let (index, weights) = self.wrapped(start, &weights(t), level, axis);
+        let ([x, y], t) = first_tap::<K>(level, uv);
+        let mut choose = |t: f32| {
+            let weights = weights(t);
             let sum: f32 = weights.iter().map(|w| w.abs()).sum();
             let mut left = random.next() * sum;
             let mut chosen = K - 1;
@@ -78,10 +78,10 @@ impl Source<'_> {
                     break;
                 }
             }
-            (index[chosen], sum.copysign(weights[chosen]))
+            (chosen as i32, sum.copysign(weights[chosen]))
         };
-        let ((x, wx), (y, wy)) = (choose(t.x, 0), choose(t.y, 1));
-        on_level!(level, first, |view| view.texel::<N>(x, y)) * wx * wy
+        let ((i, wx), (j, wy)) = (choose(t.x), choose(t.y));
+        on_level!(level, first, |view| self.texel::<N, _>(&mut view, level, [x + i, y + j], first)) * wx * wy
     }
 }
 

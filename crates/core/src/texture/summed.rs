@@ -1,7 +1,10 @@
 //! Summed-area tables (Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH 1984; M211): means over any rectangle along the axes,
 //! from four sums. Sums are 64-bit floats, and exclude the row and column that they are named by, so that no index is off by one (E44).
 
-use super::{store::Level, wrap::Wrap};
+use super::{
+    store::Level,
+    wrap::{Borders, Wrap},
+};
 
 /// Sums over all rectangles that begin at the top left.
 #[derive(Clone, Debug)]
@@ -53,8 +56,15 @@ impl SummedArea {
         })
     }
 
-    /// The mean over the rectangle of the given centre and size, in texels.
-    pub fn mean<const N: usize>(&self, centre: [f64; 2], size: [f64; 2], wrap: [Wrap; 2], first: usize) -> [f32; N] {
+    /// The mean over the rectangle of the given centre and size, in texels. Octahedral maps are taken for mirrored ones.
+    pub fn mean<const N: usize>(
+        &self,
+        centre: [f64; 2],
+        size: [f64; 2],
+        wrap: [Wrap; 2],
+        borders: &Borders,
+        first: usize,
+    ) -> [f32; N] {
         if self.width == 0 || self.height == 0 {
             return [0.0; N];
         }
@@ -62,8 +72,8 @@ impl SummedArea {
             // From afar a picture that does not repeat looks as from a little less afar, and sums stay exact.
             let far = n as f64 + size[k];
             let centre = match wrap[k] {
-                Wrap::Clamp | Wrap::Black => centre[k].clamp(-far, 2.0 * far),
-                Wrap::Repeat | Wrap::Mirror => centre[k],
+                Wrap::Clamp | Wrap::Border => centre[k].clamp(-far, 2.0 * far),
+                Wrap::Repeat | Wrap::Mirror | Wrap::Octahedral => centre[k],
             };
             let (a, b) = (centre - 0.5 * size[k], centre + 0.5 * size[k]);
             (places(wrap[k], a, n as f64), places(wrap[k], b, n as f64))
@@ -78,7 +88,16 @@ impl SummedArea {
                 }
             }
         }
-        sum.map(|s| (s / (size[0] * size[1])) as f32)
+        // How much of the rectangle lies beyond the borders.
+        let inside = |k: usize, [a, b]: [Places; 2]| {
+            if wrap[k] == Wrap::Border { (b[0].0 - a[0].0) / size[k] } else { 1.0 }
+        };
+        let (across, down) = (inside(0, [x0, x1]), inside(1, [y0, y1]));
+        std::array::from_fn(|c| {
+            let border = |axis: usize| f64::from(borders[axis][first + c]);
+            let outside = border(0) * (1.0 - across) + border(1) * across * (1.0 - down);
+            (sum[c] / (size[0] * size[1]) + outside) as f32
+        })
     }
 }
 
@@ -86,7 +105,7 @@ impl SummedArea {
 fn places(wrap: Wrap, x: f64, n: f64) -> Places {
     const NONE: (f64, f64) = (0.0, 0.0);
     match wrap {
-        Wrap::Black => [(x.clamp(0.0, n), 1.0), NONE, NONE],
+        Wrap::Border => [(x.clamp(0.0, n), 1.0), NONE, NONE],
         Wrap::Clamp if x < 0.0 => [(1.0, x), NONE, NONE],
         Wrap::Clamp if x > n => [(n, 1.0 + (x - n)), (n - 1.0, -(x - n)), NONE],
         Wrap::Clamp => [(x, 1.0), NONE, NONE],
@@ -94,7 +113,7 @@ fn places(wrap: Wrap, x: f64, n: f64) -> Places {
             let periods = (x / n).floor();
             [(x - periods * n, 1.0), (n, periods), NONE]
         }
-        Wrap::Mirror => {
+        Wrap::Mirror | Wrap::Octahedral => {
             let periods = (x / (2.0 * n)).floor();
             let r = x - periods * 2.0 * n;
             // The way back: what is left of the second half is missing from it.
@@ -128,7 +147,8 @@ mod tests {
             metadata: Default::default(),
         };
         let table = SummedArea::new(&Level::new(Arc::new(texels), None).unwrap());
-        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Black] {
+        let borders = [[0.25, 0.5, 0.0, 0.0], [8.0, 9.0, 0.0, 0.0]];
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Border] {
             for k in 0..60_i64 {
                 // Corners in quarters of texels.
                 let (x0, y0) = (k * 13 % 90 - 45, k * 29 % 70 - 35);
@@ -136,15 +156,15 @@ mod tests {
                 let mut sum = [0.0_f64; 2];
                 for y in y0..y0 + h {
                     for x in x0..x0 + w {
-                        let (tx, ty) =
-                            (wrap.apply(x.div_euclid(4) as i32, width), wrap.apply(y.div_euclid(4) as i32, height));
-                        if let (Some(x), Some(y)) = (tx, ty) {
-                            (0..2).for_each(|c| sum[c] += f64::from(value(x, y, c)));
-                        }
+                        let at = [x.div_euclid(4) as i32, y.div_euclid(4) as i32];
+                        let place = Wrap::place([wrap; 2], at, [width, height]);
+                        let of = |c: usize| place.map_or_else(|axis| borders[axis][c], |[x, y]| value(x, y, c));
+                        (0..2).for_each(|c| sum[c] += f64::from(of(c)));
                     }
                 }
                 let at = |a: i64, n: i64| (a as f64 + n as f64 * 0.5) / 4.0;
-                let seen: [f32; 2] = table.mean([at(x0, w), at(y0, h)], [w as f64 / 4.0, h as f64 / 4.0], [wrap; 2], 0);
+                let size = [w as f64 / 4.0, h as f64 / 4.0];
+                let seen: [f32; 2] = table.mean([at(x0, w), at(y0, h)], size, [wrap; 2], &borders, 0);
                 for c in 0..2 {
                     let wanted = sum[c] / (w * h) as f64;
                     assert!((f64::from(seen[c]) - wanted).abs() < 1e-5, "{wrap:?} {k}: {seen:?} {wanted}");

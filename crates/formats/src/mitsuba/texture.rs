@@ -20,8 +20,8 @@ pub(super) enum Role {
     Scalar,
 }
 
-/// What happens to texture coordinates outside 0…1; `zero` is of version 0.6.
-const WRAPS: [&str; 4] = ["repeat", "mirror", "clamp", "zero"];
+/// What happens to texture coordinates outside 0…1; `zero` and `one` are of version 0.6.
+const WRAPS: [&str; 5] = ["repeat", "mirror", "clamp", "zero", "one"];
 
 /// Linear sRGB components as a value.
 pub(super) fn rgb(components: [f64; 3]) -> Value {
@@ -186,7 +186,13 @@ impl Reader<'_> {
     fn bitmap(&mut self, object: ObjectId) -> Option<NodeId> {
         let mut node = self.node(Family::Texture, "image", object);
         let file = self.needed_file(object, "filename");
-        let filters = ["bilinear", "nearest", "trilinear", "ewa"];
+        // The first is the default. Trilinear and elliptical filters are of 0.6, where the latter is the default.
+        let legacy = self.graph.objects[object].legacy;
+        let filters = if legacy {
+            ["ewa", "trilinear", "nearest", "bilinear"]
+        } else {
+            ["bilinear", "nearest", "trilinear", "ewa"]
+        };
         let filter = self.choice(object, "filter_type", &filters);
         let wrap = self.choice(object, "wrap_mode", &WRAPS);
         let wraps = ["wrap_mode_u", "wrap_mode_v"]
@@ -203,7 +209,8 @@ impl Reader<'_> {
             node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
         }
         // Both are of 0.6.
-        if let Some(most) = self.float(object, "max_anisotropy") {
+        let most = self.float(object, "max_anisotropy").or(legacy.then_some(20.0));
+        if let Some(most) = most.filter(|_| filter == "ewa") {
             node.set("max_anisotropy", Value::Float(most), Some(self.value_span(object, "max_anisotropy")));
         }
         if self.graph.has(object, "channel") {

@@ -150,11 +150,6 @@ fn image(b: &mut Build, values: Values, ctm: Transform) {
     b.choice("filter", "filter", &filters, "bilinear");
     let wraps = [("repeat", "repeat"), ("clamp", "clamp"), ("black", "black"), ("octahedralsphere", "octahedral")];
     b.choice("wrap", "wrap_u", &wraps, "repeat");
-    if b.node.string("wrap_u") == Some("octahedral") {
-        let span = b.dict.span_of("wrap");
-        b.scene.report.approximated(span, "wrap 'octahedralsphere' is rendered as 'repeat'");
-        b.set("wrap_u", "repeat");
-    }
     let wrap = b.node.string("wrap_u").unwrap_or("repeat").to_string();
     b.set("wrap_v", wrap);
     encoding(b);

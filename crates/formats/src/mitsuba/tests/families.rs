@@ -332,6 +332,24 @@ fn textures() {
         (Some("mirror"), Some("nearest"), Some(true))
     );
     assert_eq!(image.string("origin"), Some("top"));
+    // Version 0.6 has another default, and borders of black and white.
+    let old = |inside: &str| {
+        let text = format!(
+            "<scene version=\"0.6.0\"><sensor type=\"perspective\"/><shape type=\"cube\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">
+             <string name=\"filename\" value=\"a.png\"/>{inside}</texture></bsdf></shape></scene>"
+        );
+        let import = import_text(&text, &folder.path().join("s.xml"), &Options::default());
+        let said: Vec<String> = import.diagnostics.iter().map(|d| d.message.clone()).collect();
+        assert!(said.is_empty(), "{said:?}");
+        let desc = &import.desc;
+        child(desc, desc.node(desc.shapes[0].material.unwrap()), "reflectance").clone()
+    };
+    let image = old("");
+    assert_eq!((image.string("filter"), image.float("max_anisotropy")), (Some("ewa"), Some(20.0)));
+    let image = old("<string name=\"filterType\" value=\"trilinear\"/><float name=\"maxAnisotropy\" value=\"4\"/>\
+         <string name=\"wrapModeU\" value=\"one\"/><string name=\"wrapModeV\" value=\"zero\"/>");
+    assert_eq!((image.string("filter"), image.get("max_anisotropy")), (Some("trilinear"), None));
+    assert_eq!((image.string("wrap_u"), image.string("wrap_v")), (Some("one"), Some("black")));
     let (desc, m) = material(
         "<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"><rgb name=\"color0\" value=\"1\"/>
          <transform name=\"to_uv\"><scale value=\"5\"/></transform></texture></bsdf>",

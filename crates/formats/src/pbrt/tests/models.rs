@@ -551,6 +551,9 @@ fn image_textures() {
         "\"imagemap\" \"string filename\" \"i.png\" \"string encoding\" \"gamma 2.2\" \"string filter\" \"point\"",
     );
     check(&t, "image", &[("encoding", some(2.2)), ("raw", some(false)), ("filter", some("nearest"))]);
+    // What lies beyond an octahedral map is on the other half of its edge, both ways.
+    let t = one_texture("spectrum", "\"imagemap\" \"string filename\" \"i.png\" \"string wrap\" \"octahedralsphere\"");
+    check(&t, "image", &[("wrap_u", some("octahedral")), ("wrap_v", some("octahedral"))]);
     // pbrt obeys the encoding of PNG files alone.
     check(
         &one_texture("float", "\"imagemap\" \"string filename\" \"i.jpg\" \"string encoding\" \"linear\""),
