@@ -146,6 +146,10 @@ pub struct RenderArgs {
     /// Random numbers (see `steradian list samplers`); `scene` for those that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
+    /// Keep the render in FILE, every half minute and at its end, and go on from it if it is there: the picture has the bits of a render
+    /// that was never stopped
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
     /// Layers to add to .exr files (a comma-separated list of `steradian list layers`, or `all`)
     #[arg(long, value_name = "LIST")]
     pub aov: Vec<Layers>,

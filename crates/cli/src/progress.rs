@@ -15,7 +15,9 @@ const STEPS: u64 = 10_000;
 /// What is known of a render on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot {
-    /// Samples taken.
+    /// Samples that were there when it began.
+    pub before: u64,
+    /// Samples taken since.
     pub samples: u64,
     /// Rays traced.
     pub rays: u64,
@@ -32,22 +34,23 @@ pub struct Snapshot {
 impl Snapshot {
     /// The part that is done, by samples or by time, whichever ends it.
     pub fn fraction(&self) -> f64 {
-        let by_samples = self.samples as f64 / self.planned.max(1) as f64;
+        let by_samples = (self.before + self.samples) as f64 / self.planned.max(1) as f64;
         let by_time = self.budget.map_or(0.0, |b| self.elapsed.as_secs_f64() / b.as_secs_f64().max(1e-9));
         by_samples.max(by_time).clamp(0.0, 1.0)
     }
 
     /// Time until it is done, at the pace so far.
     pub fn left(&self) -> Option<Duration> {
-        let fraction = self.fraction();
-        (fraction > 0.0)
-            .then(|| Duration::try_from_secs_f64(self.elapsed.as_secs_f64() * (1.0 - fraction) / fraction).ok())?
+        let to_come = self.planned.saturating_sub(self.before + self.samples) as f64 / self.samples as f64;
+        let by_samples = Duration::try_from_secs_f64(self.elapsed.as_secs_f64() * to_come).ok();
+        let by_time = self.budget.map(|b| b.saturating_sub(self.elapsed));
+        by_samples.into_iter().chain(by_time).min()
     }
 
     /// `42 % · 108/256 spp · 3.10 Msamples/s · 12.10 Mray/s · 0:16 left · 0:12`: what matters least is where a narrow terminal cuts.
     pub fn line(&self) -> String {
         let seconds = self.elapsed.as_secs_f64().max(1e-9);
-        let spp = self.samples / self.pixels.max(1);
+        let spp = (self.before + self.samples) / self.pixels.max(1);
         let planned = self.planned / self.pixels.max(1);
         // The number of samples is no goal where time alone ends the render.
         let of = if planned < u64::from(crate::values::MAX_SPP) { format!("/{planned}") } else { String::new() };
@@ -136,6 +139,7 @@ mod tests {
 
     fn half() -> Snapshot {
         Snapshot {
+            before: 0,
             samples: 500_000,
             rays: 2_000_000,
             planned: 1_000_000,

@@ -13,8 +13,12 @@ use crate::{
     values::MAX_SPP,
     watch::{self, Stop},
 };
-use std::time::Instant;
-use steradian::{ColorMode, Layer, Quality, Scene, Session, image::FileKind};
+use std::{path::Path, time::Instant};
+use steradian::{
+    ColorMode, Layer, Quality, Scene, Session,
+    image::FileKind,
+    resume::{self, Recipe},
+};
 
 /// The scene that is rendered when none is named.
 const DEFAULT_SCENE: &str = "builtin:cornell-box";
@@ -30,11 +34,13 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
     let write_options = args.files.write_options().map_err(Failure::bad_input)?;
-    outputs.iter().try_for_each(|o| output::check_writable(o))?;
+    outputs.iter().chain(&args.resume).try_for_each(|o| output::check_writable(o))?;
 
     open::limit_threads(args.scene_options.threads);
-    let Ready { scene, counts, load, build } =
-        open::open(name, &args.scene_options, quality.spp).into_scene(name, args.scene_options.strict, terminal)?;
+    let opened = open::open(name, &args.scene_options, quality.spp);
+    let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
+    let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
+    let Ready { scene, counts, load, build } = opened.into_scene(name, args.scene_options.strict, terminal)?;
     let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
@@ -46,7 +52,21 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let signals = Signals::watch().map_err(|e| Failure::failed(format!("cannot watch for signals: {e}")))?;
     let mut session = Session::new(&scene, plan);
-    let stop = watch::render(&mut session, pixels, planned, args.time, &signals, Progress::new(terminal));
+    let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
+        let options = open::compile_options(&args.scene_options, quality.spp);
+        Keeper { path, recipe: Recipe::new(&scene, fingerprint, &options, &plan), terminal }
+    });
+    if let Some(keeper) = &keeper {
+        keeper.restore(&mut session, pixels)?;
+    }
+    let stop = watch::render(&mut session, pixels, planned, args.time, &signals, Progress::new(terminal), |session| {
+        if let Some(keeper) = &keeper {
+            keeper.keep(session);
+        }
+    });
+
+    // Before the picture, which may fail to be saved for reasons of its own.
+    let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut session));
 
     if scene.texture_pages.as_ref().is_some_and(|pages| pages.has_failed()) {
         terminal.warn("some textures could not be read back from the temporary file; they are black in places");
@@ -108,6 +128,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         diagnostics: counts,
     };
     tell(&report, stop, terminal);
+    kept.map_err(Failure::failed)?;
+    if let (Some(keeper), Some(_)) = (&keeper, stop) {
+        terminal.say(&format!("the same command goes on from {}", keeper.path.display()));
+    }
     terminal.say(&format!("wrote {}", output::listed(&outputs)));
     if args.json {
         terminal::json(&report)?;
@@ -116,6 +140,39 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         Some(Stop::Signal(signal)) => 128 + signal,
         _ => failure::DONE,
     })
+}
+
+/// Keeps a session in a file.
+struct Keeper<'a> {
+    path: &'a Path,
+    recipe: Recipe,
+    terminal: Terminal,
+}
+
+impl Keeper<'_> {
+    /// Lets a session go on from the file, if it is there.
+    fn restore(&self, session: &mut Session<'_>, pixels: u64) -> Result<(), Failure> {
+        if !self.path.exists() {
+            return Ok(());
+        }
+        self.recipe.restore(session, self.path).map_err(|e| {
+            Failure::bad_input(format!("{} {e}; without that file the render begins anew", self.path.display()))
+        })?;
+        let spp = session.counters().samples as f64 / pixels as f64;
+        self.terminal.say(&format!("going on from {} at {spp:.1} samples per pixel", self.path.display()));
+        Ok(())
+    }
+
+    fn save(&self, session: &mut Session<'_>) -> Result<(), String> {
+        self.recipe.save(session, self.path).map_err(|e| format!("the render cannot be kept: {e}"))
+    }
+
+    /// Saves on the way: what fails now may go well later.
+    fn keep(&self, session: &mut Session<'_>) {
+        if let Err(message) = self.save(session) {
+            self.terminal.warn(&message);
+        }
+    }
 }
 
 /// What the command line says about the render.

@@ -16,6 +16,8 @@ use steradian::{Control, Session};
 
 /// How often the watcher looks.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
+/// How often it is kept.
+const KEEP_EVERY: Duration = Duration::from_secs(30);
 /// How long a thread may take for a tile: the render ends at the next one.
 const TILE_SECONDS: f64 = 0.1;
 /// Pixels of a tile.
@@ -32,7 +34,7 @@ pub enum Stop {
     Signal(u8),
 }
 
-/// Takes all samples of the plan, or those that the time and the user allow.
+/// Takes all samples of the plan, or those that the time and the user allow; lets it be kept on the way.
 pub fn render(
     session: &mut Session<'_>,
     pixels: u64,
@@ -40,7 +42,9 @@ pub fn render(
     budget: Option<Duration>,
     signals: &Signals,
     progress: Progress,
+    keep: impl FnMut(&mut Session<'_>),
 ) -> Option<Stop> {
+    let before = session.counters().samples;
     let control = Control::default();
     let stop = OnceLock::new();
     let start = Instant::now();
@@ -60,7 +64,7 @@ pub fn render(
                     control.cancel.store(true, Ordering::Relaxed);
                 }
                 let (samples, rays) = (control.samples.load(Ordering::Relaxed), control.rays.load(Ordering::Relaxed));
-                progress.show(&Snapshot { samples, rays, planned, pixels, elapsed, budget });
+                progress.show(&Snapshot { before, samples, rays, planned, pixels, elapsed, budget });
                 let until_budget = budget.map_or(LOOK_EVERY, |b| b.saturating_sub(elapsed));
                 thread::park_timeout(LOOK_EVERY.min(until_budget.max(Duration::from_millis(1))));
             }
@@ -68,7 +72,7 @@ pub fn render(
         });
         // Also when rendering panics the watcher must end, for the scope waits for it.
         let _ended = Ended(&done, watcher.thread().clone());
-        passes(session, control);
+        passes(session, control, keep);
     });
     if session.is_done() {
         // Asked to stop after the last tile: nothing is missing.
@@ -78,14 +82,19 @@ pub fn render(
 }
 
 /// Passes of growing size, small enough that a tile does not take long.
-fn passes(session: &mut Session<'_>, control: &Control) {
+fn passes(session: &mut Session<'_>, control: &Control, mut keep: impl FnMut(&mut Session<'_>)) {
     let mut samples = 1;
+    let mut kept = Instant::now();
     while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
         session.step(samples, control);
         let busy = session.wall().as_secs_f64() * session.threads() as f64;
         let per_thread = session.counters().samples as f64 / busy.max(1e-9);
         let longest = (per_thread * TILE_SECONDS / TILE_PIXELS).clamp(1.0, 65536.0) as u32;
         samples = (2 * samples).min(longest).max(1);
+        if kept.elapsed() >= KEEP_EVERY {
+            keep(session);
+            kept = Instant::now();
+        }
     }
 }
 

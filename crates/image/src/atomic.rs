@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use crate::{Error, Result};
-use std::io::Write;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes `bytes` to `path`: into a temporary file beside it, synced to the disk, then renamed over the old file, if any. When
@@ -11,27 +11,35 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`Error::File`] with the path and the system's answer.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    place(path, bytes).map_err(|e| e.at(path))
+    stream_whole(path, |out| out.write_all(bytes))
 }
 
-fn place(path: &Path, bytes: &[u8]) -> Result<()> {
+/// [`write_whole`] of what is written bit by bit.
+///
+/// # Errors
+/// [`Error::File`] with the path and the system's answer.
+pub fn stream_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    place(path, write).map_err(|e| e.at(path))
+}
+
+fn place(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     let io = |action| move |error| Error::Io { action, error };
     // A link keeps pointing to the file that is replaced.
     let target = match std::fs::canonicalize(path) {
         Ok(existing) => existing,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => path.to_owned(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_owned(),
         Err(error) => return Err(Error::Io { action: "open", error }),
     };
     if let Ok(existing) = std::fs::metadata(&target) {
         if existing.is_dir() {
-            return Err(Error::Io { action: "write", error: std::io::ErrorKind::IsADirectory.into() });
+            return Err(Error::Io { action: "write", error: io::ErrorKind::IsADirectory.into() });
         }
         if !existing.is_file() {
-            let mut file = std::fs::OpenOptions::new().write(true).open(&target).map_err(io("open"))?;
-            return file.write_all(bytes).and_then(|()| file.flush()).map_err(io("write"));
+            let mut file = BufWriter::new(std::fs::OpenOptions::new().write(true).open(&target).map_err(io("open"))?);
+            return write(&mut file).and_then(|()| file.flush()).map_err(io("write"));
         }
         if existing.permissions().readonly() {
-            return Err(Error::Io { action: "replace", error: std::io::ErrorKind::PermissionDenied.into() });
+            return Err(Error::Io { action: "replace", error: io::ErrorKind::PermissionDenied.into() });
         }
     }
     let directory = match target.parent() {
@@ -46,9 +54,9 @@ fn place(path: &Path, bytes: &[u8]) -> Result<()> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(&directory).map_err(io("create a file in its directory"))?;
-    file.write_all(bytes).map_err(io("write"))?;
-    file.flush().map_err(io("write"))?;
+    let mut file = BufWriter::new(builder.tempfile_in(&directory).map_err(io("create a file in its directory"))?);
+    write(&mut file).map_err(io("write"))?;
+    let file = file.into_inner().map_err(|failed| Error::Io { action: "write", error: failed.into_error() })?;
     file.as_file().sync_all().map_err(io("write"))?;
     file.persist(&target).map_err(|failed| Error::Io { action: "rename the finished file", error: failed.error })?;
     Ok(())

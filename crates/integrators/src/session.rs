@@ -4,6 +4,7 @@
 //! the number of steps they come in, so sums do not depend on threads, tiles or steps. What depends on the picture so far, namely how many samples a
 //! cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
 
+mod state;
 mod tile;
 
 use crate::{

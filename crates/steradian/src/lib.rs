@@ -18,6 +18,7 @@ pub mod develop;
 mod error;
 pub mod load;
 pub mod quality;
+pub mod resume;
 pub mod specimen;
 
 pub use develop::{Layer, develop};

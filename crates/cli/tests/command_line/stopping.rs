@@ -55,3 +55,36 @@ fn a_signal_stops_and_saves() {
         assert!(picture.channel("G").unwrap().iter().any(|v| *v > 0.0));
     }
 }
+
+/// A render that is stopped by time again and again ends with the bits of one that is not; another one is refused, and the file kept.
+#[test]
+fn a_render_goes_on_where_it_was_left() {
+    let place = Place::new();
+    let render = |out: &str, more: &[&str]| -> Vec<String> {
+        let fixed = ["render", "--size", "48x48", "--spp", "96", "--adaptive", "--aov", "normal", "--json", "-o", out];
+        fixed.iter().chain(more).map(|&a| a.to_owned()).collect()
+    };
+    let run = |arguments: &[String]| place.succeed(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    run(&render("whole.exr", &[]));
+    let (mut runs, mut samples) = (0, 0.0);
+    loop {
+        let threads = if runs % 2 == 0 { "1" } else { "2" };
+        let json = run(&render("parts.exr", &["--resume", "state", "--time", "150ms", "--threads", threads])).json();
+        let now = json["spp"].as_f64().unwrap();
+        assert!(now > samples || json["stopped"].is_null(), "{json}");
+        (runs, samples) = (runs + 1, now);
+        if json["stopped"].is_null() {
+            break;
+        }
+    }
+    assert!(runs > 1, "the first run did it all");
+    for channel in ["R", "G", "B", "N.X"] {
+        let [whole, parts] =
+            ["whole.exr", "parts.exr"].map(|name| place.picture(name).channel(channel).unwrap().to_vec());
+        assert!(whole == parts, "{channel}");
+    }
+    let state = std::fs::read(place.path("state")).unwrap();
+    place.refuse(2, &["render", "--size", "48x48", "--spp", "7", "--resume", "state"], &["state", "other settings"]);
+    place.refuse(2, &["render", "--size", "48x48", "--resume", "whole.exr"], &["whole.exr", "no saved state"]);
+    assert!(std::fs::read(place.path("state")).unwrap() == state);
+}

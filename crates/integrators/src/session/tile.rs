@@ -19,8 +19,8 @@ pub struct Cell {
     /// Samples over its pixels.
     pub samples: u64,
     /// Relative variance of samples, summed over rounds by degrees of freedom.
-    variance: f64,
-    freedom: f64,
+    pub(super) variance: f64,
+    pub(super) freedom: f64,
 }
 
 /// What a round tells of the relative variance of samples in a cell, in two ways.
@@ -50,7 +50,7 @@ pub struct Tile {
     /// The round under way.
     pub pixels: Vec<Pixel>,
     /// The rounds before it; empty in the first.
-    past: Vec<Pixel>,
+    pub(super) past: Vec<Pixel>,
     /// First hits, of all rounds.
     pub features: Vec<FirstHitSums>,
     /// By rows.

@@ -1,0 +1,148 @@
+//! The state of a session on its way to bytes and back. What is named here goes both ways, in this order, little-endian.
+
+use super::{Session, lock, tile::Cell};
+use crate::{Counters, adaptive::Round};
+use std::{
+    io::{self, Error, ErrorKind, Read, Write},
+    time::Duration,
+};
+use steradian_core::film::{FirstHit, FirstHitSums, Pixel};
+
+/// Turns bytes of values into bytes of a file, or those of a file into those of values.
+trait Way {
+    fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()>;
+}
+
+struct Out<'w>(&'w mut dyn Write);
+
+impl Way for Out<'_> {
+    fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()> {
+        self.0.write_all(bytes)
+    }
+}
+
+struct In<'r>(&'r mut dyn Read);
+
+impl Way for In<'_> {
+    fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()> {
+        self.0.read_exact(bytes)
+    }
+}
+
+/// What is kept.
+trait State {
+    fn pass(&mut self, way: &mut impl Way) -> io::Result<()>;
+}
+
+macro_rules! numbers {
+    ($($number:ty),*) => { $(
+        impl State for $number {
+            fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+                let mut bytes = self.to_le_bytes();
+                way.pass(&mut bytes)?;
+                *self = Self::from_le_bytes(bytes);
+                Ok(())
+            }
+        }
+    )* };
+}
+
+macro_rules! fields {
+    ($($whole:ty { $($field:ident),* })*) => { $(
+        impl State for $whole {
+            fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+                $(self.$field.pass(way)?;)*
+                Ok(())
+            }
+        }
+    )* };
+}
+
+numbers!(u32, u64, f32, f64);
+
+fields! {
+    Round { number, start, end }
+    Counters { rays, samples, nonfinite }
+    Cell { done, target, rays, samples, variance, freedom }
+    Pixel { sum, sum_squares, samples }
+    FirstHit { albedo, normal, position, depth, distance, uv, shape, material }
+    FirstHitSums { sum, samples }
+}
+
+impl State for bool {
+    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+        let mut number = u32::from(*self);
+        number.pass(way)?;
+        *self = number != 0;
+        Ok(())
+    }
+}
+
+impl State for Duration {
+    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+        let mut nanoseconds = u64::try_from(self.as_nanos()).unwrap_or(u64::MAX);
+        nanoseconds.pass(way)?;
+        *self = Self::from_nanos(nanoseconds);
+        Ok(())
+    }
+}
+
+impl<T: State, const N: usize> State for [T; N] {
+    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+        self.iter_mut().try_for_each(|value| value.pass(way))
+    }
+}
+
+impl<T: State> State for Vec<T> {
+    /// Of a length that is known.
+    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+        self.iter_mut().try_for_each(|value| value.pass(way))
+    }
+}
+
+impl Session<'_> {
+    /// Writes what it takes to go on later. Not while a step is under way, which `&mut` sees to.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn save(&mut self, out: &mut dyn Write) -> io::Result<()> {
+        self.pass(&mut Out(out))
+    }
+
+    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits of one that was never
+    /// left. How many threads there are may differ.
+    ///
+    /// # Errors
+    /// Those of the reader, and [`ErrorKind::InvalidData`] where no such session can have been; the session is of no use then.
+    pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        self.pass(&mut In(from))?;
+        let round = self.round;
+        let cells_are_sound =
+            self.tiles.iter().all(|tile| lock(tile).cells.iter().all(|cell| cell.done <= cell.target.max(round.end)));
+        let is_sound = round.start <= round.end && round.end <= self.plan.sampler.spp && self.next <= round.end;
+        if is_sound && cells_are_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
+    }
+
+    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+        self.round.pass(way)?;
+        self.next.pass(way)?;
+        self.look.pass(way)?;
+        self.is_complete.pass(way)?;
+        self.is_good_enough.pass(way)?;
+        self.counters.pass(way)?;
+        self.wall.pass(way)?;
+        self.cpu.pass(way)?;
+        let round = self.round;
+        for tile in &self.tiles {
+            let tile = &mut *lock(tile);
+            tile.cells.pass(way)?;
+            tile.pixels.pass(way)?;
+            if round.number > 0 {
+                tile.past.resize(tile.pixels.len(), Pixel::default());
+                tile.past.pass(way)?;
+            }
+            tile.features.pass(way)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,308 @@
+//! Renders that are left and gone on with later: the state of a session in a file.
+//!
+//! A file has the program's version, a fingerprint of the scene, the settings on which the picture's bits depend, the session, and the
+//! BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
+
+use crate::{CompileOptions, Scene, Session};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{self, BufReader, BufWriter, Read, Seek, Write},
+    path::Path,
+};
+use steradian_integrators::Plan;
+use steradian_scene::{SceneDesc, Value};
+
+const MAGIC: &[u8; 16] = b"Steradian state\n";
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+const HASH: u64 = blake3::OUT_LEN as u64;
+/// Longest text of the settings, bytes.
+const LONGEST: u32 = 1 << 16;
+/// Settings of more bytes are not printed.
+const READABLE: usize = 60;
+
+/// Why a state is of no use.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateError {
+    /// The system's answer.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// Something else is in the file.
+    #[error("is no saved state of a render")]
+    NotAState,
+    /// What is in the file is not what was written.
+    #[error("is damaged: its contents do not match their checksum")]
+    Damaged,
+    /// Another version wrote it.
+    #[error("was saved by version {0}; this is {VERSION}")]
+    OtherVersion(String),
+    /// The scene has changed, or it is another one.
+    #[error("belongs to another scene, or the scene's files have changed since")]
+    OtherScene,
+    /// What was asked for has changed.
+    #[error("was saved with other settings: {0}")]
+    OtherSettings(String),
+}
+
+/// What decides about the bits of a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recipe {
+    scene: [u8; blake3::OUT_LEN],
+    settings: BTreeMap<String, String>,
+}
+
+/// The fingerprint of a description and of the files that it names.
+///
+/// # Errors
+/// Those of reading; files that are not there count as empty.
+pub fn fingerprint(desc: &SceneDesc) -> io::Result<[u8; blake3::OUT_LEN]> {
+    let mut hasher = blake3::Hasher::new();
+    // All but where it was read.
+    let placed = (&desc.meshes, &desc.shapes, &desc.groups, &desc.instances);
+    let used = (&desc.lights, &desc.cameras, desc.film, desc.filter, desc.sampler, desc.integrator);
+    let mut out = BufWriter::new(&mut hasher);
+    serde_json::to_writer(&mut out, &(desc.format, &desc.nodes, placed, used))?;
+    out.flush()?;
+    drop(out);
+    for param in desc.nodes.iter().flat_map(|node| &node.params) {
+        let Value::Path(path) = &param.value else { continue };
+        match File::open(path) {
+            Ok(file) if file.metadata()?.is_file() => drop(hasher.update_reader(file)?),
+            _ => {}
+        }
+        hasher.update(&[0]);
+    }
+    Ok(*hasher.finalize().as_bytes())
+}
+
+impl Recipe {
+    /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
+    pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, plan: &Plan) -> Self {
+        let film = &scene.film;
+        // Not threads, memory, or structures, which change no bit.
+        let settings = [
+            ("integrator", format!("{:?}", plan.integrator)),
+            ("sampler", format!("{:?}", plan.sampler.kind)),
+            ("samples per pixel", plan.sampler.spp.to_string()),
+            ("seed", plan.sampler.seed.to_string()),
+            ("layers", plan.features.to_string()),
+            ("adaptive", plan.adaptive.to_string()),
+            ("error", format!("{:?}", plan.error)),
+            ("size", format!("{} x {}", film.width, film.height)),
+            ("film", format!("{film:?}")),
+            ("camera", format!("{:?}", scene.camera)),
+            ("colour", format!("{:?}", scene.mode)),
+            ("stochastic textures", options.stochastic_textures.to_string()),
+        ];
+        Self { scene: fingerprint, settings: settings.map(|(name, value)| (name.to_owned(), value)).into() }
+    }
+
+    /// Saves a session to a file, which appears whole or not at all.
+    ///
+    /// # Errors
+    /// The path and the system's answer.
+    pub fn save(&self, session: &mut Session<'_>, path: &Path) -> Result<(), steradian_image::Error> {
+        steradian_image::stream_whole(path, |out| {
+            let mut out = BufWriter::new(Hashing { inner: out, hasher: blake3::Hasher::new() });
+            out.write_all(MAGIC)?;
+            text(&mut out, VERSION)?;
+            out.write_all(&self.scene)?;
+            text(&mut out, &serde_json::to_string(&self.settings)?)?;
+            session.save(&mut out)?;
+            let Hashing { inner, hasher } = out.into_inner().map_err(|failed| failed.into_error())?;
+            inner.write_all(hasher.finalize().as_bytes())
+        })
+    }
+
+    /// Lets a new session go on from a file.
+    ///
+    /// # Errors
+    /// Why it cannot; the session is of no use then.
+    pub fn restore(&self, session: &mut Session<'_>, path: &Path) -> Result<(), StateError> {
+        let file = File::open(path)?;
+        let length = file.metadata()?.len();
+        let mut file = BufReader::new(file);
+        let mut magic = [0; MAGIC.len()];
+        if length < MAGIC.len() as u64 + HASH || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
+            return Err(StateError::NotAState);
+        }
+        let version = read_text(&mut file).ok_or(StateError::Damaged)?;
+        if version != VERSION {
+            return Err(StateError::OtherVersion(version.chars().filter(|c| !c.is_control()).take(READABLE).collect()));
+        }
+        let start = file.stream_position()?;
+        // The whole of it, before anything is believed.
+        file.rewind()?;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(file.by_ref().take(length - HASH))?;
+        let mut hash = [0; blake3::OUT_LEN];
+        file.read_exact(&mut hash)?;
+        if hasher.finalize() != hash {
+            return Err(StateError::Damaged);
+        }
+        file.seek(io::SeekFrom::Start(start))?;
+        let mut scene = [0; blake3::OUT_LEN];
+        file.read_exact(&mut scene)?;
+        let theirs = read_text(&mut file).ok_or(StateError::Damaged)?;
+        let theirs: BTreeMap<String, String> = serde_json::from_str(&theirs).map_err(|_| StateError::Damaged)?;
+        if let Some(difference) = self.difference(&theirs) {
+            return Err(StateError::OtherSettings(difference));
+        }
+        if scene != self.scene {
+            return Err(StateError::OtherScene);
+        }
+        session.restore(&mut file).map_err(|_| StateError::Damaged)?;
+        if file.stream_position()? == length - HASH { Ok(()) } else { Err(StateError::Damaged) }
+    }
+
+    /// The first setting that is another one.
+    fn difference(&self, theirs: &BTreeMap<String, String>) -> Option<String> {
+        let (name, ours) = self.settings.iter().find(|(name, ours)| theirs.get(*name) != Some(ours))?;
+        Some(match theirs.get(name) {
+            Some(theirs) if theirs.len().max(ours.len()) <= READABLE => format!("{name} {theirs}, not {ours}"),
+            _ => format!("another {name}"),
+        })
+    }
+}
+
+/// A text with its length before it.
+fn text(out: &mut dyn Write, text: &str) -> io::Result<()> {
+    let length = u32::try_from(text.len()).ok().filter(|n| *n <= LONGEST).ok_or(io::ErrorKind::FileTooLarge)?;
+    out.write_all(&length.to_le_bytes())?;
+    out.write_all(text.as_bytes())
+}
+
+fn read_text(from: &mut impl Read) -> Option<String> {
+    let mut length = [0; 4];
+    from.read_exact(&mut length).ok()?;
+    let length = u32::from_le_bytes(length);
+    let mut bytes = vec![0; (length <= LONGEST).then_some(length as usize)?];
+    from.read_exact(&mut bytes).ok()?;
+    String::from_utf8(bytes).ok()
+}
+
+/// A writer that keeps the hash of what it passes on.
+struct Hashing<'w> {
+    inner: &'w mut dyn Write,
+    hasher: blake3::Hasher,
+}
+
+impl Write for Hashing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.inner.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Control, Quality, compile, cornell};
+
+    fn scene(size: u32) -> (Scene, [u8; blake3::OUT_LEN]) {
+        let desc = cornell::luminous_ceiling();
+        let options = CompileOptions { size: Some((size, size)), ..CompileOptions::default() };
+        (compile(&desc, &options).scene.unwrap(), fingerprint(&desc).unwrap())
+    }
+
+    fn bits(session: &Session<'_>) -> Vec<[[u64; 3]; 2]> {
+        session.film().pixels.iter().map(|p| [p.sum, p.sum_squares].map(|v| v.map(f64::to_bits))).collect()
+    }
+
+    fn recipe(scene: &Scene, print: [u8; blake3::OUT_LEN], quality: &Quality) -> Recipe {
+        Recipe::new(scene, print, &CompileOptions::default(), &quality.plan(scene).unwrap())
+    }
+
+    /// Left at any number of samples, a render comes to the bits of one that was not: even, uneven, and up to an error.
+    #[test]
+    fn what_was_left_goes_on_with_the_same_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        let (scene, print) = scene(24);
+        let quality = Quality { spp: Some(40), threads: 1, ..Quality::default() };
+        for quality in [
+            quality.clone(),
+            Quality { adaptive: true, integrator: Some("direct".into()), ..quality.clone() },
+            Quality { error: Some(0.3), layers: vec![crate::Layer::ALL[0]], ..quality },
+        ] {
+            let plan = quality.plan(&scene).unwrap();
+            let mut whole = Session::new(&scene, plan);
+            whole.step(40, &Control::default());
+            for left_at in [1, 10, 17, 40] {
+                let mut first = Session::new(&scene, plan);
+                first.step(left_at, &Control::default());
+                let recipe = recipe(&scene, print, &quality);
+                recipe.save(&mut first, &path).unwrap();
+                let mut second = Session::new(&scene, Plan { threads: 3, ..plan });
+                recipe.restore(&mut second, &path).unwrap();
+                assert_eq!((second.samples(), second.counters()), (first.samples(), first.counters()));
+                second.step(40, &Control::default());
+                assert!(second.is_done() && bits(&second) == bits(&whole), "left at {left_at}: {quality:?}");
+                assert_eq!(second.counters(), whole.counters());
+            }
+        }
+    }
+
+    #[test]
+    fn only_its_own_render_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        let (scene, print) = scene(16);
+        let quality = Quality { spp: Some(8), ..Quality::default() };
+        let plan = quality.plan(&scene).unwrap();
+        let mut session = Session::new(&scene, plan);
+        session.step(2, &Control::default());
+        let own = recipe(&scene, print, &quality);
+        own.save(&mut session, &path).unwrap();
+        let restore = |recipe: &Recipe| recipe.restore(&mut Session::new(&scene, plan), &path);
+        restore(&own).unwrap();
+        let asked = |quality| restore(&recipe(&scene, print, &quality)).unwrap_err().to_string();
+        assert_eq!(
+            asked(Quality { spp: Some(16), ..quality.clone() }),
+            "was saved with other settings: samples per pixel 8, not 16"
+        );
+        assert!(asked(Quality { seed: Some(3), ..quality.clone() }).contains("seed 0, not 3"));
+        assert!(asked(Quality { integrator: Some("direct".into()), ..quality.clone() }).contains("another integrator"));
+        let mut other = print;
+        other[5] ^= 1;
+        assert!(matches!(restore(&recipe(&scene, other, &quality)), Err(StateError::OtherScene)));
+        // Changed, cut, lengthened, empty, or something else.
+        let bytes = std::fs::read(&path).unwrap();
+        for at in (0..bytes.len()).step_by(101) {
+            let mut changed = bytes.clone();
+            changed[at] ^= 0x40;
+            std::fs::write(&path, changed).unwrap();
+            assert!(restore(&own).is_err(), "byte {at}");
+            std::fs::write(&path, &bytes[..at]).unwrap();
+            assert!(restore(&own).is_err(), "cut at {at}");
+        }
+        std::fs::write(&path, [&bytes[..], b"more"].concat()).unwrap();
+        assert!(matches!(restore(&own), Err(StateError::Damaged)));
+        std::fs::write(&path, b"P6 1 1 255 abc, and more than a hash of anything that follows").unwrap();
+        assert!(matches!(restore(&own), Err(StateError::NotAState)));
+    }
+
+    #[test]
+    fn fingerprints_are_of_contents() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("texture.png");
+        let of = |desc: &SceneDesc| fingerprint(desc).unwrap();
+        let mut desc = cornell::luminous_ceiling();
+        assert_eq!(of(&desc), of(&cornell::luminous_ceiling()));
+        assert_ne!(of(&desc), of(&cornell::point_light()));
+        desc.path = Some(file.clone());
+        assert_eq!(of(&desc), of(&cornell::luminous_ceiling()));
+        desc.nodes[0].set("filename", Value::Path(file.clone()), None);
+        let without = of(&desc);
+        std::fs::write(&file, b"one").unwrap();
+        let one = of(&desc);
+        std::fs::write(&file, b"two").unwrap();
+        assert!(one != without && one != of(&desc));
+    }
+}
