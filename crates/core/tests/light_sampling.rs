@@ -38,15 +38,11 @@ fn lamp(node: Node, mesh: Option<Mesh>, place: Transform, two_sided: bool, rever
     let (node, emission) = (desc.add(node), desc.add(emission));
     let mesh = mesh.map(|m| desc.add_mesh(m));
     desc.shapes.push(Shape {
-        node,
         mesh,
         world_from_object: place,
         reverse_orientation: reverse,
-        material: None,
         emission: Some(emission),
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
+        ..Shape::new(node)
     });
     let camera = desc.add(Node::new(Family::Camera, "perspective", None));
     desc.cameras.push(camera);

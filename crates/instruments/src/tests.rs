@@ -26,15 +26,10 @@ fn scene(mesh: Option<Mesh>, material: Node) -> Scene {
     let node = d.add(Node::new(Family::Shape, if mesh.is_some() { "mesh" } else { "sphere" }, None));
     let mesh = mesh.map(|m| d.add_mesh(m));
     d.shapes.push(Shape {
-        node,
         mesh,
         world_from_object: steradian_math::Transform::IDENTITY,
-        reverse_orientation: false,
         material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
+        ..Shape::new(node)
     });
     compile(&d, &Options::default()).scene.expect("a sound scene")
 }

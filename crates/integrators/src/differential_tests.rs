@@ -31,17 +31,7 @@ fn scene(between: &[(Node, &Node)]) -> Scene {
     let walls = [(plane([0.0, 1.0, 0.0], 0.0), &checks), (plane([0.0, 0.0, -1.0], -8.0), &checks)];
     for (shape, material) in walls.iter().chain(between) {
         let (node, material) = (desc.add(shape.clone()), desc.add((*material).clone()));
-        desc.shapes.push(Shape {
-            node,
-            mesh: None,
-            world_from_object: Transform::IDENTITY,
-            reverse_orientation: false,
-            material: Some(material),
-            emission: None,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
-        });
+        desc.shapes.push(Shape { material: Some(material), ..Shape::new(node) });
     }
     compile(&desc, &Options { mode: Some(ColorMode::Rgb), spp: Some(1), ..Options::default() }).scene.unwrap()
 }

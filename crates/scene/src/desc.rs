@@ -47,6 +47,23 @@ pub struct Shape {
     pub is_medium_boundary: bool,
 }
 
+impl Shape {
+    /// A shape where its own space is the world's, with nothing attached.
+    pub fn new(node: NodeId) -> Self {
+        Self {
+            node,
+            mesh: None,
+            world_from_object: Transform::IDENTITY,
+            reverse_orientation: false,
+            material: None,
+            emission: None,
+            interior: None,
+            exterior: None,
+            is_medium_boundary: false,
+        }
+    }
+}
+
 /// Shapes that are placed many times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Group {

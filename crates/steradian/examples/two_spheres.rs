@@ -13,17 +13,7 @@ fn rgb(r: f64, g: f64, b: f64) -> Value {
 
 fn place(scene: &mut SceneDesc, shape: Node, material: NodeId) {
     let node = scene.add(shape);
-    scene.shapes.push(Shape {
-        node,
-        mesh: None,
-        world_from_object: Transform::IDENTITY,
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
+    scene.shapes.push(Shape { material: Some(material), ..Shape::new(node) });
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -57,17 +57,7 @@ fn empty_box() -> SceneDesc {
     let blue = diffuse(&mut scene, "blue", rgb(0.45, 0.75, 0.85));
     let shape = |scene: &mut SceneDesc, node: Node, material: NodeId| {
         let node = scene.add(node);
-        scene.shapes.push(Shape {
-            node,
-            mesh: None,
-            world_from_object: Transform::IDENTITY,
-            reverse_orientation: false,
-            material: Some(material),
-            emission: None,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
-        });
+        scene.shapes.push(Shape { material: Some(material), ..Shape::new(node) });
     };
     let plane = |n: [f64; 3]| Node::new(Family::Shape, "plane", None).with("normal", n).with("distance", 1.0);
     shape(&mut scene, plane([1.0, 0.0, 0.0]), red);

@@ -134,17 +134,7 @@ fn nested(d: &mut SceneDesc, text: &str, depth: usize) -> Result<NodeId, String>
 }
 
 fn place(d: &mut SceneDesc, node: NodeId, material: Option<NodeId>, emission: Option<NodeId>) {
-    d.shapes.push(Shape {
-        node,
-        mesh: None,
-        world_from_object: Transform::default(),
-        reverse_orientation: false,
-        material,
-        emission,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
+    d.shapes.push(Shape { material, emission, ..Shape::new(node) });
 }
 
 /// The lamps: corners, and radiance. A large one from the left and behind the viewer, a cool strip on the right, one behind the ball.

@@ -285,7 +285,7 @@ mod tests {
         material::scattering,
         texture::TextureContext,
     };
-    use steradian_math::{Spectrum, Transform, Vec2, Vec3, spectra::Wavelengths};
+    use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
     use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, SpectrumValue, Value};
 
     fn material(kind: &str) -> Node {
@@ -299,17 +299,7 @@ mod tests {
         let (material, node) = (desc.add(node), desc.add(Node::new(Family::Shape, "mesh", None)));
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = desc.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() });
-        desc.shapes.push(Shape {
-            node,
-            mesh: Some(mesh),
-            world_from_object: Transform::IDENTITY,
-            reverse_orientation: false,
-            material: Some(material),
-            emission: None,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
-        });
+        desc.shapes.push(Shape { mesh: Some(mesh), material: Some(material), ..Shape::new(node) });
         let camera = desc.add(Node::new(Family::Camera, "perspective", None));
         desc.cameras.push(camera);
         let compiled = compile(&desc, &Options { mode: Some(mode), ..Options::default() });

@@ -112,17 +112,7 @@ mod tests {
         let node = set(&mut desc, Node::new(Family::Shape, "height_field", None));
         let node = desc.add(node);
         let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None).with("radiance", 1.0)));
-        let shape = Shape {
-            node,
-            mesh: None,
-            world_from_object: Transform::IDENTITY,
-            reverse_orientation: false,
-            material: None,
-            emission,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
-        };
+        let shape = Shape { emission, ..Shape::new(node) };
         if instanced {
             desc.groups.push(Group { name: "field".into(), shapes: vec![shape] });
             let world_from_group = Transform::translate(DVec3::new(0.0, 0.0, 0.25));

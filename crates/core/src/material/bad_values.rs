@@ -13,7 +13,7 @@ use crate::{
     texture::TextureContext,
 };
 use steradian_math::{
-    Transform, Vec2, Vec3,
+    Vec2, Vec3,
     hash::HashRng,
     spectra::Wavelengths,
     warp::{cosine_hemisphere, uniform_sphere},
@@ -120,17 +120,7 @@ fn description(
     node.set(p.name, value, Some(own));
     let material = d.add(node);
     let sphere = d.add(Node::new(Family::Shape, "sphere", None));
-    d.shapes.push(Shape {
-        node: sphere,
-        mesh: None,
-        world_from_object: Transform::default(),
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
+    d.shapes.push(Shape { material: Some(material), ..Shape::new(sphere) });
     let camera = d.add(Node::new(Family::Camera, "perspective", None));
     d.cameras.push(camera);
     d

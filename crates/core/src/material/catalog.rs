@@ -883,17 +883,7 @@ mod tests {
         }
         let id = d.add(node.with(parameter, value));
         let sphere = d.add(Node::new(Family::Shape, "sphere", None));
-        d.shapes.push(Shape {
-            node: sphere,
-            mesh: None,
-            world_from_object: steradian_math::Transform::default(),
-            reverse_orientation: false,
-            material: Some(id),
-            emission: None,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
-        });
+        d.shapes.push(Shape { material: Some(id), ..Shape::new(sphere) });
         compile(&d, &Options::default()).diagnostics.iter().map(|m| m.message.clone()).collect()
     }
 

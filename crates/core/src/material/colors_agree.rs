@@ -29,17 +29,7 @@ fn scene(kind: &str, mode: ColorMode) -> Scene {
     }
     let material = d.add(node);
     let sphere = d.add(Node::new(Family::Shape, "sphere", None));
-    d.shapes.push(Shape {
-        node: sphere,
-        mesh: None,
-        world_from_object: steradian_math::Transform::default(),
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
+    d.shapes.push(Shape { material: Some(material), ..Shape::new(sphere) });
     let compiled = compile(&d, &Options { mode: Some(mode), ..Options::default() });
     compiled.scene.unwrap_or_else(|| panic!("{kind}: {:?}", compiled.diagnostics))
 }

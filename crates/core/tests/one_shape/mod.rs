@@ -4,7 +4,6 @@ use steradian_core::{
     Scene,
     compile::{Options, compile},
 };
-use steradian_math::Transform;
 use steradian_scene::{Family, Mesh, Node, NodeId, SceneDesc, Shape};
 
 /// Adds a shape to a description, with a camera and a point light.
@@ -12,17 +11,7 @@ pub fn add(desc: &mut SceneDesc, shape: Node, mesh: Option<Mesh>, material: Opti
     let material = material.map(|m| desc.add(m));
     let node = desc.add(shape);
     let mesh = mesh.map(|m| desc.add_mesh(m));
-    desc.shapes.push(Shape {
-        node,
-        mesh,
-        world_from_object: Transform::default(),
-        reverse_orientation: false,
-        material,
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    });
+    desc.shapes.push(Shape { mesh, material, ..Shape::new(node) });
     let camera = desc.add(Node::new(Family::Camera, "perspective", None));
     desc.cameras.push(camera);
     let light = desc.add(Node::new(Family::Light, "point", None));

@@ -78,17 +78,7 @@ impl Stage {
     /// Places a shape; what it is made of and what it emits is for the caller to say.
     pub fn place(&mut self, node: Node) -> &mut Shape {
         let node = self.add(node);
-        self.desc.shapes.push(Shape {
-            node,
-            mesh: None,
-            world_from_object: Transform::IDENTITY,
-            reverse_orientation: false,
-            material: None,
-            emission: None,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
-        });
+        self.desc.shapes.push(Shape::new(node));
         self.desc.shapes.last_mut().expect("one was pushed")
     }
 

@@ -3,7 +3,6 @@
 use crate::case::{Case, Expect::Picture};
 use steradian::{
     INTEGRATORS, cornell,
-    math::Transform,
     scene::{Family, Format, Node, NodeId, SceneDesc, Shape},
 };
 
@@ -19,17 +18,7 @@ fn spheres(material: Node, count: usize, step: f64) -> SceneDesc {
 }
 
 fn sphere_of(node: NodeId, material: NodeId) -> Shape {
-    Shape {
-        node,
-        mesh: None,
-        world_from_object: Transform::IDENTITY,
-        reverse_orientation: false,
-        material: Some(material),
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    }
+    Shape { material: Some(material), ..Shape::new(node) }
 }
 
 fn material(kind: &str) -> Node {

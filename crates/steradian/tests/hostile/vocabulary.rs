@@ -158,20 +158,6 @@ fn meshes() -> [Mesh; 2] {
     [square, tetrahedron]
 }
 
-fn shape(node: NodeId) -> Shape {
-    Shape {
-        node,
-        mesh: None,
-        world_from_object: Transform::IDENTITY,
-        reverse_orientation: false,
-        material: None,
-        emission: None,
-        interior: None,
-        exterior: None,
-        is_medium_boundary: false,
-    }
-}
-
 /// The box of the lab with one more thing in it, of the family and kind given.
 fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
     let mut scene = SceneDesc { format, ..cornell::point_light() };
@@ -196,7 +182,7 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
     }
     let id = scene.add(node);
     let sphere = scene.add(Node::new(Family::Shape, "sphere", None).with("radius", 0.5));
-    let mut more = shape(sphere);
+    let mut more = Shape::new(sphere);
     match family {
         Family::Texture => {
             let material = Node::new(Family::Material, "conductor", None).with("reflectance", id).with("alpha_u", id);
@@ -231,7 +217,7 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
         Family::Sampler => scene.sampler = Some(id),
         Family::Integrator => scene.integrator = Some(id),
         Family::Shape => {
-            more = shape(id);
+            more = Shape::new(id);
             let [square, closed] = meshes();
             let mesh = scene.add_mesh(if kind == "loop_subdivision" { closed } else { square });
             more.mesh = Some(mesh);
@@ -277,13 +263,13 @@ fn unsound() -> Vec<Case> {
         ("a mesh", |d, _| d.shapes[0].mesh = Some(7)),
         ("no mesh", |d, _| {
             let mesh = d.add(Node::new(Family::Shape, "mesh", None));
-            d.shapes.push(shape(mesh));
+            d.shapes.push(Shape::new(mesh));
         }),
         ("a corner", |d, _| {
             let [square, _] = meshes();
             let mesh = d.add_mesh(Arc::new(Mesh { triangles: vec![[0, 1, u32::MAX]], ..square }));
             let node = d.add(Node::new(Family::Shape, "mesh", None));
-            d.shapes.push(Shape { mesh: Some(mesh), ..shape(node) });
+            d.shapes.push(Shape { mesh: Some(mesh), ..Shape::new(node) });
         }),
         ("a group", |d, _| {
             let instance = Instance { group: 3, world_from_group: Transform::IDENTITY, span: None };

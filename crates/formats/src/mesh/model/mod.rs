@@ -12,7 +12,7 @@ use std::{
     collections::{HashMap, HashSet},
     path::Path,
 };
-use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span, Transform};
+use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
 /// Opens an OBJ or PLY file. What the file is decides, not what it is called.
 ///
@@ -241,15 +241,10 @@ impl Opener<'_> {
         let node = desc.add(Node::new(Family::Shape, "mesh", None));
         let mesh = desc.add_mesh(mesh);
         desc.shapes.push(Shape {
-            node,
             mesh: Some(mesh),
-            world_from_object: Transform::IDENTITY,
-            reverse_orientation: false,
             material: look.material,
             emission: look.emission,
-            interior: None,
-            exterior: None,
-            is_medium_boundary: false,
+            ..Shape::new(node)
         });
     }
 
