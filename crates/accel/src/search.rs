@@ -4,6 +4,7 @@
 
 use crate::UserHit;
 use crate::bvh::Tree;
+use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Simd};
 use crate::stack::{OrderedStack, Stack, Waiting};
@@ -18,6 +19,8 @@ pub(crate) trait Query<S: Simd, U: Users>: Sized {
     type Answer: Copy;
     /// What waits to be visited.
     type Stack: Waiting;
+    /// The answer for a ray that goes alone; that of one that is not traceable if nothing is hit.
+    fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer;
     /// At the root of a tree.
     fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self;
     /// What is visited next.
@@ -47,6 +50,11 @@ impl<S: Simd, E: Copy> Closest<S, E> {
 impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
     type Answer = Option<Nearest<U::Extra>>;
     type Stack = OrderedStack;
+
+    #[inline(always)]
+    fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer {
+        nearest_hit(isa, tree, ray, users)
+    }
 
     #[inline(always)]
     fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self {
@@ -141,6 +149,11 @@ impl<S: Simd> Any<S> {
 impl<S: Simd, U: Users> Query<S, U> for Any<S> {
     type Answer = bool;
     type Stack = Stack;
+
+    #[inline(always)]
+    fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> bool {
+        any_hit(isa, tree, ray, users)
+    }
 
     #[inline(always)]
     fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self {

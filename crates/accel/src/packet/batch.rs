@@ -3,12 +3,13 @@
 use super::any::any_beams;
 use super::flight::alone;
 use super::nearest::nearest_beams;
-use super::{Found, Packet, Set};
+use super::{BEAM, Found, Packet, Set};
 use crate::bvh::Tree;
 use crate::dispatch::SupportedIsa;
 use crate::search::{Any, Closest};
 use crate::simd::{Lanes, Simd, WIDE};
 use crate::traverse::{Extra, Nearest, Users};
+use crate::triangle::axes;
 use crate::{Hit, UserHit};
 use std::cell::Cell;
 use steradian_math::Ray;
@@ -22,6 +23,20 @@ fn packet<L: Lanes>(l: L, rays: &[Ray]) -> Packet {
     let mut padded = [rays[0]; WIDE];
     padded[..rays.len()].copy_from_slice(rays);
     Packet::new(l, &padded)
+}
+
+/// Whether enough of some rays for a beam have directions with the same signs and the same greatest axis. Where they have not, nothing is
+/// done in the widest registers, whose use makes a processor slower for a while.
+#[inline(always)]
+fn may_be_beam(rays: &[Ray]) -> bool {
+    let mut counts = [0; 32];
+    rays.iter().any(|ray| {
+        let d = &ray.direction;
+        let signs = u32::from(d.x < 0.0) | u32::from(d.y < 0.0) << 1 | u32::from(d.z < 0.0) << 2;
+        let count = &mut counts[(signs as usize) << 2 | axes(*d)[2]];
+        *count += 1;
+        *count >= BEAM
+    })
 }
 
 /// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once.
@@ -69,24 +84,31 @@ trait Batch<S: Simd, L: Lanes> {
     /// Traces rays alone.
     fn alone(&self, s: S, places: &[u32]);
 
+    /// The rays.
+    fn rays(&self) -> &[Ray];
+
     /// Traces all rays: the next packets in one go, those that go alone when there are enough of them.
     #[inline(always)]
-    fn run(&self, s: S, l: L, count: usize) {
-        let (mut done, mut pausing) = (0, 0);
+    fn run(&self, s: S, l: L) {
+        let rays = self.rays();
+        let (mut done, mut pausing, mut doubtful) = (0, 0, true);
         let mut waiting = Alone::new();
-        while done < count {
-            let len = L::COUNT.min(count - done);
+        while done < rays.len() {
+            let len = L::COUNT.min(rays.len() - done);
+            let all = (1 << len) - 1;
             let lanes = if pausing > 0 {
                 pausing -= 1;
-                (1 << len) - 1
+                all
             } else {
-                let lanes = self.together(s, l, done, len);
-                pausing = if lanes.count_ones() as usize * 4 > len * 3 { PAUSE } else { 0 };
+                let hopeless = doubtful && !may_be_beam(&rays[done..done + len]);
+                let lanes = if hopeless { all } else { self.together(s, l, done, len) };
+                doubtful = lanes.count_ones() as usize * 4 > len * 3;
+                pausing = if doubtful { PAUSE } else { 0 };
                 lanes
             };
             waiting.add(done, lanes);
             done += len;
-            if waiting.is_full() || done == count {
+            if waiting.is_full() || done == rays.len() {
                 self.alone(s, waiting.take());
             }
         }
@@ -103,6 +125,11 @@ struct ClosestHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
+    #[inline(always)]
+    fn rays(&self) -> &[Ray] {
+        self.rays
+    }
+
     #[inline(always)]
     fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
         let packet = packet(l, &self.rays[first..first + len]);
@@ -127,7 +154,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
         for &place in places {
             self.hits[place as usize].set(None);
         }
-        alone::<S, U, Closest<S, U::Extra>>(s, self.tree, self.rays, self.users, places, |place, nearest| {
+        alone::<S, U, Closest<S, U::Extra>>(self.isa, s, self.tree, self.rays, self.users, places, |place, nearest| {
             self.hits[place].set(nearest.map(|nearest| self.users.hit(nearest)));
         });
     }
@@ -144,6 +171,11 @@ struct AnyHits<'a, U> {
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
     #[inline(always)]
+    fn rays(&self) -> &[Ray] {
+        self.rays
+    }
+
+    #[inline(always)]
     fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
         let packet = packet(l, &self.rays[first..first + len]);
         let (hits, alone) = any_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users);
@@ -158,7 +190,9 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
         for &place in places {
             self.occluded[place as usize].set(false);
         }
-        alone::<S, U, Any<S>>(s, self.tree, self.rays, self.users, places, |place, hit| self.occluded[place].set(hit));
+        alone::<S, U, Any<S>>(self.isa, s, self.tree, self.rays, self.users, places, |place, hit| {
+            self.occluded[place].set(hit)
+        });
     }
 }
 
@@ -174,7 +208,7 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
 ) {
     assert_eq!(rays.len(), hits.len(), "as many answers as rays");
     let hits = Cell::from_mut(hits).as_slice_of_cells();
-    ClosestHits { isa, tree, rays, users, hits }.run(s, l, rays.len());
+    ClosestHits { isa, tree, rays, users, hits }.run(s, l);
 }
 
 /// Which rays hit anything.
@@ -189,5 +223,5 @@ pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
 ) {
     assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
     let occluded = Cell::from_mut(occluded).as_slice_of_cells();
-    AnyHits { isa, tree, rays, users, occluded }.run(s, l, rays.len());
+    AnyHits { isa, tree, rays, users, occluded }.run(s, l);
 }

@@ -2,7 +2,8 @@
 #![allow(unsafe_code)]
 
 use crate::bvh::Tree;
-use crate::search::{Query, to_the_end};
+use crate::dispatch::SupportedIsa;
+use crate::search::Query;
 use crate::simd::Simd;
 use crate::stack::Waiting;
 use crate::traverse::{Users, Way, is_traceable};
@@ -25,6 +26,7 @@ const WORTH: f32 = 0.85;
 /// memory or not: the clock tells. All ways give the same bits.
 #[inline(always)]
 pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
+    isa: SupportedIsa,
     s: S,
     tree: &Tree,
     rays: &[Ray],
@@ -42,17 +44,27 @@ pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
         if flies {
             fly::<S, U, Q>(s, tree, rays, users, some, &mut answer);
         } else {
-            for place in some.iter().map(|&place| place as usize) {
-                let ray = &rays[place];
-                if is_traceable(ray) {
-                    let query = Q::at_root(s, tree, ray, &Way::new(ray, &tree.bounds));
-                    answer(place, to_the_end(s, tree, ray, users, query));
-                }
-            }
+            in_turn::<S, U, Q>(isa, tree, rays, users, some, &mut answer);
         }
         if let Some(start) = start {
             times[part] = start.elapsed();
         }
+    }
+}
+
+/// The same, one ray after the other, as those do who have one ray only. A function of its own: what packets keep in registers would be
+/// fetched anew for each ray.
+#[inline(never)]
+fn in_turn<S: Simd, U: Users, Q: Query<S, U>>(
+    isa: SupportedIsa,
+    tree: &Tree,
+    rays: &[Ray],
+    users: &U,
+    places: &[u32],
+    answer: &mut impl FnMut(usize, Q::Answer),
+) {
+    for place in places.iter().map(|&place| place as usize) {
+        answer(place, Q::ask(isa, tree, &rays[place], users));
     }
 }
 
