@@ -12,7 +12,7 @@ use steradian_math::Bounds3;
 /// Down to this depth ranges are cut by the surface area heuristic, below they are halved.
 pub(super) const SAH_DEPTH: u32 = 64;
 /// Ranges of triangles up to this length are not cut further.
-const SMALL: usize = 2;
+const SMALL: usize = 4;
 /// Ranges longer than this are cut by several threads.
 const PARALLEL: usize = 1 << 12;
 /// Time of the test of a node's boxes.

@@ -6,6 +6,8 @@ mod binary;
 mod clip;
 mod emit;
 mod explicit;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
 mod ploc;
 mod primitives;
 mod reinsert;

@@ -74,6 +74,13 @@ impl PrimRef {
         Vec3A::from_vec4(self.low * 0.5 + self.high * 0.5)
     }
 
+    /// Both corners in registers; the last lanes mean nothing.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn lanes(&self) -> [std::arch::x86_64::__m128; 2] {
+        [self.low.into(), self.high.into()]
+    }
+
     /// A coordinate of the middle.
     #[inline]
     pub fn center_on(&self, axis: usize) -> f32 {

@@ -1,6 +1,8 @@
 //! Where to cut a range of primitives: the surface area heuristic over bins (Wald, "On fast Construction of SAH-based Bounding Volume
 //! Hierarchies", 2007).
 
+#[cfg(target_arch = "x86_64")]
+use super::lanes;
 use super::primitives::{PrimRef, Span};
 use crate::simd::LANES;
 use glam::Vec3A;
@@ -94,17 +96,17 @@ fn area_of(b: &Span, scale: f32) -> f32 {
 }
 
 /// Primitives of a range by the place of their centre, along each axis.
-struct Bins<const BINS: usize> {
-    bounds: [[Span; BINS]; 3],
-    counts: [[u32; BINS]; 3],
+pub(super) struct Bins<const BINS: usize> {
+    pub bounds: [[Span; BINS]; 3],
+    pub counts: [[u32; BINS]; 3],
 }
 
 /// The map from centres to bins.
 #[derive(Clone, Copy)]
-struct Grid {
-    count: usize,
-    origin: Vec3A,
-    scale: Vec3A,
+pub(super) struct Grid {
+    pub count: usize,
+    pub origin: Vec3A,
+    pub scale: Vec3A,
 }
 
 impl Grid {
@@ -139,6 +141,10 @@ impl<const BINS: usize> Bins<BINS> {
         if refs.len() > PIECE {
             let pieces = refs.par_chunks(PIECE).map(|piece| Self::of(piece, grid));
             return pieces.reduce_with(|a, b| a.union(&b)).unwrap_or_else(Self::new);
+        }
+        #[cfg(target_arch = "x86_64")]
+        if let Some(bins) = lanes::bins(refs, grid) {
+            return bins;
         }
         let mut bins = Self::new();
         for r in refs {

@@ -37,37 +37,6 @@ pub(super) unsafe fn sort_descending(keys: __m256i, companions: &[u32; LANES]) -
     (sorted_keys, sorted_companions)
 }
 
-/// Sorts up to four keys in the low half of a register as signed integers, greatest first, and companions of all lanes in the same order.
-/// The lowest three bits of a key are the lane of its companion.
-///
-/// # Safety
-/// The machine must have AVX2.
-#[inline(always)]
-pub(super) unsafe fn sort_four_descending(
-    keys: __m128i,
-    companions: &[u32; LANES],
-) -> ([u32; LANES / 2], [u32; LANES / 2]) {
-    macro_rules! stage {
-        ($keys:expr, $permutation:literal, $lower:literal) => {{
-            let other = _mm_shuffle_epi32::<$permutation>($keys);
-            let (min, max) = (_mm_min_epi32($keys, other), _mm_max_epi32($keys, other));
-            _mm_blend_epi32::<$lower>(min, max)
-        }};
-    }
-    let (mut sorted_keys, mut sorted_companions) = ([0; LANES / 2], [0; LANES / 2]);
-    // SAFETY: the caller promises AVX2; loads and stores go to whole arrays.
-    unsafe {
-        let keys = stage!(keys, 0b10_11_00_01, 0b0101);
-        let keys = stage!(keys, 0b00_01_10_11, 0b0011);
-        let keys = stage!(keys, 0b10_11_00_01, 0b0101);
-        let companions = _mm256_loadu_si256(companions.as_ptr().cast());
-        let companions = _mm256_permutevar8x32_epi32(companions, _mm256_castsi128_si256(keys));
-        _mm_storeu_si128(sorted_keys.as_mut_ptr().cast(), keys);
-        _mm_storeu_si128(sorted_companions.as_mut_ptr().cast(), _mm256_castsi256_si128(companions));
-    }
-    (sorted_keys, sorted_companions)
-}
-
 /// The lane of the least of some keys that [`sort_descending`] would sort, of which one at least is not -1.
 ///
 /// # Safety
