@@ -7,6 +7,7 @@
 use super::primitives::PrimRef;
 use super::split::{Extent, half_area, split};
 use crate::simd::LANES;
+use crate::storage::Storage;
 use steradian_math::Bounds3;
 
 /// Down to this depth ranges are cut by the surface area heuristic, below they are halved.
@@ -50,11 +51,11 @@ impl<const WIDTH: usize> BinaryNode<WIDTH> {
 }
 
 /// Sorts the references and builds the tree over them. A node over `n` references has `2n − 1` places beginning with its own.
-pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> Vec<BinaryNode<WIDTH>> {
+pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> Storage<BinaryNode<WIDTH>> {
+    let mut nodes = Storage::from_fn((2 * refs.len()).saturating_sub(1), |_| BinaryNode::UNUSED);
     if refs.is_empty() {
-        return Vec::new();
+        return nodes;
     }
-    let mut nodes = vec![BinaryNode::UNUSED; 2 * refs.len() - 1];
     let extent = Extent::of(refs);
     build_range(refs, &mut nodes, 0, extent, scale(&extent.bounds), 0);
     nodes

@@ -5,6 +5,7 @@ use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, scale}
 use super::primitives::PrimRef;
 use super::split::Extent;
 use crate::simd::LANES;
+use crate::storage::Storage;
 use rayon::prelude::*;
 use steradian_math::Bounds3;
 
@@ -98,7 +99,7 @@ impl Explicit {
     }
 
     /// The references in the order of the tree, and the tree as ranges of them.
-    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
+    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Storage<BinaryNode<WIDTH>>) {
         let mut counts = vec![0; self.nodes.len()];
         for &node in self.downwards().iter().rev() {
             counts[node as usize] = match self.nodes[node as usize].below {
@@ -107,7 +108,7 @@ impl Explicit {
             };
         }
         let mut refs = self.refs.clone();
-        let mut ranges = vec![BinaryNode::UNUSED; 2 * refs.len() - 1];
+        let mut ranges = Storage::from_fn(2 * refs.len() - 1, |_| BinaryNode::UNUSED);
         let layout = Layout { scale: scale(&self.nodes[self.root as usize].bounds), tree: &self, counts };
         layout.place(self.root, &mut refs, &mut ranges, 0, 0);
         (refs, ranges)

@@ -17,6 +17,7 @@ mod split;
 pub(crate) use primitives::Primitives;
 
 use crate::bvh::Tree;
+use crate::storage::Storage;
 use crate::{Error, Geometry};
 use binary::BinaryNode;
 use explicit::Explicit;
@@ -109,9 +110,9 @@ fn binary_tree<const WIDTH: usize>(
     primitives: &Primitives,
     mut refs: Vec<PrimRef>,
     builder: Builder,
-) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
+) -> (Vec<PrimRef>, Storage<BinaryNode<WIDTH>>) {
     if refs.is_empty() {
-        return (refs, Vec::new());
+        return (refs, Storage::from_fn(0, |_| BinaryNode::UNUSED));
     }
     let mut tree = match builder {
         Builder::Sah => {

@@ -221,6 +221,12 @@ pub(super) fn best_plane(refs: &[PrimRef], extent: &Extent, scale: f32) -> Optio
 
 /// The same, with room for so many bins.
 fn best_of_bins<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
+    #[cfg(target_arch = "x86_64")]
+    if refs.len() <= PIECE
+        && let Some(best) = lanes::cheapest::<BINS>(refs, extent, scale, grid)
+    {
+        return best.map(|(cost, axis, bin)| Cut { grid, axis, bin, cost });
+    }
     let bins = Bins::<BINS>::of(refs, grid);
     let mut best = None;
     let mut best_cost = f32::INFINITY;
