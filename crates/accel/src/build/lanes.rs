@@ -123,3 +123,40 @@ fn half_area(folded: __m256, scale: f32) -> f32 {
     let second = _mm_shuffle_ps::<0b01>(faces, faces);
     _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(faces, second), _mm_movehl_ps(faces, faces)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Geometry;
+    use crate::build::Primitives;
+    use steradian_math::hash::HashRng;
+    use steradian_math::{Bounds3, Vec3};
+
+    #[test]
+    fn wide_registers_change_no_bit() {
+        let mut rng = HashRng::new(29);
+        let (mut cuts, mut none) = (0, 0);
+        for round in 0..400 {
+            let size = [1.0, 1e-30, 1e6, 3e38][round % 4];
+            let mut number = || {
+                let x = rng.next_f32() * 2.0 - 1.0;
+                if round % 3 == 0 { (x * 3.0).round() / 3.0 } else { x }
+            };
+            let mut point = || Vec3::new(number(), number(), number()) * size;
+            let boxes: Vec<_> = (0..1 + round).map(|_| Bounds3::from_points([point(), point()])).collect();
+            let refs = Primitives::new(&[Geometry::boxes(&boxes)]).expect("few boxes").refs();
+            let extent = Extent::of(&refs);
+            let grid = Grid::new(&extent.centers, refs.len());
+            let plain = Bins::<32>::one_by_one(&refs, grid);
+            let Some(wide) = bins::<32>(&refs, grid) else { return };
+            assert_eq!(plain.counts, wide.counts, "{round}");
+            let bounds = |bins: &Bins<32>| bins.bounds.map(|axis| axis.map(Span::bounds));
+            assert_eq!(bounds(&plain), bounds(&wide), "{round}");
+            let scale = crate::build::binary::scale(&extent.bounds);
+            let cut = plain.cheapest(&extent, scale, grid);
+            assert_eq!(cheapest::<32>(&refs, &extent, scale, grid), Some(cut), "{round}");
+            *if cut.is_some() { &mut cuts } else { &mut none } += 1;
+        }
+        assert!(cuts > 300 && none > 0, "{cuts} {none}");
+    }
+}

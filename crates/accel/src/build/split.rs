@@ -110,7 +110,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    fn new(centers: &Bounds3, len: usize) -> Self {
+    pub fn new(centers: &Bounds3, len: usize) -> Self {
         let count = (4 + len / 16).clamp(MIN_BINS, MAX_BINS);
         let scale = count as f32 / centers.diagonal();
         let scale = Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO);
@@ -146,6 +146,11 @@ impl<const BINS: usize> Bins<BINS> {
         if let Some(bins) = lanes::bins(refs, grid) {
             return bins;
         }
+        Self::one_by_one(refs, grid)
+    }
+
+    /// The same without wide registers.
+    pub fn one_by_one(refs: &[PrimRef], grid: Grid) -> Self {
         let mut bins = Self::new();
         for r in refs {
             let span = r.span();
@@ -227,30 +232,38 @@ fn best_of_bins<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32
     {
         return best.map(|(cost, axis, bin)| Cut { grid, axis, bin, cost });
     }
-    let bins = Bins::<BINS>::of(refs, grid);
-    let mut best = None;
-    let mut best_cost = f32::INFINITY;
-    for axis in 0..3 {
-        // Costs of all second parts, from the end.
-        let mut costs = [0.0_f32; BINS];
-        let (mut bounds, mut count) = (Span::EMPTY, 0);
-        for bin in (1..grid.count.min(BINS)).rev() {
-            bounds = bounds.union(bins.bounds[axis][bin]);
-            count += bins.counts[axis][bin];
-            costs[bin] = if count == 0 { f32::INFINITY } else { area_of(&bounds, scale) * extent.tests(count) };
-        }
-        let (mut bounds, mut count) = (Span::EMPTY, 0);
-        for (bin, second_cost) in costs.into_iter().enumerate().take(grid.count).skip(1) {
-            bounds = bounds.union(bins.bounds[axis][bin - 1]);
-            count += bins.counts[axis][bin - 1];
-            let cost = area_of(&bounds, scale) * extent.tests(count) + second_cost;
-            if count > 0 && cost < best_cost {
-                best_cost = cost;
-                best = Some(Cut { grid, axis, bin, cost });
+    let best = Bins::<BINS>::of(refs, grid).cheapest(extent, scale, grid);
+    best.map(|(cost, axis, bin)| Cut { grid, axis, bin, cost })
+}
+
+impl<const BINS: usize> Bins<BINS> {
+    /// The cheapest cut: its cost, its axis and the first bin of the second part.
+    pub fn cheapest(&self, extent: &Extent, scale: f32, grid: Grid) -> Option<(f32, usize, usize)> {
+        let bins = self;
+        let mut best = None;
+        let mut best_cost = f32::INFINITY;
+        for axis in 0..3 {
+            // Costs of all second parts, from the end.
+            let mut costs = [0.0_f32; BINS];
+            let (mut bounds, mut count) = (Span::EMPTY, 0);
+            for bin in (1..grid.count.min(BINS)).rev() {
+                bounds = bounds.union(bins.bounds[axis][bin]);
+                count += bins.counts[axis][bin];
+                costs[bin] = if count == 0 { f32::INFINITY } else { area_of(&bounds, scale) * extent.tests(count) };
+            }
+            let (mut bounds, mut count) = (Span::EMPTY, 0);
+            for (bin, second_cost) in costs.into_iter().enumerate().take(grid.count).skip(1) {
+                bounds = bounds.union(bins.bounds[axis][bin - 1]);
+                count += bins.counts[axis][bin - 1];
+                let cost = area_of(&bounds, scale) * extent.tests(count) + second_cost;
+                if count > 0 && cost < best_cost {
+                    best_cost = cost;
+                    best = Some((cost, axis, bin));
+                }
             }
         }
+        best
     }
-    best
 }
 
 /// Moves primitives whose centre satisfies the predicate to the front, in an order that depends on the input only, and counts them.
