@@ -212,6 +212,32 @@ fn what_is_wrong_is_said() {
     }
 }
 
+/// M213: a detail texture of mean one, here as twice one of mean a half, multiplies a base finely and keeps its mean.
+#[test]
+fn detail_textures_keep_the_mean() {
+    let mut desc = SceneDesc::default();
+    let base = desc.add(texture("gradient").with("a", rgb(0.2, 0.3, 0.4)).with("b", rgb(0.4, 0.5, 0.2)));
+    let detail =
+        desc.add(texture("checkerboard").with("a", 0.25).with("b", 0.75).with("scale_u", 64.0).with("scale_v", 64.0));
+    let doubled = desc.add(texture("scale").with("texture", detail).with("scale", 2.0));
+    let id = desc.add(texture("scale").with("texture", base).with("scale", doubled));
+    let c = compiled_in(desc, id).unwrap();
+    let n = 256;
+    let points =
+        (0..n * n).map(|i| value(&c, &at(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32)));
+    let (mut mean, mut seen) = (Vec3::ZERO, std::collections::BTreeSet::new());
+    for v in points {
+        mean += v / (n * n) as f32;
+        seen.insert((v.x * 1e4) as i32);
+    }
+    assert!((mean - Vec3::new(0.3, 0.4, 0.3)).length() < 1e-3, "{mean}");
+    assert!(seen.len() > 300, "it varies: {}", seen.len());
+    // Over a footprint of many of its periods the detail is gone.
+    let mut far = at(0.5, 0.5);
+    (far.footprint.duvdx, far.footprint.duvdy) = (Vec2::X * 0.5, Vec2::Y * 0.5);
+    assert!((value(&c, &far) - Vec3::new(0.3, 0.4, 0.3)).length() < 2e-3, "{}", value(&c, &far));
+}
+
 /// Masks are passed by chance, with the mean opacity of the footprint: from afar as much is hit as from near, pixel by pixel, and no
 /// ray is needed for each hole.
 #[test]

@@ -137,6 +137,53 @@ fn cut_off_pictures_are_errors() {
     }
 }
 
+/// Formats that are only read, put together by hand, and those with blocks and tiles: all but the whole file is refused.
+#[test]
+fn other_cut_off_pictures_are_errors() {
+    let side = 20_u8;
+    let codes: Vec<u8> = (0..3 * 400_u32).map(|i| (i * 37 % 251) as u8).collect();
+    let mut tga = vec![0; 18];
+    (tga[2], tga[12], tga[14], tga[16]) = (2, side, side, 24);
+    tga.extend(&codes);
+    // Runs of one pixel.
+    let mut tga_runs = tga[..18].to_vec();
+    tga_runs[2] = 10;
+    codes.chunks(3).for_each(|c| tga_runs.extend([0x80, c[0], c[1], c[2]]));
+    let mut bmp = b"BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0".to_vec();
+    bmp.extend([side, 0, 0, 0, side, 0, 0, 0, 1, 0, 24, 0]);
+    bmp.resize(54, 0);
+    bmp.extend(&codes);
+    let tiled = {
+        use exr::prelude::*;
+        let value = |p: Vec2<usize>| (p.x() as f32 / 20.0, p.y() as f32 / 20.0, 0.5_f32);
+        let tiles = Encoding { blocks: Blocks::Tiles(Vec2(8, 8)), ..Encoding::SMALL_LOSSLESS };
+        let channels = SpecificChannels::rgb(value);
+        let layer = Layer::new((20, 20), LayerAttributes::default(), tiles, channels);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    };
+    let image = Image::from_rgb(20, 20, &[[0.5, 0.25, 0.125]; 400]).unwrap();
+    let of = |kind| encode(kind, &image, &WriteOptions::default()).unwrap();
+    for (name, bytes) in [
+        ("a.tga", tga),
+        ("b.tga", tga_runs),
+        ("a.bmp", bmp),
+        ("tiled.exr", tiled),
+        ("a.dds", of(FileKind::Dds)),
+        ("a.ktx2", of(FileKind::Ktx2)),
+    ] {
+        let read = |bytes: &[u8]| read_texels_bytes(bytes, Some(name.as_ref()), &Limits::default()).map(|_| ());
+        read(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let start = Instant::now();
+        for part in [0.02, 0.1, 0.3, 0.5, 0.9, 0.98] {
+            let cut = &bytes[..(bytes.len() as f64 * part) as usize];
+            assert!(read(cut).is_err(), "{name} cut to {part}");
+        }
+        assert!(start.elapsed() < Duration::from_secs(1), "{name} took {:?}", start.elapsed());
+    }
+}
+
 #[test]
 fn photo_claims() {
     let image = Image::from_rgb(4, 4, &[[0.5; 3]; 16]).unwrap();

@@ -4,7 +4,10 @@ use super::{Compiler, ResolvedMaterial};
 use crate::{
     bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
     color::{Color, Role},
-    material::{Eta, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail},
+    material::{
+        Eta, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
+        normal_code::{NORMAL_CODES, NormalCode},
+    },
     medium::{MEDIA, Medium},
     texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
@@ -74,7 +77,7 @@ impl Compiler<'_> {
             let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
             let mut map = NormalMap {
                 texture: self.as_texture(texture),
-                two_channels: self.bool(node, "normal_map_xy", false),
+                code: self.choice(node, "normal_map_code", NormalCode::Xyz, &NORMAL_CODES),
                 mirrors: self.bool(node, "normal_map_mirrors", mirrors),
                 strength: self.float(node, "normal_map_strength", 1.0),
                 filtered: None,

@@ -700,7 +700,12 @@ pub const DETAIL: Entry = Entry {
     doc: "every material: maps that change its shading normal",
     parameters: &[
         map("normal_map", "none", "normals in the tangent frame, each component from -1 to 1 as 0 to 1"),
-        flag("normal_map_xy", "false", "whether the map has x and y alone"),
+        word(
+            "normal_map_code",
+            "xyz, xy, octahedral",
+            "xyz",
+            "what the numbers of the map are: with xy, z follows from these",
+        ),
         flag("normal_map_mirrors", "true; false in pbrt and Mitsuba scenes", "whether its y follows ∂p/∂v"),
         number("normal_map_strength", (-100.0, 100.0), "1", "factor on the slopes of the map"),
         word(

@@ -4,7 +4,7 @@
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::normal_filter::FilteredNormals;
+use super::{normal_code::NormalCode, normal_filter::FilteredNormals};
 use crate::texture::{FloatTexture, TextureContext, TextureId, Textures};
 use std::sync::Arc;
 use steradian_math::{Frame, Vec2, Vec3};
@@ -12,10 +12,10 @@ use steradian_math::{Frame, Vec2, Vec3};
 /// A normal map.
 #[derive(Clone, Debug)]
 pub struct NormalMap {
-    /// `(n + 1)/2` in the tangent frame: x along ∂p/∂u, z along the shading normal.
+    /// Normals in the tangent frame: x along ∂p/∂u, z along the shading normal.
     pub texture: TextureId,
-    /// Only x and y are stored; `z = √(1 − x² − y²)` (the lecture's formula lacks the one and a sign: E18).
-    pub two_channels: bool,
+    /// What its numbers are.
+    pub code: NormalCode,
     /// y points along ∂p/∂v, as in MikkTSpace and glTF, also where the parametrisation is mirrored; else along z × x, as pbrt and
     /// Mitsuba have it.
     pub mirrors: bool,
@@ -95,9 +95,8 @@ impl SurfaceDetail {
 impl NormalMap {
     /// The tangent-space normal of a texel's value; not of unit length.
     pub fn decode(&self, value: Vec3) -> Vec3 {
-        let m = value * 2.0 - 1.0;
-        let z = if self.two_channels { (1.0 - m.x * m.x - m.y * m.y).max(0.0).sqrt() } else { m.z };
-        Vec3::new(m.x * self.strength, m.y * self.strength, z)
+        let n = self.code.decode(value);
+        Vec3::new(n.x * self.strength, n.y * self.strength, n.z)
     }
 
     /// The normal in the world.
@@ -196,7 +195,8 @@ mod tests {
         let mut textures = Textures::new(ColorMode::Rgb);
         let c = (n + 1.0) * 0.5;
         let texture = textures.add(Texture::Constant(Color::Lanes(steradian_math::Spectrum::rgb(c.x, c.y, c.z))));
-        let normal_map = Some(NormalMap { texture, two_channels: false, mirrors: true, strength: 1.0, filtered: None });
+        let normal_map =
+            Some(NormalMap { texture, code: NormalCode::Xyz, mirrors: true, strength: 1.0, filtered: None });
         (textures, SurfaceDetail { normal_map, ..SurfaceDetail::default() })
     }
 
@@ -256,7 +256,7 @@ mod tests {
         // Two channels give the third.
         let (textures, mut detail) = map(Vec3::new(0.6, 0.0, -1.0));
         if let Some(map) = &mut detail.normal_map {
-            map.two_channels = true;
+            map.code = NormalCode::Xy;
         }
         assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z) - tilted).length() < 1e-6);
     }

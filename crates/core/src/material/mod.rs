@@ -17,6 +17,7 @@ pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
 pub use principled::PrincipledMaterial;
 pub mod detail;
+pub mod normal_code;
 pub mod normal_filter;
 
 use crate::{

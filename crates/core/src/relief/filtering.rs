@@ -79,9 +79,11 @@ mod tests {
     use super::*;
     use steradian_math::hash::HashRng;
 
+    /// E55: what Toksvig's formula changes is the exponent of Blinn and Phong, which falls as normals spread; a roughness would rise.
     #[test]
     fn equal_normals_leave_the_roughness() {
         assert_eq!(toksvig_power(50.0, 1.0), 50.0);
+        assert!(toksvig_power(50.0, 0.9) < 50.0 && toksvig_alpha(0.2, 0.9) > 0.2);
         assert!((toksvig_power(50.0, 0.9) - 45.0 / 5.9).abs() < 1e-5);
         assert_eq!((toksvig_power(50.0, 0.0), toksvig_alpha(0.3, 1.0)), (0.0, 0.3));
         assert_eq!(toksvig_alpha(0.0, 0.0), 1.0);

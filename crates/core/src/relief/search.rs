@@ -294,9 +294,14 @@ mod tests {
         (right as f32 / all.len() as f32, steps as f32 / all.len() as f32)
     }
 
+    /// E20: the weight of an end is the difference at the other one. Where the ray is 0.37 of the way's fall above the relief at its
+    /// start and 0.63 below at its end, it meets it at 0.37 of the way; the lecture's formula has 0.63.
     #[test]
     fn the_lectures_numbers_for_the_secant() {
-        // Δ = 1 at t = 0 and −0.63/0.37… : one step on a line meets it exactly.
+        let flat = HeightField::sampled(2, 2, |_| 0.5).unwrap();
+        let line = Line { origin: Vec3::new(0.0, 0.5, 0.5 + 0.185), direction: Vec3::new(1.0, 0.0, -0.5) };
+        assert!((secant(&flat, &line, (0.0, 1.0), 1) - 0.37).abs() < 1e-6);
+        // On a slope: one step on a line meets it exactly.
         let field = HeightField::sampled(2, 2, |p| 0.5 * p.x).unwrap();
         let line = Line { origin: Vec3::new(0.0, 0.5, 0.4), direction: Vec3::new(1.0, 0.0, -0.4) };
         // 0.4 − 0.4 t = 0.5 t.

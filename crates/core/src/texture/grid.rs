@@ -160,6 +160,7 @@ mod tests {
         }
     }
 
+    /// M204, E19: ratios of volumes with the vertices in one order; the lecture's determinant of an area has −0.1 for what is 0.4.
     #[test]
     fn tetrahedra_have_the_weights_of_volumes() {
         let d = Vec3::new(0.4, 0.9, 0.2);

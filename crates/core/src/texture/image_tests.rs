@@ -115,6 +115,7 @@ fn octahedral_edges_are_joined() {
     }
 }
 
+/// M202, E37: texel centres are at halves; the weight of a texel is what is left to the other one; at u = 1 the nearest is the last.
 #[test]
 fn half_texel_conventions() {
     let two_by_two = |filter, wrap| {
@@ -126,6 +127,8 @@ fn half_texel_conventions() {
     {
         assert_eq!(t.float(&at(u, v)), value, "{u} {v}");
     }
+    // A quarter of the way from the first to the second: t = frac(0.375·2 − ½) = ¼ of the second, not of the first.
+    assert_eq!(t.float(&at(0.375, 0.25)), 0.25);
     let r = two_by_two(Filter::Bilinear, Wrap::Repeat);
     assert_eq!(r.float(&at(0.0, 0.25)), 0.5);
     assert_eq!(r.float(&at(1.25, 0.25)), 0.0);

@@ -324,6 +324,22 @@ mod tests {
         assert_eq!((morton(1, 0), morton(0, 1), morton(3, 5)), (1, 2, 0b100111));
     }
 
+    /// M216: windows of 4 × 4 texels, wherever they lie in a tile, touch fewer lines of a cache (64 bytes, four-byte texels) than in rows.
+    #[test]
+    fn morton_order_keeps_neighbours_in_few_cache_lines() {
+        let lines = |number: fn(usize, usize) -> usize| {
+            let window = |x0: usize, y0: usize| {
+                let touched = (0..16).map(|i| number(x0 + i % 4, y0 + i / 4) * 4 / 64);
+                touched.collect::<std::collections::HashSet<_>>().len()
+            };
+            let places = (0..TILE - 3).flat_map(|y| (0..TILE - 3).map(move |x| (x, y)));
+            places.map(|(x, y)| window(x, y)).sum::<usize>() as f64 / ((TILE - 3) * (TILE - 3)) as f64
+        };
+        let (morton, rows) = (lines(morton), lines(|x, y| y * TILE + x));
+        // A line holds 4 × 4 texels of the tile, or 16 of a row: about (7/4)² against 4 · 19/16.
+        assert!(morton < 3.1 && rows > 4.5, "{morton} {rows}");
+    }
+
     #[test]
     fn every_texel_comes_back_though_few_tiles_fit() {
         let (width, height, channels) = (200, 131, 3);

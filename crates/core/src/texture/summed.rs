@@ -132,6 +132,28 @@ mod tests {
     use std::sync::Arc;
     use steradian_image::{Encoding, TexelData, Texels};
 
+    /// E44: with sums that include what they are named by, rectangles lose their first row and column; here a rectangle of one texel has
+    /// that texel's value, also after sums of 2²⁴ and more, where 32-bit floats no longer count by one.
+    #[test]
+    fn single_texels_come_back() {
+        let (width, height) = (64, 48);
+        let value = |i: usize| if i.is_multiple_of(7) { 1.0 } else { 1e6 };
+        let texels = Texels {
+            width,
+            height,
+            channels: 1,
+            data: TexelData::F32((0..width * height).map(value).collect()),
+            encoding: Encoding::Linear,
+            metadata: Default::default(),
+        };
+        let table = SummedArea::new(&Level::new(Arc::new(texels), None).unwrap());
+        for i in 0..width * height {
+            let centre = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
+            let [seen]: [f32; 1] = table.mean(centre, [1.0; 2], [Wrap::Clamp; 2], &crate::texture::wrap::BLACK, 0);
+            assert_eq!(seen, value(i), "{i}");
+        }
+    }
+
     /// M211: means are exact against brute force, for every wrap and rectangles at quarters of texels.
     #[test]
     fn means_agree_with_brute_force() {

@@ -296,6 +296,19 @@ mod tests {
         assert!(codes[2].abs_diff(186) <= 1 && codes[3].abs_diff(114) <= 1, "{codes:?}");
     }
 
+    /// M215: where the first colour is not above the second, BC1 has one colour between them and a hole, black where there is no alpha.
+    #[test]
+    fn holes_of_bc1() {
+        let block = [0x00, 0x00, 0xff, 0xff, 0b11_10_01_00, 0, 0, 0];
+        let codes = match decode(BlockFormat::Bc1, false, &block, 4, 1) {
+            Some(Decoded::Codes(codes, 4)) => codes,
+            _ => panic!("it has alpha"),
+        };
+        assert_eq!(&codes[..8], [0, 0, 0, 255, 255, 255, 255, 255]);
+        assert!(codes[8].abs_diff(127) <= 1 && codes[11] == 255, "{codes:?}");
+        assert_eq!(&codes[12..], [0; 4]);
+    }
+
     #[test]
     fn any_bytes_decode() {
         let bytes: Vec<u8> = (0..4096).map(noise).collect();

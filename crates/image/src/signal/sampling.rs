@@ -117,7 +117,8 @@ mod tests {
         (0..n).map(|i| 0.5 + 0.25 * (std::f64::consts::TAU * cycles * i as f64 / n as f64).cos() as f32).collect()
     }
 
-    /// A wave above half the rate appears at the frequency that is predicted, and a prefilter takes it away.
+    /// M214, E36: a wave above half the rate, not only one above the rate, appears at the frequency that is predicted, and a prefilter takes
+    /// it away.
     #[test]
     fn waves_alias_to_the_predicted_frequency() {
         let (n, step) = (120, 4);

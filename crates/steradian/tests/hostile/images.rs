@@ -239,6 +239,12 @@ pub fn table() -> Vec<Case> {
         cases.extend(everywhere(&format!("{kind} of 13 x 7"), file, &sound, Either));
         cases.extend(everywhere(&format!("half of {kind}"), file, &sound[..sound.len() / 2], Refused("i.")));
     }
+    for (name, file, at) in [("TGA of 30000²", "i.tga", [12, 14]), ("BMP of 30000²", "i.bmp", [18, 22])] {
+        // The same with a size of which a third of the pixels is there.
+        let (_, _, mut content) = claims().into_iter().find(|c| c.0 == name).expect("it is in the list");
+        at.iter().for_each(|at| content[*at..at + 2].copy_from_slice(&44_u16.to_le_bytes()));
+        cases.extend(everywhere(&format!("third of {file}"), file, &content, Refused("i.")));
+    }
     for (name, file, content) in claims() {
         cases.extend(everywhere(name, file, &content, Refused("i.")));
     }

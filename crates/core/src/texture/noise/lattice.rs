@@ -128,6 +128,26 @@ mod tests {
         }
     }
 
+    /// E38: products of gradients and offsets joined by the fade, not a bicubic patch; in two dimensions with unit gradients they reach
+    /// √½, in the middle of a cell whose gradients all point there, so that ½(v + 1) leaves [0, 1] nowhere and fills it nowhere either.
+    #[test]
+    fn gradient_noise_in_the_plane_reaches_the_root_of_a_half() {
+        let corner = |x: f32, y: f32, i: u8, j: u8| {
+            // A gradient towards the middle.
+            let (ox, oy) = (x - f32::from(i), y - f32::from(j));
+            (ox * (0.5 - f32::from(i)) + oy * (0.5 - f32::from(j))) * std::f32::consts::SQRT_2
+        };
+        let noise = |x: f32, y: f32| {
+            let (u, v) = (quintic_fade(x), quintic_fade(y));
+            let row = |j| corner(x, y, 0, j) * (1.0 - u) + corner(x, y, 1, j) * u;
+            row(0) * (1.0 - v) + row(1) * v
+        };
+        assert!((noise(0.5, 0.5) - 0.5_f32.sqrt()).abs() < 1e-6);
+        let most = (0..=100 * 100).map(|i| noise((i % 101) as f32 / 100.0, (i / 101) as f32 / 100.0));
+        assert!(most.fold(0.0, f32::max) <= 0.5_f32.sqrt() + 1e-6);
+        assert_eq!((quintic_fade(0.0), quintic_fade(0.5), quintic_fade(1.0)), (0.0, 0.5, 1.0));
+    }
+
     #[test]
     fn value_noise_takes_random_values_on_the_lattice() {
         let values: Vec<f32> = (0..2000).map(|i| value_noise(Vec3::new(i as f32, 2.0, 3.0), 1)).collect();
