@@ -66,6 +66,10 @@ enum Tile {
     Tangents,
     /// A texture on a unit sphere.
     Round(&'static str, Params),
+    /// A texture on a square with a colour at each vertex and a second set of coordinates, turned by half a turn.
+    Attributes(&'static str, Params),
+    /// A grid of a few random colours around a unit sphere, by an interpolation.
+    Grid(&'static str),
     /// Checks to the horizon, by a filter; so many samples along a side of a pixel.
     Horizon(&'static str, usize),
     /// Ripples to the horizon, by what is done to the roughness.
@@ -80,6 +84,7 @@ struct Files {
     checks: PathBuf,
     ripples: PathBuf,
     dome: PathBuf,
+    grid: PathBuf,
 }
 
 impl Tile {
@@ -173,6 +178,11 @@ const TILES: &[(&str, &str, Tile)] = &[
         "Noise",
         Tile::Flat("worley", &[("metric", S("manhattan")), ("frequency", N(2.0)), ("dimension", I(2))]),
     ),
+    (
+        "worley_chebyshev",
+        "Noise",
+        Tile::Flat("worley", &[("metric", S("chebyshev")), ("frequency", N(2.0)), ("dimension", I(2))]),
+    ),
     ("voronoi", "Noise", Tile::Flat("voronoi", &[("frequency", N(2.0)), ("dimension", I(2))])),
     (
         "wood",
@@ -247,15 +257,48 @@ const TILES: &[(&str, &str, Tile)] = &[
         ),
     ),
     ("hsv", "Combinators", Tile::Flat("hsv", &[("input", T("bricks", BRICK)), ("hue", N(120.0))])),
+    (
+        "direction_mix",
+        "Combinators",
+        Tile::Round(
+            "direction_mix",
+            &[("a", T("bricks", BRICK)), ("b", C(0.9, 0.9, 0.95)), ("dir", V([0.0, 0.0, 1.0]))],
+        ),
+    ),
+    (
+        "facing",
+        "Combinators",
+        Tile::Round("facing", &[("a", C(0.1, 0.3, 0.7)), ("b", C(0.9, 0.6, 0.2)), ("dir", V([0.6, -0.8, 0.0]))]),
+    ),
+    ("grid_nearest", "Grids of numbers in space", Tile::Grid("nearest")),
+    ("grid_trilinear", "Grids of numbers in space", Tile::Grid("trilinear")),
+    ("grid_tetrahedral", "Grids of numbers in space", Tile::Grid("tetrahedral")),
     ("wrap_repeat", "Mapping", Tile::Wrapped(&[("wrap_u", S("repeat")), ("wrap_v", S("repeat"))])),
     ("wrap_mirror", "Mapping", Tile::Wrapped(&[("wrap_u", S("mirror")), ("wrap_v", S("mirror"))])),
     ("wrap_clamp", "Mapping", Tile::Wrapped(&[("wrap_u", S("clamp")), ("wrap_v", S("clamp"))])),
     ("wrap_black", "Mapping", Tile::Wrapped(&[("wrap_u", S("black")), ("wrap_v", S("black"))])),
+    (
+        "wrap_border",
+        "Mapping",
+        Tile::Wrapped(&[("wrap_u", S("border")), ("wrap_v", S("border")), ("border", V([0.1, 0.25, 0.5]))]),
+    ),
+    ("wrap_octahedral", "Mapping", Tile::Wrapped(&[("wrap_u", S("octahedral")), ("wrap_v", S("octahedral"))])),
     ("origin_bottom", "Mapping", Tile::Wrapped(&[("origin", S("bottom"))])),
     ("mirrored_u", "Mapping", Tile::Wrapped(&[("scale_u", N(-1.0)), ("delta_u", N(1.0))])),
     ("moved", "Mapping", Tile::Wrapped(&[("delta_u", N(0.25)), ("delta_v", N(0.5))])),
     ("tangent_frames", "Mapping", Tile::Tangents),
     ("khr_transform", "Mapping", Tile::Wrapped(&[("khr_rotation", N(30.0)), ("khr_scale", L(&[0.7, 0.7]))])),
+    (
+        "triangle",
+        "Mapping",
+        Tile::Wrapped(&[
+            ("mapping", S("triangle")),
+            ("corners", L(&[0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 4.0, 0.0])),
+            ("corner_uvs", L(&[1.0, 0.0, 1.0, 1.0, -1.0, 0.0])),
+        ]),
+    ),
+    ("uv_set", "Mapping", Tile::Attributes("image", &[("uv_set", S("second"))])),
+    ("mesh_attribute", "Mapping", Tile::Attributes("mesh_attribute", &[("name", S("color"))])),
     ("uv", "Mapping", Tile::Sphere(&[("mapping", S("uv"))])),
     (
         "planar",
@@ -282,6 +325,11 @@ const TILES: &[(&str, &str, Tile)] = &[
         Tile::Sphere(&[("mapping", S("two_part")), ("object_map", S("normal")), ("surface", S("cylinder"))]),
     ),
     (
+        "centroid_sphere",
+        "Mapping",
+        Tile::Sphere(&[("mapping", S("two_part")), ("object_map", S("centroid")), ("surface", S("sphere"))]),
+    ),
+    (
         "centroid_cube",
         "Mapping",
         Tile::Sphere(&[("mapping", S("two_part")), ("object_map", S("centroid")), ("surface", S("cube"))]),
@@ -303,6 +351,7 @@ const TILES: &[(&str, &str, Tile)] = &[
     ("ripmap", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("ripmap", 1)),
     ("box", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("box", 1)),
     ("ewa", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("ewa", 1)),
+    ("one_tap", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("one_tap", 1)),
     ("pattern", "Filters: a plane of checks to the horizon, one sample per pixel", Tile::Horizon("", 1)),
     ("ripples_1024", "Normal maps from afar: ripples under a low sun, one sample per pixel", Tile::Ripples("none", 32)),
     ("ripples_none", "Normal maps from afar: ripples under a low sun, one sample per pixel", Tile::Ripples("none", 1)),
@@ -507,6 +556,39 @@ fn render(tile: &Tile, files: &Files, relief: &Relief) -> Result<Vec<[f32; 3]>, 
             })?),
             true,
         ),
+        Tile::Attributes(kind, params) => {
+            let mut square = plane(1.0);
+            let attribute = |name: &str, channels, data: Vec<f32>| steradian_scene::Attribute {
+                name: name.into(),
+                domain: steradian_scene::Domain::Vertex,
+                channels,
+                data,
+            };
+            square.attributes = vec![
+                attribute("second", 2, square.uvs.iter().flatten().map(|v| 1.0 - v).collect()),
+                attribute("color", 3, vec![0.9, 0.1, 0.1, 0.9, 0.8, 0.1, 0.1, 0.2, 0.8, 0.1, 0.7, 0.3]),
+            ];
+            let made = if *kind == "image" {
+                scene(mesh(), Some(square), with_card(params))?
+            } else {
+                scene(mesh(), Some(square), |desc, m, _| {
+                    let t = texture(desc, kind, params);
+                    m.set("reflectance", t, None);
+                })?
+            };
+            (Some(made), false)
+        }
+        Tile::Grid(filter) => (
+            Some(scene(Node::new(Family::Shape, "sphere", None), None, |desc, m, _| {
+                let t = Node::new(Family::Texture, "grid", None)
+                    .with("file", files.grid.clone())
+                    .with("filter", *filter)
+                    .with("use_grid_bounds", true);
+                let t = desc.add(t);
+                m.set("reflectance", t, None);
+            })?),
+            true,
+        ),
         Tile::Horizon(filter, grid) => {
             let far =
                 scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
@@ -514,7 +596,8 @@ fn render(tile: &Tile, files: &Files, relief: &Relief) -> Result<Vec<[f32; 3]>, 
                     if !filter.is_empty() {
                         t = Node::new(Family::Texture, "image", None)
                             .with("file", files.checks.clone())
-                            .with("filter", *filter)
+                            .with("filter", if *filter == "one_tap" { "ewa" } else { *filter })
+                            .with("stochastic", *filter == "one_tap")
                             .with("max_anisotropy", 64.0)
                             .with("scale_u", 0.5)
                             .with("scale_v", 0.5);
@@ -551,7 +634,7 @@ fn render(tile: &Tile, files: &Files, relief: &Relief) -> Result<Vec<[f32; 3]>, 
         }
         Tile::Relief(_) => (None, false),
     };
-    let lit = !matches!(tile, Tile::Flat(..) | Tile::Wrapped(..));
+    let lit = !matches!(tile, Tile::Flat(..) | Tile::Wrapped(..) | Tile::Attributes(..));
     let mut pixels = Vec::with_capacity(SIZE * SIZE);
     for y in 0..SIZE {
         for x in 0..SIZE {
@@ -641,6 +724,15 @@ fn octahedron() -> Mesh {
     steradian_core::shape::displacement::displace(&flat, 1 << 16, by, round).unwrap_or(flat)
 }
 
+/// A file of `n`³ random colours in the cube [−1, 1]³.
+fn random_grid(n: i32) -> Vec<u8> {
+    let mut file = b"VOL\x03".to_vec();
+    [1, n, n, n, 3].iter().for_each(|v: &i32| file.extend(v.to_le_bytes()));
+    let colors = (0..3 * n * n * n).map(|i| steradian_math::hash::unit_f32(steradian_math::hash::mix32(i as u32 + 1)));
+    [-1.0, -1.0, -1.0, 1.0, 1.0, 1.0].into_iter().chain(colors).for_each(|v: f32| file.extend(v.to_le_bytes()));
+    file
+}
+
 /// The relief seen obliquely, checked and lit.
 fn relief_color(relief: &Relief, find: fn(&Relief, &Line, Vec2) -> Option<Vec2>, p: Vec2) -> Vec3 {
     let line = Line {
@@ -664,7 +756,9 @@ fn main() -> Result<(), String> {
     std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
     let [card, checks, ripples, dome] = ["card", "checks", "ripples", "dome"]
         .map(|name| std::env::temp_dir().join(format!("steradian-{name}-{}.exr", std::process::id())));
-    let files = Files { card, checks, ripples, dome };
+    let grid = std::env::temp_dir().join(format!("steradian-grid-{}.vol", std::process::id()));
+    let files = Files { card, checks, ripples, dome, grid };
+    std::fs::write(&files.grid, random_grid(5)).map_err(|e| e.to_string())?;
     let n = 128;
     let at = |i: usize| (i as f32 + 0.5) / n as f32;
     let pixels: Vec<[f32; 3]> =
@@ -735,7 +829,7 @@ fn main() -> Result<(), String> {
             save(&folder.join(format!("{name}.png")), &pixels, tile.side())?;
         }
     }
-    for file in [&files.card, &files.checks, &files.ripples, &files.dome] {
+    for file in [&files.card, &files.checks, &files.ripples, &files.dome, &files.grid] {
         let _ = std::fs::remove_file(file);
     }
     if names.is_empty() {
