@@ -14,14 +14,17 @@ use super::phong::exponent_in_range;
 use std::f32::consts::{LN_2, PI, TAU};
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{exp, exp_m1, ln, ln_1p, sin_cos_turns},
+    elementary::{exp, pow_1p, pow_and_excess, sin_cos_turns},
 };
 
 /// A lobe in the half vector.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfVectorLobe {
     exponent: f32,
-    empirical: bool,
+    /// `1/(n + 1)`.
+    inverse: f32,
+    /// Of the value over `cosⁿ cosθ_i`; none in the empirical form.
+    normalisation: Option<f32>,
 }
 
 /// Blinn–Phong reflection.
@@ -30,55 +33,57 @@ pub type BlinnPhong = LobeOverDiffuse<HalfVectorLobe>;
 impl BlinnPhong {
     /// The normalised, reciprocal form.
     pub fn normalised(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
-        Self::of(diffuse, specular, HalfVectorLobe { exponent: exponent_in_range(exponent), empirical: false })
+        Self::of(diffuse, specular, HalfVectorLobe::new(exponent, false))
     }
 
     /// The form without normalisation.
     pub fn empirical(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
-        Self::of(diffuse, specular, HalfVectorLobe { exponent: exponent_in_range(exponent), empirical: true })
+        Self::of(diffuse, specular, HalfVectorLobe::new(exponent, true))
     }
 }
 
 impl GlossyLobe for HalfVectorLobe {
     fn conserves(&self) -> bool {
-        !self.empirical
+        self.normalisation.is_some()
     }
 
     fn is_reciprocal(&self) -> bool {
-        !self.empirical
+        self.normalisation.is_some()
     }
 
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let h = wo + wi;
         let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-        self.of_power(exp(-0.5 * self.exponent * ln_1p(tan2)), 0.5 * h.length(), wi)
+        self.of_power(pow_1p(tan2, -0.5 * self.exponent), 2.0 * h.length(), wi)
     }
 
     #[inline(always)]
     fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
-        let ln_cos = ln(1.0 - u2.y) / (self.exponent + 1.0);
+        // cosⁿ⁺¹θ_h is uniform; the half vector as long as 1/cosθ_h.
+        let (length2, tan2) = pow_and_excess(1.0 - u2.y, -2.0 * self.inverse);
         let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
-        let r = exp_m1(-2.0 * ln_cos).max(0.0).sqrt();
-        let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0).try_normalize()?;
-        let cos_o = wo.dot(h);
-        let wi = 2.0 * cos_o * h - wo;
-        let (value, pdf) = self.of_power(exp(self.exponent * ln_cos), cos_o, wi);
-        (cos_o > 0.0).then_some((wi, value, pdf))
+        let r = tan2.max(0.0).sqrt();
+        let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0);
+        let (projected, length) = (wo.dot(h), length2.sqrt());
+        let wi = (2.0 * projected / length2) * h - wo;
+        let (value, pdf) = self.of_power((1.0 - u2.y) * length, 4.0 * projected / length, wi);
+        (projected > 0.0).then_some((wi, value, pdf))
     }
 }
 
 impl HalfVectorLobe {
-    /// Value and density by `cos^n θ_h` and the cosine between direction and half vector.
-    #[inline(always)]
-    fn of_power(&self, power: f32, cos_o: f32, wi: Vec3) -> (f32, f32) {
-        let n = self.exponent;
-        let pdf = (n + 1.0) / TAU * power / (4.0 * cos_o).max(1e-6);
-        if self.empirical {
-            return (power, pdf);
-        }
+    fn new(exponent: f32, empirical: bool) -> Self {
+        let n = exponent_in_range(exponent);
         let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * (exp(-0.5 * LN_2 * n) + n));
-        (normalisation * power * wi.z, pdf)
+        Self { exponent: n, inverse: 1.0 / (n + 1.0), normalisation: (!empirical).then_some(normalisation) }
+    }
+
+    /// Value and density by `cos^n θ_h` and four times the cosine between direction and half vector.
+    #[inline(always)]
+    fn of_power(&self, power: f32, four_cos_o: f32, wi: Vec3) -> (f32, f32) {
+        let pdf = (self.exponent + 1.0) / TAU * power / four_cos_o.max(1e-6);
+        (self.normalisation.map_or(power, |k| k * power * wi.z), pdf)
     }
 }
 

@@ -13,7 +13,7 @@
 
 use super::coat_colors::CoatColors;
 use super::{Microfacet, NormalDistribution, Shadowing, fresnel};
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, elementary::exp};
 
 /// What happens to light between the coat and the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,7 +181,7 @@ impl CoatTable {
     #[inline]
     pub(super) fn interface(&self, place: RowPlace, cos: f32) -> (f32, f32) {
         if place.next < 0.0 {
-            return (fresnel::dielectric(cos, self.eta), self.smooth_transmittance(cos));
+            return self.smooth_interface(cos);
         }
         let x = cos.clamp(0.0, 1.0).sqrt() * (ANGLES - 1) as f32;
         let i = (x as usize).min(ANGLES - 2);
@@ -231,18 +231,28 @@ impl CoatTable {
     #[inline]
     fn crossing(&self, mu: f32) -> f32 {
         match self.series {
-            CoatSeries::Layered { thickness, .. } if thickness > 0.0 => (-thickness / mu.abs()).exp(),
+            CoatSeries::Layered { thickness, .. } if thickness > 0.0 => exp(-thickness / mu.abs()),
             _ => 1.0,
         }
     }
 
-    /// `T(μ)` of a smooth interface.
+    /// `R(μ)` and `T(μ)` of a smooth interface.
     #[inline]
+    fn smooth_interface(&self, cos: f32) -> (f32, f32) {
+        let at = fresnel::Crossing::new(cos, self.eta);
+        let r = at.reflectance;
+        let passes = match self.series {
+            CoatSeries::Layered { thickness, .. } if thickness > 0.0 && r < 1.0 => {
+                exp(-(thickness * at.eta) / at.refracted)
+            }
+            _ => 1.0,
+        };
+        (r, (1.0 - r) * passes)
+    }
+
+    /// `T(μ)` of a smooth interface.
     fn smooth_transmittance(&self, cos: f32) -> f32 {
-        match fresnel::dielectric_amplitudes(cos, self.eta) {
-            Some(a) => (1.0 - 0.5 * (a.s * a.s + a.p * a.p)) * self.crossing(a.cos_t),
-            None => 0.0,
-        }
+        self.smooth_interface(cos).1
     }
 
     fn integrate_row(&self, alpha: f32) -> Row {

@@ -36,10 +36,17 @@ impl Dielectric {
     }
 
     /// The probability of reflection where the fraction `f` is reflected; `None` where nothing is scattered.
+    #[inline]
     fn reflection_probability(&self, f: f32) -> Option<f32> {
+        let [r, sum] = self.shares(f);
+        (sum > 0.0).then(|| r / sum)
+    }
+
+    /// How much is reflected, and scattered, in the brightest lanes.
+    #[inline]
+    fn shares(&self, f: f32) -> [f32; 2] {
         let r = f * self.reflectance.max_element();
-        let t = (1.0 - f) * self.transmittance.max_element();
-        (r + t > 0.0).then(|| r / (r + t))
+        [r, r + (1.0 - f) * self.transmittance.max_element()]
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
@@ -80,14 +87,20 @@ impl Dielectric {
             return self.sample_smooth(wo, u, mode);
         }
         let m = self.microfacet.sample_visible(wo, u2);
-        let f = fresnel::dielectric(wo.dot(m), self.eta);
-        let p = self.reflection_probability(f)?;
+        let cos_o = wo.dot(m);
+        let crossing = fresnel::Crossing::new(cos_o, self.eta);
+        let f = crossing.reflectance;
+        let [r, sum] = self.shares(f);
+        if sum <= 0.0 {
+            return None;
+        }
+        let p = r / sum;
         // A direction on the wrong side of the surface has met a second facet: not modelled, black.
-        let (wi, e, eta, side) = if u < p {
-            let wi = fresnel::reflect(wo, m);
+        let (wi, e, eta, side) = if u * sum < r {
+            let wi = 2.0 * cos_o * m - wo;
             (wi, self.reflected(self.microfacet.reflecting_at(m, wo, wi)?, f, p), 1.0, Lobe::REFLECTION)
         } else {
-            let (wi, eta) = fresnel::refract(wo, m, self.eta)?;
+            let (wi, eta) = crossing.refract(wo, m, cos_o)?;
             let facet = self.microfacet.refracting_at(m, wo, wi, eta)?;
             (wi, self.transmitted(facet, f, p, eta, mode), eta, Lobe::TRANSMISSION)
         };
@@ -166,6 +179,29 @@ mod tests {
             let total = f + entered * leaves * kept / (1.0 - kept * kept);
             assert!((total - 2.0 * f / (1.0 + f)).abs() < 1e-5, "{total} at {degrees}°");
         }
+    }
+
+    /// Rough glass in a furnace, from outside and from inside (M96): all light is found again but for what meets a second facet, which is little on
+    /// smooth glass and the more the rougher it is.
+    #[test]
+    fn rough_glass_scatters_nearly_all_light_from_both_sides() {
+        let scattered = |alpha: f32, wo: Vec3| {
+            let glass = Dielectric::new(1.5, Microfacet::ggx(alpha, alpha));
+            steradian_testkit::integrate_sphere(|wi| f64::from(glass.eval(wo, wi, Importance).value[0]), 1e-4)
+        };
+        for degrees in [0.0, 50.0, 130.0, 160.0] {
+            let [smoother, rougher] = [0.1, 0.5].map(|alpha| scattered(alpha, direction(degrees)));
+            // Inside, rough facets let light out near the horizon, where others stand in the way; most beyond the critical angle.
+            let least = if degrees == 130.0 { 0.965 } else { 0.985 };
+            let rough = if degrees > 90.0 { 0.67 } else { 0.85 };
+            assert!((least..1.001).contains(&smoother), "{degrees}°: {smoother}");
+            assert!((rough..0.9995).contains(&rougher) && rougher < smoother, "{degrees}°: {rougher}, {smoother}");
+        }
+        // Radiance that is transmitted is compressed by the square of the index, that which is reflected not.
+        let (glass, wo) = (Dielectric::new(1.5, Microfacet::ggx(0.3, 0.3)), direction(35.0));
+        let ratio = |wi: Vec3| glass.eval(wo, wi, Radiance).value[0] / glass.eval(wo, wi, Importance).value[0];
+        assert!((ratio(direction(-20.0)) - 1.0).abs() < 1e-6);
+        assert!((ratio(direction(200.0)) - 1.0 / 2.25).abs() < 1e-6);
     }
 
     #[test]

@@ -46,10 +46,45 @@ pub fn dielectric_amplitudes(cos_i: f32, eta: f32) -> Option<Amplitudes> {
     })
 }
 
+/// A dielectric interface that light meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    /// The part of unpolarised light that is reflected; 1 under total internal reflection.
+    pub reflectance: f32,
+    /// `|cosθ_i|`.
+    pub cos_i: f32,
+    /// `η cosθ_t = √(η² − sin²θ_i)`, 0 under total internal reflection.
+    pub refracted: f32,
+    /// `η_t/η_i`.
+    pub eta: f32,
+}
+
+impl Crossing {
+    /// Of light from the side that the sign of the cosine says.
+    #[inline(always)]
+    pub fn new(cos_i: f32, eta: f32) -> Self {
+        let (cos_i, eta) = oriented(cos_i.clamp(-1.0, 1.0), eta);
+        let eta2 = eta * eta;
+        let refracted = (eta2 - (1.0 - cos_i * cos_i)).max(0.0).sqrt();
+        // r_s and r_p with η above and below, the sum of their squares with one division.
+        let (s, p) = ([cos_i - refracted, cos_i + refracted], [eta2 * cos_i - refracted, eta2 * cos_i + refracted]);
+        let (a, b, below) = (s[0] * p[1], p[0] * s[1], s[1] * p[1]);
+        let reflectance = 0.5 * (a * a + b * b) / (below * below);
+        Self { reflectance: if refracted > 0.0 { reflectance } else { 1.0 }, cos_i, refracted, eta }
+    }
+
+    /// What [`refract`] gives for a direction `w` whose product with the normal is `cos`.
+    #[inline(always)]
+    pub fn refract(&self, w: Vec3, n: Vec3, cos: f32) -> Option<(Vec3, f32)> {
+        let along = (self.cos_i - self.refracted) * 1f32.copysign(cos);
+        (self.refracted > 0.0).then(|| ((along * n - w) * (1.0 / self.eta), self.eta))
+    }
+}
+
 /// Reflectance of a dielectric for unpolarised light; 1 under total internal reflection.
 #[inline]
 pub fn dielectric(cos_i: f32, eta: f32) -> f32 {
-    dielectric_amplitudes(cos_i, eta).map_or(1.0, |a| 0.5 * (a.s * a.s + a.p * a.p))
+    Crossing::new(cos_i, eta).reflectance
 }
 
 /// Reflectance of a conductor with index `η − ik`, relative to the medium above, for unpolarised light (M92).

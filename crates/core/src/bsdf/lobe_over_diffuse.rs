@@ -61,7 +61,7 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
     #[inline]
     fn sum(&self, wi: Vec3, value: f32, pdf: f32) -> BsdfEval {
         let cosine = wi.z * FRAC_1_PI;
-        if !(value.is_finite() && pdf.is_finite()) {
+        if !(value + pdf).is_finite() {
             return BsdfEval::ZERO;
         }
         BsdfEval {

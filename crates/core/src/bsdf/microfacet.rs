@@ -184,9 +184,10 @@ impl Microfacet {
         let w = if w.z < 0.0 { -w } else { w };
         if self.is_ggx() {
             // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
-            let stretched = unit(Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z)).unwrap_or(Vec3::Z);
-            let m = visible_normals::sample_ggx(stretched, u);
-            return unit(Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6))).unwrap_or(Vec3::Z);
+            let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z);
+            let length = stretched.length();
+            let m = visible_normals::sample_ggx(stretched, length, u);
+            return unit(Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6 * length))).unwrap_or(Vec3::Z);
         }
         let slopes = self.sample_slopes(w, u);
         unit(slopes.extend(1.0)).unwrap_or(Vec3::Z)
@@ -284,7 +285,16 @@ impl Microfacet {
     /// `wi`, and `seen = jacobian |wo·m|`. A density that vanishes or overflows (a grazing direction) carries nothing.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "inlined: what is not used is not computed")]
-    fn facet(&self, h: Vec3, length2: f32, wo: Vec3, wi: Vec3, cos_o: f32, jacobian: f32, seen: f32) -> Option<Facet> {
+    pub(super) fn facet(
+        &self,
+        h: Vec3,
+        length2: f32,
+        wo: Vec3,
+        wi: Vec3,
+        cos_o: f32,
+        jacobian: f32,
+        seen: f32,
+    ) -> Option<Facet> {
         let (value, pdf) = if self.is_ggx() {
             self.smith(wo, wi, seen * ggx_density(self.alpha(), h, length2))
         } else {

@@ -9,7 +9,7 @@ use super::{BsdfEval, BsdfSample, Lobe};
 use std::f32::consts::TAU;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{exp, ln, pow, sin_cos_turns},
+    elementary::{pow, sin_cos_turns},
 };
 
 /// A reflector after Minnaert.
@@ -31,16 +31,17 @@ impl Minnaert {
         self.reflectance * pow(cos_o, self.exponent - 1.0).min(1e6)
     }
 
-    /// By the logarithm of the cosine.
-    fn density(&self, ln_cos: f32) -> f32 {
-        (self.exponent + 1.0) / TAU * exp(self.exponent * ln_cos)
+    /// By the power of the cosine.
+    #[inline]
+    fn density(&self, power: f32) -> f32 {
+        (self.exponent + 1.0) / TAU * power
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let pdf = self.density(ln(wi.z));
+        let pdf = self.density(pow(wi.z, self.exponent));
         BsdfEval { value: self.albedo(wo.z) * pdf, pdf }
     }
 
@@ -48,12 +49,12 @@ impl Minnaert {
         if wo.z <= 0.0 || self.reflectance.is_black() {
             return None;
         }
-        let ln_cos = ln(1.0 - u2.y) / (self.exponent + 1.0);
-        let cos = exp(ln_cos);
+        // cosᵏ⁺¹ is uniform.
+        let cos = pow(1.0 - u2.y, 1.0 / (self.exponent + 1.0));
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let wi = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
-        let pdf = self.density(ln_cos);
+        let pdf = self.density((1.0 - u2.y) / cos);
         let lobe = Lobe::REFLECTION.with(Lobe::DIFFUSE);
         (cos > 0.0 && pdf > 0.0).then(|| BsdfSample { wi, weight: self.albedo(wo.z), pdf, lobe, eta: 1.0 })
     }

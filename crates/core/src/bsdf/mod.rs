@@ -254,10 +254,10 @@ impl Bsdf<'_> {
     /// that for radiance with the directions exchanged (Veach 1997, 5.2), which for most models is the same.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        let e = self.eval_of_model(wo, wi, mode);
         if mode == TransportMode::Radiance || !self.is_one_way() {
-            return e;
+            return self.eval_of_model(wo, wi, mode);
         }
+        let e = self.eval_of_model(wo, wi, mode);
         let back = self.eval_of_model(wi, wo, TransportMode::Radiance).value;
         let cosines = if wo.z.abs() > 1e-6 { (wi.z / wo.z).abs() } else { 0.0 };
         BsdfEval { value: back * cosines, pdf: e.pdf }
@@ -304,8 +304,11 @@ impl Bsdf<'_> {
     /// surface scatters nothing or the draw fell outside of the model (it counts as black).
     #[inline]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        if mode == TransportMode::Radiance || !self.is_one_way() {
+            return self.sample_of_model(wo, u, u2, mode);
+        }
         let mut drawn = self.sample_of_model(wo, u, u2, mode)?;
-        if mode == TransportMode::Importance && self.is_one_way() && !drawn.lobe.is_specular() {
+        if !drawn.lobe.is_specular() {
             drawn.weight = self.eval(wo, drawn.wi, mode).value / drawn.pdf;
         }
         Some(drawn)

@@ -15,7 +15,7 @@ use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
 use std::f32::consts::TAU;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{exp, exp_m1, ln, ln_1p, pow, sin_cos_turns},
+    elementary::{pow, pow_1p, pow_and_excess, sin_cos_turns},
 };
 
 /// A cosine lobe.
@@ -23,7 +23,11 @@ use steradian_math::{
 pub struct CosineLobe {
     coefficients: Vec3,
     exponent: f32,
+    /// `1/(n + 1)`.
+    inverse: f32,
     empirical: bool,
+    /// Whether the coefficients are those of the mirror direction.
+    is_mirror: bool,
 }
 
 /// Phong's model and its relatives.
@@ -45,29 +49,30 @@ impl Phong {
 
     /// The form of 1975.
     pub fn empirical(diffuse: Spectrum, specular: Spectrum, exponent: f32) -> Self {
-        let exponent = exponent_in_range(exponent);
-        Self::of(diffuse, specular, CosineLobe { coefficients: Self::MIRROR, exponent, empirical: true })
+        Self::of(diffuse, specular, CosineLobe::new(Self::MIRROR, exponent, true))
     }
 
     /// One lobe of Lafortune's, with coefficients held in `[−1, 1]`.
     pub fn lafortune(diffuse: Spectrum, specular: Spectrum, coefficients: Vec3, exponent: f32) -> Self {
         let coefficients =
             if coefficients.is_finite() { coefficients.clamp(-Vec3::ONE, Vec3::ONE) } else { Self::MIRROR };
-        Self::of(
-            diffuse,
-            specular,
-            CosineLobe { coefficients, exponent: exponent_in_range(exponent), empirical: false },
-        )
+        Self::of(diffuse, specular, CosineLobe::new(coefficients, exponent, false))
     }
 }
 
 impl CosineLobe {
+    fn new(coefficients: Vec3, exponent: f32, empirical: bool) -> Self {
+        let exponent = exponent_in_range(exponent);
+        let (inverse, is_mirror) = (1.0 / (exponent + 1.0), coefficients == Phong::MIRROR);
+        Self { coefficients, exponent, inverse, empirical, is_mirror }
+    }
+
     /// The lobe's axis and the length of the transformed direction.
     fn axis(&self, wo: Vec3) -> Option<(Vec3, f32)> {
-        let d = self.coefficients * wo;
-        if self.coefficients == Phong::MIRROR {
-            return Some((d, 1.0));
+        if self.is_mirror {
+            return Some((Vec3::new(-wo.x, -wo.y, wo.z), 1.0));
         }
+        let d = self.coefficients * wo;
         let length = d.length();
         (length > 1e-6).then(|| (d / length, length))
     }
@@ -79,7 +84,7 @@ impl CosineLobe {
 fn cosine_power(a: Vec3, b: Vec3, n: f32) -> f32 {
     let versine = 0.5 * (a - b).length_squared();
     // Half of the directions lie behind: not worth a branch.
-    exp(n * ln_1p(-versine.min(0.999_999_9))) * f32::from(u8::from(versine < 1.0))
+    pow_1p(-versine.min(0.999_999_9), n) * f32::from(u8::from(versine < 1.0))
 }
 
 impl GlossyLobe for CosineLobe {
@@ -100,14 +105,14 @@ impl GlossyLobe for CosineLobe {
     #[inline(always)]
     fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
         let (axis, length) = self.axis(wo)?;
-        // The angle by 1 − cosα, which is small for large exponents.
-        let ln_cos = ln(1.0 - u2.y) / (self.exponent + 1.0);
-        let versine = -exp_m1(ln_cos);
+        // cosⁿ⁺¹α is uniform; the angle by 1 − cosα, which is small for large exponents.
+        let (cos, excess) = pow_and_excess(1.0 - u2.y, self.inverse);
+        let versine = -excess;
         let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
         let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let (s, t) = axis.any_orthonormal_pair();
-        let wi = s * (sin * cos_phi) + t * (sin * sin_phi) + axis * (1.0 - versine);
-        let (value, pdf) = self.of_power(exp(self.exponent * ln_cos), length, wi);
+        let wi = s * (sin * cos_phi) + t * (sin * sin_phi) + axis * cos;
+        let (value, pdf) = self.of_power((1.0 - u2.y) / cos, length, wi);
         Some((wi, value, pdf))
     }
 }

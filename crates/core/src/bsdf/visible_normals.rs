@@ -7,13 +7,14 @@ use steradian_math::{
     elementary::{acos, exp, ln, pow, sin_cos_turns},
 };
 
-/// A visible normal of GGX with `α = 1`: the mirror direction of a visible hemisphere is uniform on a spherical cap, so the
-/// normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023). `w.z ≥ 0`.
+/// A visible normal of GGX with `α = 1`, not of unit length: the mirror direction of a visible hemisphere is uniform on a spherical cap, so
+/// the normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023), which here has the radius of `w`, its length.
+/// `w.z ≥ 0`.
 #[inline]
-pub(super) fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
+pub(super) fn sample_ggx(w: Vec3, length: f32, u: Vec2) -> Vec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(u.x);
-    let z = (1.0 - u.y) * (1.0 + w.z) - w.z;
-    let r = (1.0 - z * z).max(0.0).sqrt();
+    let z = (1.0 - u.y) * (length + w.z) - w.z;
+    let r = ((length - z) * (length + z)).max(0.0).sqrt();
     Vec3::new(r * cos_phi, r * sin_phi, z) + w
 }
 

@@ -13,10 +13,12 @@
 //! and stays below one (E15). Half vectors are drawn with the density `D cosθ_h`, as Ward's sampling does with its
 //! weight corrected (Walter 2005).
 
-use super::NormalDistribution::Beckmann;
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
-use super::normal_distribution::beckmann_density;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    elementary::{exp, ln, sin_cos_turns},
+};
 
 /// Which normalisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -33,6 +35,10 @@ pub enum WardForm {
 #[derive(Clone, Copy, Debug)]
 pub struct GaussianLobe {
     alpha: Vec2,
+    /// `1/α`.
+    inverse: Vec2,
+    /// `1/(π α_x α_y)`.
+    normalisation: f32,
     form: WardForm,
 }
 
@@ -43,7 +49,10 @@ impl Ward {
     /// `k_d`, `k_s` and the roughness along the tangent and bitangent.
     pub fn new(diffuse: Spectrum, specular: Spectrum, alpha_x: f32, alpha_y: f32, form: WardForm) -> Self {
         let in_range = |a: f32| if a > 1e-3 { a.min(4.0) } else { 1e-3 };
-        Self::of(diffuse, specular, GaussianLobe { alpha: Vec2::new(in_range(alpha_x), in_range(alpha_y)), form })
+        let alpha = Vec2::new(in_range(alpha_x), in_range(alpha_y));
+        let inverse = alpha.recip();
+        let normalisation = FRAC_1_PI * inverse.x * inverse.y;
+        Self::of(diffuse, specular, GaussianLobe { alpha, inverse, normalisation, form })
     }
 }
 
@@ -54,33 +63,43 @@ impl GlossyLobe for GaussianLobe {
 
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let Some(h) = (wo + wi).try_normalize() else { return (0.0, 0.0) };
-        self.of_half(Beckmann.density(self.alpha, h), h, wo, wi)
+        let h = wo + wi;
+        let inverse = 1.0 / h.z.max(1e-6);
+        let slopes = Vec2::new(h.x, h.y) * self.inverse * inverse;
+        // Directions above the surface have a half vector that is not zero, and its product with either is half its square.
+        let length2 = h.length_squared();
+        self.of_half(exp(-slopes.length_squared()), length2 * inverse * inverse, 0.5 * length2 * inverse, wo, wi)
     }
 
     #[inline(always)]
     fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
-        let h = Beckmann.sample(self.alpha, u2).extend(1.0).try_normalize()?;
-        // What the uniform number left is the exponential in the distribution.
-        let d = beckmann_density(self.alpha, 1.0 - u2.y, h.z * h.z);
-        let wi = super::fresnel::reflect(wo, h);
-        let (value, pdf) = self.of_half(d, h, wo, wi);
-        (wo.dot(h) > 0.0).then_some((wi, value, pdf))
+        // What the uniform number leaves is the exponential in the distribution.
+        let exponential = 1.0 - u2.y;
+        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
+        let r = (-ln(exponential)).max(0.0).sqrt();
+        let h = Vec3::new(self.alpha.x * (r * cos_phi), self.alpha.y * (r * sin_phi), 1.0);
+        let (length2, projected) = (h.length_squared(), wo.dot(h));
+        let wi = (2.0 * projected / length2) * h - wo;
+        let (value, pdf) = self.of_half(exponential, length2, projected, wo, wi);
+        (projected > 0.0).then_some((wi, value, pdf))
     }
 }
 
 impl GaussianLobe {
-    /// Value and density by the density of the half vector.
+    /// Value and density by the exponential in the distribution and the half vector of height one, `1/cosθ_h` long: its squared length
+    /// and its product with a direction.
     #[inline(always)]
-    fn of_half(&self, d: f32, h: Vec3, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let cos = wo.dot(h).max(1e-6);
-        let cos4 = (h.z * h.z) * (h.z * h.z);
+    fn of_half(&self, exponential: f32, length2: f32, projected: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let quarter = 0.25 * self.normalisation * exponential;
+        // D cosθ_h/(4 cosθ_d), where D = 4 quarter length2².
+        let inverse = 1.0 / projected.max(1e-6);
+        let pdf = quarter * (length2 * length2) * inverse;
         let value = match self.form {
-            WardForm::Ward => d * cos4 * 0.25 * (wi.z / wo.z).sqrt(),
-            WardForm::Duer => d * cos4 * 0.25 / wo.z,
-            WardForm::Bounded => d * 0.25 / (cos * cos) * wi.z,
+            WardForm::Ward => quarter * (wi.z / wo.z).sqrt(),
+            WardForm::Duer => quarter / wo.z,
+            WardForm::Bounded => pdf * length2 * inverse * wi.z,
         };
-        (value, d * h.z / (4.0 * cos))
+        (value, pdf)
     }
 }
 

@@ -344,6 +344,44 @@ mod tests {
         }
     }
 
+    /// M102: each wavelength is scattered by its own parameters, a reflectance and a complex index alike.
+    #[test]
+    fn the_albedo_is_that_of_the_wavelength() {
+        let sampled = |lambdas: &[f32], values: &[f32]| {
+            Value::Spectrum(SpectrumValue::Sampled { lambdas: lambdas.into(), values: values.into() })
+        };
+        let (ramp, _) = scene(ColorMode::Spectral, |_| {
+            material("diffuse").with("reflectance", sampled(&[360.0, 830.0], &[0.1, 0.9]))
+        });
+        let named = |s: &str| Value::Spectrum(SpectrumValue::Named(s.into()));
+        let (gold, _) = scene(ColorMode::Spectral, |_| {
+            material("conductor").with("eta", named("metal-Au-eta")).with("k", named("metal-Au-k"))
+        });
+        let curve = |name| steradian_math::spectra::named(name).expect("a spectrum");
+        let (eta, k) = (curve("metal-Au-eta"), curve("metal-Au-k"));
+        for u in [0.05, 0.4, 0.8] {
+            let mut lambda = Wavelengths::sample_visible(u);
+            let furnace = with_bsdf(ramp.as_ref().unwrap(), Vec2::ZERO, &mut lambda, |b| {
+                let of = |lane: usize| {
+                    let value = |wi| f64::from(b.eval(Vec3::Z, wi, TransportMode::Radiance).value[lane]);
+                    steradian_testkit::integrate_sphere(value, 1e-4)
+                };
+                [0, 1, 2, 3].map(of)
+            });
+            let wo = Vec3::new(0.6, 0.0, 0.8);
+            let mirrored = with_bsdf(gold.as_ref().unwrap(), Vec2::ZERO, &mut lambda, |b| {
+                b.sample(wo, 0.5, Vec2::splat(0.5), TransportMode::Radiance).expect("a mirror").weight
+            });
+            for (lane, l) in lambda.lambda.into_iter().enumerate() {
+                let reflectance = f64::from(0.1 + 0.8 * (l - 360.0) / 470.0);
+                assert!((furnace[lane] - reflectance).abs() < 2e-3, "{l} nm: {} is not {reflectance}", furnace[lane]);
+                let exact =
+                    crate::bsdf::fresnel::conductor(wo.z, Spectrum::splat(eta.eval(l)), Spectrum::splat(k.eval(l)))[0];
+                assert!((mirrored[lane] - exact).abs() < 5e-3, "{l} nm: {} is not {exact}", mirrored[lane]);
+            }
+        }
+    }
+
     #[test]
     fn every_number_varies_over_the_surface() {
         for (kind, name, range) in [
