@@ -136,7 +136,15 @@ impl Bvh {
     /// Runs queries on another instruction set; one that is not supported changes nothing.
     #[must_use]
     pub fn with_isa(mut self, isa: Isa) -> Self {
-        self.isa = SupportedIsa::new(isa).unwrap_or(self.isa);
+        self.isa = self.isa.with_level(isa);
+        self
+    }
+
+    /// Packets of batches and streams have at most so many rays: `width`, which is made four, eight or sixteen, and no more than
+    /// the instruction set has lanes. Hits are the same for all.
+    #[must_use]
+    pub fn with_packet_width(mut self, width: usize) -> Self {
+        self.isa = self.isa.with_width(width);
         self
     }
 

@@ -6,7 +6,7 @@ use crate::every::every;
 use crate::layout::ChildRef;
 use crate::packet::{Found, Packet, any_batch, any_packet, nearest_batch, nearest_packet};
 use crate::search::{any, nearest};
-use crate::simd;
+use crate::simd::{self, LANES, Lanes, WIDE};
 use crate::traverse::{Nearest, Start, Users, Way, is_traceable};
 use crate::{Hit, Isa};
 use glam::Mat4;
@@ -38,7 +38,7 @@ macro_rules! queries {
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `SupportedIsa` is one that this machine has.
                 unsafe {
-                    match isa.0 {
+                    match isa.level {
                         Isa::Baseline => sse2::$name(isa, $($arg),*),
                         Isa::Avx2 => avx2::$name(isa, $($arg),*),
                         Isa::Avx512 => avx512::$name(isa, $($arg),*),
@@ -104,11 +104,19 @@ queries! {
     };
     /// The nearest hits of rays.
     fn nearest_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
-        nearest_batch(isa, (s, l), tree, rays, users, hits)
+        if isa.is_narrow(l) {
+            nearest_batch(isa, (s, s), tree, rays, users, hits);
+        } else {
+            nearest_batch(isa, (s, l), tree, rays, users, hits);
+        }
     };
     /// Which rays hit anything.
     fn any_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, occluded: &mut [bool]) = |isa, s, l| {
-        any_batch(isa, (s, l), tree, rays, users, occluded)
+        if isa.is_narrow(l) {
+            any_batch(isa, (s, s), tree, rays, users, occluded);
+        } else {
+            any_batch(isa, (s, l), tree, rays, users, occluded);
+        }
     };
     /// The nearest hits of a packet that is moved to the space of a tree, in intervals that end where `found` says.
     fn nearest_packet_in<U: Users>(
@@ -124,23 +132,49 @@ queries! {
     };
 }
 
-/// A level that was found to be supported by this machine.
+/// A level that was found to be supported by this machine, and how many rays a packet may have.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SupportedIsa(Isa);
+pub(crate) struct SupportedIsa {
+    level: Isa,
+    width: u8,
+}
 
 impl SupportedIsa {
-    /// The fastest one.
+    /// The fastest one, with packets as wide as it has lanes.
     pub fn best() -> Self {
-        Self(Isa::best())
+        Self { level: Isa::best(), width: WIDE as u8 }
     }
 
-    /// The level, if this machine supports it.
-    pub fn new(isa: Isa) -> Option<Self> {
-        isa.is_supported().then_some(Self(isa))
+    /// The same with another level, if this machine supports it.
+    pub fn with_level(self, level: Isa) -> Self {
+        if level.is_supported() { Self { level, ..self } } else { self }
     }
 
-    /// Which one it is.
+    /// The same with packets of at most so many rays: four, eight or sixteen, whichever is next to what is asked for.
+    pub fn with_width(self, width: usize) -> Self {
+        Self { width: width.clamp(4, WIDE).next_power_of_two() as u8, ..self }
+    }
+
+    /// Which level it is.
     pub fn get(self) -> Isa {
-        self.0
+        self.level
     }
+
+    /// Most rays of a packet.
+    #[inline(always)]
+    pub fn width(self) -> usize {
+        self.width.into()
+    }
+
+    /// Whether packets need no more lanes than a node has, where there are more.
+    #[inline(always)]
+    fn is_narrow(self, l: impl Lanes) -> bool {
+        lanes_of(l) > LANES && self.width() <= LANES
+    }
+}
+
+/// How many lanes there are.
+#[inline(always)]
+fn lanes_of<L: Lanes>(_: L) -> usize {
+    L::COUNT
 }

@@ -106,8 +106,16 @@ impl TopLevel {
     /// Runs queries on another instruction set; one that is not supported changes nothing.
     #[must_use]
     pub fn with_isa(mut self, isa: Isa) -> Self {
-        self.isa = SupportedIsa::new(isa).unwrap_or(self.isa);
+        self.isa = self.isa.with_level(isa);
         self.objects = self.objects.into_iter().map(|object| object.with_isa(isa)).collect();
+        self
+    }
+
+    /// Packets of batches and streams have at most so many rays: `width`, which is made four, eight or sixteen, and no more than
+    /// the instruction set has lanes. Hits are the same for all.
+    #[must_use]
+    pub fn with_packet_width(mut self, width: usize) -> Self {
+        self.isa = self.isa.with_width(width);
         self
     }
 

@@ -3,7 +3,7 @@
 use super::any::any_beams;
 use super::flight::alone;
 use super::nearest::nearest_beams;
-use super::{BEAM, Found, Packet, Set};
+use super::{Found, Packet, Set, beam};
 use crate::bvh::Tree;
 use crate::dispatch::SupportedIsa;
 use crate::search::{Any, Closest};
@@ -28,14 +28,14 @@ fn packet<L: Lanes>(l: L, rays: &[Ray]) -> Packet {
 /// Whether enough of some rays for a beam have directions with the same signs and the same greatest axis. Where they have not, nothing is
 /// done in the widest registers, whose use makes a processor slower for a while.
 #[inline(always)]
-fn may_be_beam(rays: &[Ray]) -> bool {
+fn may_be_beam(rays: &[Ray], width: usize) -> bool {
     let mut counts = [0; 32];
     rays.iter().any(|ray| {
         let d = &ray.direction;
         let signs = u32::from(d.x < 0.0) | u32::from(d.y < 0.0) << 1 | u32::from(d.z < 0.0) << 2;
         let count = &mut counts[(signs as usize) << 2 | axes(*d)[2]];
         *count += 1;
-        *count >= BEAM
+        *count >= beam(width)
     })
 }
 
@@ -87,20 +87,20 @@ trait Batch<S: Simd, L: Lanes> {
     /// The rays.
     fn rays(&self) -> &[Ray];
 
-    /// Traces all rays: the next packets in one go, those that go alone when there are enough of them.
+    /// Traces all rays, in packets of at most so many: the next packets in one go, those that go alone when there are enough of them.
     #[inline(always)]
-    fn run(&self, s: S, l: L) {
+    fn run(&self, s: S, l: L, width: usize) {
         let rays = self.rays();
         let (mut done, mut pausing, mut doubtful) = (0, 0, true);
         let mut waiting = Alone::new();
         while done < rays.len() {
-            let len = L::COUNT.min(rays.len() - done);
+            let len = L::COUNT.min(width).min(rays.len() - done);
             let all = (1 << len) - 1;
             let lanes = if pausing > 0 {
                 pausing -= 1;
                 all
             } else {
-                let hopeless = doubtful && !may_be_beam(&rays[done..done + len]);
+                let hopeless = doubtful && !may_be_beam(&rays[done..done + len], width);
                 let lanes = if hopeless { all } else { self.together(s, l, done, len) };
                 doubtful = lanes.count_ones() as usize * 4 > len * 3;
                 pausing = if doubtful { PAUSE } else { 0 };
@@ -208,7 +208,7 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
 ) {
     assert_eq!(rays.len(), hits.len(), "as many answers as rays");
     let hits = Cell::from_mut(hits).as_slice_of_cells();
-    ClosestHits { isa, tree, rays, users, hits }.run(s, l);
+    ClosestHits { isa, tree, rays, users, hits }.run(s, l, isa.width());
 }
 
 /// Which rays hit anything.
@@ -223,5 +223,5 @@ pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
 ) {
     assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
     let occluded = Cell::from_mut(occluded).as_slice_of_cells();
-    AnyHits { isa, tree, rays, users, occluded }.run(s, l);
+    AnyHits { isa, tree, rays, users, occluded }.run(s, l, isa.width());
 }

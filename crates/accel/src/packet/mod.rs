@@ -29,8 +29,21 @@ use steradian_math::{Ray, Vec3};
 
 /// A beam has at least so many rays; others go alone. Measured.
 const BEAM: u32 = 6;
+
+/// The same for packets of so many rays.
+#[inline(always)]
+fn beam(width: usize) -> u32 {
+    BEAM.min(width as u32)
+}
+
 /// With fewer rays than these in a part of the tree, they go on alone. Measured.
 const FEW: u32 = 4;
+
+/// The same for packets of so many rays.
+#[inline(always)]
+fn few(width: usize) -> u32 {
+    FEW.min(width as u32 / 2)
+}
 
 /// The rays of a packet by rows.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@
 use super::beam::{Apart, Beam, Ways};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
-use super::{BEAM, FEW, Found, Packet, Set};
+use super::{Found, Packet, Set, beam, few};
 use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, nearest_hit_from};
 use crate::layout::{Block, ChildRef};
@@ -48,7 +48,7 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
     while rest != 0 {
         let group = ways.like_first(rest);
         rest &= !group;
-        if group.count_ones() < BEAM {
+        if group.count_ones() < beam(isa.width()) {
             alone |= group;
             continue;
         }
@@ -130,7 +130,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 // SAFETY: parents are nodes of the tree.
                 let node = unsafe { tree.arena.node(parent) };
                 active = group & self.beam.enters(l, node, key_lane(key), l.read(&found.t));
-                if active.count_ones() >= FEW {
+                if active.count_ones() >= few(self.isa.width()) {
                     current = child;
                     break;
                 }

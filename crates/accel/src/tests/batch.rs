@@ -20,6 +20,14 @@ fn same<U: UserPrimitives>(top: &TopLevel, rays: &[Ray], user: &U) -> usize {
         occluded.fill(true);
         top.intersect_batch(rays, user, &mut hits);
         top.occluded_batch(rays, user, &mut occluded);
+        for width in [4, 8] {
+            let top = top.clone().with_packet_width(width);
+            let (mut narrow_hits, mut narrow_occluded) = (vec![None; rays.len()], vec![true; rays.len()]);
+            top.intersect_batch(rays, user, &mut narrow_hits);
+            top.occluded_batch(rays, user, &mut narrow_occluded);
+            assert!(narrow_hits.iter().zip(&hits).all(|(a, b)| bits(*a) == bits(*b)), "{isa:?} {width}");
+            assert_eq!(narrow_occluded, occluded, "{isa:?} {width}");
+        }
         let (mut sorted_hits, mut sorted_occluded) = (vec![None; rays.len()], vec![true; rays.len()]);
         top.intersect_stream(rays, user, &mut sorted_hits);
         top.occluded_stream(rays, user, &mut sorted_occluded);
