@@ -159,8 +159,8 @@ impl<L: Lanes> Beam<L> {
     pub fn enters(&self, l: L, node: &Node, slot: usize, t_max: L::F) -> u32 {
         let near = [self.plane(l, node, slot, 0, 0), self.plane(l, node, slot, 0, 1), self.plane(l, node, slot, 0, 2)];
         let far = [self.plane(l, node, slot, 1, 0), self.plane(l, node, slot, 1, 1), self.plane(l, node, slot, 1, 2)];
-        let enter = l.max(l.max(near[0], near[1]), l.max(near[2], l.splat(0.0)));
-        let leave = l.min(l.min(far[0], far[1]), l.min(far[2], t_max));
+        let enter = l.farther(l.farther(near[0], near[1]), l.farther(near[2], l.splat(0.0)));
+        let leave = l.nearer(l.nearer(far[0], far[1]), l.nearer(far[2], t_max));
         l.bits(l.le(enter, leave))
     }
 

@@ -106,8 +106,8 @@ impl<S: Simd> Interval<S> {
     pub fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
         let near = [self.near(s, node, 0), self.near(s, node, 1), self.near(s, node, 2)];
         let far = [self.far(s, node, 0), self.far(s, node, 1), self.far(s, node, 2)];
-        let enter = s.max(s.max(near[0], near[1]), s.max(near[2], s.splat(0.0)));
-        let leave = s.min(s.min(far[0], far[1]), s.min(far[2], t_max));
+        let enter = s.farther(s.farther(near[0], near[1]), s.farther(near[2], s.splat(0.0)));
+        let leave = s.nearer(s.nearer(far[0], far[1]), s.nearer(far[2], t_max));
         (enter, s.bits(s.le(enter, leave)))
     }
 
