@@ -6,7 +6,18 @@ use crate::{
     stage::{Stage, diffuse, found_by_scattering_alone, rectangle, shape, sphere},
 };
 use std::f64::consts::PI;
-use steradian_math::{DVec3, Transform};
+use steradian_core::{
+    ColorMode, Scene,
+    color::Color,
+    light::{
+        Environment, Light, Lights,
+        environment::{EnvironmentImage, Parametrization},
+    },
+    sampler::{Sampler, SamplerKind},
+};
+use steradian_image::{Encoding, TexelData, Texels};
+use steradian_integrators::{Counters, Depth, Integrator, Survey, Tactics, path::Path};
+use steradian_math::{DVec3, Ray, Transform, Vec3, hash::HashRng, spectra::Wavelengths};
 use steradian_scene::Mesh;
 
 /// The point that receives light, and its normal.
@@ -265,52 +276,84 @@ fn portals() {
     }
 }
 
+/// A dim sky with a few bright spots, turned.
+fn spotted(parametrization: Parametrization) -> Environment {
+    let (width, height) = if parametrization == Parametrization::Octahedral { (16, 16) } else { (24, 12) };
+    let mut rng = HashRng::new(5);
+    let data = (0..width * height * 3).map(|_| 0.2 + 8.0 * rng.next_f32().powi(12)).collect();
+    let texels = Texels {
+        width,
+        height,
+        channels: 3,
+        data: TexelData::F32(data),
+        encoding: Encoding::Linear,
+        metadata: Default::default(),
+    };
+    let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.7).affine().expect("a rotation");
+    Environment {
+        radiance: Color::constant(1.0),
+        scale: 2.0,
+        image: Some(EnvironmentImage::new(texels, parametrization, turn)),
+        portal: None,
+        mode: ColorMode::Rgb,
+    }
+}
+
+/// The scene under a sky instead of its lights.
+fn under(stage: &Stage, sky: Environment) -> Scene {
+    let mut scene = stage.scene();
+    scene.lights = Lights::new(vec![Light::Environment(Box::new(sky))], Vec::new(), ColorMode::Rgb, &scene.textures);
+    scene
+}
+
+const PARAMETRIZATIONS: [Parametrization; 3] =
+    [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ];
+
 /// M74, M217: an image around the scene, in each parametrisation and turned, gives the irradiance ∫ L cos dω of its own radiance by quadrature, found
 /// by light sampling and scattering together. 4σ.
 #[test]
 fn environment_images() {
-    use steradian_core::{
-        ColorMode,
-        color::Color,
-        light::{
-            Environment, Light, Lights,
-            environment::{EnvironmentImage, Parametrization},
-        },
-    };
-    use steradian_image::{Encoding, TexelData, Texels};
-    use steradian_math::{Vec3, hash::HashRng, spectra::Wavelengths};
-    let lambda = Wavelengths::RGB;
-    for parametrization in [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ] {
-        // A dim sky with a few bright spots.
-        let (width, height) = if parametrization == Parametrization::Octahedral { (16, 16) } else { (24, 12) };
-        let mut rng = HashRng::new(5);
-        let data = (0..width * height * 3).map(|_| 0.2 + 8.0 * rng.next_f32().powi(12)).collect();
-        let texels = Texels {
-            width,
-            height,
-            channels: 3,
-            data: TexelData::F32(data),
-            encoding: Encoding::Linear,
-            metadata: Default::default(),
-        };
-        let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.7).affine().expect("a rotation");
-        let sky = Environment {
-            radiance: Color::constant(1.0),
-            scale: 2.0,
-            image: Some(EnvironmentImage::new(texels, parametrization, turn)),
-            portal: None,
-            mode: ColorMode::Rgb,
-        };
+    for parametrization in PARAMETRIZATIONS {
+        let sky = spotted(parametrization);
         let expected = std::array::from_fn(|c| {
-            let cosine = |w: Vec3| f64::from(sky.radiance(Vec3::ZERO, w, &lambda)[c] * w.z.max(0.0));
+            let cosine = |w: Vec3| f64::from(sky.radiance(Vec3::ZERO, w, &Wavelengths::RGB)[c] * w.z.max(0.0));
             steradian_testkit::integrate_sphere(cosine, 1e-3)
         });
-        let mut scene = receiver(0.1).scene();
-        scene.lights =
-            Lights::new(vec![Light::Environment(Box::new(sky))], Vec::new(), ColorMode::Rgb, &scene.textures);
+        let scene = under(&receiver(0.1), sky);
         assert!(scene.lights.can_sample());
         let e = mean(&Shot::of("direct", 60_000).take(&scene)).times(PI);
         e.is_near(&format!("{parametrization:?}"), expected, 0.02);
+    }
+}
+
+/// M217: what is seen in a ball of mirror is the image looked up in the reflected direction.
+#[test]
+fn a_mirror_ball_shows_the_environment() {
+    let mut stage = Stage::new();
+    stage.solid(
+        sphere([0.0; 3], 1.0),
+        crate::stage::material("conductor").with("reflectance", crate::stage::white(1.0)),
+    );
+    stage.film(1, 1).look([0.0, 0.0, 4.0], [0.0; 3], 10.0);
+    let depth = Depth { max: 8, roulette_after: 8, hide_emitters: false };
+    let path = Path { depth, tactics: Tactics::default() };
+    let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
+    for parametrization in PARAMETRIZATIONS {
+        let sky = spotted(parametrization);
+        let scene = under(&stage, sky.clone());
+        for k in 0..400 {
+            let (r, phi) = (0.98 * (k as f32 / 400.0).sqrt(), 2.4 * k as f32);
+            let n = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - r * r).sqrt());
+            let ray = Ray::new(Vec3::new(n.x, n.y, 4.0), -Vec3::Z);
+            let counters = &mut Counters::default();
+            let (survey, numbers) = (Survey::default(), sampler.pixel(0, 0, k));
+            let seen = path.radiance(&scene, &survey, ray, &numbers, &mut Wavelengths::RGB.clone(), counters);
+            let looked_up = sky.radiance(n, 2.0 * n.z * n - Vec3::Z, &Wavelengths::RGB);
+            for c in 0..3 {
+                let error = (seen[c] - looked_up[c]).abs();
+                assert!(error <= 2e-3 * looked_up[c], "{parametrization:?} at {n}: {seen:?} is not {looked_up:?}");
+            }
+        }
     }
 }
 
