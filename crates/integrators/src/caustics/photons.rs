@@ -101,7 +101,8 @@ fn targets(scene: &Scene) -> Vec<Target> {
     let within = |from: u32, to: u32| boxes[from as usize..to as usize].iter().flatten();
     let mut bounds: Vec<Bounds3> = within(0, starts[0]).copied().collect();
     for place in &scene.placements {
-        let end = starts[starts.partition_point(|s| *s <= place.base)];
+        // Nothing comes after a group without geometry at the end.
+        let end = starts.get(starts.partition_point(|s| *s <= place.base)).copied().unwrap_or(place.base);
         let placed = |b: &Bounds3| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))));
         bounds.extend(within(place.base, end).map(placed));
     }
