@@ -21,6 +21,26 @@ pub enum ColorMode {
     Spectral,
 }
 
+impl ColorMode {
+    /// The wavelengths of a path: drawn by a number in [0, 1), for which RGB does not ask.
+    #[inline]
+    pub fn wavelengths(self, u: impl FnOnce() -> f32) -> Wavelengths {
+        match self {
+            Self::Rgb => Wavelengths::RGB,
+            Self::Spectral => Wavelengths::sample_visible(u()),
+        }
+    }
+
+    /// The luminance of lanes: that of Rec.709, or an estimate from those at the wavelengths.
+    #[inline]
+    pub fn luminance(self, lanes: Spectrum, lambda: &Wavelengths) -> f32 {
+        match self {
+            Self::Rgb => luminance(Vec3::from(lanes.to_rgb())),
+            Self::Spectral => lambda.luminance(lanes),
+        }
+    }
+}
+
 /// What a value stands for, which decides how RGB becomes a spectrum and a spectrum RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {

@@ -23,11 +23,11 @@ use std::{
     time::{Duration, Instant},
 };
 use steradian_core::{
-    ColorMode, Scene, color,
+    Scene, color,
     film::{Crop, FirstHit, FirstHitSums, Pixel},
     sampler::Sampler,
 };
-use steradian_math::{Spectrum, Vec2, hash::combine64, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec2, hash::combine64};
 use tile::{CELLS, Tile, cell_of};
 
 /// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
@@ -397,10 +397,7 @@ impl<'s> Session<'s> {
             let point = Vec2::new(p.x as f32 + 0.5, p.y as f32 + 0.5) + offset;
             let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
             let ray = scene.camera.ray(film, point, lens);
-            let lambda = match scene.mode {
-                ColorMode::Rgb => Wavelengths::RGB,
-                ColorMode::Spectral => Wavelengths::sample_visible(common.get_1d(dimension::WAVELENGTH)),
-            };
+            let lambda = scene.mode.wavelengths(|| common.get_1d(dimension::WAVELENGTH));
             let lambda = if scene.is_timed { lambda.at_time(common.get_1d(dimension::TIME)) } else { lambda };
             let joint = partition.sampler(sampler, group, index, p.rank);
             seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });

@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 use steradian_accel::Steps;
-use steradian_core::{ColorMode, Scene, light::LightContext, scene::Interaction};
-use steradian_math::{Frame, Ray, Vec2, Vec3, hash::HashRng, spectra::Wavelengths, warp};
+use steradian_core::{Scene, light::LightContext, scene::Interaction};
+use steradian_math::{Frame, Ray, Vec2, Vec3, hash::HashRng, warp};
 
 /// Rays of a kind, and whether they are asked for any hit or for the nearest.
 #[derive(Clone, Debug)]
@@ -46,10 +46,7 @@ pub fn ray_sets(scene: &Scene, most: usize) -> [RaySet; 3] {
 
 /// A shadow ray from a surface to a light.
 fn to_light(scene: &Scene, i: &Interaction, n: Vec3, choice: f32, u: Vec2) -> Option<Ray> {
-    let lambda = match scene.mode {
-        ColorMode::Rgb => Wavelengths::RGB,
-        ColorMode::Spectral => Wavelengths::sample_visible(0.5),
-    };
+    let lambda = scene.mode.wavelengths(|| 0.5);
     let context = LightContext { p: i.surface.p, n };
     let (light, _) = scene.lights.choose(&context, choice)?;
     let sample = scene.lights.sample(light, &context, u, &lambda, &scene.textures)?;

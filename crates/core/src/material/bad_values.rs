@@ -15,7 +15,6 @@ use crate::{
 use steradian_math::{
     Vec2, Vec3,
     hash::HashRng,
-    spectra::Wavelengths,
     warp::{cosine_hemisphere, uniform_sphere},
 };
 use steradian_scene::{
@@ -139,10 +138,7 @@ fn is_finite(scene: &Scene) -> Result<(), String> {
     let mut rng = HashRng::new(7);
     for i in 0..8 {
         let at = TextureContext::new(Vec3::ZERO, Vec2::new(rng.next_f32(), rng.next_f32()));
-        let mut lambda = match scene.mode {
-            ColorMode::Rgb => Wavelengths::RGB,
-            ColorMode::Spectral => Wavelengths::sample_visible(rng.next_f32()),
-        };
+        let mut lambda = scene.mode.wavelengths(|| rng.next_f32());
         let Some(s) = scattering(&scene.materials, &scene.textures, id, &at, i % 2 == 0, rng.next_f32(), &mut lambda)
         else {
             return Ok(());

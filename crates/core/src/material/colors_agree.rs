@@ -8,7 +8,7 @@ use crate::{
     scene::Scene,
     texture::TextureContext,
 };
-use steradian_math::{Vec2, Vec3, color::space::REC709, spectra::Wavelengths};
+use steradian_math::{Vec2, Vec3, color::space::REC709};
 use steradian_scene::{Family, Node, SceneDesc, Shape, Value};
 
 /// A sphere of a material with its defaults.
@@ -41,10 +41,7 @@ fn seen(scene: &Scene, wo: Vec3, wi: Vec3) -> Vec3 {
     let at = TextureContext::new(Vec3::ZERO, Vec2::splat(0.4));
     let mut sum = Vec3::ZERO;
     for i in 0..n {
-        let mut lambda = match scene.mode {
-            ColorMode::Rgb => Wavelengths::RGB,
-            ColorMode::Spectral => Wavelengths::sample_visible((i as f32 + 0.5) / n as f32),
-        };
+        let mut lambda = scene.mode.wavelengths(|| (i as f32 + 0.5) / n as f32);
         let material = scene.geometries[0].material;
         let s =
             scattering(&scene.materials, &scene.textures, material, &at, true, 0.3, &mut lambda).expect("it scatters");

@@ -3,7 +3,7 @@
 use crate::{Counters, live_max, nee, walk::Vertex};
 use rayon::prelude::*;
 use steradian_core::{
-    ColorMode, Scene,
+    Scene,
     bsdf::{Bsdf, Diffuse, TransportMode},
     light::LightContext,
     material::{Material, Model, Roughness, Scattering},
@@ -176,14 +176,8 @@ fn trace(
     sampler: &PixelSampler,
     mut land: impl FnMut(Photon) -> bool,
 ) -> Option<()> {
-    let mut lambda = match scene.mode {
-        ColorMode::Rgb => Wavelengths::RGB,
-        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
-    };
-    let luminance = |s: Spectrum, lambda: &Wavelengths| match scene.mode {
-        ColorMode::Rgb => steradian_math::color::luminance(Vec3::from(s.to_rgb())),
-        ColorMode::Spectral => lambda.luminance(s),
-    };
+    let mut lambda = scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+    let luminance = |s: Spectrum, lambda: &Wavelengths| scene.mode.luminance(s, lambda);
     let u = sampler.get_1d(dimension::TARGET);
     let target = targets.get(targets.partition_point(|t| t.sum <= u)).or(targets.last())?;
     let across = sampler.get_2d(dimension::POINT);

@@ -9,10 +9,10 @@ use crate::{
 };
 use rayon::prelude::*;
 use steradian_core::{
-    ColorMode, Scene,
+    Scene,
     sampler::{PixelSampler, Sampler, SamplerKind},
 };
-use steradian_math::{Spectrum, Vec2, Vec3, color, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
 
 /// Edge of a cell of the picture, pixels, where it is small; otherwise there are at most so many to an edge.
 const CELL: u32 = 8;
@@ -76,21 +76,12 @@ fn trace<const MEDIA: bool>(
     sampler: &PixelSampler,
 ) -> Contributions {
     let film = &scene.film;
-    let mut lambda = match scene.mode {
-        ColorMode::Rgb => Wavelengths::RGB,
-        ColorMode::Spectral => Wavelengths::sample_visible(sampler.get_1d(dimension::WAVELENGTH)),
-    };
+    let mut lambda = scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
     let within = sampler.get_2d(dimension::FILM);
     let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
     let place = Vec2::new(place(0, film.width), place(1, film.height));
     let ray = scene.camera.ray(film, place, sampler.get_2d(dimension::LENS));
-    let luminance = |s: Spectrum, lambda: &Wavelengths| {
-        let luminance = match scene.mode {
-            ColorMode::Rgb => color::luminance(Vec3::from(s.to_rgb())),
-            ColorMode::Spectral => lambda.luminance(s),
-        };
-        f64::from(luminance * film.imaging_ratio)
-    };
+    let luminance = |s: Spectrum, lambda: &Wavelengths| f64::from(scene.mode.luminance(s, lambda) * film.imaging_ratio);
     let counters = &mut Counters::default();
     let mut leg = Leg::camera(scene, ray);
     let (mut found, mut ratio) = (Contributions::new(), 1.0);
