@@ -16,7 +16,7 @@
 //! Triangles are tested watertight, and a hit that rounding cannot tell from the origin of the ray is none: no ray slips between two
 //! triangles that share an edge, and none meets again the triangle that it leaves. There is no epsilon to choose.
 //!
-//! This crate knows nothing of materials, and is the only one with `unsafe` code, which each module that needs it allows by name.
+//! This crate knows nothing of materials, and is the only one of the program with `unsafe` code, which each module that needs it allows by name.
 
 mod arena;
 pub mod bounding;

@@ -1,10 +1,20 @@
 //! Time of processors, which on a shared machine means more than the time on the wall.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::time::Duration;
 
 /// Time that this process has run, all threads together.
 pub fn cpu() -> Duration {
-    let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time(ClockId::ProcessCPUTime)
+}
+
+/// Time that this thread has run.
+pub fn thread() -> Duration {
+    time(ClockId::ThreadCPUTime)
+}
+
+fn time(clock: ClockId) -> Duration {
+    let t = clock_gettime(clock);
     Duration::new(t.tv_sec.unsigned_abs(), t.tv_nsec.unsigned_abs() as u32)
 }
 

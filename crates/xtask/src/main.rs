@@ -4,11 +4,11 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod clock;
-mod embree;
 mod generate;
 mod instructions;
 mod loading;
 mod plot;
+mod rays;
 mod report;
 mod rivals;
 mod scaling;
@@ -42,7 +42,7 @@ struct Bench {
     /// Folder for results
     #[arg(long, default_value = "target/bench")]
     out: PathBuf,
-    /// Only these parts: structures, scaling, threads, loading, rays, rivals
+    /// Only these parts: structures, scaling, threads, loading, rays, builders, rivals
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
     /// Largest mesh, in triangles
@@ -51,15 +51,15 @@ struct Bench {
     /// A Python that has Mitsuba 3, to render the same scene with it
     #[arg(long)]
     mitsuba_python: Option<PathBuf>,
-    /// A program that measures Embree: it takes `--json FILE`, `--dump-rays FOLDER` and `--dump-ply CELLS FILE`
-    #[arg(long)]
-    embree_bench: Option<PathBuf>,
-    /// More arguments for that program
-    #[arg(long, allow_hyphen_values = true, value_delimiter = ' ')]
-    embree_arguments: Vec<String>,
-    /// Our program, which traces the same rays
-    #[arg(long, default_value = "target/release/steradian")]
-    steradian: PathBuf,
+    /// The shared library of Embree 4, to trace the same rays with it
+    #[arg(long, value_name = "LIBRARY")]
+    embree: Option<PathBuf>,
+    /// One more mesh to trace rays through; may be given several times
+    #[arg(long, value_name = "FILE.ply")]
+    mesh: Vec<PathBuf>,
+    /// Of the rays only those whose scene, name or query has each of these words, such as mesh_10k,bounce1,closest
+    #[arg(long, value_name = "WORD", value_delimiter = ',')]
+    rays: Vec<String>,
 }
 
 fn main() -> ExitCode {
@@ -95,7 +95,10 @@ impl Bench {
             loading::measure(&self.out, &mut report)?;
         }
         if is_wanted("rays") {
-            embree::measure(self, &mut report)?;
+            rays::measure(self, &mut report)?;
+        }
+        if is_wanted("builders") {
+            rays::builders(&mut report)?;
         }
         if is_wanted("rivals") {
             rivals::measure(self, &mut report)?;

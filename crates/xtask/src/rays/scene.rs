@@ -1,11 +1,12 @@
 //! The meshes and rays of the measurement. Only `+ − × ÷ √` in `f64` in a fixed order and an integer generator decide them, so that
 //! other programs can be measured with the very same input.
 
+use crate::generate::Mesh;
 use std::collections::HashMap;
-use steradian_math::{DMat4, DVec3, Ray, Transform, Vec3, transform::Affine};
+use steradian_math::{Bounds3, DMat4, DVec3, Ray, Transform, Vec3, transform::Affine};
 
 /// SplitMix64.
-pub struct Rng(pub u64);
+struct Rng(u64);
 
 impl Rng {
     fn next(&mut self) -> u64 {
@@ -44,7 +45,7 @@ fn noise(p: DVec3) -> f64 {
 }
 
 /// A sphere with six octaves of noise, of `12 n²` triangles.
-pub fn displaced_sphere(n: i32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub fn displaced_sphere(n: i32) -> Mesh {
     let mut positions = Vec::new();
     let mut known = HashMap::new();
     let mut vertex = |key: [i32; 3]| {
@@ -116,38 +117,112 @@ pub fn instances() -> Vec<Affine> {
     (0..1000).filter_map(&mut place).collect()
 }
 
+/// Where rays begin, and the light that shadow rays go to.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    pub name: &'static str,
+    pub eye: DVec3,
+    pub at: DVec3,
+    /// Of half the angle of view.
+    pub tan_half: f64,
+    /// Centre and half the side of a square light that faces down.
+    pub light: (DVec3, f64),
+    /// By how much rays that leave a surface begin above it.
+    pub offset: f64,
+}
+
+impl View {
+    /// Views of the displaced sphere: at it, and out of its middle.
+    pub const SPHERE: [Self; 2] = [
+        Self {
+            name: "outside",
+            eye: DVec3::new(1.1, 0.8, 2.2),
+            at: DVec3::ZERO,
+            tan_half: 0.42,
+            light: (DVec3::new(0.0, 3.0, 1.0), 0.7),
+            offset: 1e-4,
+        },
+        Self {
+            name: "inside",
+            eye: DVec3::new(0.1, 0.05, -0.08),
+            at: DVec3::new(0.5, 0.3, 1.0),
+            tan_half: 1.0,
+            light: (DVec3::new(0.0, 0.3, 0.0), 0.1),
+            offset: 1e-4,
+        },
+    ];
+
+    /// At the instances.
+    pub const INSTANCES: [Self; 1] = [Self {
+        name: "outside",
+        eye: DVec3::new(24.0, 15.0, 26.0),
+        at: DVec3::ZERO,
+        tan_half: 0.45,
+        light: (DVec3::new(0.0, 40.0, 20.0), 10.0),
+        offset: 1e-4,
+    }];
+
+    /// At all of a mesh, along its thinnest side.
+    pub fn of(mesh: &Mesh) -> Self {
+        let bounds = mesh.0.iter().fold(Bounds3::EMPTY, |bounds, &p| bounds.union_point(p));
+        let (least, greatest) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let (center, half) = ((least + greatest) * 0.5, (greatest - least) * 0.5);
+        let (radius, tan_half) = (half.max_element(), 0.42);
+        let thinnest = DVec3::AXES.into_iter().min_by(|a, b| a.dot(half).total_cmp(&b.dot(half))).unwrap_or(DVec3::Z);
+        Self {
+            name: "outside",
+            eye: center + thinnest * (half.min_element() + radius / tan_half),
+            at: center,
+            tan_half,
+            light: (center + (DVec3::Y * 3.0 + thinnest) * radius, 0.7 * radius),
+            offset: 1e-4 * radius,
+        }
+    }
+
+    /// One ray through each pixel of a picture of `size` × `size`, in tiles of 4 × 4.
+    pub fn primary(&self, size: i32) -> Vec<Ray> {
+        let w = normalize(self.at - self.eye);
+        let u = normalize(w.cross(if w.y.abs() < 0.99 { DVec3::Y } else { DVec3::Z }));
+        let v = u.cross(w);
+        let tiles = (0..size / 4).flat_map(|y| (0..size / 4).map(move |x| (4 * x, 4 * y)));
+        let pixels = tiles.flat_map(|(x, y)| (0..16).map(move |i| (x + i % 4, y + i / 4)));
+        let ray = |(x, y)| {
+            let px = (2.0 * (f64::from(x) + 0.5) / f64::from(size) - 1.0) * self.tan_half;
+            let py = (1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(size)) * self.tan_half;
+            Ray::new(self.eye.as_vec3(), normalize(w + u * px + v * py).as_vec3())
+        };
+        pixels.map(ray).collect()
+    }
+
+    /// Points a little above the surface where rays hit, of which distances and normals are given.
+    pub fn spots(&self, rays: &[Ray], nearest: impl Fn(&Ray) -> Option<(f32, Vec3)>) -> Vec<Spot> {
+        let spot = |ray: &Ray| {
+            let (t, normal) = nearest(ray)?;
+            let n = normalize(normal.as_dvec3());
+            let n = if n.dot(ray.direction.as_dvec3()) > 0.0 { -n } else { n };
+            Some((ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(t) + n * self.offset, n))
+        };
+        rays.iter().filter_map(spot).collect()
+    }
+
+    /// Rays from the spots to points on the light.
+    pub fn shadow(&self, spots: &[Spot], seed: u64) -> Vec<Ray> {
+        let mut rng = Rng(seed);
+        let (center, half) = self.light;
+        let ray = |&(p, _): &Spot| {
+            let to = DVec3::new(center.x + rng.signed() * half, center.y, center.z + rng.signed() * half);
+            Ray { origin: p.as_vec3(), direction: (to - p).as_vec3(), t_max: 0.9999 }
+        };
+        spots.iter().map(ray).collect()
+    }
+}
+
 fn normalize(v: DVec3) -> DVec3 {
     v * (1.0 / v.dot(v).sqrt())
 }
 
-/// One ray through each pixel of a picture of `size` × `size`, in tiles of 4 × 4.
-pub fn primary(eye: DVec3, at: DVec3, tan_half: f64, size: i32) -> Vec<Ray> {
-    let w = normalize(at - eye);
-    let u = normalize(w.cross(DVec3::Y));
-    let v = u.cross(w);
-    let tiles = (0..size / 4).flat_map(|y| (0..size / 4).map(move |x| (4 * x, 4 * y)));
-    let pixels = tiles.flat_map(|(x, y)| (0..16).map(move |i| (x + i % 4, y + i / 4)));
-    let ray = |(x, y)| {
-        let px = (2.0 * (f64::from(x) + 0.5) / f64::from(size) - 1.0) * tan_half;
-        let py = (1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(size)) * tan_half;
-        Ray::new(eye.as_vec3(), normalize(w + u * px + v * py).as_vec3())
-    };
-    pixels.map(ray).collect()
-}
-
-/// A point a little above a surface, and its normal.
+/// A point a little above a surface, and the normal there.
 pub type Spot = (DVec3, DVec3);
-
-/// From the nearest hits of rays with the normals there.
-pub fn spots(rays: &[Ray], nearest: impl Fn(&Ray) -> Option<(f32, Vec3)>) -> Vec<Spot> {
-    let spot = |ray: &Ray| {
-        let (t, normal) = nearest(ray)?;
-        let n = normalize(normal.as_dvec3());
-        let n = if n.dot(ray.direction.as_dvec3()) > 0.0 { -n } else { n };
-        Some((ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(t) + n * 1e-4, n))
-    };
-    rays.iter().filter_map(spot).collect()
-}
 
 /// Cosine-distributed rays from the spots.
 pub fn bounce(spots: &[Spot], seed: u64) -> Vec<Ray> {
@@ -165,23 +240,4 @@ pub fn bounce(spots: &[Spot], seed: u64) -> Vec<Ray> {
         Ray::new(p.as_vec3(), d.as_vec3())
     };
     spots.iter().map(ray).collect()
-}
-
-/// Rays from the spots to points on a square light that faces down.
-pub fn shadow(spots: &[Spot], center: DVec3, half: f64, seed: u64) -> Vec<Ray> {
-    let mut rng = Rng(seed);
-    let ray = |&(p, _): &Spot| {
-        let to = DVec3::new(center.x + rng.signed() * half, center.y, center.z + rng.signed() * half);
-        Ray { origin: p.as_vec3(), direction: (to - p).as_vec3(), t_max: 0.9999 }
-    };
-    spots.iter().map(ray).collect()
-}
-
-/// The rays in a random order.
-pub fn shuffled(mut rays: Vec<Ray>, seed: u64) -> Vec<Ray> {
-    let mut rng = Rng(seed);
-    for i in (1..rays.len()).rev() {
-        rays.swap(i, (rng.next() % (i as u64 + 1)) as usize);
-    }
-    rays
 }

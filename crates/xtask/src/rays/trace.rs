@@ -1,0 +1,101 @@
+//! What is asked of rays, what they find, and our ways to trace them.
+
+use steradian_accel::{Hit, TopLevel};
+use steradian_math::Ray;
+
+/// Rays that are handed over at once, where they are not sorted.
+const BATCH: usize = 256;
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Query {
+    /// The nearest hit.
+    Closest,
+    /// Whether there is any.
+    Occluded,
+}
+
+impl Query {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Closest => "closest",
+            Self::Occluded => "occluded",
+        }
+    }
+}
+
+/// What rays found: how many have a hit, and the sum of the distances of nearest hits.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Found {
+    pub hits: usize,
+    pub sum: f64,
+}
+
+impl Found {
+    /// Adds a hit.
+    #[inline(always)]
+    pub fn add(&mut self, t: f32) {
+        self.hits += 1;
+        self.sum += f64::from(t);
+    }
+
+    /// Whether another program has found the same, but for a few rays at edges.
+    pub fn agrees(self, other: Self) -> bool {
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
+        close(self.hits as f64, other.hits as f64) && close(self.sum, other.sum)
+    }
+}
+
+/// How we trace many rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// One by one.
+    Single,
+    /// In slices.
+    Batch,
+    /// All together, to be sorted first.
+    Stream,
+}
+
+impl Mode {
+    /// Every way.
+    pub const ALL: [Self; 3] = [Self::Single, Self::Batch, Self::Stream];
+}
+
+/// Traces rays.
+pub fn trace(top: &TopLevel, rays: &[Ray], query: Query, mode: Mode) -> Found {
+    let mut found = Found::default();
+    let batch = if mode == Mode::Stream { rays.len().max(1) } else { BATCH };
+    match (query, mode) {
+        (Query::Closest, Mode::Single) => {
+            rays.iter().filter_map(|ray| top.intersect(ray, &())).for_each(|hit| found.add(hit.t));
+        }
+        (Query::Occluded, Mode::Single) => found.hits = rays.iter().filter(|ray| top.occluded(ray, &())).count(),
+        (Query::Closest, _) => {
+            let mut hits: Vec<Option<Hit>> = vec![None; batch.min(rays.len())];
+            for rays in rays.chunks(batch) {
+                let hits = &mut hits[..rays.len()];
+                if mode == Mode::Stream {
+                    top.intersect_stream(rays, &(), hits);
+                } else {
+                    top.intersect_batch(rays, &(), hits);
+                }
+                hits.iter().flatten().for_each(|hit| found.add(hit.t));
+            }
+        }
+        (Query::Occluded, _) => {
+            let mut occluded = vec![false; batch.min(rays.len())];
+            for rays in rays.chunks(batch) {
+                let occluded = &mut occluded[..rays.len()];
+                if mode == Mode::Stream {
+                    top.occluded_stream(rays, &(), occluded);
+                } else {
+                    top.occluded_batch(rays, &(), occluded);
+                }
+                found.hits += occluded.iter().filter(|&&o| o).count();
+            }
+        }
+    }
+    found
+}
