@@ -110,7 +110,7 @@ pub(crate) struct Way {
 }
 
 /// Most that a coordinate times a reciprocal may be.
-const GREATEST: f32 = 8e37;
+pub(crate) const GREATEST: f32 = 8e37;
 /// The bound on rounding of coordinates along which a ray hardly moves, at least.
 const AT_REST: f32 = 3e31;
 

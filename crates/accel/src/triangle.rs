@@ -177,7 +177,7 @@ fn depth_error<L: Lanes>(s: L, x: [L::F; 3], y: [L::F; 3], z: [L::F; 3], edges: 
 
 /// The absolute value.
 #[inline(always)]
-fn abs<L: Lanes>(s: L, x: L::F) -> L::F {
+pub(crate) fn abs<L: Lanes>(s: L, x: L::F) -> L::F {
     s.max(x, s.sub(s.splat(0.0), x))
 }
 

@@ -41,9 +41,9 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
     lanes: u32,
     users: &U,
 ) -> (u32, u32) {
-    let ways = Ways::new(l, packet);
+    let ways = Ways::new(l, packet, &tree.bounds);
     let lanes = lanes & ways.valid;
-    let (mut rest, mut alone) = (lanes & ways.finite, lanes & !ways.finite);
+    let (mut rest, mut alone) = (lanes & ways.moving, lanes & !ways.moving);
     let mut hits = 0;
     while rest != 0 {
         let group = ways.like_first(rest);
@@ -79,7 +79,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32) -> u32 {
         let (s, l, tree) = (self.s, self.l, self.tree);
-        let interval = Interval::new(s, l, &self.beam, group);
+        let interval = Interval::new(s, l, &self.beam, group, &tree.bounds);
         let t_max = l.read(&self.packet.t_max);
         let farthest = l.greatest(l.select(l.mask(group), t_max, l.splat(f32::NEG_INFINITY)));
         let mut stack = PacketStack::new();
@@ -98,7 +98,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
             } else {
                 if current.is_block() {
-                    open &= !self.block(&interval, current, active, t_max);
+                    open &= !self.block(&interval, current, active, t_max, farthest);
                 } else if current != ChildRef::EMPTY {
                     open &= !self.user(current.index() as u32, active);
                 }
@@ -117,7 +117,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
-                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane, &ray, &tree.bounds), child)
+                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane), child)
                     {
                         open &= !(1 << lane);
                     }
@@ -131,12 +131,12 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
     /// The active rays that hit a triangle of a block.
     #[inline(always)]
-    fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, t_max: L::F) -> u32 {
+    fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, t_max: L::F, farthest: f32) -> u32 {
         let (s, l) = (self.s, self.l);
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let mut open = active;
-        for slot in Set(interval.triangles(s, block)) {
+        for slot in Set(interval.triangles(s, block, s.splat(farthest))) {
             let slot = slot & (LANES - 1);
             if let Some(crossing) = self.beam.cross(l, block, slot, t_max) {
                 open &= !self.triangle(block.ids[slot], &crossing, open, t_max);

@@ -14,17 +14,6 @@ use crate::{Hit, UserHit};
 use std::cell::Cell;
 use steradian_math::Ray;
 
-/// A packet of some rays. One of few is filled with copies.
-#[inline(always)]
-fn packet<L: Lanes>(l: L, rays: &[Ray]) -> Packet {
-    if rays.len() >= L::COUNT {
-        return Packet::new(l, rays);
-    }
-    let mut padded = [rays[0]; WIDE];
-    padded[..rays.len()].copy_from_slice(rays);
-    Packet::new(l, &padded)
-}
-
 /// Whether enough of some rays for a beam have directions with the same signs and the same greatest axis. Where they have not, nothing is
 /// done in the widest registers, whose use makes a processor slower for a while.
 #[inline(always)]
@@ -132,7 +121,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
 
     #[inline(always)]
     fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
-        let packet = packet(l, &self.rays[first..first + len]);
+        let packet = Packet::new(l, &self.rays[first..first + len]);
         let mut found = Found::nothing(&packet.t_max);
         let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users, &mut found);
         let sum = l.read(&found.sum);
@@ -177,7 +166,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
 
     #[inline(always)]
     fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
-        let packet = packet(l, &self.rays[first..first + len]);
+        let packet = Packet::new(l, &self.rays[first..first + len]);
         let (hits, alone) = any_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users);
         for (lane, occluded) in self.occluded[first..first + len].iter().enumerate() {
             occluded.set(hits >> lane & 1 == 1);

@@ -3,20 +3,20 @@
 use crate::layout::{Block, Node};
 use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
-use crate::traverse::{WIDEN, Way};
-use crate::triangle::{Crossing, cross};
-use steradian_math::{Bounds3, Ray, Vec3};
+use crate::traverse::{GREATEST, WIDEN, Way};
+use crate::triangle::{Crossing, abs, cross};
+use steradian_math::{Bounds3, Vec3};
 
 /// What the tests need of the rays of a packet, and which way they go.
 pub(super) struct Ways<L: Lanes> {
     pub origin: [L::F; 3],
-    inverse: [[L::F; 3]; 2],
     direction: [L::F; 3],
-    reciprocal: [L::F; 3],
+    inverse: [L::F; 3],
+    offset: [[L::F; 3]; 2],
     /// Rays that are valid and have an interval that is not empty.
     pub valid: u32,
-    /// Rays whose direction has finite reciprocals.
-    pub finite: u32,
+    /// Rays that move enough along each axis, see [`Way`].
+    pub moving: u32,
     /// By axis the rays whose direction is negative.
     negative: [u32; 3],
     /// By axis the rays whose direction is greatest along it.
@@ -29,9 +29,9 @@ const NARROW: f32 = 0.6;
 /// Rays with the same signs and the same greatest axis.
 pub(super) struct Beam<L: Lanes> {
     pub origin: [L::F; 3],
-    /// Reciprocals of the direction, made a little smaller for near planes and greater for far ones.
-    pub inverse: [[L::F; 3]; 2],
-    pub reciprocal: [L::F; 3],
+    /// See [`Way`].
+    pub inverse: [L::F; 3],
+    offset: [[L::F; 3]; 2],
     pub shear: [L::F; 3],
     pub axes: [usize; 3],
     /// Rows of the near planes and of the far planes.
@@ -40,36 +40,38 @@ pub(super) struct Beam<L: Lanes> {
 }
 
 impl<L: Lanes> Ways<L> {
-    /// Looks at all rays of a packet.
+    /// Looks at all rays of a packet in a tree with given bounds.
     #[inline(always)]
-    pub fn new(l: L, packet: &Packet) -> Self {
+    pub fn new(l: L, packet: &Packet, bounds: &Bounds3) -> Self {
         let zero = l.splat(0.0);
         let origin = [l.read(&packet.origin[0]), l.read(&packet.origin[1]), l.read(&packet.origin[2])];
         let direction = [l.read(&packet.direction[0]), l.read(&packet.direction[1]), l.read(&packet.direction[2])];
-        let one = l.splat(1.0);
-        let (shorter, longer) = (l.splat(1.0 - WIDEN), l.splat(1.0 + WIDEN));
-        let (mut inverse, mut reciprocals) = ([[zero; 3]; 2], [zero; 3]);
+        let reach = bounds.min.abs().max(bounds.max.abs());
+        let (mut inverse, mut offset) = ([zero; 3], [[zero; 3]; 2]);
         let mut negative = [0; 3];
-        let (mut valid, mut finite, mut moves) = (u32::MAX, u32::MAX, 0);
+        let (mut valid, mut moving, mut moves) = (u32::MAX, u32::MAX, 0);
         let mut size = [zero; 3];
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
-            let reciprocal = l.div(one, d);
-            reciprocals[axis] = reciprocal;
-            inverse[0][axis] = l.mul(reciprocal, shorter);
-            inverse[1][axis] = l.mul(reciprocal, longer);
+            let reciprocal = l.div(l.splat(1.0), d);
+            let error = l.mul(l.add(l.splat(reach[axis]), abs(l, o)), abs(l, reciprocal));
+            moving &= l.bits(l.le(error, l.splat(GREATEST)));
+            let error = l.add(l.mul(error, l.splat(WIDEN)), l.splat(f32::MIN_POSITIVE));
+            let exact = l.sub(zero, l.mul(o, reciprocal));
+            inverse[axis] = reciprocal;
+            offset[0][axis] = l.sub(exact, error);
+            offset[1][axis] = l.add(exact, error);
             negative[axis] = l.bits(l.lt(d, zero));
-            size[axis] = l.max(d, l.sub(zero, d));
+            size[axis] = abs(l, d);
             valid &= l.bits(l.and(l.eq(l.sub(o, o), zero), l.eq(l.sub(d, d), zero)));
             moves |= l.bits(l.lt(zero, size[axis]));
-            finite &= l.bits(l.eq(l.sub(inverse[1][axis], inverse[1][axis]), zero));
         }
         valid &= moves & l.bits(l.lt(zero, l.read(&packet.t_max)));
         let [x, y, z] = size;
         let along_x = l.bits(l.and(l.le(y, x), l.le(z, x)));
         let along_y = l.bits(l.le(z, y)) & !along_x;
         let along = [along_x, along_y, !(along_x | along_y)];
-        Self { origin, inverse, direction, reciprocal: reciprocals, valid, finite, negative, along }
+        Self { origin, direction, inverse, offset, valid, moving, negative, along }
     }
 
     /// The rays among `rest` that go the same way as the first of them.
@@ -107,8 +109,8 @@ impl<L: Lanes> Ways<L> {
         Beam {
             origin: self.origin,
             inverse: self.inverse,
-            reciprocal: self.reciprocal,
-            shear: [l.div(d[x], d[z]), l.div(d[y], d[z]), self.reciprocal[z]],
+            offset: self.offset,
+            shear: [l.div(d[x], d[z]), l.div(d[y], d[z]), self.inverse[z]],
             axes,
             near,
             far,
@@ -118,7 +120,8 @@ impl<L: Lanes> Ways<L> {
 
 /// What the rays of a beam need when they go on alone.
 pub(super) struct Apart {
-    reciprocal: [Wide; 3],
+    inverse: [Wide; 3],
+    offset: [[Wide; 3]; 2],
     shear: [Wide; 3],
     axes: [usize; 3],
 }
@@ -126,9 +129,14 @@ pub(super) struct Apart {
 impl Apart {
     /// Of one of the rays.
     #[inline(always)]
-    pub fn get(&self, lane: usize, ray: &Ray, bounds: &Bounds3) -> Way {
+    pub fn get(&self, lane: usize) -> Way {
         let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
-        Way::with(ray, bounds, vector(&self.reciprocal), self.axes, vector(&self.shear).to_array())
+        Way {
+            inverse: vector(&self.inverse),
+            offset: [vector(&self.offset[0]), vector(&self.offset[1])],
+            axes: self.axes,
+            shear: vector(&self.shear).to_array(),
+        }
     }
 }
 
@@ -146,9 +154,11 @@ impl<L: Lanes> Beam<L> {
     #[inline(always)]
     pub fn apart(&self, l: L) -> Apart {
         let zero = [Wide::splat(0.0); 3];
-        let mut apart = Apart { reciprocal: zero, shear: zero, axes: self.axes };
+        let mut apart = Apart { inverse: zero, offset: [zero; 2], shear: zero, axes: self.axes };
         for axis in 0..3 {
-            l.write(self.reciprocal[axis], &mut apart.reciprocal[axis]);
+            l.write(self.inverse[axis], &mut apart.inverse[axis]);
+            l.write(self.offset[0][axis], &mut apart.offset[0][axis]);
+            l.write(self.offset[1][axis], &mut apart.offset[1][axis]);
             l.write(self.shear[axis], &mut apart.shear[axis]);
         }
         apart
@@ -168,7 +178,7 @@ impl<L: Lanes> Beam<L> {
     #[inline(always)]
     fn plane(&self, l: L, node: &Node, slot: usize, side: usize, axis: usize) -> L::F {
         let row = if side == 0 { self.near[axis] } else { self.far[axis] };
-        l.mul(l.sub(l.splat(node.rows[row].0[slot]), self.origin[axis]), self.inverse[side][axis])
+        l.mul_add(l.splat(node.rows[row].0[slot]), self.inverse[axis], self.offset[side][axis])
     }
 
     /// Tests a triangle of a block.

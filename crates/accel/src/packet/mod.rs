@@ -21,7 +21,7 @@ pub(crate) use batch::{any_batch, nearest_batch};
 pub(crate) use nearest::nearest_packet;
 
 use crate::UserHit;
-use crate::simd::{Lanes, WIDE, Wide};
+use crate::simd::{COLUMNS, Lanes, WIDE, Wide};
 use crate::traverse::{Extra, Nearest};
 use glam::Mat4;
 use std::mem::offset_of;
@@ -54,27 +54,35 @@ pub(crate) struct Packet {
 }
 
 impl Packet {
-    /// As many rays as there are lanes, from the start of a slice.
+    /// Without rays.
+    const EMPTY: Self =
+        Self { origin: [Wide::splat(0.0); 3], direction: [Wide::splat(0.0); 3], t_max: Wide::splat(0.0) };
+
+    /// Of some rays, of which there are no more than lanes; what follows these has no meaning.
     #[inline(always)]
     pub fn new<L: Lanes>(l: L, rays: &[Ray]) -> Self {
-        const { assert!(size_of::<Ray>().is_multiple_of(size_of::<f32>())) };
-        assert!(rays.len() >= L::COUNT);
-        let mut packet =
-            Self { origin: [Wide::splat(0.0); 3], direction: [Wide::splat(0.0); 3], t_max: Wide::splat(0.0) };
-        let row = |offset: usize| (offset / size_of::<f32>(), size_of::<Ray>() / size_of::<f32>());
-        let (origin, stride) = row(offset_of!(Ray, origin));
-        let (direction, _) = row(offset_of!(Ray, direction));
-        let (t_max, _) = row(offset_of!(Ray, t_max));
-        let first = rays.as_ptr().cast::<f32>();
-        for axis in 0..3 {
-            // SAFETY: a ray is an array of `f32`, and there are as many rays as lanes.
-            let (o, d) =
-                unsafe { (l.gather(first.add(origin + axis), stride), l.gather(first.add(direction + axis), stride)) };
-            l.write(o, &mut packet.origin[axis]);
-            l.write(d, &mut packet.direction[axis]);
+        if rays.len() < L::COUNT {
+            let mut padded = [rays[0]; WIDE];
+            padded[..rays.len()].copy_from_slice(rays);
+            return Self::full(l, &padded);
         }
-        // SAFETY: as above.
-        l.write(unsafe { l.gather(first.add(t_max), stride) }, &mut packet.t_max);
+        Self::full(l, rays)
+    }
+
+    /// Of as many rays as there are lanes, from the start of a slice.
+    #[inline(always)]
+    fn full<L: Lanes>(l: L, rays: &[Ray]) -> Self {
+        const { assert!(size_of::<Ray>() == size_of::<[f32; COLUMNS]>() && align_of::<Ray>() == align_of::<f32>()) };
+        // SAFETY: a ray is so many `f32`.
+        let columns = l.columns(unsafe { std::slice::from_raw_parts(rays.as_ptr().cast(), rays.len()) });
+        let mut packet = Self::EMPTY;
+        const ORIGIN: usize = offset_of!(Ray, origin) / size_of::<f32>();
+        const DIRECTION: usize = offset_of!(Ray, direction) / size_of::<f32>();
+        for axis in 0..3 {
+            l.write(columns[ORIGIN + axis], &mut packet.origin[axis]);
+            l.write(columns[DIRECTION + axis], &mut packet.direction[axis]);
+        }
+        l.write(columns[offset_of!(Ray, t_max) / size_of::<f32>()], &mut packet.t_max);
         packet
     }
 
@@ -82,8 +90,7 @@ impl Packet {
     /// distances.
     #[inline(always)]
     pub fn transformed<L: Lanes>(&self, l: L, m: &Mat4, t_max: &Wide) -> Self {
-        let zero = [Wide::splat(0.0); 3];
-        let mut packet = Self { origin: zero, direction: zero, t_max: *t_max };
+        let mut packet = Self { t_max: *t_max, ..Self::EMPTY };
         let [ox, oy, oz] = [l.read(&self.origin[0]), l.read(&self.origin[1]), l.read(&self.origin[2])];
         let [dx, dy, dz] = [l.read(&self.direction[0]), l.read(&self.direction[1]), l.read(&self.direction[2])];
         for axis in 0..3 {

@@ -42,9 +42,9 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) -> u32 {
-    let ways = Ways::new(l, packet);
+    let ways = Ways::new(l, packet, &tree.bounds);
     let lanes = lanes & ways.valid;
-    let (mut rest, mut alone) = (lanes & ways.finite, lanes & !ways.finite);
+    let (mut rest, mut alone) = (lanes & ways.moving, lanes & !ways.moving);
     while rest != 0 {
         let group = ways.like_first(rest);
         rest &= !group;
@@ -97,7 +97,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32, found: &mut Found) {
         let (s, l, tree) = (self.s, self.l, self.tree);
-        let interval = Interval::new(s, l, &self.beam, group);
+        let interval = Interval::new(s, l, &self.beam, group, &tree.bounds);
         let in_group = l.mask(group);
         let none = l.splat(f32::NEG_INFINITY);
         let mut stack = PacketStack::new();
@@ -117,7 +117,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
             } else {
                 let hits = if current.is_block() {
-                    self.block(&interval, current, active, found)
+                    self.block(&interval, current, active, farthest, found)
                 } else {
                     current != ChildRef::EMPTY && self.user(current.index() as u32, active, found)
                 };
@@ -138,7 +138,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                     continue;
                 }
                 for lane in Set(active) {
-                    let way = |ray: &Ray| self.apart.get(lane, ray, &tree.bounds);
+                    let way = |_: &Ray| self.apart.get(lane);
                     single(self.isa, tree, self.packet, (lane, way), child, self.users, found);
                 }
                 farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
@@ -148,12 +148,19 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
     /// Tests the triangles of a block one after the other, and says whether there may be hits.
     #[inline(always)]
-    fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, found: &mut Found) -> bool {
+    fn block(
+        &self,
+        interval: &Interval<S>,
+        reference: ChildRef,
+        active: u32,
+        farthest: f32,
+        found: &mut Found,
+    ) -> bool {
         let (s, l) = (self.s, self.l);
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let mut hits = false;
-        for slot in Set(interval.triangles(s, block)) {
+        for slot in Set(interval.triangles(s, block, s.splat(farthest))) {
             let slot = slot & (LANES - 1);
             if let Some(crossing) = self.beam.cross(l, block, slot, l.read(&found.t)) {
                 self.triangle(block.ids[slot], crossing, active, found);

@@ -1,7 +1,7 @@
 //! Sixteen lanes in one 512-bit register, masks in mask registers: for packets of rays.
 #![allow(unsafe_code)]
 
-use super::{Lanes, WIDE, Wide};
+use super::{COLUMNS, Lanes, WIDE, Wide};
 use std::arch::x86_64::*;
 
 /// Proof that the machine has AVX-512 F.
@@ -117,15 +117,6 @@ impl Lanes for Avx512Wide {
         unsafe { _mm512_reduce_max_ps(a) }
     }
     #[inline(always)]
-    unsafe fn gather(self, first: *const f32, stride: usize) -> Self::F {
-        // SAFETY: see above, and the caller promises that the numbers are there.
-        unsafe {
-            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-            let places = _mm512_mullo_epi32(lanes, _mm512_set1_epi32(stride as i32));
-            _mm512_i32gather_ps::<4>(places, first)
-        }
-    }
-    #[inline(always)]
     fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
         // SAFETY: see above.
         unsafe { _mm512_mask_blend_ps(m, b, a) }
@@ -139,5 +130,55 @@ impl Lanes for Avx512Wide {
     fn write(self, a: Self::F, wide: &mut Wide) {
         // SAFETY: see above.
         unsafe { _mm512_store_ps(wide.0.as_mut_ptr(), a) }
+    }
+    #[inline(always)]
+    fn columns(self, rows: &[[f32; COLUMNS]]) -> [Self::F; COLUMNS] {
+        let rows = &rows[..WIDE];
+        // SAFETY: see above, and there are as many rows as lanes.
+        unsafe {
+            let [a, b, c, d] = transposed(quarters(rows, 0));
+            let [_, e, f, g] = transposed(quarters(rows, COLUMNS - 4));
+            [a, b, c, d, e, f, g]
+        }
+    }
+}
+
+/// Four columns of sixteen rows: in each register those of every fourth row.
+///
+/// # Safety
+/// The machine must have AVX-512 F, and there must be sixteen rows with these columns.
+#[inline(always)]
+unsafe fn quarters(rows: &[[f32; COLUMNS]], column: usize) -> [__m512; 4] {
+    debug_assert!(rows.len() >= WIDE && column + 4 <= COLUMNS);
+    // SAFETY: the caller's promise.
+    unsafe {
+        let mut parts = [_mm512_setzero_ps(); 4];
+        for (row, part) in parts.iter_mut().enumerate() {
+            let first = rows.as_ptr().add(row).cast::<f32>().add(column);
+            *part = _mm512_castps128_ps512(_mm_loadu_ps(first));
+            *part = _mm512_insertf32x4::<1>(*part, _mm_loadu_ps(first.add(4 * COLUMNS)));
+            *part = _mm512_insertf32x4::<2>(*part, _mm_loadu_ps(first.add(8 * COLUMNS)));
+            *part = _mm512_insertf32x4::<3>(*part, _mm_loadu_ps(first.add(12 * COLUMNS)));
+        }
+        parts
+    }
+}
+
+/// The columns of the four by four numbers in each quarter of some registers.
+///
+/// # Safety
+/// The machine must have AVX-512 F.
+#[inline(always)]
+unsafe fn transposed([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+        let (high_ab, high_cd) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+        [
+            _mm512_shuffle_ps::<0b01_00_01_00>(ab, cd),
+            _mm512_shuffle_ps::<0b11_10_11_10>(ab, cd),
+            _mm512_shuffle_ps::<0b01_00_01_00>(high_ab, high_cd),
+            _mm512_shuffle_ps::<0b11_10_11_10>(high_ab, high_cd),
+        ]
     }
 }

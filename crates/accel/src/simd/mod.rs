@@ -43,6 +43,9 @@ pub(crate) struct Row(pub [f32; LANES]);
 /// Most lanes of a level, and with it the most rays of a packet.
 pub(crate) const WIDE: usize = 16;
 
+/// Columns of a table of rays.
+pub(crate) const COLUMNS: usize = 7;
+
 /// Numbers of as many lanes as a level has, as they lie in memory; what follows these has no meaning.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
@@ -122,18 +125,20 @@ pub(crate) trait Lanes: Copy {
     /// The greatest of numbers that are not NaN.
     fn greatest(self, a: Self::F) -> f32;
 
-    /// Numbers that lie `stride` apart.
-    ///
-    /// # Safety
-    /// All of them must be within one allocation and be initialised.
+    /// The columns of a table with as many rows as there are lanes.
     #[inline(always)]
-    unsafe fn gather(self, first: *const f32, stride: usize) -> Self::F {
-        let mut wide = Wide::splat(0.0);
-        for lane in 0..Self::COUNT {
-            // SAFETY: the caller promises that the numbers are there.
-            wide.0[lane] = unsafe { *first.add(lane * stride) };
+    fn columns(self, rows: &[[f32; COLUMNS]]) -> [Self::F; COLUMNS] {
+        let mut columns = [Wide::splat(0.0); COLUMNS];
+        for (lane, row) in rows[..Self::COUNT].iter().enumerate() {
+            for (column, &x) in columns.iter_mut().zip(row) {
+                column.0[lane] = x;
+            }
         }
-        self.read(&wide)
+        let mut read = [self.splat(0.0); COLUMNS];
+        for (read, column) in read.iter_mut().zip(&columns) {
+            *read = self.read(column);
+        }
+        read
     }
 }
 
