@@ -49,7 +49,7 @@ pub(crate) fn axes(direction: Vec3) -> [usize; 3] {
 }
 
 /// By the last of them.
-static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+pub(crate) static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl<S: Simd> Shear<S> {
     /// For a valid ray.

@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Beam, Ways};
+use super::bundle::{Bundle, Left};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
 use super::{Packet, Set, beam, few};
@@ -23,25 +24,26 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: Users>(
     lanes: u32,
     users: &U,
 ) -> u32 {
-    let (mut hits, alone) = any_beams(isa, (s, l), tree, packet, lanes, users);
-    for lane in Set(alone) {
+    let (mut hits, left) = any_beams(isa, (s, l), tree, packet, (lanes, true), users);
+    for lane in Set(left.alone) {
         let ray = packet.ray(lane, packet.t_max.0[lane]);
         hits |= u32::from(any_hit_from(isa, tree, &ray, users, &Way::new(&ray, &tree.bounds), tree.root)) << lane;
     }
     hits
 }
 
-/// Of the rays that go nearly the same way those that hit anything, and the others that are traceable.
+/// Of the rays that go nearly the same way, or begin near each other, those that hit anything; and what is left to do.
 #[inline(always)]
 pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
     packet: &Packet,
-    lanes: u32,
+    (lanes, may_bundle): (u32, bool),
     users: &U,
-) -> (u32, u32) {
+) -> (u32, Left) {
     let ways = Ways::new(l, packet, &tree.bounds);
+    let apart = ways.apart(l);
     let lanes = lanes & ways.valid;
     let (mut rest, mut alone) = (lanes & ways.moving, lanes & !ways.moving);
     let mut hits = 0;
@@ -52,15 +54,20 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
             alone |= group;
             continue;
         }
-        let beam = ways.beam(l, group.trailing_zeros() as usize);
+        let beam = ways.beam(group.trailing_zeros() as usize);
         if !beam.is_narrow(l, group) {
             alone |= group;
         } else {
-            let apart = beam.apart(l);
-            hits |= Query { isa, s, l, tree, packet, users, beam, apart }.run(group);
+            hits |= Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group);
         }
     }
-    (hits, alone)
+    let bundle = Bundle { isa, s, l, rows: &ways.rows, apart: &apart, tree, packet, users };
+    let mut left = Left { alone, poor: false };
+    let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
+    if group != 0 {
+        left.poor = bundle.any(group, &mut hits);
+    }
+    (hits, left)
 }
 
 /// The query of a beam.
@@ -72,7 +79,7 @@ struct Query<'a, S: Simd, L: Lanes, U> {
     packet: &'a Packet,
     users: &'a U,
     beam: Beam<L>,
-    apart: Apart,
+    apart: &'a Apart,
 }
 
 impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
@@ -117,8 +124,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
-                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane), child)
-                    {
+                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane), child) {
                         open &= !(1 << lane);
                     }
                 }

@@ -1,6 +1,7 @@
 //! Slices of rays, packet by packet.
 
 use super::any::any_beams;
+use super::bundle::Left;
 use super::flight::alone;
 use super::nearest::nearest_beams;
 use super::{Found, Packet, Set, beam};
@@ -68,8 +69,8 @@ impl Alone {
 
 /// Many queries of one kind.
 trait Batch<S: Simd, L: Lanes> {
-    /// Traces the packet that begins at a place and has so many rays, and gives back those of them that must go alone.
-    fn together(&self, s: S, l: L, first: usize, len: usize) -> u32;
+    /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to do.
+    fn together(&self, s: S, l: L, packet: (usize, usize), may_bundle: bool) -> Left;
     /// Traces rays alone.
     fn alone(&self, s: S, places: &[u32]);
 
@@ -80,7 +81,7 @@ trait Batch<S: Simd, L: Lanes> {
     #[inline(always)]
     fn run(&self, s: S, l: L, width: usize) {
         let rays = self.rays();
-        let (mut done, mut pausing, mut doubtful) = (0, 0, true);
+        let (mut done, mut pausing, mut doubtful, mut may_bundle) = (0, 0, true, true);
         let mut waiting = Alone::new();
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
@@ -89,8 +90,14 @@ trait Batch<S: Simd, L: Lanes> {
                 pausing -= 1;
                 all
             } else {
-                let hopeless = doubtful && !may_be_beam(&rays[done..done + len], width);
-                let lanes = if hopeless { all } else { self.together(s, l, done, len) };
+                let hopeless = doubtful && !may_bundle && !may_be_beam(&rays[done..done + len], width);
+                let lanes = if hopeless {
+                    all
+                } else {
+                    let left = self.together(s, l, (done, len), may_bundle);
+                    may_bundle &= !left.poor;
+                    left.alone
+                };
                 doubtful = lanes.count_ones() as usize * 4 > len * 3;
                 pausing = if doubtful { PAUSE } else { 0 };
                 lanes
@@ -120,10 +127,11 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
     }
 
     #[inline(always)]
-    fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
+    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
         let packet = Packet::new(l, &self.rays[first..first + len]);
         let mut found = Found::nothing(&packet.t_max);
-        let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users, &mut found);
+        let left =
+            nearest_beams(self.isa, (s, l), self.tree, &packet, ((1 << len) - 1, may_bundle), self.users, &mut found);
         let sum = l.read(&found.sum);
         l.write(l.div(l.read(&found.u), sum), &mut found.u);
         l.write(l.div(l.read(&found.v), sum), &mut found.v);
@@ -135,7 +143,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
                 self.users.hit(Nearest { hit: parameters, index: found.index(lane), extra })
             }));
         }
-        alone
+        left
     }
 
     #[inline(always)]
@@ -165,13 +173,13 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
     }
 
     #[inline(always)]
-    fn together(&self, s: S, l: L, first: usize, len: usize) -> u32 {
+    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
         let packet = Packet::new(l, &self.rays[first..first + len]);
-        let (hits, alone) = any_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users);
+        let (hits, left) = any_beams(self.isa, (s, l), self.tree, &packet, ((1 << len) - 1, may_bundle), self.users);
         for (lane, occluded) in self.occluded[first..first + len].iter().enumerate() {
             occluded.set(hits >> lane & 1 == 1);
         }
-        alone
+        left
     }
 
     #[inline(always)]

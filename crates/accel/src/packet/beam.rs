@@ -4,15 +4,24 @@ use crate::layout::{Block, Node};
 use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
 use crate::traverse::{GREATEST, WIDEN, Way};
-use crate::triangle::{Crossing, abs, cross};
+use crate::triangle::{AXES, Crossing, abs, cross};
 use steradian_math::{Bounds3, Vec3};
 
-/// What the tests need of the rays of a packet, and which way they go.
-pub(super) struct Ways<L: Lanes> {
+/// What the tests need of the rays of a packet.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<L: Lanes> {
     pub origin: [L::F; 3],
-    direction: [L::F; 3],
-    inverse: [L::F; 3],
+    /// See [`Way`].
+    pub inverse: [L::F; 3],
     offset: [[L::F; 3]; 2],
+    /// Twice the greatest bound on rounding of a distance.
+    slack: L::F,
+    pub shear: [L::F; 3],
+}
+
+/// The rays of a packet, and which way they go.
+pub(super) struct Ways<L: Lanes> {
+    pub rows: Rows<L>,
     /// Rays that are valid and have an interval that is not empty.
     pub valid: u32,
     /// Rays that move enough along each axis, see [`Way`].
@@ -28,11 +37,7 @@ const NARROW: f32 = 0.6;
 
 /// Rays with the same signs and the same greatest axis.
 pub(super) struct Beam<L: Lanes> {
-    pub origin: [L::F; 3],
-    /// See [`Way`].
-    pub inverse: [L::F; 3],
-    offset: [[L::F; 3]; 2],
-    pub shear: [L::F; 3],
+    pub rows: Rows<L>,
     pub axes: [usize; 3],
     /// Rows of the near planes and of the far planes.
     pub near: [usize; 3],
@@ -45,14 +50,14 @@ impl<L: Lanes> Ways<L> {
     pub fn new(l: L, packet: &Packet, bounds: &Bounds3) -> Self {
         let zero = l.splat(0.0);
         let origin = [l.read(&packet.origin[0]), l.read(&packet.origin[1]), l.read(&packet.origin[2])];
-        let direction = [l.read(&packet.direction[0]), l.read(&packet.direction[1]), l.read(&packet.direction[2])];
+        let d = [l.read(&packet.direction[0]), l.read(&packet.direction[1]), l.read(&packet.direction[2])];
         let reach = bounds.min.abs().max(bounds.max.abs());
         let (mut inverse, mut offset) = ([zero; 3], [[zero; 3]; 2]);
         let mut negative = [0; 3];
         let (mut valid, mut moving, mut moves) = (u32::MAX, u32::MAX, 0);
-        let mut size = [zero; 3];
+        let (mut size, mut slack) = ([zero; 3], zero);
         for axis in 0..3 {
-            let (o, d) = (origin[axis], direction[axis]);
+            let (o, d) = (origin[axis], d[axis]);
             let reciprocal = l.div(l.splat(1.0), d);
             let error = l.mul(l.add(l.splat(reach[axis]), abs(l, o)), abs(l, reciprocal));
             moving &= l.bits(l.le(error, l.splat(GREATEST)));
@@ -61,6 +66,7 @@ impl<L: Lanes> Ways<L> {
             inverse[axis] = reciprocal;
             offset[0][axis] = l.sub(exact, error);
             offset[1][axis] = l.add(exact, error);
+            slack = l.max(l.add(error, error), slack);
             negative[axis] = l.bits(l.lt(d, zero));
             size[axis] = abs(l, d);
             valid &= l.bits(l.and(l.eq(l.sub(o, o), zero), l.eq(l.sub(d, d), zero)));
@@ -70,8 +76,29 @@ impl<L: Lanes> Ways<L> {
         let [x, y, z] = size;
         let along_x = l.bits(l.and(l.le(y, x), l.le(z, x)));
         let along_y = l.bits(l.le(z, y)) & !along_x;
-        let along = [along_x, along_y, !(along_x | along_y)];
-        Self { origin, direction, inverse, offset, valid, moving, negative, along }
+        let along_z = !(along_x | along_y);
+        let masks = [l.mask(along_x), l.mask(along_y)];
+        let greatest = chosen(l, masks, d);
+        let shear = [
+            l.div(chosen(l, masks, [d[1], d[2], d[0]]), greatest),
+            l.div(chosen(l, masks, [d[2], d[0], d[1]]), greatest),
+            chosen(l, masks, inverse),
+        ];
+        let rows = Rows { origin, inverse, offset, slack, shear };
+        Self { rows, valid, moving, negative, along: [along_x, along_y, along_z] }
+    }
+
+    /// The axis along which a ray moves most.
+    #[inline(always)]
+    fn greatest_axis(&self, lane: usize) -> usize {
+        let is = |lanes: u32| lanes >> lane & 1 == 1;
+        if is(self.along[0]) {
+            0
+        } else if is(self.along[1]) {
+            1
+        } else {
+            2
+        }
     }
 
     /// The rays among `rest` that go the same way as the first of them.
@@ -88,42 +115,43 @@ impl<L: Lanes> Ways<L> {
 
     /// The beam that a ray belongs to; in the lanes of others it has no meaning.
     #[inline(always)]
-    pub fn beam(&self, l: L, lane: usize) -> Beam<L> {
-        let is = |lanes: u32| lanes >> lane & 1 == 1;
-        let z = if is(self.along[0]) {
-            0
-        } else if is(self.along[1]) {
-            1
-        } else {
-            2
-        };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let [x, y, z] = axes;
-        let d = &self.direction;
+    pub fn beam(&self, lane: usize) -> Beam<L> {
         let (mut near, mut far) = ([0, 1, 2], [3, 4, 5]);
         for axis in 0..3 {
-            if is(self.negative[axis]) {
+            if self.negative[axis] >> lane & 1 == 1 {
                 (near[axis], far[axis]) = (axis + 3, axis);
             }
         }
-        Beam {
-            origin: self.origin,
-            inverse: self.inverse,
-            offset: self.offset,
-            shear: [l.div(d[x], d[z]), l.div(d[y], d[z]), self.inverse[z]],
-            axes,
-            near,
-            far,
+        Beam { rows: self.rows, axes: AXES[self.greatest_axis(lane)], near, far }
+    }
+
+    /// What the rays need when they go on alone.
+    #[inline(always)]
+    pub fn apart(&self, l: L) -> Apart {
+        let zero = [Wide::splat(0.0); 3];
+        let mut apart = Apart { inverse: zero, offset: [zero; 2], shear: zero, along: self.along };
+        for axis in 0..3 {
+            l.write(self.rows.inverse[axis], &mut apart.inverse[axis]);
+            l.write(self.rows.offset[0][axis], &mut apart.offset[0][axis]);
+            l.write(self.rows.offset[1][axis], &mut apart.offset[1][axis]);
+            l.write(self.rows.shear[axis], &mut apart.shear[axis]);
         }
+        apart
     }
 }
 
-/// What the rays of a beam need when they go on alone.
+/// The first numbers where the first mask is set, else the second ones where the second is, else the third ones.
+#[inline(always)]
+fn chosen<L: Lanes>(l: L, [first, second]: [L::M; 2], [a, b, c]: [L::F; 3]) -> L::F {
+    l.select(first, a, l.select(second, b, c))
+}
+
+/// What the rays of a packet need when they go on alone.
 pub(super) struct Apart {
     inverse: [Wide; 3],
     offset: [[Wide; 3]; 2],
     shear: [Wide; 3],
-    axes: [usize; 3],
+    along: [u32; 3],
 }
 
 impl Apart {
@@ -131,12 +159,30 @@ impl Apart {
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Way {
         let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
+        let [_, y, z] = self.along.map(|lanes| (lanes >> lane & 1) as usize);
         Way {
             inverse: vector(&self.inverse),
             offset: [vector(&self.offset[0]), vector(&self.offset[1])],
-            axes: self.axes,
+            axes: AXES[(y + 2 * z) % 3],
             shear: vector(&self.shear).to_array(),
         }
+    }
+}
+
+impl<L: Lanes> Rows<L> {
+    /// The rays that enter a box of a node in `[0, t_max]`, whichever way they go, and perhaps some that almost do.
+    #[inline(always)]
+    pub fn enter(&self, l: L, node: &Node, slot: usize, t_max: L::F) -> u32 {
+        let (mut enter, mut leave) = (l.splat(0.0), t_max);
+        for axis in 0..3 {
+            // Both with the bound on rounding of near planes: that of far ones is in the slack.
+            let (inverse, offset) = (self.inverse[axis], self.offset[0][axis]);
+            let first = l.mul_add(l.splat(node.rows[axis].0[slot]), inverse, offset);
+            let last = l.mul_add(l.splat(node.rows[axis + 3].0[slot]), inverse, offset);
+            enter = l.max(l.min(first, last), enter);
+            leave = l.min(l.max(first, last), leave);
+        }
+        l.bits(l.le(enter, l.add(leave, self.slack)))
     }
 }
 
@@ -147,21 +193,7 @@ impl<L: Lanes> Beam<L> {
         let mask = l.mask(lanes);
         let (top, bottom) = (l.splat(f32::INFINITY), l.splat(f32::NEG_INFINITY));
         let spread = |shear: L::F| l.greatest(l.select(mask, shear, bottom)) - l.least(l.select(mask, shear, top));
-        spread(self.shear[0]).max(spread(self.shear[1])) < NARROW
-    }
-
-    /// What its rays need when they go on alone.
-    #[inline(always)]
-    pub fn apart(&self, l: L) -> Apart {
-        let zero = [Wide::splat(0.0); 3];
-        let mut apart = Apart { inverse: zero, offset: [zero; 2], shear: zero, axes: self.axes };
-        for axis in 0..3 {
-            l.write(self.inverse[axis], &mut apart.inverse[axis]);
-            l.write(self.offset[0][axis], &mut apart.offset[0][axis]);
-            l.write(self.offset[1][axis], &mut apart.offset[1][axis]);
-            l.write(self.shear[axis], &mut apart.shear[axis]);
-        }
-        apart
+        spread(self.rows.shear[0]).max(spread(self.rows.shear[1])) < NARROW
     }
 
     /// The rays that enter a box of a node in `[0, t_max]`.
@@ -178,14 +210,14 @@ impl<L: Lanes> Beam<L> {
     #[inline(always)]
     fn plane(&self, l: L, node: &Node, slot: usize, side: usize, axis: usize) -> L::F {
         let row = if side == 0 { self.near[axis] } else { self.far[axis] };
-        l.mul_add(l.splat(node.rows[row].0[slot]), self.inverse[axis], self.offset[side][axis])
+        l.mul_add(l.splat(node.rows[row].0[slot]), self.rows.inverse[axis], self.rows.offset[side][axis])
     }
 
     /// Tests a triangle of a block.
     #[inline(always)]
     pub fn cross(&self, l: L, block: &Block, slot: usize, t_max: L::F) -> Option<Crossing<L>> {
         let corners = [self.vertex(l, block, slot, 0), self.vertex(l, block, slot, 1), self.vertex(l, block, slot, 2)];
-        cross(l, corners, self.shear[2], t_max)
+        cross(l, corners, self.rows.shear[2], t_max)
     }
 
     /// A vertex relative to the origins, sheared.
@@ -194,11 +226,11 @@ impl<L: Lanes> Beam<L> {
         let x = self.coordinate(l, block, slot, 3 * vertex, 0);
         let y = self.coordinate(l, block, slot, 3 * vertex, 1);
         let z = self.coordinate(l, block, slot, 3 * vertex, 2);
-        [l.sub(x, l.mul(self.shear[0], z)), l.sub(y, l.mul(self.shear[1], z)), z]
+        [l.sub(x, l.mul(self.rows.shear[0], z)), l.sub(y, l.mul(self.rows.shear[1], z)), z]
     }
 
     #[inline(always)]
     fn coordinate(&self, l: L, block: &Block, slot: usize, first_row: usize, axis: usize) -> L::F {
-        l.sub(l.splat(block.rows[first_row + self.axes[axis]].0[slot]), self.origin[self.axes[axis]])
+        l.sub(l.splat(block.rows[first_row + self.axes[axis]].0[slot]), self.rows.origin[self.axes[axis]])
     }
 }

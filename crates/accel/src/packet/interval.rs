@@ -27,8 +27,8 @@ impl<S: Simd> Interval<S> {
         let mut interval = Self { inverse: zero, offset: zero, near: beam.near, far: beam.far };
         let reach = bounds.min.abs().max(bounds.max.abs());
         for axis in 0..3 {
-            let [first, last] = range(l, mask, beam.origin[axis]);
-            let [least, greatest] = range(l, mask, beam.inverse[axis]);
+            let [first, last] = range(l, mask, beam.rows.origin[axis]);
+            let [least, greatest] = range(l, mask, beam.rows.inverse[axis]);
             let negative = beam.near[axis] >= 3;
             let sides = if negative { [(first, greatest), (last, least)] } else { [(last, least), (first, greatest)] };
             for (side, (origin, inverse)) in sides.into_iter().enumerate() {
@@ -69,13 +69,8 @@ impl<S: Simd> Interval<S> {
     #[inline(always)]
     fn boxes(&self, s: S, near: [S::F; 3], far: [S::F; 3], t_max: S::F) -> (S::F, u32) {
         let ([i, j], [o, p]) = (&self.inverse, &self.offset);
-        let near = [
-            s.mul_add(near[0], i[0], o[0]),
-            s.mul_add(near[1], i[1], o[1]),
-            s.mul_add(near[2], i[2], o[2]),
-        ];
-        let far =
-            [s.mul_add(far[0], j[0], p[0]), s.mul_add(far[1], j[1], p[1]), s.mul_add(far[2], j[2], p[2])];
+        let near = [s.mul_add(near[0], i[0], o[0]), s.mul_add(near[1], i[1], o[1]), s.mul_add(near[2], i[2], o[2])];
+        let far = [s.mul_add(far[0], j[0], p[0]), s.mul_add(far[1], j[1], p[1]), s.mul_add(far[2], j[2], p[2])];
         let enter = s.farther(s.farther(near[0], near[1]), s.farther(near[2], s.splat(0.0)));
         let leave = s.nearer(s.nearer(far[0], far[1]), s.nearer(far[2], t_max));
         (enter, s.bits(s.le(enter, leave)))

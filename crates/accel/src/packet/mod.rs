@@ -11,6 +11,7 @@
 mod any;
 mod batch;
 mod beam;
+mod bundle;
 mod flight;
 mod interval;
 mod nearest;

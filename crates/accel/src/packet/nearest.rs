@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Beam, Ways};
+use super::bundle::{Bundle, Left};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
 use super::{Found, Packet, Set, beam, few};
@@ -25,24 +26,25 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) {
-    for lane in Set(nearest_beams(isa, (s, l), tree, packet, lanes, users, found)) {
+    for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, true), users, found).alone) {
         let way = |ray: &Ray| Way::new(ray, &tree.bounds);
         single(isa, tree, packet, (lane, way), tree.root, users, found);
     }
 }
 
-/// Finds the nearest hits of those rays that go nearly the same way, and gives back the others that are traceable.
+/// Finds the nearest hits of those rays that go nearly the same way, or begin near each other, and says what is left to do.
 #[inline(always)]
 pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
     packet: &Packet,
-    lanes: u32,
+    (lanes, may_bundle): (u32, bool),
     users: &U,
     found: &mut Found,
-) -> u32 {
+) -> Left {
     let ways = Ways::new(l, packet, &tree.bounds);
+    let apart = ways.apart(l);
     let lanes = lanes & ways.valid;
     let (mut rest, mut alone) = (lanes & ways.moving, lanes & !ways.moving);
     while rest != 0 {
@@ -52,20 +54,25 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
             alone |= group;
             continue;
         }
-        let beam = ways.beam(l, group.trailing_zeros() as usize);
+        let beam = ways.beam(group.trailing_zeros() as usize);
         if !beam.is_narrow(l, group) {
             alone |= group;
         } else {
-            let apart = beam.apart(l);
-            Query { isa, s, l, tree, packet, users, beam, apart }.run(group, found);
+            Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group, found);
         }
     }
-    alone
+    let bundle = Bundle { isa, s, l, rows: &ways.rows, apart: &apart, tree, packet, users };
+    let mut left = Left { alone, poor: false };
+    let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
+    if group != 0 {
+        left.poor = bundle.nearest(group, found);
+    }
+    left
 }
 
 /// Goes on with one ray of a packet below a child.
 #[inline(always)]
-fn single<U: Users>(
+pub(super) fn single<U: Users>(
     isa: SupportedIsa,
     tree: &Tree,
     packet: &Packet,
@@ -90,7 +97,7 @@ struct Query<'a, S: Simd, L: Lanes, U> {
     packet: &'a Packet,
     users: &'a U,
     beam: Beam<L>,
-    apart: Apart,
+    apart: &'a Apart,
 }
 
 impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {

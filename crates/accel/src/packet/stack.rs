@@ -73,3 +73,37 @@ impl PacketStack {
         }
     }
 }
+
+/// Children that wait to be visited by some of the rays.
+pub(super) struct BundleStack {
+    children: [MaybeUninit<(ChildRef, u32)>; CAPACITY],
+    len: usize,
+}
+
+impl BundleStack {
+    /// An empty stack.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { children: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+    }
+
+    /// Puts a child on the stack with the rays that visit it, if there are any.
+    ///
+    /// # Safety
+    /// The stack must hold less than `CAPACITY` children.
+    #[inline(always)]
+    pub unsafe fn push(&mut self, child: ChildRef, lanes: u32) {
+        debug_assert!(self.len < CAPACITY);
+        // SAFETY: the caller promises that there is room.
+        unsafe { self.children.get_unchecked_mut(self.len).write((child, lanes)) };
+        self.len += usize::from(lanes != 0);
+    }
+
+    /// Takes the top child.
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<(ChildRef, u32)> {
+        self.len = self.len.checked_sub(1)?;
+        // SAFETY: entries below the length have been written, and the length is below the capacity.
+        Some(unsafe { self.children.get_unchecked(self.len).assume_init() })
+    }
+}
