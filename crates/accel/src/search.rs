@@ -89,7 +89,24 @@ impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
         } else if current.is_block() {
             // SAFETY: the reference comes from the tree and is to a block.
             let block = unsafe { tree.arena.block(current) };
-            nearest_in_block(s, &self.shear, block, ray, users, (&mut self.t, &mut self.best));
+            if let Some(candidates) = self.shear.test(s, block, s.splat(self.t)) {
+                let mut lanes = candidates.lanes;
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+                    lanes &= lanes - 1;
+                    let index = block.ids[lane] & !Block::FILTERED;
+                    let closer = candidates.t[lane] < self.t
+                        || candidates.t[lane] == self.t && self.best.is_some_and(|best| index < best.index);
+                    if closer {
+                        let (u, v) = (candidates.u[lane], candidates.v[lane]);
+                        let hit = UserHit { t: candidates.t[lane], u, v };
+                        if block.ids[lane] == index || users.accept(index, hit, ray) {
+                            self.t = hit.t;
+                            self.best = Some(Nearest { hit, index, extra: users.triangle() });
+                        }
+                    }
+                }
+            }
         } else if current != ChildRef::EMPTY {
             // A user primitive may win a tie, so that it sees an interval that contains the hit so far.
             let index = current.index() as u32;
@@ -185,37 +202,6 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
             None => Some(false),
         }
     }
-}
-
-/// Whether there is a nearer hit of a ray in a block than the best so far, at `t`; both follow.
-#[inline(always)]
-pub(crate) fn nearest_in_block<S: Simd, U: Users>(
-    s: S,
-    shear: &Shear<S>,
-    block: &Block,
-    ray: &Ray,
-    users: &U,
-    (t, best): (&mut f32, &mut Option<Nearest<U::Extra>>),
-) -> bool {
-    let Some(candidates) = shear.test(s, block, s.splat(*t)) else { return false };
-    let mut lanes = candidates.lanes;
-    let mut any = false;
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-        lanes &= lanes - 1;
-        let index = block.ids[lane] & !Block::FILTERED;
-        let closer = candidates.t[lane] < *t || candidates.t[lane] == *t && best.is_some_and(|best| index < best.index);
-        if closer {
-            let (u, v) = (candidates.u[lane], candidates.v[lane]);
-            let hit = UserHit { t: candidates.t[lane], u, v };
-            if block.ids[lane] == index || users.accept(index, hit, ray) {
-                *t = hit.t;
-                *best = Some(Nearest { hit, index, extra: users.triangle() });
-                any = true;
-            }
-        }
-    }
-    any
 }
 
 /// Whether a ray hits a triangle of a block.

@@ -65,7 +65,7 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
     let mut left = Left { alone, poor: false };
     let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
     if group != 0 {
-        left.poor = bundle.any(group, &mut hits);
+        left.poor = bundle.run(group, &mut hits);
     }
     (hits, left)
 }

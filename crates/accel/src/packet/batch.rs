@@ -69,6 +69,8 @@ impl Alone {
 
 /// Many queries of one kind.
 trait Batch<S: Simd, L: Lanes> {
+    /// Whether there are bundles.
+    const BUNDLES: bool;
     /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to do.
     fn together(&self, s: S, l: L, packet: (usize, usize), may_bundle: bool) -> Left;
     /// Traces rays alone.
@@ -81,7 +83,7 @@ trait Batch<S: Simd, L: Lanes> {
     #[inline(always)]
     fn run(&self, s: S, l: L, width: usize) {
         let rays = self.rays();
-        let (mut done, mut pausing, mut doubtful, mut may_bundle) = (0, 0, true, true);
+        let (mut done, mut pausing, mut doubtful, mut may_bundle) = (0, 0, true, Self::BUNDLES);
         let mut waiting = Alone::new();
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
@@ -121,17 +123,18 @@ struct ClosestHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
+    const BUNDLES: bool = false;
+
     #[inline(always)]
     fn rays(&self) -> &[Ray] {
         self.rays
     }
 
     #[inline(always)]
-    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
+    fn together(&self, s: S, l: L, (first, len): (usize, usize), _: bool) -> Left {
         let packet = Packet::new(l, &self.rays[first..first + len]);
         let mut found = Found::nothing(&packet.t_max);
-        let left =
-            nearest_beams(self.isa, (s, l), self.tree, &packet, ((1 << len) - 1, may_bundle), self.users, &mut found);
+        let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users, &mut found);
         let sum = l.read(&found.sum);
         l.write(l.div(l.read(&found.u), sum), &mut found.u);
         l.write(l.div(l.read(&found.v), sum), &mut found.v);
@@ -143,7 +146,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
                 self.users.hit(Nearest { hit: parameters, index: found.index(lane), extra })
             }));
         }
-        left
+        Left { alone, poor: false }
     }
 
     #[inline(always)]
@@ -167,6 +170,8 @@ struct AnyHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
+    const BUNDLES: bool = true;
+
     #[inline(always)]
     fn rays(&self) -> &[Ray] {
         self.rays

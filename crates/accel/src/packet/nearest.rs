@@ -2,7 +2,6 @@
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Beam, Ways};
-use super::bundle::{Bundle, Left};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
 use super::{Found, Packet, Set, beam, few};
@@ -26,23 +25,23 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) {
-    for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, true), users, found).alone) {
+    for lane in Set(nearest_beams(isa, (s, l), tree, packet, lanes, users, found)) {
         let way = |ray: &Ray| Way::new(ray, &tree.bounds);
         single(isa, tree, packet, (lane, way), tree.root, users, found);
     }
 }
 
-/// Finds the nearest hits of those rays that go nearly the same way, or begin near each other, and says what is left to do.
+/// Finds the nearest hits of those rays that go nearly the same way, and gives back the others that are traceable.
 #[inline(always)]
 pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
     packet: &Packet,
-    (lanes, may_bundle): (u32, bool),
+    lanes: u32,
     users: &U,
     found: &mut Found,
-) -> Left {
+) -> u32 {
     let ways = Ways::new(l, packet, &tree.bounds);
     let apart = ways.apart(l);
     let lanes = lanes & ways.valid;
@@ -61,18 +60,12 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
             Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group, found);
         }
     }
-    let bundle = Bundle { isa, s, l, rows: &ways.rows, apart: &apart, tree, packet, users };
-    let mut left = Left { alone, poor: false };
-    let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
-    if group != 0 {
-        left.poor = bundle.nearest(group, found);
-    }
-    left
+    alone
 }
 
 /// Goes on with one ray of a packet below a child.
 #[inline(always)]
-pub(super) fn single<U: Users>(
+fn single<U: Users>(
     isa: SupportedIsa,
     tree: &Tree,
     packet: &Packet,
