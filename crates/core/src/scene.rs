@@ -4,8 +4,9 @@ use crate::{
     camera::{Camera, ViewFootprint},
     color::ColorMode,
     film::FilmSpec,
+    footprint::RayDifferential,
     light::Lights,
-    material::{self, Material, Model, Scattering, detail::Base},
+    material::{self, Material, Model, Needs, Scattering, detail::Base},
     medium::Medium,
     sampler::SamplerKind,
     shape::{Curves, Field, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
@@ -65,6 +66,8 @@ pub struct Geometry {
     pub media: Option<(Option<u32>, Option<u32>)>,
     /// Whether it scatters nothing.
     pub is_interface: bool,
+    /// What is asked of its points to scatter and to emit light.
+    pub needs: Needs,
     /// Number of the shape in the description, from one.
     pub id: u32,
 }
@@ -317,15 +320,35 @@ impl Scene {
     }
 
     /// The surface at a hit of a ray whose direction has unit length.
-    #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
+        self.interaction_by(ray, hit, |geometry, ray| surface(&geometry.shape, hit, ray))
+    }
+
+    /// As [`Scene::interaction`], with the parametrisation left zero where nothing that scatters or emits light asks for it.
+    #[inline]
+    pub fn interaction_of_light(&self, ray: &Ray, hit: &Hit) -> Interaction {
+        self.interaction_by(ray, hit, |geometry, ray| match &geometry.shape {
+            Shape::Mesh(m) if !geometry.needs.parameters => m.bare(hit.id.prim, hit.u, hit.v),
+            Shape::Quadric(q) if !geometry.needs.parameters => q.bare(ray, hit.t),
+            shape => surface(shape, hit, ray),
+        })
+    }
+
+    /// The surface at a hit, by what it is in the space of its shape.
+    #[inline]
+    fn interaction_by(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        surface: impl FnOnce(&Geometry, &Ray) -> SurfacePoint,
+    ) -> Interaction {
         let index = self.geometry_index(hit.id);
-        let shape = &self.geometries[index as usize].shape;
+        let geometry = &self.geometries[index as usize];
         let surface = if hit.id.instance == WORLD {
-            surface(shape, hit, ray)
+            surface(geometry, ray)
         } else {
             let place = &self.placements[hit.id.instance as usize].world_from_group;
-            let s = surface(shape, hit, &place.inverse().ray(ray));
+            let s = surface(geometry, &place.inverse().ray(ray));
             // Normals keep to their side: the inverse transpose does not turn them over against each other.
             SurfacePoint {
                 p: place.point(s.p),
@@ -371,12 +394,27 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
-        let at = TextureContext { time: lambda.time, ..self.texture_context(i) };
+        self.scattering_along(i, None, choice, lambda)
+    }
+
+    /// As [`Scene::scattering`], seen by a ray with a differential.
+    #[inline]
+    pub fn scattering_along<'a>(
+        &'a self,
+        i: &Interaction,
+        differential: Option<&RayDifferential>,
+        choice: f32,
+        lambda: &mut Wavelengths,
+    ) -> Option<(Scattering<'a>, Frame)> {
+        if !self.geometries[i.geometry as usize].needs.parameters {
+            return self.scattering_when(i, &TextureContext::NOWHERE, choice, lambda);
+        }
+        let mut at = self.texture_context_over(i, self.footprint(i, differential));
+        at.time = lambda.time;
         self.scattering_when(i, &at, choice, lambda)
     }
 
     /// As [`Scene::scattering`], with textures looked up where `at` says.
-    #[inline]
     pub fn scattering_at<'a>(
         &'a self,
         i: &Interaction,
@@ -411,11 +449,7 @@ impl Scene {
             }
         };
         let z = if s.flipped { -ns } else { ns };
-        let frame = if self.materials[geometry.material as usize].needs_tangent() {
-            Frame::from_zx(z, tangent)
-        } else {
-            Frame::from_z(z)
-        };
+        let frame = if geometry.needs.tangent { Frame::from_zx(z, tangent) } else { Frame::from_z(z) };
         Some((s, frame))
     }
 

@@ -72,9 +72,9 @@ fn seen_from(name: &str, scene: Scene, p: Vec3, complete: bool) -> Case {
             let i = scene.interaction(&ray, &hit);
             let geometry = &scene.geometries[i.geometry as usize];
             let (emitter, light) = (geometry.emitter.expect("a lamp"), geometry.light(i.id.prim).expect("a light"));
-            let at = scene.texture_context(&i);
+            let at = || scene.texture_context(&i);
             let shines =
-                scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, &at, &LAMBDA, &scene.textures);
+                scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, at, &LAMBDA, &scene.textures);
             if !shines.is_black() {
                 // The density of the light alone: that of its choice is divided out.
                 let chosen = scene.lights.probability(&ctx, light);

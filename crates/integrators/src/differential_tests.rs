@@ -42,10 +42,10 @@ fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, L
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(0, 0, 0);
     let depth = Depth { max: u32::MAX, roulette_after: u32::MAX, hide_emitters: false };
     let mut lambda = Wavelengths::RGB;
-    let (mut leg, mut sum) = (Leg::camera(scene, ray), Default::default());
+    let (mut leg, mut sum, mut arrival) = (Leg::camera(scene, ray), Default::default(), Arrival::End);
+    let counters = &mut Counters::default();
     loop {
-        let arrival =
-            arrive::<false>(scene, &mut leg, &mut sum, &depth, &sampler, &mut lambda, &mut Counters::default());
+        arrive::<false>(scene, &mut leg, &mut sum, &depth, &sampler, &mut lambda, counters, &mut arrival);
         let Arrival::Vertex(v @ Vertex::Surface { i, scattering, frame, .. }) = arrival else {
             panic!("{pixel} is lost")
         };

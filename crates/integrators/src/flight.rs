@@ -103,7 +103,7 @@ fn visibility(
             }
         }
         let Some(hit) = hit else { return t };
-        let i = scene.interaction(&ray, &hit);
+        let i = scene.interaction_of_light(&ray, &hit);
         // Interfaces pass everything, thin panes a part; what bends or stops light blocks the way.
         if let Some((s, frame)) = scene.scattering(&i, 0.5, &mut lambda.clone()) {
             match s.bsdf.straight_transmission(frame.to_local(i.wo)) {

@@ -79,7 +79,14 @@ pub trait Integrator: Sync {
 
     /// Takes a sample for each pixel of a group. By default nothing is
     /// shared: [`Integrator::radiance`], with the pixels' own numbers.
-    fn group(&self, scene: &Scene, survey: &Survey, seats: &mut [reuse::Seat], counters: &mut Counters) {
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        survey: &Survey,
+        seats: &mut [reuse::Seat],
+        _room: &mut reuse::Room<'s>,
+        counters: &mut Counters,
+    ) {
         for seat in seats {
             seat.radiance = self.radiance(scene, survey, seat.ray, &seat.own, &mut seat.lambda, counters);
         }

@@ -25,7 +25,8 @@ pub fn sample_light(
     sampler: &PixelSampler,
     lambda: &Wavelengths,
 ) -> Option<LightSample> {
-    let (light, p) = scene.lights.choose(ctx, sampler.get_1d(dimension::at(event, dimension::LIGHT)))?;
+    let u = sampler.get_1d_lazily(dimension::at(event, dimension::LIGHT), scene.lights.are_many());
+    let (light, p) = scene.lights.choose(ctx, u)?;
     let u = sampler.get_2d(dimension::at(event, dimension::LIGHT_POINT));
     let mut s = scene.lights.sample(light, ctx, u, lambda, &scene.textures)?;
     s.pdf *= p;
@@ -53,8 +54,8 @@ pub type Origin = Option<(LightContext, f32)>;
 pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     let geometry = &scene.geometries[i.geometry as usize];
     let Some(emitter) = geometry.emitter else { return Spectrum::ZERO };
-    let at = scene.texture_context(i);
-    let e = scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, &at, lambda, &scene.textures);
+    let at = || scene.texture_context(i);
+    let e = scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, at, lambda, &scene.textures);
     if e.is_black() {
         return e;
     }

@@ -3,7 +3,7 @@
 //! Each group has one pixel, chosen at random, of each of N square blocks that lie together. So its members are near each other, while
 //! the errors that they share appear scattered like ordinary noise, and are not seen as blotches.
 
-use steradian_core::sampler::{PixelSampler, Sampler};
+use steradian_core::sampler::{GroupSampler, Sampler};
 use steradian_math::hash::{combine32, mix32};
 
 /// Tile edge, pixels. Tiles are aligned to the frame, whatever its crop.
@@ -85,9 +85,9 @@ impl Partition {
         })
     }
 
-    /// The numbers that a member shares with its group: one point set for all members and samples.
-    pub fn sampler(&self, sampler: &Sampler, group: u32, index: u32, rank: u32) -> PixelSampler {
-        sampler.group(self.corner[0], self.corner[1], group, index, rank, self.size)
+    /// The numbers that members share with their group: one point set for all members and samples.
+    pub fn sampler(&self, sampler: &Sampler, group: u32, index: u32) -> GroupSampler {
+        sampler.group(self.corner[0], self.corner[1], group, index, self.size)
     }
 }
 

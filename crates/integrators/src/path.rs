@@ -4,7 +4,7 @@
 
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics,
-    reuse::{self, Seat, Suffix},
+    reuse::{self, Room, Seat, Suffix},
     walk::{Arrival, Leg, Vertex, arrive, escape, roulette},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -42,7 +42,7 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
         counters: &mut Counters,
     ) -> Spectrum {
         let mut vertex = vertex;
-        let mut next;
+        let mut next = Arrival::End;
         let mut sum = Spectrum::ZERO;
         loop {
             // Light that arrives straight from a light.
@@ -59,11 +59,9 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
                 None => return sum,
             }
             // Follow the ray to the next vertex; collect what shines there.
-            match arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
-                Arrival::Vertex(v) => {
-                    next = v;
-                    vertex = &next;
-                }
+            arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
+            match &next {
+                Arrival::Vertex(v) => vertex = v,
                 Arrival::End => return sum,
                 Arrival::Escaped => {
                     escape(scene, &leg, &mut sum, &self.depth, lambda);
@@ -85,9 +83,10 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let (mut leg, mut sum) = (Leg::camera(scene, ray), Spectrum::ZERO);
-        match arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters) {
-            Arrival::Vertex(v) => sum + self.leaving(scene, survey, &v, leg, sampler, lambda, counters),
+        let (mut leg, mut sum, mut first) = (Leg::camera(scene, ray), Spectrum::ZERO, Arrival::End);
+        arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut first);
+        match &first {
+            Arrival::Vertex(v) => sum + self.leaving(scene, survey, v, leg, sampler, lambda, counters),
             Arrival::End => sum,
             Arrival::Escaped => {
                 escape(scene, &leg, &mut sum, &self.depth, lambda);
@@ -100,7 +99,14 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
         self.tactics.reuse
     }
 
-    fn group(&self, scene: &Scene, survey: &Survey, seats: &mut [Seat], counters: &mut Counters) {
-        reuse::group(self, scene, survey, seats, counters);
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        survey: &Survey,
+        seats: &mut [Seat],
+        room: &mut Room<'s>,
+        counters: &mut Counters,
+    ) {
+        reuse::group(self, scene, survey, seats, room, counters);
     }
 }

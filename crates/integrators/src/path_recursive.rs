@@ -3,7 +3,7 @@
 
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics, dimension, nee,
-    reuse::{self, Seat, Suffix},
+    reuse::{self, Room, Seat, Suffix},
     walk::{Leg, MAX_PASSES, Vertex, roulette},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -42,7 +42,7 @@ impl PathRecursive {
             return if hidden { sum } else { sum + leg.beta * background };
         };
         // (1) A light is hit.
-        let i = scene.interaction(&leg.ray, &hit);
+        let i = scene.interaction_of_light(&leg.ray, &hit);
         let sum = if hidden { sum } else { sum + leg.beta * nee::emission(scene, &i, &leg.origin, lambda) };
         // (3) The path is long enough, unless the surface lets it through.
         let is_last = leg.events >= self.depth.max.min(DEEPEST);
@@ -50,8 +50,7 @@ impl PathRecursive {
             return sum;
         }
         let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
-        let at = scene.texture_context_over(&i, scene.footprint(&i, leg.differential.as_ref()));
-        match scene.scattering_at(&i, &at, choice, lambda) {
+        match scene.scattering_along(&i, leg.differential.as_ref(), choice, lambda) {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
@@ -128,7 +127,14 @@ impl Integrator for PathRecursive {
         self.tactics.reuse
     }
 
-    fn group(&self, scene: &Scene, survey: &Survey, seats: &mut [Seat], counters: &mut Counters) {
-        reuse::group(self, scene, survey, seats, counters);
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        survey: &Survey,
+        seats: &mut [Seat],
+        room: &mut Room<'s>,
+        counters: &mut Counters,
+    ) {
+        reuse::group(self, scene, survey, seats, room, counters);
     }
 }

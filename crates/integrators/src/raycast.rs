@@ -24,9 +24,8 @@ impl Integrator for Raycast {
             let Some(hit) = scene.intersect(&ray) else {
                 return nee::background(scene, ray.origin, ray.direction, &None, lambda);
             };
-            let i = scene.interaction(&ray, &hit);
-            let at = scene.texture_context_over(&i, scene.footprint(&i, differential.as_ref()));
-            match scene.scattering_at(&i, &at, 0.5, lambda) {
+            let i = scene.interaction_of_light(&ray, &hit);
+            match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
                 Some((s, frame)) => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
                     return albedo + nee::emission(scene, &i, &None, lambda);

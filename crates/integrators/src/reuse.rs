@@ -71,9 +71,11 @@ pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
 }
 
 /// A pixel that shares.
+#[derive(Clone, Copy, Debug)]
 struct Member<'s> {
     seat: usize,
-    x: Vertex<'s>,
+    /// Where its path arrived first.
+    x: Arrival<'s>,
     /// What the path carries to x.
     beta: Spectrum,
     /// Scattering events before x.
@@ -83,15 +85,18 @@ struct Member<'s> {
     /// The density by the surface over the one it was drawn with: claims are weighed by the former.
     ratio: f32,
     leg: Leg,
-    found: Found<'s>,
+    /// What it met beyond x.
+    y: Arrival<'s>,
 }
 
-/// What a member met beyond x. In place, since nothing is allocated per sample.
-#[allow(clippy::large_enum_variant)]
-enum Found<'s> {
-    Nothing,
-    Sky,
-    Surface(Vertex<'s>),
+/// Room for the paths of a group; kept, so that nothing is allocated per sample.
+#[derive(Debug)]
+pub struct Room<'s>(Vec<Member<'s>>);
+
+impl Default for Room<'_> {
+    fn default() -> Self {
+        Self(vec![Member::NONE; MAX_GROUP])
+    }
 }
 
 /// A member's claim on a direction or point: `f |cos|`, and its density, both with the geometry term and visibility.
@@ -108,11 +113,52 @@ impl Claim {
 }
 
 impl<'s> Member<'s> {
-    /// A path that arrived at x.
+    const NONE: Self = Self {
+        seat: 0,
+        x: Arrival::End,
+        beta: Spectrum::ZERO,
+        events: 0,
+        sample: BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 },
+        ratio: 1.0,
+        leg: Leg::NONE,
+        y: Arrival::End,
+    };
+
+    /// Follows a path from the camera to its first vertex that is not specular; whether there is one.
     #[inline]
-    fn at(seat: usize, x: Vertex<'s>, leg: Leg) -> Self {
-        let sample = BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 };
-        Self { seat, x, beta: leg.beta, events: leg.events, sample, ratio: 1.0, leg, found: Found::Nothing }
+    fn reach<const MEDIA: bool>(
+        &mut self,
+        scene: &'s Scene,
+        survey: &Survey,
+        seat: &mut Seat,
+        depth: &Depth,
+        counters: &mut Counters,
+    ) -> bool {
+        let Self { leg, x, .. } = self;
+        *leg = Leg::camera(scene, seat.ray);
+        loop {
+            arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
+            match x {
+                Arrival::Vertex(v) if !v.is_specular() => return true,
+                Arrival::Vertex(v) => {
+                    let Some(draw) = v.sample(leg, &seat.own, survey) else { return false };
+                    leg.turn::<MEDIA>(scene, v, &draw.sample);
+                    if !leg.beta.is_finite() {
+                        seat.radiance = leg.beta;
+                        return false;
+                    }
+                    match roulette(leg.beta, leg.eta2, leg.events, depth, &seat.own, &seat.lambda) {
+                        Some(beta) => leg.beta = beta,
+                        None => return false,
+                    }
+                }
+                Arrival::End => return false,
+                Arrival::Escaped => {
+                    escape(scene, leg, &mut seat.radiance, depth, &seat.lambda);
+                    return false;
+                }
+            }
+        }
     }
 
     /// Direct light at x, a direction drawn there, and where it leads; emission met there is the pixel's own.
@@ -125,7 +171,10 @@ impl<'s> Member<'s> {
         depth: &Depth,
         counters: &mut Counters,
     ) {
+        (self.beta, self.events, self.y) = (self.leg.beta, self.leg.events, Arrival::End);
+        self.sample.pdf = 0.0;
         let Self { x, leg, .. } = self;
+        let Arrival::Vertex(x) = x else { return };
         seat.radiance += leg.beta * x.direct::<MEDIA>(scene, leg.events, &seat.own, &seat.lambda, counters);
         let Some(draw) = x.sample(leg, &seat.joint, survey) else { return };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
@@ -133,29 +182,24 @@ impl<'s> Member<'s> {
         if !leg.beta.is_finite() {
             seat.radiance = leg.beta;
         } else if live_max(leg.beta, &seat.lambda) > 0.0 {
-            let mut lambda = seat.lambda;
-            self.found =
-                match arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.joint, &mut lambda, counters) {
-                    Arrival::Vertex(v) => Found::Surface(v),
-                    Arrival::End => Found::Nothing,
-                    Arrival::Escaped => Found::Sky,
-                };
+            let (radiance, mut lambda) = (&mut seat.radiance, seat.lambda);
+            arrive::<MEDIA>(scene, leg, radiance, depth, &seat.joint, &mut lambda, counters, &mut self.y);
         }
-    }
-
-    /// The environment in a direction that was drawn with a density, as seen from x if nothing were before it.
-    fn sky(&self, w: Vec3, pdf: f32, scene: &Scene, lambda: &Wavelengths) -> Spectrum {
-        let origin = Some((self.x.context(), pdf));
-        nee::background(scene, self.x.p(), w, &origin, lambda)
     }
 }
 
+/// The environment in a direction that was drawn with a density, as seen from x if nothing were before it.
+fn sky(scene: &Scene, x: &Vertex<'_>, w: Vec3, pdf: f32, lambda: &Wavelengths) -> Spectrum {
+    nee::background(scene, x.p(), w, &Some((x.context(), pdf)), lambda)
+}
+
 /// Samples of all seats of a group.
-pub(crate) fn group<const MEDIA: bool, S: Suffix<MEDIA>>(
+pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
     suffix: &S,
-    scene: &Scene,
+    scene: &'s Scene,
     survey: &Survey,
     seats: &mut [Seat],
+    Room(members): &mut Room<'s>,
     counters: &mut Counters,
 ) {
     let depth = suffix.depth();
@@ -166,57 +210,32 @@ pub(crate) fn group<const MEDIA: bool, S: Suffix<MEDIA>>(
         }
         return;
     }
-    let mut group: Vec<Member<'_>> = Vec::with_capacity(seats.len());
+    let mut count = 0;
     for (index, seat) in seats.iter_mut().enumerate() {
         let whole = seat.lambda;
         seat.radiance = Spectrum::ZERO;
-        let Some((x, leg)) = prefix::<MEDIA>(scene, survey, seat, depth, counters) else { continue };
-        if seat.lambda == whole && is_shareable(&x) {
-            group.push(Member::at(index, x, leg));
+        let member = &mut members[count];
+        if !member.reach::<MEDIA>(scene, survey, seat, depth, counters) {
+            continue;
+        }
+        let Arrival::Vertex(x) = &member.x else { continue };
+        if seat.lambda == whole && is_shareable(x) {
+            member.seat = index;
+            count += 1;
         } else {
-            seat.radiance += suffix.leaving(scene, survey, &x, leg, &seat.own, &mut seat.lambda, counters);
+            seat.radiance += suffix.leaving(scene, survey, x, member.leg, &seat.own, &mut seat.lambda, counters);
         }
     }
-    if let [Member { seat, x, leg, .. }] = &group[..] {
+    let group = &mut members[..count];
+    if let [Member { seat, x: Arrival::Vertex(x), leg, .. }] = group {
         let seat = &mut seats[*seat];
         seat.radiance += suffix.leaving(scene, survey, x, *leg, &seat.own, &mut seat.lambda, counters);
         return;
     }
-    for member in &mut group {
+    for member in &mut *group {
         member.bounce::<MEDIA>(scene, survey, &mut seats[member.seat], depth, counters);
     }
-    share(suffix, scene, survey, &group, seats, counters);
-}
-
-/// Follows a path from the camera to its first vertex that is not specular.
-#[inline]
-fn prefix<'s, const MEDIA: bool>(
-    scene: &'s Scene,
-    survey: &Survey,
-    seat: &mut Seat,
-    depth: &Depth,
-    counters: &mut Counters,
-) -> Option<(Vertex<'s>, Leg)> {
-    let mut leg = Leg::camera(scene, seat.ray);
-    loop {
-        match arrive::<MEDIA>(scene, &mut leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters) {
-            Arrival::Vertex(v) if !v.is_specular() => return Some((v, leg)),
-            Arrival::Vertex(v) => {
-                let s = v.sample(&leg, &seat.own, survey)?.sample;
-                leg.turn::<MEDIA>(scene, &v, &s);
-                if !leg.beta.is_finite() {
-                    seat.radiance = leg.beta;
-                    return None;
-                }
-                leg.beta = roulette(leg.beta, leg.eta2, leg.events, depth, &seat.own, &seat.lambda)?;
-            }
-            Arrival::End => return None,
-            Arrival::Escaped => {
-                escape(scene, &leg, &mut seat.radiance, depth, &seat.lambda);
-                return None;
-            }
-        }
-    }
+    share(suffix, scene, survey, group, seats, counters);
 }
 
 /// Whether members may stand in for each other at x: a model whose evaluation has the density of its samples, and not one that none are
@@ -259,10 +278,10 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
     for (k, finder) in group.iter().enumerate() {
         let seat = &mut seats[finder.seat];
         let is_own = finder.sample.lobe.is_specular();
-        match &finder.found {
-            Found::Nothing => {}
-            Found::Sky => escape(scene, &finder.leg, &mut seat.radiance, depth, &seat.lambda),
-            Found::Surface(y) => {
+        match &finder.y {
+            Arrival::End => {}
+            Arrival::Escaped => escape(scene, &finder.leg, &mut seat.radiance, depth, &seat.lambda),
+            Arrival::Vertex(y) => {
                 let joint = seat.joint;
                 let mut lambda = seat.lambda;
                 if is_own || !is_lambertian(y) {
@@ -280,8 +299,9 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
                         seat.radiance = light;
                     } else if survey.is_open || !light.is_black() {
                         if survey.is_open {
-                            seat.radiance += finder.leg.beta
-                                * finder.sky(finder.leg.ray.direction, finder.sample.pdf, scene, &seat.lambda);
+                            let Arrival::Vertex(x) = &finder.x else { continue };
+                            let w = finder.leg.ray.direction;
+                            seat.radiance += finder.leg.beta * sky(scene, x, w, finder.sample.pdf, &seat.lambda);
                         }
                         share_point::<MEDIA>(
                             scene,
@@ -326,6 +346,7 @@ fn share_point<const MEDIA: bool>(
     counters: &mut Counters,
 ) {
     let finder = &group[k];
+    let Arrival::Vertex(finders_x) = &finder.x else { return };
     let p = y.p();
     // The cosine at y towards a direction from x, on the side that is seen: by the normal that decides about it.
     let facing = match y {
@@ -347,11 +368,11 @@ fn share_point<const MEDIA: bool>(
             None => (Spectrum::ONE, 1.0),
         }
     };
-    let sky = |member: &Member<'_>, w: Vec3, pdf: f32| {
-        if is_open { member.sky(w, pdf, scene, &seats[member.seat].lambda) } else { Spectrum::ZERO }
+    let sky = |x: &Vertex<'_>, w: Vec3, pdf: f32, lambda: &Wavelengths| {
+        if is_open { sky(scene, x, w, pdf, lambda) } else { Spectrum::ZERO }
     };
     // The geometry term of the finder: others are held against it.
-    let own_distance = (p - finder.x.p()).length();
+    let own_distance = (p - finders_x.p()).length();
     let g = facing.map_or(1.0, |(n, _)| n.dot(y.wo()).abs()) / (own_distance * own_distance);
     let mut total = 0.0;
     for (m, member) in group.iter().enumerate() {
@@ -359,18 +380,19 @@ fn share_point<const MEDIA: bool>(
         let lambda = &seats[member.seat].lambda;
         if m == k {
             let (pdf, w) = (finder.sample.pdf, -y.wo());
-            let (passed, density) = flight(&finder.x, w, own_distance, lambda);
+            let (passed, density) = flight(finders_x, w, own_distance, lambda);
             claims[m] = Claim {
                 value: finder.sample.weight * passed * pdf,
                 pdf: pdf * density,
-                sky: sky(finder, finder.leg.ray.direction, pdf),
+                sky: sky(finders_x, finder.leg.ray.direction, pdf, lambda),
             };
         } else {
             // The same number of events lies before y, unless it does not matter.
             if member.events != finder.events && depth.max != u32::MAX {
                 continue;
             }
-            let to = p - member.x.p();
+            let Arrival::Vertex(x) = &member.x else { continue };
+            let to = p - x.p();
             let d2 = to.length_squared();
             let distance = d2.sqrt();
             let w = to / distance;
@@ -378,22 +400,22 @@ fn share_point<const MEDIA: bool>(
             if !(relative > 0.0 && relative.is_finite()) {
                 continue;
             }
-            let e = member.x.eval(w);
+            let e = x.eval(w);
             if e.value.is_black() && e.pdf <= 0.0 {
                 continue;
             }
-            if MEDIA && facing.is_none() && member.x.medium_towards(scene, w) != finder.leg.medium {
+            if MEDIA && facing.is_none() && x.medium_towards(scene, w) != finder.leg.medium {
                 continue;
             }
             counters.rays += 1;
-            if scene.occluded(&member.x.spawn_towards(w, distance)) {
+            if scene.occluded(&x.spawn_towards(w, distance)) {
                 continue;
             }
-            let (passed, density) = flight(&member.x, w, distance, lambda);
+            let (passed, density) = flight(x, w, distance, lambda);
             claims[m] = Claim {
                 value: e.value * passed * (finder.ratio * relative),
                 pdf: e.pdf * density * relative,
-                sky: sky(member, w, e.pdf),
+                sky: sky(x, w, e.pdf, lambda),
             };
         }
         total += claims[m].pdf;

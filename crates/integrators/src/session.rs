@@ -12,7 +12,7 @@ use crate::{
     adaptive::{self, Need, Round},
     dimension, features,
     partition::{Partition, Place, TILE},
-    reuse::Seat,
+    reuse::{Room, Seat},
     survey::Survey,
 };
 use std::{
@@ -66,10 +66,11 @@ pub struct Control {
 
 /// A group's pixels while they are worked at; kept, so that nothing is allocated per sample.
 #[derive(Default)]
-struct Desk {
+struct Desk<'s> {
     places: Vec<Place>,
     seats: Vec<Seat>,
     weights: Vec<f32>,
+    room: Room<'s>,
 }
 
 /// The state of a film: what a session gives to be looked at or saved.
@@ -373,7 +374,7 @@ impl<'s> Session<'s> {
         &self,
         integrator: &I,
         tile: &mut Tile,
-        desk: &mut Desk,
+        desk: &mut Desk<'s>,
         partition: &Partition,
         sampler: &Sampler,
         (group, index): (u32, u32),
@@ -381,14 +382,15 @@ impl<'s> Session<'s> {
     ) {
         let (scene, film, area) = (self.scene, &self.scene.film, tile.area);
         let in_area = |p: &Place| (area.x0..area.x1).contains(&p.x) && (area.y0..area.y1).contains(&p.y);
-        let Desk { places, seats, weights } = desk;
+        let Desk { places, seats, weights, room } = desk;
         // Members beyond the crop take part, so that a crop has the bits of the whole.
         places.clear();
         places.extend(partition.places(group).filter(|p| p.x < film.width && p.y < film.height));
         if !places.iter().any(in_area) {
             return;
         }
-        let common = partition.sampler(sampler, group, index, 0);
+        let joint = partition.sampler(sampler, group, index);
+        let common = joint.member(0);
         seats.clear();
         weights.clear();
         for p in &*places {
@@ -399,13 +401,12 @@ impl<'s> Session<'s> {
             let ray = scene.camera.ray(film, point, lens);
             let lambda = scene.mode.wavelengths(|| common.get_1d(dimension::WAVELENGTH));
             let lambda = if scene.is_timed { lambda.at_time(common.get_1d(dimension::TIME)) } else { lambda };
-            let joint = partition.sampler(sampler, group, index, p.rank);
-            seats.push(Seat { ray, own, joint, lambda, radiance: Spectrum::ZERO });
+            seats.push(Seat { ray, own, joint: joint.member(p.rank), lambda, radiance: Spectrum::ZERO });
             weights.push(weight);
         }
         match &mut seats[..] {
             [s] => s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters),
-            seats => integrator.group(scene, &self.survey, seats, counters),
+            seats => integrator.group(scene, &self.survey, seats, room, counters),
         }
         for ((p, seat), weight) in places.iter().zip(&*seats).zip(&*weights).filter(|((p, _), _)| in_area(p)) {
             let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;

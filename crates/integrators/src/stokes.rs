@@ -69,7 +69,7 @@ impl Stokes {
                 }
                 return sum;
             };
-            let i = scene.interaction(&ray, &hit);
+            let i = scene.interaction_of_light(&ray, &hit);
             if !hidden {
                 sum = sum + chain.of_unpolarized(nee::emission(scene, &i, &origin, lambda));
             }

@@ -10,7 +10,7 @@ use crate::{
 };
 use steradian_core::{
     Scene,
-    bsdf::{BsdfEval, BsdfSample, Lobe, TransportMode},
+    bsdf::{Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode},
     footprint::{Bounce, RayDifferential},
     light::LightContext,
     material::Scattering,
@@ -78,6 +78,18 @@ pub(crate) struct Leg {
 }
 
 impl Leg {
+    /// One that leads nowhere.
+    pub const NONE: Self = Self {
+        ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_max: 0.0 },
+        beta: Spectrum::ZERO,
+        eta2: 1.0,
+        origin: None,
+        events: 0,
+        passes: 0,
+        medium: None,
+        differential: None,
+    };
+
     /// From the camera.
     #[inline]
     pub fn camera(scene: &Scene, ray: Ray) -> Self {
@@ -297,7 +309,9 @@ impl Vertex<'_> {
         let u2 = sampler.get_2d(dimension::at(leg.events, dimension::DIRECTION));
         match self {
             Self::Surface { i, scattering: Scattering { bsdf, .. }, frame, .. } => {
-                let u = sampler.get_1d(leg.dimension(dimension::LOBE));
+                let has_one_lobe = matches!(bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
+                let is_asked = survey.caustics.is_some() || !has_one_lobe;
+                let u = sampler.get_1d_lazily(leg.dimension(dimension::LOBE), is_asked);
                 let wo = frame.to_local(i.wo);
                 match &survey.caustics {
                     Some(c) => c.sample(i.surface.p, frame, wo, bsdf, u, u2),
@@ -315,6 +329,7 @@ impl Vertex<'_> {
 
 /// What a ray leads to. In place, since nothing is allocated per sample.
 #[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Arrival<'s> {
     /// A point that scatters, within the depth.
     Vertex(Vertex<'s>),
@@ -325,8 +340,9 @@ pub(crate) enum Arrival<'s> {
 }
 
 /// Follows a leg to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sum`. The background is
-/// left to the caller.
+/// left to the caller. What it leads to is written where it stays, since it is large.
 #[inline]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn arrive<'s, const MEDIA: bool>(
     scene: &'s Scene,
     leg: &mut Leg,
@@ -335,7 +351,9 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
     sampler: &PixelSampler,
     lambda: &mut Wavelengths,
     counters: &mut Counters,
-) -> Arrival<'s> {
+    arrival: &mut Arrival<'s>,
+) {
+    *arrival = Arrival::End;
     while leg.passes <= MAX_PASSES {
         counters.rays += 1;
         let hit = scene.intersect(&leg.ray);
@@ -350,36 +368,34 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
             };
             leg.beta *= factor;
             if live_max(leg.beta, lambda) <= 0.0 {
-                return Arrival::End;
+                return;
             }
             if let Some(t) = t {
-                if leg.events >= depth.max {
-                    return Arrival::End;
+                if leg.events < depth.max {
+                    let (p, wo) = (leg.ray.at(t), -leg.ray.direction);
+                    *arrival = Arrival::Vertex(Vertex::Medium { p, wo, scattering, medium });
                 }
-                return Arrival::Vertex(Vertex::Medium {
-                    p: leg.ray.at(t),
-                    wo: -leg.ray.direction,
-                    scattering,
-                    medium,
-                });
+                return;
             }
         }
-        let Some(hit) = hit else { return Arrival::Escaped };
-        let i = scene.interaction(&leg.ray, &hit);
+        let Some(hit) = hit else {
+            *arrival = Arrival::Escaped;
+            return;
+        };
+        let i = scene.interaction_of_light(&leg.ray, &hit);
         if !(leg.events == 0 && depth.hide_emitters) {
             *sum += leg.beta * nee::emission(scene, &i, &leg.origin, lambda);
         }
         let is_last = leg.events >= depth.max;
         if is_last && !scene.is_see_through {
-            return Arrival::End;
+            return;
         }
         let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
-        let at = scene.texture_context_over(&i, scene.footprint(&i, leg.differential.as_ref()));
-        if let Some((scattering, frame)) = scene.scattering_at(&i, &at, choice, lambda) {
-            if is_last {
-                return Arrival::End;
+        if let Some((scattering, frame)) = scene.scattering_along(&i, leg.differential.as_ref(), choice, lambda) {
+            if !is_last {
+                *arrival = Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: leg.medium });
             }
-            return Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: leg.medium });
+            return;
         }
         leg.passes += 1;
         if MEDIA {
@@ -388,7 +404,6 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
         leg.ray = i.spawn(leg.ray.direction);
         leg.differential = leg.differential.map(|d| d.advance(i.t));
     }
-    Arrival::End
 }
 
 /// Adds the light of the environments that a leg met to `sum`.

@@ -81,11 +81,10 @@ impl Whitted {
             let Some(hit) = scene.intersect(&ray) else {
                 return sum + nee::background(scene, ray.origin, ray.direction, &None, lambda);
             };
-            let i = scene.interaction(&ray, &hit);
+            let i = scene.interaction_of_light(&ray, &hit);
             sum += nee::emission(scene, &i, &None, lambda);
             let choice = sampler.get_1d(dimension::at(events, dimension::MIXTURE));
-            let at = scene.texture_context_over(&i, scene.footprint(&i, differential.as_ref()));
-            let Some((scattering, frame)) = scene.scattering_at(&i, &at, choice, lambda) else {
+            let Some((scattering, frame)) = scene.scattering_along(&i, differential.as_ref(), choice, lambda) else {
                 ray = i.spawn(ray.direction);
                 differential = differential.map(|d| d.advance(i.t));
                 continue;

@@ -25,7 +25,7 @@ mod view;
 use crate::{
     color::ColorMode,
     light::{Emitter, Light, Lights},
-    material::{Material, Model, SurfaceDetail},
+    material::{Material, Model, Needs, SurfaceDetail},
     medium::Medium,
     scene::{Geometry, Placement, Scene},
     texture::{
@@ -211,6 +211,16 @@ impl Compiler<'_> {
             m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
         });
         let footprints = (has_detail || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
+        let mut needs = Vec::with_capacity(self.materials.len());
+        for material in &self.materials {
+            needs.push(material.needs(&needs));
+        }
+        for geometry in &mut self.geometries {
+            let needs = needs[geometry.material as usize];
+            let is_shown = geometry.emitter.is_some_and(|e| lights.emitters[e as usize].is_textured());
+            // Footprints go on from any surface.
+            geometry.needs = Needs { parameters: needs.parameters || is_shown || footprints.is_some(), ..needs };
+        }
         let scene = Scene {
             mode: self.mode,
             footprints,

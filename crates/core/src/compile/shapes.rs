@@ -4,6 +4,7 @@ use super::{Compiler, height_field};
 use crate::{
     color::Role,
     light::{AreaLight, AreaShape, Emitter, Light},
+    material::Needs,
     scene::{self, Geometry, Shape},
     shape::{
         self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SHAPES, TriMesh,
@@ -97,6 +98,7 @@ impl Compiler<'_> {
                 lights: Box::default(),
                 media,
                 is_interface,
+                needs: Needs::default(),
                 id: shape.node.0 + 1,
             };
             if let Some(light) = emission {

@@ -135,6 +135,14 @@ impl Filter {
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         match self.kind {
             FilterKind::Box => ((u * 2.0 - 1.0) * self.radius, 1.0),
+            _ => self.sample_curved(u),
+        }
+    }
+
+    /// Of the filters that are not constant.
+    #[inline(never)]
+    fn sample_curved(&self, u: Vec2) -> (Vec2, f32) {
+        match self.kind {
             FilterKind::Tent => {
                 let tent =
                     |u: f32| if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).max(0.0).sqrt() };

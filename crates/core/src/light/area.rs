@@ -27,20 +27,24 @@ pub struct Emitter {
 }
 
 impl Emitter {
-    /// Radiance at a point of the surface in direction `w`.
+    /// Radiance at a point of the surface in direction `w`; `at` says where a texture is looked up.
     #[inline]
-    pub fn radiance(
+    pub fn radiance<'a>(
         &self,
         n: Vec3,
         w: Vec3,
-        at: &TextureContext,
+        at: impl FnOnce() -> TextureContext<'a>,
         lambda: &Wavelengths,
         textures: &Textures,
     ) -> Spectrum {
         if !self.two_sided && n.dot(w) <= 0.0 {
             return Spectrum::ZERO;
         }
-        self.radiance.eval(textures, &TextureContext { time: lambda.time, ..*at }, lambda) * self.scale
+        let radiance = match &self.radiance {
+            SpectrumTexture::Constant(color) => color.eval(lambda),
+            texture => texture.eval(textures, &TextureContext { time: lambda.time, ..at() }, lambda),
+        };
+        radiance * self.scale
     }
 
     /// A constant emitter.
@@ -50,8 +54,8 @@ impl Emitter {
     }
 
     /// Whether the radiance depends on the point.
-    fn is_textured(&self) -> bool {
-        matches!(self.radiance, SpectrumTexture::Texture(..))
+    pub fn is_textured(&self) -> bool {
+        !self.radiance.is_constant()
     }
 }
 
@@ -160,8 +164,7 @@ impl AreaLight {
         if !(pdf > 0.0 && pdf.is_finite()) || cos == 0.0 {
             return None;
         }
-        let at = if emitter.is_textured() { self.texture_context(q, uv) } else { TextureContext::new(q, uv) };
-        let radiance = emitter.radiance(n, -wi, &at, lambda, textures);
+        let radiance = emitter.radiance(n, -wi, || self.texture_context(q, uv), lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
@@ -211,8 +214,8 @@ impl AreaLight {
             return None;
         }
         let n = if inward { -n } else { n };
-        let at = TextureContext::new(p + wi * distance, Vec2::ZERO);
-        let radiance = emitter.radiance(n, -wi, &at, lambda, textures);
+        let at = || TextureContext::new(p + wi * distance, Vec2::ZERO);
+        let radiance = emitter.radiance(n, -wi, at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
@@ -283,8 +286,8 @@ impl AreaLight {
         if !inside || distance <= 0.0 {
             return None;
         }
-        let at = TextureContext::new(p - n * distance, Vec2::ZERO);
-        let radiance = emitter.radiance(n, n, &at, lambda, textures);
+        let at = || TextureContext::new(p - n * distance, Vec2::ZERO);
+        let radiance = emitter.radiance(n, n, at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi: -n, distance, radiance, pdf: 1.0, is_delta: true })
     }
 

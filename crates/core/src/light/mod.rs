@@ -133,6 +133,12 @@ impl Lights {
         !self.infinite.is_empty() || !self.tree.is_empty()
     }
 
+    /// Whether there is more than one to choose.
+    #[inline]
+    pub fn are_many(&self) -> bool {
+        self.infinite.len() + self.tree.len() > 1
+    }
+
     /// The colour mode that radiances are in.
     pub fn mode(&self) -> ColorMode {
         self.mode

@@ -145,6 +145,11 @@ impl LightTree {
         tree
     }
 
+    /// How many lights there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len().div_ceil(2)
+    }
+
     /// Whether there is no light.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()

@@ -69,6 +69,11 @@ impl Roughness {
         Microfacet::new(self.distribution, self.shadowing, u, v)
     }
 
+    /// Whether it is the same everywhere.
+    fn is_constant(&self) -> bool {
+        self.u.is_constant() && self.v.is_constant()
+    }
+
     /// Whether the two α may differ, so that the orientation of the tangent matters.
     pub(crate) fn is_anisotropic(&self) -> bool {
         match (self.u, self.v) {
@@ -91,6 +96,11 @@ pub enum Eta {
 }
 
 impl Eta {
+    /// Whether it is the same everywhere.
+    fn is_constant(&self) -> bool {
+        !matches!(self, Self::Varying(_))
+    }
+
     #[inline]
     fn eval(&self, textures: &Textures, at: &TextureContext, lambda: &mut Wavelengths) -> f32 {
         match self {
@@ -216,29 +226,63 @@ impl Material {
         Self { model: Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), two_sided: true, detail: None }
     }
 
-    /// Whether the shading frame must follow the surface's parametrisation.
-    pub fn needs_tangent(&self) -> bool {
-        if self.detail.as_ref().is_some_and(|d| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some())) {
-            return true;
-        }
-        match &self.model {
-            Model::Conductor { roughness, .. }
-            | Model::Dielectric { roughness, .. }
-            | Model::Coated { roughness, .. }
-            | Model::ConductorReflectance(_, roughness)
-            | Model::Facets(Facets { roughness, .. })
-            | Model::Compensated { metal: Metal { roughness, .. }, .. }
-            | Model::Mirror(_, roughness) => roughness.is_anisotropic(),
-            Model::Classical(c) => c.is_anisotropic(),
-            Model::Hair(_)
-            | Model::Layered(_)
-            | Model::Measured(_)
-            | Model::Pbr(_)
-            | Model::Principled(_)
-            | Model::Mix(..)
-            | Model::TwoSided(..) => true,
-            _ => false,
-        }
+    /// What it asks of the surface, by what the materials with smaller indices ask.
+    pub fn needs(&self, before: &[Needs]) -> Needs {
+        let constant = |textures: &[&SpectrumTexture]| textures.iter().all(|t| t.is_constant());
+        let of = |is_constant: bool, roughness: &Roughness| Needs {
+            parameters: !(is_constant && roughness.is_constant()),
+            tangent: roughness.is_anisotropic(),
+        };
+        let isotropic = |is_constant: bool| Needs { parameters: !is_constant, tangent: false };
+        let own = match &self.model {
+            Model::Diffuse(r) => isotropic(r.is_constant()),
+            Model::DiffuseTransmission(r, t) => isotropic(constant(&[r, t])),
+            Model::Conductor { eta, k, tint, roughness } => of(constant(&[eta, k, tint]), roughness),
+            Model::ConductorReflectance(r, roughness) | Model::Mirror(r, roughness) => of(r.is_constant(), roughness),
+            Model::Dielectric { eta, reflectance, transmittance, roughness } => {
+                of(eta.is_constant() && constant(&[reflectance, transmittance]), roughness)
+            }
+            Model::ThinDielectric { eta, reflectance, transmittance } => {
+                isotropic(eta.is_constant() && constant(&[reflectance, transmittance]))
+            }
+            Model::Coated { reflectance, tint, roughness, .. } => of(constant(&[reflectance, tint]), roughness),
+            Model::Facets(Facets { roughness, .. }) | Model::Compensated { metal: Metal { roughness, .. }, .. } => {
+                of(false, roughness)
+            }
+            Model::Classical(c) => Needs { parameters: true, tangent: c.is_anisotropic() },
+            Model::Hair(_) | Model::Layered(_) | Model::Measured(_) | Model::Pbr(_) | Model::Principled(_) => Needs::ALL,
+            Model::Mix(a, b, amount) => isotropic(amount.is_constant()) | before[*a as usize] | before[*b as usize],
+            Model::TwoSided(a, b) => before[*a as usize] | before[*b as usize],
+            Model::Interface => Needs::default(),
+        };
+        let detail = self.detail.as_ref().map_or(Needs::default(), |d| Needs {
+            parameters: true,
+            tangent: d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some()),
+        });
+        let needs = own | detail;
+        // A tangent is had from the parameters.
+        Needs { parameters: needs.parameters || needs.tangent, ..needs }
+    }
+}
+
+/// What is asked of points of a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// The parametrisation: parameters and derivatives, for textures and tangents.
+    pub parameters: bool,
+    /// A shading frame that follows the parametrisation.
+    pub tangent: bool,
+}
+
+impl Needs {
+    const ALL: Self = Self { parameters: true, tangent: true };
+}
+
+impl std::ops::BitOr for Needs {
+    type Output = Self;
+
+    fn bitor(self, o: Self) -> Self {
+        Self { parameters: self.parameters | o.parameters, tangent: self.tangent | o.tangent }
     }
 }
 

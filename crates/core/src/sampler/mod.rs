@@ -122,15 +122,15 @@ impl Sampler {
         self.with(0x5d4e_8a1b, [x >> BLOCK, y >> BLOCK, index >> bits], place << bits | within)
     }
 
-    /// The sampler of one sample of a group of pixels, whose samples together form one point set: the member `rank` of `of` has a block of
-    /// consecutive points, so that its own are stratified too. `x`, `y` and `group` name the group.
+    /// The sampler of one sample of a group of `of` pixels, whose samples together form one point set. It is that of the first member; each has a
+    /// block of consecutive points, so that its own are stratified too ([`GroupSampler::member`]). `x`, `y` and `group` name the group.
     #[inline]
-    pub fn group(&self, x: u32, y: u32, group: u32, index: u32, rank: u32, of: u32) -> PixelSampler {
+    pub fn group(&self, x: u32, y: u32, group: u32, index: u32, of: u32) -> GroupSampler {
         let block = self.spp.clamp(1, LARGEST_BLOCK).next_power_of_two();
-        let within = index % block;
-        let index = (index / block * of + rank).wrapping_mul(block).wrapping_add(within);
-        let sampler = self.with(0x91e1_0da5, [x, y, group], index);
-        PixelSampler { spp: sampler.spp.saturating_mul(of), ..sampler }
+        let bits = block.trailing_zeros();
+        let first = ((index >> bits).wrapping_mul(of) << bits) | (index & (block - 1));
+        let sampler = self.with(0x91e1_0da5, [x, y, group], first);
+        GroupSampler { first: PixelSampler { spp: sampler.spp.saturating_mul(of), ..sampler }, block }
     }
 
     /// A sample of the point set that some numbers name.
@@ -149,6 +149,23 @@ const fn spread_bits(v: u32) -> u32 {
     let v = (v | v << 4) & 0x0f0f;
     let v = (v | v << 2) & 0x3333;
     (v | v << 1) & 0x5555
+}
+
+/// The random numbers of one sample of a group of pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupSampler {
+    first: PixelSampler,
+    /// Points of a member.
+    block: u32,
+}
+
+impl GroupSampler {
+    /// Those of a member.
+    #[inline]
+    pub fn member(&self, rank: u32) -> PixelSampler {
+        let index = self.first.index.wrapping_add(rank.wrapping_mul(self.block));
+        PixelSampler { index, reversed: index.reverse_bits(), ..self.first }
+    }
 }
 
 /// The random numbers of one sample of one pixel.

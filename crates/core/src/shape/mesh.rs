@@ -82,6 +82,17 @@ impl TriMesh {
     /// The surface at barycentric coordinates `(1 − u − v, u, v)` of a triangle.
     #[inline]
     pub fn surface(&self, triangle: u32, u: f32, v: f32) -> SurfacePoint {
+        let uvs = match self.uvs.is_empty() {
+            true => [Vec2::ZERO, Vec2::X, Vec2::ONE],
+            false => self.triangles[triangle as usize].map(|i| self.uvs[i as usize]),
+        };
+        let uv = uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v;
+        SurfacePoint { dpdu: tangent(self.corners(triangle), uvs), uv, ..self.bare(triangle, u, v) }
+    }
+
+    /// The same without its parametrisation.
+    #[inline]
+    pub fn bare(&self, triangle: u32, u: f32, v: f32) -> SurfacePoint {
         let index = self.triangles[triangle as usize];
         let [p0, p1, p2] = index.map(|i| self.positions[i as usize]);
         let w = 1.0 - u - v;
@@ -103,13 +114,7 @@ impl TriMesh {
                 n = if n.dot(ns) < 0.0 { -n } else { n };
             }
         }
-        let (uv0, uv1, uv2) = if self.uvs.is_empty() {
-            (Vec2::ZERO, Vec2::X, Vec2::ONE)
-        } else {
-            let [a, b, c] = index.map(|i| self.uvs[i as usize]);
-            (a, b, c)
-        };
-        SurfacePoint { p, error, n, ns, dpdu: tangent([p0, p1, p2], [uv0, uv1, uv2]), uv: uv0 * w + uv1 * u + uv2 * v }
+        SurfacePoint { ns, ..SurfacePoint::bare(p, error, n) }
     }
 
     /// Texture coordinates at barycentric coordinates of a triangle.

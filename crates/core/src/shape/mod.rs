@@ -47,3 +47,11 @@ pub struct SurfacePoint {
     /// Surface parameters.
     pub uv: Vec2,
 }
+
+impl SurfacePoint {
+    /// A point with the error of its place and a normal, without a parametrisation.
+    #[inline]
+    pub fn bare(p: Vec3, error: Vec3, n: Vec3) -> Self {
+        Self { p, error, n, ns: n, dpdu: Vec3::ZERO, uv: Vec2::ZERO }
+    }
+}

@@ -139,8 +139,9 @@ impl Quadric {
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<UserHit> {
         let local = self.place.inverse().ray(ray);
+        let is_whole = self.is_whole_sphere();
         for t in self.roots(&local)? {
-            if t > 0.0 && t < ray.t_max && self.keeps(self.project(local.at(t))) {
+            if t > 0.0 && t < ray.t_max && (is_whole || self.keeps(self.project(local.at(t)))) {
                 return Some(UserHit { t, u: 0.0, v: 0.0 });
             }
         }
@@ -174,45 +175,54 @@ impl Quadric {
         p
     }
 
+    /// The object-space point where the ray meets the surface at `t`.
+    #[inline]
+    fn object_point(&self, ray: &Ray, t: f32) -> Vec3 {
+        self.project(self.place.inverse().ray(ray).at(t))
+    }
+
     /// The surface where the ray meets it at `t`.
     pub fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let local = self.place.inverse().ray(ray);
-        self.surface_at(self.project(local.at(t)))
+        self.surface_at(self.object_point(ray, t))
+    }
+
+    /// The same without its parametrisation.
+    #[inline]
+    pub fn bare(&self, ray: &Ray, t: f32) -> SurfacePoint {
+        self.bare_at(self.object_point(ray, t))
     }
 
     /// The surface at an object-space point on it.
     pub fn surface_at(&self, p: Vec3) -> SurfacePoint {
-        let phi = Self::azimuth(p);
-        let (n, error, v, dpdu) = match self.kind {
-            QuadricKind::Sphere { radius, z_min, z_max } => {
-                let theta = |z: f32| (z / radius).clamp(-1.0, 1.0).acos();
-                let (t0, t1) = (theta(z_min), theta(z_max));
-                let dpdu = Vec3::new(-p.y, p.x, 0.0) * self.phi_max;
-                (p / radius, p.abs() * gamma(5), (theta(p.z) - t0) / (t1 - t0), dpdu)
-            }
-            QuadricKind::Cylinder { radius, z_min, z_max } => {
-                let n = Vec3::new(p.x, p.y, 0.0) / radius;
-                let dpdu = Vec3::new(-p.y, p.x, 0.0) * self.phi_max;
-                let error = Vec3::new(p.x, p.y, p.z).abs() * gamma(3);
-                (n, error, (p.z - z_min) / (z_max - z_min), dpdu)
-            }
-            QuadricKind::Disk { radius, inner, .. } => {
-                let r = p.x.hypot(p.y);
-                let dpdu = Vec3::new(-p.y, p.x, 0.0) * self.phi_max;
-                (Vec3::Z, Vec3::ZERO, (radius - r) / (radius - inner), dpdu)
-            }
+        let dpdu = Vec3::new(-p.y, p.x, 0.0) * self.phi_max;
+        SurfacePoint { dpdu: self.place.vector(dpdu), uv: self.parameters(p), ..self.bare_at(p) }
+    }
+
+    /// The surface at an object-space point on it, without its parametrisation.
+    #[inline]
+    fn bare_at(&self, p: Vec3) -> SurfacePoint {
+        let (n, error) = match self.kind {
+            QuadricKind::Sphere { radius, .. } => (p / radius, p.abs() * gamma(5)),
+            QuadricKind::Cylinder { radius, .. } => (Vec3::new(p.x, p.y, 0.0) / radius, p.abs() * gamma(3)),
+            QuadricKind::Disk { .. } => (Vec3::Z, Vec3::ZERO),
         };
         let n = self.place.normal(n).normalize();
         let n = if self.flip { -n } else { n };
-        let world = self.place.point(p);
-        SurfacePoint {
-            p: world,
-            error: self.place.point_error(p, error),
-            n,
-            ns: n,
-            dpdu: self.place.vector(dpdu),
-            uv: Vec2::new(phi / self.phi_max, v),
-        }
+        SurfacePoint::bare(self.place.point(p), self.place.point_error(p, error), n)
+    }
+
+    /// The surface parameters at an object-space point.
+    fn parameters(&self, p: Vec3) -> Vec2 {
+        let v = match self.kind {
+            QuadricKind::Sphere { radius, z_min, z_max } => {
+                let theta = |z: f32| (z / radius).clamp(-1.0, 1.0).acos();
+                let (t0, t1) = (theta(z_min), theta(z_max));
+                (theta(p.z) - t0) / (t1 - t0)
+            }
+            QuadricKind::Cylinder { z_min, z_max, .. } => (p.z - z_min) / (z_max - z_min),
+            QuadricKind::Disk { radius, inner, .. } => (radius - p.x.hypot(p.y)) / (radius - inner),
+        };
+        Vec2::new(Self::azimuth(p) / self.phi_max, v)
     }
 
     /// ∂p/∂v at a point of the surface, in the space it is placed in; zero on the axis of spheres and disks.

@@ -138,18 +138,21 @@ pub struct Footprint {
 }
 
 impl TextureContext<'_> {
+    /// Where nothing is looked up.
+    pub const NOWHERE: Self = Self {
+        p: Vec3::ZERO,
+        uv: Vec2::ZERO,
+        n: Vec3::ZERO,
+        wo: Vec3::ZERO,
+        time: 0.0,
+        footprint: Footprint::POINT,
+        slopes: Vec2::ZERO,
+        mesh: None,
+    };
+
     /// A lookup at a point in space with surface parameters, without a surface.
     pub fn new(p: Vec3, uv: Vec2) -> Self {
-        Self {
-            p,
-            uv,
-            n: Vec3::ZERO,
-            wo: Vec3::ZERO,
-            time: 0.0,
-            footprint: Footprint::default(),
-            slopes: Vec2::ZERO,
-            mesh: None,
-        }
+        Self { p, uv, ..Self::NOWHERE }
     }
 }
 
@@ -363,6 +366,11 @@ pub enum SpectrumTexture {
 }
 
 impl SpectrumTexture {
+    /// Whether it is the same everywhere.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
+    }
+
     /// The value at a point.
     #[inline]
     pub fn eval(&self, textures: &Textures, at: &TextureContext, lambda: &Wavelengths) -> Spectrum {
@@ -383,6 +391,11 @@ pub enum FloatTexture {
 }
 
 impl FloatTexture {
+    /// Whether it is the same everywhere.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
+    }
+
     /// The value at a point.
     #[inline]
     pub fn eval(&self, textures: &Textures, at: &TextureContext) -> f32 {

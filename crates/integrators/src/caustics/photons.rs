@@ -193,7 +193,7 @@ fn trace(
     let (mut q, mut focused, mut length) = (None, false, if s.distance.is_finite() { 0.0 } else { f32::INFINITY });
     for event in 0..EVENTS {
         let hit = scene.intersect(&ray)?;
-        let i = scene.interaction(&ray, &hit);
+        let i = scene.interaction_of_light(&ray, &hit);
         length += hit.t;
         let at = |decision| crate::dimension::at(event, decision);
         let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures);
@@ -252,7 +252,7 @@ fn irradiance(
             nee::background(scene, ray.origin, w, &Some((here.context(), pdf)), lambda)
         }
         Some(hit) => {
-            let i = scene.interaction(&ray, &hit);
+            let i = scene.interaction_of_light(&ray, &hit);
             scene.scattering(&i, 0.5, lambda).map_or(Spectrum::ZERO, |(scattering, frame)| {
                 vertex(i, scattering, frame).direct::<false>(scene, event + EVENTS, sampler, lambda, counters)
             })

@@ -84,10 +84,10 @@ fn trace<const MEDIA: bool>(
     let luminance = |s: Spectrum, lambda: &Wavelengths| f64::from(scene.mode.luminance(s, lambda) * film.imaging_ratio);
     let counters = &mut Counters::default();
     let mut leg = Leg::camera(scene, ray);
-    let (mut found, mut ratio) = (Contributions::new(), 1.0);
+    let (mut found, mut ratio, mut arrival) = (Contributions::new(), 1.0, Arrival::End);
     loop {
         let mut light = Spectrum::ZERO;
-        let arrival = arrive::<MEDIA>(scene, &mut leg, &mut light, depth, sampler, &mut lambda, counters);
+        arrive::<MEDIA>(scene, &mut leg, &mut light, depth, sampler, &mut lambda, counters, &mut arrival);
         match &arrival {
             Arrival::Escaped => escape(scene, &leg, &mut light, depth, &lambda),
             Arrival::Vertex(v) => light += leg.beta * v.direct::<MEDIA>(scene, leg.events, sampler, &lambda, counters),
