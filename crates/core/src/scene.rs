@@ -13,7 +13,8 @@ use crate::{
     texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
 use std::sync::Arc;
-use steradian_accel::{Accel, Hit, PrimId, Steps, UserHit, UserPrimitives, WORLD};
+pub use steradian_accel::Hit;
+use steradian_accel::{Accel, PrimId, Steps, UserHit, UserPrimitives, WORLD};
 use steradian_math::{
     Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
 };
@@ -279,6 +280,34 @@ impl Scene {
         let mut ray = *ray;
         let plane = self.nearest_plane::<false>(&mut ray);
         self.accel.intersect(&ray, &Query::<false>(self)).or(plane)
+    }
+
+    /// [`Scene::intersect`] of many rays at once.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    #[inline]
+    pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        if self.planes.is_empty() {
+            self.accel.intersect_batch(rays, &Query::<false>(self), hits);
+        } else {
+            assert_eq!(rays.len(), hits.len(), "one place for each ray");
+            rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray));
+        }
+    }
+
+    /// [`Scene::occluded`] of many rays at once.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    #[inline]
+    pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
+        if self.planes.is_empty() {
+            self.accel.occluded_batch(rays, &Query::<true>(self), occluded);
+        } else {
+            assert_eq!(rays.len(), occluded.len(), "one place for each ray");
+            rays.iter().zip(occluded).for_each(|(ray, is)| *is = self.occluded(ray));
+        }
     }
 
     /// Whether anything that scatters is met within the ray's interval.

@@ -18,14 +18,17 @@
 
 use crate::{
     Counters, Depth, Integrator, Survey, flight, live_max, nee,
-    walk::{Arrival, Leg, Vertex, arrive, escape, roulette},
+    walk::{Arrival, Leg, Vertex, arrive, escape, meet, roulette},
 };
 use steradian_core::{
     ColorMode, Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
     sampler::PixelSampler,
+    scene::Hit,
 };
 use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+
+const NO_RAY: Ray = Leg::NONE.ray;
 
 /// Most paths that share.
 pub const MAX_GROUP: usize = 16;
@@ -124,20 +127,21 @@ impl<'s> Member<'s> {
         y: Arrival::End,
     };
 
-    /// Follows a path from the camera to its first vertex that is not specular; whether there is one.
+    /// Follows a path from the camera, of which the first hit is known, to its first vertex that is not specular; whether there is one.
     #[inline]
     fn reach<const MEDIA: bool>(
         &mut self,
         scene: &'s Scene,
         survey: &Survey,
         seat: &mut Seat,
+        hit: Option<Hit>,
         depth: &Depth,
         counters: &mut Counters,
     ) -> bool {
         let Self { leg, x, .. } = self;
         *leg = Leg::camera(scene, seat.ray);
+        meet::<MEDIA>(scene, leg, hit, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
         loop {
-            arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
             match x {
                 Arrival::Vertex(v) if !v.is_specular() => return true,
                 Arrival::Vertex(v) => {
@@ -151,6 +155,7 @@ impl<'s> Member<'s> {
                         Some(beta) => leg.beta = beta,
                         None => return false,
                     }
+                    arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
                 }
                 Arrival::End => return false,
                 Arrival::Escaped => {
@@ -161,7 +166,7 @@ impl<'s> Member<'s> {
         }
     }
 
-    /// Direct light at x, a direction drawn there, and where it leads; emission met there is the pixel's own.
+    /// Draws a direction at x, and finds out where it leads; emission met there is the pixel's own.
     #[inline]
     fn bounce<const MEDIA: bool>(
         &mut self,
@@ -175,7 +180,6 @@ impl<'s> Member<'s> {
         self.sample.pdf = 0.0;
         let Self { x, leg, .. } = self;
         let Arrival::Vertex(x) = x else { return };
-        seat.radiance += leg.beta * x.direct::<MEDIA>(scene, leg.events, &seat.own, &seat.lambda, counters);
         let Some(draw) = x.sample(leg, &seat.joint, survey) else { return };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
         leg.turn::<MEDIA>(scene, x, &self.sample);
@@ -210,12 +214,16 @@ pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
         }
         return;
     }
+    let (mut rays, mut hits) = ([NO_RAY; MAX_GROUP], [None; MAX_GROUP]);
+    rays.iter_mut().zip(&*seats).for_each(|(ray, seat)| *ray = seat.ray);
+    scene.intersect_batch(&rays[..seats.len()], &mut hits[..seats.len()]);
+    counters.rays += seats.len() as u64;
     let mut count = 0;
-    for (index, seat) in seats.iter_mut().enumerate() {
+    for (index, (seat, hit)) in seats.iter_mut().zip(hits).enumerate() {
         let whole = seat.lambda;
         seat.radiance = Spectrum::ZERO;
         let member = &mut members[count];
-        if !member.reach::<MEDIA>(scene, survey, seat, depth, counters) {
+        if !member.reach::<MEDIA>(scene, survey, seat, hit, depth, counters) {
             continue;
         }
         let Arrival::Vertex(x) = &member.x else { continue };
@@ -232,10 +240,29 @@ pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
         seat.radiance += suffix.leaving(scene, survey, x, *leg, &seat.own, &mut seat.lambda, counters);
         return;
     }
+    direct::<MEDIA>(scene, group, seats, counters);
     for member in &mut *group {
         member.bounce::<MEDIA>(scene, survey, &mut seats[member.seat], depth, counters);
     }
     share(suffix, scene, survey, group, seats, counters);
+}
+
+/// Light straight from lights at all x.
+fn direct<const MEDIA: bool>(scene: &Scene, group: &[Member<'_>], seats: &mut [Seat], counters: &mut Counters) {
+    let (mut rays, mut light, mut count) = ([NO_RAY; MAX_GROUP], [(0, Spectrum::ZERO); MAX_GROUP], 0);
+    for Member { seat, x, leg, .. } in group {
+        let (Arrival::Vertex(x), Seat { own, lambda, .. }) = (x, &seats[*seat]) else { continue };
+        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, leg.events, own, lambda) {
+            (rays[count], light[count]) = (ray, (*seat, leg.beta * value));
+            count += 1;
+        }
+    }
+    let mut occluded = [false; MAX_GROUP];
+    scene.occluded_batch(&rays[..count], &mut occluded[..count]);
+    counters.rays += count as u64;
+    for ((seat, light), _) in light[..count].iter().zip(occluded).filter(|(_, is_occluded)| !is_occluded) {
+        seats[*seat].radiance += *light;
+    }
 }
 
 /// Whether members may stand in for each other at x: a model whose evaluation has the density of its samples, and not one that none are
@@ -374,52 +401,54 @@ fn share_point<const MEDIA: bool>(
     // The geometry term of the finder: others are held against it.
     let own_distance = (p - finders_x.p()).length();
     let g = facing.map_or(1.0, |(n, _)| n.dot(y.wo()).abs()) / (own_distance * own_distance);
-    let mut total = 0.0;
+    // Who may have drawn y, whether or not it is seen.
+    let (mut rays, mut places, mut count) = ([NO_RAY; MAX_GROUP], [0; MAX_GROUP], 0);
     for (m, member) in group.iter().enumerate() {
         claims[m] = Claim::NONE;
-        let lambda = &seats[member.seat].lambda;
-        if m == k {
-            let (pdf, w) = (finder.sample.pdf, -y.wo());
-            let (passed, density) = flight(finders_x, w, own_distance, lambda);
-            claims[m] = Claim {
-                value: finder.sample.weight * passed * pdf,
-                pdf: pdf * density,
-                sky: sky(finders_x, finder.leg.ray.direction, pdf, lambda),
-            };
-        } else {
-            // The same number of events lies before y, unless it does not matter.
-            if member.events != finder.events && depth.max != u32::MAX {
-                continue;
-            }
-            let Arrival::Vertex(x) = &member.x else { continue };
-            let to = p - x.p();
-            let d2 = to.length_squared();
-            let distance = d2.sqrt();
-            let w = to / distance;
-            let relative = cos(w) / (d2 * g);
-            if !(relative > 0.0 && relative.is_finite()) {
-                continue;
-            }
-            let e = x.eval(w);
-            if e.value.is_black() && e.pdf <= 0.0 {
-                continue;
-            }
-            if MEDIA && facing.is_none() && x.medium_towards(scene, w) != finder.leg.medium {
-                continue;
-            }
-            counters.rays += 1;
-            if scene.occluded(&x.spawn_towards(w, distance)) {
-                continue;
-            }
-            let (passed, density) = flight(x, w, distance, lambda);
-            claims[m] = Claim {
-                value: e.value * passed * (finder.ratio * relative),
-                pdf: e.pdf * density * relative,
-                sky: sky(x, w, e.pdf, lambda),
-            };
+        // The same number of events lies before y, unless it does not matter.
+        if m == k || (member.events != finder.events && depth.max != u32::MAX) {
+            continue;
         }
-        total += claims[m].pdf;
+        let Arrival::Vertex(x) = &member.x else { continue };
+        let to = p - x.p();
+        let d2 = to.length_squared();
+        let distance = d2.sqrt();
+        let w = to / distance;
+        let relative = cos(w) / (d2 * g);
+        if !(relative > 0.0 && relative.is_finite()) {
+            continue;
+        }
+        let e = x.eval(w);
+        if e.value.is_black() && e.pdf <= 0.0 {
+            continue;
+        }
+        if MEDIA && facing.is_none() && x.medium_towards(scene, w) != finder.leg.medium {
+            continue;
+        }
+        let lambda = &seats[member.seat].lambda;
+        let (passed, density) = flight(x, w, distance, lambda);
+        claims[m] = Claim {
+            value: e.value * passed * (finder.ratio * relative),
+            pdf: e.pdf * density * relative,
+            sky: sky(x, w, e.pdf, lambda),
+        };
+        (rays[count], places[count]) = (x.spawn_towards(w, distance), m);
+        count += 1;
     }
+    let mut occluded = [false; MAX_GROUP];
+    scene.occluded_batch(&rays[..count], &mut occluded[..count]);
+    counters.rays += count as u64;
+    for (m, _) in places[..count].iter().zip(occluded).filter(|(_, is_occluded)| *is_occluded) {
+        claims[*m] = Claim::NONE;
+    }
+    let (pdf, w, lambda) = (finder.sample.pdf, -y.wo(), &seats[finder.seat].lambda);
+    let (passed, density) = flight(finders_x, w, own_distance, lambda);
+    claims[k] = Claim {
+        value: finder.sample.weight * passed * pdf,
+        pdf: pdf * density,
+        sky: sky(finders_x, finder.leg.ray.direction, pdf, lambda),
+    };
+    let total: f32 = claims[..group.len()].iter().map(|c| c.pdf).sum();
     for (member, claim) in group.iter().zip(&*claims) {
         if !claim.value.is_black() {
             seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;

@@ -16,7 +16,7 @@ use steradian_core::{
     material::Scattering,
     medium::Medium,
     sampler::PixelSampler,
-    scene::{Interaction, SHADOW_END},
+    scene::{Hit, Interaction, SHADOW_END},
 };
 use steradian_math::{Frame, Ray, Spectrum, Vec3, spectra::Wavelengths};
 
@@ -268,20 +268,19 @@ impl Vertex<'_> {
         }
     }
 
-    /// Light straight from a light, scattered back along the path.
+    /// Light straight from a light, scattered back along the path, if nothing stands between: its value, unit direction and distance.
     #[inline]
-    pub fn direct<const MEDIA: bool>(
+    fn unoccluded(
         &self,
         scene: &Scene,
         event: u32,
         sampler: &PixelSampler,
         lambda: &Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    ) -> Option<(Spectrum, Vec3, f32)> {
         if self.is_specular() || !scene.lights.can_sample() {
-            return Spectrum::ZERO;
+            return None;
         }
-        let Some(s) = nee::sample_light(scene, &self.context(), event, sampler, lambda) else { return Spectrum::ZERO };
+        let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;
         let light = match self {
             Self::Surface { i, scattering, frame, .. } => {
                 nee::unoccluded(&s, frame.to_local(i.wo), frame, &scattering.bsdf)
@@ -292,15 +291,42 @@ impl Vertex<'_> {
                 s.radiance * (phase * weight / s.pdf)
             }
         };
-        if light.is_black() {
-            return Spectrum::ZERO;
-        }
+        (!light.is_black()).then_some((light, s.wi, s.distance))
+    }
+
+    /// Light straight from a light, scattered back along the path.
+    #[inline]
+    pub fn direct<const MEDIA: bool>(
+        &self,
+        scene: &Scene,
+        event: u32,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let Some((light, wi, distance)) = self.unoccluded(scene, event, sampler, lambda) else { return Spectrum::ZERO };
         if MEDIA {
-            let medium = self.medium_towards(scene, s.wi);
-            return light * flight::towards(scene, self.spawn(s.wi), s.distance, medium, lambda, counters);
+            let medium = self.medium_towards(scene, wi);
+            return light * flight::towards(scene, self.spawn(wi), distance, medium, lambda, counters);
         }
         counters.rays += 1;
-        if scene.occluded(&self.spawn_towards(s.wi, s.distance)) { Spectrum::ZERO } else { light }
+        if scene.occluded(&self.spawn_towards(wi, distance)) { Spectrum::ZERO } else { light }
+    }
+
+    /// As [`Vertex::direct`], with the ray that is not to meet anything; where nothing is passed straight.
+    #[inline]
+    pub fn direct_along<const MEDIA: bool>(
+        &self,
+        scene: &Scene,
+        event: u32,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+    ) -> Option<(Spectrum, Ray)> {
+        let (mut light, wi, distance) = self.unoccluded(scene, event, sampler, lambda)?;
+        if let (true, Some(m)) = (MEDIA, self.medium_towards(scene, wi)) {
+            light = light * scene.media[m as usize].transmittance(distance, lambda);
+        }
+        Some((light, self.spawn_towards(wi, distance)))
     }
 
     /// A direction drawn by scattering, and by the photons near.
@@ -353,10 +379,27 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
     counters: &mut Counters,
     arrival: &mut Arrival<'s>,
 ) {
+    counters.rays += 1;
+    let hit = scene.intersect(&leg.ray);
+    meet::<MEDIA>(scene, leg, hit, sum, depth, sampler, lambda, counters, arrival);
+}
+
+/// As [`arrive`], where it is known what the ray hits first.
+#[inline]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn meet<'s, const MEDIA: bool>(
+    scene: &'s Scene,
+    leg: &mut Leg,
+    mut hit: Option<Hit>,
+    sum: &mut Spectrum,
+    depth: &Depth,
+    sampler: &PixelSampler,
+    lambda: &mut Wavelengths,
+    counters: &mut Counters,
+    arrival: &mut Arrival<'s>,
+) {
     *arrival = Arrival::End;
-    while leg.passes <= MAX_PASSES {
-        counters.rays += 1;
-        let hit = scene.intersect(&leg.ray);
+    loop {
         if let (true, Some(medium)) = (MEDIA, leg.medium) {
             let scattering = &scene.media[medium as usize];
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
@@ -378,11 +421,11 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
                 return;
             }
         }
-        let Some(hit) = hit else {
+        let Some(met) = hit else {
             *arrival = Arrival::Escaped;
             return;
         };
-        let i = scene.interaction_of_light(&leg.ray, &hit);
+        let i = scene.interaction_of_light(&leg.ray, &met);
         if !(leg.events == 0 && depth.hide_emitters) {
             *sum += leg.beta * nee::emission(scene, &i, &leg.origin, lambda);
         }
@@ -403,6 +446,11 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
         }
         leg.ray = i.spawn(leg.ray.direction);
         leg.differential = leg.differential.map(|d| d.advance(i.t));
+        if leg.passes > MAX_PASSES {
+            return;
+        }
+        counters.rays += 1;
+        hit = scene.intersect(&leg.ray);
     }
 }
 

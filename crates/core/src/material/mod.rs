@@ -250,7 +250,9 @@ impl Material {
                 of(false, roughness)
             }
             Model::Classical(c) => Needs { parameters: true, tangent: c.is_anisotropic() },
-            Model::Hair(_) | Model::Layered(_) | Model::Measured(_) | Model::Pbr(_) | Model::Principled(_) => Needs::ALL,
+            Model::Hair(_) | Model::Layered(_) | Model::Measured(_) | Model::Pbr(_) | Model::Principled(_) => {
+                Needs::ALL
+            }
             Model::Mix(a, b, amount) => isotropic(amount.is_constant()) | before[*a as usize] | before[*b as usize],
             Model::TwoSided(a, b) => before[*a as usize] | before[*b as usize],
             Model::Interface => Needs::default(),
