@@ -166,29 +166,21 @@ impl<'s> Member<'s> {
         }
     }
 
-    /// Draws a direction at x, and finds out where it leads; emission met there is the pixel's own.
+    /// Draws a direction at x; whether it is to be followed.
     #[inline]
-    fn bounce<const MEDIA: bool>(
-        &mut self,
-        scene: &'s Scene,
-        survey: &Survey,
-        seat: &mut Seat,
-        depth: &Depth,
-        counters: &mut Counters,
-    ) {
+    fn turn<const MEDIA: bool>(&mut self, scene: &'s Scene, survey: &Survey, seat: &mut Seat) -> bool {
         (self.beta, self.events, self.y) = (self.leg.beta, self.leg.events, Arrival::End);
         self.sample.pdf = 0.0;
         let Self { x, leg, .. } = self;
-        let Arrival::Vertex(x) = x else { return };
-        let Some(draw) = x.sample(leg, &seat.joint, survey) else { return };
+        let Arrival::Vertex(x) = x else { return false };
+        let Some(draw) = x.sample(leg, &seat.joint, survey) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
         leg.turn::<MEDIA>(scene, x, &self.sample);
         if !leg.beta.is_finite() {
             seat.radiance = leg.beta;
-        } else if live_max(leg.beta, &seat.lambda) > 0.0 {
-            let (radiance, mut lambda) = (&mut seat.radiance, seat.lambda);
-            arrive::<MEDIA>(scene, leg, radiance, depth, &seat.joint, &mut lambda, counters, &mut self.y);
+            return false;
         }
+        live_max(leg.beta, &seat.lambda) > 0.0
     }
 }
 
@@ -241,9 +233,7 @@ pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
         return;
     }
     direct::<MEDIA>(scene, group, seats, counters);
-    for member in &mut *group {
-        member.bounce::<MEDIA>(scene, survey, &mut seats[member.seat], depth, counters);
-    }
+    bounce::<MEDIA>(scene, survey, group, seats, depth, counters);
     share(suffix, scene, survey, group, seats, counters);
 }
 
@@ -262,6 +252,32 @@ fn direct<const MEDIA: bool>(scene: &Scene, group: &[Member<'_>], seats: &mut [S
     counters.rays += count as u64;
     for ((seat, light), _) in light[..count].iter().zip(occluded).filter(|(_, is_occluded)| !is_occluded) {
         seats[*seat].radiance += *light;
+    }
+}
+
+/// Follows all members on from x; emission met there is the pixel's own.
+fn bounce<'s, const MEDIA: bool>(
+    scene: &'s Scene,
+    survey: &Survey,
+    group: &mut [Member<'s>],
+    seats: &mut [Seat],
+    depth: &Depth,
+    counters: &mut Counters,
+) {
+    let (mut rays, mut places, mut count) = ([NO_RAY; MAX_GROUP], [0; MAX_GROUP], 0);
+    for (m, member) in group.iter_mut().enumerate() {
+        if member.turn::<MEDIA>(scene, survey, &mut seats[member.seat]) {
+            (rays[count], places[count]) = (member.leg.ray, m);
+            count += 1;
+        }
+    }
+    let mut hits = [None; MAX_GROUP];
+    scene.intersect_batch(&rays[..count], &mut hits[..count]);
+    counters.rays += count as u64;
+    for (m, hit) in places[..count].iter().zip(hits) {
+        let Member { seat, leg, y, .. } = &mut group[*m];
+        let Seat { radiance, joint, lambda, .. } = &mut seats[*seat];
+        meet::<MEDIA>(scene, leg, hit, radiance, depth, joint, &mut lambda.clone(), counters, y);
     }
 }
 

@@ -324,7 +324,7 @@ impl Vertex<'_> {
     ) -> Option<(Spectrum, Ray)> {
         let (mut light, wi, distance) = self.unoccluded(scene, event, sampler, lambda)?;
         if let (true, Some(m)) = (MEDIA, self.medium_towards(scene, wi)) {
-            light = light * scene.media[m as usize].transmittance(distance, lambda);
+            light *= scene.media[m as usize].transmittance(distance, lambda);
         }
         Some((light, self.spawn_towards(wi, distance)))
     }

@@ -39,6 +39,7 @@ const RADIUS: (f32, f32) = (0.01, 0.6);
 pub struct Caustics {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
+    cells: Cells,
 }
 
 /// A node of the k-d tree: the axis and the place of the split, and the second child (the first one follows); or a leaf.
@@ -93,8 +94,8 @@ impl Caustics {
         if photons.len() < FEWEST {
             return None;
         }
-        let mut caustics = Self { nodes: Vec::new(), leaves: Vec::new() };
-        caustics.split(&mut photons).then_some(caustics)
+        let mut caustics = Self { nodes: Vec::new(), leaves: Vec::new(), cells: Cells::default() };
+        caustics.split(&mut photons).then(|| Self { cells: Cells::new(&caustics.nodes, &caustics.leaves), ..caustics })
     }
 
     /// Whether anything in the node of these photons guides.
@@ -125,7 +126,7 @@ impl Caustics {
     /// The photons about a point.
     #[inline]
     fn leaf(&self, p: Vec3) -> Option<&Leaf> {
-        let mut node = 0;
+        let mut node = self.cells.node(p)?;
         loop {
             match self.nodes[node] {
                 Node::Split { axis, at, second } => {
@@ -167,6 +168,55 @@ impl Caustics {
             s.pdf / (s.pdf + share * (leaf.pdf(p, frame.to_world(s.wi)) - s.pdf))
         };
         Some(Draw { sample: BsdfSample { weight: s.weight * ratio, ..s }, ratio })
+    }
+}
+
+/// A grid over the tree that says from which node on a place of it is looked for.
+#[derive(Clone, Debug, Default)]
+struct Cells {
+    bounds: Bounds3,
+    /// Cells in a unit of length, by axis.
+    scale: Vec3,
+    /// The smallest node around each cell.
+    nodes: Vec<u32>,
+}
+
+impl Cells {
+    /// Cells along an axis.
+    const EDGE: usize = 32;
+
+    fn new(nodes: &[Node], leaves: &[Leaf]) -> Self {
+        let bounds = leaves.iter().fold(Bounds3::EMPTY, |b, leaf| b.union(leaf.bounds));
+        let size = bounds.diagonal() / Self::EDGE as f32;
+        // Places are found to rounding.
+        let margin = size * 1e-3;
+        let node_around = |cell: usize| {
+            let place = [cell, cell / Self::EDGE, cell / (Self::EDGE * Self::EDGE)].map(|c| (c % Self::EDGE) as f32);
+            let min = bounds.min + size * Vec3::from(place) - margin;
+            let max = min + size + margin * 2.0;
+            let mut node = 0;
+            while let Some(Node::Split { axis, at, second }) = nodes.get(node) {
+                let axis = *axis as usize;
+                node = match (max[axis] < *at, min[axis] >= *at) {
+                    (true, _) => node + 1,
+                    (_, true) => *second as usize,
+                    _ => break,
+                };
+            }
+            node as u32
+        };
+        let scale = size.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 });
+        Self { bounds, scale, nodes: (0..Self::EDGE.pow(3)).map(node_around).collect() }
+    }
+
+    /// The node to start from; `None` where there are no leaves.
+    #[inline]
+    fn node(&self, p: Vec3) -> Option<usize> {
+        if !self.bounds.contains(p) {
+            return None;
+        }
+        let place = ((p - self.bounds.min) * self.scale).to_array().map(|c| (c as usize).min(Self::EDGE - 1));
+        self.nodes.get((place[2] * Self::EDGE + place[1]) * Self::EDGE + place[0]).map(|node| *node as usize)
     }
 }
 
@@ -326,7 +376,8 @@ mod tests {
     fn mixtures_keep_the_albedo() {
         let mut leaf = leaf();
         leaf.share = 0.4;
-        let caustics = Caustics { nodes: vec![Node::Leaf(0)], leaves: vec![leaf] };
+        let (nodes, leaves) = (vec![Node::Leaf(0)], vec![leaf]);
+        let caustics = Caustics { cells: Cells::new(&nodes, &leaves), nodes, leaves };
         let bsdf = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) });
         let frame = Frame::from_z(Vec3::new(0.6, 0.0, 0.8));
         let n = 100_000;
