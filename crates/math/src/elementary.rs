@@ -47,42 +47,46 @@ const POWERS: [f64; STEPS] = [
     1.9571441241754002,
 ];
 
-/// `2ᵏ` and `eʳ − 1`, of which `eˣ = 2ᵏ eʳ` with `32 k` an integer: for `|x| < 700`. The error of the second is below 6·10⁻⁸ of it.
+/// Steps of the table from 1 to e.
+const STEPS_TO_E: f64 = STEPS as f64 * LOG2_E;
+
+/// `2^(i/32)` and `2^(r/32) − 1`, of which `2^(s/32)` for `s` steps is the product, with `i` the nearest integer and the second relative
+/// to one: for `|s| < 32000`. The error of the second is below 6·10⁻⁸ of it.
 #[inline]
-fn power_and_rest(x: f64) -> (f64, f64) {
+fn power_and_rest(steps: f64) -> (f64, f64) {
     // Added and taken away again, this rounds to an integer, which the low bits of the sum hold.
     const ROUND: f64 = 6_755_399_441_055_744.0;
-    let steps = x * (STEPS as f64 * LOG2_E);
+    const LN: f64 = LN_2 / STEPS as f64;
     let shifted = steps + ROUND;
-    let r = (steps - (shifted - ROUND)) * (LN_2 / STEPS as f64);
+    let r = steps - (shifted - ROUND);
     let n = shifted.to_bits();
     let power = POWERS[n as usize % STEPS].to_bits().wrapping_add((n >> 5) << 52);
-    (f64::from_bits(power), r + (r * r) * (0.5 + r * (1.0 / 6.0)))
+    (f64::from_bits(power), r * LN + (r * r) * (0.5 * LN * LN + r * (LN * LN * LN / 6.0)))
 }
 
-/// `eˣ` for a double, rounded to single precision.
+/// `2^(s/32)` for `s` steps, rounded to single precision.
 #[inline]
-fn exp_of(x: f64) -> f32 {
-    if x.abs() > 700.0 {
-        return if x > 0.0 { f32::INFINITY } else { 0.0 };
+fn power_of(steps: f64) -> f32 {
+    if steps.abs() > 32_000.0 {
+        return if steps > 0.0 { f32::INFINITY } else { 0.0 };
     }
-    let (power, rest) = power_and_rest(x);
+    let (power, rest) = power_and_rest(steps);
     (power + power * rest) as f32
 }
 
 /// `eˣ`, relative error below 10⁻⁷.
 #[inline]
 pub fn exp(x: f32) -> f32 {
-    exp_of(f64::from(x))
+    power_of(f64::from(x) * STEPS_TO_E)
 }
 
 /// `eˣ − 1`, relative error below 2·10⁻⁷, near zero too.
 #[inline]
 pub fn exp_m1(x: f32) -> f32 {
-    if x.abs() > 700.0 {
+    if x.abs() > 600.0 {
         return if x > 0.0 { f32::INFINITY } else { -1.0 };
     }
-    let (power, rest) = power_and_rest(f64::from(x));
+    let (power, rest) = power_and_rest(f64::from(x) * STEPS_TO_E);
     ((power - 1.0) + power * rest) as f32
 }
 
@@ -90,44 +94,44 @@ pub fn exp_m1(x: f32) -> f32 {
 const INTERVALS: usize = 16;
 const FIRST: i64 = 0x3fe6_6000_0000_0000;
 
-/// `1/c` and `ln c` of a number `c` near the middle of each interval, one in the interval about it.
+/// `1/c` and `log₂ c` of a number `c` near the middle of each interval, one in the interval about it.
 const MIDDLES: [[f64; 2]; INTERVALS] = [
-    [1.39892578125, -0.3357046429894415],
-    [1.34033203125, -0.2929173677842326],
-    [1.286376953125, -0.25182970348994205],
-    [1.23681640625, -0.21254066384227682],
-    [1.190673828125, -0.17451938899070887],
-    [1.14794921875, -0.13797706238067112],
-    [1.108154296875, -0.10269583573712189],
-    [1.071044921875, -0.06863473444687027],
-    [1.036376953125, -0.03573093202610398],
+    [1.39892578125, -0.4843194236442672],
+    [1.34033203125, -0.422590433892561],
+    [1.286376953125, -0.3633134643734775],
+    [1.23681640625, -0.306631361712501],
+    [1.190673828125, -0.25177825703586765],
+    [1.14794921875, -0.19905882365302136],
+    [1.108154296875, -0.14815877293789334],
+    [1.071044921875, -0.09901899101923065],
+    [1.036376953125, -0.05154883844040085],
     [1.0, 0.0],
-    [0.9482421875, 0.053145337308128184],
-    [0.89501953125, 0.11090973831969339],
-    [0.84765625, 0.16528009093910292],
-    [0.804931640625, 0.21699792364761267],
-    [0.766357421875, 0.26610660987739015],
-    [0.7314453125, 0.31273282208223363],
+    [0.9482421875, 0.07667251458080775],
+    [0.89501953125, 0.16000892946011427],
+    [0.84765625, 0.2384487675555207],
+    [0.804931640625, 0.3130618283296127],
+    [0.766357421875, 0.38391068641788484],
+    [0.7314453125, 0.45117809154124894],
 ];
 
-/// `ln x` of a positive, normal number, in double precision to 10⁻⁸ of it.
+/// `log₂ x` of a positive, normal number, in double precision to 10⁻⁸ of it.
 #[inline]
-fn ln_of(x: f64) -> f64 {
+fn log2_of(x: f64) -> f64 {
     let bits = x.to_bits() as i64;
     let from_first = bits.wrapping_sub(FIRST);
-    let [inverse, ln] = MIDDLES[(from_first >> 48) as usize % INTERVALS];
+    let [inverse, log2] = MIDDLES[(from_first >> 48) as usize % INTERVALS];
     let e = from_first >> 52;
     let m = f64::from_bits(bits.wrapping_sub(e << 52) as u64);
     let r = m * inverse - 1.0;
     let r2 = r * r;
-    let series = (r * (1.0 / 3.0) - 0.5) + r2 * (r * (1.0 / 5.0) - 0.25);
-    (f64::from(e as i32) * LN_2 + ln) + (r + r2 * series)
+    let series = (r * (LOG2_E / 3.0) - 0.5 * LOG2_E) + r2 * (r * (LOG2_E / 5.0) - 0.25 * LOG2_E);
+    ((f64::from(e as i32) + log2) + r * LOG2_E) + r2 * series
 }
 
 /// `ln x`, relative error below 10⁻⁷; of the smallest normal number where `x` is not above it.
 #[inline]
 pub fn ln(x: f32) -> f32 {
-    ln_of(f64::from(x.max(f32::MIN_POSITIVE))) as f32
+    (log2_of(f64::from(x.max(f32::MIN_POSITIVE))) * LN_2) as f32
 }
 
 /// `ln(1 + x)`, relative error below 2·10⁻⁷, near zero too; −∞ up to −1.
@@ -138,36 +142,66 @@ pub fn ln_1p(x: f32) -> f32 {
     }
     let x = f64::from(x);
     let near = x - (x * x) * (0.5 - x * (1.0 / 3.0));
-    (if x.abs() < 1e-4 { near } else { ln_of(1.0 + x) }) as f32
+    (if x.abs() < 1e-4 { near } else { log2_of(1.0 + x) * LN_2 }) as f32
 }
 
 /// `xʸ` for `x ≥ 0`, relative error below 10⁻⁷ (1 + |y ln x|/50); `x` below the smallest normal number counts as that.
 #[inline]
 pub fn pow(x: f32, y: f32) -> f32 {
-    exp_of(f64::from(y) * ln_of(f64::from(x.max(f32::MIN_POSITIVE))))
+    power_of((f64::from(y) * STEPS as f64) * log2_of(f64::from(x.max(f32::MIN_POSITIVE))))
 }
 
 /// `(1 + x)ʸ` for `x > −1`, near zero too, with the same error.
 #[inline]
 pub fn pow_1p(x: f32, y: f32) -> f32 {
-    exp_of(f64::from(y) * ln_of(1.0 + f64::from(x)))
+    power_of((f64::from(y) * STEPS as f64) * log2_of(1.0 + f64::from(x)))
 }
 
-/// `xʸ` for normal `x > 0`, and how much it is above one, with relative errors below 2·10⁻⁷ of each: for `|y ln x| < 700`.
+/// An exponent of many powers. Where its double is a small integer they are products, with a root at most, which take less time than
+/// logarithms.
+#[derive(Clone, Copy, Debug)]
+pub struct Exponent {
+    value: f32,
+    /// Its double, if that is an integer within ±255.
+    twice: Option<i16>,
+}
+
+impl Exponent {
+    /// A finite one.
+    pub fn new(value: f32) -> Self {
+        let twice = 2.0 * value;
+        Self { value, twice: (twice.abs() < 256.0 && twice.fract() == 0.0).then_some(twice as i16) }
+    }
+
+    /// Its value.
+    #[inline]
+    pub const fn value(self) -> f32 {
+        self.value
+    }
+
+    /// The power of a positive, normal number, with the error of [`pow`].
+    #[inline(always)]
+    pub fn power(self, x: f64) -> f32 {
+        let Some(twice) = self.twice else { return power_of((f64::from(self.value) * STEPS as f64) * log2_of(x)) };
+        let (mut n, mut square) = (twice.unsigned_abs(), x);
+        let mut power = if n & 1 == 1 { x.sqrt() } else { 1.0 };
+        while n > 1 {
+            n >>= 1;
+            if n & 1 == 1 {
+                power *= square;
+            }
+            square *= square;
+        }
+        (if twice < 0 { 1.0 / power } else { power }) as f32
+    }
+}
+
+/// `xʸ` for normal `x > 0`, and how much it is above one, with relative errors below 2·10⁻⁷ of each: for `|y ln x| < 690`.
 #[inline]
 pub fn pow_and_excess(x: f32, y: f32) -> (f32, f32) {
-    let (power, rest) = power_and_rest(f64::from(y) * ln_of(f64::from(x)));
+    let (power, rest) = power_and_rest((f64::from(y) * STEPS as f64) * log2_of(f64::from(x)));
     let excess = (power - 1.0) + power * rest;
     ((1.0 + excess) as f32, excess as f32)
-}
-
-/// Sine and cosine of `a` within ±π/4.
-#[inline]
-fn octant(a: f32) -> (f32, f32) {
-    let q = a * a;
-    let sin = ((-1.951_529_6e-4 * q + 8.332_161e-3) * q - 1.666_665_5e-1) * q * a + a;
-    let cos = ((2.443_315_7e-5 * q - 1.388_731_6e-3) * q + 4.166_664_6e-2) * q * q - 0.5 * q + 1.0;
-    (sin, cos)
 }
 
 /// Sine and cosine of `2π turns`, for up to a million turns, absolute error below 2·10⁻⁷.
@@ -178,10 +212,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     let quarters = 4.0 * turns;
     let shifted = quarters + ROUND;
     let (x, n) = (quarters - (shifted - ROUND), shifted.to_bits());
-    // By least squares over half a quarter to both sides.
-    let q = x * x;
-    let sin = x * FRAC_PI_2 + (x * q) * ((-0.64596343 + q * 0.079679474) + (q * q) * -0.0045996928);
-    let cos = 1.0 + q * ((-1.2336979 + q * 0.25360566) + (q * q) * -0.020424416);
+    let (sin, cos) = sin_cos_octant(2.0 * x);
     // Exchanged in odd quarters, by bits: a branch here is mispredicted half of the time.
     let (s, c) = (sin.to_bits(), cos.to_bits());
     let swap = (s ^ c) & (n & 1).wrapping_neg();
@@ -217,10 +248,13 @@ pub fn asin(x: f32) -> f32 {
     atan2(x, (1.0 - x * x).max(0.0).sqrt())
 }
 
-/// Sine and cosine of `¼π x` for `x` within ±1.
+/// Sine and cosine of `¼π x` for `x` within ±1, absolute error below 2·10⁻⁷: polynomials by least squares.
 #[inline]
 pub fn sin_cos_octant(x: f32) -> (f32, f32) {
-    octant(x * FRAC_PI_4)
+    let q = x * x;
+    let sin = x * FRAC_PI_4 + (x * q) * ((-0.080745429 + q * 0.0024899836) + (q * q) * -0.0000359351);
+    let cos = 1.0 + q * ((-0.30842448 + q * 0.015850354) + (q * q) * -0.0003191315);
+    (sin, cos)
 }
 
 /// The angle of the vector `(x, y)` in `[−π, π]`; zero for the zero vector.
@@ -282,6 +316,13 @@ mod tests {
                 let exponent = f64::from(y) * f64::from(x).ln_1p();
                 let error = (f64::from(pow_1p(x, y)) / exponent.exp() - 1.0).abs();
                 assert!(exponent.abs() > 87.0 || error < 1e-7 * (1.0 + exponent.abs() / 50.0), "{x}, {y}: {error}");
+            }
+        }
+        for y in [0.0f32, 0.5, 1.0, -3.0, -2.5, 0.7, 30.0, 16383.5, 1e6] {
+            for x in [1.0f64, 1.0 - 1e-8, 0.9999, 1.02, 0.5, 1e-4] {
+                let truth = x.powf(f64::from(y));
+                let error = (f64::from(Exponent::new(y).power(x)) / truth - 1.0).abs();
+                assert!(!(1e-35..1e38).contains(&truth) || error < 2e-7, "{x} to the {y}: {error}");
             }
         }
         for (x, y) in [(0.5f32, 1e-6f32), (0.999, 1e-3), (0.1, 0.3), (1e-7, -2.0), (1.0 - 6e-8, 0.1)] {

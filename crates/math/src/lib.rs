@@ -5,6 +5,7 @@
 //! ([`Transform`]) and rounded once.
 
 pub mod bounds;
+pub mod chance;
 #[cfg(test)]
 mod chi_square;
 pub mod color;
@@ -26,6 +27,7 @@ pub mod transform;
 pub mod warp;
 
 pub use bounds::Bounds3;
+pub use chance::Chance;
 pub use error::Error;
 pub use frame::Frame;
 pub use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};

@@ -10,17 +10,19 @@
 //! Blinn–Phong lobe is as wide as a Phong lobe of about a quarter of its exponent. Exponents are in `[0, 10⁶]`.
 
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
-use super::phong::exponent_in_range;
-use std::f32::consts::{LN_2, PI, TAU};
+use super::phong::{FRAC_1_TAU, exponent_in_range};
+use std::f32::consts::{LN_2, PI};
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{exp, pow_1p, pow_and_excess, sin_cos_turns},
+    elementary::{Exponent, exp, pow_and_excess, sin_cos_turns},
 };
 
 /// A lobe in the half vector.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfVectorLobe {
     exponent: f32,
+    /// `−n/2`.
+    of_secant2: Exponent,
     /// `1/(n + 1)`.
     inverse: f32,
     /// Of the value over `cosⁿ cosθ_i`; none in the empirical form.
@@ -55,20 +57,20 @@ impl GlossyLobe for HalfVectorLobe {
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let h = wo + wi;
         let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-        self.of_power(pow_1p(tan2, -0.5 * self.exponent), 2.0 * h.length(), wi)
+        self.of_power(self.of_secant2.power(1.0 + f64::from(tan2)), 2.0 * h.length(), wi)
     }
 
     #[inline(always)]
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
+    fn sample(&self, wo: Vec3, u2: Vec2) -> (Vec3, f32, f32) {
         // cosⁿ⁺¹θ_h is uniform; the half vector as long as 1/cosθ_h.
-        let (length2, tan2) = pow_and_excess(1.0 - u2.y, -2.0 * self.inverse);
-        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
-        let r = tan2.max(0.0).sqrt();
-        let h = Vec3::new(r * cos_phi, r * sin_phi, 1.0);
+        let uniform = 1.0 - u2.y;
+        let (length2, tan2) = pow_and_excess(uniform, -2.0 * self.inverse);
+        let h = (tan2.max(0.0).sqrt() * Vec2::from(sin_cos_turns(u2.x))).extend(1.0);
         let (projected, length) = (wo.dot(h), length2.sqrt());
+        // Facets seen from behind send light below the surface.
         let wi = (2.0 * projected / length2) * h - wo;
-        let (value, pdf) = self.of_power((1.0 - u2.y) * length, 4.0 * projected / length, wi);
-        (projected > 0.0).then_some((wi, value, pdf))
+        let (value, pdf) = self.of_power(uniform * length, 4.0 * projected / length, wi);
+        (wi, value, pdf)
     }
 }
 
@@ -76,13 +78,18 @@ impl HalfVectorLobe {
     fn new(exponent: f32, empirical: bool) -> Self {
         let n = exponent_in_range(exponent);
         let normalisation = (n + 2.0) * (n + 4.0) / (8.0 * PI * (exp(-0.5 * LN_2 * n) + n));
-        Self { exponent: n, inverse: 1.0 / (n + 1.0), normalisation: (!empirical).then_some(normalisation) }
+        Self {
+            exponent: n,
+            of_secant2: Exponent::new(-0.5 * n),
+            inverse: 1.0 / (n + 1.0),
+            normalisation: (!empirical).then_some(normalisation),
+        }
     }
 
     /// Value and density by `cos^n θ_h` and four times the cosine between direction and half vector.
     #[inline(always)]
     fn of_power(&self, power: f32, four_cos_o: f32, wi: Vec3) -> (f32, f32) {
-        let pdf = (self.exponent + 1.0) / TAU * power / four_cos_o.max(1e-6);
+        let pdf = (self.exponent + 1.0) * FRAC_1_TAU * power / four_cos_o.max(1e-6);
         (self.normalisation.map_or(power, |k| k * power * wi.z), pdf)
     }
 }

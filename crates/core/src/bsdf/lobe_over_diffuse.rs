@@ -1,8 +1,8 @@
 //! The classical sum: a Lambertian part and a glossy lobe, `f = k_d/π + k_s f_lobe`.
 
-use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
+use super::{BsdfEval, BsdfSample, Lobe};
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Chance, Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
 /// A reflecting lobe above the surface; both directions are.
 pub trait GlossyLobe: Copy {
@@ -19,7 +19,7 @@ pub trait GlossyLobe: Copy {
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32);
 
     /// A direction, not necessarily above the surface, with what `eval` says of it.
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)>;
+    fn sample(&self, wo: Vec3, u2: Vec2) -> (Vec3, f32, f32);
 }
 
 /// A lobe beside Lambertian reflection.
@@ -53,40 +53,37 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let (value, pdf) = if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) };
-        self.sum(wi, value, pdf)
+        let (value, pdf) = self.eval_lobe(wo, wi);
+        if (value + pdf).is_finite() { self.sum(wi, value, pdf) } else { BsdfEval::ZERO }
+    }
+
+    #[inline(always)]
+    fn eval_lobe(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) }
     }
 
     /// The sum of both parts where the lobe has this value and density.
     #[inline]
     fn sum(&self, wi: Vec3, value: f32, pdf: f32) -> BsdfEval {
         let cosine = wi.z * FRAC_1_PI;
-        if !(value + pdf).is_finite() {
-            return BsdfEval::ZERO;
-        }
         BsdfEval {
             value: self.diffuse * cosine + self.specular * value,
             pdf: (1.0 - self.glossy) * cosine + self.glossy * pdf,
         }
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, wo: Vec3, u: Chance, u2: Vec2) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
-        let (wi, value, pdf, lobe) = if u < self.glossy {
-            let (wi, value, pdf) = self.lobe.sample(wo, u2)?;
-            (wi, value, pdf, Lobe::GLOSSY)
+        let (wi, (value, pdf), shape) = if u < Chance::from(self.glossy) {
+            let (wi, value, pdf) = self.lobe.sample(wo, u2);
+            (wi, (value, pdf), Lobe::GLOSSY)
         } else {
-            let wi = sample_cosine_hemisphere(u2)?;
-            let (value, pdf) = if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) };
-            (wi, value, pdf, Lobe::DIFFUSE)
+            let wi = cosine_hemisphere(u2);
+            (wi, self.eval_lobe(wo, wi), Lobe::DIFFUSE)
         };
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let e = self.sum(wi, value, pdf);
-        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
+        self.sum(wi, value, pdf).drawn_above(wi, Lobe::REFLECTION.with(shape))
     }
 
     pub(super) fn albedo_estimate(&self) -> Spectrum {

@@ -5,43 +5,52 @@
 //! full Moon has about ½). The albedo is `ρ cos^(k−1) θ_o`, so a surface with `k < 1` sends back more than it gets at
 //! grazing angles: such values are empirical.
 
+use super::phong::FRAC_1_TAU;
 use super::{BsdfEval, BsdfSample, Lobe};
-use std::f32::consts::TAU;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{pow, sin_cos_turns},
+    elementary::{Exponent, pow, sin_cos_turns},
 };
 
 /// A reflector after Minnaert.
 #[derive(Clone, Copy, Debug)]
 pub struct Minnaert {
     reflectance: Spectrum,
-    exponent: f32,
+    exponent: Exponent,
+    /// `k − 1`.
+    less: Exponent,
+    /// `1/(k + 1)`.
+    inverse: f32,
 }
 
 impl Minnaert {
     /// Albedo at normal incidence ρ in `[0, 1]`, limb darkening `k` in `[0, 100]`; values outside are brought back.
     pub fn new(reflectance: Spectrum, exponent: f32) -> Self {
         let exponent = if exponent > 0.0 { exponent.min(100.0) } else { 0.0 };
-        Self { reflectance: reflectance.clamp(0.0, 1.0), exponent }
+        Self {
+            reflectance: reflectance.clamp(0.0, 1.0),
+            exponent: Exponent::new(exponent),
+            less: Exponent::new(exponent - 1.0),
+            inverse: 1.0 / (exponent + 1.0),
+        }
     }
 
     /// `∫ f cosθ_i dω_i`, held where `k < 1` makes it grow without bound.
     fn albedo(&self, cos_o: f32) -> Spectrum {
-        self.reflectance * pow(cos_o, self.exponent - 1.0).min(1e6)
+        self.reflectance * self.less.power(f64::from(cos_o)).min(1e6)
     }
 
     /// By the power of the cosine.
     #[inline]
     fn density(&self, power: f32) -> f32 {
-        (self.exponent + 1.0) / TAU * power
+        (self.exponent.value() + 1.0) * FRAC_1_TAU * power
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let pdf = self.density(pow(wi.z, self.exponent));
+        let pdf = self.density(self.exponent.power(f64::from(wi.z)));
         BsdfEval { value: self.albedo(wo.z) * pdf, pdf }
     }
 
@@ -50,7 +59,7 @@ impl Minnaert {
             return None;
         }
         // cosᵏ⁺¹ is uniform.
-        let cos = pow(1.0 - u2.y, 1.0 / (self.exponent + 1.0));
+        let cos = pow(1.0 - u2.y, self.inverse);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let wi = Vec3::new(sin * cos_phi, sin * sin_phi, cos);

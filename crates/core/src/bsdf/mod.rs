@@ -161,8 +161,20 @@ impl BsdfEval {
     /// The sample of a direction of this value that was drawn with this density; `None` where that is no number to divide by.
     #[inline]
     pub(crate) fn drawn(self, wi: Vec3, lobe: Lobe, eta: f32) -> Option<BsdfSample> {
+        self.drawn_if(true, wi, lobe, eta)
+    }
+
+    /// The same for reflection; `None` below the surface too.
+    #[inline]
+    pub(crate) fn drawn_above(self, wi: Vec3, lobe: Lobe) -> Option<BsdfSample> {
+        self.drawn_if(wi.z > 0.0, wi, lobe, 1.0)
+    }
+
+    /// One decision over all that may be unsound.
+    #[inline(always)]
+    fn drawn_if(self, is_possible: bool, wi: Vec3, lobe: Lobe, eta: f32) -> Option<BsdfSample> {
         let weight = self.value / self.pdf;
-        let is_sound = self.pdf > 0.0 && self.pdf.is_finite() && weight.is_finite();
+        let is_sound = is_possible & (self.pdf > 0.0) & (self.pdf < f32::INFINITY) & weight.is_finite();
         is_sound.then_some(BsdfSample { wi, weight, pdf: self.pdf, lobe, eta })
     }
 }
@@ -325,9 +337,9 @@ impl Bsdf<'_> {
             Self::Coated(b) => b.sample(wo, u, u2),
             Self::OrenNayar(b) => b.sample(wo, u2),
             Self::Minnaert(b) => b.sample(wo, u2),
-            Self::Phong(b) => b.sample(wo, u, u2),
-            Self::BlinnPhong(b) => b.sample(wo, u, u2),
-            Self::Ward(b) => b.sample(wo, u, u2),
+            Self::Phong(b) => b.sample(wo, u.into(), u2),
+            Self::BlinnPhong(b) => b.sample(wo, u.into(), u2),
+            Self::Ward(b) => b.sample(wo, u.into(), u2),
             Self::CookTorrance(b) => b.sample(wo, u, u2),
             Self::CompensatedConductor(b) => b.sample(wo, u, u2),
             Self::Measured(b) => b.sample(wo, u, u2),

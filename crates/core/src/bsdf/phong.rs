@@ -12,17 +12,20 @@
 //! grazing, a positive `x` and `y` throw light back. Exponents are in `[0, 10⁶]`.
 
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
-use std::f32::consts::TAU;
+use std::f32::consts::FRAC_1_PI;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    elementary::{pow, pow_1p, pow_and_excess, sin_cos_turns},
+    elementary::{Exponent, pow_and_excess, sin_cos_turns},
 };
+
+/// `1/2π`.
+pub(super) const FRAC_1_TAU: f32 = 0.5 * FRAC_1_PI;
 
 /// A cosine lobe.
 #[derive(Clone, Copy, Debug)]
 pub struct CosineLobe {
     coefficients: Vec3,
-    exponent: f32,
+    exponent: Exponent,
     /// `1/(n + 1)`.
     inverse: f32,
     empirical: bool,
@@ -64,7 +67,7 @@ impl CosineLobe {
     fn new(coefficients: Vec3, exponent: f32, empirical: bool) -> Self {
         let exponent = exponent_in_range(exponent);
         let (inverse, is_mirror) = (1.0 / (exponent + 1.0), coefficients == Phong::MIRROR);
-        Self { coefficients, exponent, inverse, empirical, is_mirror }
+        Self { coefficients, exponent: Exponent::new(exponent), inverse, empirical, is_mirror }
     }
 
     /// The lobe's axis and the length of the transformed direction.
@@ -76,15 +79,6 @@ impl CosineLobe {
         let length = d.length();
         (length > 1e-6).then(|| (d / length, length))
     }
-}
-
-/// `cos^n` of the angle between two unit vectors, by their distance: the cosine itself is too coarse for large
-/// exponents.
-#[inline]
-fn cosine_power(a: Vec3, b: Vec3, n: f32) -> f32 {
-    let versine = 0.5 * (a - b).length_squared();
-    // Half of the directions lie behind: not worth a branch.
-    pow_1p(-versine.min(0.999_999_9), n) * f32::from(u8::from(versine < 1.0))
 }
 
 impl GlossyLobe for CosineLobe {
@@ -99,21 +93,23 @@ impl GlossyLobe for CosineLobe {
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let Some((axis, length)) = self.axis(wo) else { return (0.0, 0.0) };
-        self.of_power(cosine_power(axis, wi, self.exponent), length, wi)
+        // By the distance of the unit vectors: the cosine itself is too coarse for large exponents.
+        let versine = 0.5 * (axis - wi).length_squared();
+        let power = self.exponent.power(1.0 - f64::from(versine.min(0.999_999_9)));
+        self.of_power(if versine < 1.0 { power } else { 0.0 }, length, wi)
     }
 
     #[inline(always)]
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
-        let (axis, length) = self.axis(wo)?;
+    fn sample(&self, wo: Vec3, u2: Vec2) -> (Vec3, f32, f32) {
+        let Some((axis, length)) = self.axis(wo) else { return (Vec3::ZERO, 0.0, 0.0) };
         // cosⁿ⁺¹α is uniform; the angle by 1 − cosα, which is small for large exponents.
-        let (cos, excess) = pow_and_excess(1.0 - u2.y, self.inverse);
-        let versine = -excess;
-        let sin = (versine * (2.0 - versine)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
+        let uniform = 1.0 - u2.y;
+        let (cos, excess) = pow_and_excess(uniform, self.inverse);
+        let around = (-excess * (2.0 + excess)).max(0.0).sqrt() * Vec2::from(sin_cos_turns(u2.x));
         let (s, t) = axis.any_orthonormal_pair();
-        let wi = s * (sin * cos_phi) + t * (sin * sin_phi) + axis * cos;
-        let (value, pdf) = self.of_power((1.0 - u2.y) / cos, length, wi);
-        Some((wi, value, pdf))
+        let wi = s * around.x + t * around.y + axis * cos;
+        let (value, pdf) = self.of_power(uniform / cos, length, wi);
+        (wi, value, pdf)
     }
 }
 
@@ -121,18 +117,19 @@ impl CosineLobe {
     /// Value and density by `cos^n α`.
     #[inline(always)]
     fn of_power(&self, power: f32, length: f32, wi: Vec3) -> (f32, f32) {
-        let pdf = (self.exponent + 1.0) / TAU * power;
+        let pdf = (self.exponent.value() + 1.0) * FRAC_1_TAU * power;
         if self.empirical {
             return (power, pdf);
         }
-        let size = if length == 1.0 { 1.0 } else { pow(length, self.exponent) };
-        ((self.exponent + 2.0) / TAU * power * size * wi.z, pdf)
+        let size = if self.is_mirror { 1.0 } else { self.exponent.power(f64::from(length)) };
+        ((self.exponent.value() + 2.0) * FRAC_1_TAU * power * size * wi.z, pdf)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::TAU;
 
     fn direction(degrees: f32, phi: f32) -> Vec3 {
         let (sin, cos) = degrees.to_radians().sin_cos();

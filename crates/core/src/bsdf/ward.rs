@@ -72,16 +72,16 @@ impl GlossyLobe for GaussianLobe {
     }
 
     #[inline(always)]
-    fn sample(&self, wo: Vec3, u2: Vec2) -> Option<(Vec3, f32, f32)> {
+    fn sample(&self, wo: Vec3, u2: Vec2) -> (Vec3, f32, f32) {
         // What the uniform number leaves is the exponential in the distribution.
         let exponential = 1.0 - u2.y;
-        let (sin_phi, cos_phi) = sin_cos_turns(u2.x);
         let r = (-ln(exponential)).max(0.0).sqrt();
-        let h = Vec3::new(self.alpha.x * (r * cos_phi), self.alpha.y * (r * sin_phi), 1.0);
+        let h = (self.alpha * (r * Vec2::from(sin_cos_turns(u2.x)))).extend(1.0);
         let (length2, projected) = (h.length_squared(), wo.dot(h));
+        // Facets seen from behind send light below the surface.
         let wi = (2.0 * projected / length2) * h - wo;
         let (value, pdf) = self.of_half(exponential, length2, projected, wo, wi);
-        (projected > 0.0).then_some((wi, value, pdf))
+        (wi, value, pdf)
     }
 }
 

@@ -17,7 +17,8 @@ pub use phase::{hg_phase, sample_hg};
 pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::{spherical_triangle, spherical_triangle_area, spherical_triangle_pdf};
 
-use crate::{Vec2, Vec3, elementary::sin_cos_octant};
+use crate::{Vec2, Vec3, Vec4, elementary::sin_cos_octant};
+use glam::Vec4Swizzles;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 /// Density of [`uniform_hemisphere`], `1/2π`.
@@ -26,28 +27,56 @@ pub const UNIFORM_HEMISPHERE_PDF: f32 = 0.5 * FRAC_1_PI;
 /// Density of [`uniform_sphere`], `1/4π`.
 pub const UNIFORM_SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
 
-/// A uniform point of the unit disk (Shirley and Chiu 1997): concentric squares go to concentric circles. Density `1/π` per area.
+/// A uniform point of the unit disk in polar form, for directions about an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct DiskPoint {
+    /// Distance from the centre, in `[0, 1]`, of which the square is uniform.
+    pub radius: f32,
+    /// Unit vector from the centre to the point.
+    pub azimuth: Vec2,
+}
+
+impl DiskPoint {
+    /// The concentric map (Shirley and Chiu 1997): concentric squares go to concentric circles. Density `1/π` per area.
+    #[inline(always)]
+    pub fn new(u: Vec2) -> Self {
+        let p = 2.0 * u - Vec2::ONE;
+        // Of (x, y) and (y, x) the one whose first is longer, chosen by bits: a branch would be mispredicted half of the time.
+        let (same, exchanged) = (Vec4::new(p.x, p.y, p.x, p.y), Vec4::new(p.y, p.x, p.y, p.x));
+        let is_high = same.abs().xxxx().cmple(same.abs().yyyy());
+        // The middle is no exception: zero over the smallest number.
+        let quotients = exchanged / same.abs().max(Vec4::splat(f32::MIN_POSITIVE));
+        let (sin, cos) = sin_cos_octant(Vec4::select(is_high, quotients.yyyy(), quotients).x);
+        // Along the longer axis the cosine, with its sign.
+        let low = Vec2::new(cos.copysign(p.x), sin);
+        let high = Vec2::new(sin, cos.copysign(p.y));
+        let azimuth = Vec4::select(is_high, high.extend(0.0).extend(0.0), low.extend(0.0).extend(0.0));
+        Self { radius: p.x.abs().max(p.y.abs()), azimuth: azimuth.truncate().truncate() }
+    }
+
+    /// The point itself.
+    #[inline(always)]
+    pub fn point(self) -> Vec2 {
+        self.radius * self.azimuth
+    }
+
+    /// The unit direction above it: density `cosθ/π`, by Malley's method.
+    #[inline(always)]
+    pub fn lifted(self) -> Vec3 {
+        self.point().extend(((1.0 - self.radius) * (1.0 + self.radius)).sqrt())
+    }
+}
+
+/// A uniform point of the unit disk, by [`DiskPoint`].
 #[inline]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
-    let p = 2.0 * u - Vec2::ONE;
-    // Exchanged by bits: a branch would be mispredicted half of the time.
-    let is_high = u32::from(p.x.abs() <= p.y.abs()).wrapping_neg();
-    let exchanged = |v: Vec2| {
-        let (x, y) = (v.x.to_bits(), v.y.to_bits());
-        let swap = (x ^ y) & is_high;
-        Vec2::new(f32::from_bits(x ^ swap), f32::from_bits(y ^ swap))
-    };
-    let Vec2 { x: long, y: short } = exchanged(p);
-    // The middle is no exception: zero over the smallest number.
-    let (sin, cos) = sin_cos_octant(short / (long.abs().max(f32::MIN_POSITIVE).copysign(long)));
-    exchanged(Vec2::new(long * cos, long * sin))
+    DiskPoint::new(u).point()
 }
 
 /// A direction with density `cosθ/π` (M148), by Malley's method: a uniform point of the disk, lifted to the hemisphere.
 #[inline]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
-    let d = concentric_disk(u);
-    d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
+    DiskPoint::new(u).lifted()
 }
 
 /// Density of [`cosine_hemisphere`]; zero below the horizon.
