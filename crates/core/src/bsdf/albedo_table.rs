@@ -94,8 +94,8 @@ static GGX: LazyLock<[Table; 2]> = LazyLock::new(|| {
             let n = 256;
             let sum: f32 = points(n)
                 .filter_map(|u| {
-                    let m = facets.sample_visible(wo, u);
-                    let facet = facets.reflecting_at(m, wo, super::fresnel::reflect(wo, m))?;
+                    let n = facets.draw(wo, u);
+                    let facet = facets.reflecting_at(n.cos_o, wo, n.mirrored(wo))?;
                     Some(weight(facet.cos_o) * facet.value / facet.pdf)
                 })
                 .sum();

@@ -17,9 +17,10 @@
 //! anisotropic coat uses the tables of its mean roughness; its interface reflection is exact.
 
 use super::coat_table::RowPlace;
-use super::{BsdfEval, BsdfSample, CoatTable, Lobe, Microfacet, fresnel, sample_cosine_hemisphere};
+use super::microfacet::facet_cosine;
+use super::{BsdfEval, BsdfSample, CoatTable, Lobe, Microfacet, fresnel};
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
 /// A coated diffuse surface.
 #[derive(Clone, Copy, Debug)]
@@ -60,12 +61,12 @@ impl<'a> Coated<'a> {
             return BsdfEval::ZERO;
         }
         let (_, t_o, p) = self.at(wo);
-        self.eval_at(wo, wi, t_o, p, None)
+        self.eval_at(wo, wi, t_o, p, facet_cosine(wo, wi))
     }
 
-    /// The value where the interface lets `t_o` pass along `wo` and is sampled with probability `p`; with the facet's normal, if it is known.
+    /// The value where the interface lets `t_o` pass along `wo` and is sampled with probability `p`, with the cosine at the facet.
     #[inline]
-    fn eval_at(&self, wo: Vec3, wi: Vec3, t_o: f32, p: f32, m: Option<Vec3>) -> BsdfEval {
+    fn eval_at(&self, wo: Vec3, wi: Vec3, t_o: f32, p: f32, cos: f32) -> BsdfEval {
         if wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -73,9 +74,9 @@ impl<'a> Coated<'a> {
         let cosine = wi.z * FRAC_1_PI;
         let mut e = BsdfEval { value: self.base * (t_o * t_i * cosine), pdf: (1.0 - p) * cosine };
         if !self.microfacet.is_smooth()
-            && let Some(facet) = self.microfacet.reflecting_by(m, wo, wi)
+            && let Some(facet) = self.microfacet.reflecting_at(cos, wo, wi)
         {
-            e.value += self.tint * (fresnel::dielectric(facet.cos_o, self.table.eta()) * facet.value);
+            e.value += self.tint * (fresnel::dielectric(cos, self.table.eta()) * facet.value);
             e.pdf += p * facet.pdf;
         }
         e
@@ -86,16 +87,16 @@ impl<'a> Coated<'a> {
             return None;
         }
         let (r, t_o, p) = self.at(wo);
-        let (wi, m, lobe) = if u >= p {
-            (sample_cosine_hemisphere(u2)?, None, Lobe::DIFFUSE)
+        let (wi, cos, lobe) = if u >= p {
+            let wi = cosine_hemisphere(u2);
+            (wi, facet_cosine(wo, wi), Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
             return Some(BsdfSample::mirrored(wo, self.tint * (r / p), p));
         } else {
-            let m = self.microfacet.sample_visible(wo, u2);
-            (fresnel::reflect(wo, m), Some(m), Lobe::GLOSSY)
+            let n = self.microfacet.draw(wo, u2);
+            (n.mirrored(wo), n.cos_o, Lobe::GLOSSY)
         };
-        let e = self.eval_at(wo, wi, t_o, p, m);
-        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
+        self.eval_at(wo, wi, t_o, p, cos).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

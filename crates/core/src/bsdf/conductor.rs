@@ -1,7 +1,7 @@
 //! Metals (M81, M92): mirror reflection tinted by the Fresnel equations of a complex index `η − ik`, from a smooth surface or
 //! from microfacets, `f = F D G₂ / (4 cosθ_o cosθ_i)` (Torrance & Sparrow 1967; Walter et al. 2007, eq. 20).
 
-use super::microfacet::Facet;
+use super::microfacet::facet_cosine;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, fresnel};
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -39,18 +39,15 @@ impl Conductor {
         if wo.z <= 0.0 || self.microfacet.is_smooth() {
             return BsdfEval::ZERO;
         }
-        self.eval_by(None, wo, wi)
+        self.eval_by(facet_cosine(wo, wi), wo, wi)
     }
 
-    /// The value for a rough surface and `wo` above it; with the facet's normal, if it is known.
+    /// The value for a rough surface and `wo` above it, where the cosine at the facet is known.
     #[inline]
-    pub(super) fn eval_by(&self, m: Option<Vec3>, wo: Vec3, wi: Vec3) -> BsdfEval {
-        self.microfacet.reflecting_by(m, wo, wi).map_or(BsdfEval::ZERO, |facet| self.of(facet))
-    }
-
-    #[inline]
-    fn of(&self, facet: Facet) -> BsdfEval {
-        BsdfEval { value: self.reflectance(facet.cos_o) * facet.value, pdf: facet.pdf }
+    pub(super) fn eval_by(&self, cos: f32, wo: Vec3, wi: Vec3) -> BsdfEval {
+        self.microfacet
+            .reflecting_at(cos, wo, wi)
+            .map_or(BsdfEval::ZERO, |facet| BsdfEval { value: self.reflectance(cos) * facet.value, pdf: facet.pdf })
     }
 
     pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
@@ -60,10 +57,9 @@ impl Conductor {
         if self.microfacet.is_smooth() {
             return Some(BsdfSample::mirrored(wo, self.reflectance(wo.z), 1.0));
         }
-        let m = self.microfacet.sample_visible(wo, u2);
-        let wi = fresnel::reflect(wo, m);
-        let e = self.of(self.microfacet.reflecting_at(m, wo, wi)?);
-        e.drawn(wi, Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
+        let n = self.microfacet.draw(wo, u2);
+        let wi = n.mirrored(wo);
+        self.eval_by(n.cos_o, wo, wi).drawn_above(wi, Lobe::REFLECTION.with(Lobe::GLOSSY))
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

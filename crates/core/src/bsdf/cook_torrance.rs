@@ -12,9 +12,10 @@
 //! loses nothing on a smooth white surface, for which it is derived; rough facets reflect less than a plane (by up to a half
 //! at grazing angles), which is lost, and at angles between up to 0.0022 more, which the diffuse part must leave them. `plastic` and `coated_diffuse` have the rough interface's own tables instead.
 
-use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance, fresnel, sample_cosine_hemisphere};
+use super::microfacet::facet_cosine;
+use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance};
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
 /// How the diffuse part gives way to the reflecting facets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -110,12 +111,12 @@ impl CookTorrance {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        self.eval_at(wo, wi, self.glossy(wo), None)
+        self.eval_at(wo, wi, self.glossy(wo), facet_cosine(wo, wi))
     }
 
-    /// The value where facets are sampled with probability `glossy`; with the facet's normal, if it is known.
+    /// The value where facets are sampled with probability `glossy`, with the cosine at the facet.
     #[inline]
-    fn eval_at(&self, wo: Vec3, wi: Vec3, glossy: f32, m: Option<Vec3>) -> BsdfEval {
+    fn eval_at(&self, wo: Vec3, wi: Vec3, glossy: f32, cos: f32) -> BsdfEval {
         if wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -126,9 +127,9 @@ impl CookTorrance {
         }
         if glossy > 0.0
             && !self.microfacet.is_smooth()
-            && let Some(facet) = self.microfacet.reflecting_by(m, wo, wi)
+            && let Some(facet) = self.microfacet.reflecting_at(cos, wo, wi)
         {
-            e.value += self.specular * self.reflectance.eval(facet.cos_o) * facet.value;
+            e.value += self.specular * self.reflectance.eval(cos) * facet.value;
             e.pdf += glossy * facet.pdf;
         }
         e
@@ -139,16 +140,16 @@ impl CookTorrance {
             return None;
         }
         let glossy = self.glossy(wo);
-        let (wi, m, lobe) = if u >= glossy {
-            (sample_cosine_hemisphere(u2)?, None, Lobe::DIFFUSE)
+        let (wi, cos, lobe) = if u >= glossy {
+            let wi = cosine_hemisphere(u2);
+            (wi, facet_cosine(wo, wi), Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
             return Some(BsdfSample::mirrored(wo, self.specular * self.reflectance.eval(wo.z) / glossy, glossy));
         } else {
-            let m = self.microfacet.sample_visible(wo, u2);
-            (fresnel::reflect(wo, m), Some(m), Lobe::GLOSSY)
+            let n = self.microfacet.draw(wo, u2);
+            (n.mirrored(wo), n.cos_o, Lobe::GLOSSY)
         };
-        let e = self.eval_at(wo, wi, glossy, m);
-        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
+        self.eval_at(wo, wi, glossy, cos).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

@@ -86,9 +86,8 @@ impl Dielectric {
         if self.is_specular() {
             return self.sample_smooth(wo, u, mode);
         }
-        let m = self.microfacet.sample_visible(wo, u2);
-        let cos_o = wo.dot(m);
-        let crossing = fresnel::Crossing::new(cos_o, self.eta);
+        let n = self.microfacet.draw(wo, u2);
+        let crossing = fresnel::Crossing::new(n.cos_o, self.eta);
         let f = crossing.reflectance;
         let [r, sum] = self.shares(f);
         if sum <= 0.0 {
@@ -97,11 +96,12 @@ impl Dielectric {
         let p = r / sum;
         // A direction on the wrong side of the surface has met a second facet: not modelled, black.
         let (wi, e, eta, side) = if u * sum < r {
-            let wi = 2.0 * cos_o * m - wo;
-            (wi, self.reflected(self.microfacet.reflecting_at(m, wo, wi)?, f, p), 1.0, Lobe::REFLECTION)
+            let wi = n.mirrored(wo);
+            let facet = self.microfacet.reflecting_at(n.cos_o, wo, wi)?;
+            (wi, self.reflected(facet, f, p), 1.0, Lobe::REFLECTION)
         } else {
-            let (wi, eta) = crossing.refract(wo, m, cos_o)?;
-            let facet = self.microfacet.refracting_at(m, wo, wi, eta)?;
+            let (wi, eta) = n.refracted(wo, &crossing)?;
+            let facet = self.microfacet.refracting_drawn(&n, &crossing, wo, wi)?;
             (wi, self.transmitted(facet, f, p, eta, mode), eta, Lobe::TRANSMISSION)
         };
         e.drawn(wi, side.with(Lobe::GLOSSY), eta)

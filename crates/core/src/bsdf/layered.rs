@@ -216,10 +216,10 @@ impl Layered {
             if self.coat.is_smooth() {
                 return Some(BsdfSample::mirrored(wo, self.mirrored(wo) / c.reflect, c.reflect));
             }
-            (fresnel::reflect(wo, self.coat.sample_visible(wo, u2)), Lobe::GLOSSY)
+            (self.coat.draw(wo, u2).mirrored(wo), Lobe::GLOSSY)
         } else if u < c.reflect + c.lobe {
             let (o, _) = fresnel::refract(wo, Vec3::Z, self.eta)?;
-            let i = fresnel::reflect(-o, self.seen_facets().sample_visible(-o, u2));
+            let i = self.seen_facets().draw(-o, u2).mirrored(-o);
             if i.z <= 0.0 {
                 return None;
             }
@@ -261,9 +261,10 @@ impl Layered {
             let (t, eta) = fresnel::refract(w, Vec3::Z, self.eta)?;
             return Some((t, (1.0 - self.fresnel(w.z)) * mode.compression(eta), 0.0));
         }
-        let m = self.coat.sample_visible(w, Vec2::new(rng.next_f32(), rng.next_f32()));
-        let (t, eta) = fresnel::refract(w, m, self.eta)?;
-        let facet = self.coat.refracting_at(m, w, t, eta)?;
+        let n = self.coat.draw(w, Vec2::new(rng.next_f32(), rng.next_f32()));
+        let crossing = fresnel::Crossing::new(n.cos_o, self.eta);
+        let (t, eta) = n.refracted(w, &crossing)?;
+        let facet = self.coat.refracting_drawn(&n, &crossing, w, t)?;
         Some((t, (1.0 - self.fresnel(facet.cos_o)) * mode.compression(eta) * facet.value / facet.pdf, facet.pdf))
     }
 
@@ -343,9 +344,9 @@ impl Layered {
                     beta *= self.fresnel(inside.z);
                     w = Vec3::new(w.x, w.y, -w.z);
                 } else {
-                    let m = self.coat.sample_visible(inside, Vec2::new(rng.next_f32(), rng.next_f32()));
-                    let next = fresnel::reflect(inside, m);
-                    let Some(facet) = self.coat.reflecting_at(m, inside, next) else { break };
+                    let n = self.coat.draw(inside, Vec2::new(rng.next_f32(), rng.next_f32()));
+                    let next = n.mirrored(inside);
+                    let Some(facet) = self.coat.reflecting_at(n.cos_o, inside, next) else { break };
                     beta *= self.fresnel(facet.cos_o) * facet.value / facet.pdf;
                     w = next;
                 }

@@ -12,7 +12,7 @@
 
 use super::masking::{projected_area, v_groove};
 use super::normal_distribution::ggx_density;
-use super::visible_normals;
+use super::{fresnel, visible_normals};
 pub use super::{masking::Shadowing, normal_distribution::NormalDistribution};
 use steradian_math::{Vec2, Vec3};
 
@@ -35,6 +35,32 @@ pub(super) struct Facet {
     pub value: f32,
     /// Density of `wi` when `m` is drawn by [`Microfacet::sample_visible`].
     pub pdf: f32,
+}
+
+/// A normal that was drawn for a direction `wo`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Normal {
+    /// Along it, of any length, and one over that.
+    direction: Vec3,
+    inverse: f32,
+    /// Twice the product with `wo`, over the square of the length.
+    twice: f32,
+    /// `wo·m`, negative when `wo` lies below the facet.
+    pub cos_o: f32,
+}
+
+impl Normal {
+    /// The direction that is mirrored into `wo`.
+    #[inline(always)]
+    pub fn mirrored(&self, wo: Vec3) -> Vec3 {
+        self.twice * self.direction - wo
+    }
+
+    /// The direction that is refracted into `wo`, and its relative index; none under total reflection.
+    #[inline(always)]
+    pub fn refracted(&self, wo: Vec3, crossing: &fresnel::Crossing) -> Option<(Vec3, f32)> {
+        crossing.refract(wo, self.direction * self.inverse, self.cos_o)
+    }
 }
 
 impl Microfacet {
@@ -179,18 +205,28 @@ impl Microfacet {
 
     /// Draws a normal with the density [`Microfacet::d_visible`]: one that `w` sees, where that can be done. `w` may
     /// lie on either side, the normal is in the upper hemisphere.
-    #[inline(always)]
+    #[inline]
     pub fn sample_visible(&self, w: Vec3, u: Vec2) -> Vec3 {
-        let w = if w.z < 0.0 { -w } else { w };
-        if self.is_ggx() {
+        let n = self.draw(w, u);
+        n.direction * n.inverse
+    }
+
+    /// The same, with what else is asked of a facet.
+    #[inline(always)]
+    pub(super) fn draw(&self, w: Vec3, u: Vec2) -> Normal {
+        let above = w * 1f32.copysign(w.z);
+        let direction = if self.is_ggx() {
             // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
-            let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z);
+            let stretched = Vec3::new(self.alpha_x * above.x, self.alpha_y * above.y, above.z);
             let length = stretched.length();
             let m = visible_normals::sample_ggx(stretched, length, u);
-            return unit(Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6 * length))).unwrap_or(Vec3::Z);
-        }
-        let slopes = self.sample_slopes(w, u);
-        unit(slopes.extend(1.0)).unwrap_or(Vec3::Z)
+            Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6 * length))
+        } else {
+            unit(self.sample_slopes(above, u).extend(1.0)).unwrap_or(Vec3::Z)
+        };
+        let (projected, inverse2) = (w.dot(direction), 1.0 / direction.length_squared());
+        let inverse = inverse2.sqrt();
+        Normal { direction, inverse, twice: 2.0 * projected * inverse2, cos_o: projected * inverse }
     }
 
     /// The same for the other surfaces, as minus the slopes of the facet. (Pairs of numbers are handed back in registers, normals are not.)
@@ -225,52 +261,25 @@ impl Microfacet {
     /// The facet that mirrors `wi` into `wo`; both must be on one side.
     #[inline(always)]
     pub(super) fn reflecting(&self, wo: Vec3, wi: Vec3) -> Option<Facet> {
-        // The half vector makes the same angle with both, so its length says the cosine.
-        let h = wo + wi;
-        let length2 = h.length_squared();
+        self.reflecting_at(facet_cosine(wo, wi), wo, wi)
+    }
+
+    /// The same, where the cosine between the normal of the facet and either direction is known: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
+    #[inline(always)]
+    pub(super) fn reflecting_at(&self, cos_o: f32, wo: Vec3, wi: Vec3) -> Option<Facet> {
+        // The half vector makes the same angle with both, so that is half of its length.
+        let length2 = 4.0 * cos_o * cos_o;
         if wo.z * wi.z <= 0.0 || length2 < f32::MIN_POSITIVE {
             return None;
         }
-        let cos_o = (0.5 * length2.sqrt()).copysign(wo.z);
-        self.facet(h, length2, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
-    }
-
-    /// The same, with the normal of the facet where it is known.
-    #[inline(always)]
-    pub(super) fn reflecting_by(&self, m: Option<Vec3>, wo: Vec3, wi: Vec3) -> Option<Facet> {
-        // The same code for both, with the half vector in place of the normal.
-        let (h, known) = m.map_or((wo + wi, false), |m| (m, true));
-        let length2 = if known { 1.0 } else { h.length_squared() };
-        if wo.z * wi.z <= 0.0 || length2 < f32::MIN_POSITIVE {
-            return None;
-        }
-        let cos_o = if known { wo.dot(h) } else { (0.5 * length2.sqrt()).copysign(wo.z) };
-        self.facet(h, length2, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
-    }
-
-    /// Reflection by the facet `m`: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
-    #[inline(always)]
-    pub(super) fn reflecting_at(&self, m: Vec3, wo: Vec3, wi: Vec3) -> Option<Facet> {
-        if wo.z * wi.z <= 0.0 {
-            return None;
-        }
-        let cos_o = wo.dot(m);
-        self.facet(m, 1.0, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
+        self.facet(wo + wi, length2, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
     }
 
     /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo`
     /// to the side of `wi`.
     #[inline(always)]
     pub(super) fn refracting(&self, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
-        if wo.z * wi.z >= 0.0 {
-            return None;
-        }
-        self.refracting_at(upper(wo + eta * wi)?, wo, wi, eta)
-    }
-
-    /// Refraction by the facet `m` (Walter et al. 2007, eq. 21), for the transport of importance.
-    #[inline(always)]
-    pub(super) fn refracting_at(&self, m: Vec3, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
+        let m = upper(wo + eta * wi)?;
         let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
         // A facet cannot be seen from behind.
         if wo.z * wi.z >= 0.0 || cos_o * wo.z <= 0.0 || cos_i * wi.z <= 0.0 {
@@ -279,6 +288,26 @@ impl Microfacet {
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
         self.facet(m, 1.0, wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
+    }
+
+    /// Refraction by a facet that was drawn for `wo`. By Snell's law its cosines are known: `|wi·m| = c_t/η`, of which the denominator is
+    /// `(|wo·m| − c_t)/η`, with `c_t` what the crossing calls refracted.
+    #[inline(always)]
+    pub(super) fn refracting_drawn(
+        &self,
+        n: &Normal,
+        crossing: &fresnel::Crossing,
+        wo: Vec3,
+        wi: Vec3,
+    ) -> Option<Facet> {
+        if wo.z * wi.z >= 0.0 || n.cos_o * wo.z <= 0.0 {
+            return None;
+        }
+        // By `c_t² − cos² = η² − 1`, which spares the difference of what is nearly the same.
+        let (sum, excess) = (crossing.cos_i + crossing.refracted, crossing.eta * crossing.eta - 1.0);
+        let jacobian = crossing.refracted * (sum * sum) * (crossing.eta / (excess * excess));
+        let length2 = n.direction.length_squared();
+        self.facet(n.direction, length2, wo, wi, n.cos_o, jacobian, crossing.cos_i * jacobian)
     }
 
     /// The facet whose normal is along `h` or `−h`, of squared length `length2`, with solid angle `jacobian` of normals per solid angle of
@@ -319,6 +348,12 @@ impl Microfacet {
         let area = self.area(wo);
         (seen * self.smith_g2(wo, wi, area), seen / area)
     }
+}
+
+/// The cosine between a direction and the normal of the facet that mirrors it into another; negative from below.
+#[inline(always)]
+pub(super) fn facet_cosine(wo: Vec3, wi: Vec3) -> f32 {
+    (0.5 * (wo + wi).length()).copysign(wo.z)
 }
 
 /// The areas of a facet `m` and of the one across its groove as `w` sees them.

@@ -14,9 +14,9 @@
 //! not. What an anisotropic surface loses depends on the azimuth, which the tables do not know: it is left as it is.
 
 use super::{BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Shadowing, fresnel};
-use super::{Reflectance, sample_cosine_hemisphere};
+use super::{Reflectance, microfacet::facet_cosine};
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3};
+use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
 /// How light between facets is accounted for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -150,16 +150,16 @@ impl<'a> CompensatedConductor<'a> {
         if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
             return BsdfEval::ZERO;
         }
-        self.eval_at(wo, wi, self.lost(wo.z), None)
+        self.eval_at(wo, wi, self.lost(wo.z), facet_cosine(wo, wi))
     }
 
-    /// The value where facets lose `lost` of what they reflect along `wo`; with the facet's normal, if it is known.
+    /// The value where facets lose `lost` of what they reflect along `wo`, with the cosine at the facet.
     #[inline]
-    fn eval_at(&self, wo: Vec3, wi: Vec3, lost: f32, m: Option<Vec3>) -> BsdfEval {
+    fn eval_at(&self, wo: Vec3, wi: Vec3, lost: f32, cos: f32) -> BsdfEval {
         if wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let mut e = self.conductor.eval_by(m, wo, wi);
+        let mut e = self.conductor.eval_by(cos, wo, wi);
         match self.kind {
             Compensation::Turquin => e.value *= Spectrum::ONE + self.colour * (lost / (1.0 - lost)),
             Compensation::KullaConty => {
@@ -180,14 +180,14 @@ impl<'a> CompensatedConductor<'a> {
         }
         // The broad lobe carries what single scattering loses, and is drawn with that probability.
         let lost = self.lost(wo.z);
-        let (wi, m, lobe) = if self.kind == Compensation::KullaConty && u < lost {
-            (sample_cosine_hemisphere(u2)?, None, Lobe::DIFFUSE)
+        let (wi, cos, lobe) = if self.kind == Compensation::KullaConty && u < lost {
+            let wi = cosine_hemisphere(u2);
+            (wi, facet_cosine(wo, wi), Lobe::DIFFUSE)
         } else {
-            let m = self.conductor.microfacet.sample_visible(wo, u2);
-            (fresnel::reflect(wo, m), Some(m), Lobe::GLOSSY)
+            let n = self.conductor.microfacet.draw(wo, u2);
+            (n.mirrored(wo), n.cos_o, Lobe::GLOSSY)
         };
-        let e = self.eval_at(wo, wi, lost, m);
-        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
+        self.eval_at(wo, wi, lost, cos).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
     pub(super) fn is_reciprocal(&self) -> bool {

@@ -268,13 +268,14 @@ impl Principled {
         } else if u < w.diffuse + w.clearcoat {
             (fresnel::reflect(wo, gtr1::sample(self.clearcoat_alpha, u2)), Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
         } else {
-            let m = self.microfacet.sample_visible(wo, u2);
-            let f = fresnel::dielectric(wo.dot(m), self.eta);
+            let n = self.microfacet.draw(wo, u2);
+            let crossing = fresnel::Crossing::new(n.cos_o, self.eta);
+            let f = crossing.reflectance;
             let u = (u - w.diffuse - w.clearcoat) / w.specular;
             if u < Self::reflecting_part(wo, &w, f) {
-                (fresnel::reflect(wo, m), Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
+                (n.mirrored(wo), Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
             } else {
-                let (wi, eta) = fresnel::refract(wo, m, self.eta)?;
+                let (wi, eta) = n.refracted(wo, &crossing)?;
                 (wi, Lobe::TRANSMISSION.with(Lobe::GLOSSY), eta)
             }
         };

@@ -110,10 +110,10 @@ impl PrincipledThin {
         let above = Self::turned(wo, wo);
         let [reflected, transmitted, diffuse] = self.chances();
         let (wi, lobe) = if u < reflected {
-            let wi = fresnel::reflect(above, self.reflecting.sample_visible(above, u2));
+            let wi = self.reflecting.draw(above, u2).mirrored(above);
             (wi, Lobe::REFLECTION.with(Lobe::GLOSSY))
         } else if u < reflected + transmitted {
-            let wi = fresnel::reflect(above, self.transmitting.sample_visible(above, u2));
+            let wi = self.transmitting.draw(above, u2).mirrored(above);
             (Vec3::new(wi.x, wi.y, -wi.z), Lobe::TRANSMISSION.with(Lobe::GLOSSY))
         } else if u < reflected + transmitted + diffuse {
             (sample_cosine_hemisphere(u2)?, Lobe::REFLECTION.with(Lobe::DIFFUSE))

@@ -1,6 +1,6 @@
 //! Drawing facet normals in proportion to their visible area, for unit roughness.
 
-use super::gaussian::{erf, erf_inv};
+use super::gaussian::{erf, erf_inv, erfc_scaled};
 use std::f32::consts::PI;
 use steradian_math::{
     Vec2, Vec3,
@@ -37,32 +37,41 @@ pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec2 {
 
 /// The slope along a direction of cotangent `cot`, for the cumulative probability `u`.
 ///
-/// With `t = tanθ` the unnormalised cumulative distribution is `C(x) = 1 + x + t·exp(−s²)/√π`, `s = erf⁻¹(x)`, on
-/// `[−1, erf(cot)]`, and its derivative is `1 − s·t`. Newton's method inside a shrinking bracket.
+/// With `t = tanθ` the unnormalised cumulative distribution is `C(s) = 1 + erf(s) + t·exp(−s²)/√π` up to `s = cot`, where it is steepest no
+/// more: `C' = 2 exp(−s²)(1 − s·t)/√π`. Halley's method, which takes one or two steps, inside a shrinking bracket.
 fn beckmann_slope(cot: f32, u: f32) -> f32 {
     let tan = 1.0 / cot;
     let inv_sqrt_pi = 1.0 / PI.sqrt();
-    let cumulative = |x: f32, s: f32| 1.0 + x + inv_sqrt_pi * tan * exp(-s * s);
-    let (mut lo, mut hi) = (-1.0f32, erf(cot));
-    let target = u.clamp(1e-6, 1.0 - 1e-6) * cumulative(hi, cot);
-    // Jakob's fit (2014) of the solution.
+    // `C` and `exp(−s²)`.
+    let cumulative = |s: f32| {
+        let e = exp(-s * s);
+        let beyond = erfc_scaled(s.abs()) * e;
+        (if s < 0.0 { beyond } else { 2.0 - beyond } + inv_sqrt_pi * tan * e, e)
+    };
+    let u = u.clamp(1e-6, 1.0 - 1e-6);
+    let target = u * cumulative(cot).0;
+    // Jakob's fit (2014) of erf(s).
     let theta = acos(cot / (1.0 + cot * cot).sqrt());
     let power = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
-    let mut x = (hi - (hi + 1.0) * pow(1.0 - u.clamp(1e-6, 1.0 - 1e-6), power)).clamp(lo, hi);
-    let mut slope = erf_inv(x);
+    let most = erf(cot);
+    let mut s = erf_inv(most - (most + 1.0) * pow(1.0 - u, power));
+    let (mut lo, mut hi) = (-f32::MAX, cot);
     for _ in 0..10 {
-        let excess = cumulative(x, slope) - target;
+        let (c, e) = cumulative(s);
+        let excess = c - target;
         if excess.abs() < 1e-5 * target + 2e-7 {
             break;
         }
         if excess > 0.0 {
-            hi = x;
+            hi = s;
         } else {
-            lo = x;
+            lo = s;
         }
-        let next = x - excess / (1.0 - slope * tan);
-        x = if next > lo && next < hi { next } else { 0.5 * (lo + hi) };
-        slope = erf_inv(x);
+        // Halley: s − f/(f' − f f''/2f').
+        let rest = 1.0 - s * tan;
+        let slope = 2.0 * inv_sqrt_pi * e * rest;
+        let next = s - excess * rest / (slope * rest + 0.5 * excess * (2.0 * s * rest + tan));
+        s = if next > lo && next < hi { next } else { 0.5 * (lo.max(-5.0) + hi) };
     }
-    slope
+    s
 }
