@@ -46,7 +46,8 @@ fn beckmann_slope(cot: f32, u: f32) -> f32 {
     let cumulative = |s: f32| {
         let e = exp(-s * s);
         let beyond = erfc_scaled(s.abs()) * e;
-        (if s < 0.0 { beyond } else { 2.0 - beyond } + inv_sqrt_pi * tan * e, e)
+        let shallower = if s < 0.0 { beyond } else { 2.0 - beyond };
+        (shallower + inv_sqrt_pi * tan * e, e)
     };
     let u = u.clamp(1e-6, 1.0 - 1e-6);
     let target = u * cumulative(cot).0;
