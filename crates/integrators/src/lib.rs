@@ -12,6 +12,7 @@ pub mod stokes;
 pub mod whitted;
 
 mod caustics;
+mod effort;
 mod flight;
 mod nee;
 mod partition;
@@ -21,6 +22,7 @@ mod walk;
 #[cfg(test)]
 mod differential_tests;
 
+pub use effort::Effort;
 pub use registry::{INTEGRATORS, IntegratorKind};
 pub use session::{Control, Film, Plan, Session};
 pub use survey::{Survey, Tactics};

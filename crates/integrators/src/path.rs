@@ -5,7 +5,7 @@
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics,
     reuse::{self, Room, Seat, Suffix},
-    walk::{Arrival, Leg, Vertex, arrive, escape, roulette},
+    walk::{Arrival, Leg, Vertex, arrive, escape},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -30,6 +30,10 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
         &self.depth
     }
 
+    fn tactics(&self) -> &Tactics {
+        &self.tactics
+    }
+
     #[inline]
     fn leaving<'s>(
         &self,
@@ -46,7 +50,7 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
         let mut sum = Spectrum::ZERO;
         loop {
             // Light that arrives straight from a light.
-            sum += leg.beta * vertex.direct::<MEDIA>(scene, leg.events, sampler, lambda, counters);
+            sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
             // Scatter.
             let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
             leg.turn::<MEDIA>(scene, vertex, &s.sample);
@@ -54,9 +58,8 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
                 // Handed to the film, which counts it.
                 return leg.beta;
             }
-            match roulette(leg.beta, leg.eta2, leg.events, &self.depth, sampler, lambda) {
-                Some(b) => leg.beta = b,
-                None => return sum,
+            if !leg.survives(&self.depth, sampler, lambda) {
+                return sum;
             }
             // Follow the ray to the next vertex; collect what shines there.
             arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);

@@ -4,7 +4,7 @@
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics, dimension, nee,
     reuse::{self, Room, Seat, Suffix},
-    walk::{Leg, MAX_PASSES, Vertex, roulette},
+    walk::{Leg, MAX_PASSES, Vertex},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -78,22 +78,26 @@ impl PathRecursive {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let sum = sum + leg.beta * vertex.direct::<false>(scene, leg.events, sampler, lambda, counters);
+        let sum = sum + leg.direct::<false>(vertex, scene, sampler, lambda, counters);
         let Some(draw) = vertex.sample(&leg, sampler, survey) else { return sum };
         leg.turn::<false>(scene, vertex, &draw.sample);
         if !leg.beta.is_finite() {
             return leg.beta;
         }
-        match roulette(leg.beta, leg.eta2, leg.events, &self.depth, sampler, lambda) {
-            Some(beta) => self.follow(scene, survey, Leg { beta, ..leg }, sum, sampler, lambda, counters),
-            None => sum,
+        if !leg.survives(&self.depth, sampler, lambda) {
+            return sum;
         }
+        self.follow(scene, survey, leg, sum, sampler, lambda, counters)
     }
 }
 
 impl Suffix<false> for PathRecursive {
     fn depth(&self) -> &Depth {
         &self.depth
+    }
+
+    fn tactics(&self) -> &Tactics {
+        &self.tactics
     }
 
     fn leaving<'s>(

@@ -15,18 +15,18 @@ use steradian_core::Scene;
 pub const INTEGRATORS: &[(&str, &str)] = &[
     (
         "path",
-        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass where that pays; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto)",
+        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass where that pays; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto), effort (auto)",
     ),
     (
         "volpath",
-        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto)",
+        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto), effort (auto)",
     ),
     ("direct", "light that scattered once; hide_emitters"),
     ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
     ("raycast", "the colour of the first surface"),
     (
         "path-recursive",
-        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto)",
+        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto), effort (auto)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -69,15 +69,12 @@ impl IntegratorKind {
         })
     }
 
-    /// What the integrator wants to know of a scene.
-    pub(crate) fn survey(&self, scene: &Scene) -> Survey {
+    /// What the integrator wants to know of a scene before a render of `spp` samples per pixel.
+    pub(crate) fn survey(&self, scene: &Scene, spp: u32) -> Survey {
         match self {
-            Self::Path(Path { depth, tactics }) | Self::PathRecursive(PathRecursive { depth, tactics })
-                if depth.max > 1 =>
-            {
-                Survey::new::<false>(scene, depth, tactics)
-            }
-            Self::VolPath(VolPath { depth, tactics }) if depth.max > 1 => Survey::new::<true>(scene, depth, tactics),
+            Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, spp),
+            Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, spp),
+            Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, spp),
             _ => Survey::default(),
         }
     }

@@ -17,16 +17,17 @@
 //! difference `L − L_sky`, negative where surfaces are darker than what they hide (a control variate).
 
 use crate::{
-    Counters, Depth, Integrator, Survey, flight, live_max, nee,
-    walk::{Arrival, Leg, Vertex, arrive, escape, meet, roulette},
+    Counters, Depth, Integrator, Survey, Tactics, dimension, flight, live_max, nee,
+    partition::Place,
+    walk::{Arrival, Leg, Vertex, arrive, escape, meet},
 };
 use steradian_core::{
     ColorMode, Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
-    sampler::PixelSampler,
+    sampler::{GroupSampler, PixelSampler, Sampler},
     scene::Hit,
 };
-use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
 const NO_RAY: Ray = Leg::NONE.ray;
 
@@ -54,10 +55,28 @@ pub struct Seat {
     pub radiance: Spectrum,
 }
 
+impl Seat {
+    /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
+    pub(crate) fn at(scene: &Scene, sampler: &Sampler, joint: &GroupSampler, index: u32, place: &Place) -> (Self, f32) {
+        let (film, common) = (&scene.film, joint.member(0));
+        let own = sampler.pixel(place.x, place.y, index);
+        let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
+        let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
+        let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
+        let ray = scene.camera.ray(film, point, lens);
+        let lambda = scene.mode.wavelengths(|| common.get_1d(dimension::WAVELENGTH));
+        let lambda = if scene.is_timed { lambda.at_time(common.get_1d(dimension::TIME)) } else { lambda };
+        (Self { ray, own, joint: joint.member(place.rank), lambda, radiance: Spectrum::ZERO }, weight)
+    }
+}
+
 /// How a path tracer goes on from a vertex.
 pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
     /// How far paths are followed.
     fn depth(&self) -> &Depth;
+
+    /// What is done against noise.
+    fn tactics(&self) -> &Tactics;
 
     /// What a leg that arrived at a vertex brings from there: light scattered towards where it came from, without emission.
     #[allow(clippy::too_many_arguments)]
@@ -143,7 +162,10 @@ impl<'s> Member<'s> {
         meet::<MEDIA>(scene, leg, hit, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
         loop {
             match x {
-                Arrival::Vertex(v) if !v.is_specular() => return true,
+                Arrival::Vertex(v) if !v.is_specular() => {
+                    leg.lights = survey.effort.lights;
+                    return true;
+                }
                 Arrival::Vertex(v) => {
                     let Some(draw) = v.sample(leg, &seat.own, survey) else { return false };
                     leg.turn::<MEDIA>(scene, v, &draw.sample);
@@ -151,9 +173,8 @@ impl<'s> Member<'s> {
                         seat.radiance = leg.beta;
                         return false;
                     }
-                    match roulette(leg.beta, leg.eta2, leg.events, depth, &seat.own, &seat.lambda) {
-                        Some(beta) => leg.beta = beta,
-                        None => return false,
+                    if !leg.survives(depth, &seat.own, &seat.lambda) {
+                        return false;
                     }
                     arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
                 }
@@ -232,18 +253,20 @@ pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
         seat.radiance += suffix.leaving(scene, survey, x, *leg, &seat.own, &mut seat.lambda, counters);
         return;
     }
-    direct::<MEDIA>(scene, group, seats, counters);
+    for k in 0..survey.effort.lights {
+        direct::<MEDIA>(scene, k, group, seats, counters);
+    }
     bounce::<MEDIA>(scene, survey, group, seats, depth, counters);
     share(suffix, scene, survey, group, seats, counters);
 }
 
-/// Light straight from lights at all x.
-fn direct<const MEDIA: bool>(scene: &Scene, group: &[Member<'_>], seats: &mut [Seat], counters: &mut Counters) {
+/// Light straight from lights at all x, by the `k`th of their light samples.
+fn direct<const MEDIA: bool>(scene: &Scene, k: u32, group: &[Member<'_>], seats: &mut [Seat], counters: &mut Counters) {
     let (mut rays, mut light, mut count) = ([NO_RAY; MAX_GROUP], [(0, Spectrum::ZERO); MAX_GROUP], 0);
     for Member { seat, x, leg, .. } in group {
         let (Arrival::Vertex(x), Seat { own, lambda, .. }) = (x, &seats[*seat]) else { continue };
-        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, leg.events, own, lambda) {
-            (rays[count], light[count]) = (ray, (*seat, leg.beta * value));
+        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, leg.event_of_light(k), own, lambda) {
+            (rays[count], light[count]) = (ray, (*seat, leg.beta * value / leg.lights as f32));
             count += 1;
         }
     }
@@ -329,13 +352,15 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
                 let mut lambda = seat.lambda;
                 if is_own || !is_lambertian(y) {
                     let mut leg = finder.leg;
-                    let Some(beta) = roulette(leg.beta, leg.eta2, leg.events, depth, &joint, &lambda) else { continue };
-                    leg.beta = beta;
+                    if !leg.survives(depth, &joint, &lambda) {
+                        continue;
+                    }
                     // What disperses at y does so for this pixel alone.
                     let light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
                     seat.radiance += whole(light, &lambda, &seat.lambda, scene.mode);
                 } else {
-                    let leg = Leg { beta: Spectrum::ONE, eta2: 1.0, ..finder.leg };
+                    let roulette_below = survey.effort.roulette_below;
+                    let leg = Leg { beta: Spectrum::ONE, eta2: 1.0, roulette_below, ..finder.leg };
                     let light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
                     let light = whole(light, &lambda, &seat.lambda, scene.mode);
                     if !light.is_finite() {

@@ -10,7 +10,7 @@ mod tile;
 use crate::{
     Counters, Integrator, IntegratorKind,
     adaptive::{self, Need, Round},
-    dimension, features,
+    features,
     partition::{Partition, Place, TILE},
     reuse::{Room, Seat},
     survey::Survey,
@@ -27,7 +27,7 @@ use steradian_core::{
     film::{Crop, FirstHit, FirstHitSums, Pixel},
     sampler::Sampler,
 };
-use steradian_math::{Spectrum, Vec2, hash::combine64};
+use steradian_math::hash::combine64;
 use tile::{CELLS, Tile, cell_of};
 
 /// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
@@ -131,7 +131,7 @@ impl<'s> Session<'s> {
             }
         }
         let (start, cpu) = (Instant::now(), cpu_time());
-        let survey = plan.integrator.survey(scene);
+        let survey = plan.integrator.survey(scene, plan.sampler.spp);
         Self {
             scene,
             plan,
@@ -390,18 +390,11 @@ impl<'s> Session<'s> {
             return;
         }
         let joint = partition.sampler(sampler, group, index);
-        let common = joint.member(0);
         seats.clear();
         weights.clear();
         for p in &*places {
-            let own = sampler.pixel(p.x, p.y, index);
-            let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
-            let point = Vec2::new(p.x as f32 + 0.5, p.y as f32 + 0.5) + offset;
-            let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
-            let ray = scene.camera.ray(film, point, lens);
-            let lambda = scene.mode.wavelengths(|| common.get_1d(dimension::WAVELENGTH));
-            let lambda = if scene.is_timed { lambda.at_time(common.get_1d(dimension::TIME)) } else { lambda };
-            seats.push(Seat { ray, own, joint: joint.member(p.rank), lambda, radiance: Spectrum::ZERO });
+            let (seat, weight) = Seat::at(scene, sampler, &joint, index, p);
+            seats.push(seat);
             weights.push(weight);
         }
         match &mut seats[..] {

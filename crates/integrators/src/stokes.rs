@@ -4,7 +4,7 @@
 //! from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the picture: S₁ is positive for
 //! light that swings from left to right. In scenes that nothing polarises twice, S₀ is the picture of `path`.
 
-use crate::{Counters, Depth, Integrator, Survey, dimension, nee, walk};
+use crate::{Counters, Depth, Integrator, Survey, dimension, live_max, nee, walk};
 use steradian_core::{
     Scene,
     bsdf::{TransportMode, polarized},
@@ -114,8 +114,9 @@ impl Stokes {
             events += 1;
             // A chain may send on polarised light that it holds back from unpolarised: roulette looks at its largest row sum.
             let strongest = chain.0[0].iter().fold(Spectrum::ZERO, |m, v| m + v.map(f32::abs));
-            match walk::roulette(strongest, eta2, events, &self.depth, sampler, lambda) {
-                Some(b) => chain = chain.scaled(b.safe_div(strongest)),
+            let live = live_max(strongest, lambda) * eta2;
+            match walk::roulette(live, events, &self.depth, None, sampler) {
+                Some(scale) => chain = chain.scaled(Spectrum::splat(scale)),
                 None => return sum,
             }
         }

@@ -1,9 +1,9 @@
 //! What is found out about a scene before a session.
 
 use crate::{
-    Depth,
     caustics::{Caustics, trial},
-    reuse,
+    effort::{self, Effort},
+    reuse::{self, Suffix},
 };
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
@@ -19,11 +19,13 @@ pub struct Tactics {
     /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and some loss elsewhere.
     /// `None` where a trial is to tell.
     pub caustics: Option<bool>,
+    /// How much is spent on which part of the paths that share; `None` where a trial is to tell.
+    pub effort: Option<Effort>,
 }
 
 impl Default for Tactics {
     fn default() -> Self {
-        Self { reuse: reuse::MAX_GROUP as u32, caustics: None }
+        Self { reuse: reuse::MAX_GROUP as u32, caustics: None, effort: None }
     }
 }
 
@@ -34,20 +36,24 @@ pub struct Survey {
     pub is_open: bool,
     /// Where light lands that mirrors and glass focused.
     pub caustics: Option<Caustics>,
+    /// How much is spent on what.
+    pub effort: Effort,
 }
 
 impl Survey {
     /// Of a scene, for paths of a depth.
-    pub fn new<const MEDIA: bool>(scene: &Scene, depth: &Depth, tactics: &Tactics) -> Self {
+    pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, spp: u32) -> Self {
+        let (depth, tactics) = (paths.depth(), paths.tactics());
         let is_open = tactics.reuse > 1 && !(MEDIA && scene.has_media) && is_open(scene);
         let caustics = if tactics.caustics == Some(false) { None } else { Caustics::new(scene) };
-        let mut survey = Self { is_open, caustics };
+        let mut survey = Self { is_open, caustics, effort: Effort::default() };
         if survey.caustics.is_some()
             && tactics.caustics.is_none()
             && trial::gain::<MEDIA>(scene, &survey, depth) < WORTH
         {
             survey.caustics = None;
         }
+        survey.effort = tactics.effort.unwrap_or_else(|| effort::trial(paths, scene, &survey, spp));
         survey
     }
 }

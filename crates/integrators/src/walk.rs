@@ -30,29 +30,27 @@ const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 /// that absorb nothing, and in dense media, paths would never end.
 const LONG_PATH: (u32, f32) = (1000, 0.99);
 
-/// Russian roulette after `events` scattering events: the throughput to go on with, or `None` where the path ends. It plays on the
-/// throughput with the compression of radiance by refraction (`eta2`) taken out.
+/// Russian roulette after `events` scattering events: what a path that carries `live`, with the compression of radiance by refraction taken
+/// out, goes on with times as much, or `None` where it ends.
 #[inline]
 pub(crate) fn roulette(
-    beta: Spectrum,
-    eta2: f32,
+    live: f32,
     events: u32,
     depth: &Depth,
+    below: Option<f32>,
     sampler: &PixelSampler,
-    lambda: &Wavelengths,
-) -> Option<Spectrum> {
-    let live = live_max(beta, lambda);
+) -> Option<f32> {
     if live <= 0.0 {
         return None;
     }
-    let mut survival = live * eta2 * (1.0 / ROULETTE_BELOW);
+    let mut survival = live / below.unwrap_or(ROULETTE_BELOW);
     if events > LONG_PATH.0 {
         survival = survival.min(LONG_PATH.1);
     }
-    if events <= depth.roulette_after || survival >= 1.0 {
-        return Some(beta);
+    if survival >= 1.0 || (below.is_none() && events <= depth.roulette_after) {
+        return Some(1.0);
     }
-    (sampler.get_1d(dimension::at(events, dimension::ROULETTE)) < survival).then(|| beta / survival)
+    (sampler.get_1d(dimension::at(events, dimension::ROULETTE)) < survival).then(|| 1.0 / survival)
 }
 
 /// A path that sets out along a ray.
@@ -75,7 +73,14 @@ pub(crate) struct Leg {
     /// What makes textures' footprints, up to the first event that blurs; from there on they are those of the camera seeing the
     /// point.
     pub differential: Option<RayDifferential>,
+    /// Light samples to take where it arrives.
+    pub lights: u32,
+    /// The throughput below which roulette is played, where this was found to pay from the first event on.
+    pub roulette_below: Option<f32>,
 }
+
+/// Between the dimensions of one light sample of an event and of the next.
+const LIGHT_EVENTS: u32 = 2000;
 
 impl Leg {
     /// One that leads nowhere.
@@ -88,6 +93,8 @@ impl Leg {
         passes: 0,
         medium: None,
         differential: None,
+        lights: 1,
+        roulette_below: None,
     };
 
     /// From the camera.
@@ -102,7 +109,42 @@ impl Leg {
             passes: 0,
             medium: scene.camera.medium,
             differential: scene.ray_differential(&ray),
+            lights: 1,
+            roulette_below: None,
         }
+    }
+
+    /// The event by whose dimensions the `k`th of the light samples is drawn, where it arrived.
+    #[inline]
+    pub fn event_of_light(&self, k: u32) -> u32 {
+        self.events + k * LIGHT_EVENTS
+    }
+
+    /// Light straight from lights, scattered back along the path from the vertex where it arrived.
+    #[inline]
+    pub fn direct<const MEDIA: bool>(
+        &self,
+        v: &Vertex<'_>,
+        scene: &Scene,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let mut sample = |k| v.direct::<MEDIA>(scene, self.event_of_light(k), sampler, lambda, counters);
+        let first = sample(0);
+        if self.lights == 1 {
+            return self.beta * first;
+        }
+        self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
+    }
+
+    /// Russian roulette: whether the path goes on, with a throughput that makes up for those that do not.
+    #[inline]
+    pub fn survives(&mut self, depth: &Depth, sampler: &PixelSampler, lambda: &Wavelengths) -> bool {
+        let live = live_max(self.beta, lambda) * self.eta2;
+        let scale = roulette(live, self.events, depth, self.roulette_below, sampler);
+        self.beta *= scale.unwrap_or(0.0);
+        scale.is_some()
     }
 
     /// On from a vertex in the direction that was drawn there.
@@ -122,6 +164,7 @@ impl Leg {
         }
         self.ray = v.spawn(direction);
         self.events += 1;
+        self.lights = 1;
         self.differential = match (&self.differential, v, Bounce::of(s)) {
             (Some(d), Vertex::Surface { i, .. }, Some(bounce)) => scene.scatter_differential(i, d, direction, bounce),
             _ => None,

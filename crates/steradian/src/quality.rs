@@ -5,14 +5,15 @@ use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
-use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, Plan, Tactics};
+use steradian_integrators::{Depth, Effort, INTEGRATORS, IntegratorKind, Plan, Tactics};
 use steradian_scene::names::did_you_mean;
 
 /// Integrator, samples, depth, threads and layers.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
-    /// find, 1, 4 or 16, and `caustics`: whether photons look for light behind mirrors and glass beforehand.
+    /// find, 1, 4 or 16, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether a trial
+    /// tells how many light samples and how much roulette pay (`auto`), or not (`even`).
     pub integrator: Option<String>,
     /// Samples per pixel; their mean with `adaptive`.
     pub spp: Option<u32>,
@@ -61,6 +62,8 @@ impl Quality {
                     }
                 }
                 "caustics" if value == "auto" => tactics.caustics = None,
+                "effort" if value == "auto" => tactics.effort = None,
+                "effort" if value == "even" => tactics.effort = Some(Effort::default()),
                 "caustics" => tactics.caustics = Some(value.parse().map_err(|_| fault())?),
                 _ => return Err(fault()),
             }

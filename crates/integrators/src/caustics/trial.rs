@@ -5,7 +5,7 @@
 
 use crate::{
     Counters, Depth, Survey, dimension,
-    walk::{Arrival, Leg, arrive, escape, roulette},
+    walk::{Arrival, Leg, arrive, escape},
 };
 use rayon::prelude::*;
 use steradian_core::{
@@ -101,9 +101,8 @@ fn trace<const MEDIA: bool>(
         let Some(draw) = v.sample(&leg, sampler, survey) else { return found };
         ratio *= f64::from(draw.ratio);
         leg.turn::<MEDIA>(scene, v, &draw.sample);
-        match roulette(leg.beta, leg.eta2, leg.events, depth, sampler, &lambda) {
-            Some(b) if b.is_finite() && ratio > 0.0 => leg.beta = b,
-            _ => return found,
+        if !(leg.survives(depth, sampler, &lambda) && leg.beta.is_finite() && ratio > 0.0) {
+            return found;
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::{
     stage::{Stage, cuboid, diffuse, light, look_at, material, medium, rectangle, rgb, shape, sphere, white},
 };
 use steradian_core::{ColorMode, Scene, sampler::SamplerKind};
+use steradian_integrators::Effort;
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node};
 
@@ -42,10 +43,17 @@ fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
 #[track_caller]
 fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
     let alone = quadrants(shot.reuse(1), scene, 48);
-    for (reuse, sampler) in [(4, SamplerKind::Independent), (16, SamplerKind::Independent), (16, SamplerKind::Sobol)] {
-        let shared = quadrants(Shot { sampler, ..shot.reuse(reuse) }, scene, 40);
+    let even = Effort::default();
+    let uneven = Effort { lights: 3, roulette_below: Some(1.0) };
+    for (reuse, sampler, effort) in [
+        (4, SamplerKind::Independent, even),
+        (16, SamplerKind::Independent, even),
+        (16, SamplerKind::Sobol, even),
+        (16, SamplerKind::Sobol, uneven),
+    ] {
+        let shared = quadrants(Shot { sampler, effort, ..shot.reuse(reuse) }, scene, 40);
         for (q, (shared, alone)) in shared.iter().zip(&alone).enumerate() {
-            shared.agrees(&format!("{what}, {reuse} paths, {sampler:?}, quadrant {q}"), *alone, precision);
+            shared.agrees(&format!("{what}, {reuse} paths, {sampler:?}, {effort:?}, quadrant {q}"), *alone, precision);
         }
     }
 }

@@ -1,0 +1,192 @@
+//! How much is spent on which part of the paths that share: roulette and splitting by efficiency, 1/(variance × cost).
+//!
+//! Let a sample have the variance `V` and the cost `C`, let light samples at x contribute the variance `D` to it at the cost `d` each, and let
+//! roulette with a threshold `b` for what follows the direct light at y add `S(b)` and leave the cost `C(b)`. With `n` light samples it has (Bolin,
+//! Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing"; Rath et al. 2022, "EARS")
+//!
+//! `V(n, b) = V − (1 − 1/n) D + S(b)`, `C(n, b) = C(b) + (n − 1) d`.
+//!
+//! A trial measures all of them over the picture, relative to its brightness, and takes what makes the product least. As roulette decides by the same
+//! random numbers whatever the threshold, `S(b)` is the mean square by which samples with and without it differ.
+
+use crate::{
+    Counters,
+    adaptive::FLOOR,
+    partition::{Partition, TILE},
+    reuse::{self, Room, Seat, Suffix},
+    survey::Survey,
+};
+use rayon::prelude::*;
+use steradian_core::{
+    Scene,
+    sampler::{Sampler, SamplerKind},
+};
+
+/// How much is spent on what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Light samples at x.
+    pub lights: u32,
+    /// The throughput, from y on, below which roulette is played from the first event on; `None` for the rule of all paths.
+    pub roulette_below: Option<f32>,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { lights: 1, roulette_below: None }
+    }
+}
+
+/// Most light samples.
+const LIGHTS: u32 = 4;
+/// Thresholds of roulette that are tried beside the rule of all paths.
+const THRESHOLDS: [f32; 2] = [0.6, 1.0];
+/// The cost of a light sample over that of its ray: a light is chosen, and scattering evaluated.
+const LIGHT_COST: f64 = 1.5;
+/// Pictures of fewer samples have no trial, which takes a thirtieth of so many.
+const FEWEST: u64 = 1 << 20;
+/// Groups of the trial.
+const GROUPS: u32 = 64;
+/// Samples of a pixel, spread over each other as those of a picture are, in each of two renders.
+const SAMPLES: u32 = 4;
+
+/// What is tried: the rule of all paths, roulette, and the last again with two light samples.
+const TRIED: [Effort; THRESHOLDS.len() + 2] = [
+    Effort { lights: 1, roulette_below: None },
+    Effort { lights: 1, roulette_below: Some(THRESHOLDS[0]) },
+    Effort { lights: 1, roulette_below: Some(THRESHOLDS[1]) },
+    Effort { lights: 2, roulette_below: Some(THRESHOLDS[1]) },
+];
+const LAST: usize = TRIED.len() - 1;
+
+/// What a trial finds, summed over the picture.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    /// Of samples without roulette.
+    variance: f64,
+    /// Of that, what light samples contribute.
+    by_lights: f64,
+    /// What roulette adds, by threshold; none without.
+    by_roulette: [f64; LAST],
+    /// Cost of each that was tried.
+    cost: [f64; TRIED.len()],
+}
+
+impl Found {
+    fn plus(mut self, o: Self) -> Self {
+        self.variance += o.variance;
+        self.by_lights += o.by_lights;
+        self.by_roulette.iter_mut().zip(o.by_roulette).for_each(|(a, b)| *a += b);
+        self.cost.iter_mut().zip(o.cost).for_each(|(a, b)| *a += b);
+        self
+    }
+
+    /// Variance × cost with some light samples and what was tried as roulette.
+    fn product(&self, lights: u32, tried: usize) -> f64 {
+        let n = f64::from(lights);
+        let spared = (1.0 - 1.0 / n) * self.by_lights.min(self.variance);
+        let light = LIGHT_COST * (self.cost[LAST] - self.cost[LAST - 1]);
+        (self.variance - spared + self.by_roulette[tried]) * (self.cost[tried] + (n - 1.0) * light)
+    }
+
+    /// What makes the product least.
+    fn best(&self) -> Effort {
+        let all = (0..LAST).flat_map(|tried| (1..=LIGHTS).map(move |lights| (lights, tried)));
+        let best = all.min_by(|a, b| self.product(a.0, a.1).total_cmp(&self.product(b.0, b.1)));
+        best.map_or_else(Effort::default, |(lights, tried)| Effort { lights, ..TRIED[tried] })
+    }
+}
+
+/// What pays for a picture of `spp` samples per pixel.
+pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
+    suffix: &S,
+    scene: &Scene,
+    survey: &Survey,
+    spp: u32,
+) -> Effort {
+    let film = &scene.film;
+    let samples = u64::from(film.width) * u64::from(film.height) * u64::from(spp);
+    if samples < FEWEST || suffix.reuse() < 2 || !scene.lights.can_sample() {
+        return Effort::default();
+    }
+    let surveys = TRIED.map(|effort| Survey { effort, ..survey.clone() });
+    let tiles = [film.width.div_ceil(TILE), film.height.div_ceil(TILE)];
+    let found: Vec<Found> = (0..GROUPS)
+        .into_par_iter()
+        .map(|k| {
+            let tile = (u64::from(k) * u64::from(tiles[0] * tiles[1]) / u64::from(GROUPS)) as u32;
+            of_group(suffix, scene, &surveys, [tile % tiles[0] * TILE, tile / tiles[0] * TILE], k)
+        })
+        .collect();
+    found.into_iter().fold(Found::default(), Found::plus).best()
+}
+
+/// Of a group of a tile.
+fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
+    suffix: &S,
+    scene: &Scene,
+    surveys: &[Survey; TRIED.len()],
+    corner: [u32; 2],
+    k: u32,
+) -> Found {
+    let film = &scene.film;
+    let partition = Partition::new(corner, suffix.reuse(), 0);
+    let group = k % partition.groups();
+    let places: Vec<_> = partition.places(group).filter(|p| p.x < film.width && p.y < film.height).collect();
+    let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
+    // The mean luminance of each pixel, by render and by what is tried.
+    let mut room = Room::default();
+    let mut means = [[[0.0_f64; TRIED.len()]; reuse::MAX_GROUP]; 2];
+    for (seed, means) in means.iter_mut().enumerate() {
+        let sampler = Sampler { kind: SamplerKind::Sobol, spp: SAMPLES, seed: seed as u64 };
+        for index in 0..SAMPLES {
+            let joint = partition.sampler(&sampler, group, index);
+            let mut light = [[0.0; TRIED.len()]; reuse::MAX_GROUP];
+            for (tried, survey) in surveys.iter().enumerate() {
+                let mut seats: Vec<Seat> =
+                    places.iter().map(|p| Seat::at(scene, &sampler, &joint, index, p).0).collect();
+                let mut counters = Counters::default();
+                suffix.group(scene, survey, &mut seats, &mut room, &mut counters);
+                found.cost[tried] += (seats.len() as u64 + counters.rays) as f64 / all;
+                for (seat, light) in seats.iter().zip(&mut light) {
+                    let l = f64::from(scene.mode.luminance(seat.radiance, &seat.lambda) * film.imaging_ratio);
+                    light[tried] = if l.is_finite() { l } else { 0.0 };
+                }
+            }
+            for (light, mean) in light.iter().zip(&mut *means) {
+                mean.iter_mut().zip(light).for_each(|(m, l)| *m += l / f64::from(SAMPLES));
+                found.by_roulette.iter_mut().zip(light).for_each(|(sum, l)| *sum += (l - light[0]).powi(2) / all);
+            }
+        }
+    }
+    let mut level = 0.0;
+    for [a, b] in means[0].iter().zip(&means[1]).map(|(a, b)| [a, b]) {
+        let samples = f64::from(SAMPLES);
+        level += (a[0] + b[0]) / (2 * places.len().max(1)) as f64;
+        found.variance += samples * (a[0] - b[0]).powi(2) / 2.0;
+        // Half the difference of two independent light samples.
+        found.by_lights += [a, b].map(|m| samples * (m[LAST] - m[LAST - 1]).powi(2)).iter().sum::<f64>();
+    }
+    let scale = 1.0 / (level * level + FLOOR);
+    found.variance *= scale;
+    found.by_lights *= scale;
+    found.by_roulette.iter_mut().for_each(|s| *s *= scale);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the variance by light samples at a tenth of the cost, and a fifth of the cost in what adds nothing.
+    #[test]
+    fn what_pays_is_done() {
+        let found = Found { variance: 2.0, by_lights: 1.0, by_roulette: [0.0, 0.1, 2.0], cost: [10.0, 8.0, 7.0, 7.5] };
+        // V C for n = 1, 2, 3, 4: 16.8, 14.0, 13.61, 13.84.
+        assert_eq!(found.best(), Effort { lights: 3, roulette_below: Some(THRESHOLDS[0]) });
+        // Where light samples cost as much as all else, and roulette adds more than it spares.
+        let dear = Found { by_roulette: [0.0, 1.0, 2.0], cost: [10.0, 8.0, 7.0, 14.0], ..found };
+        assert_eq!(dear.best(), Effort::default());
+        assert_eq!(Found::default().best(), Effort::default());
+    }
+}
