@@ -48,9 +48,12 @@ struct Bench {
     /// Largest mesh, in triangles
     #[arg(long, default_value_t = 10_000_000)]
     triangles: usize,
-    /// A Python that has Mitsuba 3, to render the same scene with it
+    /// A Python that has Mitsuba 3, to render the same scenes with it
     #[arg(long)]
     mitsuba_python: Option<PathBuf>,
+    /// A scene to render with both, instead of a generated one; may be given several times
+    #[arg(long, value_name = "FILE.xml")]
+    scene: Vec<PathBuf>,
     /// The shared library of Embree 4, to trace the same rays with it
     #[arg(long, value_name = "LIBRARY")]
     embree: Option<PathBuf>,
