@@ -21,6 +21,7 @@ use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
 };
+use steradian_math::sobol;
 
 /// How much is spent on what.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,8 +115,9 @@ pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
     let found: Vec<Found> = (0..GROUPS)
         .into_par_iter()
         .map(|k| {
-            let tile = (u64::from(k) * u64::from(tiles[0] * tiles[1]) / u64::from(GROUPS)) as u32;
-            of_group(suffix, scene, &surveys, [tile % tiles[0] * TILE, tile / tiles[0] * TILE], k)
+            let place = sobol::shuffled_scrambled_sobol_2d(k, 1);
+            let corner = [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as u32 * TILE);
+            of_group(suffix, scene, &surveys, corner, k)
         })
         .collect();
     found.into_iter().fold(Found::default(), Found::plus).best()
@@ -134,8 +136,8 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     let group = k % partition.groups();
     let places: Vec<_> = partition.places(group).filter(|p| p.x < film.width && p.y < film.height).collect();
     let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
-    // The mean luminance of each pixel, by render and by what is tried.
     let mut room = Room::default();
+    // The mean luminance of each pixel, by render and by what is tried.
     let mut means = [[[0.0_f64; TRIED.len()]; reuse::MAX_GROUP]; 2];
     for (seed, means) in means.iter_mut().enumerate() {
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: SAMPLES, seed: seed as u64 };
