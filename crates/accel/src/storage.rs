@@ -108,6 +108,14 @@ impl<T: Copy + std::fmt::Debug> std::fmt::Debug for Storage<T> {
     }
 }
 
+/// An empty vector with room for elements.
+pub(crate) fn vec_with_capacity<T: Copy>(capacity: usize) -> Vec<T> {
+    let mut vec = Vec::with_capacity(capacity);
+    let room = vec.spare_capacity_mut();
+    advise_huge_pages(room.as_mut_ptr().cast(), size_of_val(room));
+    vec
+}
+
 /// Asks the system for huge pages. It may refuse; then there are small ones.
 #[cfg(target_os = "linux")]
 fn advise_huge_pages(start: *mut u8, len: usize) {
@@ -116,9 +124,11 @@ fn advise_huge_pages(start: *mut u8, len: usize) {
     }
     const MADV_HUGEPAGE: std::ffi::c_int = 14;
     if !start.is_null() {
-        // SAFETY: the range has just been allocated, and the advice changes nothing but the size of its pages. Only whole
-        // pages within the range are named.
-        unsafe { madvise(start.cast(), len & !(HUGE_PAGE - 1), MADV_HUGEPAGE) };
+        // Only whole pages within the range are named.
+        let skip = start.align_offset(HUGE_PAGE);
+        let len = len.saturating_sub(skip) & !(HUGE_PAGE - 1);
+        // SAFETY: the range has just been allocated, and the advice changes nothing but the size of its pages.
+        unsafe { madvise(start.wrapping_add(skip).cast(), len, MADV_HUGEPAGE) };
     }
 }
 

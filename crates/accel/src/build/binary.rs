@@ -4,10 +4,10 @@
 //! from the leaves up by dynamic programming: for each binary node the cost as a forest of at most `i` wide subtrees (Ylitie,
 //! Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1).
 
+use super::nodes::Nodes;
 use super::primitives::PrimRef;
 use super::split::{Extent, half_area, split};
 use crate::simd::LANES;
-use crate::storage::Storage;
 use steradian_math::Bounds3;
 
 /// Down to this depth ranges are cut by the surface area heuristic, below they are halved.
@@ -42,23 +42,20 @@ pub(super) struct BinaryNode<const WIDTH: usize> {
 }
 
 impl<const WIDTH: usize> BinaryNode<WIDTH> {
-    pub const UNUSED: Self = Self { bounds: Bounds3::EMPTY, first: 0, count: 0, second: 0, forest: [0; WIDTH] };
-
     /// Whether the range becomes a leaf of the wide tree.
     pub fn is_leaf(&self) -> bool {
         self.forest[0] == 1
     }
 }
 
-/// Sorts the references and builds the tree over them. A node over `n` references has `2n − 1` places beginning with its own.
-pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> Storage<BinaryNode<WIDTH>> {
-    let mut nodes = Storage::from_fn((2 * refs.len()).saturating_sub(1), |_| BinaryNode::UNUSED);
-    if refs.is_empty() {
-        return nodes;
+/// Sorts the references and builds the tree over them.
+pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> Vec<BinaryNode<WIDTH>> {
+    let mut nodes = Nodes::new();
+    if !refs.is_empty() {
+        let extent = Extent::of(refs);
+        build_range(refs, &mut nodes, 0, extent, scale(&extent.bounds), 0);
     }
-    let extent = Extent::of(refs);
-    build_range(refs, &mut nodes, 0, extent, scale(&extent.bounds), 0);
-    nodes
+    nodes.into_vec()
 }
 
 /// The factor for [`half_area`] in a tree with given bounds.
@@ -67,40 +64,36 @@ pub(super) fn scale(bounds: &Bounds3) -> f32 {
     if half > 0.0 { half.recip().min(f32::MAX) } else { 1.0 }
 }
 
-/// Whether some references may be one leaf, and whether they are not worth cutting.
-pub(super) fn fits_leaf(refs: &[PrimRef]) -> (bool, bool) {
-    let fits = refs.len() == 1 || refs.len() <= LANES && refs.iter().all(|r| !r.is_user());
-    (fits, refs.len() == 1 || fits && refs.len() <= SMALL)
+/// Whether so many references may be one leaf.
+pub(super) fn fits_leaf(count: usize, triangles: bool) -> bool {
+    count == 1 || count <= LANES && triangles
 }
 
-/// Builds the subtree over a range in its places. The depth of the recursion is bounded by [`super::MAX_DEPTH`].
+/// Builds the subtree over a range that begins at a place. The depth of the recursion is bounded by [`super::MAX_DEPTH`].
 pub(super) fn build_range<const WIDTH: usize>(
     refs: &mut [PrimRef],
-    nodes: &mut [BinaryNode<WIDTH>],
+    nodes: &mut Nodes<WIDTH>,
     first: u32,
     extent: Extent,
     scale: f32,
     depth: u32,
 ) -> Costs<WIDTH> {
     let count = refs.len();
-    let (fits, is_small) = fits_leaf(refs);
-    let mut node = BinaryNode { bounds: extent.bounds, first, count: count as u32, ..BinaryNode::UNUSED };
-    if is_small {
+    let fits = fits_leaf(count, extent.triangles);
+    let mut node = BinaryNode { bounds: extent.bounds, first, count: count as u32, second: 0, forest: [0; WIDTH] };
+    if fits && count <= SMALL {
         node.forest[0] = 1;
-        nodes[0] = node;
+        nodes.push(node);
         return [half_area(&extent.bounds, scale) * BLOCK_COST; WIDTH];
     }
 
     let (middle, [left_extent, right_extent]) = split(refs, &extent, scale, depth < SAH_DEPTH);
-    node.second = 2 * middle as u32;
-    let (root, children) = nodes.split_at_mut(1);
-    let (left_nodes, right_nodes) = children.split_at_mut(2 * middle - 1);
     let (left_refs, right_refs) = refs.split_at_mut(middle);
-    let mut left = || build_range(left_refs, left_nodes, first, left_extent, scale, depth + 1);
-    let mut right = || build_range(right_refs, right_nodes, first + middle as u32, right_extent, scale, depth + 1);
-    let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
-    root[0] = node;
-    root[0].choose_forests(&left, &right, fits, scale)
+    let second = first + middle as u32;
+    let left = |nodes: &mut Nodes<WIDTH>| build_range(left_refs, nodes, first, left_extent, scale, depth + 1);
+    let right = |nodes: &mut Nodes<WIDTH>| build_range(right_refs, nodes, second, right_extent, scale, depth + 1);
+    let (node, [left, right]) = nodes.join(node, count > PARALLEL, left, right);
+    node.choose_forests(&left, &right, fits, scale)
 }
 
 impl<const WIDTH: usize> BinaryNode<WIDTH> {
@@ -114,18 +107,19 @@ impl<const WIDTH: usize> BinaryNode<WIDTH> {
     ) -> Costs<WIDTH> {
         let area = half_area(&self.bounds, scale);
         let leaf_cost = if fits_leaf { area * BLOCK_COST } else { f32::INFINITY };
-        let mut forest = [0; WIDTH];
-        // The cheapest forests with exactly i + 1 places given to the two children.
-        let mut shared = [f32::INFINITY; WIDTH];
-        for places in 2..=WIDTH {
-            for of_left in 1..places {
-                let cost = left[of_left - 1] + right[places - of_left - 1];
-                if cost < shared[places - 1] {
-                    shared[places - 1] = cost;
-                    forest[places - 1] = of_left as u8;
-                }
+        // The cheapest forests with exactly i + 1 places given to the two children, all of them side by side.
+        let (mut shared, mut forest) = ([f32::INFINITY; WIDTH], [0; WIDTH]);
+        let right = [[f32::INFINITY; WIDTH], *right];
+        for of_left in 1..WIDTH {
+            let right = &right.as_flattened()[WIDTH - of_left..][..WIDTH];
+            for i in 0..WIDTH {
+                let cost = left[of_left - 1] + right[i];
+                let is_cheaper = cost < shared[i];
+                shared[i] = if is_cheaper { cost } else { shared[i] };
+                forest[i] = if is_cheaper { of_left as u32 } else { forest[i] };
             }
         }
+        let mut forest = forest.map(|of_left| of_left as u8);
         let mut costs = [0.0; WIDTH];
         let inner_cost = area * NODE_COST + shared[WIDTH - 1];
         if leaf_cost <= inner_cost {

@@ -2,10 +2,10 @@
 //! made wide.
 
 use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, scale};
+use super::nodes::Nodes;
 use super::primitives::PrimRef;
 use super::split::Extent;
 use crate::simd::LANES;
-use crate::storage::Storage;
 use rayon::prelude::*;
 use steradian_math::Bounds3;
 
@@ -99,7 +99,7 @@ impl Explicit {
     }
 
     /// The references in the order of the tree, and the tree as ranges of them.
-    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Storage<BinaryNode<WIDTH>>) {
+    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
         let mut counts = vec![0; self.nodes.len()];
         for &node in self.downwards().iter().rev() {
             counts[node as usize] = match self.nodes[node as usize].below {
@@ -108,10 +108,10 @@ impl Explicit {
             };
         }
         let mut refs = self.refs.clone();
-        let mut ranges = Storage::from_fn(2 * refs.len() - 1, |_| BinaryNode::UNUSED);
+        let mut ranges = Nodes::new();
         let layout = Layout { scale: scale(&self.nodes[self.root as usize].bounds), tree: &self, counts };
         layout.place(self.root, &mut refs, &mut ranges, 0, 0);
-        (refs, ranges)
+        (refs, ranges.into_vec())
     }
 }
 
@@ -124,12 +124,12 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// Lays out a subtree in its places. What is too deep is cut anew.
+    /// Lays out a subtree behind what has been laid out before. What is too deep is cut anew.
     fn place<const WIDTH: usize>(
         &self,
         index: u32,
         refs: &mut [PrimRef],
-        ranges: &mut [BinaryNode<WIDTH>],
+        ranges: &mut Nodes<WIDTH>,
         first: u32,
         depth: u32,
     ) -> Costs<WIDTH> {
@@ -141,17 +141,16 @@ impl Layout<'_> {
                 return build_range(refs, ranges, first, Extent::of(refs), self.scale, depth);
             }
         };
+        let count = refs.len();
         let middle = self.counts[children[0] as usize] as usize;
-        let (root, below) = ranges.split_at_mut(1);
-        let (left_ranges, right_ranges) = below.split_at_mut(2 * middle - 1);
-        let is_large = refs.len() > PARALLEL;
-        let (left_refs, right_refs) = refs.split_at_mut(middle);
-        let mut left = || self.place(children[0], left_refs, left_ranges, first, depth + 1);
-        let mut right = || self.place(children[1], right_refs, right_ranges, first + middle as u32, depth + 1);
-        let (left, right) = if is_large { rayon::join(left, right) } else { (left(), right()) };
-        let count = refs.len() as u32;
-        root[0] = BinaryNode { bounds: node.bounds, first, count, second: 2 * middle as u32, ..BinaryNode::UNUSED };
-        root[0].choose_forests(&left, &right, fits_leaf(refs).0, self.scale)
+        let (left, right) = refs.split_at_mut(middle);
+        let second = first + middle as u32;
+        let node = BinaryNode { bounds: node.bounds, first, count: count as u32, second: 0, forest: [0; WIDTH] };
+        let left = |ranges: &mut Nodes<WIDTH>| self.place(children[0], left, ranges, first, depth + 1);
+        let right = |ranges: &mut Nodes<WIDTH>| self.place(children[1], right, ranges, second, depth + 1);
+        let (node, [left, right]) = ranges.join(node, count > PARALLEL, left, right);
+        let fits = fits_leaf(count, refs.iter().take(LANES).all(|r| !r.is_user()));
+        node.choose_forests(&left, &right, fits, self.scale)
     }
 
     /// The references below a node.

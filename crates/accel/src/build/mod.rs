@@ -8,6 +8,7 @@ mod emit;
 mod explicit;
 #[cfg(target_arch = "x86_64")]
 mod lanes;
+mod nodes;
 mod ploc;
 mod primitives;
 mod reinsert;
@@ -17,7 +18,6 @@ mod split;
 pub(crate) use primitives::Primitives;
 
 use crate::bvh::Tree;
-use crate::storage::Storage;
 use crate::{Error, Geometry};
 use binary::BinaryNode;
 use explicit::Explicit;
@@ -110,9 +110,9 @@ fn binary_tree<const WIDTH: usize>(
     primitives: &Primitives,
     mut refs: Vec<PrimRef>,
     builder: Builder,
-) -> (Vec<PrimRef>, Storage<BinaryNode<WIDTH>>) {
+) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
     if refs.is_empty() {
-        return (refs, Storage::from_fn(0, |_| BinaryNode::UNUSED));
+        return (refs, Vec::new());
     }
     let mut tree = match builder {
         Builder::Sah => {

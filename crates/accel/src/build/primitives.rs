@@ -1,6 +1,7 @@
 //! The primitives of all geometries under one index, and references to them that the builder sorts.
 
 use crate::layout::{Block, ChildRef};
+use crate::storage;
 use crate::triangle::is_hittable;
 use crate::{Error, Geometry, Shape};
 use glam::{Vec3A, Vec4};
@@ -11,6 +12,7 @@ use steradian_math::{Bounds3, Vec3};
 const PIECE: usize = 1 << 10;
 
 /// A primitive while it is sorted: its box and its index, in half a cache line.
+#[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimRef {
     /// The least corner. The bits of the last coordinate are the index over all geometries with [`PrimRef::NORMAL`], and
@@ -30,6 +32,12 @@ pub(super) struct Span {
 impl Span {
     /// A box without a point.
     pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    /// The box of a point.
+    #[inline(always)]
+    pub fn at(point: Vec3A) -> Self {
+        Self { min: point, max: point }
+    }
 
     /// The box around both.
     #[inline(always)]
@@ -136,7 +144,7 @@ impl<'a> Primitives<'a> {
 
     /// References to all primitives that a ray can hit, in the order of their indices.
     pub(super) fn refs(&self) -> Vec<PrimRef> {
-        let mut refs = Vec::with_capacity(self.first[self.geometries.len()] as usize);
+        let mut refs = storage::vec_with_capacity(self.first[self.geometries.len()] as usize);
         for (geometry, &first) in self.geometries.iter().zip(&self.first) {
             let reference = |prim: usize| {
                 let (bounds, user) = usable(geometry, prim)?;
@@ -163,13 +171,20 @@ impl<'a> Primitives<'a> {
 
     /// The box of the primitive with an index, if a ray can hit it.
     pub fn bounds(&self, index: u32) -> Option<Bounds3> {
-        let geom = self.first.partition_point(|&first| first <= index) - 1;
+        let geom = self.geometry(index);
         usable(&self.geometries[geom], (index - self.first[geom]) as usize).map(|(bounds, _)| bounds)
     }
 
+    /// Which geometry the primitive with an index belongs to.
+    #[inline]
+    fn geometry(&self, index: u32) -> usize {
+        if index < self.first[1] { 0 } else { self.first.partition_point(|&first| first <= index) - 1 }
+    }
+
     /// The vertices of the triangle with an index, and what goes into [`Block::ids`]; `None` for what is not a triangle.
+    #[inline]
     pub fn triangle(&self, index: u32) -> Option<([Vec3; 3], u32)> {
-        let geom = self.first.partition_point(|&first| first <= index) - 1;
+        let geom = self.geometry(index);
         let geometry = self.geometries[geom];
         let Shape::Triangles { positions, indices } = geometry.shape else { return None };
         let id = index | if geometry.filtered { Block::FILTERED } else { 0 };

@@ -56,8 +56,9 @@ impl Builder<'_> {
         let count = refs.len();
         let cut = best_plane(&refs, &extent, self.scale);
         let cost = cut.as_ref().map_or(f32::INFINITY, |cut| cut.cost);
-        let middle =
-            cut.and_then(|cut| cut.apply(&mut refs)).map_or_else(|| halve(&mut refs, &extent), |(middle, _)| middle);
+        let middle = cut
+            .and_then(|cut| cut.apply(&mut refs, &extent))
+            .map_or_else(|| halve(&mut refs, &extent), |(middle, _)| middle);
         let (left, right) = refs.split_at(middle);
         let overlap = intersection(&bounds_of(left), &bounds_of(right));
         let plane = if budget > 0 && half_area(&overlap, self.scale) > self.least_overlap {

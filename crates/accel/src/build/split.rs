@@ -32,11 +32,13 @@ impl Extent {
         if refs.len() > PIECE {
             return refs.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union);
         }
-        let mut measure = Measure::EMPTY;
+        let (mut bounds, mut centers, mut triangles) = (Span::EMPTY, Span::EMPTY, true);
         for r in refs {
-            measure.add(r, r.center());
+            bounds = bounds.union(r.span());
+            centers = centers.union(Span::at(r.center()));
+            triangles &= !r.is_user();
         }
-        measure.extent()
+        Self { bounds: bounds.bounds(), centers: centers.bounds(), triangles }
     }
 
     fn union(self, other: Self) -> Self {
@@ -50,29 +52,6 @@ impl Extent {
     /// How many tests so many of the primitives are: triangles are tested by blocks.
     pub fn tests(&self, count: u32) -> f32 {
         if self.triangles { count.div_ceil(LANES as u32) as f32 } else { count as f32 }
-    }
-}
-
-/// An extent that grows, in registers.
-struct Measure {
-    bounds: Span,
-    centers: Span,
-    triangles: bool,
-}
-
-impl Measure {
-    const EMPTY: Self = Self { bounds: Span::EMPTY, centers: Span::EMPTY, triangles: true };
-
-    /// Adds a primitive with a given centre.
-    #[inline(always)]
-    fn add(&mut self, r: &PrimRef, center: Vec3A) {
-        self.bounds = self.bounds.union(r.span());
-        self.centers = self.centers.union(Span { min: center, max: center });
-        self.triangles &= !r.is_user();
-    }
-
-    fn extent(&self) -> Extent {
-        Extent { bounds: self.bounds.bounds(), centers: self.centers.bounds(), triangles: self.triangles }
     }
 }
 
@@ -102,7 +81,7 @@ pub(super) struct Bins<const BINS: usize> {
 }
 
 /// The map from centres to bins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grid {
     pub count: usize,
     pub origin: Vec3A,
@@ -177,7 +156,7 @@ impl<const BINS: usize> Bins<BINS> {
 /// Sorts a range into two parts that are not empty, and says where the second one begins and what is known of both.
 pub(super) fn split(refs: &mut [PrimRef], extent: &Extent, scale: f32, use_sah: bool) -> (usize, [Extent; 2]) {
     let chosen = if use_sah { best_plane(refs, extent, scale) } else { None };
-    if let Some(parts) = chosen.and_then(|cut| cut.apply(refs)) {
+    if let Some(parts) = chosen.and_then(|cut| cut.apply(refs, extent)) {
         return parts;
     }
     let middle = halve(refs, extent);
@@ -197,20 +176,56 @@ pub(super) fn halve(refs: &mut [PrimRef], extent: &Extent) -> usize {
 }
 
 /// A cut between bins.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cut {
-    grid: Grid,
-    axis: usize,
+    pub grid: Grid,
+    pub axis: usize,
     /// The first bin of the second part.
-    bin: usize,
+    pub bin: usize,
     /// Areas of the parts times how many tests are in them.
     pub cost: f32,
+    /// The boxes of both parts.
+    pub bounds: [Bounds3; 2],
 }
 
 impl Cut {
     /// Sorts a range into its parts, and says where the second one begins and what is known of both, unless one of them is empty.
-    pub fn apply(&self, refs: &mut [PrimRef]) -> Option<(usize, [Extent; 2])> {
-        let (middle, parts) = partition(refs, |center| self.grid.bin(center[self.axis], self.axis) < self.bin);
-        (middle > 0 && middle < refs.len()).then_some((middle, parts))
+    pub fn apply(&self, refs: &mut [PrimRef], extent: &Extent) -> Option<(usize, [Extent; 2])> {
+        let (middle, centers) = self.partition(refs);
+        if middle == 0 || middle == refs.len() {
+            return None;
+        }
+        let (left, right) = refs.split_at(middle);
+        let part = |i: usize, refs: &[PrimRef]| {
+            let triangles = extent.triangles || refs.iter().all(|r| !r.is_user());
+            Extent { bounds: self.bounds[i], centers: centers[i], triangles }
+        };
+        Some((middle, [part(0, left), part(1, right)]))
+    }
+
+    /// Moves the primitives of the first part to the front, in an order that depends on the input only, and counts them; and measures the
+    /// centres of both parts.
+    fn partition(&self, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(parts) = lanes::partition(self, refs) {
+            return parts;
+        }
+        self.partition_one_by_one(refs)
+    }
+
+    /// The same without wide registers. Every primitive changes its place with the first one of the second part, so that there is no
+    /// branch to guess.
+    pub fn partition_one_by_one(&self, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
+        let (mut middle, mut centers) = (0, [Span::EMPTY; 2]);
+        for i in 0..refs.len() {
+            let center = refs[i].center();
+            let is_first = self.grid.bin(center[self.axis], self.axis) < self.bin;
+            let part = &mut centers[usize::from(!is_first)];
+            *part = part.union(Span::at(center));
+            refs.swap(i, middle);
+            middle += usize::from(is_first);
+        }
+        (middle, centers.map(Span::bounds))
     }
 }
 
@@ -230,71 +245,38 @@ fn best_of_bins<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32
     if refs.len() <= PIECE
         && let Some(best) = lanes::cheapest::<BINS>(refs, extent, scale, grid)
     {
-        return best.map(|(cost, axis, bin)| Cut { grid, axis, bin, cost });
+        return best;
     }
-    let best = Bins::<BINS>::of(refs, grid).cheapest(extent, scale, grid);
-    best.map(|(cost, axis, bin)| Cut { grid, axis, bin, cost })
+    Bins::<BINS>::of(refs, grid).cheapest(extent, scale, grid)
 }
 
 impl<const BINS: usize> Bins<BINS> {
-    /// The cheapest cut: its cost, its axis and the first bin of the second part.
-    pub fn cheapest(&self, extent: &Extent, scale: f32, grid: Grid) -> Option<(f32, usize, usize)> {
+    /// The cheapest cut; none if no cut has two sides.
+    pub fn cheapest(&self, extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
         let bins = self;
-        let mut best = None;
-        let mut best_cost = f32::INFINITY;
+        let (mut best, mut best_cost) = (None, f32::INFINITY);
         for axis in 0..3 {
-            // Costs of all second parts, from the end.
-            let mut costs = [0.0_f32; BINS];
+            // All second parts, from the end.
+            let (mut costs, mut parts) = ([0.0_f32; BINS], [Span::EMPTY; BINS]);
             let (mut bounds, mut count) = (Span::EMPTY, 0);
             for bin in (1..grid.count.min(BINS)).rev() {
                 bounds = bounds.union(bins.bounds[axis][bin]);
                 count += bins.counts[axis][bin];
                 costs[bin] = if count == 0 { f32::INFINITY } else { area_of(&bounds, scale) * extent.tests(count) };
+                parts[bin] = bounds;
             }
             let (mut bounds, mut count) = (Span::EMPTY, 0);
-            for (bin, second_cost) in costs.into_iter().enumerate().take(grid.count).skip(1) {
+            for bin in 1..grid.count.min(BINS) {
                 bounds = bounds.union(bins.bounds[axis][bin - 1]);
                 count += bins.counts[axis][bin - 1];
-                let cost = area_of(&bounds, scale) * extent.tests(count) + second_cost;
+                let cost = area_of(&bounds, scale) * extent.tests(count) + costs[bin];
                 if count > 0 && cost < best_cost {
                     best_cost = cost;
-                    best = Some((cost, axis, bin));
+                    let bounds = [bounds.bounds(), parts[bin].bounds()];
+                    best = Some(Cut { grid, axis, bin, cost, bounds });
                 }
             }
         }
         best
-    }
-}
-
-/// Moves primitives whose centre satisfies the predicate to the front, in an order that depends on the input only, and counts them.
-/// Measures both parts on the way.
-fn partition(refs: &mut [PrimRef], first: impl Fn(Vec3A) -> bool) -> (usize, [Extent; 2]) {
-    let (mut left, mut right) = (Measure::EMPTY, Measure::EMPTY);
-    let (mut i, mut j) = (0, refs.len());
-    loop {
-        while i < j {
-            let center = refs[i].center();
-            if !first(center) {
-                break;
-            }
-            left.add(&refs[i], center);
-            i += 1;
-        }
-        while i < j {
-            let center = refs[j - 1].center();
-            if first(center) {
-                break;
-            }
-            right.add(&refs[j - 1], center);
-            j -= 1;
-        }
-        if i >= j {
-            return (i, [left.extent(), right.extent()]);
-        }
-        refs.swap(i, j - 1);
-        left.add(&refs[i], refs[i].center());
-        right.add(&refs[j - 1], refs[j - 1].center());
-        i += 1;
-        j -= 1;
     }
 }
