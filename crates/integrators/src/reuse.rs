@@ -1,14 +1,16 @@
 //! Paths of neighbouring pixels share what they find (Bekaert, Sbert, Halton 2002, "Accelerating Path Tracing by Re-Using Paths").
 //!
 //! The pixels of a group follow a path each to its first vertex that is not specular, x, and draw a direction there, which leads to a
-//! vertex y. Where y is Lambertian, light that leaves it is the same towards everyone on its side, so what one path finds there serves
-//! all members of the group that see y: of the technique "member m drew y" there is one sample per member, and they are put together by
-//! the balance heuristic (Veach 1997, eq. 9.8 ff.),
+//! vertex y. What one path finds there serves all members of the group that see y: of the technique "member m drew y" there is one
+//! sample per member, and they are put together by the balance heuristic (Veach 1997, eq. 9.8 ff.),
 //!
-//! `I_j = β_j Σ_k f_j |cos_j| G(x_j, y_k) V(x_j, y_k) L(y_k) / Σ_m p_m(y_k) G(x_m, y_k) V(x_m, y_k)`
+//! `I_j = β_j Σ_k f_j |cos_j| G(x_j, y_k) V(x_j, y_k) L(y_k → x_j) / Σ_m p_m(y_k) G(x_m, y_k) V(x_m, y_k)`
 //!
 //! with `p_m` the density per solid angle with which m draws the direction to `y_k`, and `G = |cos_y| / d²`. Visibility is traced for all
 //! pairs, so the weights of a point sum to one, and the estimate is unbiased; samples of one pixel stay independent of each other.
+//! Where y is Lambertian, light that leaves it is the same towards everyone on its side. Elsewhere the finder's light sample and its
+//! direction at y are evaluated towards each member, and directions drawn there are weighed once more ([`scattered`]): what comes to y from beyond is
+//! still the same for all.
 //! What may not be shared is decided by x alone (who is a member), or by y alone (what serves its finder only). Light that y emits, and that of
 //! environments, is the finder's own.
 //!
@@ -19,6 +21,7 @@
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics, dimension, flight, live_max, nee,
     partition::Place,
+    power_heuristic,
     walk::{Arrival, Leg, Vertex, arrive, escape, meet},
 };
 use steradian_core::{
@@ -38,7 +41,7 @@ pub const MAX_GROUP: usize = 16;
 const FORWARD: f32 = 0.9;
 
 /// Roughness α below which lobes count as narrow.
-const NARROW: f32 = 0.05;
+const NARROW: f32 = 0.04;
 
 /// A pixel's part in a group: one sample of it.
 #[derive(Clone, Copy, Debug)]
@@ -109,6 +112,8 @@ struct Member<'s> {
     leg: Leg,
     /// What it met beyond x.
     y: Arrival<'s>,
+    /// The wavelengths that y left.
+    lambda: Wavelengths,
 }
 
 /// Room for the paths of a group; kept, so that nothing is allocated per sample.
@@ -124,6 +129,8 @@ impl Default for Room<'_> {
 /// A member's claim on a direction or point: `f |cos|`, and its density, both with the geometry term and visibility.
 #[derive(Clone, Copy)]
 struct Claim {
+    /// From x.
+    direction: Vec3,
     value: Spectrum,
     pdf: f32,
     /// The sky that the point hides.
@@ -131,7 +138,7 @@ struct Claim {
 }
 
 impl Claim {
-    const NONE: Self = Self { value: Spectrum::ZERO, pdf: 0.0, sky: Spectrum::ZERO };
+    const NONE: Self = Self { direction: Vec3::ZERO, value: Spectrum::ZERO, pdf: 0.0, sky: Spectrum::ZERO };
 }
 
 impl<'s> Member<'s> {
@@ -144,6 +151,7 @@ impl<'s> Member<'s> {
         ratio: 1.0,
         leg: Leg::NONE,
         y: Arrival::End,
+        lambda: Wavelengths::RGB,
     };
 
     /// Follows a path from the camera, of which the first hit is known, to its first vertex that is not specular; whether there is one.
@@ -298,16 +306,17 @@ fn bounce<'s, const MEDIA: bool>(
     scene.intersect_batch(&rays[..count], &mut hits[..count]);
     counters.rays += count as u64;
     for (m, hit) in places[..count].iter().zip(hits) {
-        let Member { seat, leg, y, .. } = &mut group[*m];
-        let Seat { radiance, joint, lambda, .. } = &mut seats[*seat];
-        meet::<MEDIA>(scene, leg, hit, radiance, depth, joint, &mut lambda.clone(), counters, y);
+        let Member { seat, leg, y, lambda, .. } = &mut group[*m];
+        let seat = &mut seats[*seat];
+        *lambda = seat.lambda;
+        meet::<MEDIA>(scene, leg, hit, &mut seat.radiance, depth, &seat.joint, lambda, counters, y);
     }
 }
 
-/// Whether members may stand in for each other at x: a model whose evaluation has the density of its samples, and not one that none are
+/// Whether members may stand in for each other at a vertex: a model whose evaluation has the density of its samples, and not one that none are
 /// drawn from, nor one with a lobe so narrow that nobody else ever would.
-fn is_shareable(x: &Vertex<'_>) -> bool {
-    match x {
+fn is_shareable(v: &Vertex<'_>) -> bool {
+    match v {
         Vertex::Surface { scattering, .. } => match &scattering.bsdf {
             Bsdf::Diffuse(b) => !b.reflectance.is_black(),
             Bsdf::DiffuseTransmission(_) | Bsdf::Coated(_) => true,
@@ -319,14 +328,43 @@ fn is_shareable(x: &Vertex<'_>) -> bool {
     }
 }
 
-/// Whether light that leaves y is the same in all directions of a side. Not where bumps bend the shading normal: they do so as the
-/// viewer's direction asks.
+/// Whether bumps bend the shading normal at y, which they do as the viewer's direction asks.
+fn is_bent(y: &Vertex<'_>) -> bool {
+    matches!(y, Vertex::Surface { scattering, .. } if scattering.detail.is_some())
+}
+
+/// Whether light that leaves y is the same in all directions of a side.
 fn is_lambertian(y: &Vertex<'_>) -> bool {
     match y {
         Vertex::Surface { scattering, .. } => {
-            scattering.detail.is_none() && matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_))
+            matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_)) && !is_bent(y)
         }
         Vertex::Medium { scattering, .. } => scattering.g == 0.0,
+    }
+}
+
+/// Who gets light that leaves y.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shared {
+    /// Its finder alone.
+    No,
+    /// All alike.
+    Alike,
+    /// All, each by what is scattered its way.
+    ByDirection,
+}
+
+impl Shared {
+    fn of(member: &Member<'_>, y: &Vertex<'_>, seat: &Seat) -> Self {
+        if member.sample.lobe.is_specular() || member.lambda != seat.lambda {
+            Self::No
+        } else if is_lambertian(y) {
+            Self::Alike
+        } else if is_shareable(y) && !is_bent(y) {
+            Self::ByDirection
+        } else {
+            Self::No
+        }
     }
 }
 
@@ -343,51 +381,139 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
     let mut claims = [Claim::NONE; MAX_GROUP];
     for (k, finder) in group.iter().enumerate() {
         let seat = &mut seats[finder.seat];
-        let is_own = finder.sample.lobe.is_specular();
-        match &finder.y {
-            Arrival::End => {}
-            Arrival::Escaped => escape(scene, &finder.leg, &mut seat.radiance, depth, &seat.lambda),
-            Arrival::Vertex(y) => {
-                let joint = seat.joint;
-                let mut lambda = seat.lambda;
-                if is_own || !is_lambertian(y) {
-                    let mut leg = finder.leg;
-                    if !leg.survives(depth, &joint, &lambda) {
-                        continue;
-                    }
-                    // What disperses at y does so for this pixel alone.
-                    let light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
-                    seat.radiance += whole(light, &lambda, &seat.lambda, scene.mode);
-                } else {
-                    let roulette_below = survey.effort.roulette_below;
-                    let leg = Leg { beta: Spectrum::ONE, eta2: 1.0, roulette_below, ..finder.leg };
-                    let light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
-                    let light = whole(light, &lambda, &seat.lambda, scene.mode);
-                    if !light.is_finite() {
-                        seat.radiance = light;
-                    } else if survey.is_open || !light.is_black() {
-                        if survey.is_open {
-                            let Arrival::Vertex(x) = &finder.x else { continue };
-                            let w = finder.leg.ray.direction;
-                            seat.radiance += finder.leg.beta * sky(scene, x, w, finder.sample.pdf, &seat.lambda);
-                        }
-                        share_point::<MEDIA>(
-                            scene,
-                            survey.is_open,
-                            group,
-                            k,
-                            y,
-                            light,
-                            depth,
-                            &mut claims,
-                            seats,
-                            counters,
-                        );
-                    }
-                }
+        let y = match &finder.y {
+            Arrival::End => continue,
+            Arrival::Escaped => {
+                escape(scene, &finder.leg, &mut seat.radiance, depth, &seat.lambda);
+                continue;
+            }
+            Arrival::Vertex(y) => y,
+        };
+        let (joint, mut lambda) = (seat.joint, finder.lambda);
+        let shared = Shared::of(finder, y, seat);
+        let roulette_below = survey.effort.roulette_below;
+        let mut leg = match shared {
+            Shared::No => finder.leg,
+            _ => Leg { beta: Spectrum::ONE, eta2: 1.0, roulette_below, ..finder.leg },
+        };
+        if shared == Shared::No && !leg.survives(depth, &joint, &lambda) {
+            continue;
+        }
+        let mut light = Spectrum::ZERO;
+        if shared != Shared::ByDirection {
+            light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
+            light = whole(light, &lambda, &seat.lambda, scene.mode);
+            if shared == Shared::No || !light.is_finite() {
+                seat.radiance += light;
+                continue;
+            }
+            if light.is_black() && !survey.is_open {
+                continue;
+            }
+        }
+        if survey.is_open {
+            let Arrival::Vertex(x) = &finder.x else { continue };
+            let w = finder.leg.ray.direction;
+            seat.radiance += finder.leg.beta * sky(scene, x, w, finder.sample.pdf, &seat.lambda);
+        }
+        let total = claim::<MEDIA>(scene, survey.is_open, group, k, y, depth, &mut claims, seats, counters);
+        let mut by_member = [light; MAX_GROUP];
+        if shared == Shared::ByDirection {
+            by_member = scattered(suffix, scene, survey, group, k, y, leg, &claims, total, seats, counters);
+        }
+        for ((member, claim), light) in group.iter().zip(&claims).zip(by_member) {
+            if !claim.value.is_black() {
+                seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;
             }
         }
     }
+}
+
+/// Light that leaves y towards each member, as `k` who found y goes on from there: by a light sample, and by a direction that k draws. Of the
+/// technique "m drew y, and a direction there" there is one sample per member too, and they are put together by the balance heuristic, so
+/// that with claims `p_m` on y and densities `q_m` of the direction the value of j is
+///
+/// `Σ_k p_j f_j |cos_j| G V · f_y(ω → j) L(ω) / Σ_m p_m q_m(ω)`.
+///
+/// Against light samples the mean density `Σ_m p_m q_m / Σ_m p_m` counts, the same for all. All is given times `Σ_m p_m`.
+#[allow(clippy::too_many_arguments)]
+fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
+    suffix: &S,
+    scene: &Scene,
+    survey: &Survey,
+    group: &[Member<'_>],
+    k: usize,
+    y: &Vertex<'_>,
+    mut leg: Leg,
+    claims: &[Claim; MAX_GROUP],
+    total: f32,
+    seats: &mut [Seat],
+    counters: &mut Counters,
+) -> [Spectrum; MAX_GROUP] {
+    let Seat { joint, lambda, .. } = seats[group[k].seat];
+    let mut sums = [Spectrum::ZERO; MAX_GROUP];
+    // Values towards all members, and the mean density.
+    let towards_all = |w: Vec3| {
+        let (mut values, mut density) = ([Spectrum::ZERO; MAX_GROUP], 0.0);
+        for (value, claim) in values.iter_mut().zip(&claims[..group.len()]) {
+            if claim.pdf > 0.0 || !claim.value.is_black() {
+                let e = y.eval_towards(-claim.direction, w);
+                *value = e.value;
+                density += claim.pdf * e.pdf;
+            }
+        }
+        (values, density / total)
+    };
+    if scene.lights.can_sample()
+        && let Some(s) = nee::sample_light(scene, &y.context(), leg.events, &joint, &lambda)
+    {
+        let (values, density) = towards_all(s.wi);
+        let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, density) };
+        if values[..group.len()].iter().any(|v| !v.is_black()) {
+            let light =
+                y.transmitted::<MEDIA>(scene, s.radiance * (weight / s.pdf), s.wi, s.distance, &lambda, counters);
+            sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
+        }
+    }
+    let Some(draw) = y.sample(&leg, &joint, survey) else { return sums };
+    leg.turn::<MEDIA>(scene, y, &draw.sample);
+    if !leg.beta.is_finite() {
+        seats[group[k].seat].radiance = leg.beta;
+        return sums;
+    }
+    let depth = suffix.depth();
+    let before = live_max(leg.beta, &lambda);
+    if !(before > 0.0 && leg.survives(depth, &joint, &lambda)) {
+        return sums;
+    }
+    let is_own = draw.sample.lobe.is_specular();
+    let mut values = [Spectrum::ZERO; MAX_GROUP];
+    if !is_own {
+        let (towards, density) = towards_all(leg.ray.direction);
+        if !(density > 0.0) {
+            return sums;
+        }
+        values = towards.map(|v| v * (draw.ratio / (density * before)));
+        // Roulette goes on as for the finder, of a throughput without colour.
+        leg.beta = Spectrum::splat(live_max(leg.beta, &lambda));
+        leg.origin = Some((y.context(), density));
+    }
+    let (mut next, mut light, mut left) = (Arrival::End, Spectrum::ZERO, lambda);
+    arrive::<MEDIA>(scene, &mut leg, &mut light, depth, &joint, &mut left, counters, &mut next);
+    match &next {
+        Arrival::Vertex(v) => {
+            let beyond = suffix.leaving(scene, survey, v, leg, &joint, &mut left, counters);
+            light += whole(beyond, &left, &lambda, scene.mode);
+        }
+        Arrival::Escaped => escape(scene, &leg, &mut light, depth, &lambda),
+        Arrival::End => {}
+    }
+    if is_own {
+        seats[group[k].seat].radiance += group[k].leg.beta * light;
+    } else {
+        sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
+    }
+    sums
 }
 
 /// Radiance found along a path that may have lost its secondary wavelengths, as an estimate for all of them.
@@ -399,22 +525,21 @@ fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMod
     Spectrum::new([light[0] * (of.pdf[0] / lambda.pdf[0]), 0.0, 0.0, 0.0])
 }
 
-/// Gives the light that leaves the Lambertian point that `k` found to all members that see it.
+/// The claims of all members that see it on the point that `k` found; the sum of their densities.
 #[allow(clippy::too_many_arguments)]
-fn share_point<const MEDIA: bool>(
+fn claim<const MEDIA: bool>(
     scene: &Scene,
     is_open: bool,
     group: &[Member<'_>],
     k: usize,
     y: &Vertex<'_>,
-    light: Spectrum,
     depth: &Depth,
     claims: &mut [Claim; MAX_GROUP],
-    seats: &mut [Seat],
+    seats: &[Seat],
     counters: &mut Counters,
-) {
+) -> f32 {
     let finder = &group[k];
-    let Arrival::Vertex(finders_x) = &finder.x else { return };
+    let Arrival::Vertex(finders_x) = &finder.x else { return 0.0 };
     let p = y.p();
     // The cosine at y towards a direction from x, on the side that is seen: by the normal that decides about it.
     let facing = match y {
@@ -469,6 +594,7 @@ fn share_point<const MEDIA: bool>(
         let lambda = &seats[member.seat].lambda;
         let (passed, density) = flight(x, w, distance, lambda);
         claims[m] = Claim {
+            direction: w,
             value: e.value * passed * (finder.ratio * relative),
             pdf: e.pdf * density * relative,
             sky: sky(x, w, e.pdf, lambda),
@@ -485,14 +611,10 @@ fn share_point<const MEDIA: bool>(
     let (pdf, w, lambda) = (finder.sample.pdf, -y.wo(), &seats[finder.seat].lambda);
     let (passed, density) = flight(finders_x, w, own_distance, lambda);
     claims[k] = Claim {
+        direction: w,
         value: finder.sample.weight * passed * pdf,
         pdf: pdf * density,
         sky: sky(finders_x, finder.leg.ray.direction, pdf, lambda),
     };
-    let total: f32 = claims[..group.len()].iter().map(|c| c.pdf).sum();
-    for (member, claim) in group.iter().zip(&*claims) {
-        if !claim.value.is_black() {
-            seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;
-        }
-    }
+    claims[..group.len()].iter().map(|c| c.pdf).sum()
 }

@@ -300,12 +300,18 @@ impl Vertex<'_> {
     /// `f |cos|` for a direction in world space, and the density with which it is drawn.
     #[inline]
     pub fn eval(&self, w: Vec3) -> BsdfEval {
+        self.eval_towards(self.wo(), w)
+    }
+
+    /// The same towards another viewer than the path's, on its side.
+    #[inline]
+    pub fn eval_towards(&self, viewer: Vec3, w: Vec3) -> BsdfEval {
         match self {
-            Self::Surface { i, scattering, frame, .. } => {
-                scattering.bsdf.eval(frame.to_local(i.wo), frame.to_local(w), TransportMode::Radiance)
+            Self::Surface { scattering, frame, .. } => {
+                scattering.bsdf.eval(frame.to_local(viewer), frame.to_local(w), TransportMode::Radiance)
             }
-            Self::Medium { wo, scattering, .. } => {
-                let phase = scattering.phase(*wo, w);
+            Self::Medium { scattering, .. } => {
+                let phase = scattering.phase(viewer, w);
                 BsdfEval { value: Spectrum::splat(phase), pdf: phase }
             }
         }
@@ -348,6 +354,20 @@ impl Vertex<'_> {
         counters: &mut Counters,
     ) -> Spectrum {
         let Some((light, wi, distance)) = self.unoccluded(scene, event, sampler, lambda) else { return Spectrum::ZERO };
+        self.transmitted::<MEDIA>(scene, light, wi, distance, lambda, counters)
+    }
+
+    /// What arrives here of light that comes from a distance in a direction.
+    #[inline]
+    pub fn transmitted<const MEDIA: bool>(
+        &self,
+        scene: &Scene,
+        light: Spectrum,
+        wi: Vec3,
+        distance: f32,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
         if MEDIA {
             let medium = self.medium_towards(scene, wi);
             return light * flight::towards(scene, self.spawn(wi), distance, medium, lambda, counters);

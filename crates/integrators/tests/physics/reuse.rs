@@ -5,7 +5,7 @@
 use crate::{
     determinism::collection,
     shot::{Estimate, Shot},
-    stage::{Stage, cuboid, diffuse, light, look_at, material, medium, rectangle, rgb, shape, sphere, white},
+    stage::{Stage, cuboid, diffuse, light, look_at, material, medium, plane, rectangle, rgb, shape, sphere, white},
 };
 use steradian_core::{ColorMode, Scene, sampler::SamplerKind};
 use steradian_integrators::Effort;
@@ -115,6 +115,40 @@ fn sharing_is_unbiased_under_the_sky() {
     stage.sky(1.0).light(light("distant").with("direction", [0.3, 1.0, -0.2]).with("radiance", white(0.5)));
     stage.film(16, 16).look([0.0, 1.0, -2.5], [0.0, 0.2, 0.0], 45.0);
     is_unbiased("sky", Shot::of("path", 8).depth(5), &stage.scene(), 0.03);
+}
+
+/// Glass that disperses, found from beside it, reflects each wavelength by its own index: blue light on a floor that no lamp shines at.
+#[test]
+fn sharing_keeps_wavelengths_apart() {
+    let mut stage = Stage::new();
+    stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.8));
+    let glass = stage.add(material("dielectric").with("eta", 2.0).with("abbe_number", 1.0));
+    stage.place_mesh(rectangle([1.0, 0.0, 2.0], [0.0, 0.0, -4.0], [0.0, 4.0, 0.0])).material = Some(glass);
+    stage.mesh_lamp(rectangle([0.0, 1.0, 1.0], [0.0, 0.0, -2.0], [0.0, 2.0, 0.0]), 5.0);
+    stage.film(16, 16).look([-1.0, 1.0, -1.0], [-1.0, 0.0, 0.0], 20.0);
+    is_unbiased("blue glass", Shot::of("path", 200).depth(3), &stage.scene_in(ColorMode::Spectral), 0.05);
+}
+
+/// What rough glass and metal beyond the first surface scatter towards each member is shared: through a rough ball and from one to the next, a small
+/// lamp's light has less than two thirds of the noise.
+#[test]
+fn sharing_takes_noise_from_rough_surfaces() {
+    let mut stage = Stage::new();
+    stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.5));
+    for (k, model) in ["dielectric", "conductor"].into_iter().enumerate() {
+        let at = [0.9 * k as f64 - 0.45, 0.4, 0.0];
+        stage.solid(sphere(at, 0.4), material(model).with("alpha_u", 0.3));
+    }
+    stage.mesh_lamp(rectangle([-0.2, 3.0, -0.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.4]), 50.0);
+    stage.film(16, 16).look([0.0, 0.8, -3.0], [0.0, 0.4, 0.0], 25.0);
+    let scene = stage.scene();
+    is_unbiased("rough balls", Shot::of("path", 16).depth(6), &scene, 0.03);
+    let noise = |reuse| -> f64 {
+        let film = Shot::of("path", 256).depth(6).reuse(reuse).take(&scene);
+        film.pixels.iter().map(|p| p.variance_of_mean()[0]).sum()
+    };
+    let (alone, shared) = (noise(1), noise(16));
+    assert!(shared * 1.5 < alone, "{alone} alone, {shared} shared");
 }
 
 /// With the same number of samples a room lit from a point by interreflection alone, which light samples at the first surface do not see, has a
