@@ -490,7 +490,7 @@ fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
     let mut values = [Spectrum::ZERO; MAX_GROUP];
     if !is_own {
         let (towards, density) = towards_all(leg.ray.direction);
-        if !(density > 0.0) {
+        if density <= 0.0 {
             return sums;
         }
         values = towards.map(|v| v * (draw.ratio / (density * before)));
