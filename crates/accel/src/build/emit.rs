@@ -2,7 +2,7 @@
 
 use super::Builder;
 use super::binary::BinaryNode;
-use super::primitives::{PrimRef, Primitives};
+use super::primitives::{Indices, PrimRef, Primitives};
 use crate::Error;
 use crate::arena::Arena;
 use crate::bvh::Tree;
@@ -25,9 +25,13 @@ pub(super) fn emit(
     };
     let block = |i: usize| {
         let (first, count) = layout.leaves[i];
+        let mut triangles = [None; LANES];
+        for (triangle, r) in triangles.iter_mut().zip(&refs[first as usize..][..count as usize]) {
+            *triangle = primitives.indices(r.index());
+        }
         let mut block = Block::EMPTY;
-        for (lane, r) in refs[first as usize..][..count as usize].iter().enumerate() {
-            if let Some((corners, id)) = primitives.triangle(r.index()) {
+        for (lane, triangle) in triangles.into_iter().enumerate() {
+            if let Some((corners, id)) = triangle.and_then(Indices::corners) {
                 block.set(lane, corners, id);
             }
         }

@@ -182,13 +182,35 @@ impl<'a> Primitives<'a> {
     }
 
     /// The vertices of the triangle with an index, and what goes into [`Block::ids`]; `None` for what is not a triangle.
-    #[inline]
     pub fn triangle(&self, index: u32) -> Option<([Vec3; 3], u32)> {
+        self.indices(index).and_then(Indices::corners)
+    }
+
+    /// Where the vertices of the triangle with an index are; `None` for what is not a triangle. Several are looked up at once sooner than
+    /// one after the other with what they lead to.
+    #[inline]
+    pub(super) fn indices(&self, index: u32) -> Option<Indices<'a>> {
         let geom = self.geometry(index);
         let geometry = self.geometries[geom];
         let Shape::Triangles { positions, indices } = geometry.shape else { return None };
         let id = index | if geometry.filtered { Block::FILTERED } else { 0 };
-        Some((corners(positions, indices[(index - self.first[geom]) as usize])?, id))
+        Some(Indices { positions, indices: indices[(index - self.first[geom]) as usize], id })
+    }
+}
+
+/// The vertices of a triangle by their indices.
+#[derive(Clone, Copy)]
+pub(super) struct Indices<'a> {
+    positions: &'a [Vec3],
+    indices: [u32; 3],
+    id: u32,
+}
+
+impl Indices<'_> {
+    /// See [`Primitives::triangle`].
+    #[inline]
+    pub fn corners(self) -> Option<([Vec3; 3], u32)> {
+        Some((corners(self.positions, self.indices)?, self.id))
     }
 }
 
