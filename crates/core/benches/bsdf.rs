@@ -60,23 +60,31 @@ fn measure(values: &[Bsdf<'_>], events: &[Event]) -> [f64; 2] {
     middle_and_least((0..REPETITIONS).map(once).collect())
 }
 
-/// Nanoseconds of one event of each value where all take turns and each event is timed by itself: medians over the events, less that of timing
-/// nothing. What a processor does of one event during the next is left out, so that these times are longer than those of many events alike.
+/// The mean of the middle half of some times, which is finer than the steps of a clock.
+fn mean_of_middle(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    let middle = &times[times.len() / 4..times.len() - times.len() / 4];
+    middle.iter().sum::<f64>() / middle.len() as f64
+}
+
+/// Nanoseconds of one event of each value where all take turns and each event is timed by itself, less those of timing nothing. What a processor does
+/// of one event during the next is left out, so that these times are longer than those of many events alike.
 fn measure_each(values: &[Bsdf<'_>], events: &[Event]) -> Vec<f64> {
     let time = |work: &dyn Fn()| {
         let start = Instant::now();
         work();
         start.elapsed().as_nanos() as f64
     };
-    let nothing = middle_and_least(events.iter().map(|e| time(&|| _ = black_box(e))).collect())[0];
-    let mut times = vec![Vec::new(); values.len()];
+    let (mut nothing, mut times) = (Vec::new(), vec![Vec::new(); values.len()]);
     for _ in 0..REPETITIONS / 10 {
         for (i, e) in events.iter().enumerate() {
             let b = &values[i % values.len()];
-            times[i % values.len()].push(time(&|| scatter(b, e)) - nothing);
+            nothing.push(time(&|| _ = black_box(e)));
+            times[i % values.len()].push(time(&|| scatter(b, e)));
         }
     }
-    times.into_iter().map(|t| middle_and_least(t)[0]).collect()
+    let nothing = mean_of_middle(nothing);
+    times.into_iter().map(|t| mean_of_middle(t) - nothing).collect()
 }
 
 /// All cases of all models, shuffled, are handed to `done`. Values borrow from their visitors, so visits are nested: those of the
@@ -132,7 +140,17 @@ fn main() {
         shuffled(MODELS, &[], &mut |values| {
             let [median, least] = measure(values, &events);
             println!("{:24} {median:7.1} ns ({least:6.1})", "one of each, shuffled");
-            let [median, least] = middle_and_least(measure_each(values, &events));
+            let each = measure_each(values, &events);
+            if std::env::var("EACH").is_ok() {
+                let mut order: Vec<usize> = (0..values.len()).collect();
+                order.sort_by_key(|i| mix64(*i as u64 + 1));
+                let mut l: Vec<_> = each.iter().zip(order).map(|(t, i)| (*t, MODELS[i].name)).collect();
+                l.sort_by(|a, b| a.0.total_cmp(&b.0));
+                for (t, n) in l {
+                    println!("   {n:30} {t:6.1}");
+                }
+            }
+            let [median, least] = middle_and_least(each);
             println!("{:24} {median:7.1} ns ({least:6.1})", "median over the shuffled");
         });
     }

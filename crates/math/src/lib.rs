@@ -5,6 +5,7 @@
 //! ([`Transform`]) and rounded once.
 
 pub mod bounds;
+mod cell;
 pub mod chance;
 #[cfg(test)]
 mod chi_square;
@@ -27,6 +28,7 @@ pub mod transform;
 pub mod warp;
 
 pub use bounds::Bounds3;
+pub use cell::cell;
 pub use chance::Chance;
 pub use error::Error;
 pub use frame::Frame;

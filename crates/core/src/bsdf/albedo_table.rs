@@ -11,7 +11,7 @@
 
 use super::{Microfacet, sheen};
 use std::sync::LazyLock;
-use steradian_math::{Vec2, Vec3};
+use steradian_math::{Vec2, Vec3, cell};
 
 /// Entries over roughness and over the cosine.
 const SIZE: usize = 24;
@@ -28,9 +28,7 @@ struct Table {
 /// Index of the entry below and the place between it and the next.
 #[inline]
 fn place(v: f32) -> (usize, f32) {
-    let x = v.clamp(0.0, 1.0) * (SIZE - 1) as f32;
-    let i = (x as usize).min(SIZE - 2);
-    (i, x - i as f32)
+    cell(v.clamp(0.0, 1.0) * (SIZE - 1) as f32, SIZE - 1)
 }
 
 impl Table {
@@ -95,8 +93,8 @@ static GGX: LazyLock<[Table; 2]> = LazyLock::new(|| {
             let sum: f32 = points(n)
                 .filter_map(|u| {
                     let n = facets.draw(wo, u);
-                    let facet = facets.reflecting_at(n.cos_o, wo, n.mirrored(wo))?;
-                    Some(weight(facet.cos_o) * facet.value / facet.pdf)
+                    let facet = facets.reflecting_by(&n.mirror(), wo, n.mirrored(wo))?;
+                    Some(weight(facet.cos_o) * facet.weight)
                 })
                 .sum();
             sum / n as f32

@@ -57,7 +57,8 @@ impl GlossyLobe for HalfVectorLobe {
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let h = wo + wi;
         let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-        self.of_power(self.of_secant2.power(1.0 + f64::from(tan2)), 2.0 * h.length(), wi)
+        let power = self.of_secant2.power(1.0 + f64::from(tan2));
+        (self.value(power, wi), self.density(power, 0.5 * h.length()))
     }
 
     #[inline(always)]
@@ -65,12 +66,12 @@ impl GlossyLobe for HalfVectorLobe {
         // cosⁿ⁺¹θ_h is uniform; the half vector as long as 1/cosθ_h.
         let uniform = 1.0 - u2.y;
         let (length2, tan2) = pow_and_excess(uniform, -2.0 * self.inverse);
-        let h = (tan2.max(0.0).sqrt() * Vec2::from(sin_cos_turns(u2.x))).extend(1.0);
-        let (projected, length) = (wo.dot(h), length2.sqrt());
+        let (tan, azimuth) = (tan2.max(0.0).sqrt(), Vec2::from(sin_cos_turns(u2.x)));
+        let projected = wo.z + tan * azimuth.dot(wo.truncate());
         // Facets seen from behind send light below the surface.
-        let wi = (2.0 * projected / length2) * h - wo;
-        let (value, pdf) = self.of_power(uniform * length, 4.0 * projected / length, wi);
-        (wi, value, pdf)
+        let twice = projected * (2.0 / length2);
+        let wi = ((twice * tan) * azimuth - wo.truncate()).extend(twice - wo.z);
+        (wi, self.value(uniform * length2.sqrt(), wi), self.density(uniform * length2, projected))
     }
 }
 
@@ -86,11 +87,16 @@ impl HalfVectorLobe {
         }
     }
 
-    /// Value and density by `cos^n θ_h` and four times the cosine between direction and half vector.
+    /// By `cos^n θ_h`.
     #[inline(always)]
-    fn of_power(&self, power: f32, four_cos_o: f32, wi: Vec3) -> (f32, f32) {
-        let pdf = (self.exponent + 1.0) * FRAC_1_TAU * power / four_cos_o.max(1e-6);
-        (self.normalisation.map_or(power, |k| k * power * wi.z), pdf)
+    fn value(&self, power: f32, wi: Vec3) -> f32 {
+        self.normalisation.map_or(power, |k| k * power * wi.z)
+    }
+
+    /// By `cos^n θ_h` and the cosine between direction and half vector, or both as many times as large.
+    #[inline(always)]
+    fn density(&self, power: f32, cos_o: f32) -> f32 {
+        (self.exponent + 1.0) * (0.25 * FRAC_1_TAU) * power / cos_o.max(1e-6)
     }
 }
 

@@ -13,7 +13,7 @@
 
 use super::coat_colors::CoatColors;
 use super::{Microfacet, NormalDistribution, Shadowing, fresnel};
-use steradian_math::{Spectrum, Vec2, Vec3, elementary::exp};
+use steradian_math::{Spectrum, Vec2, Vec3, cell, elementary::exp};
 
 /// What happens to light between the coat and the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,8 +59,8 @@ const NORMALS: (usize, usize) = (987, 1597);
 /// One roughness.
 #[derive(Clone, Debug)]
 struct Row {
-    reflected: [f32; ANGLES],
-    transmitted: [f32; ANGLES],
+    /// `R` and `T` at each angle.
+    interface: [[f32; 2]; ANGLES],
     internal: f32,
     mean_transmitted: f32,
     /// In tables for RGB whose base has a spectrum.
@@ -183,19 +183,13 @@ impl CoatTable {
         if place.next < 0.0 {
             return self.smooth_interface(cos);
         }
-        let x = cos.clamp(0.0, 1.0).sqrt() * (ANGLES - 1) as f32;
-        let i = (x as usize).min(ANGLES - 2);
-        let f = x - i as f32;
-        let at = |row: &Row| {
-            let lerp = |v: &[f32; ANGLES]| v[i] * (1.0 - f) + v[i + 1] * f;
-            (lerp(&row.reflected), lerp(&row.transmitted))
-        };
-        let a = at(&self.rows[usize::from(place.row)]);
-        if place.next == 0.0 {
-            return a;
+        let (i, f) = cell(cos.min(1.0).sqrt() * (ANGLES - 1) as f32, ANGLES - 1);
+        let at = |row: &Row| Vec2::from(row.interface[i]).lerp(Vec2::from(row.interface[i + 1]), f);
+        let mut both = at(&self.rows[usize::from(place.row)]);
+        if place.next != 0.0 {
+            both = both.lerp(at(&self.rows[usize::from(place.row) + 1]), place.next);
         }
-        let b = at(&self.rows[usize::from(place.row) + 1]);
-        (a.0 + (b.0 - a.0) * place.next, a.1 + (b.1 - a.1) * place.next)
+        both.into()
     }
 
     /// `2∫ T(μ) μ dμ`: the fraction of diffuse light from outside that reaches the base.
@@ -260,14 +254,13 @@ impl CoatTable {
         let mu = |i: usize| (i as f32 / (ANGLES - 1) as f32).powi(2).max(1e-6);
         if surface.is_smooth() {
             return Row {
-                reflected: std::array::from_fn(|i| fresnel::dielectric(mu(i), self.eta)),
-                transmitted: std::array::from_fn(|i| self.smooth_transmittance(mu(i))),
+                interface: std::array::from_fn(|i| self.smooth_interface(mu(i)).into()),
                 internal: self.smooth_internal,
                 mean_transmitted: self.smooth_mean_transmitted,
                 colors: None,
             };
         }
-        let outside: [[f32; 2]; ANGLES] = std::array::from_fn(|i| {
+        let interface: [[f32; 2]; ANGLES] = std::array::from_fn(|i| {
             let wo = direction(mu(i));
             over_normals(NORMALS.0, &surface, wo, |m| {
                 [reflected(&surface, wo, m, self.eta), self.transmitted_to_base(&surface, wo, m)]
@@ -289,18 +282,11 @@ impl CoatTable {
                 (0..64).map(|i| (i as f32 / 63.0).max(1e-6)).map(|mu| mu * inside(mu)).sum::<f32>() / 32.0
             }
         };
-        let transmitted = outside.map(|o| o[1]);
-        let row = Row {
-            reflected: outside.map(|o| o[0]),
-            transmitted,
-            internal: internal.clamp(0.0, 0.9999),
-            mean_transmitted: 0.0,
-            colors: None,
-        };
+        let row = Row { interface, internal: internal.clamp(0.0, 0.9999), mean_transmitted: 0.0, colors: None };
         let mean_transmitted = cosine_mean(self.eta, |mu| {
-            let x = mu.sqrt() * (ANGLES - 1) as f32;
-            let i = (x as usize).min(ANGLES - 2);
-            row.transmitted[i] + (row.transmitted[i + 1] - row.transmitted[i]) * (x - i as f32)
+            let (i, f) = cell(mu.sqrt() * (ANGLES - 1) as f32, ANGLES - 1);
+            let [a, b] = [row.interface[i][1], row.interface[i + 1][1]];
+            a + (b - a) * f
         });
         Row { mean_transmitted, ..row }
     }

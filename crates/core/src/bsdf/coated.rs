@@ -17,7 +17,7 @@
 //! anisotropic coat uses the tables of its mean roughness; its interface reflection is exact.
 
 use super::coat_table::RowPlace;
-use super::microfacet::facet_cosine;
+use super::microfacet::Mirror;
 use super::{BsdfEval, BsdfSample, CoatTable, Lobe, Microfacet, fresnel};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
@@ -36,6 +36,24 @@ pub struct Coated<'a> {
     base_weight: f32,
 }
 
+/// The coat as a direction sees it.
+struct Seen {
+    /// What the interface reflects, and what reaches the base.
+    r: f32,
+    t: f32,
+    /// How often the interface is sampled, and interface or base, in the brightest lanes.
+    interface: f32,
+    all: f32,
+}
+
+impl Seen {
+    /// The probability of sampling the interface.
+    #[inline(always)]
+    fn chance(&self) -> f32 {
+        if self.all > 0.0 { self.interface / self.all } else { 0.0 }
+    }
+}
+
 impl<'a> Coated<'a> {
     /// A base of albedo `reflectance` (clamped to `[0, 1]`) under the coat of `table` with roughness `alpha_x`, `alpha_y`,
     /// which should lie in the table's range; `tint` is a factor on what the coat itself reflects (1 is physical).
@@ -48,35 +66,40 @@ impl<'a> Coated<'a> {
         Self { table, base, tint, microfacet, place, base_weight }
     }
 
-    /// `R` and `T` of the coat at `wo`, and the probability of sampling the interface.
-    #[inline]
-    fn at(&self, wo: Vec3) -> (f32, f32, f32) {
+    #[inline(always)]
+    fn at(&self, wo: Vec3) -> Seen {
         let (r, t) = self.table.interface(self.place, wo.z);
-        let (interface, base) = (r * self.tint.max_element(), t * self.base_weight);
-        (r, t, if interface + base > 0.0 { interface / (interface + base) } else { 0.0 })
+        let interface = r * self.tint.max_element();
+        Seen { r, t, interface, all: interface + t * self.base_weight }
+    }
+
+    /// What mirrors one direction into another, unless the coat is smooth.
+    #[inline(always)]
+    fn mirror(&self, wo: Vec3, wi: Vec3) -> Option<Mirror> {
+        (!self.microfacet.is_smooth()).then(|| self.microfacet.mirror(wo, wi))
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let (_, t_o, p) = self.at(wo);
-        self.eval_at(wo, wi, t_o, p, facet_cosine(wo, wi))
+        self.eval_at(wo, wi, &self.at(wo), self.mirror(wo, wi))
     }
 
-    /// The value where the interface lets `t_o` pass along `wo` and is sampled with probability `p`, with the cosine at the facet.
-    #[inline]
-    fn eval_at(&self, wo: Vec3, wi: Vec3, t_o: f32, p: f32, cos: f32) -> BsdfEval {
+    /// The value for `wo` that is seen so.
+    #[inline(always)]
+    fn eval_at(&self, wo: Vec3, wi: Vec3, seen: &Seen, mirror: Option<Mirror>) -> BsdfEval {
         if wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
         let (_, t_i) = self.table.interface(self.place, wi.z);
-        let cosine = wi.z * FRAC_1_PI;
-        let mut e = BsdfEval { value: self.base * (t_o * t_i * cosine), pdf: (1.0 - p) * cosine };
-        if !self.microfacet.is_smooth()
-            && let Some(facet) = self.microfacet.reflecting_at(cos, wo, wi)
+        let (cosine, p) = (wi.z * FRAC_1_PI, seen.chance());
+        let mut e = BsdfEval { value: self.base * (seen.t * t_i * cosine), pdf: (1.0 - p) * cosine };
+        if let Some(mirror) = mirror
+            && let Some(facet) = self.microfacet.reflecting_by(&mirror, wo, wi)
         {
-            e.value += self.tint * (fresnel::dielectric(cos, self.table.eta()) * facet.value);
+            let f = fresnel::Crossing::by_square(mirror.cos2, self.table.eta()).reflectance;
+            e.value += self.tint * (f * facet.value);
             e.pdf += p * facet.pdf;
         }
         e
@@ -86,17 +109,18 @@ impl<'a> Coated<'a> {
         if wo.z <= 0.0 {
             return None;
         }
-        let (r, t_o, p) = self.at(wo);
-        let (wi, cos, lobe) = if u >= p {
+        let seen = self.at(wo);
+        let (wi, mirror, lobe) = if u * seen.all >= seen.interface {
             let wi = cosine_hemisphere(u2);
-            (wi, facet_cosine(wo, wi), Lobe::DIFFUSE)
+            (wi, self.mirror(wo, wi), Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
-            return Some(BsdfSample::mirrored(wo, self.tint * (r / p), p));
+            let p = seen.chance();
+            return Some(BsdfSample::mirrored(wo, self.tint * (seen.r / p), p));
         } else {
             let n = self.microfacet.draw(wo, u2);
-            (n.mirrored(wo), n.cos_o, Lobe::GLOSSY)
+            (n.mirrored(wo), Some(n.mirror()), Lobe::GLOSSY)
         };
-        self.eval_at(wo, wi, t_o, p, cos).drawn_above(wi, Lobe::REFLECTION.with(lobe))
+        self.eval_at(wo, wi, &seen, mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

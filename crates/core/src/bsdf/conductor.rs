@@ -1,7 +1,7 @@
 //! Metals (M81, M92): mirror reflection tinted by the Fresnel equations of a complex index `η − ik`, from a smooth surface or
 //! from microfacets, `f = F D G₂ / (4 cosθ_o cosθ_i)` (Torrance & Sparrow 1967; Walter et al. 2007, eq. 20).
 
-use super::microfacet::facet_cosine;
+use super::microfacet::Mirror;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, fresnel};
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -31,23 +31,26 @@ impl Conductor {
         Self { eta: Spectrum::ONE, k, tint: Spectrum::ONE, microfacet }
     }
 
-    fn reflectance(&self, cos: f32) -> Spectrum {
-        self.tint * fresnel::conductor(cos, self.eta, self.k)
+    /// By the square of the cosine.
+    #[inline(always)]
+    fn reflectance(&self, cos2: f32) -> Spectrum {
+        self.tint * fresnel::conductor_by_square(cos2, self.eta, self.k)
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         if wo.z <= 0.0 || self.microfacet.is_smooth() {
             return BsdfEval::ZERO;
         }
-        self.eval_by(facet_cosine(wo, wi), wo, wi)
+        self.eval_by(&self.microfacet.mirror(wo, wi), wo, wi)
     }
 
-    /// The value for a rough surface and `wo` above it, where the cosine at the facet is known.
-    #[inline]
-    pub(super) fn eval_by(&self, cos: f32, wo: Vec3, wi: Vec3) -> BsdfEval {
-        self.microfacet
-            .reflecting_at(cos, wo, wi)
-            .map_or(BsdfEval::ZERO, |facet| BsdfEval { value: self.reflectance(cos) * facet.value, pdf: facet.pdf })
+    /// The value for a rough surface and `wo` above it.
+    #[inline(always)]
+    pub(super) fn eval_by(&self, mirror: &Mirror, wo: Vec3, wi: Vec3) -> BsdfEval {
+        self.microfacet.reflecting_by(mirror, wo, wi).map_or(BsdfEval::ZERO, |facet| BsdfEval {
+            value: self.reflectance(mirror.cos2) * facet.value,
+            pdf: facet.pdf,
+        })
     }
 
     pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
@@ -55,15 +58,17 @@ impl Conductor {
             return None;
         }
         if self.microfacet.is_smooth() {
-            return Some(BsdfSample::mirrored(wo, self.reflectance(wo.z), 1.0));
+            return Some(BsdfSample::mirrored(wo, self.reflectance(wo.z * wo.z), 1.0));
         }
         let n = self.microfacet.draw(wo, u2);
-        let wi = n.mirrored(wo);
-        self.eval_by(n.cos_o, wo, wi).drawn_above(wi, Lobe::REFLECTION.with(Lobe::GLOSSY))
+        let (wi, mirror) = (n.mirrored(wo), n.mirror());
+        let facet = self.microfacet.reflecting_by(&mirror, wo, wi)?;
+        let (weight, lobe) = (self.reflectance(mirror.cos2) * facet.weight, Lobe::REFLECTION.with(Lobe::GLOSSY));
+        Some(BsdfSample { wi, weight, pdf: facet.pdf, lobe, eta: 1.0 })
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
-        self.reflectance(wo.z)
+        self.reflectance(wo.z * wo.z)
     }
 }
 

@@ -12,7 +12,7 @@
 //! loses nothing on a smooth white surface, for which it is derived; rough facets reflect less than a plane (by up to a half
 //! at grazing angles), which is lost, and at angles between up to 0.0022 more, which the diffuse part must leave them. `plastic` and `coated_diffuse` have the rough interface's own tables instead.
 
-use super::microfacet::facet_cosine;
+use super::microfacet::Mirror;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
@@ -111,12 +111,12 @@ impl CookTorrance {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        self.eval_at(wo, wi, self.glossy(wo), facet_cosine(wo, wi))
+        self.eval_at(wo, wi, self.glossy(wo), &self.microfacet.mirror(wo, wi))
     }
 
-    /// The value where facets are sampled with probability `glossy`, with the cosine at the facet.
+    /// The value where facets are sampled with probability `glossy`, with what mirrors.
     #[inline]
-    fn eval_at(&self, wo: Vec3, wi: Vec3, glossy: f32, cos: f32) -> BsdfEval {
+    fn eval_at(&self, wo: Vec3, wi: Vec3, glossy: f32, mirror: &Mirror) -> BsdfEval {
         if wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -127,9 +127,9 @@ impl CookTorrance {
         }
         if glossy > 0.0
             && !self.microfacet.is_smooth()
-            && let Some(facet) = self.microfacet.reflecting_at(cos, wo, wi)
+            && let Some(facet) = self.microfacet.reflecting_by(mirror, wo, wi)
         {
-            e.value += self.specular * self.reflectance.eval(cos) * facet.value;
+            e.value += self.specular * self.reflectance.eval(facet.cos_o) * facet.value;
             e.pdf += glossy * facet.pdf;
         }
         e
@@ -140,16 +140,16 @@ impl CookTorrance {
             return None;
         }
         let glossy = self.glossy(wo);
-        let (wi, cos, lobe) = if u >= glossy {
+        let (wi, mirror, lobe) = if u >= glossy {
             let wi = cosine_hemisphere(u2);
-            (wi, facet_cosine(wo, wi), Lobe::DIFFUSE)
+            (wi, self.microfacet.mirror(wo, wi), Lobe::DIFFUSE)
         } else if self.microfacet.is_smooth() {
             return Some(BsdfSample::mirrored(wo, self.specular * self.reflectance.eval(wo.z) / glossy, glossy));
         } else {
             let n = self.microfacet.draw(wo, u2);
-            (n.mirrored(wo), n.cos_o, Lobe::GLOSSY)
+            (n.mirrored(wo), n.mirror(), Lobe::GLOSSY)
         };
-        self.eval_at(wo, wi, glossy, cos).drawn_above(wi, Lobe::REFLECTION.with(lobe))
+        self.eval_at(wo, wi, glossy, &mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

@@ -53,13 +53,14 @@ impl Dielectric {
         if self.is_specular() {
             return BsdfEval::ZERO;
         }
+        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
         let e = if wo.z * wi.z > 0.0 {
-            self.microfacet.reflecting(wo, wi).and_then(|facet| {
-                let f = fresnel::dielectric(facet.cos_o, self.eta);
+            let mirror = self.microfacet.mirror(wo, wi);
+            self.microfacet.reflecting_by(&mirror, wo, wi).and_then(|facet| {
+                let f = fresnel::Crossing::by_square(mirror.cos2, eta).reflectance;
                 Some(self.reflected(facet, f, self.reflection_probability(f)?))
             })
         } else {
-            let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
             self.microfacet.refracting(wo, wi, eta).and_then(|facet| {
                 let f = fresnel::dielectric(facet.cos_o, self.eta);
                 Some(self.transmitted(facet, f, self.reflection_probability(f)?, eta, mode))
@@ -87,7 +88,7 @@ impl Dielectric {
             return self.sample_smooth(wo, u, mode);
         }
         let n = self.microfacet.draw(wo, u2);
-        let crossing = fresnel::Crossing::new(n.cos_o, self.eta);
+        let crossing = n.crossing(self.eta);
         let f = crossing.reflectance;
         let [r, sum] = self.shares(f);
         if sum <= 0.0 {
@@ -97,7 +98,7 @@ impl Dielectric {
         // A direction on the wrong side of the surface has met a second facet: not modelled, black.
         let (wi, e, eta, side) = if u * sum < r {
             let wi = n.mirrored(wo);
-            let facet = self.microfacet.reflecting_at(n.cos_o, wo, wi)?;
+            let facet = self.microfacet.reflecting_by(&n.mirror(), wo, wi)?;
             (wi, self.reflected(facet, f, p), 1.0, Lobe::REFLECTION)
         } else {
             let (wi, eta) = n.refracted(wo, &crossing)?;

@@ -64,12 +64,24 @@ impl Crossing {
     #[inline(always)]
     pub fn new(cos_i: f32, eta: f32) -> Self {
         let (cos_i, eta) = oriented(cos_i.clamp(-1.0, 1.0), eta);
-        let eta2 = eta * eta;
-        let refracted = (eta2 - (1.0 - cos_i * cos_i)).max(0.0).sqrt();
-        // r_s and r_p with η above and below, the sum of their squares with one division.
-        let (s, p) = ([cos_i - refracted, cos_i + refracted], [eta2 * cos_i - refracted, eta2 * cos_i + refracted]);
-        let (a, b, below) = (s[0] * p[1], p[0] * s[1], s[1] * p[1]);
-        let reflectance = 0.5 * (a * a + b * b) / (below * below);
+        Self::with_square(cos_i, cos_i * cos_i, eta)
+    }
+
+    /// By the square of the cosine, of light that meets the index `eta`.
+    #[inline(always)]
+    pub fn by_square(cos2: f32, eta: f32) -> Self {
+        let cos2 = cos2.min(1.0);
+        Self::with_square(cos2.sqrt(), cos2, eta)
+    }
+
+    #[inline(always)]
+    fn with_square(cos_i: f32, cos2: f32, eta: f32) -> Self {
+        let sin2 = 1.0 - cos2;
+        let refracted = (eta * eta - sin2).max(0.0).sqrt();
+        // r_p = r_s (x − sin²θ_i)/(x + sin²θ_i) with x = η cosθ_i cosθ_t, and the mean of both squares with one division.
+        let (difference, sum, x) = (cos_i - refracted, cos_i + refracted, cos_i * refracted);
+        let below = sum * (x + sin2);
+        let reflectance = difference * difference * (x * x + sin2 * sin2) / (below * below);
         Self { reflectance: if refracted > 0.0 { reflectance } else { 1.0 }, cos_i, refracted, eta }
     }
 
@@ -93,16 +105,21 @@ pub fn dielectric(cos_i: f32, eta: f32) -> f32 {
 /// `2a² = a² + b² + η² − k² − sin²θ` (Born & Wolf 1999, 14.2). A purely imaginary index (`η = 0`) reflects everything.
 #[inline]
 pub fn conductor(cos_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+    conductor_by_square(cos_i * cos_i, eta, k)
+}
+
+/// The same by the square of the cosine.
+#[inline(always)]
+pub fn conductor_by_square(cos2: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     use glam::Vec4;
-    let cos = cos_i.abs().min(1.0);
-    let (cos2, sin2) = (cos * cos, 1.0 - cos * cos);
+    let cos2 = cos2.min(1.0);
+    let sin2 = 1.0 - cos2;
     let (eta2, k2) = (eta.0 * eta.0, k.0 * k.0);
     let t = eta2 - k2 - Vec4::splat(sin2);
     let sqrt = |v: Vec4| v.max(Vec4::ZERO).sqrt();
     let a2_plus_b2 = sqrt(t * t + 4.0 * eta2 * k2);
-    let a = sqrt(0.5 * (a2_plus_b2 + t));
-    // R_s = (x_s − y_s)/(x_s + y_s), R_p = R_s (x_p − y_p)/(x_p + y_p), and their mean with one division.
-    let (xs, ys) = (a2_plus_b2 + Vec4::splat(cos2), 2.0 * cos * a);
+    // R_s = (x_s − y_s)/(x_s + y_s), R_p = R_s (x_p − y_p)/(x_p + y_p), and their mean with one division; y_s = 2a cosθ.
+    let (xs, ys) = (a2_plus_b2 + Vec4::splat(cos2), sqrt((2.0 * cos2) * (a2_plus_b2 + t)));
     let (xp, yp) = (a2_plus_b2 * cos2 + Vec4::splat(sin2 * sin2), ys * sin2);
     Spectrum((xs - ys) * xp / ((xs + ys) * (xp + yp)).max(Vec4::splat(f32::MIN_POSITIVE)))
 }

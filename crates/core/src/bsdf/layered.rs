@@ -262,7 +262,7 @@ impl Layered {
             return Some((t, (1.0 - self.fresnel(w.z)) * mode.compression(eta), 0.0));
         }
         let n = self.coat.draw(w, Vec2::new(rng.next_f32(), rng.next_f32()));
-        let crossing = fresnel::Crossing::new(n.cos_o, self.eta);
+        let crossing = n.crossing(self.eta);
         let (t, eta) = n.refracted(w, &crossing)?;
         let facet = self.coat.refracting_drawn(&n, &crossing, w, t)?;
         Some((t, (1.0 - self.fresnel(facet.cos_o)) * mode.compression(eta) * facet.value / facet.pdf, facet.pdf))
@@ -346,7 +346,7 @@ impl Layered {
                 } else {
                     let n = self.coat.draw(inside, Vec2::new(rng.next_f32(), rng.next_f32()));
                     let next = n.mirrored(inside);
-                    let Some(facet) = self.coat.reflecting_at(n.cos_o, inside, next) else { break };
+                    let Some(facet) = self.coat.reflecting_by(&n.mirror(), inside, next) else { break };
                     beta *= self.fresnel(facet.cos_o) * facet.value / facet.pdf;
                     w = next;
                 }

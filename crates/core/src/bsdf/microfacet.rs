@@ -11,9 +11,10 @@
 //! V-grooves; else as they are.
 
 use super::masking::{projected_area, v_groove};
-use super::normal_distribution::ggx_density;
+use super::normal_distribution::ggx_root;
 use super::{fresnel, visible_normals};
 pub use super::{masking::Shadowing, normal_distribution::NormalDistribution};
+use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Vec2, Vec3};
 
 /// A rough surface. Roughness values are those of the distributions above (the root-mean-square slope of Beckmann is
@@ -35,31 +36,73 @@ pub(super) struct Facet {
     pub value: f32,
     /// Density of `wi` when `m` is drawn by [`Microfacet::sample_visible`].
     pub pdf: f32,
+    /// Value over density.
+    pub weight: f32,
+}
+
+/// A facet that mirrors `wo` into another direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mirror {
+    /// Square of the cosine between its normal and either direction.
+    pub cos2: f32,
+    spread: Spread,
+}
+
+/// What GGX has to say of a normal and a direction `wo`; nothing for other distributions.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    /// `√(π D/(α_x α_y))`.
+    root: f32,
+    /// The area of the facets that `wo` sees.
+    area: f32,
 }
 
 /// A normal that was drawn for a direction `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Normal {
-    /// Along it, of any length, and one over that.
+    /// Along it, of any length, and one over the square of that.
     direction: Vec3,
-    inverse: f32,
-    /// Twice the product with `wo`, over the square of the length.
-    twice: f32,
-    /// `wo·m`, negative when `wo` lies below the facet.
-    pub cos_o: f32,
+    inverse2: f32,
+    /// The product with `wo`, which lies below the facet where that is negative.
+    projected: f32,
+    spread: Spread,
 }
 
 impl Normal {
+    /// `wo·m`, negative when `wo` lies below the facet.
+    #[inline(always)]
+    pub fn cos_o(&self) -> f32 {
+        self.projected * self.inverse2.sqrt()
+    }
+
+    /// Its square.
+    #[inline(always)]
+    pub fn cos2(&self) -> f32 {
+        self.projected * self.projected * self.inverse2
+    }
+
     /// The direction that is mirrored into `wo`.
     #[inline(always)]
     pub fn mirrored(&self, wo: Vec3) -> Vec3 {
-        self.twice * self.direction - wo
+        (2.0 * self.projected * self.inverse2) * self.direction - wo
+    }
+
+    /// What mirrors it.
+    #[inline(always)]
+    pub fn mirror(&self) -> Mirror {
+        Mirror { cos2: self.cos2(), spread: self.spread }
+    }
+
+    /// What happens at the facet where the medium below it has the index `eta` relative to the one above.
+    #[inline(always)]
+    pub fn crossing(&self, eta: f32) -> fresnel::Crossing {
+        fresnel::Crossing::by_square(self.cos2(), if self.projected < 0.0 { 1.0 / eta } else { eta })
     }
 
     /// The direction that is refracted into `wo`, and its relative index; none under total reflection.
     #[inline(always)]
     pub fn refracted(&self, wo: Vec3, crossing: &fresnel::Crossing) -> Option<(Vec3, f32)> {
-        crossing.refract(wo, self.direction * self.inverse, self.cos_o)
+        crossing.refract(wo, self.direction * self.inverse2.sqrt(), self.projected)
     }
 }
 
@@ -208,25 +251,30 @@ impl Microfacet {
     #[inline]
     pub fn sample_visible(&self, w: Vec3, u: Vec2) -> Vec3 {
         let n = self.draw(w, u);
-        n.direction * n.inverse
+        n.direction * n.inverse2.sqrt()
     }
 
     /// The same, with what else is asked of a facet.
     #[inline(always)]
     pub(super) fn draw(&self, w: Vec3, u: Vec2) -> Normal {
         let above = w * 1f32.copysign(w.z);
+        let mut spread = Spread::default();
         let direction = if self.is_ggx() {
-            // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back.
+            // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back. It has the density
+            // of that, in which all normals are alike, times what stretching does to the solid angle.
             let stretched = Vec3::new(self.alpha_x * above.x, self.alpha_y * above.y, above.z);
             let length = stretched.length();
             let m = visible_normals::sample_ggx(stretched, length, u);
-            Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(1e-6 * length))
+            let least = 1e-6 * length;
+            let m = Vec3::new(m.x, m.y, if m.z > least { m.z } else { least });
+            let direction = Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z);
+            spread.root = direction.length_squared() / (self.alpha_x * self.alpha_y * m.length_squared());
+            spread.area = 0.5 * (above.z + length);
+            direction
         } else {
             unit(self.sample_slopes(above, u).extend(1.0)).unwrap_or(Vec3::Z)
         };
-        let (projected, inverse2) = (w.dot(direction), 1.0 / direction.length_squared());
-        let inverse = inverse2.sqrt();
-        Normal { direction, inverse, twice: 2.0 * projected * inverse2, cos_o: projected * inverse }
+        Normal { direction, inverse2: 1.0 / direction.length_squared(), projected: w.dot(direction), spread }
     }
 
     /// The same for the other surfaces, as minus the slopes of the facet. (Pairs of numbers are handed back in registers, normals are not.)
@@ -258,21 +306,34 @@ impl Microfacet {
         if density > 0.0 { g2 * wo.dot(m).abs() * self.d(m) / density } else { 0.0 }
     }
 
+    /// What mirrors `wi` into `wo`.
+    #[inline(always)]
+    pub(super) fn mirror(&self, wo: Vec3, wi: Vec3) -> Mirror {
+        // The half vector makes the same angle with both, so that is half of its length.
+        let h = wo + wi;
+        let length2 = h.length_squared();
+        let spread = if self.is_ggx() {
+            Spread { root: ggx_root(self.alpha(), h, length2), area: self.area(wo) }
+        } else {
+            Spread::default()
+        };
+        Mirror { cos2: 0.25 * length2, spread }
+    }
+
     /// The facet that mirrors `wi` into `wo`; both must be on one side.
     #[inline(always)]
     pub(super) fn reflecting(&self, wo: Vec3, wi: Vec3) -> Option<Facet> {
-        self.reflecting_at(facet_cosine(wo, wi), wo, wi)
+        self.reflecting_by(&self.mirror(wo, wi), wo, wi)
     }
 
-    /// The same, where the cosine between the normal of the facet and either direction is known: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
+    /// The same, where what mirrors is known: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
     #[inline(always)]
-    pub(super) fn reflecting_at(&self, cos_o: f32, wo: Vec3, wi: Vec3) -> Option<Facet> {
-        // The half vector makes the same angle with both, so that is half of its length.
-        let length2 = 4.0 * cos_o * cos_o;
-        if wo.z * wi.z <= 0.0 || length2 < f32::MIN_POSITIVE {
+    pub(super) fn reflecting_by(&self, mirror: &Mirror, wo: Vec3, wi: Vec3) -> Option<Facet> {
+        if wo.z * wi.z <= 0.0 || 4.0 * mirror.cos2 < f32::MIN_POSITIVE {
             return None;
         }
-        self.facet(wo + wi, length2, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
+        let cos_o = mirror.cos2.sqrt().copysign(wo.z);
+        self.facet(wo + wi, mirror.spread, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
     }
 
     /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo`
@@ -287,7 +348,8 @@ impl Microfacet {
         }
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
-        self.facet(m, 1.0, wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
+        let spread = Spread { root: ggx_root(self.alpha(), m, 1.0), area: self.area(wo) };
+        self.facet(m, spread, wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
     }
 
     /// Refraction by a facet that was drawn for `wo`. By Snell's law its cosines are known: `|wi·m| = c_t/η`, of which the denominator is
@@ -300,36 +362,40 @@ impl Microfacet {
         wo: Vec3,
         wi: Vec3,
     ) -> Option<Facet> {
-        if wo.z * wi.z >= 0.0 || n.cos_o * wo.z <= 0.0 {
+        if wo.z * wi.z >= 0.0 || n.projected * wo.z <= 0.0 {
             return None;
         }
         // By `c_t² − cos² = η² − 1`, which spares the difference of what is nearly the same.
         let (sum, excess) = (crossing.cos_i + crossing.refracted, crossing.eta * crossing.eta - 1.0);
         let jacobian = crossing.refracted * (sum * sum) * (crossing.eta / (excess * excess));
-        let length2 = n.direction.length_squared();
-        self.facet(n.direction, length2, wo, wi, n.cos_o, jacobian, crossing.cos_i * jacobian)
+        let cos_o = crossing.cos_i.copysign(wo.z);
+        self.facet(n.direction, n.spread, wo, wi, cos_o, jacobian, crossing.cos_i * jacobian)
     }
 
-    /// The facet whose normal is along `h` or `−h`, of squared length `length2`, with solid angle `jacobian` of normals per solid angle of
-    /// `wi`, and `seen = jacobian |wo·m|`. A density that vanishes or overflows (a grazing direction) carries nothing.
+    /// The facet whose normal is along `h` or `−h`, with solid angle `jacobian` of normals per solid angle of `wi`, and
+    /// `seen = jacobian |wo·m|`. A density that vanishes or overflows (a grazing direction) carries nothing.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "inlined: what is not used is not computed")]
-    pub(super) fn facet(
+    fn facet(
         &self,
         h: Vec3,
-        length2: f32,
+        spread: Spread,
         wo: Vec3,
         wi: Vec3,
         cos_o: f32,
         jacobian: f32,
         seen: f32,
     ) -> Option<Facet> {
-        let (value, pdf) = if self.is_ggx() {
-            self.smith(wo, wi, seen * ggx_density(self.alpha(), h, length2))
+        let (value, pdf, weight) = if self.is_ggx() {
+            let d = FRAC_1_PI * self.alpha_x * self.alpha_y * (spread.root * spread.root);
+            let g2 = self.smith_g2(wo, wi, spread.area);
+            (seen * d * g2, seen * d / spread.area, g2 * spread.area)
         } else {
-            self.of_others(upper(h)?, wo, wi, jacobian, seen)
+            let (value, pdf) = self.of_others(upper(h)?, wo, wi, jacobian, seen);
+            (value, pdf, value / pdf)
         };
-        (pdf > 0.0 && pdf.is_finite() && value.is_finite()).then_some(Facet { cos_o, value, pdf })
+        let is_sound = (pdf > 0.0) & (pdf < f32::INFINITY) & (value < f32::INFINITY);
+        is_sound.then_some(Facet { cos_o, value, pdf, weight })
     }
 
     /// Value and density of surfaces other than Smith's GGX.
@@ -337,23 +403,11 @@ impl Microfacet {
     fn of_others(&self, m: Vec3, wo: Vec3, wi: Vec3, jacobian: f32, seen: f32) -> (f32, f32) {
         let d = self.d(m);
         if self.is_stretched() {
-            return self.smith(wo, wi, seen * d);
+            let area = self.area(wo);
+            return (seen * d * self.smith_g2(wo, wi, area), seen * d / area);
         }
         (seen * d * self.g2(wo, wi, m) / wo.z.abs(), self.d_visible(wo, m) * jacobian)
     }
-
-    /// Value and density where visible normals are drawn, but for masking `seen`.
-    #[inline(always)]
-    fn smith(&self, wo: Vec3, wi: Vec3, seen: f32) -> (f32, f32) {
-        let area = self.area(wo);
-        (seen * self.smith_g2(wo, wi, area), seen / area)
-    }
-}
-
-/// The cosine between a direction and the normal of the facet that mirrors it into another; negative from below.
-#[inline(always)]
-pub(super) fn facet_cosine(wo: Vec3, wi: Vec3) -> f32 {
-    (0.5 * (wo + wi).length()).copysign(wo.z)
 }
 
 /// The areas of a facet `m` and of the one across its groove as `w` sees them.

@@ -14,9 +14,9 @@
 //! not. What an anisotropic surface loses depends on the azimuth, which the tables do not know: it is left as it is.
 
 use super::{BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Shadowing, fresnel};
-use super::{Reflectance, microfacet::facet_cosine};
+use super::{Reflectance, microfacet::Mirror};
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
+use steradian_math::{Spectrum, Vec2, Vec3, cell, warp::cosine_hemisphere};
 
 /// How light between facets is accounted for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -34,11 +34,15 @@ const NORMALS: usize = 610;
 /// Roughness of the last row.
 const ROUGHEST: f32 = 2.0;
 
+/// `E` of one roughness. The cells are even in `√cos`; in each `E` is linear in the cosine, as it is towards the horizon: its value at zero and its
+/// slope.
+type Row = [[f32; 2]; ANGLES - 1];
+
 /// `E` over the square roots of cosine and roughness, for one distribution and kind of shadowing.
 #[derive(Clone, Debug)]
 pub struct EnergyTable {
     /// `E(θ)` of each roughness, and its mean.
-    rows: Vec<([f32; ANGLES], f32)>,
+    rows: Vec<(Row, f32)>,
 }
 
 impl EnergyTable {
@@ -48,30 +52,30 @@ impl EnergyTable {
             let alpha = ROUGHEST * (j as f32 / (ROWS - 1) as f32).powi(2);
             let surface = Microfacet::new(distribution, shadowing, alpha, alpha);
             if surface.is_smooth() {
-                return ([1.0; ANGLES], 1.0);
+                return ([[1.0, 0.0]; ANGLES - 1], 1.0);
             }
-            let albedo: [f32; ANGLES] = std::array::from_fn(|i| {
-                let mu = (i as f32 / (ANGLES - 1) as f32).powi(2).max(1e-5);
-                albedo(&surface, mu)
+            let cos = |i: usize| (i as f32 / (ANGLES - 1) as f32).powi(2);
+            let albedo: [f32; ANGLES] = std::array::from_fn(|i| albedo(&surface, cos(i).max(1e-5)));
+            let row: Row = std::array::from_fn(|i| {
+                let slope = (albedo[i + 1] - albedo[i]) / (cos(i + 1) - cos(i));
+                [albedo[i] - slope * cos(i), slope]
             });
             // 2∫ E μ dμ over pieces in √μ, by the midpoint.
             let pieces = 8 * (ANGLES - 1);
             let mean = (0..pieces)
                 .map(|i| {
                     let x = (i as f32 + 0.5) / pieces as f32;
-                    4.0 * at(&albedo, x * x) * x * x * x / pieces as f32
+                    4.0 * at(&row, x * x) * x * x * x / pieces as f32
                 })
                 .sum::<f32>();
-            (albedo, mean.min(1.0))
+            (row, mean.min(1.0))
         };
         Self { rows: (0..ROWS).map(row).collect() }
     }
 
     /// The rows around a roughness and the weight of the second.
     fn place(alpha: f32) -> (usize, f32) {
-        let x = (alpha / ROUGHEST).clamp(0.0, 1.0).sqrt() * (ROWS - 1) as f32;
-        let j = (x as usize).min(ROWS - 2);
-        (j, x - j as f32)
+        cell((alpha / ROUGHEST).clamp(0.0, 1.0).sqrt() * (ROWS - 1) as f32, ROWS - 1)
     }
 
     /// `E(θ)`.
@@ -88,12 +92,11 @@ impl EnergyTable {
     }
 }
 
-/// The entries are even in `√cos`; between them `E` is linear in the cosine, as it is towards the horizon.
-fn at(row: &[f32; ANGLES], cos: f32) -> f32 {
-    let cos = cos.clamp(0.0, 1.0) * ((ANGLES - 1) * (ANGLES - 1)) as f32;
-    let i = (cos.sqrt() as usize).min(ANGLES - 2);
-    let (low, high) = ((i * i) as f32, ((i + 1) * (i + 1)) as f32);
-    row[i] + (row[i + 1] - row[i]) * ((cos - low) / (high - low))
+/// `E` at a cosine.
+#[inline(always)]
+fn at(row: &Row, cos: f32) -> f32 {
+    let [at_zero, slope] = row[cell(cos.sqrt() * (ANGLES - 1) as f32, ANGLES - 1).0];
+    at_zero + slope * cos
 }
 
 /// The albedo of perfectly reflecting facets, over a lattice of the normals that are seen.
@@ -150,16 +153,16 @@ impl<'a> CompensatedConductor<'a> {
         if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
             return BsdfEval::ZERO;
         }
-        self.eval_at(wo, wi, self.lost(wo.z), facet_cosine(wo, wi))
+        self.eval_at(wo, wi, self.lost(wo.z), &self.conductor.microfacet.mirror(wo, wi))
     }
 
-    /// The value where facets lose `lost` of what they reflect along `wo`, with the cosine at the facet.
+    /// The value where facets lose `lost` of what they reflect along `wo`, with what mirrors.
     #[inline]
-    fn eval_at(&self, wo: Vec3, wi: Vec3, lost: f32, cos: f32) -> BsdfEval {
+    fn eval_at(&self, wo: Vec3, wi: Vec3, lost: f32, mirror: &Mirror) -> BsdfEval {
         if wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
-        let mut e = self.conductor.eval_by(cos, wo, wi);
+        let mut e = self.conductor.eval_by(mirror, wo, wi);
         match self.kind {
             Compensation::Turquin => e.value *= Spectrum::ONE + self.colour * (lost / (1.0 - lost)),
             Compensation::KullaConty => {
@@ -180,14 +183,14 @@ impl<'a> CompensatedConductor<'a> {
         }
         // The broad lobe carries what single scattering loses, and is drawn with that probability.
         let lost = self.lost(wo.z);
-        let (wi, cos, lobe) = if self.kind == Compensation::KullaConty && u < lost {
+        let (wi, mirror, lobe) = if self.kind == Compensation::KullaConty && u < lost {
             let wi = cosine_hemisphere(u2);
-            (wi, facet_cosine(wo, wi), Lobe::DIFFUSE)
+            (wi, self.conductor.microfacet.mirror(wo, wi), Lobe::DIFFUSE)
         } else {
             let n = self.conductor.microfacet.draw(wo, u2);
-            (n.mirrored(wo), n.cos_o, Lobe::GLOSSY)
+            (n.mirrored(wo), n.mirror(), Lobe::GLOSSY)
         };
-        self.eval_at(wo, wi, lost, cos).drawn_above(wi, Lobe::REFLECTION.with(lobe))
+        self.eval_at(wo, wi, lost, &mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
     pub(super) fn is_reciprocal(&self) -> bool {

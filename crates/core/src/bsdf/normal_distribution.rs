@@ -13,7 +13,7 @@
 //! Blinn's exponents follow from `n = 2/α² − 2` (not below 0), which makes the lobe as wide as Beckmann's of that α
 //! (Walter et al. 2007, 5.1; Mitsuba 0.6's `phong`). The Gaussian knows no directions: it takes `α = √(α_x α_y)`.
 
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
 use steradian_math::{
     Vec2, Vec3,
@@ -78,7 +78,8 @@ impl NormalDistribution {
     #[inline]
     pub(super) fn density(self, alpha: Vec2, m: Vec3) -> f32 {
         if self == Self::Ggx {
-            return ggx_density(alpha, m, 1.0);
+            let root = ggx_root(alpha, m, 1.0);
+            return FRAC_1_PI * alpha.x * alpha.y * (root * root);
         }
         let (x, y, area, cos2) = (m.x * alpha.y, m.y * alpha.x, alpha.x * alpha.y, m.z * m.z);
         let slopes = (x * x + y * y) / (area * area);
@@ -170,13 +171,13 @@ pub(super) fn beckmann_density(alpha: Vec2, exponential: f32, cos2: f32) -> f32 
     exponential / (PI * alpha.x * alpha.y * (cos2 * cos2))
 }
 
-/// `D` of GGX for a normal of any length, whose square is given. Both sides of the fraction are taken times `(α_x α_y)⁴`, which spares
-/// divisions.
-#[inline]
-pub(super) fn ggx_density(alpha: Vec2, m: Vec3, length2: f32) -> f32 {
-    let (x, y, z) = (m.x * alpha.y, m.y * alpha.x, m.z * (alpha.x * alpha.y));
-    let (q, area) = (x * x + y * y + z * z, alpha.x * alpha.y);
-    area * area * area * (length2 * length2) / (PI * q * q)
+/// `√(π D/(α_x α_y))` of GGX for a normal of any length, whose square is given. Both sides of the fraction are taken times `(α_x α_y)²`,
+/// which spares divisions.
+#[inline(always)]
+pub(super) fn ggx_root(alpha: Vec2, m: Vec3, length2: f32) -> f32 {
+    let area = alpha.x * alpha.y;
+    let (x, y, z) = (m.x * alpha.y, m.y * alpha.x, m.z * area);
+    area * length2 / (x * x + y * y + z * z)
 }
 
 /// The angle between `m` and the z axis.

@@ -15,7 +15,6 @@
 //! angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume) let light pass without
 //! bending it and are the same from both sides. Colours and weights are kept to 16 bits.
 
-use super::microfacet::facet_cosine;
 use super::principled::schlick_weight;
 use super::{
     BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel, sample_cosine_hemisphere,
@@ -359,23 +358,23 @@ impl Pbr {
             return BsdfEval::ZERO;
         }
         if wo.z > 0.0 {
-            return self.eval_outside(&self.seen_from(wo), facet_cosine(wo, wi), wo, wi, mode);
+            return self.eval_outside(&self.seen_from(wo), wo, wi, mode);
         }
         if self.refracts() {
             self.eval_inside(wo, wi, mode)
         } else if self.transmits() {
-            self.eval_outside(&self.seen_from(-wo), facet_cosine(-wo, -wi), -wo, -wi, mode)
+            self.eval_outside(&self.seen_from(-wo), -wo, -wi, mode)
         } else {
             BsdfEval::ZERO
         }
     }
 
-    /// The value for light that leaves outside and is seen so, with the cosine at reflecting facets.
-    fn eval_outside(&self, c: &Seen, cos: f32, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+    /// The value for light that leaves outside and is seen so.
+    fn eval_outside(&self, c: &Seen, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         let mut e = BsdfEval::ZERO;
         let is_rough = !self.facets.is_smooth();
         if wi.z > 0.0 {
-            if is_rough && let Some(facet) = self.facets.reflecting_at(cos, wo, wi) {
+            if is_rough && let Some(facet) = self.facets.reflecting(wo, wi) {
                 let f = self.reflectance(facet.cos_o);
                 e.value = f * facet.value;
                 e.pdf = c.facets * self.reflecting_part(f) * facet.pdf;
@@ -392,7 +391,7 @@ impl Pbr {
                 e.value *= self.coat_leaves(&[wo.z, wi.z]);
                 let facets = self.coat_facets();
                 if !facets.is_smooth()
-                    && let Some(facet) = facets.reflecting_at(cos, wo, wi)
+                    && let Some(facet) = facets.reflecting(wo, wi)
                 {
                     e.value += Spectrum::splat(self.coat_reflectance(facet.cos_o) * facet.value);
                     e.pdf += c.coat * facet.pdf;
@@ -461,17 +460,14 @@ impl Pbr {
         let turn = if wo.z < 0.0 && !is_inside { -1.0 } else { 1.0 };
         let seen = wo * turn;
         let c = if is_inside { Seen { facets: 1.0, ..Seen::default() } } else { self.seen_from(seen) };
-        // What reflects to the same side, the base or the coat, does so by facets of one normal.
-        let (mut eta, mut known) = (1.0, None);
+        let mut eta = 1.0;
         let (wi, lobe) = if u < c.coat {
             let facets = self.coat_facets();
             if facets.is_smooth() {
                 let s = self.mirrored(seen, &c);
                 return Some(BsdfSample { wi: s.wi * turn, ..s });
             }
-            let n = facets.draw(seen, u2);
-            known = Some(n.cos_o);
-            (n.mirrored(seen), Lobe::GLOSSY)
+            (facets.draw(seen, u2).mirrored(seen), Lobe::GLOSSY)
         } else if u < c.coat + c.facets {
             let u = (u - c.coat) / c.facets;
             if self.facets.is_smooth() {
@@ -483,14 +479,13 @@ impl Pbr {
                 return Some(BsdfSample { wi: s.wi * turn, ..s });
             }
             let n = self.facets.draw(seen, u2);
-            if u < self.reflecting_part(self.reflectance_from(n.cos_o)) {
-                known = Some(n.cos_o);
+            if u < self.reflecting_part(self.reflectance_from(n.cos_o())) {
                 (n.mirrored(seen), Lobe::GLOSSY)
             } else if self.thin {
                 let w = n.mirrored(seen);
                 (Vec3::new(w.x, w.y, -w.z), Lobe::GLOSSY.with(Lobe::TRANSMISSION))
             } else {
-                let (w, relative) = n.refracted(seen, &fresnel::Crossing::new(n.cos_o, self.eta))?;
+                let (w, relative) = n.refracted(seen, &n.crossing(self.eta))?;
                 eta = relative;
                 (w, Lobe::GLOSSY.with(Lobe::TRANSMISSION))
             }
@@ -503,11 +498,7 @@ impl Pbr {
             return None;
         }
         let lobe = if lobe.is_transmission() { lobe } else { lobe.with(Lobe::REFLECTION) };
-        let e = if is_inside {
-            self.eval_inside(seen, wi, mode)
-        } else {
-            self.eval_outside(&c, known.unwrap_or_else(|| facet_cosine(seen, wi)), seen, wi, mode)
-        };
+        let e = if is_inside { self.eval_inside(seen, wi, mode) } else { self.eval_outside(&c, seen, wi, mode) };
         e.drawn(wi * turn, lobe, eta)
     }
 

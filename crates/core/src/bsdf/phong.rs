@@ -96,7 +96,7 @@ impl GlossyLobe for CosineLobe {
         // By the distance of the unit vectors: the cosine itself is too coarse for large exponents.
         let versine = 0.5 * (axis - wi).length_squared();
         let power = self.exponent.power(1.0 - f64::from(versine.min(0.999_999_9)));
-        self.of_power(if versine < 1.0 { power } else { 0.0 }, length, wi)
+        self.of_powers(if versine < 1.0 { power } else { 0.0 }, self.size(length), wi)
     }
 
     #[inline(always)]
@@ -105,24 +105,36 @@ impl GlossyLobe for CosineLobe {
         // cosⁿ⁺¹α is uniform; the angle by 1 − cosα, which is small for large exponents.
         let uniform = 1.0 - u2.y;
         let (cos, excess) = pow_and_excess(uniform, self.inverse);
-        let around = (-excess * (2.0 + excess)).max(0.0).sqrt() * Vec2::from(sin_cos_turns(u2.x));
-        let (s, t) = axis.any_orthonormal_pair();
-        let wi = s * around.x + t * around.y + axis * cos;
-        let (value, pdf) = self.of_power(uniform / cos, length, wi);
+        let sin = (-excess * (2.0 + excess)).max(0.0).sqrt();
+        let wi = about(axis, cos, sin, Vec2::from(sin_cos_turns(u2.x)));
+        let (value, pdf) = self.of_powers(uniform / cos, self.size(length), wi);
         (wi, value, pdf)
     }
 }
 
+/// The direction at an angle from an axis. The azimuth is turned with the normal the shortest way to the axis; for one that points down both are
+/// mirrored.
+#[inline(always)]
+fn about(axis: Vec3, cos: f32, sin: f32, azimuth: Vec2) -> Vec3 {
+    let flat = axis.truncate();
+    let off = azimuth.dot(flat);
+    let along = cos - sin * (off / (1.0 + axis.z.abs()));
+    (sin * azimuth + along * flat).extend(cos * axis.z - sin * (off * 1f32.copysign(axis.z)))
+}
+
 impl CosineLobe {
-    /// Value and density by `cos^n α`.
+    /// The power of the transformed direction's length.
     #[inline(always)]
-    fn of_power(&self, power: f32, length: f32, wi: Vec3) -> (f32, f32) {
-        let pdf = (self.exponent.value() + 1.0) * FRAC_1_TAU * power;
-        if self.empirical {
-            return (power, pdf);
-        }
-        let size = if self.is_mirror { 1.0 } else { self.exponent.power(f64::from(length)) };
-        ((self.exponent.value() + 2.0) * FRAC_1_TAU * power * size * wi.z, pdf)
+    fn size(&self, length: f32) -> f32 {
+        if self.is_mirror { 1.0 } else { self.exponent.power(f64::from(length)) }
+    }
+
+    /// Value and density by `cosⁿα` and the same power of the transformed direction's length.
+    #[inline(always)]
+    fn of_powers(&self, power: f32, size: f32, wi: Vec3) -> (f32, f32) {
+        let value =
+            if self.empirical { power } else { (self.exponent.value() + 2.0) * FRAC_1_TAU * power * size * wi.z };
+        (value, (self.exponent.value() + 1.0) * FRAC_1_TAU * power)
     }
 }
 

@@ -269,7 +269,7 @@ impl Principled {
             (fresnel::reflect(wo, gtr1::sample(self.clearcoat_alpha, u2)), Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
         } else {
             let n = self.microfacet.draw(wo, u2);
-            let crossing = fresnel::Crossing::new(n.cos_o, self.eta);
+            let crossing = n.crossing(self.eta);
             let f = crossing.reflectance;
             let u = (u - w.diffuse - w.clearcoat) / w.specular;
             if u < Self::reflecting_part(wo, &w, f) {

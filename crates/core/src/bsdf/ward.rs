@@ -75,11 +75,15 @@ impl GlossyLobe for GaussianLobe {
     fn sample(&self, wo: Vec3, u2: Vec2) -> (Vec3, f32, f32) {
         // What the uniform number leaves is the exponential in the distribution.
         let exponential = 1.0 - u2.y;
-        let r = (-ln(exponential)).max(0.0).sqrt();
-        let h = (self.alpha * (r * Vec2::from(sin_cos_turns(u2.x)))).extend(1.0);
-        let (length2, projected) = (h.length_squared(), wo.dot(h));
+        let r2 = (-ln(exponential)).max(0.0);
+        // The half vector of height one is aside·√r² off the normal: the root, which takes long, is left to the end.
+        let aside = self.alpha * Vec2::from(sin_cos_turns(u2.x));
+        let (length2, along) = (1.0 + r2 * aside.length_squared(), aside.dot(wo.truncate()));
+        let r = r2.sqrt();
+        let projected = wo.z + r * along;
         // Facets seen from behind send light below the surface.
-        let wi = (2.0 * projected / length2) * h - wo;
+        let twice = projected * (2.0 / length2);
+        let wi = ((twice * r) * aside - wo.truncate()).extend(twice - wo.z);
         let (value, pdf) = self.of_half(exponential, length2, projected, wo, wi);
         (wi, value, pdf)
     }

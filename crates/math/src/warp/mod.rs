@@ -51,7 +51,8 @@ impl DiskPoint {
         let low = Vec2::new(cos.copysign(p.x), sin);
         let high = Vec2::new(sin, cos.copysign(p.y));
         let azimuth = Vec4::select(is_high, high.extend(0.0).extend(0.0), low.extend(0.0).extend(0.0));
-        Self { radius: p.x.abs().max(p.y.abs()), azimuth: azimuth.truncate().truncate() }
+        let (x, y) = (p.x.abs(), p.y.abs());
+        Self { radius: if x > y { x } else { y }, azimuth: azimuth.truncate().truncate() }
     }
 
     /// The point itself.
