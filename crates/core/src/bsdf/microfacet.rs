@@ -236,7 +236,13 @@ impl Microfacet {
         if self.is_stretched() {
             return w.dot(m).abs() * self.d(m) / self.area(w);
         }
-        let drawn = self.distribution.sampled_density(self.alpha(), m);
+        self.visible(w, m, self.d(m))
+    }
+
+    /// The same for surfaces that are not stretched, by `D(m)`.
+    #[inline]
+    fn visible(&self, w: Vec3, m: Vec3, d: f32) -> f32 {
+        let drawn = self.distribution.sampled_density(self.alpha(), m, d);
         match self.shadowing {
             Shadowing::VGroove => {
                 let (here, across) = faces_of_groove(if w.z < 0.0 { -w } else { w }, m);
@@ -406,7 +412,7 @@ impl Microfacet {
             let area = self.area(wo);
             return (seen * d * self.smith_g2(wo, wi, area), seen * d / area);
         }
-        (seen * d * self.g2(wo, wi, m) / wo.z.abs(), self.d_visible(wo, m) * jacobian)
+        (seen * d * self.g2(wo, wi, m) / wo.z.abs(), self.visible(wo, m, d) * jacobian)
     }
 }
 

@@ -151,11 +151,11 @@ impl NormalDistribution {
     }
 
     /// The density with which [`NormalDistribution::sample`] draws `m`: `D(m) cosθ_m`, but for the Gaussian, of which
-    /// `θ exp(−(θ/α)²)` is what can be inverted (sr⁻¹).
+    /// `θ exp(−(θ/α)²)` is what can be inverted (sr⁻¹). By `D(m)`, which is `d`.
     #[inline]
-    pub(super) fn sampled_density(self, alpha: Vec2, m: Vec3) -> f32 {
+    pub(super) fn sampled_density(self, alpha: Vec2, m: Vec3, d: f32) -> f32 {
         if self != Self::Gaussian {
-            return self.density(alpha, m) * m.z;
+            return d * m.z;
         }
         let alpha = (alpha.x * alpha.y).sqrt();
         let (sin, theta) = ((m.x * m.x + m.y * m.y).sqrt(), angle(m));
@@ -259,7 +259,7 @@ mod tests {
                 let a = Vec2::splat(alpha);
                 let area = integrate(alpha, |m| d.density(a, m) * m.z);
                 assert!((area - 1.0).abs() < 1e-3, "{d:?}, α = {alpha}: {area}");
-                let drawn = integrate(alpha, |m| d.sampled_density(a, m));
+                let drawn = integrate(alpha, |m| d.sampled_density(a, m, d.density(a, m)));
                 assert!((drawn - 1.0).abs() < 1e-3, "{d:?}, α = {alpha}: ∫pdf = {drawn}");
             }
             let a = Vec2::new(0.2, 0.5);

@@ -39,7 +39,15 @@ impl Unit4 {
 
     #[inline]
     fn most(self) -> f32 {
+        if self.is_black() {
+            return 0.0;
+        }
         f32::from(self.0.into_iter().max().unwrap_or(0)) * (1.0 / 65535.0)
+    }
+
+    #[inline]
+    fn is_black(self) -> bool {
+        self.0 == [0; 4]
     }
 }
 
@@ -202,11 +210,11 @@ impl Pbr {
     }
 
     fn refracts(&self) -> bool {
-        !self.thin && self.refracted.most() > 0.0
+        !self.thin && !self.refracted.is_black()
     }
 
     pub(super) fn transmits(&self) -> bool {
-        self.refracted.most() > 0.0 || self.through.most() > 0.0
+        !self.refracted.is_black() || !self.through.is_black()
     }
 
     /// Index below relative to above, as light meets it.
@@ -217,7 +225,7 @@ impl Pbr {
     /// Whether every lobe is a delta distribution.
     pub(super) fn is_specular(&self) -> bool {
         let smooth_coat = self.coat.0 == 0 || self.coat_facets().is_smooth();
-        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.most() == 0.0);
+        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.is_black());
         self.facets.is_smooth() && smooth_coat && nothing_else
     }
 
@@ -294,8 +302,10 @@ impl Pbr {
 
     /// What sheen leaves to the layers below it at one cosine.
     fn sheen_leaves(&self, cos: f32) -> f32 {
-        let sheen = self.sheen.most();
-        if sheen == 0.0 { 1.0 } else { 1.0 - sheen * albedo_table::sheen(self.sheen_alpha.get(), cos) }
+        if self.sheen.is_black() {
+            return 1.0;
+        }
+        1.0 - self.sheen.most() * albedo_table::sheen(self.sheen_alpha.get(), cos)
     }
 
     /// What the coat leaves of light that sees it at these cosines on its way, and the colour it gives.
@@ -332,8 +342,7 @@ impl Pbr {
         let reflected = metallic * self.metal.most().max(b).max(film) + (1.0 - metallic) * dielectric;
         let facets = (1.0 - coat) * (reflected + self.refracted.most()).max(0.02);
         let below = (1.0 - dielectric).clamp(0.0, 1.0);
-        let sheen = self.sheen.most();
-        let sheen = if sheen > 0.0 { sheen * albedo_table::sheen(self.sheen_alpha.get(), cos) } else { 0.0 };
+        let sheen = 1.0 - self.sheen_leaves(cos);
         let diffuse = (1.0 - coat) * below * (self.diffuse.most() + self.through.most()) + sheen;
         let total = coat + facets + diffuse;
         let inverse = 1.0 / total;
@@ -342,13 +351,18 @@ impl Pbr {
 
     /// The part of the diffuse draws that goes through.
     fn through_part(&self) -> f32 {
+        if self.through.is_black() {
+            return 0.0;
+        }
         let through = self.through.most();
-        let reflected = self.diffuse.most() + self.sheen.most();
-        if through > 0.0 { through / (through + reflected) } else { 0.0 }
+        through / (through + self.diffuse.most() + self.sheen.most())
     }
 
     /// The part of the facets' draws that is reflected.
     fn reflecting_part(&self, f: Spectrum) -> f32 {
+        if self.refracted.is_black() {
+            return 1.0;
+        }
         let (r, t) = (f.max_element(), self.refracted.most() * (1.0 - f.0.min_element()));
         if t > 0.0 { r / (r + t) } else { 1.0 }
     }
@@ -379,11 +393,11 @@ impl Pbr {
                 e.value = f * facet.value;
                 e.pdf = c.facets * self.reflecting_part(f) * facet.pdf;
             }
-            if self.diffuse.most() > 0.0 {
+            if !self.diffuse.is_black() {
                 e.value += self.diffuse.get() * self.lambert(c, wi);
             }
             e.pdf += c.diffuse * (1.0 - self.through_part()) * FRAC_1_PI * wi.z;
-            if self.sheen.most() > 0.0 {
+            if !self.sheen.is_black() {
                 e.value *= self.sheen_leaves(wo.z).min(self.sheen_leaves(wi.z));
                 e.value += self.sheen.get() * sheen::value(self.sheen_alpha.get(), wo, wi);
             }
@@ -408,14 +422,14 @@ impl Pbr {
                 e.value = value * layers * (facet.value * mode.compression(self.eta));
                 e.pdf = c.facets * p * facet.pdf;
             }
-        } else if self.refracted.most() > 0.0
+        } else if !self.refracted.is_black()
             && let Some(facet) = self.facets.reflecting(wo, Vec3::new(wi.x, wi.y, -wi.z))
         {
             let (value, p) = self.transmitted(facet.cos_o);
             e.value = value * facet.value * self.layers(wo.z, -wi.z);
             e.pdf = c.facets * p * facet.pdf;
         }
-        if self.through.most() > 0.0 {
+        if !self.through.is_black() {
             e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c, wi);
             e.pdf += c.diffuse * self.through_part() * FRAC_1_PI * -wi.z;
         }

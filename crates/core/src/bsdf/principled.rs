@@ -14,7 +14,7 @@
 //! From below, where there is only the transmitting part, it is plain glass. The model is an artist's: lobes are added, not layered, so
 //! that a white base reflects more than arrives at it ([`Principled::ALBEDO_BOUND`]).
 
-use super::microfacet::Facet;
+use super::microfacet::{Facet, Mirror};
 use super::{
     BsdfEval, BsdfSample, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode, fresnel, gtr1,
     sample_cosine_hemisphere,
@@ -36,20 +36,22 @@ pub struct DisneyDiffuse {
 }
 
 impl DisneyDiffuse {
-    /// `f cosθ_i` of directions on one side, without the weight of the lobe: diffuse, and sheen.
-    #[inline]
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> (Spectrum, Spectrum) {
+    /// `f cosθ_i` of directions on one side, without the weight of the lobe: diffuse, and sheen; by the square of the cosine between either and
+    /// the half vector.
+    #[inline(always)]
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, cos2_d: f32) -> (Spectrum, Spectrum) {
         let (cos_o, cos_i) = (wo.z.abs(), wi.z.abs());
-        let cos_d = (wo + wi).try_normalize().map_or(0.0, |h| h.dot(wi));
         let (s_o, s_i) = (schlick_weight(cos_o), schlick_weight(cos_i));
-        let r = 2.0 * self.roughness * cos_d * cos_d;
+        let r = 2.0 * self.roughness * cos2_d;
         let smooth = (1.0 - 0.5 * s_o) * (1.0 - 0.5 * s_i) + r * (s_o + s_i + s_o * s_i * (r - 1.0));
         // Hanrahan and Krueger's shape, flattened.
-        let f90 = 0.5 * r;
-        let flat = (1.0 + (f90 - 1.0) * s_o) * (1.0 + (f90 - 1.0) * s_i);
-        let flat = 1.25 * (flat * (1.0 / (cos_o + cos_i) - 0.5) + 0.5);
-        let shape = if self.flatness > 0.0 { smooth + (flat - smooth) * self.flatness } else { smooth };
-        (self.base * (shape * FRAC_1_PI * cos_i), self.sheen * (schlick_weight(cos_d.abs()) * cos_i))
+        let flat = || {
+            let f90 = 0.5 * r;
+            let flat = (1.0 + (f90 - 1.0) * s_o) * (1.0 + (f90 - 1.0) * s_i);
+            1.25 * (flat * (1.0 / (cos_o + cos_i) - 0.5) + 0.5)
+        };
+        let shape = if self.flatness > 0.0 { smooth + (flat() - smooth) * self.flatness } else { smooth };
+        (self.base * (shape * FRAC_1_PI * cos_i), self.sheen * (schlick_weight(cos2_d.sqrt()) * cos_i))
     }
 }
 
@@ -183,8 +185,9 @@ impl Principled {
         let (brdf, bsdf) = ((1.0 - self.metallic) * (1.0 - self.spec_trans), (1.0 - self.metallic) * self.spec_trans);
         if wo.z > 0.0 {
             let total = 1.0 + 0.25 * self.clearcoat + brdf;
-            let [diffuse, clearcoat] = [brdf / total, 0.25 * self.clearcoat / total];
-            Some(Weights { brdf, bsdf, diffuse, clearcoat, specular: 1.0 / total })
+            let specular = 1.0 / total;
+            let [diffuse, clearcoat] = [brdf * specular, 0.25 * self.clearcoat * specular];
+            Some(Weights { brdf, bsdf, diffuse, clearcoat, specular })
         } else if wo.z < 0.0 && bsdf > 0.0 {
             Some(Weights { brdf, bsdf, diffuse: 0.0, clearcoat: 0.0, specular: 1.0 })
         } else {
@@ -214,76 +217,93 @@ impl Principled {
         sum
     }
 
-    fn eval_with(&self, w: &Weights, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        let mut e = BsdfEval::ZERO;
-        if wo.z * wi.z < 0.0 {
-            let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
-            if w.bsdf > 0.0
-                && let Some(facet) = self.microfacet.refracting(wo, wi, eta)
-            {
-                let f = fresnel::dielectric(facet.cos_o, self.eta);
-                let value = w.bsdf * (1.0 - f) * facet.value * mode.compression(eta);
-                let p = w.specular * (1.0 - Self::reflecting_part(wo, w, f));
-                e = BsdfEval { value: self.diffuse.base.sqrt() * value, pdf: p * facet.pdf };
-            }
-            return e;
-        }
-        let Some(facet) = self.microfacet.reflecting(wo, wi) else { return e };
-        let f = fresnel::dielectric(facet.cos_o, self.eta);
-        e.value = self.fresnel(wo, w, facet.cos_o, f) * facet.value;
-        e.pdf = w.specular * Self::reflecting_part(wo, w, f) * facet.pdf;
+    /// The index that light along `wo` meets.
+    #[inline(always)]
+    fn eta_from(&self, wo: Vec3) -> f32 {
+        if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
+    }
+
+    /// What a facet transmits that reflects the fraction `f`.
+    #[inline(always)]
+    fn transmitted(&self, w: &Weights, facet: Facet, f: f32, wo: Vec3, eta: f32, mode: TransportMode) -> BsdfEval {
+        let value = w.bsdf * (1.0 - f) * facet.value * mode.compression(eta);
+        let p = w.specular * (1.0 - Self::reflecting_part(wo, w, f));
+        BsdfEval { value: self.diffuse.base.sqrt() * value, pdf: p * facet.pdf }
+    }
+
+    /// What the surface sends to the side of `wo`.
+    #[inline(always)]
+    fn reflected(&self, w: &Weights, mirror: &Mirror, wo: Vec3, wi: Vec3) -> BsdfEval {
+        let Some(facet) = self.microfacet.reflecting_by(mirror, wo, wi) else { return BsdfEval::ZERO };
+        let crossing = fresnel::Crossing::by_square(mirror.cos2, self.eta_from(wo));
+        let f = crossing.reflectance;
+        let mut e = BsdfEval {
+            value: self.fresnel(wo, w, crossing.cos_i, f) * facet.value,
+            pdf: w.specular * Self::reflecting_part(wo, w, f) * facet.pdf,
+        };
         if wo.z < 0.0 {
             return e;
         }
         if self.clearcoat > 0.0 {
-            let (value, pdf) = self.clearcoat(facet, wo, wi);
+            let (value, pdf) = self.clearcoat(crossing.cos_i, wo, wi);
             e.value += Spectrum::splat(value);
             e.pdf += w.clearcoat * pdf;
         }
-        let (diffuse, sheen) = self.diffuse.eval(wo, wi);
         if w.brdf > 0.0 {
+            let (diffuse, sheen) = self.diffuse.eval(wo, wi, mirror.cos2);
             e.value += diffuse * w.brdf + sheen * (1.0 - self.metallic);
             e.pdf += w.diffuse * FRAC_1_PI * wi.z;
         }
         e
     }
 
-    /// `f cosθ_i` and density of the clear coat: GTR1 with Smith's masking of GGX at 0.25.
-    fn clearcoat(&self, facet: Facet, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let Some(h) = (wo + wi).try_normalize() else { return (0.0, 0.0) };
+    /// `f cosθ_i` and density of the clear coat, for directions above it with this cosine at the facet: GTR1 with Smith's masking of GGX at 0.25.
+    fn clearcoat(&self, cos: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let h = (wo + wi) * (0.5 / cos);
         let d = gtr1::d(self.clearcoat_alpha, h.z);
         let masking = Microfacet::new(NormalDistribution::Ggx, Shadowing::Separable, 0.25, 0.25);
-        let f = schlick_from(Spectrum::splat(0.04), facet.cos_o, self.eta)[0];
-        (0.25 * self.clearcoat * f * d * masking.g2(wo, wi, h) * wi.z, d * h.z / (4.0 * facet.cos_o))
+        let f = schlick_from(Spectrum::splat(0.04), cos, self.eta)[0];
+        (0.25 * self.clearcoat * f * d * masking.g2(wo, wi, h) * wi.z, d * h.z / (4.0 * cos))
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        self.weights(wo).map_or(BsdfEval::ZERO, |w| self.eval_with(&w, wo, wi, mode))
+        let Some(w) = self.weights(wo) else { return BsdfEval::ZERO };
+        if wo.z * wi.z >= 0.0 {
+            return self.reflected(&w, &self.microfacet.mirror(wo, wi), wo, wi);
+        }
+        let eta = self.eta_from(wo);
+        if w.bsdf > 0.0
+            && let Some(facet) = self.microfacet.refracting(wo, wi, eta)
+        {
+            return self.transmitted(&w, facet, fresnel::dielectric(facet.cos_o, self.eta), wo, eta, mode);
+        }
+        BsdfEval::ZERO
     }
 
     pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let w = self.weights(wo)?;
-        let (wi, lobe, eta) = if u < w.diffuse {
-            (sample_cosine_hemisphere(u2)?, Lobe::REFLECTION.with(Lobe::DIFFUSE), 1.0)
+        let (wi, mirror, shape) = if u < w.diffuse {
+            let wi = sample_cosine_hemisphere(u2)?;
+            (wi, self.microfacet.mirror(wo, wi), Lobe::DIFFUSE)
         } else if u < w.diffuse + w.clearcoat {
-            (fresnel::reflect(wo, gtr1::sample(self.clearcoat_alpha, u2)), Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
+            let wi = fresnel::reflect(wo, gtr1::sample(self.clearcoat_alpha, u2));
+            (wi, self.microfacet.mirror(wo, wi), Lobe::GLOSSY)
         } else {
             let n = self.microfacet.draw(wo, u2);
             let crossing = n.crossing(self.eta);
             let f = crossing.reflectance;
-            let u = (u - w.diffuse - w.clearcoat) / w.specular;
-            if u < Self::reflecting_part(wo, &w, f) {
-                (n.mirrored(wo), Lobe::REFLECTION.with(Lobe::GLOSSY), 1.0)
-            } else {
+            if u - w.diffuse - w.clearcoat >= w.specular * Self::reflecting_part(wo, &w, f) {
                 let (wi, eta) = n.refracted(wo, &crossing)?;
-                (wi, Lobe::TRANSMISSION.with(Lobe::GLOSSY), eta)
+                let facet = self.microfacet.refracting_drawn(&n, &crossing, wo, wi)?;
+                let e = self.transmitted(&w, facet, f, wo, eta, mode);
+                return e.drawn(wi, Lobe::TRANSMISSION.with(Lobe::GLOSSY), eta);
             }
+            (n.mirrored(wo), n.mirror(), Lobe::GLOSSY)
         };
-        if (wo.z * wi.z < 0.0) != lobe.is_transmission() {
+        if wo.z * wi.z <= 0.0 {
             return None;
         }
-        let e = self.eval_with(&w, wo, wi, mode);
-        e.drawn(wi, lobe, eta)
+        self.reflected(&w, &mirror, wo, wi).drawn(wi, Lobe::REFLECTION.with(shape), 1.0)
     }
 
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {

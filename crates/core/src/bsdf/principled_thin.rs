@@ -76,21 +76,22 @@ impl PrincipledThin {
         let (t, d) = (self.spec_trans, self.diff_trans);
         let mut e = BsdfEval::ZERO;
         if wi.z > 0.0 {
-            if let Some(facet) = self.reflecting.reflecting(wo, wi)
-                && t > 0.0
+            let mirror = self.reflecting.mirror(wo, wi);
+            if t > 0.0
+                && let Some(facet) = self.reflecting.reflecting_by(&mirror, wo, wi)
             {
-                let plain = Spectrum::splat(fresnel::dielectric(facet.cos_o, self.eta));
+                let plain = Spectrum::splat(fresnel::Crossing::by_square(mirror.cos2, self.eta).reflectance);
                 let tinted = schlick_from(self.f0_tint, facet.cos_o, self.eta);
                 e.value = (plain + (tinted - plain) * self.spec_tint) * (t * facet.value);
                 e.pdf = reflected * facet.pdf;
             }
-            let (base, sheen) = self.diffuse.eval(wo, wi);
+            let (base, sheen) = self.diffuse.eval(wo, wi, mirror.cos2);
             e.value += (base + sheen) * ((1.0 - t) * (1.0 - d));
             e.pdf += diffuse * FRAC_1_PI * wi.z;
         } else if wi.z < 0.0 {
             let mirrored = Vec3::new(wi.x, wi.y, -wi.z);
-            if let Some(facet) = self.transmitting.reflecting(wo, mirrored)
-                && t > 0.0
+            if t > 0.0
+                && let Some(facet) = self.transmitting.reflecting(wo, mirrored)
             {
                 let f = fresnel::dielectric(facet.cos_o, self.eta);
                 e.value = self.diffuse.base * (t * (1.0 - f) * facet.value);
