@@ -140,17 +140,7 @@ fn main() {
         shuffled(MODELS, &[], &mut |values| {
             let [median, least] = measure(values, &events);
             println!("{:24} {median:7.1} ns ({least:6.1})", "one of each, shuffled");
-            let each = measure_each(values, &events);
-            if std::env::var("EACH").is_ok() {
-                let mut order: Vec<usize> = (0..values.len()).collect();
-                order.sort_by_key(|i| mix64(*i as u64 + 1));
-                let mut l: Vec<_> = each.iter().zip(order).map(|(t, i)| (*t, MODELS[i].name)).collect();
-                l.sort_by(|a, b| a.0.total_cmp(&b.0));
-                for (t, n) in l {
-                    println!("   {n:30} {t:6.1}");
-                }
-            }
-            let [median, least] = middle_and_least(each);
+            let [median, least] = middle_and_least(measure_each(values, &events));
             println!("{:24} {median:7.1} ns ({least:6.1})", "median over the shuffled");
         });
     }

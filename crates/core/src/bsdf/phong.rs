@@ -26,6 +26,8 @@ pub(super) const FRAC_1_TAU: f32 = 0.5 * FRAC_1_PI;
 pub struct CosineLobe {
     coefficients: Vec3,
     exponent: Exponent,
+    /// `n/2`.
+    half: Exponent,
     /// `1/(n + 1)`.
     inverse: f32,
     empirical: bool,
@@ -67,17 +69,18 @@ impl CosineLobe {
     fn new(coefficients: Vec3, exponent: f32, empirical: bool) -> Self {
         let exponent = exponent_in_range(exponent);
         let (inverse, is_mirror) = (1.0 / (exponent + 1.0), coefficients == Phong::MIRROR);
-        Self { coefficients, exponent: Exponent::new(exponent), inverse, empirical, is_mirror }
+        let (exponent, half) = (Exponent::new(exponent), Exponent::new(0.5 * exponent));
+        Self { coefficients, exponent, half, inverse, empirical, is_mirror }
     }
 
-    /// The lobe's axis and the length of the transformed direction.
+    /// The lobe's axis and the squared length of the transformed direction.
     fn axis(&self, wo: Vec3) -> Option<(Vec3, f32)> {
         if self.is_mirror {
             return Some((Vec3::new(-wo.x, -wo.y, wo.z), 1.0));
         }
         let d = self.coefficients * wo;
-        let length = d.length();
-        (length > 1e-6).then(|| (d / length, length))
+        let length2 = d.length_squared();
+        (length2 > 1e-12).then(|| (d * (1.0 / length2.sqrt()), length2))
     }
 }
 
@@ -92,22 +95,22 @@ impl GlossyLobe for CosineLobe {
 
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let Some((axis, length)) = self.axis(wo) else { return (0.0, 0.0) };
+        let Some((axis, length2)) = self.axis(wo) else { return (0.0, 0.0) };
         // By the distance of the unit vectors: the cosine itself is too coarse for large exponents.
         let versine = 0.5 * (axis - wi).length_squared();
         let power = self.exponent.power(1.0 - f64::from(versine.min(0.999_999_9)));
-        self.of_powers(if versine < 1.0 { power } else { 0.0 }, self.size(length), wi)
+        self.of_powers(if versine < 1.0 { power } else { 0.0 }, self.size(length2), wi)
     }
 
     #[inline(always)]
     fn sample(&self, wo: Vec3, u2: Vec2) -> (Vec3, f32, f32) {
-        let Some((axis, length)) = self.axis(wo) else { return (Vec3::ZERO, 0.0, 0.0) };
+        let Some((axis, length2)) = self.axis(wo) else { return (Vec3::ZERO, 0.0, 0.0) };
         // cosⁿ⁺¹α is uniform; the angle by 1 − cosα, which is small for large exponents.
         let uniform = 1.0 - u2.y;
         let (cos, excess) = pow_and_excess(uniform, self.inverse);
         let sin = (-excess * (2.0 + excess)).max(0.0).sqrt();
         let wi = about(axis, cos, sin, Vec2::from(sin_cos_turns(u2.x)));
-        let (value, pdf) = self.of_powers(uniform / cos, self.size(length), wi);
+        let (value, pdf) = self.of_powers(uniform / cos, self.size(length2), wi);
         (wi, value, pdf)
     }
 }
@@ -123,10 +126,10 @@ fn about(axis: Vec3, cos: f32, sin: f32, azimuth: Vec2) -> Vec3 {
 }
 
 impl CosineLobe {
-    /// The power of the transformed direction's length.
+    /// The power of the transformed direction's length, by its square.
     #[inline(always)]
-    fn size(&self, length: f32) -> f32 {
-        if self.is_mirror { 1.0 } else { self.exponent.power(f64::from(length)) }
+    fn size(&self, length2: f32) -> f32 {
+        if self.is_mirror { 1.0 } else { self.half.power(f64::from(length2)) }
     }
 
     /// Value and density by `cosⁿα` and the same power of the transformed direction's length.
