@@ -9,7 +9,7 @@
 //! with `p_m` the density per solid angle with which m draws the direction to `y_k`, and `G = |cos_y| / d²`. Visibility is traced for all
 //! pairs, so the weights of a point sum to one, and the estimate is unbiased; samples of one pixel stay independent of each other.
 //! Where y is Lambertian, light that leaves it is the same towards everyone on its side. Elsewhere the finder's light sample and its
-//! direction at y are evaluated towards each member, and directions drawn there are weighed once more ([`scattered`]): what comes to y from beyond is
+//! direction at y are evaluated towards each member, and directions drawn there are weighed once more (`scattered`): what comes to y from beyond is
 //! still the same for all.
 //! What may not be shared is decided by x alone (who is a member), or by y alone (what serves its finder only). Light that y emits, and that of
 //! environments, is the finder's own.
