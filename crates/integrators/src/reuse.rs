@@ -433,7 +433,7 @@ fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
 /// technique "m drew y, and a direction there" there is one sample per member too, and they are put together by the balance heuristic, so
 /// that with claims `p_m` on y and densities `q_m` of the direction the value of j is
 ///
-/// `Σ_k p_j f_j |cos_j| G V · f_y(ω → j) L(ω) / Σ_m p_m q_m(ω)`.
+/// `Σ_k f_j |cos_j| G V · f_y(ω_k → j) |cos| L(ω_k) / Σ_m p_m q_m(ω_k)`.
 ///
 /// Against light samples the mean density `Σ_m p_m q_m / Σ_m p_m` counts, the same for all. All is given times `Σ_m p_m`.
 #[allow(clippy::too_many_arguments)]
