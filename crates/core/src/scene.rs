@@ -251,6 +251,9 @@ impl Scene {
 
     /// Whether an alpha-tested hit counts: by chance, with a random number that is a function of ray and point.
     fn is_opaque_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> bool {
+        if let FloatTexture::Constant(a @ (..=0.0 | 1.0..)) = *alpha {
+            return a >= 1.0;
+        }
         let mut at = match &geometry.shape {
             Shape::Mesh(m) => TextureContext {
                 mesh: Some((m, hit.id.prim, Vec2::new(hit.u, hit.v))),
