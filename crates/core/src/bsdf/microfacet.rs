@@ -318,12 +318,16 @@ impl Microfacet {
         // The half vector makes the same angle with both, so that is half of its length.
         let h = wo + wi;
         let length2 = h.length_squared();
-        let spread = if self.is_ggx() {
-            Spread { root: ggx_root(self.alpha(), h, length2), area: self.area(wo) }
-        } else {
-            Spread::default()
-        };
-        Mirror { cos2: 0.25 * length2, spread }
+        Mirror { cos2: 0.25 * length2, spread: self.spread(h, length2, wo) }
+    }
+
+    /// Of a normal of any length, whose square is given.
+    #[inline(always)]
+    fn spread(&self, h: Vec3, length2: f32, wo: Vec3) -> Spread {
+        if !self.is_ggx() {
+            return Spread::default();
+        }
+        Spread { root: ggx_root(self.alpha(), h, length2), area: self.area(wo) }
     }
 
     /// The facet that mirrors `wi` into `wo`; both must be on one side.
@@ -354,8 +358,7 @@ impl Microfacet {
         }
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
-        let spread = Spread { root: ggx_root(self.alpha(), m, 1.0), area: self.area(wo) };
-        self.facet(m, spread, wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
+        self.facet(m, self.spread(m, 1.0, wo), wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
     }
 
     /// Refraction by a facet that was drawn for `wo`. By Snell's law its cosines are known: `|wi·m| = c_t/η`, of which the denominator is
