@@ -105,7 +105,7 @@ pub fn allocate(needs: &[Need], columns: usize, mean: u32) -> Vec<u32> {
     let mut demand: Vec<f64> = (0..needs.len())
         .map(|i| {
             let own = needs[i].variance;
-            let around = smooth(needs, columns, i);
+            let around = around(needs, columns, i, true);
             // A cell that found nothing as yet may have missed what its neighbours found.
             (0.5 * (own + around) / (1.0 + needs[i].rays)).sqrt().min(1e150)
         })
@@ -163,16 +163,18 @@ pub fn gain(needs: &[Need], counts: &[u32], first: Round, second: Round) -> f64 
     if joined > 0.0 { (variance / end) * (cost * end) / (joined * (cost * start + uneven)) } else { 1.0 }
 }
 
-/// The mean over a cell and those around it.
-fn smooth(needs: &[Need], columns: usize, at: usize) -> f64 {
+/// The mean variance over the cells around one, and itself if it is `with`.
+pub(crate) fn around(needs: &[Need], columns: usize, at: usize, with: bool) -> f64 {
     let rows = needs.len() / columns;
     let (x, y) = (at % columns, at / columns);
     let (mut sum, mut count) = (0.0, 0.0);
     for v in y.saturating_sub(1)..(y + 2).min(rows) {
         for u in x.saturating_sub(1)..(x + 2).min(columns) {
-            let n = &needs[v * columns + u];
-            sum += n.variance * f64::from(n.pixels);
-            count += f64::from(n.pixels);
+            let k = v * columns + u;
+            if with || k != at {
+                sum += needs[k].variance * f64::from(needs[k].pixels);
+                count += f64::from(needs[k].pixels);
+            }
         }
     }
     if count > 0.0 { sum / count } else { 0.0 }

@@ -10,17 +10,14 @@
 //! random numbers whatever the threshold, `S(b)` is the mean square by which samples with and without it differ.
 
 use crate::{
-    Counters,
     adaptive::FLOOR,
     partition::{Partition, TILE},
-    reuse::{self, Room, Seat, Suffix},
+    probe::Probe,
+    reuse::{self, Suffix},
     survey::Survey,
 };
 use rayon::prelude::*;
-use steradian_core::{
-    Scene,
-    sampler::{Sampler, SamplerKind},
-};
+use steradian_core::Scene;
 use steradian_math::sobol;
 
 /// How much is spent on what.
@@ -131,29 +128,19 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     corner: [u32; 2],
     k: u32,
 ) -> Found {
-    let film = &scene.film;
     let partition = Partition::new(corner, suffix.reuse(), 0);
     let group = k % partition.groups();
-    let places: Vec<_> = partition.places(group).filter(|p| p.x < film.width && p.y < film.height).collect();
+    let mut probe = Probe::new(scene, &partition, group);
     let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
-    let mut room = Room::default();
     // The mean luminance of each pixel, by render and by what is tried.
     let mut means = [[[0.0_f64; TRIED.len()]; reuse::MAX_GROUP]; 2];
-    for (seed, means) in means.iter_mut().enumerate() {
-        let sampler = Sampler { kind: SamplerKind::Sobol, spp: SAMPLES, seed: seed as u64 };
+    for (seed, means) in (0..).zip(&mut means) {
         for index in 0..SAMPLES {
-            let joint = partition.sampler(&sampler, group, index);
             let mut light = [[0.0; TRIED.len()]; reuse::MAX_GROUP];
             for (tried, survey) in surveys.iter().enumerate() {
-                let mut seats: Vec<Seat> =
-                    places.iter().map(|p| Seat::at(scene, &sampler, &joint, index, p).0).collect();
-                let mut counters = Counters::default();
-                suffix.group(scene, survey, &mut seats, &mut room, &mut counters);
-                found.cost[tried] += (seats.len() as u64 + counters.rays) as f64 / all;
-                for (seat, light) in seats.iter().zip(&mut light) {
-                    let l = f64::from(scene.mode.luminance(seat.radiance, &seat.lambda) * film.imaging_ratio);
-                    light[tried] = if l.is_finite() { l } else { 0.0 };
-                }
+                let (luminances, cost) = probe.sample(suffix, scene, survey, seed, (index, SAMPLES));
+                found.cost[tried] += cost / all;
+                light.iter_mut().zip(luminances).for_each(|(light, l)| light[tried] = l);
             }
             for (light, mean) in light.iter().zip(&mut *means) {
                 mean.iter_mut().zip(light).for_each(|(m, l)| *m += l / f64::from(SAMPLES));
@@ -164,7 +151,7 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     let mut level = 0.0;
     for [a, b] in means[0].iter().zip(&means[1]).map(|(a, b)| [a, b]) {
         let samples = f64::from(SAMPLES);
-        level += (a[0] + b[0]) / (2 * places.len().max(1)) as f64;
+        level += (a[0] + b[0]) / (2 * probe.places.len().max(1)) as f64;
         found.variance += samples * (a[0] - b[0]).powi(2) / 2.0;
         // Half the difference of two independent light samples.
         found.by_lights += [a, b].map(|m| samples * (m[LAST] - m[LAST - 1]).powi(2)).iter().sum::<f64>();

@@ -16,6 +16,8 @@ mod effort;
 mod flight;
 mod nee;
 mod partition;
+mod probe;
+mod splitting;
 mod survey;
 mod walk;
 

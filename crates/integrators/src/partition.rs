@@ -3,11 +3,14 @@
 //! Each group has one pixel, chosen at random, of each of N square blocks that lie together. So its members are near each other, while
 //! the errors that they share appear scattered like ordinary noise, and are not seen as blotches.
 
+use crate::adaptive::CELL;
 use steradian_core::sampler::{GroupSampler, Sampler};
 use steradian_math::hash::{combine32, mix32};
 
 /// Tile edge, pixels. Tiles are aligned to the frame, whatever its crop.
 pub const TILE: u32 = 16;
+/// Cells along the edge of a tile.
+pub const CELLS: u32 = TILE / CELL;
 const PIXELS: usize = (TILE * TILE) as usize;
 
 /// A partition of a tile.
@@ -33,6 +36,11 @@ pub struct Place {
 /// Edge of the blocks of which a group has one pixel each. Members that are nearer share more; from two on, neighbours mostly belong to
 /// different groups.
 const BLOCK: u32 = 2;
+
+/// The number of the cell in which a pixel of the frame lies.
+pub fn cell_of(x: u32, y: u32) -> usize {
+    (y % TILE / CELL * CELLS + x % TILE / CELL) as usize
+}
 
 impl Partition {
     /// For the tile whose first pixel is `corner`, into groups of `size` pixels, a power of four.
@@ -68,6 +76,14 @@ impl Partition {
     /// How many groups there are.
     pub fn groups(&self) -> u32 {
         PIXELS as u32 / self.size
+    }
+
+    /// The groups of a cell ([`cell_of`]).
+    pub fn groups_of(&self, cell: usize) -> impl Iterator<Item = u32> + '_ {
+        (0..self.groups()).filter(move |g| {
+            let [x, y] = self.first(*g);
+            cell_of(x, y) == cell
+        })
     }
 
     /// A pixel of a group, in the frame.

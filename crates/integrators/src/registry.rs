@@ -70,11 +70,11 @@ impl IntegratorKind {
     }
 
     /// What the integrator wants to know of a scene before a render of `spp` samples per pixel.
-    pub(crate) fn survey(&self, scene: &Scene, spp: u32) -> Survey {
+    pub(crate) fn survey(&self, scene: &Scene, spp: u32, adaptive: bool) -> Survey {
         match self {
-            Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, spp),
-            Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, spp),
-            Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, spp),
+            Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),
+            Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),
+            Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),
             _ => Survey::default(),
         }
     }

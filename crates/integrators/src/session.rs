@@ -11,7 +11,7 @@ use crate::{
     Counters, Integrator, IntegratorKind,
     adaptive::{self, Need, Round},
     features,
-    partition::{Partition, Place, TILE},
+    partition::{CELLS, Partition, Place, TILE},
     reuse::{Room, Seat},
     survey::Survey,
 };
@@ -27,8 +27,8 @@ use steradian_core::{
     film::{Crop, FirstHit, FirstHitSums, Pixel},
     sampler::Sampler,
 };
-use steradian_math::hash::combine64;
-use tile::{CELLS, Tile, cell_of};
+use steradian_math::{Vec3, hash::combine64};
+use tile::Tile;
 
 /// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
 const FIRST_LOOK: u32 = 16;
@@ -70,7 +70,17 @@ struct Desk<'s> {
     places: Vec<Place>,
     seats: Vec<Seat>,
     weights: Vec<f32>,
+    /// What the paths of a sample bring.
+    sums: Vec<Vec3>,
     room: Room<'s>,
+}
+
+/// Which sample of which group, and how many paths it is the mean of.
+#[derive(Clone, Copy)]
+struct Number {
+    group: u32,
+    index: u32,
+    paths: u32,
 }
 
 /// The state of a film: what a session gives to be looked at or saved.
@@ -131,7 +141,7 @@ impl<'s> Session<'s> {
             }
         }
         let (start, cpu) = (Instant::now(), cpu_time());
-        let survey = plan.integrator.survey(scene, plan.sampler.spp);
+        let survey = plan.integrator.survey(scene, plan.sampler.spp, plan.adaptive);
         Self {
             scene,
             plan,
@@ -344,20 +354,18 @@ impl<'s> Session<'s> {
             let (done, target) = (tile.cells[cell].done, tile.cells[cell].target);
             let goal = self.round.share(target, self.next);
             // Rounds are independent of each other.
-            let sampler = match self.round.number {
+            let mut sampler = match self.round.number {
                 0 => self.plan.sampler,
                 n => Sampler { spp: target, seed: combine64(self.plan.sampler.seed, n.into()), ..self.plan.sampler },
             };
-            let groups: Vec<u32> = (0..partition.groups())
-                .filter(|g| {
-                    let [x, y] = partition.first(*g);
-                    cell_of(x, y) == cell
-                })
-                .collect();
+            let groups: Vec<u32> = partition.groups_of(cell).collect();
+            let paths = groups.first().map_or(1, |g| self.survey.splitting.paths(partition.first(*g)));
+            sampler.spp = sampler.spp.saturating_mul(paths);
             let mut mine = Counters::default();
             for index in done..goal {
                 for group in &groups {
-                    self.render_group(integrator, tile, &mut desk, &partition, &sampler, (*group, index), &mut mine);
+                    let number = Number { group: *group, index, paths };
+                    self.render_group(integrator, tile, &mut desk, &partition, &sampler, number, &mut mine);
                 }
             }
             let cell = &mut tile.cells[cell];
@@ -368,7 +376,7 @@ impl<'s> Session<'s> {
         }
     }
 
-    /// One sample of each pixel of a group.
+    /// One sample of each pixel of a group, which is the mean of as many paths as the survey wants.
     #[allow(clippy::too_many_arguments)]
     fn render_group<I: Integrator>(
         &self,
@@ -377,46 +385,56 @@ impl<'s> Session<'s> {
         desk: &mut Desk<'s>,
         partition: &Partition,
         sampler: &Sampler,
-        (group, index): (u32, u32),
+        Number { group, index, paths }: Number,
         counters: &mut Counters,
     ) {
         let (scene, film, area) = (self.scene, &self.scene.film, tile.area);
         let in_area = |p: &Place| (area.x0..area.x1).contains(&p.x) && (area.y0..area.y1).contains(&p.y);
-        let Desk { places, seats, weights, room } = desk;
+        let at = |p: &Place| ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
+        let Desk { places, seats, weights, sums, room } = desk;
         // Members beyond the crop take part, so that a crop has the bits of the whole.
         places.clear();
         places.extend(partition.places(group).filter(|p| p.x < film.width && p.y < film.height));
         if !places.iter().any(in_area) {
             return;
         }
-        let joint = partition.sampler(sampler, group, index);
-        seats.clear();
-        weights.clear();
-        for p in &*places {
-            let (seat, weight) = Seat::at(scene, sampler, &joint, index, p);
-            seats.push(seat);
-            weights.push(weight);
-        }
-        match &mut seats[..] {
-            [s] => s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters),
-            seats => integrator.group(scene, &self.survey, seats, room, counters),
-        }
-        for ((p, seat), weight) in places.iter().zip(&*seats).zip(&*weights).filter(|((p, _), _)| in_area(p)) {
-            let at = ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
-            let mut l = seat.radiance * film.imaging_ratio;
-            if film.max_component.is_finite() {
-                let m = l.max_element();
-                if m > film.max_component {
-                    l *= film.max_component / m;
-                }
+        sums.clear();
+        sums.resize(places.len(), Vec3::ZERO);
+        for path in 0..paths {
+            let index = index.wrapping_mul(paths).wrapping_add(path);
+            let joint = partition.sampler(sampler, group, index);
+            seats.clear();
+            weights.clear();
+            for p in &*places {
+                let (seat, weight) = Seat::at(scene, sampler, &joint, index, p);
+                seats.push(seat);
+                weights.push(weight);
             }
-            counters.samples += 1;
-            if !tile.pixels[at].add(color::to_rgb(l, &seat.lambda, scene.mode) * *weight) {
-                counters.nonfinite += 1;
+            match &mut seats[..] {
+                [s] => s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters),
+                seats => integrator.group(scene, &self.survey, seats, room, counters),
+            }
+            for ((sum, seat), weight) in sums.iter_mut().zip(&*seats).zip(&*weights) {
+                let mut l = seat.radiance * film.imaging_ratio;
+                if film.max_component.is_finite() {
+                    let m = l.max_element();
+                    if m > film.max_component {
+                        l *= film.max_component / m;
+                    }
+                }
+                *sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
             }
             if self.plan.features {
-                let hit: FirstHit = features::first_hit(scene, seat.ray, &seat.lambda);
-                tile.features[at].add(&hit);
+                for (p, seat) in places.iter().zip(&*seats).filter(|(p, _)| in_area(p)) {
+                    let hit: FirstHit = features::first_hit(scene, seat.ray, &seat.lambda);
+                    tile.features[at(p)].add(&hit);
+                }
+            }
+        }
+        for (p, sum) in places.iter().zip(&*sums).filter(|(p, _)| in_area(p)) {
+            counters.samples += 1;
+            if !tile.pixels[at(p)].add(*sum / paths as f32) {
+                counters.nonfinite += 1;
             }
         }
     }

@@ -4,6 +4,7 @@ use crate::{
     caustics::{Caustics, trial},
     effort::{self, Effort},
     reuse::{self, Suffix},
+    splitting::{self, Splitting},
 };
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
@@ -19,7 +20,7 @@ pub struct Tactics {
     /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and some loss elsewhere.
     /// `None` where a trial is to tell.
     pub caustics: Option<bool>,
-    /// How much is spent on which part of the paths that share; `None` where a trial is to tell.
+    /// How much is spent on which part of the paths that share, with as many paths everywhere; `None` where trials are to tell both.
     pub effort: Option<Effort>,
 }
 
@@ -38,22 +39,32 @@ pub struct Survey {
     pub caustics: Option<Caustics>,
     /// How much is spent on what.
     pub effort: Effort,
+    /// How much is spent where.
+    pub splitting: Splitting,
 }
 
 impl Survey {
-    /// Of a scene, for paths of a depth.
-    pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, spp: u32) -> Self {
+    /// Of a scene, for paths of a depth, and pictures with so many samples per pixel, which go where they are needed if they are `adaptive`.
+    pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, spp: u32, adaptive: bool) -> Self {
         let (depth, tactics) = (paths.depth(), paths.tactics());
         let is_open = tactics.reuse > 1 && !(MEDIA && scene.has_media) && is_open(scene);
         let caustics = if tactics.caustics == Some(false) { None } else { Caustics::new(scene) };
-        let mut survey = Self { is_open, caustics, effort: Effort::default() };
+        let mut survey = Self { is_open, caustics, ..Self::default() };
         if survey.caustics.is_some()
             && tactics.caustics.is_none()
             && trial::gain::<MEDIA>(scene, &survey, depth) < WORTH
         {
             survey.caustics = None;
         }
-        survey.effort = tactics.effort.unwrap_or_else(|| effort::trial(paths, scene, &survey, spp));
+        match tactics.effort {
+            Some(effort) => survey.effort = effort,
+            None => {
+                survey.effort = effort::trial(paths, scene, &survey, spp);
+                if !adaptive {
+                    survey.splitting = splitting::trial(paths, scene, &survey, spp);
+                }
+            }
+        }
         survey
     }
 }

@@ -12,8 +12,8 @@ use steradian_scene::names::did_you_mean;
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
-    /// find, 1, 4 or 16, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether a trial
-    /// tells how many light samples and how much roulette pay (`auto`), or not (`even`).
+    /// find, 1, 4 or 16, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether trials
+    /// tell how many light samples and how much roulette pay, and where more paths (`auto`), or not (`even`).
     pub integrator: Option<String>,
     /// Samples per pixel; their mean with `adaptive`.
     pub spp: Option<u32>,

@@ -1,11 +1,10 @@
 //! A tile of the film: sums of the pixels over the round under way, and what the rounds before it came to.
 
-use crate::adaptive::{CELL, FLOOR, Need, Round};
-use crate::partition::TILE;
+use crate::{
+    adaptive::{FLOOR, Need, Round},
+    partition::{CELLS, cell_of},
+};
 use steradian_core::film::{Crop, FirstHitSums, Pixel};
-
-/// Cells along the edge of a tile.
-pub const CELLS: u32 = TILE / CELL;
 
 /// A square of a tile that gets a number of samples of its own.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,11 +54,6 @@ pub struct Tile {
     pub features: Vec<FirstHitSums>,
     /// By rows.
     pub cells: [Cell; (CELLS * CELLS) as usize],
-}
-
-/// The number of the cell in which a pixel of the frame lies.
-pub fn cell_of(x: u32, y: u32) -> usize {
-    (y % TILE / CELL * CELLS + x % TILE / CELL) as usize
 }
 
 impl Tile {

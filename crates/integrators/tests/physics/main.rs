@@ -21,6 +21,7 @@ mod reuse;
 mod scales;
 mod shot;
 mod shutter;
+mod splitting;
 mod stage;
 mod textures;
 mod transport;

@@ -51,7 +51,7 @@ fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
         (16, SamplerKind::Sobol, even),
         (16, SamplerKind::Sobol, uneven),
     ] {
-        let shared = quadrants(Shot { sampler, effort, ..shot.reuse(reuse) }, scene, 40);
+        let shared = quadrants(Shot { sampler, effort: Some(effort), ..shot.reuse(reuse) }, scene, 40);
         for (q, (shared, alone)) in shared.iter().zip(&alone).enumerate() {
             shared.agrees(&format!("{what}, {reuse} paths, {sampler:?}, {effort:?}, quadrant {q}"), *alone, precision);
         }

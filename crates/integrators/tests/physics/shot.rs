@@ -21,8 +21,8 @@ pub struct Shot {
     pub reuse: u32,
     /// Whether photons look for caustics; `None` where a trial tells.
     pub caustics: Option<bool>,
-    /// Light samples and roulette of paths that share.
-    pub effort: Effort,
+    /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of several paths.
+    pub effort: Option<Effort>,
     pub adaptive: bool,
     pub error: Option<f64>,
 }
@@ -41,7 +41,7 @@ impl Shot {
             sampler: SamplerKind::Independent,
             reuse: 1,
             caustics: Some(false),
-            effort: Effort::default(),
+            effort: Some(Effort::default()),
             adaptive: false,
             error: None,
         }
@@ -70,7 +70,7 @@ impl Shot {
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let tactics = Tactics { reuse: self.reuse, caustics: self.caustics, effort: Some(self.effort) };
+        let tactics = Tactics { reuse: self.reuse, caustics: self.caustics, effort: self.effort };
         let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);

@@ -1,0 +1,218 @@
+//! How much is spent where: parts of the picture in which a sample of a pixel is the mean of several paths.
+//!
+//! For a sum of squared relative errors `Σ v/s` at the cost `Σ c s`, with `v` the variance of a path in a cell of pixels and `c` its cost, the best
+//! numbers of paths are `s ∝ √(v/c)` ([`crate::adaptive`]). A pilot of few paths, which are no part of the picture, tells `v` and `c` of each cell
+//! beforehand; numbers are powers of two, which samplers spread best. No part gets less than it would without.
+//!
+//! Whether that pays is asked of cells by what their neighbours found: a cell that by chance met something bright would otherwise promise
+//! what it cannot keep. What is promised has to be much, since twice the paths everywhere raise the efficiency too, with samplers that spread them
+//! well (by 1.0 to 1.2).
+
+use crate::{
+    adaptive::{CELL, FLOOR, Need, around},
+    partition::{CELLS, Partition, TILE},
+    probe::Probe,
+    reuse::{MAX_GROUP, Suffix},
+    survey::Survey,
+};
+use rayon::prelude::*;
+use steradian_core::Scene;
+use steradian_math::hash::{combine32, mix32};
+
+/// Most paths of a sample.
+const MOST: u32 = 4;
+/// Variance × cost has to become less by this factor.
+const WORTH: f64 = 1.35;
+/// The same by a pilot of a quarter of the cells, from which on all of them are asked.
+const PROMISING: f64 = 1.2;
+/// Pictures of fewer samples have no pilot.
+const FEWEST: u64 = 1 << 20;
+/// Samples of the picture for each cell of the pilot, which has some 32 paths there, and most cells: those of larger pictures, or with fewer
+/// samples, stand for others beside them.
+const SAMPLES: u64 = 1024;
+const MOST_CELLS: u64 = 1 << 14;
+
+/// How many paths a sample is the mean of, by parts of the picture.
+#[derive(Clone, Debug, Default)]
+pub struct Splitting {
+    /// By rows of squares; empty where one is enough everywhere.
+    paths: Vec<u8>,
+    columns: u32,
+    /// Edge of the squares, pixels.
+    edge: u32,
+}
+
+impl Splitting {
+    /// Of the samples of a pixel.
+    pub fn paths(&self, [x, y]: [u32; 2]) -> u32 {
+        if self.paths.is_empty() {
+            1
+        } else {
+            self.paths[(y / self.edge * self.columns + x / self.edge) as usize].into()
+        }
+    }
+}
+
+/// What pays for a picture of `spp` samples per pixel.
+pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
+    suffix: &S,
+    scene: &Scene,
+    survey: &Survey,
+    spp: u32,
+) -> Splitting {
+    let film = &scene.film;
+    let samples = u64::from(film.width) * u64::from(film.height) * u64::from(spp);
+    if samples < FEWEST {
+        return Splitting::default();
+    }
+    let most = (samples / SAMPLES).min(MOST_CELLS);
+    let mut edge = CELL;
+    while u64::from(film.width.div_ceil(edge)) * u64::from(film.height.div_ceil(edge)) > most {
+        edge *= 2;
+    }
+    let fly = |edge| Pilot::fly(suffix, scene, survey, edge);
+    if fly(2 * edge).best().gain < PROMISING {
+        return Splitting::default();
+    }
+    let pilot = fly(edge);
+    let best = pilot.best();
+    if best.gain < WORTH { Splitting::default() } else { pilot.splitting(best.unit) }
+}
+
+/// What was found out about the picture, by rows of squares.
+struct Pilot {
+    needs: Vec<Need>,
+    columns: u32,
+    edge: u32,
+}
+
+/// Numbers of paths, by the demand for one path, and the factor by which they lower variance × cost.
+struct Best {
+    unit: f64,
+    gain: f64,
+}
+
+impl Pilot {
+    /// Asks one cell of each square with an edge in pixels.
+    fn fly<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey, edge: u32) -> Self {
+        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
+        let need = |k| need(suffix, scene, survey, [k % columns, k / columns], edge);
+        Self { needs: (0..columns * rows).into_par_iter().map(need).collect(), columns, edge }
+    }
+
+    /// The variance around each square.
+    fn beside(&self) -> Vec<f64> {
+        (0..self.needs.len()).map(|i| around(&self.needs, self.columns as usize, i, false)).collect()
+    }
+
+    /// The numbers of paths that make variance × cost least, if each square goes by those beside it.
+    fn best(&self) -> Best {
+        let demands: Vec<f64> = self.beside().iter().zip(&self.needs).map(|(v, need)| demand(*v, need)).collect();
+        let product = |unit: f64| {
+            let (mut variance, mut cost) = (0.0, 0.0);
+            for (need, demand) in self.needs.iter().zip(&demands) {
+                let (pixels, s) = (f64::from(need.pixels), f64::from(paths(*demand, unit)));
+                variance += pixels * need.variance / s;
+                cost += pixels * need.rays * s;
+            }
+            variance * cost
+        };
+        // From where none has more than one path to where nearly all have the most.
+        let greatest = demands.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let tried = (0..48).map(|k| greatest * 2_f64.powf(-0.25 * f64::from(k))).map(|unit| (unit, product(unit)));
+        let (unit, least) = tried.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((greatest, 0.0));
+        Best { unit, gain: if least > 0.0 { product(f64::INFINITY) / least } else { 1.0 } }
+    }
+
+    /// Numbers of paths by a square and those beside it.
+    fn splitting(&self, unit: f64) -> Splitting {
+        let demands =
+            self.beside().into_iter().zip(&self.needs).map(|(v, need)| demand(0.5 * (v + need.variance), need));
+        Splitting { paths: demands.map(|d| paths(d, unit)).collect(), columns: self.columns, edge: self.edge }
+    }
+}
+
+/// How much is demanded for a variance.
+fn demand(variance: f64, need: &Need) -> f64 {
+    (variance / need.rays.max(1.0)).sqrt().min(1e150)
+}
+
+/// The power of two nearest to what is demanded.
+fn paths(demand: f64, unit: f64) -> u8 {
+    (demand / unit).max(1.0).log2().round().exp2().min(f64::from(MOST)) as u8
+}
+
+/// What a square needs, by one of its cells.
+fn need<const MEDIA: bool, S: Suffix<MEDIA>>(
+    suffix: &S,
+    scene: &Scene,
+    survey: &Survey,
+    square: [u32; 2],
+    edge: u32,
+) -> Need {
+    let hash = combine32(mix32(square[0]), square[1]);
+    let size = [scene.film.width, scene.film.height];
+    // A cell of it that begins on the film.
+    let at: [u32; 2] = std::array::from_fn(|axis| {
+        let first = square[axis] * edge;
+        let cells = (size[axis] - first).min(edge).div_ceil(CELL);
+        first + (hash >> (16 * axis)) % cells * CELL
+    });
+    let partition = Partition::new(at.map(|v| v / TILE * TILE), suffix.reuse(), 0);
+    let [x, y] = at.map(|v| v % TILE / CELL);
+    let groups: Vec<u32> = partition.groups_of((y * CELLS + x) as usize).collect();
+    let wanted = groups.len() * MAX_GROUP / (CELL * CELL) as usize;
+    let (mut variance, mut level, mut cost, mut count) = (0.0, 0.0, 0.0, 0);
+    for g in 0..wanted {
+        let mut probe = Probe::new(scene, &partition, groups[(hash as usize + g) % groups.len()]);
+        let [a, b] = [0, 1].map(|seed| probe.sample(suffix, scene, survey, seed, (0, 1)));
+        count += probe.places.len() as u32;
+        cost += 0.5 * (a.1 + b.1);
+        for (a, b) in a.0.iter().zip(&b.0).take(probe.places.len()) {
+            variance += (a - b).powi(2) / 2.0;
+            level += (a + b) / 2.0;
+        }
+    }
+    let n = f64::from(count.max(1));
+    level /= n;
+    Need { pixels: count, variance: variance / n / (level * level + FLOOR), rays: cost / n }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture of 32 × 32 cells, a part of which errs and costs more.
+    fn pilot(part: impl Fn(u32, u32) -> bool, variance: f64, rays: f64) -> Pilot {
+        let need = |k: u32| {
+            let (variance, rays) = if part(k % 32, k / 32) { (variance, rays) } else { (1.0, 2.0) };
+            Need { pixels: 64, variance, rays }
+        };
+        Pilot { needs: (0..1024).map(need).collect(), columns: 32, edge: CELL }
+    }
+
+    /// A quarter of the picture with 200 times the variance: four paths there take 7/4 of the cost and leave 203/803 of the variance, so the
+    /// gain is 2.26; cells at its border, which go by those beside them, take a little away.
+    #[test]
+    fn what_errs_more_gets_more() {
+        let pilot = pilot(|x, y| x < 16 && y < 16, 200.0, 2.0);
+        let best = pilot.best();
+        assert!(best.gain > 2.1 && best.gain < 2.27, "{}", best.gain);
+        let splitting = pilot.splitting(best.unit);
+        let paths = |x, y| splitting.paths([x * CELL + 3, y * CELL + 7]);
+        assert_eq!([paths(3, 3), paths(14, 0), paths(20, 3), paths(31, 31)], [4, 4, 1, 1]);
+    }
+
+    /// Nothing is gained where all is alike, and nothing by what one cell met that its neighbours know nothing of, in a hundred places.
+    #[test]
+    fn chance_promises_nothing() {
+        assert_eq!(pilot(|_, _| false, 0.0, 0.0).best().gain, 1.0);
+        assert_eq!(pilot(|_, _| true, 0.0, 1.0).best().gain, 1.0);
+        let gain = pilot(|x, y| x % 3 == 1 && y % 3 == 1, 1e4, 2.0).best().gain;
+        assert!(gain < 1.1, "{gain}");
+        // Variance that costs as much more to remove.
+        assert!(pilot(|x, _| x < 16, 9.0, 18.0).best().gain < 1.01);
+        // The greatest that luminances can give.
+        assert!(pilot(|x, _| x < 16, 1e77, 2.0).best().gain.is_finite());
+    }
+}
