@@ -2,6 +2,7 @@
 
 use crate::{
     Counters, Depth,
+    caustics::Draw,
     walk::{Arrival, Leg, Vertex, arrive},
 };
 use steradian_core::{
@@ -54,7 +55,7 @@ fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, L
         }
         let u2 = Vec2::new(0.3, 0.6);
         let s = scattering.bsdf.sample(frame.to_local(i.wo), lobe, u2, TransportMode::Radiance).unwrap();
-        leg.turn::<false>(scene, &v, &s);
+        leg.turn::<false>(scene, &v, &Draw::by_surface(s));
     }
 }
 

@@ -53,7 +53,7 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
             sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
             // Scatter.
             let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
-            leg.turn::<MEDIA>(scene, vertex, &s.sample);
+            leg.turn::<MEDIA>(scene, vertex, &s);
             if !leg.beta.is_finite() {
                 // Handed to the film, which counts it.
                 return leg.beta;

@@ -80,7 +80,7 @@ impl PathRecursive {
     ) -> Spectrum {
         let sum = sum + leg.direct::<false>(vertex, scene, sampler, lambda, counters);
         let Some(draw) = vertex.sample(&leg, sampler, survey) else { return sum };
-        leg.turn::<false>(scene, vertex, &draw.sample);
+        leg.turn::<false>(scene, vertex, &draw);
         if !leg.beta.is_finite() {
             return leg.beta;
         }

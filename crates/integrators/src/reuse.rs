@@ -163,7 +163,7 @@ impl<'s> Member<'s> {
                 }
                 Arrival::Vertex(v) => {
                     let Some(draw) = v.sample(leg, &seat.own, survey) else { return false };
-                    leg.turn::<MEDIA>(scene, v, &draw.sample);
+                    leg.turn::<MEDIA>(scene, v, &draw);
                     if !leg.beta.is_finite() {
                         seat.radiance = leg.beta;
                         return false;
@@ -191,7 +191,7 @@ impl<'s> Member<'s> {
         let Arrival::Vertex(x) = x else { return false };
         let Some(draw) = x.sample(leg, &seat.joint, survey) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
-        leg.turn::<MEDIA>(scene, x, &self.sample);
+        leg.turn::<MEDIA>(scene, x, &draw);
         if !leg.beta.is_finite() {
             seat.radiance = leg.beta;
             return false;

@@ -30,8 +30,8 @@ const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 /// that absorb nothing, and in dense media, paths would never end.
 const LONG_PATH: (u32, f32) = (1000, 0.99);
 
-/// Russian roulette after `events` scattering events: what a path that carries `live`, with the compression of radiance by refraction taken
-/// out, goes on with times as much, or `None` where it ends.
+/// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette ([`Leg::for_roulette`]), goes on
+/// with times as much, or `None` where it ends.
 #[inline]
 pub(crate) fn roulette(
     live: f32,
@@ -60,8 +60,9 @@ pub(crate) struct Leg {
     pub ray: Ray,
     /// What it carries.
     pub beta: Spectrum,
-    /// The compression of radiance by refraction so far, inverted.
-    pub eta2: f32,
+    /// The throughput counts for this many times as much in roulette: without the compression of radiance by refraction, and as if surfaces alone
+    /// had drawn the directions. A path that photons lead to light carries little because it is one of many, not because light was lost.
+    pub for_roulette: f32,
     /// Where it last scattered.
     pub origin: nee::Origin,
     /// How often it scattered.
@@ -87,7 +88,7 @@ impl Leg {
     pub const NONE: Self = Self {
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_max: 0.0 },
         beta: Spectrum::ZERO,
-        eta2: 1.0,
+        for_roulette: 1.0,
         origin: None,
         events: 0,
         passes: 0,
@@ -103,7 +104,7 @@ impl Leg {
         Self {
             ray,
             beta: Spectrum::ONE,
-            eta2: 1.0,
+            for_roulette: 1.0,
             origin: None,
             events: 0,
             passes: 0,
@@ -141,7 +142,7 @@ impl Leg {
     /// Russian roulette: whether the path goes on, with a throughput that makes up for those that do not.
     #[inline]
     pub fn survives(&mut self, depth: &Depth, sampler: &PixelSampler, lambda: &Wavelengths) -> bool {
-        let live = live_max(self.beta, lambda) * self.eta2;
+        let live = live_max(self.beta, lambda) * self.for_roulette;
         let scale = roulette(live, self.events, depth, self.roulette_below, sampler);
         self.beta *= scale.unwrap_or(0.0);
         scale.is_some()
@@ -149,9 +150,9 @@ impl Leg {
 
     /// On from a vertex in the direction that was drawn there.
     #[inline]
-    pub fn turn<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, s: &BsdfSample) {
+    pub fn turn<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, Draw { sample: s, ratio }: &Draw) {
         self.beta *= s.weight;
-        self.eta2 *= s.eta * s.eta;
+        self.for_roulette *= s.eta * s.eta / ratio;
         if MEDIA && s.lobe.is_transmission() && v.passes_straight() {
             // Light that goes straight on has not scattered: next-event estimation sees through such surfaces too.
             self.pass::<MEDIA>(scene, v);

@@ -100,7 +100,7 @@ fn trace<const MEDIA: bool>(
         let Arrival::Vertex(v) = &arrival else { return found };
         let Some(draw) = v.sample(&leg, sampler, survey) else { return found };
         ratio *= f64::from(draw.ratio);
-        leg.turn::<MEDIA>(scene, v, &draw.sample);
+        leg.turn::<MEDIA>(scene, v, &draw);
         if !(leg.survives(depth, sampler, &lambda) && leg.beta.is_finite() && ratio > 0.0) {
             return found;
         }

@@ -94,7 +94,7 @@ pub(super) fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
         let roulette_below = survey.effort.roulette_below;
         let mut leg = match shared {
             Shared::No => finder.leg,
-            _ => Leg { beta: Spectrum::ONE, eta2: 1.0, roulette_below, ..finder.leg },
+            _ => Leg { beta: Spectrum::ONE, for_roulette: 1.0, roulette_below, ..finder.leg },
         };
         if shared == Shared::No && !leg.survives(depth, &joint, &lambda) {
             continue;
@@ -176,7 +176,7 @@ fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
         }
     }
     let Some(draw) = y.sample(&leg, &joint, survey) else { return sums };
-    leg.turn::<MEDIA>(scene, y, &draw.sample);
+    leg.turn::<MEDIA>(scene, y, &draw);
     if !leg.beta.is_finite() {
         seats[group[k].seat].radiance = leg.beta;
         return sums;

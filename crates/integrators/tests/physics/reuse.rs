@@ -242,12 +242,16 @@ fn lens(model: &str, at: [f64; 3]) -> Scene {
 #[test]
 fn photons_take_noise_from_caustics() {
     let scene = lens("dielectric", [0.0; 3]);
-    let noise = |caustics| -> f64 {
-        let film = Shot { caustics: Some(caustics), ..Shot::of("path", 64) }.depth(4).take(&scene);
+    let noise = |caustics, roulette| -> f64 {
+        let shot = Shot { caustics: Some(caustics), ..Shot::of("path", 64) };
+        let film = shot.depth(4).roulette_after(roulette).take(&scene);
         film.pixels.iter().map(|p| p.variance_of_mean()[0]).sum()
     };
-    let (without, with) = (noise(false), noise(true));
+    let (without, with) = (noise(false, 8), noise(true, 8));
     assert!(with * 4.0 < without, "{without} without photons, {with} with them");
+    // Roulette does not take the many paths with little each for paths that lost their light.
+    let played = noise(true, 0);
+    assert!(played < 1.2 * with, "{with} without roulette, {played} with it");
 }
 
 /// Photons are asked where they pay: below a lens, and not beside a mirror, which spreads what it has.
