@@ -41,8 +41,6 @@ const LIGHTS: u32 = 4;
 const THRESHOLDS: [f32; 2] = [0.6, 1.0];
 /// The cost of a light sample over that of its ray: a light is chosen, and scattering evaluated.
 const LIGHT_COST: f64 = 1.5;
-/// Pictures of fewer samples have no trial, which takes a thirtieth of so many.
-const FEWEST: u64 = 1 << 20;
 /// Groups of the trial.
 const GROUPS: u32 = 64;
 /// Samples of a pixel, spread over each other as those of a picture are, in each of two renders.
@@ -95,16 +93,10 @@ impl Found {
     }
 }
 
-/// What pays for a picture of `spp` samples per pixel.
-pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
-    scene: &Scene,
-    survey: &Survey,
-    spp: u32,
-) -> Effort {
+/// What pays.
+pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Effort {
     let film = &scene.film;
-    let samples = u64::from(film.width) * u64::from(film.height) * u64::from(spp);
-    if samples < FEWEST || suffix.reuse() < 2 || !scene.lights.can_sample() {
+    if suffix.reuse() < 2 || !scene.lights.can_sample() {
         return Effort::default();
     }
     let surveys = TRIED.map(|effort| Survey { effort, ..survey.clone() });

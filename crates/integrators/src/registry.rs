@@ -69,7 +69,7 @@ impl IntegratorKind {
         })
     }
 
-    /// What the integrator wants to know of a scene before a render of `spp` samples per pixel.
+    /// What the integrator wants to know of a scene before a render of `spp` samples per pixel, `adaptive` where numbers of samples follow the need.
     pub(crate) fn survey(&self, scene: &Scene, spp: u32, adaptive: bool) -> Survey {
         match self {
             Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),

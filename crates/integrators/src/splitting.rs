@@ -25,8 +25,6 @@ const MOST: u32 = 4;
 const WORTH: f64 = 1.35;
 /// The same by a pilot of a quarter of the cells, from which on all of them are asked.
 const PROMISING: f64 = 1.2;
-/// Pictures of fewer samples have no pilot.
-const FEWEST: u64 = 1 << 20;
 /// Samples of the picture for each cell of the pilot, which has some 32 paths there, and most cells: those of larger pictures, or with fewer
 /// samples, stand for others beside them.
 const SAMPLES: u64 = 1024;
@@ -53,18 +51,14 @@ impl Splitting {
     }
 }
 
-/// What pays for a picture of `spp` samples per pixel.
+/// What pays for a picture of so many samples in all.
 pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
     suffix: &S,
     scene: &Scene,
     survey: &Survey,
-    spp: u32,
+    samples: u64,
 ) -> Splitting {
     let film = &scene.film;
-    let samples = u64::from(film.width) * u64::from(film.height) * u64::from(spp);
-    if samples < FEWEST {
-        return Splitting::default();
-    }
     let most = (samples / SAMPLES).min(MOST_CELLS);
     let mut edge = CELL;
     while u64::from(film.width.div_ceil(edge)) * u64::from(film.height.div_ceil(edge)) > most {

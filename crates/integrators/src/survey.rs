@@ -12,6 +12,9 @@ use steradian_math::{Frame, Vec2, sobol, warp};
 /// Photons are asked from this [`trial::gain`] on: they cost time, and paths that are shared err less than those of the trial.
 const WORTH: f64 = 1.8;
 
+/// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
+const FEWEST: u64 = 1 << 20;
+
 /// What path tracers do against noise. It changes how much samples err, not their mean.
 #[derive(Clone, Copy, Debug)]
 pub struct Tactics {
@@ -56,12 +59,14 @@ impl Survey {
         {
             survey.caustics = None;
         }
+        let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(spp);
         match tactics.effort {
             Some(effort) => survey.effort = effort,
+            None if samples < FEWEST => {}
             None => {
-                survey.effort = effort::trial(paths, scene, &survey, spp);
+                survey.effort = effort::trial(paths, scene, &survey);
                 if !adaptive {
-                    survey.splitting = splitting::trial(paths, scene, &survey, spp);
+                    survey.splitting = splitting::trial(paths, scene, &survey, samples);
                 }
             }
         }
