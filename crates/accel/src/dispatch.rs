@@ -6,7 +6,7 @@ use crate::every::every;
 use crate::layout::ChildRef;
 use crate::packet::{Found, Packet, any_batch, any_packet, nearest_batch, nearest_packet};
 use crate::search::{any, nearest};
-use crate::simd::{self, LANES, Lanes, WIDE};
+use crate::simd::{self, Lanes, Twice, WIDE};
 use crate::traverse::{Nearest, Start, Users, Way, is_traceable};
 use crate::{Hit, Isa};
 use glam::Mat4;
@@ -105,30 +105,40 @@ queries! {
     /// The nearest hits of rays.
     fn nearest_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
         if isa.is_narrow(l) {
-            nearest_batch(isa, (s, s), tree, rays, users, hits);
-        } else {
             nearest_batch(isa, (s, l), tree, rays, users, hits);
+        } else {
+            nearest_batch(isa, (s, Twice(l)), tree, rays, users, hits);
         }
     };
     /// Which rays hit anything.
     fn any_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, occluded: &mut [bool]) = |isa, s, l| {
         if isa.is_narrow(l) {
-            any_batch(isa, (s, s), tree, rays, users, occluded);
-        } else {
             any_batch(isa, (s, l), tree, rays, users, occluded);
+        } else {
+            any_batch(isa, (s, Twice(l)), tree, rays, users, occluded);
         }
     };
     /// The nearest hits of a packet that is moved to the space of a tree, in intervals that end where `found` says.
     fn nearest_packet_in<U: Users>(
         tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U, found: &mut Found,
     ) = |isa, s, l| {
-        let packet = placed.0.transformed(l, placed.1, &found.t);
-        nearest_packet(isa, (s, l), tree, &packet, lanes, users, found)
+        if isa.is_narrow(l) {
+            let packet = placed.0.transformed(l, placed.1, &found.t);
+            nearest_packet(isa, (s, l), tree, &packet, lanes, users, found);
+        } else {
+            let packet = placed.0.transformed(Twice(l), placed.1, &found.t);
+            nearest_packet(isa, (s, Twice(l)), tree, &packet, lanes, users, found);
+        }
     };
     /// Which rays of a packet that is moved to the space of a tree hit anything.
     fn any_packet_in<U: Users>(tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U) -> u32 = |isa, s, l| {
-        let packet = placed.0.transformed(l, placed.1, &placed.0.t_max);
-        any_packet(isa, (s, l), tree, &packet, lanes, users)
+        if isa.is_narrow(l) {
+            let packet = placed.0.transformed(l, placed.1, &placed.0.t_max);
+            any_packet(isa, (s, l), tree, &packet, lanes, users)
+        } else {
+            let packet = placed.0.transformed(Twice(l), placed.1, &placed.0.t_max);
+            any_packet(isa, (s, Twice(l)), tree, &packet, lanes, users)
+        }
     };
 }
 
@@ -140,7 +150,7 @@ pub(crate) struct SupportedIsa {
 }
 
 impl SupportedIsa {
-    /// The fastest one, with packets as wide as it has lanes.
+    /// The fastest one, with packets as wide as they may be.
     pub fn best() -> Self {
         Self { level: Isa::best(), width: WIDE as u8 }
     }
@@ -150,7 +160,7 @@ impl SupportedIsa {
         if level.is_supported() { Self { level, ..self } } else { self }
     }
 
-    /// The same with packets of at most so many rays: four, eight or sixteen, whichever is next to what is asked for.
+    /// The same with packets of at most so many rays: a power of two from four to thirty-two, whichever is next to what is asked for.
     pub fn with_width(self, width: usize) -> Self {
         Self { width: width.clamp(4, WIDE).next_power_of_two() as u8, ..self }
     }
@@ -166,15 +176,9 @@ impl SupportedIsa {
         self.width.into()
     }
 
-    /// Whether packets need no more lanes than a node has, where there are more.
+    /// Whether packets need no more lanes than a register has.
     #[inline(always)]
-    fn is_narrow(self, l: impl Lanes) -> bool {
-        lanes_of(l) > LANES && self.width() <= LANES
+    fn is_narrow<L: Lanes>(self, _: L) -> bool {
+        self.width() <= L::COUNT
     }
-}
-
-/// How many lanes there are.
-#[inline(always)]
-fn lanes_of<L: Lanes>(_: L) -> usize {
-    L::COUNT
 }

@@ -111,8 +111,8 @@ impl TopLevel {
         self
     }
 
-    /// Packets of batches and streams have at most so many rays: `width`, which is made four, eight or sixteen, and no more than
-    /// the instruction set has lanes. Hits are the same for all.
+    /// Packets of batches and streams have at most so many rays: `width`, which is made a power of two from four to thirty-two, and
+    /// no more than two registers have lanes. Hits are the same for all.
     #[must_use]
     pub fn with_packet_width(mut self, width: usize) -> Self {
         self.isa = self.isa.with_width(width);

@@ -116,11 +116,7 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
 
     // All of one sign, with zero on either side. The signs are right, but for zeros.
     let zero = s.splat(0.0);
-    let inside = |u, v, w| {
-        let (least, greatest) = (s.min(s.min(u, v), w), s.max(s.max(u, v), w));
-        s.or(s.le(zero, least), s.le(greatest, zero))
-    };
-    let mut is_inside = inside(u, v, w);
+    let mut is_inside = of_one_sign(s, [u, v, w]);
     if s.bits(is_inside) == 0 {
         return None;
     }
@@ -140,7 +136,7 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
         s.write(cy, &mut corners[5]);
         edges_in_f64(&corners, on_edge, &mut edges);
         [u, v, w] = [s.read(&edges[0]), s.read(&edges[1]), s.read(&edges[2])];
-        is_inside = inside(u, v, w);
+        is_inside = of_one_sign(s, [u, v, w]);
     }
 
     let sum = s.add(s.add(u, v), w);
@@ -159,6 +155,14 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
         lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
     }
     (lanes != 0).then_some(Crossing { lanes, t, v, w, sum })
+}
+
+/// Where three numbers have one sign, with zero on either side.
+#[inline(always)]
+fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
+    let zero = s.splat(0.0);
+    let (least, greatest) = (s.min(s.min(u, v), w), s.max(s.max(u, v), w));
+    s.or(s.le(zero, least), s.le(greatest, zero))
 }
 
 /// A bound on the rounding error of the sum of the edge functions times the depths of their vertices. A hit whose sum is not

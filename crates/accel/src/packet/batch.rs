@@ -4,7 +4,7 @@ use super::any::any_beams;
 use super::bundle::Left;
 use super::flight::alone;
 use super::nearest::nearest_beams;
-use super::{Found, Packet, Set, beam};
+use super::{Found, Packet, Set, beam, first_lanes};
 use crate::bvh::Tree;
 use crate::dispatch::SupportedIsa;
 use crate::search::{Any, Closest};
@@ -87,7 +87,7 @@ trait Batch<S: Simd, L: Lanes> {
         let mut waiting = Alone::new();
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
-            let all = (1 << len) - 1;
+            let all = first_lanes(len);
             let lanes = if pausing > 0 {
                 pausing -= 1;
                 all
@@ -134,7 +134,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
     fn together(&self, s: S, l: L, (first, len): (usize, usize), _: bool) -> Left {
         let packet = Packet::new(l, &self.rays[first..first + len]);
         let mut found = Found::nothing(&packet.t_max);
-        let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, (1 << len) - 1, self.users, &mut found);
+        let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, first_lanes(len), self.users, &mut found);
         let sum = l.read(&found.sum);
         l.write(l.div(l.read(&found.u), sum), &mut found.u);
         l.write(l.div(l.read(&found.v), sum), &mut found.v);
@@ -180,7 +180,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
     #[inline(always)]
     fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
         let packet = Packet::new(l, &self.rays[first..first + len]);
-        let (hits, left) = any_beams(self.isa, (s, l), self.tree, &packet, ((1 << len) - 1, may_bundle), self.users);
+        let (hits, left) = any_beams(self.isa, (s, l), self.tree, &packet, (first_lanes(len), may_bundle), self.users);
         for (lane, occluded) in self.occluded[first..first + len].iter().enumerate() {
             occluded.set(hits >> lane & 1 == 1);
         }

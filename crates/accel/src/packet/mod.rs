@@ -1,7 +1,8 @@
 //! Queries of many rays: packets that go through the hierarchy together while they stay close to each other, and single rays where
 //! they do not. Every ray gets the bits that it gets alone.
 //!
-//! A packet has as many rays as the level has lanes. Rays whose directions have the same signs and the same greatest axis form a
+//! A packet has as many rays as two registers have lanes: what is found about nodes is shared by more rays, and two chains of operations do not
+//! wait for each other. Rays whose directions have the same signs and the same greatest axis form a
 //! beam. One test of a beam's bounds against the eight children of a node sorts out most of them; each of the rest is then tested
 //! with all rays of the beam when its turn comes (Boulos et al., "Packet-based Whitted and Distribution Ray Tracing", 2007; Benthin
 //! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays). For the
@@ -30,7 +31,7 @@ use std::mem::offset_of;
 use steradian_math::{Ray, Vec3};
 
 /// A beam has at least so many rays; others go alone. Measured.
-const BEAM: u32 = 6;
+const BEAM: u32 = 10;
 
 /// The same for packets of so many rays.
 #[inline(always)]
@@ -45,6 +46,12 @@ const FEW: u32 = 4;
 #[inline(always)]
 fn few(width: usize) -> u32 {
     FEW.min(width as u32 / 2)
+}
+
+/// The first lanes, at least one.
+#[inline(always)]
+fn first_lanes(count: usize) -> u32 {
+    u32::MAX >> (WIDE - count)
 }
 
 /// The rays of a packet by rows.

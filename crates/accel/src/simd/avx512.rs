@@ -131,14 +131,14 @@ impl Lanes for Avx512 {
         unsafe { _mm256_mask_blend_ps(m, b, a) }
     }
     #[inline(always)]
-    fn read(self, wide: &Wide) -> Self::F {
+    fn read_from(self, wide: &Wide, first: usize) -> Self::F {
         // SAFETY: see above.
-        unsafe { _mm256_load_ps(wide.0.as_ptr()) }
+        unsafe { _mm256_load_ps(wide.lanes::<LANES>(first).as_ptr()) }
     }
     #[inline(always)]
-    fn write(self, a: Self::F, wide: &mut Wide) {
+    fn write_from(self, a: Self::F, wide: &mut Wide, first: usize) {
         // SAFETY: see above.
-        unsafe { _mm256_store_ps(wide.0.as_mut_ptr(), a) }
+        unsafe { _mm256_store_ps(wide.lanes_mut::<LANES>(first).as_mut_ptr(), a) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sixteen lanes in one 512-bit register, masks in mask registers: for packets of rays.
 #![allow(unsafe_code)]
 
-use super::{COLUMNS, Lanes, WIDE, Wide};
+use super::{COLUMNS, Lanes, Wide};
 use std::arch::x86_64::*;
 
 /// Proof that the machine has AVX-512 F.
@@ -21,7 +21,7 @@ impl Avx512Wide {
 
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of sixteen `f32`.
 impl Lanes for Avx512Wide {
-    const COUNT: usize = WIDE;
+    const COUNT: usize = 16;
     type F = __m512;
     type M = __mmask16;
 
@@ -122,18 +122,18 @@ impl Lanes for Avx512Wide {
         unsafe { _mm512_mask_blend_ps(m, b, a) }
     }
     #[inline(always)]
-    fn read(self, wide: &Wide) -> Self::F {
+    fn read_from(self, wide: &Wide, first: usize) -> Self::F {
         // SAFETY: see above.
-        unsafe { _mm512_load_ps(wide.0.as_ptr()) }
+        unsafe { _mm512_load_ps(wide.lanes::<16>(first).as_ptr()) }
     }
     #[inline(always)]
-    fn write(self, a: Self::F, wide: &mut Wide) {
+    fn write_from(self, a: Self::F, wide: &mut Wide, first: usize) {
         // SAFETY: see above.
-        unsafe { _mm512_store_ps(wide.0.as_mut_ptr(), a) }
+        unsafe { _mm512_store_ps(wide.lanes_mut::<16>(first).as_mut_ptr(), a) }
     }
     #[inline(always)]
     fn columns(self, rows: &[[f32; COLUMNS]]) -> [Self::F; COLUMNS] {
-        let rows = &rows[..WIDE];
+        let rows = &rows[..Self::COUNT];
         // SAFETY: see above, and there are as many rows as lanes.
         unsafe {
             let [a, b, c, d] = transposed(quarters(rows, 0));
@@ -149,7 +149,7 @@ impl Lanes for Avx512Wide {
 /// The machine must have AVX-512 F, and there must be sixteen rows with these columns.
 #[inline(always)]
 unsafe fn quarters(rows: &[[f32; COLUMNS]], column: usize) -> [__m512; 4] {
-    debug_assert!(rows.len() >= WIDE && column + 4 <= COLUMNS);
+    debug_assert!(rows.len() >= Avx512Wide::COUNT && column + 4 <= COLUMNS);
     // SAFETY: the caller's promise.
     unsafe {
         let mut parts = [_mm512_setzero_ps(); 4];

@@ -1,4 +1,4 @@
-//! Eight or sixteen `f32` lanes on several instruction sets, all with the same bits (but for [`Lanes::mul_add`]): only correctly rounded
+//! Eight, sixteen or thirty-two `f32` lanes on several instruction sets, all with the same bits (but for [`Lanes::mul_add`]): only correctly rounded
 //! operations, no contraction, and one meaning of minimum and maximum.
 //!
 //! A value of a type that implements [`Simd`] is a token: that it exists proves that the machine has the instructions, so that
@@ -12,12 +12,14 @@ mod avx2;
 mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod avx512_wide;
+
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod sort;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
+mod twice;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
@@ -25,10 +27,13 @@ pub(crate) use avx2::Avx2;
 pub(crate) use avx512::Avx512;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx512_wide::Avx512Wide;
+#[cfg(target_arch = "x86_64")]
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use sse2::Sse2;
+
+pub(crate) use twice::Twice;
 
 use steradian_math::Vec3;
 
@@ -40,13 +45,13 @@ pub(crate) const LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Row(pub [f32; LANES]);
 
-/// Most lanes of a level, and with it the most rays of a packet.
-pub(crate) const WIDE: usize = 16;
+/// Most lanes there are, and with it the most rays of a packet.
+pub(crate) const WIDE: usize = 32;
 
 /// Columns of a table of rays.
 pub(crate) const COLUMNS: usize = 7;
 
-/// Numbers of as many lanes as a level has, as they lie in memory; what follows these has no meaning.
+/// Numbers of as many lanes as there may be, as they lie in memory; what follows these has no meaning.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wide(pub [f32; WIDE]);
@@ -56,11 +61,25 @@ impl Wide {
     pub const fn splat(x: f32) -> Self {
         Self([x; WIDE])
     }
+
+    /// So many of them, from a multiple of that number on.
+    #[inline(always)]
+    fn lanes<const N: usize>(&self, first: usize) -> &[f32; N] {
+        assert!(first.is_multiple_of(N), "rows of lanes are aligned");
+        self.0[first..].first_chunk().expect("lanes within a row")
+    }
+
+    /// The same to change them.
+    #[inline(always)]
+    fn lanes_mut<const N: usize>(&mut self, first: usize) -> &mut [f32; N] {
+        assert!(first.is_multiple_of(N), "rows of lanes are aligned");
+        self.0[first..].first_chunk_mut().expect("lanes within a row")
+    }
 }
 
 /// Operations on [`Lanes::COUNT`] lanes.
 pub(crate) trait Lanes: Copy {
-    /// How many lanes there are: eight or sixteen.
+    /// How many lanes there are: eight, sixteen or thirty-two.
     const COUNT: usize;
     /// A number for each lane.
     type F: Copy;
@@ -75,9 +94,19 @@ pub(crate) trait Lanes: Copy {
         [self.splat(v.x), self.splat(v.y), self.splat(v.z)]
     }
     /// The lanes from memory.
-    fn read(self, wide: &Wide) -> Self::F;
+    #[inline(always)]
+    fn read(self, wide: &Wide) -> Self::F {
+        self.read_from(wide, 0)
+    }
     /// The lanes to memory.
-    fn write(self, a: Self::F, wide: &mut Wide);
+    #[inline(always)]
+    fn write(self, a: Self::F, wide: &mut Wide) {
+        self.write_from(a, wide, 0);
+    }
+    /// The lanes from memory, of which the first is at a multiple of their number.
+    fn read_from(self, wide: &Wide, first: usize) -> Self::F;
+    /// The lanes to memory, of which the first is at a multiple of their number.
+    fn write_from(self, a: Self::F, wide: &mut Wide, first: usize);
     /// `a` where `m`, else `b`, bit for bit.
     fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// `a + b`.

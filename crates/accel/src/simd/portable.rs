@@ -85,12 +85,12 @@ impl Lanes for Portable {
         from_fn(|i| if m[i] { a[i] } else { b[i] })
     }
     #[inline(always)]
-    fn read(self, wide: &Wide) -> Self::F {
-        from_fn(|i| wide.0[i])
+    fn read_from(self, wide: &Wide, first: usize) -> Self::F {
+        *wide.lanes(first)
     }
     #[inline(always)]
-    fn write(self, a: Self::F, wide: &mut Wide) {
-        wide.0[..LANES].copy_from_slice(&a);
+    fn write_from(self, a: Self::F, wide: &mut Wide, first: usize) {
+        *wide.lanes_mut(first) = a;
     }
 }
 

@@ -135,16 +135,18 @@ impl Lanes for Sse2 {
         }
     }
     #[inline(always)]
-    fn read(self, wide: &Wide) -> Self::F {
+    fn read_from(self, wide: &Wide, first: usize) -> Self::F {
+        let lanes = wide.lanes::<LANES>(first);
         // SAFETY: see above.
-        unsafe { [_mm_load_ps(wide.0.as_ptr()), _mm_load_ps(wide.0.as_ptr().add(4))] }
+        unsafe { [_mm_load_ps(lanes.as_ptr()), _mm_load_ps(lanes.as_ptr().add(4))] }
     }
     #[inline(always)]
-    fn write(self, a: Self::F, wide: &mut Wide) {
+    fn write_from(self, a: Self::F, wide: &mut Wide, first: usize) {
+        let lanes = wide.lanes_mut::<LANES>(first);
         // SAFETY: see above.
         unsafe {
-            _mm_store_ps(wide.0.as_mut_ptr(), a[0]);
-            _mm_store_ps(wide.0.as_mut_ptr().add(4), a[1]);
+            _mm_store_ps(lanes.as_mut_ptr(), a[0]);
+            _mm_store_ps(lanes.as_mut_ptr().add(4), a[1]);
         }
     }
 }

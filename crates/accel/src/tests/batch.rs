@@ -20,7 +20,7 @@ fn same<U: UserPrimitives>(top: &TopLevel, rays: &[Ray], user: &U) -> usize {
         occluded.fill(true);
         top.intersect_batch(rays, user, &mut hits);
         top.occluded_batch(rays, user, &mut occluded);
-        for width in [4, 8] {
+        for width in [4, 8, 16] {
             let top = top.clone().with_packet_width(width);
             let (mut narrow_hits, mut narrow_occluded) = (vec![None; rays.len()], vec![true; rays.len()]);
             top.intersect_batch(rays, user, &mut narrow_hits);

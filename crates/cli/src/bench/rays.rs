@@ -38,8 +38,8 @@ pub struct RaysArgs {
     /// How rays are handed over: one by one, in slices as they come, or in slices that are sorted first
     #[arg(long, value_enum, default_value_t)]
     pub mode: Mode,
-    /// Most rays of a packet; no more than the instruction set has lanes
-    #[arg(long, value_name = "N", value_parser = ["4", "8", "16"])]
+    /// Most rays of a packet; no more than two registers have lanes
+    #[arg(long, value_name = "N", value_parser = ["4", "8", "16", "32"])]
     pub width: Option<String>,
     /// Threads that trace. The hierarchy is built by all processors
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -149,7 +149,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
     let geometry = [Geometry::triangles(&positions, &mesh.mesh.triangles)];
     let (start, cpu) = (Instant::now(), cpu_time(ClockId::ProcessCPUTime));
     let top = build(&geometry, args.instances).map_err(|e| Failure::bad_input(e.to_string()))?.with_isa(isa);
-    let width = args.width.as_ref().and_then(|width| width.parse().ok()).unwrap_or(16);
+    let width = args.width.as_ref().and_then(|width| width.parse().ok()).unwrap_or(32);
     let top = top.with_packet_width(width);
     let (build_seconds, build_cpu) = (start.elapsed().as_secs_f64(), cpu_time(ClockId::ProcessCPUTime) - cpu);
     let (sum, rate, wall_rate) = measure(&top, &rays, args)?;
