@@ -99,6 +99,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 let node = unsafe { tree.arena.node(current) };
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
+                    tree.prefetch_children(node, lanes);
                     let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
                     // SAFETY: the stack is deep enough for the tree.
                     unsafe { stack.push(keys, children, current, lanes.count_ones() as usize) };
