@@ -126,20 +126,28 @@ impl Arena {
     /// Asks for the memory of a node or block that will be read soon.
     #[inline(always)]
     pub fn prefetch(&self, child: ChildRef) {
-        #[cfg(target_arch = "x86_64")]
         for line in 0..NODE {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            // SAFETY: a prefetch of any address does nothing but time.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(self.place(child).wrapping_add(line).cast()) };
+            prefetch(self.place(child).wrapping_add(line));
         }
-        #[cfg(not(target_arch = "x86_64"))]
-        let _ = child;
     }
 
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.lines[..])
     }
+}
+
+/// Asks for the line of memory that a place is in.
+#[inline(always)]
+pub(crate) fn prefetch<T>(place: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a prefetch of any address does nothing but time.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(place.cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
 }
 
 impl std::fmt::Debug for Arena {

@@ -94,15 +94,19 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         let (mut open, mut active) = (group, group);
         let mut current = tree.root;
         loop {
+            let mut next = None;
             if current.is_node() {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.arena.node(current) };
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
                     tree.prefetch_children(node, lanes);
+                    // The nearest child is next, and known before the order of the others.
+                    let slot = s.nearest(enter, lanes) & (LANES - 1);
+                    next = Some(Waiting { key: slot as u32, child: node.children[slot], parent: current });
                     let (keys, children) = s.sort_descending(enter, lanes, ChildRef::bits(&node.children));
                     // SAFETY: the stack is deep enough for the tree.
-                    unsafe { stack.push(keys, children, current, lanes.count_ones() as usize) };
+                    unsafe { stack.push(keys, children, current, lanes.count_ones() as usize - 1) };
                 }
             } else {
                 if current.is_block() {
@@ -115,7 +119,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
             }
             loop {
-                let Some(Waiting { key, child, parent }) = stack.pop(farthest) else { return group & !open };
+                let Some(Waiting { key, child, parent }) = next.take().or_else(|| stack.pop(farthest)) else { return group & !open };
                 // SAFETY: parents are nodes of the tree.
                 let node = unsafe { tree.arena.node(parent) };
                 active = open & self.beam.enters(l, node, key_lane(key), t_max);

@@ -5,6 +5,7 @@ use super::bundle::Left;
 use super::flight::alone;
 use super::nearest::nearest_beams;
 use super::{Found, Packet, Set, beam, first_lanes};
+use crate::arena::prefetch;
 use crate::bvh::Tree;
 use crate::dispatch::SupportedIsa;
 use crate::search::{Any, Closest};
@@ -31,6 +32,9 @@ fn may_be_beam(rays: &[Ray], width: usize) -> bool {
 
 /// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once.
 const PAUSE: usize = 7;
+
+/// Every so many rays one is asked for ahead: a line of memory has a little more than two.
+const LINE: usize = 2;
 
 /// Rays that go alone, until there are enough of them.
 struct Alone {
@@ -88,6 +92,9 @@ trait Batch<S: Simd, L: Lanes> {
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
             let all = first_lanes(len);
+            for ray in rays[done + len..].iter().take(len).step_by(LINE) {
+                prefetch(ray);
+            }
             let lanes = if pausing > 0 {
                 pausing -= 1;
                 all

@@ -31,7 +31,7 @@ use std::mem::offset_of;
 use steradian_math::{Ray, Vec3};
 
 /// A beam has at least so many rays; others go alone. Measured.
-const BEAM: u32 = 10;
+const BEAM: u32 = 8;
 
 /// The same for packets of so many rays.
 #[inline(always)]
