@@ -16,10 +16,10 @@ use steradian_math::Ray;
 /// A query on its way.
 pub(crate) trait Query<S: Simd, U: Users>: Sized {
     /// What it finds.
-    type Answer: Copy;
+    type Answer: Copy + Default;
     /// What waits to be visited.
     type Stack: Waiting;
-    /// The answer for a ray that goes alone; that of one that is not traceable if nothing is hit.
+    /// The answer for a ray that goes alone; the default for one that is not traceable.
     fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer;
     /// At the root of a tree.
     fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self;

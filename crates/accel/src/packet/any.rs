@@ -119,7 +119,9 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
             }
             loop {
-                let Some(Waiting { key, child, parent }) = next.take().or_else(|| stack.pop(farthest)) else { return group & !open };
+                let Some(Waiting { key, child, parent }) = next.take().or_else(|| stack.pop(farthest)) else {
+                    return group & !open;
+                };
                 // SAFETY: parents are nodes of the tree.
                 let node = unsafe { tree.arena.node(parent) };
                 active = open & self.beam.enters(l, node, key_lane(key), t_max);

@@ -158,9 +158,6 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
 
     #[inline(always)]
     fn alone(&self, s: S, places: &[u32]) {
-        for &place in places {
-            self.hits[place as usize].set(None);
-        }
         alone::<S, U, Closest<S, U::Extra>>(self.isa, s, self.tree, self.rays, self.users, places, |place, nearest| {
             self.hits[place].set(nearest.map(|nearest| self.users.hit(nearest)));
         });
@@ -196,9 +193,6 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
 
     #[inline(always)]
     fn alone(&self, s: S, places: &[u32]) {
-        for &place in places {
-            self.occluded[place as usize].set(false);
-        }
         alone::<S, U, Any<S>>(self.isa, s, self.tree, self.rays, self.users, places, |place, hit| {
             self.occluded[place].set(hit)
         });

@@ -22,7 +22,7 @@ const ENOUGH: usize = 5 * TRIAL;
 /// What the others take of the time of the first, at most, to be faster: they find in the caches what the first have brought.
 const WORTH: f32 = 0.85;
 
-/// Traces the rays with given places alone, and hands over the answers of those that are traceable. In a large tree they may wait for
+/// Traces the rays with given places alone, and hands over their answers. In a large tree they may wait for
 /// memory or not: the clock tells. All ways give the same bits.
 #[inline(always)]
 pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
@@ -78,7 +78,7 @@ fn fly<S: Simd, U: Users, Q: Query<S, U>>(
     places: &[u32],
     answer: &mut impl FnMut(usize, Q::Answer),
 ) {
-    let mut next = places.iter().map(|&place| place as usize);
+    let mut places = places.iter().map(|&place| place as usize);
     let mut queries = [const { MaybeUninit::<Q>::uninit() }; FLIGHT];
     let mut stacks = [const { MaybeUninit::<Q::Stack>::uninit() }; FLIGHT];
     let mut place_of = [0; FLIGHT];
@@ -101,7 +101,14 @@ fn fly<S: Simd, U: Users, Q: Query<S, U>>(
                 answer(place, found);
             }
             // The slot is free for the next ray.
-            match next.find(|&place| is_traceable(&rays[place])) {
+            let next = places.find(|&place| {
+                let may_hit = is_traceable(&rays[place]);
+                if !may_hit {
+                    answer(place, Q::Answer::default());
+                }
+                may_hit
+            });
+            match next {
                 Some(place) => {
                     let ray = &rays[place];
                     queries[slot].write(Q::at_root(s, tree, ray, &Way::new(ray, &tree.bounds)));
