@@ -104,6 +104,7 @@ queries! {
     };
     /// The nearest hits of rays.
     fn nearest_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
+        let isa = isa.for_rays(l, rays.len());
         if isa.is_narrow(l) {
             nearest_batch(isa, (s, l), tree, rays, users, hits);
         } else {
@@ -112,6 +113,7 @@ queries! {
     };
     /// Which rays hit anything.
     fn any_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, occluded: &mut [bool]) = |isa, s, l| {
+        let isa = isa.for_rays(l, rays.len());
         if isa.is_narrow(l) {
             any_batch(isa, (s, l), tree, rays, users, occluded);
         } else {
@@ -174,6 +176,12 @@ impl SupportedIsa {
     #[inline(always)]
     pub fn width(self) -> usize {
         self.width.into()
+    }
+
+    /// The same for a given number of rays: those that one register has lanes for do not make wider packets.
+    #[inline(always)]
+    fn for_rays<L: Lanes>(self, _: L, count: usize) -> Self {
+        if count <= L::COUNT { self.with_width(self.width().min(L::COUNT)) } else { self }
     }
 
     /// Whether packets need no more lanes than a register has.
