@@ -33,8 +33,8 @@ fn may_be_beam(rays: &[Ray], width: usize) -> bool {
 /// After a packet of which most rays went alone, so many packets are not tried: their rays go alone at once.
 const PAUSE: usize = 7;
 
-/// Every so many rays one is asked for ahead: a line of memory has a little more than two.
-const LINE: usize = 2;
+/// Whole rays in a line of memory.
+const IN_LINE: usize = 2;
 
 /// Rays that go alone, until there are enough of them.
 struct Alone {
@@ -92,7 +92,7 @@ trait Batch<S: Simd, L: Lanes> {
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
             let all = first_lanes(len);
-            for ray in rays[done + len..].iter().take(len).step_by(LINE) {
+            for ray in rays[done + len..].iter().take(len).step_by(IN_LINE) {
                 prefetch(ray);
             }
             let lanes = if pausing > 0 {
