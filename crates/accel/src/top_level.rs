@@ -122,6 +122,9 @@ impl TopLevel {
     /// The nearest hit in `(0, ray.t_max)`; `None` for a ray that is not valid.
     #[inline]
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
+        if let Some(world) = self.world_alone(user) {
+            return nearest_hit(self.isa, &self.tree, ray, &world).map(|nearest| world.hit(nearest));
+        }
         let leaves = Leaves { scene: self, user };
         nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
     }
@@ -143,7 +146,10 @@ impl TopLevel {
     /// # Panics
     /// When the slices differ in length.
     pub fn intersect_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
-        nearest_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, hits);
+        match self.world_alone(user) {
+            Some(world) => nearest_hits(self.isa, &self.tree, rays, &world, hits),
+            None => nearest_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, hits),
+        }
     }
 
     /// [`TopLevel::occluded`] of many rays at once.
@@ -151,7 +157,10 @@ impl TopLevel {
     /// # Panics
     /// When the slices differ in length.
     pub fn occluded_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
-        any_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, occluded);
+        match self.world_alone(user) {
+            Some(world) => any_hits(self.isa, &self.tree, rays, &world, occluded),
+            None => any_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, occluded),
+        }
     }
 
     /// [`TopLevel::intersect_batch`] for rays in any order: they are sorted first.
@@ -183,7 +192,16 @@ impl TopLevel {
     /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
-        any_hit(self.isa, &self.tree, ray, &Leaves { scene: self, user })
+        match self.world_alone(user) {
+            Some(world) => any_hit(self.isa, &self.tree, ray, &world),
+            None => any_hit(self.isa, &self.tree, ray, &Leaves { scene: self, user }),
+        }
+    }
+
+    /// What is in the tree where there are no instances: queries that need not ask for them are faster.
+    #[inline(always)]
+    fn world_alone<'a, U>(&'a self, user: &'a U) -> Option<ObjectLeaves<'a, U>> {
+        self.placements.is_empty().then_some(ObjectLeaves { tree: &self.tree, instance: WORLD, user })
     }
 }
 

@@ -84,7 +84,7 @@ impl<S: Simd> Shear<S> {
     #[inline(always)]
     pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
         let corners = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
-        let Crossing { lanes, t, v, w, sum } = cross(s, corners, self.shear[2], t_max)?;
+        let Crossing { lanes, t, v, w, sum } = cross(s, &corners, self.shear[2], t_max)?;
         Some(Candidates { lanes, t: s.store(t), u: s.store(s.div(v, sum)), v: s.store(s.div(w, sum)) })
     }
 }
@@ -103,42 +103,79 @@ pub(crate) struct Crossing<L: Lanes> {
     pub sum: L::F,
 }
 
-/// The test, on vertices that are relative to the origin and sheared: hits with `0 < t <= t_max` that are farther than rounding can
-/// tell from the origin. `scale` is the reciprocal of the greatest coordinate of the direction.
+/// The vertices of triangles relative to the origins of rays, sheared.
+pub(crate) trait Corners<L: Lanes> {
+    /// Their coordinates across the rays.
+    fn across(&self, l: L) -> [[L::F; 2]; 3];
+    /// Their coordinates along the axis where the directions are greatest.
+    fn along(&self, l: L) -> [L::F; 3];
+}
+
+/// Computed before.
+impl<L: Lanes> Corners<L> for [[L::F; 3]; 3] {
+    #[inline(always)]
+    fn across(&self, _: L) -> [[L::F; 2]; 3] {
+        let [[ax, ay, _], [bx, by, _], [cx, cy, _]] = *self;
+        [[ax, ay], [bx, by], [cx, cy]]
+    }
+
+    #[inline(always)]
+    fn along(&self, _: L) -> [L::F; 3] {
+        [self[0][2], self[1][2], self[2][2]]
+    }
+}
+
+/// Edge functions: twice the signed areas opposite to the vertices.
 #[inline(always)]
-pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_max: L::F) -> Option<Crossing<L>> {
-    let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (a, b, c);
+pub(crate) fn edges<L: Lanes>(s: L, [[ax, ay], [bx, by], [cx, cy]]: [[L::F; 2]; 3]) -> [L::F; 3] {
+    [
+        s.sub(s.mul(cx, by), s.mul(cy, bx)),
+        s.sub(s.mul(ax, cy), s.mul(ay, cx)),
+        s.sub(s.mul(bx, ay), s.mul(by, ax)),
+    ]
+}
 
-    // Edge functions: twice the signed areas opposite to the vertices.
-    let mut u = s.sub(s.mul(cx, by), s.mul(cy, bx));
-    let mut v = s.sub(s.mul(ax, cy), s.mul(ay, cx));
-    let mut w = s.sub(s.mul(bx, ay), s.mul(by, ax));
-
+/// The test: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin. `scale` is the reciprocal of the greatest
+/// coordinate of the direction.
+#[inline(always)]
+pub(crate) fn cross<L: Lanes>(s: L, corners: &impl Corners<L>, scale: L::F, t_max: L::F) -> Option<Crossing<L>> {
+    let edges = edges(s, corners.across(s));
     // All of one sign, with zero on either side. The signs are right, but for zeros.
-    let zero = s.splat(0.0);
-    let mut is_inside = of_one_sign(s, [u, v, w]);
-    if s.bits(is_inside) == 0 {
+    if s.bits(of_one_sign(s, edges)) == 0 {
         return None;
     }
+    cross_at(s, corners, edges, scale, t_max)
+}
+
+/// The same with the edge functions.
+#[inline(always)]
+pub(crate) fn cross_at<L: Lanes>(
+    s: L,
+    corners: &impl Corners<L>,
+    [mut u, mut v, mut w]: [L::F; 3],
+    scale: L::F,
+    t_max: L::F,
+) -> Option<Crossing<L>> {
+    let zero = s.splat(0.0);
+    let mut is_inside = of_one_sign(s, [u, v, w]);
     let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
     let on_edge = s.bits(s.and(is_inside, on_edge));
     if on_edge != 0 {
         let mut edges = [Wide::splat(0.0); 3];
-        let mut corners = [Wide::splat(0.0); 6];
+        let mut across = [[Wide::splat(0.0); 2]; 3];
         s.write(u, &mut edges[0]);
         s.write(v, &mut edges[1]);
         s.write(w, &mut edges[2]);
-        s.write(ax, &mut corners[0]);
-        s.write(ay, &mut corners[1]);
-        s.write(bx, &mut corners[2]);
-        s.write(by, &mut corners[3]);
-        s.write(cx, &mut corners[4]);
-        s.write(cy, &mut corners[5]);
-        edges_in_f64(&corners, on_edge, &mut edges);
+        for (wide, corner) in across.iter_mut().zip(corners.across(s)) {
+            s.write(corner[0], &mut wide[0]);
+            s.write(corner[1], &mut wide[1]);
+        }
+        edges_in_f64(&across, on_edge, &mut edges);
         [u, v, w] = [s.read(&edges[0]), s.read(&edges[1]), s.read(&edges[2])];
         is_inside = of_one_sign(s, [u, v, w]);
     }
 
+    let [az, bz, cz] = corners.along(s);
     let sum = s.add(s.add(u, v), w);
     let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
     let t = s.div(s.mul(depth, scale), sum);
@@ -151,6 +188,7 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
     let nearest = s.min(s.min(s.mul(az, scale), s.mul(bz, scale)), s.mul(cz, scale));
     let in_front = s.bits(s.lt(zero, nearest));
     if lanes & !in_front != 0 {
+        let [[ax, ay], [bx, by], [cx, cy]] = corners.across(s);
         let error = depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
         lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
     }
@@ -159,7 +197,7 @@ pub(crate) fn cross<L: Lanes>(s: L, [a, b, c]: [[L::F; 3]; 3], scale: L::F, t_ma
 
 /// Where three numbers have one sign, with zero on either side.
 #[inline(always)]
-fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
+pub(crate) fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
     let zero = s.splat(0.0);
     let (least, greatest) = (s.min(s.min(u, v), w), s.max(s.max(u, v), w));
     s.or(s.le(zero, least), s.le(greatest, zero))
@@ -194,9 +232,9 @@ fn greatest<L: Lanes>(s: L, [a, b, c]: [L::F; 3]) -> L::F {
 /// Edge functions of the lanes in `lanes` again, with an exact sign.
 #[cold]
 #[inline(never)]
-fn edges_in_f64(corners: &[Wide; 6], lanes: u32, edges: &mut [Wide; 3]) {
+fn edges_in_f64(corners: &[[Wide; 2]; 3], lanes: u32, edges: &mut [Wide; 3]) {
     for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 == 1) {
-        let [ax, ay, bx, by, cx, cy] = std::array::from_fn(|i| f64::from(corners[i].0[lane]));
+        let [[ax, ay], [bx, by], [cx, cy]] = corners.map(|corner| corner.map(|wide| f64::from(wide.0[lane])));
         edges[0].0[lane] = (cx * by - cy * bx) as f32;
         edges[1].0[lane] = (ax * cy - ay * cx) as f32;
         edges[2].0[lane] = (bx * ay - by * ax) as f32;

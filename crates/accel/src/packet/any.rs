@@ -151,7 +151,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         let mut open = active;
         for slot in Set(interval.triangles(s, block, s.splat(farthest))) {
             let slot = slot & (LANES - 1);
-            if let Some(crossing) = self.beam.cross(l, block, slot, t_max) {
+            if let Some(crossing) = self.beam.spot(block, slot).cross(l, t_max) {
                 open &= !self.triangle(block.ids[slot], &crossing, open, t_max);
                 if open == 0 {
                     break;

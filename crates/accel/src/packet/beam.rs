@@ -4,7 +4,7 @@ use crate::layout::{Block, Node};
 use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
 use crate::traverse::{GREATEST, WIDEN, Way};
-use crate::triangle::{AXES, Crossing, abs, cross};
+use crate::triangle::{AXES, Corners, Crossing, abs, cross, cross_at, edges, of_one_sign};
 use steradian_math::{Bounds3, Vec3};
 
 /// What the tests need of the rays of a packet.
@@ -213,24 +213,62 @@ impl<L: Lanes> Beam<L> {
         l.mul_add(l.splat(node.rows[row].0[slot]), self.rows.inverse[axis], self.rows.offset[side][axis])
     }
 
-    /// Tests a triangle of a block.
+    /// A triangle of a block, seen from its rays.
     #[inline(always)]
-    pub fn cross(&self, l: L, block: &Block, slot: usize, t_max: L::F) -> Option<Crossing<L>> {
-        let corners = [self.vertex(l, block, slot, 0), self.vertex(l, block, slot, 1), self.vertex(l, block, slot, 2)];
-        cross(l, corners, self.rows.shear[2], t_max)
+    pub fn spot<'a>(&'a self, block: &'a Block, slot: usize) -> Spot<'a, L> {
+        Spot { beam: self, block, slot }
+    }
+}
+
+/// A triangle of a block, seen from the rays of a beam.
+pub(super) struct Spot<'a, L: Lanes> {
+    beam: &'a Beam<L>,
+    block: &'a Block,
+    slot: usize,
+}
+
+impl<L: Lanes> Spot<'_, L> {
+    /// Tests it.
+    #[inline(always)]
+    pub fn cross(&self, l: L, t_max: L::F) -> Option<Crossing<L>> {
+        cross(l, self, self.beam.rows.shear[2], t_max)
     }
 
-    /// A vertex relative to the origins, sheared.
+    /// The edge functions, and the rays for which they may have one sign.
     #[inline(always)]
-    fn vertex(&self, l: L, block: &Block, slot: usize, vertex: usize) -> [L::F; 3] {
-        let x = self.coordinate(l, block, slot, 3 * vertex, 0);
-        let y = self.coordinate(l, block, slot, 3 * vertex, 1);
-        let z = self.coordinate(l, block, slot, 3 * vertex, 2);
-        [l.sub(x, l.mul(self.rows.shear[0], z)), l.sub(y, l.mul(self.rows.shear[1], z)), z]
+    pub fn edges(&self, l: L) -> ([L::F; 3], u32) {
+        let edges = edges(l, self.across(l));
+        (edges, l.bits(of_one_sign(l, edges)))
+    }
+
+    /// The test with the edge functions.
+    #[inline(always)]
+    pub fn cross_at(&self, l: L, edges: [L::F; 3], t_max: L::F) -> Option<Crossing<L>> {
+        cross_at(l, self, edges, self.beam.rows.shear[2], t_max)
     }
 
     #[inline(always)]
-    fn coordinate(&self, l: L, block: &Block, slot: usize, first_row: usize, axis: usize) -> L::F {
-        l.sub(l.splat(block.rows[first_row + self.axes[axis]].0[slot]), self.rows.origin[self.axes[axis]])
+    fn coordinate(&self, l: L, vertex: usize, i: usize) -> L::F {
+        let axis = self.beam.axes[i];
+        l.sub(l.splat(self.block.rows[3 * vertex + axis].0[self.slot]), self.beam.rows.origin[axis])
+    }
+
+    #[inline(always)]
+    fn vertex(&self, l: L, vertex: usize) -> [L::F; 2] {
+        let [x, y, z] = [self.coordinate(l, vertex, 0), self.coordinate(l, vertex, 1), self.coordinate(l, vertex, 2)];
+        let shear = &self.beam.rows.shear;
+        [l.sub(x, l.mul(shear[0], z)), l.sub(y, l.mul(shear[1], z))]
+    }
+}
+
+impl<L: Lanes> Corners<L> for Spot<'_, L> {
+    #[inline(always)]
+    fn across(&self, l: L) -> [[L::F; 2]; 3] {
+        [self.vertex(l, 0), self.vertex(l, 1), self.vertex(l, 2)]
+    }
+
+    #[inline(always)]
+    fn along(&self, l: L) -> [L::F; 3] {
+        [self.coordinate(l, 0, 2), self.coordinate(l, 1, 2), self.coordinate(l, 2, 2)]
     }
 }

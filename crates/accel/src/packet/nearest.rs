@@ -165,9 +165,20 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let mut hits = false;
+        // First all edge functions, so that nothing waits for the answer to a question that is hard to guess.
+        let mut edges = [const { std::mem::MaybeUninit::<[L::F; 3]>::uninit() }; LANES];
+        let mut slots = 0;
         for slot in Set(interval.triangles(s, block, s.splat(farthest))) {
             let slot = slot & (LANES - 1);
-            if let Some(crossing) = self.beam.cross(l, block, slot, l.read(&found.t)) {
+            let (of_slot, lanes) = self.beam.spot(block, slot).edges(l);
+            edges[slot].write(of_slot);
+            slots |= u32::from(lanes & active != 0) << slot;
+        }
+        for slot in Set(slots) {
+            let slot = slot & (LANES - 1);
+            // SAFETY: the edge functions of what is in the set have been written.
+            let of_slot = unsafe { edges[slot].assume_init() };
+            if let Some(crossing) = self.beam.spot(block, slot).cross_at(l, of_slot, l.read(&found.t)) {
                 self.triangle(block.ids[slot], crossing, active, found);
                 hits = true;
             }
