@@ -25,6 +25,8 @@ pub(crate) struct Tree {
     pub first: Vec<u32>,
     /// How many primitives are in it.
     pub primitives: usize,
+    /// Whether triangles are all there is in it.
+    pub only_triangles: bool,
     /// What made it.
     pub builder: Builder,
 }

@@ -33,7 +33,7 @@ pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, 
         } else if current.is_block() {
             // SAFETY: the reference comes from the tree and is to a block.
             let block = unsafe { tree.arena.block(current) };
-            if let Some(candidates) = shear.test(s, block, t_max) {
+            if let Some(candidates) = shear.test(s, block, t_max, true) {
                 let mut lanes = candidates.lanes;
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize & (LANES - 1);

@@ -89,24 +89,7 @@ impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
         } else if current.is_block() {
             // SAFETY: the reference comes from the tree and is to a block.
             let block = unsafe { tree.arena.block(current) };
-            if let Some(candidates) = self.shear.test(s, block, s.splat(self.t)) {
-                let mut lanes = candidates.lanes;
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-                    lanes &= lanes - 1;
-                    let index = block.ids[lane] & !Block::FILTERED;
-                    let closer = candidates.t[lane] < self.t
-                        || candidates.t[lane] == self.t && self.best.is_some_and(|best| index < best.index);
-                    if closer {
-                        let (u, v) = (candidates.u[lane], candidates.v[lane]);
-                        let hit = UserHit { t: candidates.t[lane], u, v };
-                        if block.ids[lane] == index || users.accept(index, hit, ray) {
-                            self.t = hit.t;
-                            self.best = Some(Nearest { hit, index, extra: users.triangle() });
-                        }
-                    }
-                }
-            }
+            nearest_in_block(s, &self.shear, block, ray, users, (&mut self.t, &mut self.best));
         } else if current != ChildRef::EMPTY {
             // A user primitive may win a tie, so that it sees an interval that contains the hit so far.
             let index = current.index() as u32;
@@ -204,10 +187,37 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
     }
 }
 
+/// Looks for hits on the triangles of a block that are nearer than the best one so far.
+#[inline(always)]
+pub(crate) fn nearest_in_block<S: Simd, U: Users>(
+    s: S,
+    shear: &Shear<S>,
+    block: &Block,
+    ray: &Ray,
+    users: &U,
+    (t, best): (&mut f32, &mut Option<Nearest<U::Extra>>),
+) {
+    let Some(candidates) = shear.test(s, block, s.splat(*t), true) else { return };
+    let mut lanes = candidates.lanes;
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+        lanes &= lanes - 1;
+        let index = block.ids[lane] & !Block::FILTERED;
+        let closer = candidates.t[lane] < *t || candidates.t[lane] == *t && best.is_some_and(|best| index < best.index);
+        if closer {
+            let hit = UserHit { t: candidates.t[lane], u: candidates.u[lane], v: candidates.v[lane] };
+            if block.ids[lane] == index || users.accept(index, hit, ray) {
+                *t = hit.t;
+                *best = Some(Nearest { hit, index, extra: users.triangle() });
+            }
+        }
+    }
+}
+
 /// Whether a ray hits a triangle of a block.
 #[inline(always)]
 pub(crate) fn any_in_block<S: Simd, U: Users>(s: S, shear: &Shear<S>, block: &Block, ray: &Ray, users: &U) -> bool {
-    let Some(candidates) = shear.test(s, block, s.splat(ray.t_max)) else { return false };
+    let Some(candidates) = shear.test(s, block, s.splat(ray.t_max), ray.t_max < f32::INFINITY) else { return false };
     let mut lanes = candidates.lanes;
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & (LANES - 1);

@@ -4,6 +4,10 @@
 //! Vertices are moved to the ray's origin and sheared so that the ray becomes the z axis. The signs of the three edge functions
 //! then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them. Where an edge function
 //! is zero it is computed again in `f64`, where its sign is exact.
+//!
+//! No hit is before the box of its triangle, where rounding may put those on triangles that are hardly any: it is moved there, to the greatest of the
+//! least distances of the vertices along each axis. The boxes of nodes, which are widened by more than that rounds, never begin later. So no box
+//! that is left out because it begins behind a hit has a nearer one, and hits do not depend on the order in which boxes are visited.
 #![allow(unsafe_code)]
 
 use crate::layout::Block;
@@ -20,6 +24,8 @@ pub(crate) struct Shear<S: Simd> {
     origin: [S::F; 3],
     /// Shear of x and y, and scale of z.
     shear: [S::F; 3],
+    /// Reciprocals of the direction along x and y.
+    inverse: [S::F; 2],
 }
 
 /// Candidate hits on the triangles of a block.
@@ -56,19 +62,28 @@ impl<S: Simd> Shear<S> {
     #[inline(always)]
     pub fn new(s: S, ray: &Ray, way: &Way) -> Self {
         let [x, y, z] = way.axes;
+        // What is chosen by an index goes to memory: these three numbers, not all of `way`.
+        let inverse = way.inverse;
         Self {
             axes: way.axes,
             origin: [x, y, z].map(|axis| s.splat(at(&ray.origin, axis))),
             shear: [s.splat(way.shear[0]), s.splat(way.shear[1]), s.splat(way.shear[2])],
+            inverse: [s.splat(at(&inverse, x)), s.splat(at(&inverse, y))],
         }
     }
 
-    /// A vertex of every triangle relative to the origin, sheared.
+    /// A vertex of every triangle relative to the origin.
     #[inline(always)]
     fn vertex(&self, s: S, block: &Block, vertex: usize) -> [S::F; 3] {
         let x = self.coordinate(s, block, 3 * vertex, 0);
         let y = self.coordinate(s, block, 3 * vertex, 1);
         let z = self.coordinate(s, block, 3 * vertex, 2);
+        [x, y, z]
+    }
+
+    /// The same, sheared.
+    #[inline(always)]
+    fn sheared(&self, s: S, [x, y, z]: [S::F; 3]) -> [S::F; 3] {
         [s.sub(x, s.mul(self.shear[0], z)), s.sub(y, s.mul(self.shear[1], z)), z]
     }
 
@@ -80,11 +95,19 @@ impl<S: Simd> Shear<S> {
         s.sub(s.load(row), self.origin[axis])
     }
 
-    /// Tests a block: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin.
+    /// Tests a block: hits that are farther than rounding can tell from the origin, with `0 < t <= t_max`; those that are before the boxes
+    /// of their triangles are moved there, perhaps behind `t_max`, unless that is of no consequence.
     #[inline(always)]
-    pub fn test(&self, s: S, block: &Block, t_max: S::F) -> Option<Candidates> {
-        let corners = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
-        let Crossing { lanes, t, v, w, sum } = cross(s, &corners, self.shear[2], t_max)?;
+    pub fn test(&self, s: S, block: &Block, t_max: S::F, in_boxes: bool) -> Option<Candidates> {
+        let [a, b, c] = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
+        let sheared = [self.sheared(s, a), self.sheared(s, b), self.sheared(s, c)];
+        let Crossing { lanes, mut t, v, w, sum, depth } = cross(s, &sheared, self.shear[2], t_max)?;
+        if in_boxes {
+            let [x, y] = self.inverse;
+            let along_x = s.min(s.min(s.mul(a[0], x), s.mul(b[0], x)), s.mul(c[0], x));
+            let along_y = s.min(s.min(s.mul(a[1], y), s.mul(b[1], y)), s.mul(c[1], y));
+            t = s.max(s.max(along_x, s.max(along_y, depth)), t);
+        }
         Some(Candidates { lanes, t: s.store(t), u: s.store(s.div(v, sum)), v: s.store(s.div(w, sum)) })
     }
 }
@@ -101,6 +124,8 @@ pub(crate) struct Crossing<L: Lanes> {
     pub w: L::F,
     /// and the sum of all three.
     pub sum: L::F,
+    /// Distances at which the rays have come as far along the greatest axis as the nearest of the vertices.
+    pub depth: L::F,
 }
 
 /// The vertices of triangles relative to the origins of rays, sheared.
@@ -128,11 +153,7 @@ impl<L: Lanes> Corners<L> for [[L::F; 3]; 3] {
 /// Edge functions: twice the signed areas opposite to the vertices.
 #[inline(always)]
 pub(crate) fn edges<L: Lanes>(s: L, [[ax, ay], [bx, by], [cx, cy]]: [[L::F; 2]; 3]) -> [L::F; 3] {
-    [
-        s.sub(s.mul(cx, by), s.mul(cy, bx)),
-        s.sub(s.mul(ax, cy), s.mul(ay, cx)),
-        s.sub(s.mul(bx, ay), s.mul(by, ax)),
-    ]
+    [s.sub(s.mul(cx, by), s.mul(cy, bx)), s.sub(s.mul(ax, cy), s.mul(ay, cx)), s.sub(s.mul(bx, ay), s.mul(by, ax))]
 }
 
 /// The test: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin. `scale` is the reciprocal of the greatest
@@ -192,7 +213,7 @@ pub(crate) fn cross_at<L: Lanes>(
         let error = depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
         lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
     }
-    (lanes != 0).then_some(Crossing { lanes, t, v, w, sum })
+    (lanes != 0).then_some(Crossing { lanes, t, v, w, sum, depth: nearest })
 }
 
 /// Where three numbers have one sign, with zero on either side.

@@ -17,7 +17,7 @@ pub(super) fn emit(
     binary: &[BinaryNode<LANES>],
     builder: Builder,
 ) -> Result<Tree, Error> {
-    let mut layout = Layout { nodes: Vec::new(), leaves: Vec::new() };
+    let mut layout = Layout { nodes: Vec::new(), leaves: Vec::new(), only_triangles: true };
     let root = match binary.first() {
         None => ChildRef::EMPTY,
         Some(root) if root.is_leaf() => layout.leaf(root, refs),
@@ -64,6 +64,7 @@ pub(super) fn emit(
         bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
         primitives: refs.len(),
+        only_triangles: layout.only_triangles,
         builder,
     })
 }
@@ -72,6 +73,7 @@ pub(super) fn emit(
 struct Layout {
     nodes: Vec<Node>,
     leaves: Vec<(u32, u32)>,
+    only_triangles: bool,
 }
 
 impl Layout {
@@ -79,6 +81,7 @@ impl Layout {
     fn leaf(&mut self, node: &BinaryNode<LANES>, refs: &[PrimRef]) -> ChildRef {
         let r = &refs[node.first as usize];
         if r.is_user() {
+            self.only_triangles = false;
             return ChildRef::user(r.index());
         }
         self.leaves.push((node.first, node.count));

@@ -2,8 +2,8 @@
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Beam, Ways};
-use super::bundle::{Bundle, Left};
-use super::interval::Interval;
+use super::bundle::{AnyHit, Bundle, Left};
+use super::interval::{Interval, range};
 use super::stack::{PacketStack, Waiting};
 use super::{Packet, Set, beam, few};
 use crate::UserHit;
@@ -65,7 +65,9 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
     let mut left = Left { alone, poor: false };
     let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
     if group != 0 {
-        left.poor = bundle.run(group, &mut hits);
+        let (occluded, poor) = bundle.run(group, AnyHit);
+        hits |= occluded;
+        left.poor = poor;
     }
     (hits, left)
 }
@@ -88,7 +90,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         let (s, l, tree) = (self.s, self.l, self.tree);
         let interval = Interval::new(s, l, &self.beam, group, &tree.bounds);
         let t_max = l.read(&self.packet.t_max);
-        let farthest = l.greatest(l.select(l.mask(group), t_max, l.splat(f32::NEG_INFINITY)));
+        let ends @ [_, farthest] = range(l, l.mask(group), t_max);
         let mut stack = PacketStack::new();
         // Rays that have hit nothing yet, and those of them that enter the box of the present child.
         let (mut open, mut active) = (group, group);
@@ -110,7 +112,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
             } else {
                 if current.is_block() {
-                    open &= !self.block(&interval, current, active, t_max, farthest);
+                    open &= !self.block(&interval, current, active, t_max, ends);
                 } else if current != ChildRef::EMPTY {
                     open &= !self.user(current.index() as u32, active);
                 }
@@ -144,14 +146,27 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
     /// The active rays that hit a triangle of a block.
     #[inline(always)]
-    fn block(&self, interval: &Interval<S>, reference: ChildRef, active: u32, t_max: L::F, farthest: f32) -> u32 {
+    fn block(
+        &self,
+        interval: &Interval<S>,
+        reference: ChildRef,
+        active: u32,
+        t_max: L::F,
+        [nearest, farthest]: [f32; 2],
+    ) -> u32 {
         let (s, l) = (self.s, self.l);
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let mut open = active;
-        for slot in Set(interval.triangles(s, block, s.splat(farthest))) {
+        let (candidates, near) = interval.triangles(s, block, s.splat(farthest));
+        let near = [s.store(near[0]), s.store(near[1]), s.store(near[2])];
+        for slot in Set(candidates) {
             let slot = slot & (LANES - 1);
-            if let Some(crossing) = self.beam.spot(block, slot).cross(l, t_max) {
+            if let Some(mut crossing) = self.beam.spot(block, slot).cross(l, t_max) {
+                // Where a hit is exactly matters to rays that end.
+                if nearest < f32::INFINITY {
+                    crossing.t = self.beam.in_box(l, [near[0][slot], near[1][slot], near[2][slot]], &crossing);
+                }
                 open &= !self.triangle(block.ids[slot], &crossing, open, t_max);
                 if open == 0 {
                     break;

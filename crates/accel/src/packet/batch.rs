@@ -73,8 +73,8 @@ impl Alone {
 
 /// Many queries of one kind.
 trait Batch<S: Simd, L: Lanes> {
-    /// Whether there are bundles.
-    const BUNDLES: bool;
+    /// Whether bundles may be quicker.
+    fn may_bundle(&self) -> bool;
     /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to do.
     fn together(&self, s: S, l: L, packet: (usize, usize), may_bundle: bool) -> Left;
     /// Traces rays alone.
@@ -87,7 +87,7 @@ trait Batch<S: Simd, L: Lanes> {
     #[inline(always)]
     fn run(&self, s: S, l: L, width: usize) {
         let rays = self.rays();
-        let (mut done, mut pausing, mut doubtful, mut may_bundle) = (0, 0, true, Self::BUNDLES);
+        let (mut done, mut pausing, mut doubtful, mut may_bundle) = (0, 0, true, self.may_bundle());
         let mut waiting = Alone::new();
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
@@ -130,7 +130,11 @@ struct ClosestHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
-    const BUNDLES: bool = false;
+    /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`].
+    #[inline(always)]
+    fn may_bundle(&self) -> bool {
+        self.tree.only_triangles
+    }
 
     #[inline(always)]
     fn rays(&self) -> &[Ray] {
@@ -138,10 +142,11 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
     }
 
     #[inline(always)]
-    fn together(&self, s: S, l: L, (first, len): (usize, usize), _: bool) -> Left {
+    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
         let packet = Packet::new(l, &self.rays[first..first + len]);
         let mut found = Found::nothing(&packet.t_max);
-        let alone = nearest_beams(self.isa, (s, l), self.tree, &packet, first_lanes(len), self.users, &mut found);
+        let lanes = (first_lanes(len), may_bundle);
+        let left = nearest_beams(self.isa, (s, l), self.tree, &packet, lanes, self.users, &mut found);
         let sum = l.read(&found.sum);
         l.write(l.div(l.read(&found.u), sum), &mut found.u);
         l.write(l.div(l.read(&found.v), sum), &mut found.v);
@@ -153,7 +158,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
                 self.users.hit(Nearest { hit: parameters, index: found.index(lane), extra })
             }));
         }
-        Left { alone, poor: false }
+        left
     }
 
     #[inline(always)]
@@ -174,7 +179,10 @@ struct AnyHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
-    const BUNDLES: bool = true;
+    #[inline(always)]
+    fn may_bundle(&self) -> bool {
+        true
+    }
 
     #[inline(always)]
     fn rays(&self) -> &[Ray] {

@@ -213,6 +213,16 @@ impl<L: Lanes> Beam<L> {
         l.mul_add(l.splat(node.rows[row].0[slot]), self.rows.inverse[axis], self.rows.offset[side][axis])
     }
 
+    /// Distances of hits on a triangle, moved to its box where they are before it, see [`crate::triangle`]: given the near planes of the box.
+    #[inline(always)]
+    pub fn in_box(&self, l: L, near: [f32; 3], crossing: &Crossing<L>) -> L::F {
+        let [x, y, _] = self.axes;
+        let rows = &self.rows;
+        let x = l.mul(l.sub(l.splat(near[x]), rows.origin[x]), rows.inverse[x]);
+        let y = l.mul(l.sub(l.splat(near[y]), rows.origin[y]), rows.inverse[y]);
+        l.max(y, l.max(x, l.max(crossing.depth, crossing.t)))
+    }
+
     /// A triangle of a block, seen from its rays.
     #[inline(always)]
     pub fn spot<'a>(&'a self, block: &'a Block, slot: usize) -> Spot<'a, L> {

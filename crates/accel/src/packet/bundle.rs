@@ -1,20 +1,20 @@
-//! Rays of a packet that go different ways, but begin near each other: they share the nodes around their origins. For the question whether there is
-//! a hit: the nearest hit wants each ray to go its own way, from near to far.
+//! Rays of a packet that go different ways, but begin near each other: they share the nodes around their origins.
 //!
-//! The boxes of such nodes are tested one after the other with all rays. Where few of the rays are left in a part of the tree, they go on
-//! alone.
+//! The boxes of such nodes are tested one after the other with all rays; for nearest hits, from those near the origins to those far away. Where few of the
+//! rays are left in a part of the tree, they go on alone.
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Rows};
 use super::stack::BundleStack;
-use super::{Packet, Set};
+use super::{Found, Packet, Set};
 use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, any_hit_from};
-use crate::layout::ChildRef;
-use crate::search::any_in_block;
-use crate::simd::{Lanes, Simd};
-use crate::traverse::Users;
+use crate::dispatch::{SupportedIsa, any_hit_from, nearest_hit_from};
+use crate::layout::{Block, ChildRef, Node};
+use crate::search::{any_in_block, nearest_in_block};
+use crate::simd::{LANES, Lanes, Simd, key_lane};
+use crate::traverse::{Start, Users, Way};
 use crate::triangle::Shear;
+use steradian_math::Ray;
 
 /// A bundle has at least so many rays. Measured.
 const BUNDLE: u32 = 8;
@@ -43,6 +43,68 @@ impl Left {
     }
 }
 
+/// What is asked of the rays of a bundle.
+pub(super) trait Question<S: Simd, L: Lanes, U: Users> {
+    /// Whether it is quicker to visit children near the origins first.
+    const ORDERED: bool;
+    /// Where the intervals of the rays end by now.
+    fn ends(&self, l: L, packet: &Packet) -> L::F;
+    /// Asks it of a ray and the triangles of a block: whether that was the last thing to ask of this ray.
+    fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool;
+    /// The same below a child.
+    fn below(&mut self, bundle: &Bundle<S, L, U>, lane: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool;
+}
+
+/// Whether there is any hit.
+pub(super) struct AnyHit;
+
+impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for AnyHit {
+    const ORDERED: bool = false;
+
+    #[inline(always)]
+    fn ends(&self, l: L, packet: &Packet) -> L::F {
+        l.read(&packet.t_max)
+    }
+
+    #[inline(always)]
+    fn in_block(&mut self, s: S, _: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool {
+        any_in_block(s, &Shear::new(s, ray, way), block, ray, users)
+    }
+
+    #[inline(always)]
+    fn below(&mut self, bundle: &Bundle<S, L, U>, _: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool {
+        any_hit_from(bundle.isa, bundle.tree, ray, bundle.users, way, child)
+    }
+}
+
+impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for &mut Found {
+    const ORDERED: bool = true;
+
+    #[inline(always)]
+    fn ends(&self, l: L, _: &Packet) -> L::F {
+        l.read(&self.t)
+    }
+
+    #[inline(always)]
+    fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool {
+        let (mut t, mut best) = (self.t.0[lane], self.get(lane));
+        nearest_in_block(s, &Shear::new(s, ray, way), block, ray, users, (&mut t, &mut best));
+        if let Some(nearest) = best {
+            self.set(lane, nearest);
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn below(&mut self, bundle: &Bundle<S, L, U>, lane: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool {
+        let start = Start { child, t: self.t.0[lane], best: self.get(lane) };
+        if let Some(nearest) = nearest_hit_from(bundle.isa, bundle.tree, ray, bundle.users, way, start) {
+            self.set(lane, nearest);
+        }
+        false
+    }
+}
+
 /// The query of a bundle.
 pub(super) struct Bundle<'a, S: Simd, L: Lanes, U> {
     pub isa: SupportedIsa,
@@ -56,12 +118,11 @@ pub(super) struct Bundle<'a, S: Simd, L: Lanes, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
-    /// Adds the rays that hit anything, and says whether the bundle fell apart.
-    /// That is where rays went on alone below nodes more often than there are rays.
+    /// Asks a question of all rays of a group: those for which it was answered before everything was looked at, and whether the bundle fell apart. That is
+    /// where rays went on alone below nodes more often than there are rays.
     #[inline(always)]
-    pub fn run(&self, group: u32, hits: &mut u32) -> bool {
+    pub fn run<Q: Question<S, L, U>>(&self, group: u32, mut question: Q) -> (u32, bool) {
         let (l, tree) = (self.l, self.tree);
-        let t_max = l.read(&self.packet.t_max);
         let (mut open, mut apart) = (group, 0);
         let mut stack = BundleStack::new();
         let (mut current, mut active) = (tree.root, group);
@@ -69,33 +130,40 @@ impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
             if current.is_node() && active.count_ones() >= FEW {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.arena.node(current) };
-                for (slot, &child) in node.children.iter().enumerate() {
-                    if child != ChildRef::EMPTY {
-                        let lanes = active & self.rows.enter(l, node, slot, t_max);
+                let ends = question.ends(l, self.packet);
+                if Q::ORDERED {
+                    let (slots, count) = self.farthest_first(node, group.trailing_zeros() as usize);
+                    for &slot in &slots[..count] {
+                        let lanes = active & self.rows.enter(l, node, slot, ends);
                         // SAFETY: the stack is deep enough for the tree.
-                        unsafe { stack.push(child, lanes) };
+                        unsafe { stack.push(node.children[slot], lanes) };
+                    }
+                } else {
+                    for (slot, &child) in node.children.iter().enumerate() {
+                        if child != ChildRef::EMPTY {
+                            let lanes = active & self.rows.enter(l, node, slot, ends);
+                            // SAFETY: the stack is deep enough for the tree.
+                            unsafe { stack.push(child, lanes) };
+                        }
                     }
                 }
             } else {
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
                     let way = self.apart.get(lane);
-                    let hit = if current.is_block() {
+                    let done = if current.is_block() {
                         // SAFETY: the reference comes from the tree and is to a block.
                         let block = unsafe { tree.arena.block(current) };
-                        any_in_block(self.s, &Shear::new(self.s, &ray, &way), block, &ray, self.users)
+                        question.in_block(self.s, lane, block, &ray, &way, self.users)
                     } else {
                         apart += u32::from(current.is_node());
-                        any_hit_from(self.isa, tree, &ray, self.users, &way, current)
+                        question.below(self, lane, current, &ray, &way)
                     };
-                    open &= !(u32::from(hit) << lane);
+                    open &= !(u32::from(done) << lane);
                 }
             }
             loop {
-                let Some((child, lanes)) = stack.pop() else {
-                    *hits |= group & !open;
-                    return apart > group.count_ones();
-                };
+                let Some((child, lanes)) = stack.pop() else { return (group & !open, apart > group.count_ones()) };
                 active = lanes & open;
                 if active != 0 {
                     current = child;
@@ -103,5 +171,21 @@ impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
                 }
             }
         }
+    }
+
+    /// The slots of the children of a node that are not empty, and how many there are: farthest from the origin of a ray first.
+    #[inline(always)]
+    fn farthest_first(&self, node: &Node, lane: usize) -> ([usize; LANES], usize) {
+        let s = self.s;
+        let mut square = s.splat(0.0);
+        for axis in 0..3 {
+            let origin = s.splat(self.packet.origin[axis].0[lane]);
+            let (least, greatest) = (s.load(&node.rows[axis]), s.load(&node.rows[axis + 3]));
+            let outside = s.max(s.max(s.sub(least, origin), s.sub(origin, greatest)), s.splat(0.0));
+            square = s.add(square, s.mul(outside, outside));
+        }
+        let chosen = s.bits(s.le(s.load(&node.rows[0]), s.load(&node.rows[3])));
+        let (keys, _) = s.sort_descending(square, chosen, ChildRef::bits(&node.children));
+        (keys.map(key_lane), chosen.count_ones() as usize)
     }
 }

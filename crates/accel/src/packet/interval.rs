@@ -51,9 +51,9 @@ impl<S: Simd> Interval<S> {
         self.boxes(s, near, [s.load(&rows[u]), s.load(&rows[v]), s.load(&rows[w])], t_max)
     }
 
-    /// The triangles of a block whose boxes may be entered before `t_max`.
+    /// The triangles of a block whose boxes may be entered before `t_max`, and the near planes of these boxes.
     #[inline(always)]
-    pub fn triangles(&self, s: S, block: &Block, t_max: S::F) -> u32 {
+    pub fn triangles(&self, s: S, block: &Block, t_max: S::F) -> (u32, [S::F; 3]) {
         let (mut near, mut far) = ([s.splat(0.0); 3], [s.splat(0.0); 3]);
         for axis in 0..3 {
             let [a, b, c] = [s.load(&block.rows[axis]), s.load(&block.rows[axis + 3]), s.load(&block.rows[axis + 6])];
@@ -62,7 +62,7 @@ impl<S: Simd> Interval<S> {
         }
         // Lanes without a triangle are NaN.
         let row = s.load(&block.rows[0]);
-        self.boxes(s, near, far, t_max).1 & s.bits(s.eq(row, row))
+        (self.boxes(s, near, far, t_max).1 & s.bits(s.eq(row, row)), near)
     }
 
     /// The same for boxes whose planes are given.
@@ -79,7 +79,7 @@ impl<S: Simd> Interval<S> {
 
 /// The least and the greatest of chosen numbers.
 #[inline(always)]
-fn range<L: Lanes>(l: L, mask: L::M, x: L::F) -> [f32; 2] {
+pub(super) fn range<L: Lanes>(l: L, mask: L::M, x: L::F) -> [f32; 2] {
     let (top, bottom) = (l.splat(f32::INFINITY), l.splat(f32::NEG_INFINITY));
     [l.least(l.select(mask, x, top)), l.greatest(l.select(mask, x, bottom))]
 }

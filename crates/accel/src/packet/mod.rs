@@ -5,9 +5,8 @@
 //! wait for each other. Rays whose directions have the same signs and the same greatest axis form a
 //! beam. One test of a beam's bounds against the eight children of a node sorts out most of them; each of the rest is then tested
 //! with all rays of the beam when its turn comes (Boulos et al., "Packet-based Whitted and Distribution Ray Tracing", 2007; Benthin
-//! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays). For the
-//! question whether there is a hit, rays of no beam share the nodes around their origins as a bundle. What is left goes alone, one ray after the other or
-//! several at once.
+//! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays). Rays of
+//! no beam share the nodes around their origins as a bundle. What is left goes alone, one ray after the other or several at once.
 #![allow(unsafe_code)]
 
 mod any;

@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Beam, Ways};
+use super::bundle::{Bundle, Left};
 use super::interval::Interval;
 use super::stack::{PacketStack, Waiting};
 use super::{Found, Packet, Set, beam, few};
@@ -25,23 +26,23 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) {
-    for lane in Set(nearest_beams(isa, (s, l), tree, packet, lanes, users, found)) {
+    for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, false), users, found).alone) {
         let way = |ray: &Ray| Way::new(ray, &tree.bounds);
         single(isa, tree, packet, (lane, way), tree.root, users, found);
     }
 }
 
-/// Finds the nearest hits of those rays that go nearly the same way, and gives back the others that are traceable.
+/// Finds the nearest hits of those rays that go nearly the same way, or begin near each other; and says what is left to do.
 #[inline(always)]
 pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
     packet: &Packet,
-    lanes: u32,
+    (lanes, may_bundle): (u32, bool),
     users: &U,
     found: &mut Found,
-) -> u32 {
+) -> Left {
     let ways = Ways::new(l, packet, &tree.bounds);
     let apart = ways.apart(l);
     let lanes = lanes & ways.valid;
@@ -60,7 +61,13 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
             Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group, found);
         }
     }
-    alone
+    let bundle = Bundle { isa, s, l, rows: &ways.rows, apart: &apart, tree, packet, users };
+    let mut left = Left { alone, poor: false };
+    let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
+    if group != 0 {
+        (_, left.poor) = bundle.run(group, found);
+    }
+    left
 }
 
 /// Goes on with one ray of a packet below a child.
@@ -168,7 +175,9 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         // First all edge functions, so that nothing waits for the answer to a question that is hard to guess.
         let mut edges = [const { std::mem::MaybeUninit::<[L::F; 3]>::uninit() }; LANES];
         let mut slots = 0;
-        for slot in Set(interval.triangles(s, block, s.splat(farthest))) {
+        let (candidates, near) = interval.triangles(s, block, s.splat(farthest));
+        let near = [s.store(near[0]), s.store(near[1]), s.store(near[2])];
+        for slot in Set(candidates) {
             let slot = slot & (LANES - 1);
             let (of_slot, lanes) = self.beam.spot(block, slot).edges(l);
             edges[slot].write(of_slot);
@@ -178,7 +187,10 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
             let slot = slot & (LANES - 1);
             // SAFETY: the edge functions of what is in the set have been written.
             let of_slot = unsafe { edges[slot].assume_init() };
-            if let Some(crossing) = self.beam.spot(block, slot).cross_at(l, of_slot, l.read(&found.t)) {
+            let so_far = l.read(&found.t);
+            if let Some(mut crossing) = self.beam.spot(block, slot).cross_at(l, of_slot, so_far) {
+                crossing.t = self.beam.in_box(l, [near[0][slot], near[1][slot], near[2][slot]], &crossing);
+                crossing.lanes &= l.bits(l.le(crossing.t, so_far));
                 self.triangle(block.ids[slot], crossing, active, found);
                 hits = true;
             }
@@ -188,7 +200,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
     /// Takes over hits on a triangle.
     #[inline(always)]
-    fn triangle(&self, id: u32, Crossing { lanes, t, v, w, sum }: Crossing<L>, active: u32, found: &mut Found) {
+    fn triangle(&self, id: u32, Crossing { lanes, t, v, w, sum, .. }: Crossing<L>, active: u32, found: &mut Found) {
         let l = self.l;
         let index = id & !Block::FILTERED;
         let so_far = l.read(&found.t);

@@ -10,6 +10,7 @@ pub(super) struct Shear {
     axes: [usize; 3],
     origin: [f32; 3],
     shear: [f32; 3],
+    inverse: [f32; 3],
 }
 
 impl Shear {
@@ -26,17 +27,25 @@ impl Shear {
         };
         let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
         let [x, y, z] = axes;
+        let inverse = d.recip().clamp(Vec3::splat(-f32::MAX), Vec3::splat(f32::MAX));
         Self {
             axes,
             origin: [ray.origin[x], ray.origin[y], ray.origin[z]],
             shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
+            inverse: [inverse[x], inverse[y], inverse[z]],
         }
+    }
+
+    /// A vertex relative to the origin, by the axes of the sheared space.
+    #[inline]
+    fn relative(&self, p: Vec3) -> [f32; 3] {
+        [0, 1, 2].map(|axis| p[self.axes[axis]] - self.origin[axis])
     }
 
     /// A vertex relative to the origin, sheared.
     #[inline]
     fn vertex(&self, p: Vec3) -> [f32; 3] {
-        let [x, y, z] = [0, 1, 2].map(|axis| p[self.axes[axis]] - self.origin[axis]);
+        let [x, y, z] = self.relative(p);
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 
@@ -72,7 +81,14 @@ impl Shear {
                 return None;
             }
         }
-        Some(UserHit { t, u: v / sum, v: w / sum })
+        let [a, b, c] = corners.map(|p| self.relative(p));
+        let mut begin = 0.0;
+        for (axis, inverse) in self.inverse.into_iter().enumerate() {
+            let [a, b, c] = [a, b, c].map(|p| p[axis] * inverse);
+            begin = max(min(min(a, b), c), begin);
+        }
+        let t = max(begin, t);
+        (t <= t_max).then(|| UserHit { t, u: v / sum, v: w / sum })
     }
 }
 
