@@ -11,7 +11,7 @@
 //! A hit at equal distance goes to the smaller [`PrimId`], so results do not depend on the order of traversal either.
 //!
 //! Rays that lie together in a slice and go nearly the same way are traced together by `intersect_batch` and `occluded_batch`, several
-//! times as fast as alone; so are those that begin near each other, by the latter. Others fly several at once, where memory is what they wait for. `intersect_stream` and `occluded_stream` sort them first. Each ray gets the bits that it gets alone.
+//! times as fast as alone; so are those that begin near each other. Others fly several at once, where memory is what they wait for. `intersect_stream` and `occluded_stream` sort them first. Each ray gets the bits that it gets alone.
 //!
 //! Triangles are tested watertight, and a hit that rounding cannot tell from the origin of the ray is none: no ray slips between two
 //! triangles that share an edge, and none meets again the triangle that it leaves. There is no epsilon to choose.
