@@ -135,6 +135,25 @@ struct Sum {
     t: f64,
 }
 
+impl Sum {
+    /// Of hits at given distances.
+    #[inline(always)]
+    fn of(distances: impl Iterator<Item = f32>) -> Self {
+        let (mut hits, mut t) = (0, 0.0);
+        for distance in distances {
+            hits += 1;
+            t += f64::from(distance);
+        }
+        Self { hits, t }
+    }
+}
+
+impl std::iter::Sum for Sum {
+    fn sum<I: Iterator<Item = Self>>(sums: I) -> Self {
+        sums.fold(Self::default(), |a, b| Self { hits: a.hits + b.hits, t: a.t + b.t })
+    }
+}
+
 /// Reads, builds, traces and prints.
 pub fn run(args: &RaysArgs) -> Outcome {
     let mesh = in_file(&args.mesh, |bytes| {
@@ -219,9 +238,8 @@ fn measure(top: &TopLevel, rays: &[Ray], args: &RaysArgs) -> Result<(Sum, f64, f
             let sum = trace(top, &rays[begin..end], args);
             (sum, cpu_time(ClockId::ThreadCPUTime) - cpu)
         });
-        traced.into_iter().fold((Sum::default(), Duration::ZERO), |(a, cpu), (b, more)| {
-            (Sum { hits: a.hits + b.hits, t: a.t + b.t }, cpu + more)
-        })
+        let (sums, times): (Vec<_>, Vec<_>) = traced.into_iter().unzip();
+        (sums.into_iter().sum::<Sum>(), times.into_iter().sum::<Duration>())
     };
     let (sum, _) = once();
     let (mut rates, mut wall_rates) = (Vec::new(), Vec::new());
@@ -240,25 +258,23 @@ fn measure(top: &TopLevel, rays: &[Ray], args: &RaysArgs) -> Result<(Sum, f64, f
 
 /// Traces rays once.
 fn trace(top: &TopLevel, rays: &[Ray], args: &RaysArgs) -> Sum {
-    let add = |sum: Sum, t: f32| Sum { hits: sum.hits + 1, t: sum.t + f64::from(t) };
     let single = args.mode == Mode::Single;
     // What is sorted is sorted as a whole.
     let batch = if args.mode == Mode::Stream { rays.len().max(1) } else { BATCH };
     match args.query {
-        Query::Closest if single => {
-            rays.iter().filter_map(|r| top.intersect(r, &())).map(|h| h.t).fold(Sum::default(), add)
-        }
+        Query::Closest if single => Sum::of(rays.iter().filter_map(|r| top.intersect(r, &())).map(|h| h.t)),
         Query::Occluded if single => Sum { hits: rays.iter().filter(|r| top.occluded(r, &())).count(), t: 0.0 },
         Query::Closest => {
             let mut hits: Vec<Option<Hit>> = vec![None; rays.len().min(batch)];
-            rays.chunks(batch).fold(Sum::default(), |sum, rays| {
+            let sums = rays.chunks(batch).map(|rays| {
                 let hits = &mut hits[..rays.len()];
                 match args.mode {
                     Mode::Stream => top.intersect_stream(rays, &(), hits),
                     _ => top.intersect_batch(rays, &(), hits),
                 }
-                hits.iter().flatten().map(|hit| hit.t).fold(sum, add)
-            })
+                Sum::of(hits.iter().flatten().map(|hit| hit.t))
+            });
+            sums.sum()
         }
         Query::Occluded => {
             let mut occluded = vec![false; rays.len().min(batch)];

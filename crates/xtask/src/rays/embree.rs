@@ -143,13 +143,13 @@ impl<const N: usize> RayHits<N> {
         self.geometry[place] = INVALID;
     }
 
-    /// Adds what the ray at a place has found.
+    /// Adds what the first rays have found.
     #[inline(always)]
-    fn add_to(&self, found: &mut Found, query: Query, place: usize) {
+    fn add_to(&self, found: &mut Found, query: Query, count: usize) {
+        let rays = self.geometry[..count].iter().zip(&self.t_far);
         match query {
-            Query::Closest if self.geometry[place] != INVALID => found.add(self.t_far[place]),
-            Query::Occluded if self.t_far[place] < 0.0 => found.hits += 1,
-            _ => {}
+            Query::Closest => found.add(rays.filter(|(geometry, _)| **geometry != INVALID).map(|(_, t)| *t)),
+            Query::Occluded => found.hits += rays.filter(|(_, t)| **t < 0.0).count(),
         }
     }
 }
@@ -336,7 +336,7 @@ impl Built<'_> {
             one.set(0, ray);
             // SAFETY: the structures are those of the interface.
             unsafe { function(top, (&raw mut one).cast(), arguments) };
-            one.add_to(&mut found, query, 0);
+            one.add_to(&mut found, query, 1);
         }
         found
     }
@@ -352,9 +352,7 @@ impl Built<'_> {
             }
             // SAFETY: the structures are those of the interface.
             unsafe { function(valid.0.as_ptr(), top, (&raw mut packet).cast(), arguments) };
-            for place in 0..rays.len() {
-                packet.add_to(&mut found, query, place);
-            }
+            packet.add_to(&mut found, query, rays.len());
         }
         found
     }

@@ -33,11 +33,16 @@ pub struct Found {
 }
 
 impl Found {
-    /// Adds a hit.
+    /// Adds hits with given distances. The sum over them begins anew, so that it stays in a register.
     #[inline(always)]
-    pub fn add(&mut self, t: f32) {
-        self.hits += 1;
-        self.sum += f64::from(t);
+    pub fn add(&mut self, distances: impl Iterator<Item = f32>) {
+        let (mut hits, mut sum) = (0, 0.0);
+        for t in distances {
+            hits += 1;
+            sum += f64::from(t);
+        }
+        self.hits += hits;
+        self.sum += sum;
     }
 
     /// Whether another program has found the same, but for a few rays at edges.
@@ -69,7 +74,7 @@ pub fn trace(top: &TopLevel, rays: &[Ray], query: Query, mode: Mode) -> Found {
     let batch = if mode == Mode::Stream { rays.len().max(1) } else { BATCH };
     match (query, mode) {
         (Query::Closest, Mode::Single) => {
-            rays.iter().filter_map(|ray| top.intersect(ray, &())).for_each(|hit| found.add(hit.t));
+            found.add(rays.iter().filter_map(|ray| top.intersect(ray, &())).map(|hit| hit.t));
         }
         (Query::Occluded, Mode::Single) => found.hits = rays.iter().filter(|ray| top.occluded(ray, &())).count(),
         (Query::Closest, _) => {
@@ -81,7 +86,7 @@ pub fn trace(top: &TopLevel, rays: &[Ray], query: Query, mode: Mode) -> Found {
                 } else {
                     top.intersect_batch(rays, &(), hits);
                 }
-                hits.iter().flatten().for_each(|hit| found.add(hit.t));
+                found.add(hits.iter().flatten().map(|hit| hit.t));
             }
         }
         (Query::Occluded, _) => {
