@@ -40,23 +40,33 @@ impl Arena {
         ChildRef::block(Self::lines(nodes, index) as u32)
     }
 
-    /// So many nodes and blocks, made in parallel by functions of their indices.
+    /// Parts of so many nodes and blocks each, made in parallel by functions of the part and the index in it.
     pub fn new(
-        (nodes, blocks): (usize, usize),
-        node: impl Fn(usize) -> Node + Sync,
-        block: impl Fn(usize) -> Block + Sync,
+        parts: &[(usize, usize)],
+        node: impl Fn(usize, usize) -> Node + Sync,
+        block: impl Fn(usize, usize) -> Block + Sync,
     ) -> Self {
+        let (nodes, blocks) = parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
         // SAFETY: a line may be anything.
         let lines = unsafe { Storage::uninit(Self::lines(nodes, blocks)) };
         let mut arena = Self { lines, nodes, blocks };
-        let (first, rest) = arena.lines.split_at_mut(NODE * nodes);
-        first.par_chunks_exact_mut(NODE).enumerate().for_each(|(i, place)| {
-            // SAFETY: a line is aligned like a node, and so many lines have its size.
-            unsafe { place.as_mut_ptr().cast::<Node>().write(node(i)) };
-        });
-        rest.par_chunks_exact_mut(BLOCK).enumerate().for_each(|(i, place)| {
-            // SAFETY: as above.
-            unsafe { place.as_mut_ptr().cast::<Block>().write(block(i)) };
+        let (mut of_nodes, mut of_blocks) = arena.lines.split_at_mut(NODE * nodes);
+        let mut places = Vec::with_capacity(parts.len());
+        for &(nodes, blocks) in parts {
+            let (own_nodes, more_nodes) = of_nodes.split_at_mut(NODE * nodes);
+            let (own_blocks, more_blocks) = of_blocks.split_at_mut(BLOCK * blocks);
+            places.push((own_nodes, own_blocks));
+            (of_nodes, of_blocks) = (more_nodes, more_blocks);
+        }
+        places.into_par_iter().enumerate().for_each(|(part, (nodes, blocks))| {
+            for (i, place) in nodes.chunks_exact_mut(NODE).enumerate() {
+                // SAFETY: a line is aligned like a node, and so many lines have its size.
+                unsafe { place.as_mut_ptr().cast::<Node>().write(node(part, i)) };
+            }
+            for (i, place) in blocks.chunks_exact_mut(BLOCK).enumerate() {
+                // SAFETY: as above.
+                unsafe { place.as_mut_ptr().cast::<Block>().write(block(part, i)) };
+            }
         });
         arena
     }

@@ -4,7 +4,7 @@
 //! from the leaves up by dynamic programming: for each binary node the cost as a forest of at most `i` wide subtrees (Ylitie,
 //! Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1).
 
-use super::nodes::Nodes;
+use super::nodes::{BinaryTree, Nodes};
 use super::primitives::PrimRef;
 use super::split::{Extent, half_area, split};
 use crate::simd::LANES;
@@ -15,7 +15,7 @@ pub(super) const SAH_DEPTH: u32 = 64;
 /// Ranges of triangles up to this length are not cut further.
 const SMALL: usize = 4;
 /// Ranges longer than this are cut by several threads.
-const PARALLEL: usize = 1 << 12;
+pub(super) const PARALLEL: usize = 1 << 12;
 /// Time of the test of a node's boxes.
 const NODE_COST: f32 = 1.0;
 /// Time of the test of a block of triangles.
@@ -49,13 +49,13 @@ impl<const WIDTH: usize> BinaryNode<WIDTH> {
 }
 
 /// Sorts the references and builds the tree over them.
-pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> Vec<BinaryNode<WIDTH>> {
+pub(super) fn build<const WIDTH: usize>(refs: &mut [PrimRef]) -> BinaryTree<WIDTH> {
     let mut nodes = Nodes::new();
     if !refs.is_empty() {
         let extent = Extent::of(refs);
         build_range(refs, &mut nodes, 0, extent, scale(&extent.bounds), 0);
     }
-    nodes.into_vec()
+    nodes.finish()
 }
 
 /// The factor for [`half_area`] in a tree with given bounds.

@@ -1,54 +1,55 @@
 //! From the binary tree with its choices to the wide tree.
+//!
+//! The upper part of the tree is laid out first; the subtrees below it follow, each as a part of its own, so that several threads lay out,
+//! and then write, a part each.
 
 use super::Builder;
-use super::binary::BinaryNode;
+use super::binary::{BinaryNode, PARALLEL};
+use super::nodes::BinaryTree;
 use super::primitives::{Indices, PrimRef, Primitives};
 use crate::Error;
 use crate::arena::Arena;
 use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
+use rayon::prelude::*;
 use steradian_math::Bounds3;
 
-/// Lays out the wide tree, depth first.
+/// Lays out the wide tree, parents before their children.
 pub(super) fn emit(
     primitives: &Primitives,
     refs: &[PrimRef],
-    binary: &[BinaryNode<LANES>],
+    binary: &BinaryTree<LANES>,
     builder: Builder,
 ) -> Result<Tree, Error> {
-    let mut layout = Layout { nodes: Vec::new(), leaves: Vec::new(), only_triangles: true };
-    let root = match binary.first() {
+    let mut upper = Layout::new(Source::Whole(binary));
+    let mut subtrees = Vec::new();
+    let root = match binary.root() {
         None => ChildRef::EMPTY,
-        Some(root) if root.is_leaf() => layout.leaf(root, refs),
-        Some(_) => layout.subtree(binary, refs),
-    };
-    let block = |i: usize| {
-        let (first, count) = layout.leaves[i];
-        let mut triangles = [None; LANES];
-        for (triangle, r) in triangles.iter_mut().zip(&refs[first as usize..][..count as usize]) {
-            *triangle = primitives.indices(r.index());
-        }
-        let mut block = Block::EMPTY;
-        for (lane, triangle) in triangles.into_iter().enumerate() {
-            if let Some((corners, id)) = triangle.and_then(Indices::corners) {
-                block.set(lane, corners, id);
-            }
-        }
-        block
-    };
-    let (nodes, blocks) = (layout.nodes.len(), layout.leaves.len());
-    // The layout counts nodes and blocks; in memory blocks begin where nodes end.
-    let placed = |child: ChildRef| {
-        if child.is_node() {
-            Arena::node_ref(child.index())
-        } else if child.is_block() {
-            Arena::block_ref(nodes, child.index())
-        } else {
-            child
+        Some(root) if root.is_leaf() => upper.leaf(root, refs),
+        Some(root) => {
+            subtrees = upper.lay_out(refs, if root.count as usize > PARALLEL { PARALLEL } else { 0 });
+            ChildRef::node(0)
         }
     };
-    let node = |i: usize| Node { children: layout.nodes[i].children.map(placed), ..layout.nodes[i] };
+    let lower = |left_out: &LeftOut| {
+        let nodes = binary.from(left_out.binary);
+        let mut part = Layout::new(Source::Subtree(nodes));
+        part.reserve(nodes[0].count as usize);
+        part.lay_out(refs, 0);
+        part
+    };
+    let mut parts: Vec<Layout> = subtrees.par_iter().map(lower).collect();
+    // Where the parts begin.
+    let (mut nodes, mut blocks) = (upper.nodes.len(), upper.leaves.len());
+    for (part, left_out) in parts.iter_mut().zip(&subtrees) {
+        upper.nodes[left_out.node][left_out.slot].child = ChildRef::node(nodes as u32);
+        part.first = [nodes, blocks];
+        (nodes, blocks) = (nodes + part.nodes.len(), blocks + part.leaves.len());
+    }
+    let only_triangles = upper.only_triangles && parts.iter().all(|part| part.only_triangles);
+    parts.insert(0, upper);
+
     let lines = Arena::lines(nodes, blocks) as u64;
     let limit = u64::from(ChildRef::LIMIT);
     if lines >= limit {
@@ -58,25 +59,94 @@ pub(super) fn emit(
             limit: (u128::from(count) * u128::from(limit) / u128::from(lines)) as u64,
         });
     }
+    let sizes: Vec<_> = parts.iter().map(|part| (part.nodes.len(), part.leaves.len())).collect();
+    let node = |part: usize, i: usize| parts[part].node(i, nodes);
+    let block = |part: usize, i: usize| block(primitives, refs, parts[part].leaves[i]);
+    // A root that is a leaf is the first of all.
+    let root = if root.is_block() { Arena::block_ref(nodes, 0) } else { root };
     Ok(Tree {
-        arena: Arena::new((nodes, blocks), node, block),
-        root: placed(root),
-        bounds: binary.first().map_or(Bounds3::EMPTY, |root| root.bounds),
+        arena: Arena::new(&sizes, node, block),
+        root,
+        bounds: binary.root().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
         primitives: refs.len(),
-        only_triangles: layout.only_triangles,
+        only_triangles,
         builder,
     })
 }
 
-/// Nodes, and the ranges of references that become blocks.
-struct Layout {
-    nodes: Vec<Node>,
-    leaves: Vec<(u32, u32)>,
-    only_triangles: bool,
+/// The block of a range of references.
+fn block(primitives: &Primitives, refs: &[PrimRef], (first, count): (u32, u32)) -> Block {
+    let mut triangles = [None; LANES];
+    for (triangle, r) in triangles.iter_mut().zip(&refs[first as usize..][..count as usize]) {
+        *triangle = primitives.indices(r.index());
+    }
+    let mut block = Block::EMPTY;
+    for (lane, triangle) in triangles.into_iter().enumerate() {
+        if let Some((corners, id)) = triangle.and_then(Indices::corners) {
+            block.set(lane, corners, id);
+        }
+    }
+    block
 }
 
-impl Layout {
+/// Where a part of the tree comes from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Whole(&'a BinaryTree<LANES>),
+    /// Nodes that lie together, of which the first is the root.
+    Subtree(&'a [BinaryNode<LANES>]),
+}
+
+impl<'a> Source<'a> {
+    fn get(self, index: usize) -> &'a BinaryNode<LANES> {
+        match self {
+            Self::Whole(tree) => tree.node(index),
+            Self::Subtree(nodes) => &nodes[index],
+        }
+    }
+}
+
+/// A child of a wide node.
+#[derive(Clone, Copy)]
+struct Child {
+    /// Its binary node.
+    binary: u32,
+    /// What it is. Nodes and blocks are counted within the part.
+    child: ChildRef,
+}
+
+/// A subtree that is left out of a part.
+struct LeftOut {
+    /// The node of the part that it belongs to,
+    node: usize,
+    /// in this slot.
+    slot: usize,
+    /// Its binary node.
+    binary: usize,
+}
+
+/// A part of the tree: its nodes, and the ranges of references that become blocks.
+struct Layout<'a> {
+    source: Source<'a>,
+    nodes: Vec<[Child; LANES]>,
+    leaves: Vec<(u32, u32)>,
+    only_triangles: bool,
+    /// The indices of the first node and of the first block among all.
+    first: [usize; 2],
+}
+
+impl<'a> Layout<'a> {
+    fn new(source: Source<'a>) -> Self {
+        Self { source, nodes: Vec::new(), leaves: Vec::new(), only_triangles: true, first: [0; 2] }
+    }
+
+    /// Makes room for what so many references mostly become.
+    fn reserve(&mut self, refs: usize) {
+        self.nodes.reserve(refs / 6);
+        self.leaves.reserve(refs / 4);
+    }
+
     /// A leaf: a user primitive or a block of triangles.
     fn leaf(&mut self, node: &BinaryNode<LANES>, refs: &[PrimRef]) -> ChildRef {
         let r = &refs[node.first as usize];
@@ -88,32 +158,58 @@ impl Layout {
         ChildRef::block(self.leaves.len() as u32 - 1)
     }
 
-    /// All below the root of the binary tree, which is not a leaf.
-    fn subtree(&mut self, binary: &[BinaryNode<LANES>], refs: &[PrimRef]) -> ChildRef {
-        self.nodes.push(Node::EMPTY);
+    /// All below the root, which is not a leaf, down to subtrees of at most so many references, which are left out.
+    fn lay_out(&mut self, refs: &[PrimRef], small: usize) -> Vec<LeftOut> {
+        const NOTHING: [Child; LANES] = [Child { binary: 0, child: ChildRef::EMPTY }; LANES];
+        let mut left_out = Vec::new();
+        self.nodes.push(NOTHING);
         let mut pending = vec![(0, 0)];
         while let Some((binary_index, index)) = pending.pop() {
-            let children = children(binary, binary_index);
-            let mut node = Node::EMPTY;
-            for (lane, child_index) in children.into_iter().flatten().enumerate() {
-                let child = &binary[child_index];
-                let child_ref = if child.is_leaf() {
-                    self.leaf(child, refs)
+            let mut node = NOTHING;
+            let children = children(|i| self.source.get(i), binary_index);
+            for (slot, binary) in children.into_iter().flatten().enumerate() {
+                let below = self.source.get(binary);
+                let child = if below.is_leaf() {
+                    self.leaf(below, refs)
+                } else if below.count as usize <= small {
+                    left_out.push(LeftOut { node: index, slot, binary });
+                    ChildRef::EMPTY
                 } else {
-                    self.nodes.push(Node::EMPTY);
-                    pending.push((child_index, self.nodes.len() - 1));
+                    self.nodes.push(NOTHING);
+                    pending.push((binary, self.nodes.len() - 1));
                     ChildRef::node(self.nodes.len() as u32 - 1)
                 };
-                node.set(lane, &child.bounds, child_ref);
+                node[slot] = Child { binary: binary as u32, child };
             }
             self.nodes[index] = node;
         }
-        ChildRef::node(0)
+        left_out
+    }
+
+    /// A node as it is in memory, where blocks begin behind so many nodes.
+    fn node(&self, index: usize, nodes: usize) -> Node {
+        let mut node = Node::EMPTY;
+        for (slot, &Child { binary, child }) in self.nodes[index].iter().enumerate() {
+            let placed = if child == ChildRef::EMPTY {
+                continue;
+            } else if child.is_node() {
+                Arena::node_ref(self.first[0] + child.index())
+            } else if child.is_block() {
+                Arena::block_ref(nodes, self.first[1] + child.index())
+            } else {
+                child
+            };
+            node.set(slot, &self.source.get(binary as usize).bounds, placed);
+        }
+        node
     }
 }
 
 /// The binary nodes that become the children of a wide node.
-pub(super) fn children<const WIDTH: usize>(binary: &[BinaryNode<WIDTH>], root: usize) -> [Option<usize>; WIDTH] {
+pub(super) fn children<'a, const WIDTH: usize>(
+    binary: impl Fn(usize) -> &'a BinaryNode<WIDTH>,
+    root: usize,
+) -> [Option<usize>; WIDTH] {
     let mut found = [None; WIDTH];
     let mut len = 0;
     // Parts of the forest that are still to be opened: a binary node and how many subtrees it may become.
@@ -121,7 +217,7 @@ pub(super) fn children<const WIDTH: usize>(binary: &[BinaryNode<WIDTH>], root: u
     let mut depth = 0;
     let (mut current, mut places) = (root, WIDTH);
     loop {
-        let node = &binary[current];
+        let node = binary(current);
         if places == 1 || node.second == 0 {
             found[len] = Some(current);
             len += 1;

@@ -2,7 +2,7 @@
 //! made wide.
 
 use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, scale};
-use super::nodes::Nodes;
+use super::nodes::{BinaryTree, Nodes};
 use super::primitives::PrimRef;
 use super::split::Extent;
 use crate::simd::LANES;
@@ -99,7 +99,7 @@ impl Explicit {
     }
 
     /// The references in the order of the tree, and the tree as ranges of them.
-    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
+    pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, BinaryTree<WIDTH>) {
         let mut counts = vec![0; self.nodes.len()];
         for &node in self.downwards().iter().rev() {
             counts[node as usize] = match self.nodes[node as usize].below {
@@ -111,7 +111,7 @@ impl Explicit {
         let mut ranges = Nodes::new();
         let layout = Layout { scale: scale(&self.nodes[self.root as usize].bounds), tree: &self, counts };
         layout.place(self.root, &mut refs, &mut ranges, 0, 0);
-        (refs, ranges.into_vec())
+        (refs, ranges.finish())
     }
 }
 

@@ -21,6 +21,7 @@ use crate::bvh::Tree;
 use crate::{Error, Geometry};
 use binary::BinaryNode;
 use explicit::Explicit;
+use nodes::{BinaryTree, Nodes};
 use primitives::PrimRef;
 use steradian_math::Bounds3;
 
@@ -79,6 +80,7 @@ pub(crate) fn wide<const WIDTH: usize>(
 ) -> Result<(Vec<WideNode<WIDTH>>, Vec<u32>), Error> {
     let primitives = Primitives::new(geometries)?;
     let (refs, binary) = binary_tree::<WIDTH>(&primitives, primitives.refs(), builder);
+    let binary = binary.into_vec();
     let indices = refs.iter().map(PrimRef::index).collect();
     let leaf = |node: &BinaryNode<WIDTH>| (node.bounds, Part::Leaf { first: node.first, count: node.count });
     let mut nodes = vec![[None; WIDTH]];
@@ -91,7 +93,7 @@ pub(crate) fn wide<const WIDTH: usize>(
         Some(_) => vec![(0, 0)],
     };
     while let Some((from, index)) = pending.pop() {
-        for (slot, child) in emit::children(&binary, from).into_iter().flatten().enumerate() {
+        for (slot, child) in emit::children(|i| &binary[i], from).into_iter().flatten().enumerate() {
             let node = &binary[child];
             nodes[index][slot] = Some(if node.is_leaf() {
                 leaf(node)
@@ -110,9 +112,9 @@ fn binary_tree<const WIDTH: usize>(
     primitives: &Primitives,
     mut refs: Vec<PrimRef>,
     builder: Builder,
-) -> (Vec<PrimRef>, Vec<BinaryNode<WIDTH>>) {
+) -> (Vec<PrimRef>, BinaryTree<WIDTH>) {
     if refs.is_empty() {
-        return (refs, Vec::new());
+        return (refs, Nodes::new().finish());
     }
     let mut tree = match builder {
         Builder::Sah => {
@@ -121,7 +123,7 @@ fn binary_tree<const WIDTH: usize>(
         }
         Builder::Reinsertion => {
             let nodes = binary::build::<WIDTH>(&mut refs);
-            Explicit::of_ranges(refs, &nodes)
+            Explicit::of_ranges(refs, &nodes.into_vec())
         }
         Builder::Spatial => spatial::build(primitives, refs),
         Builder::Ploc => return ploc::build(refs).into_ranges(),

@@ -1,7 +1,6 @@
 //! The nodes of a binary tree in depth-first order, while several threads make them.
 
 use super::binary::{BinaryNode, Costs};
-use crate::storage;
 
 /// Nodes in pieces: what another thread has made is appended without being copied.
 pub(super) struct Nodes<const WIDTH: usize> {
@@ -52,10 +51,44 @@ impl<const WIDTH: usize> Nodes<WIDTH> {
         (node, costs)
     }
 
-    /// All of them.
+    /// The whole tree.
+    pub fn finish(self) -> BinaryTree<WIDTH> {
+        let mut starts = Vec::with_capacity(self.pieces.len());
+        let mut len = 0;
+        for piece in &self.pieces {
+            starts.push(len);
+            len += piece.len();
+        }
+        BinaryTree { pieces: self.pieces, starts }
+    }
+}
+
+/// A binary tree, as it was made: in pieces, none of which ends within a subtree that one thread has made.
+pub(super) struct BinaryTree<const WIDTH: usize> {
+    pieces: Vec<Vec<BinaryNode<WIDTH>>>,
+    /// The index of the first node of each piece.
+    starts: Vec<usize>,
+}
+
+impl<const WIDTH: usize> BinaryTree<WIDTH> {
+    /// The root, unless the tree is empty.
+    pub fn root(&self) -> Option<&BinaryNode<WIDTH>> {
+        self.pieces.first().and_then(|piece| piece.first())
+    }
+
+    /// The node with an index.
+    pub fn node(&self, index: usize) -> &BinaryNode<WIDTH> {
+        &self.from(index)[0]
+    }
+
+    /// The nodes from one on, at least as many as are below it where one thread has made them.
+    pub fn from(&self, index: usize) -> &[BinaryNode<WIDTH>] {
+        let piece = self.starts.partition_point(|&start| start <= index) - 1;
+        &self.pieces[piece][index - self.starts[piece]..]
+    }
+
+    /// All nodes in one piece.
     pub fn into_vec(self) -> Vec<BinaryNode<WIDTH>> {
-        let mut all = storage::vec_with_capacity(self.len);
-        self.pieces.iter().for_each(|piece| all.extend_from_slice(piece));
-        all
+        self.pieces.concat()
     }
 }
