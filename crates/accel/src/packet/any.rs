@@ -4,6 +4,7 @@
 use super::beam::{Apart, Beam, Ways};
 use super::bundle::{AnyHit, Bundle, Left};
 use super::interval::{Interval, range};
+use super::seen::Seen;
 use super::stack::{PacketStack, Waiting};
 use super::{Packet, Set, beam, few};
 use crate::UserHit;
@@ -154,22 +155,25 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         t_max: L::F,
         [nearest, farthest]: [f32; 2],
     ) -> u32 {
-        let (s, l) = (self.s, self.l);
+        let l = self.l;
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let mut open = active;
-        let (candidates, near) = interval.triangles(s, block, s.splat(farthest));
-        let near = [s.store(near[0]), s.store(near[1]), s.store(near[2])];
-        for slot in Set(candidates) {
-            let slot = slot & (LANES - 1);
-            if let Some(mut crossing) = self.beam.spot(block, slot).cross(l, t_max) {
-                // Where a hit is exactly matters to rays that end.
-                if nearest < f32::INFINITY {
-                    crossing.t = self.beam.in_box(l, [near[0][slot], near[1][slot], near[2][slot]], &crossing);
-                }
-                open &= !self.triangle(block.ids[slot], &crossing, open, t_max);
-                if open == 0 {
-                    break;
+        let mut seen = Seen::new(self.s, interval, block, farthest);
+        while seen.rest != 0 && open != 0 {
+            seen.look(l, &self.beam, block, open, true);
+            for slot in Set(seen.slots) {
+                let slot = slot & (LANES - 1);
+                // SAFETY: the slot is in the set.
+                if let Some(mut crossing) = unsafe { seen.cross(l, &self.beam, block, slot, t_max) } {
+                    // Where a hit is exactly matters to rays that end.
+                    if nearest < f32::INFINITY {
+                        crossing.t = seen.in_box(l, &self.beam, slot, &crossing);
+                    }
+                    open &= !self.triangle(block.ids[slot], &crossing, open, t_max);
+                    if open == 0 {
+                        break;
+                    }
                 }
             }
         }

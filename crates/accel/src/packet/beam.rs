@@ -1,10 +1,10 @@
 //! Rays of a packet that go the same way: what their tests need, by rows.
 
-use crate::layout::{Block, Node};
+use crate::layout::Node;
 use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
 use crate::traverse::{GREATEST, WIDEN, Way};
-use crate::triangle::{AXES, Corners, Crossing, abs, cross, cross_at, edges, of_one_sign};
+use crate::triangle::{AXES, abs};
 use steradian_math::{Bounds3, Vec3};
 
 /// What the tests need of the rays of a packet.
@@ -211,74 +211,5 @@ impl<L: Lanes> Beam<L> {
     fn plane(&self, l: L, node: &Node, slot: usize, side: usize, axis: usize) -> L::F {
         let row = if side == 0 { self.near[axis] } else { self.far[axis] };
         l.mul_add(l.splat(node.rows[row].0[slot]), self.rows.inverse[axis], self.rows.offset[side][axis])
-    }
-
-    /// Distances of hits on a triangle, moved to its box where they are before it, see [`crate::triangle`]: given the near planes of the box.
-    #[inline(always)]
-    pub fn in_box(&self, l: L, near: [f32; 3], crossing: &Crossing<L>) -> L::F {
-        let [x, y, _] = self.axes;
-        let rows = &self.rows;
-        let x = l.mul(l.sub(l.splat(near[x]), rows.origin[x]), rows.inverse[x]);
-        let y = l.mul(l.sub(l.splat(near[y]), rows.origin[y]), rows.inverse[y]);
-        l.max(y, l.max(x, l.max(crossing.depth, crossing.t)))
-    }
-
-    /// A triangle of a block, seen from its rays.
-    #[inline(always)]
-    pub fn spot<'a>(&'a self, block: &'a Block, slot: usize) -> Spot<'a, L> {
-        Spot { beam: self, block, slot }
-    }
-}
-
-/// A triangle of a block, seen from the rays of a beam.
-pub(super) struct Spot<'a, L: Lanes> {
-    beam: &'a Beam<L>,
-    block: &'a Block,
-    slot: usize,
-}
-
-impl<L: Lanes> Spot<'_, L> {
-    /// Tests it.
-    #[inline(always)]
-    pub fn cross(&self, l: L, t_max: L::F) -> Option<Crossing<L>> {
-        cross(l, self, self.beam.rows.shear[2], t_max)
-    }
-
-    /// The edge functions, and the rays for which they may have one sign.
-    #[inline(always)]
-    pub fn edges(&self, l: L) -> ([L::F; 3], u32) {
-        let edges = edges(l, self.across(l));
-        (edges, l.bits(of_one_sign(l, edges)))
-    }
-
-    /// The test with the edge functions.
-    #[inline(always)]
-    pub fn cross_at(&self, l: L, edges: [L::F; 3], t_max: L::F) -> Option<Crossing<L>> {
-        cross_at(l, self, edges, self.beam.rows.shear[2], t_max)
-    }
-
-    #[inline(always)]
-    fn coordinate(&self, l: L, vertex: usize, i: usize) -> L::F {
-        let axis = self.beam.axes[i];
-        l.sub(l.splat(self.block.rows[3 * vertex + axis].0[self.slot]), self.beam.rows.origin[axis])
-    }
-
-    #[inline(always)]
-    fn vertex(&self, l: L, vertex: usize) -> [L::F; 2] {
-        let [x, y, z] = [self.coordinate(l, vertex, 0), self.coordinate(l, vertex, 1), self.coordinate(l, vertex, 2)];
-        let shear = &self.beam.rows.shear;
-        [l.sub(x, l.mul(shear[0], z)), l.sub(y, l.mul(shear[1], z))]
-    }
-}
-
-impl<L: Lanes> Corners<L> for Spot<'_, L> {
-    #[inline(always)]
-    fn across(&self, l: L) -> [[L::F; 2]; 3] {
-        [self.vertex(l, 0), self.vertex(l, 1), self.vertex(l, 2)]
-    }
-
-    #[inline(always)]
-    fn along(&self, l: L) -> [L::F; 3] {
-        [self.coordinate(l, 0, 2), self.coordinate(l, 1, 2), self.coordinate(l, 2, 2)]
     }
 }

@@ -16,6 +16,7 @@ mod bundle;
 mod flight;
 mod interval;
 mod nearest;
+mod seen;
 mod stack;
 
 pub(crate) use any::any_packet;

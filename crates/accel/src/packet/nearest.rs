@@ -4,6 +4,7 @@
 use super::beam::{Apart, Beam, Ways};
 use super::bundle::{Bundle, Left};
 use super::interval::Interval;
+use super::seen::Seen;
 use super::stack::{PacketStack, Waiting};
 use super::{Found, Packet, Set, beam, few};
 use crate::bvh::Tree;
@@ -168,28 +169,18 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         farthest: f32,
         found: &mut Found,
     ) -> bool {
-        let (s, l) = (self.s, self.l);
+        let l = self.l;
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let mut hits = false;
-        // First all edge functions, so that nothing waits for the answer to a question that is hard to guess.
-        let mut edges = [const { std::mem::MaybeUninit::<[L::F; 3]>::uninit() }; LANES];
-        let mut slots = 0;
-        let (candidates, near) = interval.triangles(s, block, s.splat(farthest));
-        let near = [s.store(near[0]), s.store(near[1]), s.store(near[2])];
-        for slot in Set(candidates) {
+        let mut seen = Seen::new(self.s, interval, block, farthest);
+        seen.look(l, &self.beam, block, active, false);
+        for slot in Set(seen.slots) {
             let slot = slot & (LANES - 1);
-            let (of_slot, lanes) = self.beam.spot(block, slot).edges(l);
-            edges[slot].write(of_slot);
-            slots |= u32::from(lanes & active != 0) << slot;
-        }
-        for slot in Set(slots) {
-            let slot = slot & (LANES - 1);
-            // SAFETY: the edge functions of what is in the set have been written.
-            let of_slot = unsafe { edges[slot].assume_init() };
             let so_far = l.read(&found.t);
-            if let Some(mut crossing) = self.beam.spot(block, slot).cross_at(l, of_slot, so_far) {
-                crossing.t = self.beam.in_box(l, [near[0][slot], near[1][slot], near[2][slot]], &crossing);
+            // SAFETY: the slot is in the set.
+            if let Some(mut crossing) = unsafe { seen.cross(l, &self.beam, block, slot, so_far) } {
+                crossing.t = seen.in_box(l, &self.beam, slot, &crossing);
                 crossing.lanes &= l.bits(l.le(crossing.t, so_far));
                 self.triangle(block.ids[slot], crossing, active, found);
                 hits = true;

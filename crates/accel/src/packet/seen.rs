@@ -1,0 +1,107 @@
+//! The triangles of a block, seen from the rays of a beam.
+//!
+//! First the edge functions of all triangles are computed, and only then the question is asked which of them are hit: nothing waits for the
+//! answer to a question that is hard to guess.
+#![allow(unsafe_code)]
+
+use super::beam::Beam;
+use super::interval::Interval;
+use crate::layout::Block;
+use crate::simd::{LANES, Lanes, Simd};
+use crate::triangle::{Corners, Crossing, cross_at, edges, of_one_sign};
+use std::mem::MaybeUninit;
+
+/// What is known of the triangles of a block.
+pub(super) struct Seen<L: Lanes> {
+    /// Bit `i`: triangle `i` may be hit.
+    pub slots: u32,
+    /// Triangles that have not been looked at.
+    pub rest: u32,
+    /// Edge functions of those in `slots`.
+    edges: [MaybeUninit<[L::F; 3]>; LANES],
+    /// Near planes of the boxes of the triangles.
+    near: [[f32; LANES]; 3],
+}
+
+impl<L: Lanes> Seen<L> {
+    /// The triangles that rays of a beam may hit before `t_max`, none of which has been looked at.
+    #[inline(always)]
+    pub fn new<S: Simd>(s: S, interval: &Interval<S>, block: &Block, t_max: f32) -> Self {
+        let (rest, near) = interval.triangles(s, block, s.splat(t_max));
+        let near = [s.store(near[0]), s.store(near[1]), s.store(near[2])];
+        Self { slots: 0, rest, edges: [const { MaybeUninit::uninit() }; LANES], near }
+    }
+
+    /// Looks with the active rays at all triangles, or, if one for each ray will do, until each may hit one.
+    #[inline(always)]
+    pub fn look(&mut self, l: L, beam: &Beam<L>, block: &Block, active: u32, one_will_do: bool) {
+        self.slots = 0;
+        let mut met = 0;
+        while self.rest != 0 {
+            let slot = self.rest.trailing_zeros() as usize & (LANES - 1);
+            self.rest &= self.rest - 1;
+            let edges = edges(l, Spot { beam, block, slot }.across(l));
+            self.edges[slot].write(edges);
+            let lanes = l.bits(of_one_sign(l, edges)) & active;
+            self.slots |= u32::from(lanes != 0) << slot;
+            met |= lanes;
+            if one_will_do && met == active {
+                return;
+            }
+        }
+    }
+
+    /// Tests a triangle.
+    ///
+    /// # Safety
+    /// It must be in `slots`.
+    #[inline(always)]
+    pub unsafe fn cross(&self, l: L, beam: &Beam<L>, block: &Block, slot: usize, t_max: L::F) -> Option<Crossing<L>> {
+        // SAFETY: the edge functions of those in the set have been written, and the caller promises that this is one.
+        let edges = unsafe { self.edges[slot].assume_init() };
+        cross_at(l, &Spot { beam, block, slot }, edges, beam.rows.shear[2], t_max)
+    }
+
+    /// Distances of hits on a triangle, moved to its box where they are before it, see [`crate::triangle`].
+    #[inline(always)]
+    pub fn in_box(&self, l: L, beam: &Beam<L>, slot: usize, crossing: &Crossing<L>) -> L::F {
+        let ([x, y, _], rows) = (beam.axes, &beam.rows);
+        let along_x = l.mul(l.sub(l.splat(self.near[x][slot]), rows.origin[x]), rows.inverse[x]);
+        let along_y = l.mul(l.sub(l.splat(self.near[y][slot]), rows.origin[y]), rows.inverse[y]);
+        l.max(along_y, l.max(along_x, l.max(crossing.depth, crossing.t)))
+    }
+}
+
+/// A triangle of a block, seen from the rays of a beam.
+struct Spot<'a, L: Lanes> {
+    beam: &'a Beam<L>,
+    block: &'a Block,
+    slot: usize,
+}
+
+impl<L: Lanes> Spot<'_, L> {
+    #[inline(always)]
+    fn coordinate(&self, l: L, vertex: usize, i: usize) -> L::F {
+        let axis = self.beam.axes[i];
+        l.sub(l.splat(self.block.rows[3 * vertex + axis].0[self.slot]), self.beam.rows.origin[axis])
+    }
+
+    #[inline(always)]
+    fn vertex(&self, l: L, vertex: usize) -> [L::F; 2] {
+        let [x, y, z] = [self.coordinate(l, vertex, 0), self.coordinate(l, vertex, 1), self.coordinate(l, vertex, 2)];
+        let shear = &self.beam.rows.shear;
+        [l.sub(x, l.mul(shear[0], z)), l.sub(y, l.mul(shear[1], z))]
+    }
+}
+
+impl<L: Lanes> Corners<L> for Spot<'_, L> {
+    #[inline(always)]
+    fn across(&self, l: L) -> [[L::F; 2]; 3] {
+        [self.vertex(l, 0), self.vertex(l, 1), self.vertex(l, 2)]
+    }
+
+    #[inline(always)]
+    fn along(&self, l: L) -> [L::F; 3] {
+        [self.coordinate(l, 0, 2), self.coordinate(l, 1, 2), self.coordinate(l, 2, 2)]
+    }
+}
