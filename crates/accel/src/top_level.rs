@@ -7,7 +7,7 @@ use crate::dispatch::{
 use crate::geometry::WORLD;
 use crate::packet::{Found, Packet};
 use crate::traverse::{Nearest, Users};
-use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, UserHit, UserPrimitives, build, stream};
+use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, build, stream};
 use glam::Mat4;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
@@ -36,6 +36,8 @@ pub struct TopLevel {
     isa: SupportedIsa,
     objects: Vec<Bvh>,
     placements: Vec<Placement>,
+    /// Whether instances, and triangles here and in the objects, are all there is.
+    only_triangles: bool,
     /// Index of the first instance among the primitives of the tree.
     first_instance: u32,
 }
@@ -66,6 +68,7 @@ impl TopLevel {
             first_instance: tree.first[world.len()],
             tree,
             isa: SupportedIsa::best(),
+            only_triangles: only_triangles(world, &objects),
             objects,
             placements: placements(instances),
         })
@@ -80,6 +83,7 @@ impl TopLevel {
         let kept = self.tree.update(&[world, &[Geometry::boxes(&boxes)]].concat())?;
         self.first_instance = self.tree.first[world.len()];
         self.placements = placements(instances);
+        self.only_triangles = only_triangles(world, &self.objects);
         Ok(kept)
     }
 
@@ -205,6 +209,12 @@ impl TopLevel {
     }
 }
 
+/// Whether there are only triangles in the world and in all objects.
+fn only_triangles(world: &[Geometry], objects: &[Bvh]) -> bool {
+    world.iter().all(|geometry| matches!(geometry.shape, Shape::Triangles { .. }))
+        && objects.iter().all(|object| object.tree().only_triangles)
+}
+
 /// The boxes of instances in world space.
 fn boxes(objects: &[Bvh], instances: &[Instance]) -> Result<Vec<Bounds3>, Error> {
     for (i, instance) in instances.iter().enumerate() {
@@ -321,6 +331,11 @@ impl<U: UserPrimitives> Users for Leaves<'_, U> {
             Some((number, object, _)) => object.tree().id(number, extra),
         };
         Hit { t, u, v, id }
+    }
+
+    #[inline(always)]
+    fn in_any_order(&self) -> bool {
+        self.scene.only_triangles
     }
 
     fn intersect_packet(&self, isa: SupportedIsa, index: u32, packet: &Packet, lanes: u32, inner: &mut Found) -> bool {

@@ -59,6 +59,12 @@ pub(crate) trait Users {
     /// What the caller of a query gets.
     fn hit(&self, nearest: Nearest<Self::Extra>) -> Hit;
 
+    /// Whether what is found at the user references does not depend on the order in which they are asked.
+    #[inline(always)]
+    fn in_any_order(&self) -> bool {
+        false
+    }
+
     /// The nearest hits of the rays in `lanes` in intervals that end where `inner` says, if there is a tree behind the reference;
     /// else `false`.
     #[inline(always)]

@@ -133,7 +133,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
     /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`].
     #[inline(always)]
     fn may_bundle(&self) -> bool {
-        self.tree.only_triangles
+        self.tree.only_triangles || self.users.in_any_order()
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::beam::{Apart, Rows};
+use super::nearest::at_user;
 use super::stack::BundleStack;
 use super::{Found, Packet, Set};
 use crate::bvh::Tree;
@@ -51,6 +52,10 @@ pub(super) trait Question<S: Simd, L: Lanes, U: Users> {
     fn ends(&self, l: L, packet: &Packet) -> L::F;
     /// Asks it of a ray and the triangles of a block: whether that was the last thing to ask of this ray.
     fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool;
+    /// The same of some rays at a user reference, if that is quicker than one after the other: whether it has been asked.
+    fn at_user(&mut self, _: &Bundle<S, L, U>, _: u32, _: u32) -> bool {
+        false
+    }
     /// The same below a child.
     fn below(&mut self, bundle: &Bundle<S, L, U>, lane: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool;
 }
@@ -93,6 +98,15 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for &mut Found {
             self.set(lane, nearest);
         }
         false
+    }
+
+    #[inline(always)]
+    fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> bool {
+        let enough = active.count_ones() >= FEW;
+        if enough {
+            at_user((bundle.isa, bundle.l), bundle.packet, index, active, bundle.users, self);
+        }
+        enough
     }
 
     #[inline(always)]
@@ -147,7 +161,7 @@ impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
                         }
                     }
                 }
-            } else {
+            } else if !(current.is_user() && question.at_user(self, current.index() as u32, active)) {
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
                     let way = self.apart.get(lane);

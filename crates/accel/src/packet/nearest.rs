@@ -27,7 +27,7 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) {
-    for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, false), users, found).alone) {
+    for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, tree.only_triangles), users, found).alone) {
         let way = |ray: &Ray| Way::new(ray, &tree.bounds);
         single(isa, tree, packet, (lane, way), tree.root, users, found);
     }
@@ -132,7 +132,8 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 let hits = if current.is_block() {
                     self.block(&interval, current, active, farthest, found)
                 } else {
-                    current != ChildRef::EMPTY && self.user(current.index() as u32, active, found)
+                    current != ChildRef::EMPTY
+                        && at_user((self.isa, l), self.packet, current.index() as u32, active, self.users, found)
                 };
                 if hits {
                     farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
@@ -229,36 +230,42 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         }
         accepted
     }
+}
 
-    /// Asks for hits at a user reference, and says whether there may be some.
-    #[inline(always)]
-    fn user(&self, index: u32, active: u32, found: &mut Found) -> bool {
-        let l = self.l;
-        // What may win a tie sees an interval that contains the hit so far.
-        let mut t_max = found.t;
-        for lane in Set(active & found.hits) {
-            if index < found.index(lane) {
-                t_max.0[lane] = t_max.0[lane].next_up();
-            }
+/// Asks for nearer hits of active rays at a user reference, and says whether there may be some.
+#[inline(always)]
+pub(super) fn at_user<L: Lanes, U: Users>(
+    (isa, l): (SupportedIsa, L),
+    packet: &Packet,
+    index: u32,
+    active: u32,
+    users: &U,
+    found: &mut Found,
+) -> bool {
+    // What may win a tie sees an interval that contains the hit so far.
+    let mut t_max = found.t;
+    for lane in Set(active & found.hits) {
+        if index < found.index(lane) {
+            t_max.0[lane] = t_max.0[lane].next_up();
         }
-        let mut inner = Found::nothing(&t_max);
-        if self.users.intersect_packet(self.isa, index, self.packet, active, &mut inner) {
-            if inner.hits != 0 {
-                let new = [l.read(&inner.t), l.read(&inner.u), l.read(&inner.v), l.read(&inner.sum)];
-                // Below an instance the index is that of the primitive.
-                found.merge(l, inner.hits, new, index, l.read(&inner.index));
-            }
-            return inner.hits != 0;
-        }
-        for lane in Set(active) {
-            let t_max = t_max.0[lane];
-            if let Some((hit, extra)) = self.users.intersect(index, &self.packet.ray(lane, t_max))
-                && hit.t > 0.0
-                && hit.t < t_max
-            {
-                found.set(lane, Nearest { hit, index, extra });
-            }
-        }
-        true
     }
+    let mut inner = Found::nothing(&t_max);
+    if users.intersect_packet(isa, index, packet, active, &mut inner) {
+        if inner.hits != 0 {
+            let new = [l.read(&inner.t), l.read(&inner.u), l.read(&inner.v), l.read(&inner.sum)];
+            // Below an instance the index is that of the primitive.
+            found.merge(l, inner.hits, new, index, l.read(&inner.index));
+        }
+        return inner.hits != 0;
+    }
+    for lane in Set(active) {
+        let t_max = t_max.0[lane];
+        if let Some((hit, extra)) = users.intersect(index, &packet.ray(lane, t_max))
+            && hit.t > 0.0
+            && hit.t < t_max
+        {
+            found.set(lane, Nearest { hit, index, extra });
+        }
+    }
+    true
 }

@@ -1,8 +1,8 @@
 //! A thousand scenes that nobody would model: they are built and traced, and every way to ask gives one answer.
 
 use super::{direction, in_cube, levels};
-use crate::{Builder, Bvh, Geometry};
-use steradian_math::{Ray, Vec3, hash::HashRng};
+use crate::{Builder, Bvh, Geometry, Instance, TopLevel};
+use steradian_math::{Ray, Vec3, hash::HashRng, transform::Transform};
 
 /// Numbers that geometry should not have, and some that it may have.
 const NUMBERS: [f32; 16] = [
@@ -105,6 +105,51 @@ fn a_thousand_messes_are_built_and_traced() {
                 assert_eq!(bits(together[i]), bits(alone[i]), "{}", what());
                 assert_eq!([occluded[i], bvh.occluded(ray, &())], [alone[i].is_some(); 2], "{}", what());
                 assert!(alone[i].is_none_or(|h| h.t > 0.0 && h.t < ray.t_max && ray.is_valid()), "{}", what());
+            }
+        }
+        hits += alone.iter().flatten().count();
+    }
+    assert!(hits > 5000, "{hits}");
+}
+
+#[test]
+fn messes_are_placed_and_traced() {
+    let mut hits = 0;
+    for number in 0..300 {
+        let messes = [mess(number), mess(8 * number + 7), mess(number + 1)];
+        let [first, second, world] = &messes;
+        let build = |(positions, indices): &(Vec<Vec3>, Vec<[u32; 3]>)| {
+            Bvh::build(&[Geometry::triangles(positions, indices)]).expect("few primitives")
+        };
+        let mut rng = HashRng::new(number);
+        let mut place = |i: u32| {
+            let (shift, turn) = (in_cube(&mut rng).as_dvec3(), in_cube(&mut rng).as_dvec3());
+            let m = Transform::translate(shift) * Transform::rotate(turn, 200.0 * turn.x);
+            Instance { object: i % 2, world_from_object: m.affine().expect("not singular") }
+        };
+        let mut instances: Vec<_> = (0..20).map(&mut place).collect();
+        // Instances at one place tie.
+        instances.extend_from_within(..5);
+        let world_geometry = [Geometry::triangles(&world.0, &world.1)];
+        let top = TopLevel::build(&world_geometry, vec![build(first), build(second)], &instances).expect("valid");
+        // From places near each other, and any.
+        let mut rng = HashRng::new(number + 1);
+        let rays: Vec<_> = messes.iter().flat_map(|(positions, _)| rays(positions, &mut rng)).collect();
+        let bundled = rays.iter().flat_map(|ray| {
+            let mut rng = HashRng::new(u64::from(ray.direction.x.to_bits()));
+            let shifted =
+                move |_| Ray { origin: ray.origin + in_cube(&mut rng) * 1e-3, direction: direction(&mut rng), ..*ray };
+            (0..9).map(shifted)
+        });
+        let rays: Vec<_> = rays.iter().copied().chain(bundled).collect();
+        let bits = |h: Option<crate::Hit>| h.map(|h| ([h.t, h.u, h.v].map(f32::to_bits), h.id));
+        let alone: Vec<_> = rays.iter().map(|ray| bits(top.intersect(ray, &()))).collect();
+        for isa in levels() {
+            let top = top.clone().with_isa(isa);
+            let mut together = vec![None; rays.len()];
+            top.intersect_batch(&rays, &(), &mut together);
+            for (i, ray) in rays.iter().enumerate() {
+                assert_eq!(bits(together[i]), alone[i], "{number} {isa:?} {ray:?}");
             }
         }
         hits += alone.iter().flatten().count();
