@@ -130,7 +130,7 @@ struct ClosestHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
-    /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`].
+    /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`]; user primitives say themselves where they are hit.
     #[inline(always)]
     fn may_bundle(&self) -> bool {
         self.tree.only_triangles || self.users.in_any_order()
