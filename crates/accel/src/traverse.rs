@@ -110,7 +110,7 @@ pub(crate) struct Way {
     /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the second more than what
     /// is exact by a bound on all rounding.
     pub offset: [Vec3; 2],
-    /// See [`Shear`].
+    /// See [`crate::triangle::Shear`].
     pub axes: [usize; 3],
     pub shear: [f32; 3],
 }
