@@ -3,7 +3,8 @@
 #![allow(unsafe_code)]
 
 use super::primitives::{PrimRef, Span};
-use super::split::{Bins, Cut, Extent, Grid};
+use super::split::{Bins, Cut, Extent, Grid, MAX_BINS, MIN_BINS};
+use crate::simd::LANES;
 use glam::Vec3A;
 use std::arch::x86_64::*;
 use steradian_math::Bounds3;
@@ -17,14 +18,15 @@ pub(super) fn bins<const BINS: usize>(refs: &[PrimRef], grid: Grid) -> Option<Bi
 
 /// See [`Bins::cheapest`], if the machine has the instructions.
 #[inline]
-pub(super) fn cheapest<const BINS: usize>(
-    refs: &[PrimRef],
-    extent: &Extent,
-    scale: f32,
-    grid: Grid,
-) -> Option<Option<Cut>> {
+pub(super) fn cheapest(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> Option<Option<Cut>> {
     // SAFETY: the machine has the instructions.
-    is_x86_feature_detected!("avx2").then(|| unsafe { cheapest_cut::<BINS>(refs, extent, scale, grid) })
+    is_x86_feature_detected!("avx2").then(|| unsafe {
+        match grid.count {
+            2 => cheapest_half(refs, extent, scale, grid),
+            MIN_BINS => cheapest_cut::<MIN_BINS>(refs, extent, scale, grid),
+            _ => cheapest_cut::<MAX_BINS>(refs, extent, scale, grid),
+        }
+    })
 }
 
 /// See [`Cut::partition_one_by_one`], if the machine has the instructions.
@@ -106,6 +108,39 @@ fn cheapest_cut<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32
     folded.cheapest(refs.len() as u32, extent, scale, grid)
 }
 
+/// The cheapest of three cuts where there are two bins along each axis: their boxes stay in registers.
+#[target_feature(enable = "avx2")]
+fn cheapest_half(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
+    let places = Places::new(grid, 2);
+    let (mut left, mut right) = ([empty(); 4], [empty(); 4]);
+    let mut of_right = _mm_setzero_si128();
+    for r in refs {
+        let [low, high] = r.lanes();
+        let (_, bin) = places.of([low, high]);
+        of_right = _mm_add_epi32(of_right, bin);
+        let span = folded(low, high);
+        let is_right = _mm256_castsi128_si256(_mm_sub_epi32(_mm_setzero_si128(), bin));
+        for axis in 0..3 {
+            let is_right = _mm256_permutevar8x32_epi32(is_right, _mm256_set1_epi32(axis as i32));
+            let is_left = _mm256_xor_si256(is_right, _mm256_set1_epi32(-1));
+            // All bits together are not a number, of which and another number the second one is taken.
+            left[axis] = _mm256_min_ps(_mm256_or_ps(span, _mm256_castsi256_ps(is_right)), left[axis]);
+            right[axis] = _mm256_min_ps(_mm256_or_ps(span, _mm256_castsi256_ps(is_left)), right[axis]);
+        }
+    }
+    let of_left = _mm_sub_epi32(_mm_set1_epi32(refs.len() as i32), of_right);
+    let counts = _mm256_set_m128i(of_right, of_left);
+    let costs = costs(areas(&left, &right, 0, scale), counts, extent);
+    let costs = _mm_add_ps(_mm256_castps256_ps128(costs), _mm256_extractf128_ps::<1>(costs));
+    let mut of_axis = [0.0; 4];
+    // SAFETY: there are four of them.
+    unsafe { _mm_storeu_ps(of_axis.as_mut_ptr(), costs) };
+    let mut axis = usize::from(of_axis[1] < of_axis[0]);
+    axis = if of_axis[2] < of_axis[axis] { 2 } else { axis };
+    let bounds = [left[axis], right[axis]].map(|own| unfolded(own).bounds());
+    (of_axis[axis] < f32::INFINITY).then_some(Cut { grid, axis, bin: 1, cost: of_axis[axis], bounds })
+}
+
 /// Bins whose boxes have the sign of their greatest corner changed.
 struct Folded<const BINS: usize> {
     boxes: [[__m256; BINS]; 3],
@@ -138,35 +173,91 @@ impl<const BINS: usize> Folded<BINS> {
         }
     }
 
-    /// The cheapest cut of so many primitives.
+    /// The cheapest cut of so many primitives: first the boxes on both sides of all cuts, then the costs of eight cuts at a time, so that
+    /// no branch depends on them.
     #[target_feature(enable = "avx2")]
-    fn cheapest(&self, total: u32, extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
-        let (mut best, mut best_cost, mut best_parts) = (None, f32::INFINITY, [empty(); 2]);
-        let used = grid.count.min(BINS);
+    fn cheapest(mut self, total: u32, extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
+        const { assert!(BINS.is_multiple_of(8)) };
+        // Bins beyond those of the grid are empty: cuts there have no second part.
+        let used = if BINS == 8 { BINS } else { grid.count.min(BINS).next_multiple_of(8) };
+        let mut all = [[f32::INFINITY; BINS]; 3];
+        let mut after = [[empty(); BINS]; 3];
+        let mut least = _mm256_set1_ps(f32::INFINITY);
         for axis in 0..3 {
-            let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
-            // All second parts, from the end.
-            let (mut after, mut bounds) = ([empty(); BINS], empty());
-            for bin in (1..used).rev() {
+            let (boxes, after) = (&mut self.boxes[axis], &mut after[axis]);
+            let mut bounds = empty();
+            for bin in (0..used).rev() {
                 bounds = _mm256_min_ps(bounds, boxes[bin]);
                 after[bin] = bounds;
             }
-            let (mut bounds, mut count) = (empty(), 0);
-            for bin in 1..used {
-                bounds = _mm256_min_ps(bounds, boxes[bin - 1]);
-                count += counts[bin - 1];
-                let tests = [extent.tests(count), extent.tests(total - count)];
-                let cost = cost([bounds, after[bin]], tests, scale);
-                if count > 0 && count < total && cost < best_cost {
-                    (best_cost, best_parts) = (cost, [bounds, after[bin]]);
-                    best = Some((axis, bin));
-                }
+            let mut bounds = empty();
+            for own in &mut boxes[..used] {
+                (*own, bounds) = (bounds, _mm256_min_ps(bounds, *own));
+            }
+            let mut count = _mm256_setzero_si256();
+            for cuts in (0..used).step_by(8) {
+                // SAFETY: there are as many counts as bins.
+                let counts = unsafe { _mm256_loadu_si256(self.counts[axis].as_ptr().add(cuts).cast()) };
+                let (of_left, sum) = before(counts, count);
+                count = sum;
+                let of_right = _mm256_sub_epi32(_mm256_set1_epi32(total as i32), of_left);
+                let low = areas(boxes, after, cuts, scale);
+                let high = areas(boxes, after, cuts + 4, scale);
+                let left = costs(_mm256_permute2f128_ps::<0x20>(low, high), of_left, extent);
+                let right = costs(_mm256_permute2f128_ps::<0x31>(low, high), of_right, extent);
+                let cost = _mm256_add_ps(left, right);
+                least = _mm256_min_ps(cost, least);
+                // SAFETY: as many costs, too.
+                unsafe { _mm256_storeu_ps(all[axis].as_mut_ptr().add(cuts), cost) };
             }
         }
-        let (axis, bin) = best?;
-        let [left, right] = best_parts;
-        Some(Cut { grid, axis, bin, cost: best_cost, bounds: [unfolded(left).bounds(), unfolded(right).bounds()] })
+        let cost = least_lane(least);
+        if cost == f32::INFINITY {
+            return None;
+        }
+        // The first of all that cost as little.
+        let mut at = 0;
+        for cuts in (0..3 * BINS).step_by(8).rev() {
+            // SAFETY: there are eight costs from here on.
+            let costs = unsafe { _mm256_loadu_ps(all.as_flattened().as_ptr().add(cuts)) };
+            let same = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(costs, _mm256_set1_ps(cost)));
+            at = if same == 0 { at } else { cuts + same.trailing_zeros() as usize };
+        }
+        let (axis, bin) = (at / BINS, at % BINS);
+        let bounds = [self.boxes[axis][bin], after[axis][bin]].map(|own| unfolded(own).bounds());
+        Some(Cut { grid, axis, bin, cost, bounds })
     }
+}
+
+/// The sums of the counts before each, behind so many in every lane; and the sum of all.
+#[target_feature(enable = "avx2")]
+fn before(counts: __m256i, start: __m256i) -> (__m256i, __m256i) {
+    let pairs = _mm256_add_epi32(counts, _mm256_slli_si256::<4>(counts));
+    let halves = _mm256_add_epi32(pairs, _mm256_slli_si256::<8>(pairs));
+    // The sum of the lower half is added to the upper one.
+    let lower = _mm256_permute2x128_si256::<0x08>(halves, halves);
+    let sums = _mm256_add_epi32(halves, _mm256_shuffle_epi32::<0xff>(lower));
+    let up_to = _mm256_add_epi32(sums, start);
+    let last = _mm256_permutevar8x32_epi32(up_to, _mm256_set1_epi32(7));
+    (_mm256_sub_epi32(up_to, counts), last)
+}
+
+/// Areas times how many tests so many primitives are (see [`Extent::tests`]); without an end for none.
+#[target_feature(enable = "avx2")]
+fn costs(areas: __m256, counts: __m256i, extent: &Extent) -> __m256 {
+    const { assert!(LANES == 8) };
+    let blocks = _mm256_srli_epi32::<3>(_mm256_add_epi32(counts, _mm256_set1_epi32(7)));
+    let tests = _mm256_cvtepi32_ps(if extent.triangles { blocks } else { counts });
+    let is_none = _mm256_castsi256_ps(_mm256_cmpeq_epi32(counts, _mm256_setzero_si256()));
+    _mm256_blendv_ps(_mm256_mul_ps(areas, tests), _mm256_set1_ps(f32::INFINITY), is_none)
+}
+
+/// The least of eight numbers.
+#[target_feature(enable = "avx2")]
+fn least_lane(of: __m256) -> f32 {
+    let of = _mm_min_ps(_mm256_castps256_ps128(of), _mm256_extractf128_ps::<1>(of));
+    let of = _mm_min_ps(of, _mm_movehl_ps(of, of));
+    _mm_cvtss_f32(_mm_min_ss(of, _mm_movehdup_ps(of)))
 }
 
 /// A box with the sign of its greatest corner changed.
@@ -194,20 +285,28 @@ fn empty() -> __m256 {
     _mm256_set1_ps(f32::INFINITY)
 }
 
-/// The sum of the areas ([`super::split::half_area`]) of two boxes that are not empty times the tests of each.
+/// The areas ([`super::split::half_area`]) of both parts of four cuts: of first parts in the lower half, of second parts in the upper one.
 #[target_feature(enable = "avx2")]
-fn cost([left, right]: [__m256; 2], tests: [f32; 2], scale: f32) -> f32 {
+fn areas<const BINS: usize>(left: &[__m256; BINS], right: &[__m256; BINS], cuts: usize, scale: f32) -> __m256 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| (left[cuts + i], right[cuts + i]));
+    let (a, b, c, d) = (faces(a, scale), faces(b, scale), faces(c, scale), faces(d, scale));
+    // Faces of one kind side by side.
+    let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+    let first = _mm256_shuffle_ps::<0b01_00_01_00>(ab, cd);
+    let second = _mm256_shuffle_ps::<0b11_10_11_10>(ab, cd);
+    let third = _mm256_shuffle_ps::<0b01_00_01_00>(_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+    _mm256_add_ps(_mm256_add_ps(first, second), third)
+}
+
+/// The products x·y, y·z and z·x of half the lengths of two boxes, times a scale.
+#[target_feature(enable = "avx2")]
+fn faces((left, right): (__m256, __m256), scale: f32) -> __m256 {
     let half = _mm256_set1_ps(0.5);
     let (left, right) = (_mm256_mul_ps(left, half), _mm256_mul_ps(right, half));
     // The lengths with a sign, which products lose.
-    let sum = _mm256_add_ps(_mm256_permute2f128_ps::<0x20>(left, right), _mm256_permute2f128_ps::<0x31>(left, right));
+    let sum = _mm256_add_ps(_mm256_blend_ps::<0xf0>(left, right), _mm256_permute2f128_ps::<0x21>(left, right));
     let d = _mm256_mul_ps(sum, _mm256_set1_ps(scale));
-    // x·y, y·z and z·x.
-    let faces = _mm256_mul_ps(d, _mm256_permute_ps::<0b11_00_10_01>(d));
-    let (second, third) = (_mm256_permute_ps::<0b01>(faces), _mm256_permute_ps::<0b10>(faces));
-    let areas = _mm256_add_ps(_mm256_add_ps(faces, second), third);
-    let (left, right) = (_mm256_castps256_ps128(areas), _mm256_extractf128_ps::<1>(areas));
-    _mm_cvtss_f32(left) * tests[0] + _mm_cvtss_f32(right) * tests[1]
+    _mm256_mul_ps(d, _mm256_permute_ps::<0b11_00_10_01>(d))
 }
 
 #[cfg(test)]
@@ -229,9 +328,10 @@ mod tests {
                 if round % 3 == 0 { (x * 3.0).round() / 3.0 } else { x }
             };
             let mut point = || Vec3::new(number(), number(), number()) * size;
-            let boxes: Vec<_> = (0..1 + round).map(|_| Bounds3::from_points([point(), point()])).collect();
+            let count = if round % 5 < 2 { 1 + round } else { 1 + round / 5 % 24 };
+            let boxes: Vec<_> = (0..count).map(|_| Bounds3::from_points([point(), point()])).collect();
             let refs = Primitives::new(&[Geometry::boxes(&boxes)]).expect("few boxes").refs();
-            let extent = Extent::of(&refs);
+            let extent = Extent { triangles: round % 7 < 3, ..Extent::of(&refs) };
             let grid = Grid::new(&extent.centers, refs.len());
             let plain = Bins::<32>::one_by_one(&refs, grid);
             let Some(wide) = bins::<32>(&refs, grid) else { return };
@@ -240,7 +340,7 @@ mod tests {
             assert_eq!(bounds(&plain), bounds(&wide), "{round}");
             let scale = crate::build::binary::scale(&extent.bounds);
             let cut = plain.cheapest(&extent, scale, grid);
-            assert_eq!(cheapest::<32>(&refs, &extent, scale, grid), Some(cut), "{round}");
+            assert_eq!(cheapest(&refs, &extent, scale, grid), Some(cut), "{round}");
             *if cut.is_some() { &mut cuts } else { &mut none } += 1;
             if let Some(cut) = cut {
                 let mut parts = [refs.clone(), refs];

@@ -9,9 +9,11 @@ use glam::Vec3A;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Vec3};
 
-/// Fewest and most bins along an axis.
-const MIN_BINS: usize = 8;
-const MAX_BINS: usize = 32;
+/// Ranges up to this length have two bins along an axis: finer cuts make no better trees of them.
+const FEW: usize = 10;
+/// Fewest and most bins along an axis of other ranges.
+pub(super) const MIN_BINS: usize = 8;
+pub(super) const MAX_BINS: usize = 32;
 /// Ranges longer than this are binned by several threads, in pieces of this size.
 const PIECE: usize = 1 << 14;
 
@@ -90,7 +92,7 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(centers: &Bounds3, len: usize) -> Self {
-        let count = (4 + len / 16).clamp(MIN_BINS, MAX_BINS);
+        let count = if len <= FEW { 2 } else { (4 + len / 16).clamp(MIN_BINS, MAX_BINS) };
         let scale = count as f32 / centers.diagonal();
         let scale = Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO);
         Self { count, origin: centers.min.into(), scale: scale.into() }
@@ -232,22 +234,18 @@ impl Cut {
 /// The cheapest cut between bins.
 pub(super) fn best_plane(refs: &[PrimRef], extent: &Extent, scale: f32) -> Option<Cut> {
     let grid = Grid::new(&extent.centers, refs.len());
-    // What few primitives do not fill need not be cleared and looked through.
-    match grid.count {
-        MIN_BINS => best_of_bins::<MIN_BINS>(refs, extent, scale, grid),
-        _ => best_of_bins::<MAX_BINS>(refs, extent, scale, grid),
-    }
-}
-
-/// The same, with room for so many bins.
-fn best_of_bins<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
     #[cfg(target_arch = "x86_64")]
     if refs.len() <= PIECE
-        && let Some(best) = lanes::cheapest::<BINS>(refs, extent, scale, grid)
+        && let Some(best) = lanes::cheapest(refs, extent, scale, grid)
     {
         return best;
     }
-    Bins::<BINS>::of(refs, grid).cheapest(extent, scale, grid)
+    // What few primitives do not fill need not be cleared and looked through.
+    match grid.count {
+        2 => Bins::<2>::of(refs, grid).cheapest(extent, scale, grid),
+        MIN_BINS => Bins::<MIN_BINS>::of(refs, grid).cheapest(extent, scale, grid),
+        _ => Bins::<MAX_BINS>::of(refs, grid).cheapest(extent, scale, grid),
+    }
 }
 
 impl<const BINS: usize> Bins<BINS> {
