@@ -30,7 +30,9 @@ macro_rules! functions {
         }
 
         impl Embree {
-            /// Loads the library, which stays in memory: its threads end with the program.
+            /// Loads the library, which stays in memory: its threads end with the program. So does a device of two threads that is never
+            /// used: from the second device on that has one thread, while there is none with more, a thread of Embree's turns without
+            /// an end, on a processor that others are measured on.
             ///
             /// # Errors
             /// When there is none, or it is not Embree 4.
@@ -38,7 +40,9 @@ macro_rules! functions {
                 // SAFETY: the user names Embree's library, whose functions have these types.
                 unsafe {
                     let library = ManuallyDrop::new(Library::new(path)?);
-                    Ok(Self { $($name: *library.get::<$ty>($symbol)?,)* })
+                    let embree = Self { $($name: *library.get::<$ty>($symbol)?,)* };
+                    (embree.new_device)(c"threads=2".as_ptr());
+                    Ok(embree)
                 }
             }
         }
