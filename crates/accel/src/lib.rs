@@ -27,6 +27,7 @@ mod every;
 mod geometry;
 mod isa;
 mod layout;
+mod outline;
 mod packet;
 mod refit;
 mod search;

@@ -5,12 +5,13 @@ use crate::dispatch::{
     SupportedIsa, all_hits, any_hit, any_hits, any_packet_in, nearest_hit, nearest_hits, nearest_packet_in,
 };
 use crate::geometry::WORLD;
+use crate::outline::Outline;
 use crate::packet::{Found, Packet};
 use crate::traverse::{Nearest, Users};
 use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, build, stream};
 use glam::Mat4;
 use rayon::prelude::*;
-use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
+use steradian_math::{Bounds3, Ray, transform::Affine};
 
 /// A placement of an object. Instances whose transform is not finite are left out.
 #[derive(Clone, Copy, Debug)]
@@ -222,9 +223,10 @@ fn boxes(objects: &[Bvh], instances: &[Instance]) -> Result<Vec<Bounds3>, Error>
             return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
         }
     }
-    let shapes: Vec<Vec<Bounds3>> = objects.iter().map(|object| object.tree().upper_boxes(BOXES)).collect();
-    let world_box = |i: &Instance| world_box(&shapes[i.object as usize], &i.world_from_object);
-    Ok(instances.par_iter().map(world_box).collect())
+    let outline = |object: &Bvh| Outline::new(&object.tree().upper_boxes(BOXES));
+    let outlines: Vec<Outline> = objects.par_iter().map(outline).collect();
+    let placed = |i: &Instance| outlines[i.object as usize].placed(&i.world_from_object);
+    Ok(instances.par_iter().map(placed).collect())
 }
 
 /// What traversal needs of instances.
@@ -235,29 +237,6 @@ fn placements(instances: &[Instance]) -> Vec<Placement> {
 
 /// How many boxes of an object the box of an instance is made from.
 const BOXES: usize = 100;
-
-/// A box in world space that contains an instance, and every point where a ray that was transformed to object space may hit it.
-pub(crate) fn world_box(shape: &[Bounds3], world_from_object: &Affine) -> Bounds3 {
-    let Affine { m, inv } = world_from_object;
-    if !m.is_finite() || !inv.is_finite() {
-        return Bounds3::EMPTY;
-    }
-    let around = |bounds: Bounds3, b: &Bounds3| {
-        let (center, half) = (b.center(), b.max * 0.5 - b.min * 0.5);
-        let reach = m.x_axis.truncate().abs() * half.x
-            + m.y_axis.truncate().abs() * half.y
-            + m.z_axis.truncate().abs() * half.z;
-        let center = world_from_object.point(center);
-        bounds.union(Bounds3 { min: center - reach, max: center + reach })
-    };
-    let bounds = shape.iter().fold(Bounds3::EMPTY, around);
-    // Rounding: of the numbers above, and of the ray on its way to object space, seen from the world.
-    let greatest = |b: &Bounds3| b.min.abs().max(b.max.abs());
-    let in_object = shape.iter().fold(Vec3::ZERO, |p, b| p.max(greatest(b)));
-    let error = world_from_object.inverse().point_error(greatest(&bounds), Vec3::ZERO);
-    let error = world_from_object.point_error(in_object, error) * 2.0;
-    Bounds3 { min: bounds.min - error, max: bounds.max + error }
-}
 
 /// What is at the user references of the tree: primitives of the world, and instances behind them.
 struct Leaves<'a, U> {

@@ -4,7 +4,7 @@ use super::accel::Accelerator;
 use super::partition::Partition;
 use super::search::{Steps, Tally};
 use crate::geometry::WORLD;
-use crate::top_level::world_box;
+use crate::outline::Outline;
 use crate::traverse::{Nearest, Users};
 use crate::{Error, Geometry, Hit, Instance, PrimId, UserHit, UserPrimitives};
 use glam::Mat4;
@@ -43,7 +43,7 @@ impl PartitionedScene {
         }
         let bounds = |i: &Instance| {
             let bounds = objects[i.object as usize].bounds();
-            if bounds.is_empty() { Bounds3::EMPTY } else { world_box(&[bounds], &i.world_from_object) }
+            if bounds.is_empty() { Bounds3::EMPTY } else { Outline::new(&[bounds]).placed(&i.world_from_object) }
         };
         let boxes: Vec<Bounds3> = instances.iter().map(bounds).collect();
         let mut geometries = world.to_vec();
