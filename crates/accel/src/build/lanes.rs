@@ -3,7 +3,7 @@
 #![allow(unsafe_code)]
 
 use super::primitives::{PrimRef, Span};
-use super::split::{Bins, Cut, Extent, Grid, MAX_BINS, MIN_BINS};
+use super::split::{Bins, Cut, Extent, Grid, HALVES, MAX_BINS, MIN_BINS};
 use crate::simd::LANES;
 use glam::Vec3A;
 use std::arch::x86_64::*;
@@ -22,7 +22,7 @@ pub(super) fn cheapest(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid
     // SAFETY: the machine has the instructions.
     is_x86_feature_detected!("avx2").then(|| unsafe {
         match grid.count {
-            2 => cheapest_half(refs, extent, scale, grid),
+            HALVES => cheapest_half(refs, extent, scale, grid),
             MIN_BINS => cheapest_cut::<MIN_BINS>(refs, extent, scale, grid),
             _ => cheapest_cut::<MAX_BINS>(refs, extent, scale, grid),
         }
@@ -111,7 +111,7 @@ fn cheapest_cut<const BINS: usize>(refs: &[PrimRef], extent: &Extent, scale: f32
 /// The cheapest of three cuts where there are two bins along each axis: their boxes stay in registers.
 #[target_feature(enable = "avx2")]
 fn cheapest_half(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
-    let places = Places::new(grid, 2);
+    let places = Places::new(grid, HALVES);
     let (mut left, mut right) = ([empty(); 4], [empty(); 4]);
     let mut of_right = _mm_setzero_si128();
     for r in refs {
@@ -179,7 +179,7 @@ impl<const BINS: usize> Folded<BINS> {
     fn cheapest(mut self, total: u32, extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
         const { assert!(BINS.is_multiple_of(8)) };
         // Bins beyond those of the grid are empty: cuts there have no second part.
-        let used = if BINS == 8 { BINS } else { grid.count.min(BINS).next_multiple_of(8) };
+        let used = if BINS == MIN_BINS { BINS } else { grid.count.min(BINS).next_multiple_of(8) };
         let mut all = [[f32::INFINITY; BINS]; 3];
         let mut after = [[empty(); BINS]; 3];
         let mut least = _mm256_set1_ps(f32::INFINITY);

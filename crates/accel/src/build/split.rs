@@ -9,8 +9,9 @@ use glam::Vec3A;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Vec3};
 
-/// Ranges up to this length have two bins along an axis: finer cuts make no better trees of them.
+/// Ranges up to this length have two bins ([`HALVES`]) along an axis: finer cuts make no better trees of them.
 const FEW: usize = 10;
+pub(super) const HALVES: usize = 2;
 /// Fewest and most bins along an axis of other ranges.
 pub(super) const MIN_BINS: usize = 8;
 pub(super) const MAX_BINS: usize = 32;
@@ -92,7 +93,7 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(centers: &Bounds3, len: usize) -> Self {
-        let count = if len <= FEW { 2 } else { (4 + len / 16).clamp(MIN_BINS, MAX_BINS) };
+        let count = if len <= FEW { HALVES } else { (4 + len / 16).clamp(MIN_BINS, MAX_BINS) };
         let scale = count as f32 / centers.diagonal();
         let scale = Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO);
         Self { count, origin: centers.min.into(), scale: scale.into() }
@@ -242,7 +243,7 @@ pub(super) fn best_plane(refs: &[PrimRef], extent: &Extent, scale: f32) -> Optio
     }
     // What few primitives do not fill need not be cleared and looked through.
     match grid.count {
-        2 => Bins::<2>::of(refs, grid).cheapest(extent, scale, grid),
+        HALVES => Bins::<HALVES>::of(refs, grid).cheapest(extent, scale, grid),
         MIN_BINS => Bins::<MIN_BINS>::of(refs, grid).cheapest(extent, scale, grid),
         _ => Bins::<MAX_BINS>::of(refs, grid).cheapest(extent, scale, grid),
     }
