@@ -33,7 +33,8 @@ impl Outline {
         for &[center, half] in &self.boxes {
             let center = m.transform_point3a(center);
             let reach = x * half.x + y * half.y + z * half.z;
-            (min, max) = (min.min(center - reach), max.max(center + reach));
+            // In this order what is not a number, where all is too large, changes nothing.
+            (min, max) = ((center - reach).min(min), (center + reach).max(max));
         }
         let bounds = Bounds3 { min: min.into(), max: max.into() };
         // Rounding: of the numbers above, and of the ray on its way to object space, seen from the world.

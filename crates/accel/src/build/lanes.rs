@@ -178,7 +178,7 @@ impl<const BINS: usize> Folded<BINS> {
     #[target_feature(enable = "avx2")]
     fn cheapest(mut self, total: u32, extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
         const { assert!(BINS.is_multiple_of(8)) };
-        // Bins beyond those of the grid are empty: cuts there have no second part.
+        // Bins beyond those of the grid are empty: cuts there have no second part. Of the fewest bins all are used, which the compiler cannot know.
         let used = if BINS == MIN_BINS { BINS } else { grid.count.min(BINS).next_multiple_of(8) };
         let mut all = [[f32::INFINITY; BINS]; 3];
         let mut after = [[empty(); BINS]; 3];

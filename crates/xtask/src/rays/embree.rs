@@ -30,19 +30,12 @@ macro_rules! functions {
         }
 
         impl Embree {
-            /// Loads the library, which stays in memory: its threads end with the program. So does a device of two threads that is never
-            /// used: from the second device on that has one thread, while there is none with more, a thread of Embree's turns without
-            /// an end, on a processor that others are measured on.
-            ///
-            /// # Errors
-            /// When there is none, or it is not Embree 4.
-            pub fn load(path: &Path) -> Result<Self, Box<dyn Error>> {
+            /// Loads the library, which stays in memory: its threads end with the program.
+            fn bind(path: &Path) -> Result<Self, Box<dyn Error>> {
                 // SAFETY: the user names Embree's library, whose functions have these types.
                 unsafe {
                     let library = ManuallyDrop::new(Library::new(path)?);
-                    let embree = Self { $($name: *library.get::<$ty>($symbol)?,)* };
-                    (embree.new_device)(c"threads=2".as_ptr());
-                    Ok(embree)
+                    Ok(Self { $($name: *library.get::<$ty>($symbol)?,)* })
                 }
             }
         }
@@ -200,6 +193,19 @@ unsafe extern "C" fn count(total: *mut c_void, bytes: isize, _: bool) -> bool {
 }
 
 impl Embree {
+    /// Loads the library, and makes a device of two threads that is never used and ends with the program: from the second device on
+    /// that has one thread, while there is none with more, a thread of Embree's turns without an end, on a processor that others are
+    /// measured on.
+    ///
+    /// # Errors
+    /// When there is none, or it is not Embree 4.
+    pub fn load(path: &Path) -> Result<Self, Box<dyn Error>> {
+        let embree = Self::bind(path)?;
+        // SAFETY: the function is what its type says.
+        unsafe { (embree.new_device)(c"threads=2".as_ptr()) };
+        Ok(embree)
+    }
+
     /// Builds a mesh, or instances of it, with medium quality on so many threads.
     ///
     /// # Errors
