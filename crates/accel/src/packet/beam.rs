@@ -32,8 +32,18 @@ pub(super) struct Ways<L: Lanes> {
     along: [u32; 3],
 }
 
-/// Slopes of a beam differ by less than this. Measured.
-const NARROW: f32 = 0.6;
+/// What tests of triangles need of rays with the same greatest axis.
+#[derive(Clone, Copy)]
+pub(super) struct Sight<L: Lanes> {
+    /// Axes in the order x, y, z of the sheared space.
+    pub axes: [usize; 3],
+    /// The origins by these axes.
+    pub origin: [L::F; 3],
+    /// Shear of x and y, and scale of z.
+    pub shear: [L::F; 3],
+    /// Reciprocals of the directions along x and y.
+    pub inverse: [L::F; 2],
+}
 
 /// Rays with the same signs and the same greatest axis.
 pub(super) struct Beam<L: Lanes> {
@@ -169,6 +179,28 @@ impl Apart {
     }
 }
 
+impl<L: Lanes> Sight<L> {
+    /// Of as many rays of a packet as there are lanes, from one on.
+    #[inline(always)]
+    pub fn new(l: L, packet: &Packet, apart: &Apart, first: usize, axes: [usize; 3]) -> Self {
+        let [x, y, z] = axes;
+        Self {
+            axes,
+            origin: [
+                l.read_from(&packet.origin[x], first),
+                l.read_from(&packet.origin[y], first),
+                l.read_from(&packet.origin[z], first),
+            ],
+            shear: [
+                l.read_from(&apart.shear[0], first),
+                l.read_from(&apart.shear[1], first),
+                l.read_from(&apart.shear[2], first),
+            ],
+            inverse: [l.read_from(&apart.inverse[x], first), l.read_from(&apart.inverse[y], first)],
+        }
+    }
+}
+
 impl<L: Lanes> Rows<L> {
     /// The rays that enter a box of a node in `[0, t_max]`, whichever way they go, and perhaps some that almost do.
     #[inline(always)]
@@ -187,13 +219,13 @@ impl<L: Lanes> Rows<L> {
 }
 
 impl<L: Lanes> Beam<L> {
-    /// Whether some of its rays go so nearly the same way that their bounds are worth a test.
+    /// Whether the slopes of some of its rays differ by less than a number, so that their bounds are worth a test.
     #[inline(always)]
-    pub fn is_narrow(&self, l: L, lanes: u32) -> bool {
+    pub fn is_narrow(&self, l: L, lanes: u32, than: f32) -> bool {
         let mask = l.mask(lanes);
         let (top, bottom) = (l.splat(f32::INFINITY), l.splat(f32::NEG_INFINITY));
         let spread = |shear: L::F| l.greatest(l.select(mask, shear, bottom)) - l.least(l.select(mask, shear, top));
-        spread(self.rows.shear[0]).max(spread(self.rows.shear[1])) < NARROW
+        spread(self.rows.shear[0]).max(spread(self.rows.shear[1])) < than
     }
 
     /// The rays that enter a box of a node in `[0, t_max]`.

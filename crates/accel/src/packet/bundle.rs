@@ -4,6 +4,7 @@
 //! rays are left in a part of the tree, they go on alone.
 #![allow(unsafe_code)]
 
+use super::any::at_user_alone;
 use super::beam::{Apart, Rows};
 use super::nearest::at_user;
 use super::stack::BundleStack;
@@ -52,10 +53,8 @@ pub(super) trait Question<S: Simd, L: Lanes, U: Users> {
     fn ends(&self, l: L, packet: &Packet) -> L::F;
     /// Asks it of a ray and the triangles of a block: whether that was the last thing to ask of this ray.
     fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool;
-    /// The same of some rays at a user reference, if that is quicker than one after the other: whether it has been asked.
-    fn at_user(&mut self, _: &Bundle<S, L, U>, _: u32, _: u32) -> bool {
-        false
-    }
+    /// The same of some rays at a user reference: of which rays it was the last thing to ask.
+    fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> u32;
     /// The same below a child.
     fn below(&mut self, bundle: &Bundle<S, L, U>, lane: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool;
 }
@@ -74,6 +73,11 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for AnyHit {
     #[inline(always)]
     fn in_block(&mut self, s: S, _: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool {
         any_in_block(s, &Shear::new(s, ray, way), block, ray, users)
+    }
+
+    #[inline(always)]
+    fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> u32 {
+        at_user_alone(bundle.packet, index, active, bundle.users)
     }
 
     #[inline(always)]
@@ -101,12 +105,9 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for &mut Found {
     }
 
     #[inline(always)]
-    fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> bool {
-        let enough = active.count_ones() >= FEW;
-        if enough {
-            at_user((bundle.isa, bundle.l), bundle.packet, index, active, bundle.users, self);
-        }
-        enough
+    fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> u32 {
+        at_user((bundle.isa, bundle.l), bundle.packet, index, active, bundle.users, self);
+        0
     }
 
     #[inline(always)]
@@ -161,7 +162,9 @@ impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
                         }
                     }
                 }
-            } else if !(current.is_user() && question.at_user(self, current.index() as u32, active)) {
+            } else if current.is_user() {
+                open &= !question.at_user(self, current.index() as u32, active);
+            } else {
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
                     let way = self.apart.get(lane);

@@ -5,7 +5,8 @@
 //! wait for each other. Rays whose directions have the same signs and the same greatest axis form a
 //! beam. One test of a beam's bounds against the eight children of a node sorts out most of them; each of the rest is then tested
 //! with all rays of the beam when its turn comes (Boulos et al., "Packet-based Whitted and Distribution Ray Tracing", 2007; Benthin
-//! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays). Rays of
+//! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays). Where the rays that enter the box of a
+//! block are in one of the registers, the other is left out of the tests of its triangles. Rays of
 //! no beam share the nodes around their origins as a bundle. What is left goes alone, one ray after the other or several at once.
 #![allow(unsafe_code)]
 
@@ -37,15 +38,6 @@ const BEAM: u32 = 8;
 #[inline(always)]
 fn beam(width: usize) -> u32 {
     BEAM.min(width as u32)
-}
-
-/// With fewer rays than these in a part of the tree, they go on alone. Measured.
-const FEW: u32 = 4;
-
-/// The same for packets of so many rays.
-#[inline(always)]
-fn few(width: usize) -> u32 {
-    FEW.min(width as u32 / 2)
 }
 
 /// The first lanes, at least one.
@@ -174,19 +166,19 @@ impl Found {
         self.extra.0[lane] = f32::from_bits(extra.bits());
     }
 
-    /// Takes over hits with one index, whose parameters and sums are given.
+    /// Takes over hits with one index, whose parameters and sums are given, of rays from one on: `lanes` counts from there.
     #[inline(always)]
-    pub fn merge<L: Lanes>(&mut self, l: L, lanes: u32, new: [L::F; 4], index: u32, extra: L::F) {
+    pub fn merge<L: Lanes>(&mut self, l: L, (first, lanes): (usize, u32), new: [L::F; 4], index: u32, extra: L::F) {
         let mask = l.mask(lanes);
         let [t, u, v, sum] = new;
         let index = l.splat(f32::from_bits(index));
-        l.write(l.select(mask, t, l.read(&self.t)), &mut self.t);
-        l.write(l.select(mask, u, l.read(&self.u)), &mut self.u);
-        l.write(l.select(mask, v, l.read(&self.v)), &mut self.v);
-        l.write(l.select(mask, sum, l.read(&self.sum)), &mut self.sum);
-        l.write(l.select(mask, index, l.read(&self.index)), &mut self.index);
-        l.write(l.select(mask, extra, l.read(&self.extra)), &mut self.extra);
-        self.hits |= lanes;
+        l.write_from(l.select(mask, t, l.read_from(&self.t, first)), &mut self.t, first);
+        l.write_from(l.select(mask, u, l.read_from(&self.u, first)), &mut self.u, first);
+        l.write_from(l.select(mask, v, l.read_from(&self.v, first)), &mut self.v, first);
+        l.write_from(l.select(mask, sum, l.read_from(&self.sum, first)), &mut self.sum, first);
+        l.write_from(l.select(mask, index, l.read_from(&self.index, first)), &mut self.index, first);
+        l.write_from(l.select(mask, extra, l.read_from(&self.extra, first)), &mut self.extra, first);
+        self.hits |= lanes << first;
     }
 }
 

@@ -1,12 +1,12 @@
 //! The nearest hits of the rays of a packet.
 #![allow(unsafe_code)]
 
-use super::beam::{Apart, Beam, Ways};
+use super::beam::{Apart, Beam, Sight, Ways};
 use super::bundle::{Bundle, Left};
 use super::interval::Interval;
-use super::seen::Seen;
+use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
-use super::{Found, Packet, Set, beam, few};
+use super::{Found, Packet, Set, beam};
 use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, nearest_hit_from};
 use crate::layout::{Block, ChildRef};
@@ -15,6 +15,9 @@ use crate::traverse::{Extra, Nearest, Start, Users, Way};
 use crate::triangle::Crossing;
 use crate::{UserHit, simd};
 use steradian_math::Ray;
+
+/// Slopes of a beam differ by less than this. Measured.
+const NARROW: f32 = 0.4;
 
 /// Finds the nearest hits of the rays in `lanes`: `found` begins with the ends of the intervals.
 #[inline(always)]
@@ -56,7 +59,7 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
             continue;
         }
         let beam = ways.beam(group.trailing_zeros() as usize);
-        if !beam.is_narrow(l, group) {
+        if !beam.is_narrow(l, group, NARROW) {
             alone |= group;
         } else {
             Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group, found);
@@ -144,23 +147,15 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 // SAFETY: parents are nodes of the tree.
                 let node = unsafe { tree.arena.node(parent) };
                 active = group & self.beam.enters(l, node, key_lane(key), l.read(&found.t));
-                if active.count_ones() >= few(self.isa.width()) {
+                if active != 0 {
                     current = child;
                     break;
                 }
-                if active == 0 {
-                    continue;
-                }
-                for lane in Set(active) {
-                    let way = |_: &Ray| self.apart.get(lane);
-                    single(self.isa, tree, self.packet, (lane, way), child, self.users, found);
-                }
-                farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
             }
         }
     }
 
-    /// Tests the triangles of a block one after the other, and says whether there may be hits.
+    /// Tests the triangles of a block with the active rays, and says whether there may be hits.
     #[inline(always)]
     fn block(
         &self,
@@ -170,20 +165,36 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         farthest: f32,
         found: &mut Found,
     ) -> bool {
-        let l = self.l;
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
+        let boxes = Boxes::new(self.s, interval, block, farthest);
+        match self.l.half_of(active) {
+            Some(first) => self.triangles(self.l.half(), (block, &boxes), (first, active >> first), found),
+            None => self.triangles(self.l, (block, &boxes), (0, active), found),
+        }
+    }
+
+    /// The same with rays from one on; `active` counts from there.
+    #[inline(always)]
+    fn triangles<K: Lanes>(
+        &self,
+        k: K,
+        (block, boxes): (&Block, &Boxes),
+        (first, active): (usize, u32),
+        found: &mut Found,
+    ) -> bool {
+        let sight = Sight::new(k, self.packet, self.apart, first, self.beam.axes);
+        let mut seen = Seen::new(boxes.entered);
+        seen.look(k, &sight, block, active, false);
         let mut hits = false;
-        let mut seen = Seen::new(self.s, interval, block, farthest);
-        seen.look(l, &self.beam, block, active, false);
         for slot in Set(seen.slots) {
             let slot = slot & (LANES - 1);
-            let so_far = l.read(&found.t);
+            let so_far = k.read_from(&found.t, first);
             // SAFETY: the slot is in the set.
-            if let Some(mut crossing) = unsafe { seen.cross(l, &self.beam, block, slot, so_far) } {
-                crossing.t = seen.in_box(l, &self.beam, slot, &crossing);
-                crossing.lanes &= l.bits(l.le(crossing.t, so_far));
-                self.triangle(block.ids[slot], crossing, active, found);
+            if let Some(mut crossing) = unsafe { seen.cross(k, &sight, block, slot, so_far) } {
+                crossing.t = boxes.at_least(k, &sight, slot, &crossing);
+                crossing.lanes &= active & k.bits(k.le(crossing.t, so_far));
+                self.triangle(k, block.ids[slot], &crossing, first, found);
                 hits = true;
             }
         }
@@ -192,39 +203,36 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
     /// Takes over hits on a triangle.
     #[inline(always)]
-    fn triangle(&self, id: u32, Crossing { lanes, t, v, w, sum, .. }: Crossing<L>, active: u32, found: &mut Found) {
-        let l = self.l;
+    fn triangle<K: Lanes>(&self, k: K, id: u32, crossing: &Crossing<K>, first: usize, found: &mut Found) {
+        let &Crossing { lanes, t, v, w, sum, .. } = crossing;
         let index = id & !Block::FILTERED;
-        let so_far = l.read(&found.t);
-        let mut closer = l.bits(l.lt(t, so_far));
-        for lane in Set(lanes & active & !closer) {
+        let mut closer = lanes & k.bits(k.lt(t, k.read_from(&found.t, first)));
+        for lane in Set(lanes & !closer) {
             // At equal distance the smaller index wins.
-            if found.hits >> lane & 1 == 1 && index < found.index(lane) {
+            if found.hits >> (first + lane) & 1 == 1 && index < found.index(first + lane) {
                 closer |= 1 << lane;
             }
         }
-        closer &= lanes & active;
         if id != index {
-            closer = self.accepted(index, [t, v, w, sum], closer);
+            closer = self.accepted(k, index, [t, v, w, sum], (first, closer));
         }
         if closer != 0 {
             let extra = f32::from_bits(self.users.triangle().bits());
-            found.merge(l, closer, [t, v, w, sum], index, l.splat(extra));
+            found.merge(k, (first, closer), [t, v, w, sum], index, k.splat(extra));
         }
     }
 
     /// The rays whose hit on a filtered triangle counts.
     #[inline(always)]
-    fn accepted(&self, index: u32, new: [L::F; 4], closer: u32) -> u32 {
-        let l = self.l;
+    fn accepted<K: Lanes>(&self, k: K, index: u32, new: [K::F; 4], (first, closer): (usize, u32)) -> u32 {
         let mut rows = [simd::Wide::splat(0.0); 4];
         for (row, new) in rows.iter_mut().zip(new) {
-            l.write(new, row);
+            k.write(new, row);
         }
         let mut accepted = 0;
         for lane in Set(closer) {
             let [t, v, w, sum] = [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane], rows[3].0[lane]];
-            let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
+            let ray = self.packet.ray(first + lane, self.packet.t_max.0[first + lane]);
             let hit = UserHit { t, u: v / sum, v: w / sum };
             accepted |= u32::from(self.users.accept(index, hit, &ray)) << lane;
         }
@@ -242,24 +250,24 @@ pub(super) fn at_user<L: Lanes, U: Users>(
     users: &U,
     found: &mut Found,
 ) -> bool {
-    // What may win a tie sees an interval that contains the hit so far.
-    let mut t_max = found.t;
-    for lane in Set(active & found.hits) {
-        if index < found.index(lane) {
-            t_max.0[lane] = t_max.0[lane].next_up();
+    // Fewer would go alone below.
+    if active.count_ones() >= beam(isa.width()) {
+        let mut t_max = found.t;
+        for lane in Set(active & found.hits) {
+            t_max.0[lane] = end(found, lane, index);
         }
-    }
-    let mut inner = Found::nothing(&t_max);
-    if users.intersect_packet(isa, index, packet, active, &mut inner) {
-        if inner.hits != 0 {
-            let new = [l.read(&inner.t), l.read(&inner.u), l.read(&inner.v), l.read(&inner.sum)];
-            // Below an instance the index is that of the primitive.
-            found.merge(l, inner.hits, new, index, l.read(&inner.index));
+        let mut inner = Found::nothing(&t_max);
+        if users.intersect_packet(isa, index, packet, active, &mut inner) {
+            if inner.hits != 0 {
+                let new = [l.read(&inner.t), l.read(&inner.u), l.read(&inner.v), l.read(&inner.sum)];
+                // Below an instance the index is that of the primitive.
+                found.merge(l, (0, inner.hits), new, index, l.read(&inner.index));
+            }
+            return inner.hits != 0;
         }
-        return inner.hits != 0;
     }
     for lane in Set(active) {
-        let t_max = t_max.0[lane];
+        let t_max = end(found, lane, index);
         if let Some((hit, extra)) = users.intersect(index, &packet.ray(lane, t_max))
             && hit.t > 0.0
             && hit.t < t_max
@@ -268,4 +276,11 @@ pub(super) fn at_user<L: Lanes, U: Users>(
         }
     }
     true
+}
+
+/// Where the interval of a ray ends for what has an index: what may win a tie sees the hit so far in it.
+#[inline(always)]
+fn end(found: &Found, lane: usize, index: u32) -> f32 {
+    let t = found.t.0[lane];
+    if found.hits >> lane & 1 == 1 && index < found.index(lane) { t.next_up() } else { t }
 }

@@ -4,7 +4,7 @@
 //! answer to a question that is hard to guess.
 #![allow(unsafe_code)]
 
-use super::beam::Beam;
+use super::beam::Sight;
 use super::interval::Interval;
 use crate::layout::Block;
 use crate::simd::{LANES, Lanes, Simd};
@@ -19,28 +19,24 @@ pub(super) struct Seen<L: Lanes> {
     pub rest: u32,
     /// Edge functions of those in `slots`.
     edges: [MaybeUninit<[L::F; 3]>; LANES],
-    /// Near planes of the boxes of the triangles.
-    near: [[f32; LANES]; 3],
 }
 
 impl<L: Lanes> Seen<L> {
-    /// The triangles that rays of a beam may hit before `t_max`, none of which has been looked at.
+    /// Those in `rest`, none of which has been looked at.
     #[inline(always)]
-    pub fn new<S: Simd>(s: S, interval: &Interval<S>, block: &Block, t_max: f32) -> Self {
-        let (rest, near) = interval.triangles(s, block, s.splat(t_max));
-        let near = [s.store(near[0]), s.store(near[1]), s.store(near[2])];
-        Self { slots: 0, rest, edges: [const { MaybeUninit::uninit() }; LANES], near }
+    pub fn new(rest: u32) -> Self {
+        Self { slots: 0, rest, edges: [const { MaybeUninit::uninit() }; LANES] }
     }
 
     /// Looks with the active rays at all triangles, or, if one for each ray will do, until each may hit one.
     #[inline(always)]
-    pub fn look(&mut self, l: L, beam: &Beam<L>, block: &Block, active: u32, one_will_do: bool) {
+    pub fn look(&mut self, l: L, sight: &Sight<L>, block: &Block, active: u32, one_will_do: bool) {
         self.slots = 0;
         let mut met = 0;
         while self.rest != 0 {
             let slot = self.rest.trailing_zeros() as usize & (LANES - 1);
             self.rest &= self.rest - 1;
-            let edges = edges(l, Spot { beam, block, slot }.across(l));
+            let edges = edges(l, Spot { sight, block, slot }.across(l));
             self.edges[slot].write(edges);
             let lanes = l.bits(of_one_sign(l, edges)) & active;
             self.slots |= u32::from(lanes != 0) << slot;
@@ -56,25 +52,42 @@ impl<L: Lanes> Seen<L> {
     /// # Safety
     /// It must be in `slots`.
     #[inline(always)]
-    pub unsafe fn cross(&self, l: L, beam: &Beam<L>, block: &Block, slot: usize, t_max: L::F) -> Option<Crossing<L>> {
+    pub unsafe fn cross(&self, l: L, sight: &Sight<L>, block: &Block, slot: usize, t_max: L::F) -> Option<Crossing<L>> {
         // SAFETY: the edge functions of those in the set have been written, and the caller promises that this is one.
         let edges = unsafe { self.edges[slot].assume_init() };
-        cross_at(l, &Spot { beam, block, slot }, edges, beam.rows.shear[2], t_max)
+        cross_at(l, &Spot { sight, block, slot }, edges, sight.shear[2], t_max)
+    }
+}
+
+/// The boxes of the triangles of a block.
+pub(super) struct Boxes {
+    /// Bit `i`: the box of triangle `i` may be entered.
+    pub entered: u32,
+    /// Their near planes.
+    near: [[f32; LANES]; 3],
+}
+
+impl Boxes {
+    /// As rays of a beam may enter them before `t_max`.
+    #[inline(always)]
+    pub fn new<S: Simd>(s: S, interval: &Interval<S>, block: &Block, t_max: f32) -> Self {
+        let (entered, near) = interval.triangles(s, block, s.splat(t_max));
+        Self { entered, near: [s.store(near[0]), s.store(near[1]), s.store(near[2])] }
     }
 
     /// Distances of hits on a triangle, moved to its box where they are before it, see [`crate::triangle`].
     #[inline(always)]
-    pub fn in_box(&self, l: L, beam: &Beam<L>, slot: usize, crossing: &Crossing<L>) -> L::F {
-        let ([x, y, _], rows) = (beam.axes, &beam.rows);
-        let along_x = l.mul(l.sub(l.splat(self.near[x][slot]), rows.origin[x]), rows.inverse[x]);
-        let along_y = l.mul(l.sub(l.splat(self.near[y][slot]), rows.origin[y]), rows.inverse[y]);
+    pub fn at_least<L: Lanes>(&self, l: L, sight: &Sight<L>, slot: usize, crossing: &Crossing<L>) -> L::F {
+        let ([x, y, _], origin, inverse) = (sight.axes, sight.origin, sight.inverse);
+        let along_x = l.mul(l.sub(l.splat(self.near[x][slot]), origin[0]), inverse[0]);
+        let along_y = l.mul(l.sub(l.splat(self.near[y][slot]), origin[1]), inverse[1]);
         l.max(along_y, l.max(along_x, l.max(crossing.depth, crossing.t)))
     }
 }
 
-/// A triangle of a block, seen from the rays of a beam.
+/// A triangle of a block, seen from rays.
 struct Spot<'a, L: Lanes> {
-    beam: &'a Beam<L>,
+    sight: &'a Sight<L>,
     block: &'a Block,
     slot: usize,
 }
@@ -82,14 +95,14 @@ struct Spot<'a, L: Lanes> {
 impl<L: Lanes> Spot<'_, L> {
     #[inline(always)]
     fn coordinate(&self, l: L, vertex: usize, i: usize) -> L::F {
-        let axis = self.beam.axes[i];
-        l.sub(l.splat(self.block.rows[3 * vertex + axis].0[self.slot]), self.beam.rows.origin[axis])
+        let row = &self.block.rows[3 * vertex + self.sight.axes[i]];
+        l.sub(l.splat(row.0[self.slot]), self.sight.origin[i])
     }
 
     #[inline(always)]
     fn vertex(&self, l: L, vertex: usize) -> [L::F; 2] {
         let [x, y, z] = [self.coordinate(l, vertex, 0), self.coordinate(l, vertex, 1), self.coordinate(l, vertex, 2)];
-        let shear = &self.beam.rows.shear;
+        let shear = &self.sight.shear;
         [l.sub(x, l.mul(shear[0], z)), l.sub(y, l.mul(shear[1], z))]
     }
 }

@@ -23,9 +23,14 @@ impl Avx2 {
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
 impl Lanes for Avx2 {
     const COUNT: usize = LANES;
+    type Half = Self;
     type F = __m256;
     type M = __m256;
 
+    #[inline(always)]
+    fn half(self) -> Self {
+        self
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         // SAFETY: see above.

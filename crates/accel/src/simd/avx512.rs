@@ -23,9 +23,14 @@ impl Avx512 {
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
 impl Lanes for Avx512 {
     const COUNT: usize = LANES;
+    type Half = Self;
     type F = __m256;
     type M = __mmask8;
 
+    #[inline(always)]
+    fn half(self) -> Self {
+        self
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         // SAFETY: see above.

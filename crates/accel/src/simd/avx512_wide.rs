@@ -22,9 +22,14 @@ impl Avx512Wide {
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of sixteen `f32`.
 impl Lanes for Avx512Wide {
     const COUNT: usize = 16;
+    type Half = Self;
     type F = __m512;
     type M = __mmask16;
 
+    #[inline(always)]
+    fn half(self) -> Self {
+        self
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         // SAFETY: see above.

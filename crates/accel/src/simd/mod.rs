@@ -78,10 +78,27 @@ impl Wide {
 pub(crate) trait Lanes: Copy {
     /// How many lanes there are: eight, sixteen or thirty-two.
     const COUNT: usize;
+    /// Half of them, where these are several registers; else the same.
+    type Half: Lanes;
     /// A number for each lane.
     type F: Copy;
     /// A truth value for each lane.
     type M: Copy;
+
+    /// The lanes of a half.
+    fn half(self) -> Self::Half;
+    /// The first lane of the half that all of some lanes are in, if there is one.
+    #[inline(always)]
+    fn half_of(self, lanes: u32) -> Option<usize> {
+        let half = Self::Half::COUNT;
+        if half == Self::COUNT {
+            None
+        } else if lanes >> half == 0 {
+            Some(0)
+        } else {
+            (lanes.trailing_zeros() as usize >= half).then_some(half)
+        }
+    }
 
     /// The same number in every lane.
     fn splat(self, x: f32) -> Self::F;

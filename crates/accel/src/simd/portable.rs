@@ -9,9 +9,14 @@ pub(crate) struct Portable;
 
 impl Lanes for Portable {
     const COUNT: usize = LANES;
+    type Half = Self;
     type F = [f32; LANES];
     type M = [bool; LANES];
 
+    #[inline(always)]
+    fn half(self) -> Self {
+        self
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         [x; LANES]

@@ -22,9 +22,14 @@ impl Sse2 {
 // SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
 impl Lanes for Sse2 {
     const COUNT: usize = LANES;
+    type Half = Self;
     type F = [__m128; 2];
     type M = [__m128; 2];
 
+    #[inline(always)]
+    fn half(self) -> Self {
+        self
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         // SAFETY: see above.

@@ -29,6 +29,7 @@ macro_rules! truths {
 
 impl<L: Lanes> Lanes for Twice<L> {
     const COUNT: usize = 2 * L::COUNT;
+    type Half = L;
     type F = [L::F; 2];
     type M = [L::M; 2];
 
@@ -36,6 +37,10 @@ impl<L: Lanes> Lanes for Twice<L> {
     truths! { F: le lt eq }
     truths! { M: and or }
 
+    #[inline(always)]
+    fn half(self) -> L {
+        self.0
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         [self.0.splat(x); 2]
