@@ -9,11 +9,15 @@
 //! A trial measures all of them over the picture, relative to its brightness, and takes what makes the product least. As roulette decides by the same
 //! random numbers whatever the threshold, `S(b)` is the mean square by which samples with and without it differ.
 
+mod local;
+
+pub(crate) use local::Local;
+
 use crate::{
     adaptive::FLOOR,
     partition::{Partition, TILE},
     probe::Probe,
-    reuse::{self, Suffix},
+    reuse::{MAX_GROUP, Suffix},
     survey::Survey,
 };
 use rayon::prelude::*;
@@ -43,6 +47,8 @@ const THRESHOLDS: [f32; 2] = [0.6, 1.0];
 const LIGHT_COST: f64 = 1.5;
 /// Groups of the trial.
 const GROUPS: u32 = 64;
+/// Groups by which the cost of a picture is told.
+const COSTED: u32 = 128;
 /// Samples of a pixel, spread over each other as those of a picture are, in each of two renders.
 const SAMPLES: u32 = 4;
 
@@ -125,10 +131,10 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     let mut probe = Probe::new(scene, &partition, group);
     let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
     // The mean luminance of each pixel, by render and by what is tried.
-    let mut means = [[[0.0_f64; TRIED.len()]; reuse::MAX_GROUP]; 2];
+    let mut means = [[[0.0_f64; TRIED.len()]; MAX_GROUP]; 2];
     for (seed, means) in (0..).zip(&mut means) {
         for index in 0..SAMPLES {
-            let mut light = [[0.0; TRIED.len()]; reuse::MAX_GROUP];
+            let mut light = [[0.0; TRIED.len()]; MAX_GROUP];
             for (tried, survey) in surveys.iter().enumerate() {
                 let (luminances, cost) = probe.sample(suffix, scene, survey, seed, (index, SAMPLES));
                 found.cost[tried] += cost / all;
@@ -153,6 +159,50 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     found.by_lights *= scale;
     found.by_roulette.iter_mut().for_each(|s| *s *= scale);
     found
+}
+
+/// Relative variance and rays of a sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cost {
+    pub variance: f64,
+    pub rays: f64,
+}
+
+/// Of a picture's samples, by groups of pixels here and there.
+pub(crate) fn cost<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Cost {
+    let film = &scene.film;
+    let tiles = [film.width.div_ceil(TILE), film.height.div_ceil(TILE)];
+    let found: Vec<[f64; 3]> = (0..COSTED)
+        .into_par_iter()
+        .map(|k| {
+            let place = sobol::shuffled_scrambled_sobol_2d(k, 5);
+            let corner = [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as u32 * TILE);
+            let partition = Partition::new(corner, suffix.reuse(), 0);
+            // As many pixels whatever the size of a group.
+            let groups = MAX_GROUP as u32 / suffix.reuse();
+            let (mut level, mut variance, mut rays, mut count) = (0.0, 0.0, 0.0, 0.0);
+            for g in 0..groups {
+                let mut probe = Probe::new(scene, &partition, (k * groups + g) % partition.groups());
+                let mut means = [[0.0; MAX_GROUP]; 2];
+                for (seed, mean) in (0..).zip(&mut means) {
+                    for index in 0..SAMPLES {
+                        let (light, cost) = probe.sample(suffix, scene, survey, seed, (index, SAMPLES));
+                        mean.iter_mut().zip(light).for_each(|(mean, l)| *mean += l / f64::from(SAMPLES));
+                        rays += cost / f64::from(2 * SAMPLES);
+                    }
+                }
+                for (a, b) in means[0].iter().zip(&means[1]).take(probe.places.len()) {
+                    level += (a + b) / 2.0;
+                    variance += f64::from(SAMPLES) * (a - b).powi(2) / 2.0;
+                }
+                count += probe.places.len() as f64;
+            }
+            level /= f64::max(count, 1.0);
+            [variance / (level * level + FLOOR), rays, count]
+        })
+        .collect();
+    let sum = |i: usize| found.iter().map(|f| f[i]).sum::<f64>();
+    Cost { variance: sum(0) / sum(2), rays: sum(1) / sum(2) }
 }
 
 #[cfg(test)]

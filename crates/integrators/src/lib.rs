@@ -125,6 +125,8 @@ pub(crate) mod dimension {
     pub const FLIGHT: u32 = 6;
     /// Lane by which the flight is drawn.
     pub const LANE: u32 = 7;
+    /// How many paths go on.
+    pub const BRANCHES: u32 = 8;
 
     /// The dimension of a decision at a scattering event.
     #[inline]

@@ -4,7 +4,7 @@
 
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics,
-    reuse::{self, Room, Seat, Suffix},
+    reuse::{self, Room, Seat, Suffix, whole},
     walk::{Arrival, Leg, Vertex, arrive, escape},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -25,6 +25,100 @@ pub type Path = PathTracer<false>;
 /// The path tracer through participating media. Passing straight through a thin pane is no scattering event.
 pub type VolPath = PathTracer<true>;
 
+impl<const MEDIA: bool> PathTracer<MEDIA> {
+    /// Adds light that lights send to a vertex to `sum`, and scatters; whether the path goes on. What is not finite is handed to the film, which counts it.
+    #[inline]
+    #[allow(clippy::too_many_arguments)]
+    fn turn(
+        &self,
+        scene: &Scene,
+        survey: &Survey,
+        vertex: &Vertex<'_>,
+        leg: &mut Leg,
+        sum: &mut Spectrum,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> bool {
+        *sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
+        let Some(draw) = vertex.sample(leg, sampler, survey) else { return false };
+        leg.turn::<MEDIA>(scene, vertex, &draw);
+        if !leg.beta.is_finite() {
+            *sum = leg.beta;
+            return false;
+        }
+        leg.goes_on(survey, &self.depth, sampler, lambda)
+    }
+
+    /// Adds to `sum` what a leg that arrived at a vertex brings from there.
+    #[inline]
+    #[allow(clippy::too_many_arguments)]
+    fn follow<'s>(
+        &self,
+        scene: &'s Scene,
+        survey: &Survey,
+        vertex: &Vertex<'s>,
+        mut leg: Leg,
+        mut sum: Spectrum,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let mut vertex = vertex;
+        let mut next = Arrival::End;
+        loop {
+            let branches = leg.branches(vertex, survey, sampler, lambda);
+            if branches != 1 {
+                for k in 0..branches {
+                    let mut left = *lambda;
+                    let sampler = sampler.branch(leg.events, k);
+                    let branch = self.branch(scene, survey, vertex, leg, &sampler, &mut left, counters);
+                    sum += whole(branch, &left, lambda, scene.mode);
+                }
+                return sum;
+            }
+            if !self.turn(scene, survey, vertex, &mut leg, &mut sum, sampler, lambda, counters) {
+                return sum;
+            }
+            // Follow the ray to the next vertex; collect what shines there.
+            arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
+            match &next {
+                Arrival::Vertex(v) => vertex = v,
+                Arrival::End => return sum,
+                Arrival::Escaped => {
+                    escape(scene, &leg, &mut sum, &self.depth, lambda);
+                    return sum;
+                }
+            }
+        }
+    }
+
+    /// What one of several paths brings from a vertex.
+    #[allow(clippy::too_many_arguments)]
+    fn branch<'s>(
+        &self,
+        scene: &'s Scene,
+        survey: &Survey,
+        vertex: &Vertex<'s>,
+        mut leg: Leg,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let (mut sum, mut next) = (Spectrum::ZERO, Arrival::End);
+        if !self.turn(scene, survey, vertex, &mut leg, &mut sum, sampler, lambda, counters) {
+            return sum;
+        }
+        arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
+        match &next {
+            Arrival::Vertex(v) => return self.follow(scene, survey, v, leg, sum, sampler, lambda, counters),
+            Arrival::Escaped => escape(scene, &leg, &mut sum, &self.depth, lambda),
+            Arrival::End => {}
+        }
+        sum
+    }
+}
+
 impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
     fn depth(&self) -> &Depth {
         &self.depth
@@ -40,38 +134,12 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
         scene: &'s Scene,
         survey: &Survey,
         vertex: &Vertex<'s>,
-        mut leg: Leg,
+        leg: Leg,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let mut vertex = vertex;
-        let mut next = Arrival::End;
-        let mut sum = Spectrum::ZERO;
-        loop {
-            // Light that arrives straight from a light.
-            sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
-            // Scatter.
-            let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
-            leg.turn::<MEDIA>(scene, vertex, &s);
-            if !leg.beta.is_finite() {
-                // Handed to the film, which counts it.
-                return leg.beta;
-            }
-            if !leg.survives(&self.depth, sampler, lambda) {
-                return sum;
-            }
-            // Follow the ray to the next vertex; collect what shines there.
-            arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
-            match &next {
-                Arrival::Vertex(v) => vertex = v,
-                Arrival::End => return sum,
-                Arrival::Escaped => {
-                    escape(scene, &leg, &mut sum, &self.depth, lambda);
-                    return sum;
-                }
-            }
-        }
+        self.follow(scene, survey, vertex, leg, Spectrum::ZERO, sampler, lambda, counters)
     }
 }
 
@@ -89,7 +157,10 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
         let (mut leg, mut sum, mut first) = (Leg::camera(scene, ray), Spectrum::ZERO, Arrival::End);
         arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut first);
         match &first {
-            Arrival::Vertex(v) => sum + self.leaving(scene, survey, v, leg, sampler, lambda, counters),
+            Arrival::Vertex(v) => {
+                leg.weigh(v, survey, lambda);
+                sum + self.leaving(scene, survey, v, leg, sampler, lambda, counters)
+            }
             Arrival::End => sum,
             Arrival::Escaped => {
                 escape(scene, &leg, &mut sum, &self.depth, lambda);

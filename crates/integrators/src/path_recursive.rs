@@ -3,7 +3,7 @@
 
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics, dimension, nee,
-    reuse::{self, Room, Seat, Suffix},
+    reuse::{self, Room, Seat, Suffix, whole},
     walk::{Leg, MAX_PASSES, Vertex},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -54,6 +54,10 @@ impl PathRecursive {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
+                let mut leg = leg;
+                if leg.events == 0 {
+                    leg.weigh(&vertex, survey, lambda);
+                }
                 self.scattered(scene, survey, &vertex, leg, sum, sampler, lambda, counters)
             }
             None if leg.passes >= MAX_PASSES.min(DEEPEST) => sum,
@@ -78,13 +82,37 @@ impl PathRecursive {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
+        let branches = leg.branches(vertex, survey, sampler, lambda);
+        if branches == 1 {
+            return self.branch(scene, survey, vertex, leg, sum, sampler, lambda, counters);
+        }
+        (0..branches).fold(sum, |sum, k| {
+            let (mut left, sampler) = (*lambda, sampler.branch(leg.events, k));
+            let branch = self.branch(scene, survey, vertex, leg, Spectrum::ZERO, &sampler, &mut left, counters);
+            sum + whole(branch, &left, lambda, scene.mode)
+        })
+    }
+
+    /// The same for one of the paths that go on there.
+    #[allow(clippy::too_many_arguments)]
+    fn branch(
+        &self,
+        scene: &Scene,
+        survey: &Survey,
+        vertex: &Vertex<'_>,
+        mut leg: Leg,
+        sum: Spectrum,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
         let sum = sum + leg.direct::<false>(vertex, scene, sampler, lambda, counters);
         let Some(draw) = vertex.sample(&leg, sampler, survey) else { return sum };
         leg.turn::<false>(scene, vertex, &draw);
         if !leg.beta.is_finite() {
             return leg.beta;
         }
-        if !leg.survives(&self.depth, sampler, lambda) {
+        if !leg.goes_on(survey, &self.depth, sampler, lambda) {
             return sum;
         }
         self.follow(scene, survey, leg, sum, sampler, lambda, counters)

@@ -26,6 +26,7 @@ use crate::{
     walk::{Arrival, Leg, Vertex, arrive, escape, meet},
 };
 use share::share;
+pub(crate) use share::whole;
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
@@ -230,6 +231,7 @@ pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
             continue;
         }
         let Arrival::Vertex(x) = &member.x else { continue };
+        member.leg.weigh(x, survey, &seat.lambda);
         if seat.lambda == whole && is_shareable(x) {
             member.seat = index;
             count += 1;

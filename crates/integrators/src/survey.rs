@@ -2,7 +2,7 @@
 
 use crate::{
     caustics::{Caustics, trial},
-    effort::{self, Effort},
+    effort::{self, Effort, Local},
     reuse::{self, Suffix},
     splitting::{self, Splitting},
 };
@@ -25,11 +25,13 @@ pub struct Tactics {
     pub caustics: Option<bool>,
     /// How much is spent on which part of the paths that share, with as many paths everywhere; `None` where trials are to tell both.
     pub effort: Option<Effort>,
+    /// Whether roulette and splitting go by the efficiency at each vertex.
+    pub by_vertex: bool,
 }
 
 impl Default for Tactics {
     fn default() -> Self {
-        Self { reuse: reuse::MAX_GROUP as u32, caustics: None, effort: None }
+        Self { reuse: reuse::MAX_GROUP as u32, caustics: None, effort: None, by_vertex: false }
     }
 }
 
@@ -42,6 +44,8 @@ pub struct Survey {
     pub caustics: Option<Caustics>,
     /// How much is spent on what.
     pub effort: Effort,
+    /// How much is spent on paths by their vertices.
+    pub(crate) local: Option<Local>,
     /// How much is spent where.
     pub splitting: Splitting,
 }
@@ -60,6 +64,9 @@ impl Survey {
             survey.caustics = None;
         }
         let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(spp);
+        if tactics.by_vertex {
+            survey.local = Local::explore(paths, scene, &survey);
+        }
         match tactics.effort {
             Some(effort) => survey.effort = effort,
             None if samples < FEWEST => {}

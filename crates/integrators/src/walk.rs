@@ -28,7 +28,7 @@ const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 
 /// After this many events roulette is played whatever the throughput, with the survival at most the second number: between surfaces
 /// that absorb nothing, and in dense media, paths would never end.
-const LONG_PATH: (u32, f32) = (1000, 0.99);
+pub(crate) const LONG_PATH: (u32, f32) = (1000, 0.99);
 
 /// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette ([`Leg::for_roulette`]), goes on
 /// with times as much, or `None` where it ends.
@@ -146,6 +146,26 @@ impl Leg {
         let scale = roulette(live, self.events, depth, self.roulette_below, sampler);
         self.beta *= scale.unwrap_or(0.0);
         scale.is_some()
+    }
+
+    /// The same where effort is spent by vertex: there roulette is left to the next one.
+    #[inline]
+    pub fn goes_on(&mut self, survey: &Survey, depth: &Depth, sampler: &PixelSampler, lambda: &Wavelengths) -> bool {
+        if survey.local.is_some() { live_max(self.beta, lambda) > 0.0 } else { self.survives(depth, sampler, lambda) }
+    }
+
+    /// Weighs it at its first vertex, where effort is spent by vertex.
+    #[inline]
+    pub fn weigh(&mut self, v: &Vertex<'_>, survey: &Survey, lambda: &Wavelengths) {
+        if let Some(local) = &survey.local {
+            local.weigh(v, self, lambda);
+        }
+    }
+
+    /// How many paths go on where it arrived, of which each carries what it does then.
+    #[inline]
+    pub fn branches(&mut self, v: &Vertex<'_>, survey: &Survey, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
+        survey.local.as_ref().map_or(1, |local| local.branches(v, self, sampler, lambda))
     }
 
     /// On from a vertex in the direction that was drawn there.

@@ -26,7 +26,7 @@ pub enum Error {
     },
     /// An integrator option that does not exist or has no such value.
     #[error(
-        "integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters, reuse (1, 4, 16), caustics (auto, true, false), effort (auto, even)"
+        "integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters, reuse (1, 4, 16), caustics (auto, true, false), effort (auto, even, vertex)"
     )]
     IntegratorOption(String),
 }

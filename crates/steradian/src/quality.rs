@@ -13,7 +13,8 @@ use steradian_scene::names::did_you_mean;
 pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
     /// find, 1, 4 or 16, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether trials
-    /// tell how many light samples and how much roulette pay, and where more paths (`auto`), or not (`even`).
+    /// tell how many light samples and how much roulette pay, and where more paths (`auto`), or not (`even`), or
+    /// whether roulette and splitting go by what is known of each vertex (`vertex`).
     pub integrator: Option<String>,
     /// Samples per pixel; their mean with `adaptive`.
     pub spp: Option<u32>,
@@ -62,8 +63,11 @@ impl Quality {
                     }
                 }
                 "caustics" if value == "auto" => tactics.caustics = None,
-                "effort" if value == "auto" => tactics.effort = None,
-                "effort" if value == "even" => tactics.effort = Some(Effort::default()),
+                "effort" if value == "auto" => (tactics.effort, tactics.by_vertex) = (None, false),
+                "effort" if value == "even" => {
+                    (tactics.effort, tactics.by_vertex) = (Some(Effort::default()), false);
+                }
+                "effort" if value == "vertex" => (tactics.effort, tactics.by_vertex) = (None, true),
                 "caustics" => tactics.caustics = Some(value.parse().map_err(|_| fault())?),
                 _ => return Err(fault()),
             }

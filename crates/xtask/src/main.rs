@@ -42,7 +42,7 @@ struct Bench {
     /// Folder for results
     #[arg(long, default_value = "target/bench")]
     out: PathBuf,
-    /// Only these parts: structures, scaling, threads, loading, rays, builders, rivals
+    /// Only these parts: structures, scaling, threads, loading, rays, building, builders, rivals
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
     /// Largest mesh, in triangles
@@ -99,6 +99,9 @@ impl Bench {
         }
         if is_wanted("rays") {
             rays::measure(self, &mut report)?;
+        }
+        if is_wanted("building") {
+            rays::builds(self, &mut report)?;
         }
         if is_wanted("builders") {
             rays::builders(&mut report)?;

@@ -241,6 +241,12 @@ impl PixelSampler {
         }
     }
 
+    /// The numbers of one of several paths that go on from a scattering event.
+    #[inline]
+    pub fn branch(&self, event: u32, number: u32) -> Self {
+        Self { seed: combine32(combine32(self.seed, event), number ^ 0x5851_f42d), ..*self }
+    }
+
     /// A hash of everything this sample is for, to seed decisions that need more numbers than dimensions.
     #[inline]
     pub fn hash(&self, dimension: u32) -> u32 {

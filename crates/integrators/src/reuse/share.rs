@@ -94,9 +94,14 @@ pub(super) fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
         let roulette_below = survey.effort.roulette_below;
         let mut leg = match shared {
             Shared::No => finder.leg,
-            _ => Leg { beta: Spectrum::ONE, for_roulette: 1.0, roulette_below, ..finder.leg },
+            _ => {
+                // By vertex, what is found for all counts for all, who err by that much less.
+                let weight = live_max(finder.leg.beta, &lambda) * finder.leg.for_roulette / (group.len() as f32).sqrt();
+                let for_roulette = if survey.local.is_some() { weight } else { 1.0 };
+                Leg { beta: Spectrum::ONE, for_roulette, roulette_below, ..finder.leg }
+            }
         };
-        if shared == Shared::No && !leg.survives(depth, &joint, &lambda) {
+        if shared == Shared::No && !leg.goes_on(survey, depth, &joint, &lambda) {
             continue;
         }
         let mut light = Spectrum::ZERO;
@@ -183,7 +188,7 @@ fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
     }
     let depth = suffix.depth();
     let before = live_max(leg.beta, &lambda);
-    if !(before > 0.0 && leg.survives(depth, &joint, &lambda)) {
+    if !(before > 0.0 && leg.goes_on(survey, depth, &joint, &lambda)) {
         return sums;
     }
     let is_own = draw.sample.lobe.is_specular();
@@ -218,7 +223,7 @@ fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
 
 /// Radiance found along a path that may have lost its secondary wavelengths, as an estimate for all of them.
 #[inline]
-fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMode) -> Spectrum {
+pub(crate) fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMode) -> Spectrum {
     if mode == ColorMode::Rgb || lambda.pdf == of.pdf {
         return light;
     }

@@ -13,7 +13,7 @@ use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node};
 
 /// The means of the quadrants of pictures with many seeds.
-fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
+pub fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
     let (w, h) = (scene.film.width as usize, scene.film.height as usize);
     let (mut sum, mut squares) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
     for seed in 0..seeds {
@@ -188,7 +188,7 @@ fn black_members_have_no_claim() {
 }
 
 /// A lamp over a glass ball and a mirror ball, seen from the side.
-fn lenses() -> Stage {
+pub fn lenses() -> Stage {
     let mut stage = Stage::new();
     let wall = stage.add(material("diffuse").with("reflectance", rgb([0.8, 0.6, 0.4])));
     let room = stage.place_mesh(cuboid([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]));

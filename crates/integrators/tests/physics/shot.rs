@@ -23,6 +23,8 @@ pub struct Shot {
     pub caustics: Option<bool>,
     /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of several paths.
     pub effort: Option<Effort>,
+    /// Roulette and splitting by vertex.
+    pub by_vertex: bool,
     pub adaptive: bool,
     pub error: Option<f64>,
 }
@@ -42,6 +44,7 @@ impl Shot {
             reuse: 1,
             caustics: Some(false),
             effort: Some(Effort::default()),
+            by_vertex: false,
             adaptive: false,
             error: None,
         }
@@ -70,7 +73,8 @@ impl Shot {
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let tactics = Tactics { reuse: self.reuse, caustics: self.caustics, effort: self.effort };
+        let tactics =
+            Tactics { reuse: self.reuse, caustics: self.caustics, effort: self.effort, by_vertex: self.by_vertex };
         let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);

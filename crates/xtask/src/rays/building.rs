@@ -14,7 +14,7 @@ use std::{
     error::Error,
     time::{Duration, Instant},
 };
-use steradian_accel::{Accel, Builder, TopLevel};
+use steradian_accel::{Accel, Builder};
 
 /// How often each builds in its turn.
 const ROUNDS: usize = 7;
@@ -64,7 +64,7 @@ fn counted([cpu, clock]: [f64; 2], threads: usize) -> f64 {
 }
 
 /// A row: both build in turns on one thread and on two.
-pub fn measure(case: &Case, top: &TopLevel, embree: Option<&Embree>) -> Result<Vec<Value>, Box<dyn Error>> {
+pub fn measure(case: &Case, embree: Option<&Embree>) -> Result<Vec<Value>, Box<dyn Error>> {
     let mut medians = Vec::new();
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
@@ -97,7 +97,7 @@ pub fn measure(case: &Case, top: &TopLevel, embree: Option<&Embree>) -> Result<V
     };
     let mut row = vec![json!(case.name), json!(triangles)];
     row.append(&mut medians);
-    row.extend([top.bytes() as f64, bytes].map(|bytes| number(bytes / triangles as f64)));
+    row.extend([case.build()?.bytes() as f64, bytes].map(|bytes| number(bytes / triangles as f64)));
     Ok(row)
 }
 

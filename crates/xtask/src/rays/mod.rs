@@ -77,7 +77,7 @@ impl Best {
     }
 }
 
-/// Measures everything that is wanted.
+/// Measures the rays that are wanted.
 pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let embree = bench.embree.as_deref().map(Embree::load).transpose()?;
     let columns = [
@@ -95,16 +95,12 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
     ];
     let mut tables =
         ["Rays against Embree", "Rays against Embree's watertight tests"].map(|title| Table::new(title, &columns));
-    let mut builds = building::table();
     let mut differ = Vec::new();
     for case in case::all(&bench.mesh)? {
         if !case.may_be(&bench.rays) {
             continue;
         }
         let top = case.build()?;
-        if bench.rays.is_empty() {
-            builds.row(building::measure(&case, &top, embree.as_ref())?);
-        }
         let scenes: Option<Scenes> = match &embree {
             Some(embree) => Some([
                 ("fast", embree.build(&case.mesh, &case.places, false, 1)?),
@@ -150,7 +146,17 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
         ));
         report.add(table);
     }
-    report.add(builds);
+    Ok(())
+}
+
+/// Measures building, and what is built.
+pub fn builds(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    let embree = bench.embree.as_deref().map(Embree::load).transpose()?;
+    let mut table = building::table();
+    for case in case::all(&bench.mesh)? {
+        table.row(building::measure(&case, embree.as_ref())?);
+    }
+    report.add(table);
     Ok(())
 }
 
