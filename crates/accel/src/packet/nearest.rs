@@ -14,7 +14,6 @@ use crate::simd::{LANES, Lanes, Simd, key_lane};
 use crate::traverse::{Extra, Nearest, Start, Users, Way};
 use crate::triangle::Crossing;
 use crate::{UserHit, simd};
-use steradian_math::Ray;
 
 /// Slopes of a beam differ by less than this. Measured.
 const NARROW: f32 = 0.4;
@@ -31,8 +30,11 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     found: &mut Found,
 ) {
     for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, tree.only_triangles), users, found).alone) {
-        let way = |ray: &Ray| Way::new(ray, &tree.bounds);
-        single(isa, tree, packet, (lane, way), tree.root, users, found);
+        let ray = packet.ray(lane, packet.t_max.0[lane]);
+        let start = Start { child: tree.root, t: found.t.0[lane], best: None };
+        if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, &Way::new(&ray, &tree.bounds), start) {
+            found.set(lane, nearest);
+        }
     }
 }
 
@@ -72,24 +74,6 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
         (_, left.poor) = bundle.run(group, found);
     }
     left
-}
-
-/// Goes on with one ray of a packet below a child.
-#[inline(always)]
-fn single<U: Users>(
-    isa: SupportedIsa,
-    tree: &Tree,
-    packet: &Packet,
-    (lane, way): (usize, impl FnOnce(&Ray) -> Way),
-    child: ChildRef,
-    users: &U,
-    found: &mut Found,
-) {
-    let ray = packet.ray(lane, packet.t_max.0[lane]);
-    let start = Start { child, t: found.t.0[lane], best: found.get(lane) };
-    if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, &way(&ray), start) {
-        found.set(lane, nearest);
-    }
 }
 
 /// The query of a beam.

@@ -81,3 +81,17 @@ impl<L: Lanes> Lanes for Twice<L> {
         from_fn(|column| [first[column], second[column]])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::portable::Portable;
+
+    #[test]
+    fn lanes_of_one_half_are_found() {
+        let twice = Twice(Portable);
+        let halves = [0x0001, 0x00ff, 0x0100, 0xff00, 0x0180, 0xffff].map(|lanes| twice.half_of(lanes));
+        assert_eq!(halves, [Some(0), Some(0), Some(8), Some(8), None, None]);
+        assert_eq!(Portable.half_of(0x0f), None, "one register has no halves");
+    }
+}

@@ -163,7 +163,8 @@ impl Local {
 
     /// How many paths go on from a vertex where a weighed leg arrived, which then carries the part of each.
     pub fn branches(&self, v: &Vertex<'_>, leg: &mut Leg, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
-        let weight = live_max(leg.beta, lambda) * leg.for_roulette * self.unit;
+        // Finite, so that times zero it is zero.
+        let weight = (live_max(leg.beta, lambda) * leg.for_roulette * self.unit).min(f32::MAX);
         let mut q = self.cell(v).map_or(1.0, |cell| cell.factor(weight, self.most));
         if leg.events >= SPLITS {
             q = q.min(1.0);
