@@ -26,31 +26,7 @@ pub type Path = PathTracer<false>;
 pub type VolPath = PathTracer<true>;
 
 impl<const MEDIA: bool> PathTracer<MEDIA> {
-    /// Adds light that lights send to a vertex to `sum`, and scatters; whether the path goes on. What is not finite is handed to the film, which counts it.
-    #[inline]
-    #[allow(clippy::too_many_arguments)]
-    fn turn(
-        &self,
-        scene: &Scene,
-        survey: &Survey,
-        vertex: &Vertex<'_>,
-        leg: &mut Leg,
-        sum: &mut Spectrum,
-        sampler: &PixelSampler,
-        lambda: &Wavelengths,
-        counters: &mut Counters,
-    ) -> bool {
-        *sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
-        let Some(draw) = vertex.sample(leg, sampler, survey) else { return false };
-        leg.turn::<MEDIA>(scene, vertex, &draw);
-        if !leg.beta.is_finite() {
-            *sum = leg.beta;
-            return false;
-        }
-        leg.goes_on(survey, &self.depth, sampler, lambda)
-    }
-
-    /// Adds to `sum` what a leg that arrived at a vertex brings from there.
+    /// What a leg that arrived at a vertex brings from there; of a `branch` it is decided that it goes on.
     #[inline]
     #[allow(clippy::too_many_arguments)]
     fn follow<'s>(
@@ -59,25 +35,35 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         survey: &Survey,
         vertex: &Vertex<'s>,
         mut leg: Leg,
-        mut sum: Spectrum,
+        mut is_branch: bool,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
         let mut vertex = vertex;
         let mut next = Arrival::End;
+        let mut sum = Spectrum::ZERO;
         loop {
-            let branches = leg.branches(vertex, survey, sampler, lambda);
+            let branches = if is_branch { 1 } else { leg.branches(vertex, survey, sampler, lambda) };
+            is_branch = false;
             if branches != 1 {
                 for k in 0..branches {
-                    let mut left = *lambda;
-                    let sampler = sampler.branch(leg.events, k);
-                    let branch = self.branch(scene, survey, vertex, leg, &sampler, &mut left, counters);
+                    let (mut left, sampler) = (*lambda, sampler.branch(leg.events, k));
+                    let branch = self.follow(scene, survey, vertex, leg, true, &sampler, &mut left, counters);
                     sum += whole(branch, &left, lambda, scene.mode);
                 }
                 return sum;
             }
-            if !self.turn(scene, survey, vertex, &mut leg, &mut sum, sampler, lambda, counters) {
+            // Light that arrives straight from a light.
+            sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
+            // Scatter.
+            let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
+            leg.turn::<MEDIA>(scene, vertex, &s);
+            if !leg.beta.is_finite() {
+                // Handed to the film, which counts it.
+                return leg.beta;
+            }
+            if !leg.goes_on(survey, &self.depth, sampler, lambda) {
                 return sum;
             }
             // Follow the ray to the next vertex; collect what shines there.
@@ -91,31 +77,6 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
                 }
             }
         }
-    }
-
-    /// What one of several paths brings from a vertex.
-    #[allow(clippy::too_many_arguments)]
-    fn branch<'s>(
-        &self,
-        scene: &'s Scene,
-        survey: &Survey,
-        vertex: &Vertex<'s>,
-        mut leg: Leg,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        let (mut sum, mut next) = (Spectrum::ZERO, Arrival::End);
-        if !self.turn(scene, survey, vertex, &mut leg, &mut sum, sampler, lambda, counters) {
-            return sum;
-        }
-        arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
-        match &next {
-            Arrival::Vertex(v) => return self.follow(scene, survey, v, leg, sum, sampler, lambda, counters),
-            Arrival::Escaped => escape(scene, &leg, &mut sum, &self.depth, lambda),
-            Arrival::End => {}
-        }
-        sum
     }
 }
 
@@ -139,7 +100,7 @@ impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.follow(scene, survey, vertex, leg, Spectrum::ZERO, sampler, lambda, counters)
+        self.follow(scene, survey, vertex, leg, false, sampler, lambda, counters)
     }
 }
 
