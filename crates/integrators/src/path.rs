@@ -47,12 +47,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
             let branches = if is_branch { 1 } else { leg.branches(vertex, survey, sampler, lambda) };
             is_branch = false;
             if branches != 1 {
-                for k in 0..branches {
-                    let (mut left, sampler) = (*lambda, sampler.branch(leg.events, k));
-                    let branch = self.follow(scene, survey, vertex, leg, true, &sampler, &mut left, counters);
-                    sum += whole(branch, &left, lambda, scene.mode);
-                }
-                return sum;
+                return self.split(scene, survey, vertex, leg, branches, sum, sampler, lambda, counters);
             }
             // Light that arrives straight from a light.
             sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
@@ -77,6 +72,30 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
                 }
             }
         }
+    }
+
+    /// Adds what several paths bring from a vertex to `sum`. Out of the way of paths that do not split.
+    #[cold]
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    fn split<'s>(
+        &self,
+        scene: &'s Scene,
+        survey: &Survey,
+        vertex: &Vertex<'s>,
+        leg: Leg,
+        branches: u32,
+        mut sum: Spectrum,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        for k in 0..branches {
+            let (mut left, sampler) = (*lambda, sampler.branch(leg.events, k));
+            let branch = self.follow(scene, survey, vertex, leg, true, &sampler, &mut left, counters);
+            sum += whole(branch, &left, lambda, scene.mode);
+        }
+        sum
     }
 }
 
