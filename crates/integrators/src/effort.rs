@@ -101,21 +101,20 @@ impl Found {
 
 /// What pays.
 pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Effort {
-    let film = &scene.film;
     if suffix.reuse() < 2 || !scene.lights.can_sample() {
         return Effort::default();
     }
     let surveys = TRIED.map(|effort| Survey { effort, ..survey.clone() });
-    let tiles = [film.width.div_ceil(TILE), film.height.div_ceil(TILE)];
-    let found: Vec<Found> = (0..GROUPS)
-        .into_par_iter()
-        .map(|k| {
-            let place = sobol::shuffled_scrambled_sobol_2d(k, 1);
-            let corner = [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as u32 * TILE);
-            of_group(suffix, scene, &surveys, corner, k)
-        })
-        .collect();
+    let found: Vec<Found> =
+        (0..GROUPS).into_par_iter().map(|k| of_group(suffix, scene, &surveys, tile(scene, k, 1), k)).collect();
     found.into_iter().fold(Found::default(), Found::plus).best()
+}
+
+/// The corner of the `k`th of some tiles, spread over the picture.
+fn tile(scene: &Scene, k: u32, seed: u32) -> [u32; 2] {
+    let place = sobol::shuffled_scrambled_sobol_2d(k, seed);
+    let tiles = [scene.film.width, scene.film.height].map(|size| size.div_ceil(TILE));
+    [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as u32 * TILE)
 }
 
 /// Of a group of a tile.
@@ -170,14 +169,10 @@ pub(crate) struct Cost {
 
 /// Of a picture's samples, by groups of pixels here and there.
 pub(crate) fn cost<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Cost {
-    let film = &scene.film;
-    let tiles = [film.width.div_ceil(TILE), film.height.div_ceil(TILE)];
     let found: Vec<[f64; 3]> = (0..COSTED)
         .into_par_iter()
         .map(|k| {
-            let place = sobol::shuffled_scrambled_sobol_2d(k, 5);
-            let corner = [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as u32 * TILE);
-            let partition = Partition::new(corner, suffix.reuse(), 0);
+            let partition = Partition::new(tile(scene, k, 5), suffix.reuse(), 0);
             // As many pixels whatever the size of a group.
             let groups = MAX_GROUP as u32 / suffix.reuse();
             let (mut level, mut variance, mut rays, mut count) = (0.0, 0.0, 0.0, 0.0);

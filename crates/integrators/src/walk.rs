@@ -154,20 +154,6 @@ impl Leg {
         if survey.local.is_some() { live_max(self.beta, lambda) > 0.0 } else { self.survives(depth, sampler, lambda) }
     }
 
-    /// Weighs it at its first vertex, where effort is spent by vertex.
-    #[inline]
-    pub fn weigh(&mut self, v: &Vertex<'_>, survey: &Survey, lambda: &Wavelengths) {
-        if let Some(local) = &survey.local {
-            local.weigh(v, self, lambda);
-        }
-    }
-
-    /// How many paths go on where it arrived, of which each carries what it does then.
-    #[inline]
-    pub fn branches(&mut self, v: &Vertex<'_>, survey: &Survey, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
-        survey.local.as_ref().map_or(1, |local| local.branches(v, self, sampler, lambda))
-    }
-
     /// On from a vertex in the direction that was drawn there.
     #[inline]
     pub fn turn<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, Draw { sample: s, ratio }: &Draw) {

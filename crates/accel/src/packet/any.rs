@@ -6,12 +6,11 @@ use super::bundle::{AnyHit, Bundle, Left};
 use super::interval::{Interval, range};
 use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
-use super::{Packet, Set, beam};
-use crate::UserHit;
+use super::{Packet, Set, accepted, beam};
 use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, any_hit_from};
 use crate::layout::{Block, ChildRef};
-use crate::simd::{LANES, Lanes, Simd, Wide, key_lane};
+use crate::simd::{LANES, Lanes, Simd, key_lane};
 use crate::traverse::{Users, Way};
 use crate::triangle::Crossing;
 
@@ -187,8 +186,13 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                     if some_end {
                         crossing.t = boxes.at_least(k, &sight, slot, &crossing);
                     }
-                    crossing.lanes &= open & k.bits(k.lt(crossing.t, t_max));
-                    open &= !self.accepted(k, block.ids[slot], &crossing, first);
+                    let Crossing { lanes, t, v, w, sum, .. } = crossing;
+                    let mut hits = lanes & open & k.bits(k.lt(t, t_max));
+                    let index = block.ids[slot] & !Block::FILTERED;
+                    if block.ids[slot] != index {
+                        hits = accepted(k, self.packet, self.users, index, [t, v, w, sum], (first, hits));
+                    }
+                    open &= !hits;
                     if open == 0 {
                         break;
                     }
@@ -196,27 +200,6 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
             }
         }
         active & !open
-    }
-
-    /// The rays whose hit on a triangle counts.
-    #[inline(always)]
-    fn accepted<K: Lanes>(&self, k: K, id: u32, crossing: &Crossing<K>, first: usize) -> u32 {
-        let index = id & !Block::FILTERED;
-        if id == index {
-            return crossing.lanes;
-        }
-        let mut rows = [Wide::splat(0.0); 4];
-        k.write(crossing.t, &mut rows[0]);
-        k.write(crossing.v, &mut rows[1]);
-        k.write(crossing.w, &mut rows[2]);
-        k.write(crossing.sum, &mut rows[3]);
-        let mut accepted = 0;
-        for lane in Set(crossing.lanes) {
-            let [t, v, w, sum] = [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane], rows[3].0[lane]];
-            let ray = self.packet.ray(first + lane, self.packet.t_max.0[first + lane]);
-            accepted |= u32::from(self.users.accept(index, UserHit { t, u: v / sum, v: w / sum }, &ray)) << lane;
-        }
-        accepted
     }
 
     /// The active rays that hit what is at a user reference.

@@ -156,7 +156,7 @@ fn chosen<L: Lanes>(l: L, [first, second]: [L::M; 2], [a, b, c]: [L::F; 3]) -> L
     l.select(first, a, l.select(second, b, c))
 }
 
-/// What the rays of a packet need when they go on alone.
+/// What the rays of a packet need when they go on alone, or those of one register without the others.
 pub(super) struct Apart {
     inverse: [Wide; 3],
     offset: [[Wide; 3]; 2],

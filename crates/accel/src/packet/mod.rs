@@ -26,7 +26,7 @@ pub(crate) use nearest::nearest_packet;
 
 use crate::UserHit;
 use crate::simd::{COLUMNS, Lanes, WIDE, Wide};
-use crate::traverse::{Extra, Nearest};
+use crate::traverse::{Extra, Nearest, Users};
 use glam::Mat4;
 use std::mem::offset_of;
 use steradian_math::{Ray, Vec3};
@@ -180,6 +180,29 @@ impl Found {
         l.write_from(l.select(mask, extra, l.read_from(&self.extra, first)), &mut self.extra, first);
         self.hits |= lanes << first;
     }
+}
+
+/// The rays, from one on, whose hits on a filtered triangle the caller accepts: distances, parameters times their sums, and these are given.
+#[inline(always)]
+fn accepted<L: Lanes, U: Users>(
+    l: L,
+    packet: &Packet,
+    users: &U,
+    index: u32,
+    hits: [L::F; 4],
+    (first, lanes): (usize, u32),
+) -> u32 {
+    let mut rows = [Wide::splat(0.0); 4];
+    for (row, hits) in rows.iter_mut().zip(hits) {
+        l.write(hits, row);
+    }
+    let mut accepted = 0;
+    for lane in Set(lanes) {
+        let [t, v, w, sum] = [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane], rows[3].0[lane]];
+        let ray = packet.ray(first + lane, packet.t_max.0[first + lane]);
+        accepted |= u32::from(users.accept(index, UserHit { t, u: v / sum, v: w / sum }, &ray)) << lane;
+    }
+    accepted
 }
 
 /// The lanes of a set, from the lowest.

@@ -6,14 +6,13 @@ use super::bundle::{Bundle, Left};
 use super::interval::Interval;
 use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
-use super::{Found, Packet, Set, beam};
+use super::{Found, Packet, Set, accepted, beam};
 use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, nearest_hit_from};
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Lanes, Simd, key_lane};
 use crate::traverse::{Extra, Nearest, Start, Users, Way};
 use crate::triangle::Crossing;
-use crate::{UserHit, simd};
 
 /// Slopes of a beam differ by less than this. Measured.
 const NARROW: f32 = 0.4;
@@ -198,29 +197,12 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
             }
         }
         if id != index {
-            closer = self.accepted(k, index, [t, v, w, sum], (first, closer));
+            closer = accepted(k, self.packet, self.users, index, [t, v, w, sum], (first, closer));
         }
         if closer != 0 {
             let extra = f32::from_bits(self.users.triangle().bits());
             found.merge(k, (first, closer), [t, v, w, sum], index, k.splat(extra));
         }
-    }
-
-    /// The rays whose hit on a filtered triangle counts.
-    #[inline(always)]
-    fn accepted<K: Lanes>(&self, k: K, index: u32, new: [K::F; 4], (first, closer): (usize, u32)) -> u32 {
-        let mut rows = [simd::Wide::splat(0.0); 4];
-        for (row, new) in rows.iter_mut().zip(new) {
-            k.write(new, row);
-        }
-        let mut accepted = 0;
-        for lane in Set(closer) {
-            let [t, v, w, sum] = [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane], rows[3].0[lane]];
-            let ray = self.packet.ray(first + lane, self.packet.t_max.0[first + lane]);
-            let hit = UserHit { t, u: v / sum, v: w / sum };
-            accepted |= u32::from(self.users.accept(index, hit, &ray)) << lane;
-        }
-        accepted
     }
 }
 

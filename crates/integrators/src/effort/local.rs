@@ -156,13 +156,13 @@ impl Local {
     }
 
     /// Weighs a leg from the camera at its first vertex, by the brightness of the pixel that this lets expect.
-    pub fn weigh(&self, v: &Vertex<'_>, leg: &mut Leg, lambda: &Wavelengths) {
+    fn weigh(&self, v: &Vertex<'_>, leg: &mut Leg, lambda: &Wavelengths) {
         let mean = self.cell(v).map_or(0.0, |cell| cell.mean) * live_max(leg.beta, lambda);
         leg.for_roulette /= (mean * mean + FLOOR as f32).sqrt();
     }
 
     /// How many paths go on from a vertex where a weighed leg arrived, which then carries the part of each.
-    pub fn branches(&self, v: &Vertex<'_>, leg: &mut Leg, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
+    fn branches(&self, v: &Vertex<'_>, leg: &mut Leg, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
         // Finite, so that times zero it is zero.
         let weight = (live_max(leg.beta, lambda) * leg.for_roulette * self.unit).min(f32::MAX);
         let mut q = self.cell(v).map_or(1.0, |cell| cell.factor(weight, self.most));
@@ -180,6 +180,22 @@ impl Local {
         };
         leg.beta *= 1.0 / q;
         count
+    }
+}
+
+impl Leg {
+    /// Weighs it at its first vertex, where effort is spent by vertex.
+    #[inline]
+    pub fn weigh(&mut self, v: &Vertex<'_>, survey: &Survey, lambda: &Wavelengths) {
+        if let Some(local) = &survey.local {
+            local.weigh(v, self, lambda);
+        }
+    }
+
+    /// How many paths go on where it arrived, of which each carries what it does then.
+    #[inline]
+    pub fn branches(&mut self, v: &Vertex<'_>, survey: &Survey, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
+        survey.local.as_ref().map_or(1, |local| local.branches(v, self, sampler, lambda))
     }
 }
 
