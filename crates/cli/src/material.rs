@@ -98,13 +98,6 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     if let Some(path) = &args.table {
         write(path, goniometer::table(&specimen, [5.0, 10.0], &[0.0]))?;
     }
-    if let Some(path) = &args.picture {
-        let quality = Quality { spp: Some(args.spp), ..Quality::default() };
-        let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
-        let written = steradian::image::write(path, &picture, &args.files.write_options().map_err(Failure::bad_input)?);
-        written.map_err(|e| Failure::failed(e.to_string()))?;
-        terminal.say(&format!("wrote {}", path.display()));
-    }
     let report = Report {
         schema: 1,
         material: args.material.clone(),
@@ -118,7 +111,16 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         eval: pairs.map(|p| evaluate(&specimen, &p, args.importance)),
         relief: None,
     };
-    tell(&report, args.json)
+    tell(&report, args.json)?;
+    // Last, so that a picture that cannot be made or written takes no reading along.
+    if let Some(path) = &args.picture {
+        let quality = Quality { spp: Some(args.spp), ..Quality::default() };
+        let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
+        let written = steradian::image::write(path, &picture, &args.files.write_options().map_err(Failure::bad_input)?);
+        written.map_err(|e| Failure::failed(e.to_string()))?;
+        terminal.say(&format!("wrote {}", path.display()));
+    }
+    Ok(failure::DONE)
 }
 
 fn tell(report: &Report, json: bool) -> Outcome {

@@ -4,12 +4,14 @@
 //! the number of steps they come in, so sums do not depend on threads, tiles or steps. What depends on the picture so far, namely how many samples a
 //! cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
 
+#[cfg(test)]
+mod sizes_tests;
 mod state;
 mod tile;
 
 use crate::{
     Counters, Integrator, IntegratorKind,
-    adaptive::{self, Need, Round},
+    adaptive::{self, CELL, Need, Round},
     features,
     partition::{CELLS, Partition, Place, TILE},
     reuse::{Room, Seat},
@@ -351,6 +353,9 @@ impl<'s> Session<'s> {
         let partition =
             Partition::new([area.x0 / TILE * TILE, area.y0 / TILE * TILE], integrator.reuse(), self.plan.sampler.seed);
         for cell in 0..tile.cells.len() {
+            if !meets(cell, &area) {
+                continue;
+            }
             let (done, target) = (tile.cells[cell].done, tile.cells[cell].target);
             let goal = self.round.share(target, self.next);
             // Rounds are independent of each other.
@@ -438,6 +443,13 @@ impl<'s> Session<'s> {
             }
         }
     }
+}
+
+/// Whether a cell of the tile that an area lies in has pixels of it. Others lie beyond the crop, or beyond the frame.
+fn meets(cell: usize, area: &Crop) -> bool {
+    let cell = cell as u32;
+    let [x, y] = [area.x0 / TILE * TILE + cell % CELLS * CELL, area.y0 / TILE * TILE + cell / CELLS * CELL];
+    x < area.x1 && x + CELL > area.x0 && y < area.y1 && y + CELL > area.y0
 }
 
 /// A thread that panicked leaves whole samples behind: the data is sound.

@@ -41,6 +41,13 @@ pub struct Splitting {
 }
 
 impl Splitting {
+    /// More paths here and there than elsewhere, whatever pays.
+    #[cfg(test)]
+    pub fn here_and_there(scene: &Scene, edge: u32) -> Self {
+        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
+        Self { paths: (0..columns * rows).map(|k| 1 << (k % 3)).collect(), columns, edge }
+    }
+
     /// Of the samples of a pixel.
     pub fn paths(&self, [x, y]: [u32; 2]) -> u32 {
         if self.paths.is_empty() {

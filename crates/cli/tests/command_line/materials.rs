@@ -17,6 +17,16 @@ fn a_material_is_measured() {
     assert!(place.path("lobe.svg").is_file() && place.path("ball.png").is_file());
 }
 
+/// Readings are told before the picture is made, so that nothing that goes wrong with it takes them along.
+#[test]
+fn readings_outlive_the_picture() {
+    let place = Place::new();
+    let asked = ["--plot", "lobe.svg", "--albedo", "--samples", "64", "--picture", "nowhere/ball.png", "--spp", "1"];
+    let run = place.run(&[&["material", "conductor"], &asked[..]].concat());
+    assert!(run.code == 1 && run.stderr.contains("nowhere"), "{}", run.stderr);
+    assert!(run.stdout.contains("albedo (red, green, blue)") && place.path("lobe.svg").is_file(), "{}", run.stdout);
+}
+
 /// What is measured can be measured again from its own table.
 #[test]
 fn a_table_is_a_material() {

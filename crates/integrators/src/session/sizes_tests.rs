@@ -1,0 +1,133 @@
+//! Frames of all sizes and crops at all offsets, by every integrator and every tactic of path tracers, splitting forced upon them.
+
+use super::*;
+use crate::{Depth, Effort, INTEGRATORS, Tactics, adaptive::CELL, splitting::Splitting};
+use steradian_core::{
+    ColorMode,
+    compile::{Options, compile},
+    sampler::SamplerKind,
+};
+use steradian_math::{DVec3, Transform};
+use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Shape, SpectrumValue, Value};
+
+/// A glass and a rough metal ball on a floor before a wall, under a small lamp and a dim sky; a light fog about one ball.
+fn scene(width: u32, height: u32) -> Scene {
+    let grey = |v: f64| Value::Spectrum(SpectrumValue::Rgb([v; 3], ColorSpace::Srgb));
+    let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
+    let film = Node::new(Family::Film, "rgb", None).with("width", i64::from(width)).with("height", i64::from(height));
+    desc.film = Some(desc.add(film));
+    let place = Transform::look_at(DVec3::new(0.0, 1.0, -4.0), DVec3::new(0.0, 0.7, 0.0), DVec3::Y).unwrap();
+    desc.cameras =
+        vec![desc.add(Node::new(Family::Camera, "perspective", None).with("fov", 50.0).with("to_world", place))];
+    let material = |kind: &str| Node::new(Family::Material, kind, None);
+    let shape = |kind: &str| Node::new(Family::Shape, kind, None);
+    let sphere = |c: [f64; 3], r: f64| shape("sphere").with("center", c).with("radius", r);
+    let plane = |n: [f64; 3], d: f64| shape("plane").with("normal", n).with("distance", -d);
+    let parts = [
+        (plane([0.0, 1.0, 0.0], 0.0), material("diffuse").with("reflectance", grey(0.6))),
+        (plane([0.0, 0.0, -1.0], -2.0), material("diffuse").with("reflectance", grey(0.4))),
+        (sphere([-0.6, 0.5, 0.0], 0.5), material("dielectric").with("eta", 1.5)),
+        (sphere([0.6, 0.5, 0.3], 0.5), material("conductor").with("alpha_u", 0.3).with("alpha_v", 0.3)),
+        (sphere([0.3, 2.2, -0.5], 0.1), material("diffuse").with("reflectance", grey(0.0))),
+    ];
+    let emission = desc.add(Node::new(Family::Light, "area", None).with("radiance", grey(60.0)));
+    for (node, made_of) in parts {
+        let (node, made_of) = (desc.add(node), desc.add(made_of));
+        desc.shapes.push(Shape { material: Some(made_of), ..Shape::new(node) });
+    }
+    desc.shapes.last_mut().unwrap().emission = Some(emission);
+    let sky = desc.add(Node::new(Family::Light, "environment", None).with("radiance", grey(0.1)));
+    desc.lights.push(sky);
+    compile(&desc, &Options { mode: Some(ColorMode::Rgb), spp: Some(1), ..Options::default() }).scene.unwrap()
+}
+
+/// Every tactic with every other.
+fn tactics() -> Vec<Tactics> {
+    let mut all = Vec::new();
+    for reuse in [1, 4, 16] {
+        for caustics in [Some(false), Some(true)] {
+            for (effort, by_vertex) in [(Some(Effort::default()), false), (None, false), (None, true)] {
+                all.push(Tactics { reuse, caustics, effort, by_vertex });
+            }
+        }
+    }
+    all
+}
+
+fn plan(name: &str, tactics: Tactics, spp: u32) -> Plan {
+    let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
+    let integrator = IntegratorKind::named(name, depth, tactics).unwrap();
+    let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
+    Plan { integrator, sampler, threads: 1, features: true, adaptive: false, error: None }
+}
+
+/// All samples of a plan, with more paths in squares of an edge than elsewhere.
+fn take(scene: &Scene, plan: Plan, edge: u32) -> Film {
+    let mut session = Session::new(scene, plan);
+    session.survey.splitting = Splitting::here_and_there(scene, edge);
+    session.step(u32::MAX, &Control::default());
+    assert!(session.is_done(), "{plan:?}");
+    session.film()
+}
+
+/// Sizes about those of cells and tiles, and some between; each with a partner that runs the other way.
+fn sizes() -> impl Iterator<Item = [u32; 2]> {
+    (1..=70).map(|k| [k, (k * 37) % 70 + 1])
+}
+
+#[test]
+fn frames_of_every_size_are_whole() {
+    let all = tactics();
+    for (k, [width, height]) in sizes().enumerate() {
+        let scene = scene(width, height);
+        // Every tactic is met by a twelfth of the sizes, among which all remainders by the tile are, in both directions.
+        let tactics = all[k * 5 % all.len()];
+        for (name, adaptive) in [("path", false), ("volpath", k % 2 == 0), ("path-recursive", k % 2 == 1)] {
+            let plan = Plan { adaptive, ..plan(name, tactics, if adaptive { 6 } else { 2 }) };
+            let film = take(&scene, plan, CELL << (k % 3));
+            assert!(film.pixels.len() == (width * height) as usize && film.pixels.iter().all(|p| p.samples > 0));
+        }
+    }
+}
+
+/// Also by what the trials would do, which long renders have.
+#[test]
+fn trials_look_at_frames_of_every_size() {
+    for [width, height] in [[1, 1], [1, 70], [70, 1], [17, 8], [24, 33], [33, 24], [7, 59], [50, 40]] {
+        let scene = scene(width, height);
+        for tactics in tactics().into_iter().filter(|t| t.effort.is_none()) {
+            let mut session = Session::new(&scene, plan("path", Tactics { caustics: None, ..tactics }, 1 << 21));
+            session.step(1, &Control::default());
+            assert!(session.film().pixels.iter().all(|p| p.samples == 1), "{width} x {height}");
+        }
+    }
+}
+
+/// What is seen of a crop is the part of the whole, bit for bit, wherever it begins.
+#[test]
+fn crops_at_odd_offsets_are_parts_of_the_whole() {
+    let (width, height) = (41, 39);
+    let scene = scene(width, height);
+    for (k, (name, _)) in INTEGRATORS.iter().enumerate() {
+        let of_path = tactics();
+        let few = if name.contains("path") { &of_path[..] } else { &of_path[..1] };
+        for (t, tactics) in few.iter().enumerate() {
+            let plan = plan(name, *tactics, 2);
+            let whole = take(&scene, plan, CELL);
+            let mut cropped = scene.clone();
+            for at in 0..3 {
+                let n = (7 * k + 5 * t + 11 * at) as u32;
+                let (x0, y0) = (n % width, n * 13 % height);
+                let (x1, y1) = ((x0 + 1 + n * 3 % 19).min(width), (y0 + 1 + n * 5 % 23).min(height));
+                cropped.film.crop = Crop { x0, y0, x1, y1 };
+                let part = take(&cropped, plan, CELL);
+                for (i, p) in (0..).zip(&part.pixels) {
+                    let [x, y] = [x0 + i % (x1 - x0), y0 + i / (x1 - x0)];
+                    let q = &whole.pixels[(y * width + x) as usize];
+                    let bits = |p: &Pixel| [p.sum, p.sum_squares].map(|v| v.map(f64::to_bits));
+                    assert_eq!(bits(p), bits(q), "{name} {tactics:?} of {:?}, pixel {x}, {y}", cropped.film.crop);
+                }
+            }
+        }
+    }
+}
