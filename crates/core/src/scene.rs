@@ -471,17 +471,20 @@ impl Scene {
             return None;
         }
         let front = i.surface.ns.dot(i.wo) > 0.0;
-        let s = material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
+        let mut s =
+            material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
+        let mut base = None;
         let (ns, tangent) = match s.detail {
             None => (i.surface.ns, i.surface.dpdu),
             Some(detail) => {
-                let base = self.base(i);
-                let ns = detail.shading_normal(&self.textures, at, &base, i.wo);
-                (ns, detail.tangent(&self.textures, at, &base))
+                let base = base.insert(self.base(i));
+                let ns = detail.shading_normal(&self.textures, at, base, i.wo);
+                (ns, detail.tangent(&self.textures, at, base))
             }
         };
         let z = if s.flipped { -ns } else { ns };
         let frame = if geometry.needs.tangent { Frame::from_zx(z, tangent) } else { Frame::from_z(z) };
+        s.cover = s.detail.zip(base).and_then(|(detail, base)| detail.cover(&base, &frame, s.flipped));
         Some((s, frame))
     }
 
@@ -489,7 +492,7 @@ impl Scene {
     fn base(&self, i: &Interaction) -> Base {
         let s = &i.surface;
         let Shape::Mesh(m) = &self.geometries[i.geometry as usize].shape else {
-            return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: s.ns.cross(s.dpdu), tangent: None };
+            return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: self.dpdv(i), tangent: None };
         };
         let place = (i.id.instance != WORLD).then(|| &self.placements[i.id.instance as usize].world_from_group);
         let vector = |v: Vec3| place.map_or(v, |a| a.vector(v));

@@ -204,7 +204,9 @@ fn environments() -> Vec<Case> {
         let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.7).affine().expect("a rotation");
         EnvironmentImage::new(texels, parametrization, turn)
     };
-    for parametrization in [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ] {
+    for parametrization in
+        [Parametrization::Octahedral, Parametrization::LatLongY { poles: true }, Parametrization::LatLongZ]
+    {
         for (seed, power) in [(1, 1), (2, 6)] {
             let name = format!("{parametrization:?}, power {power}");
             add(name, sky(Some(image(parametrization, seed, power)), None), Vec3::ZERO);
@@ -217,7 +219,7 @@ fn environments() -> Vec<Case> {
     }
     add(
         "image through a portal".into(),
-        sky(Some(image(Parametrization::LatLongY, 3, 3)), Some(portal)),
+        sky(Some(image(Parametrization::LatLongY { poles: true }, 3, 3)), Some(portal)),
         Vec3::new(0.2, 0.1, 0.3),
     );
     cases

@@ -5,6 +5,7 @@ use steradian_core::{
     Scene,
     bsdf::{Bsdf, TransportMode},
     light::{LightContext, LightSample},
+    material::Scattering,
     sampler::PixelSampler,
     scene::Interaction,
 };
@@ -36,8 +37,8 @@ pub fn sample_light(
 /// Light reflected from one light sample, without regard to visibility: `f |cos| L w / p`, with the weight `w` of multiple
 /// importance sampling against sampling by the surface.
 #[inline]
-pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, bsdf: &Bsdf) -> Spectrum {
-    let e = bsdf.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
+pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, scattering: &Scattering<'_>) -> Spectrum {
+    let e = scattering.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
     if e.value.is_black() {
         return Spectrum::ZERO;
     }

@@ -90,7 +90,7 @@ impl Stokes {
             if !bsdf.is_specular() && scene.lights.can_sample() {
                 let ctx = nee::context(&i, &frame, bsdf);
                 if let Some(s) = nee::sample_light(scene, &ctx, events, sampler, lambda) {
-                    let light = nee::unoccluded(&s, wo, &frame, bsdf);
+                    let light = nee::unoccluded(&s, wo, &frame, &scattering);
                     if !light.is_black() {
                         counters.rays += 1;
                         if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
@@ -102,7 +102,7 @@ impl Stokes {
             }
             let u = sampler.get_1d(dimension::at(events, dimension::LOBE));
             let u2 = sampler.get_2d(dimension::at(events, dimension::DIRECTION));
-            let Some(s) = bsdf.sample(wo, u, u2, TransportMode::Radiance) else { return sum };
+            let Some(s) = scattering.sample(wo, u, u2, TransportMode::Radiance) else { return sum };
             chain = chain * polarized::relative(bsdf, &frame, wo, s.wi).scaled(s.weight);
             let beta = chain.0[0][0];
             if !beta.is_finite() {

@@ -315,7 +315,7 @@ impl Vertex<'_> {
     pub fn eval_towards(&self, viewer: Vec3, w: Vec3) -> BsdfEval {
         match self {
             Self::Surface { scattering, frame, .. } => {
-                scattering.bsdf.eval(frame.to_local(viewer), frame.to_local(w), TransportMode::Radiance)
+                scattering.eval(frame.to_local(viewer), frame.to_local(w), TransportMode::Radiance)
             }
             Self::Medium { scattering, .. } => {
                 let phase = scattering.phase(viewer, w);
@@ -338,9 +338,7 @@ impl Vertex<'_> {
         }
         let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;
         let light = match self {
-            Self::Surface { i, scattering, frame, .. } => {
-                nee::unoccluded(&s, frame.to_local(i.wo), frame, &scattering.bsdf)
-            }
+            Self::Surface { i, scattering, frame, .. } => nee::unoccluded(&s, frame.to_local(i.wo), frame, scattering),
             Self::Medium { wo, scattering, .. } => {
                 let phase = scattering.phase(*wo, s.wi);
                 let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, phase) };
@@ -404,14 +402,14 @@ impl Vertex<'_> {
     pub fn sample(&self, leg: &Leg, sampler: &PixelSampler, survey: &Survey) -> Option<Draw> {
         let u2 = sampler.get_2d(dimension::at(leg.events, dimension::DIRECTION));
         match self {
-            Self::Surface { i, scattering: Scattering { bsdf, .. }, frame, .. } => {
-                let has_one_lobe = matches!(bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
+            Self::Surface { i, scattering, frame, .. } => {
+                let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
                 let is_asked = survey.caustics.is_some() || !has_one_lobe;
                 let u = sampler.get_1d_lazily(leg.dimension(dimension::LOBE), is_asked);
                 let wo = frame.to_local(i.wo);
                 match &survey.caustics {
-                    Some(c) => c.sample(i.surface.p, frame, wo, bsdf, u, u2),
-                    None => bsdf.sample(wo, u, u2, TransportMode::Radiance).map(Draw::by_surface),
+                    Some(c) => c.sample(i.surface.p, frame, wo, scattering, u, u2),
+                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(Draw::by_surface),
                 }
             }
             Self::Medium { wo, scattering, .. } => {

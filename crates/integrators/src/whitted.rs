@@ -4,9 +4,10 @@
 use crate::{Counters, Depth, Integrator, Survey, dimension, nee, walk::MAX_PASSES};
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, TransportMode},
+    bsdf::TransportMode,
     footprint::{Bounce, RayDifferential},
     light::{Light, LightContext},
+    material::Scattering,
     sampler::PixelSampler,
     scene::Interaction,
 };
@@ -43,18 +44,18 @@ impl Whitted {
         scene: &Scene,
         i: &Interaction,
         frame: &Frame,
-        bsdf: &Bsdf,
+        scattering: &Scattering<'_>,
         event: u32,
         sampler: &PixelSampler,
         lambda: &Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        if scene.lights.environments.is_empty() || bsdf.is_specular() {
+        if scene.lights.environments.is_empty() || scattering.bsdf.is_specular() {
             return Spectrum::ZERO;
         }
         let u = sampler.get_1d(dimension::at(event, dimension::LOBE));
         let u2 = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
-        match bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) {
+        match scattering.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance) {
             Some(s) if !s.lobe.is_specular() => {
                 let ray = i.spawn(frame.to_world(s.wi));
                 counters.rays += 1;
@@ -100,7 +101,7 @@ impl Whitted {
                 }
                 let u = sampler.get_2d(dimension::at(events, dimension::LIGHT_POINT) ^ (light + 1) << 8);
                 let Some(s) = scene.lights.sample(light, &ctx, u, lambda, &scene.textures) else { continue };
-                let e = bsdf.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
+                let e = scattering.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
                 if e.value.is_black() {
                     continue;
                 }
@@ -109,15 +110,16 @@ impl Whitted {
                     sum += e.value * s.radiance / s.pdf;
                 }
             }
-            sum += Self::sky(scene, &i, &frame, bsdf, events, sampler, lambda, counters);
+            sum += Self::sky(scene, &i, &frame, &scattering, events, sampler, lambda, counters);
             if events >= self.depth.max.min(DEEPEST) {
                 return sum;
             }
             // The lobe choice runs from reflection to transmission: its two ends give both.
             let center = Vec2::splat(0.5);
-            let first = bsdf.sample(wo, 0.0, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
-            let last =
-                bsdf.sample(wo, ONE_MINUS_EPSILON, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
+            let first = scattering.sample(wo, 0.0, center, TransportMode::Radiance).filter(|s| s.lobe.is_specular());
+            let last = scattering
+                .sample(wo, ONE_MINUS_EPSILON, center, TransportMode::Radiance)
+                .filter(|s| s.lobe.is_specular());
             let last = last.filter(|l| first.is_none_or(|f| f.lobe != l.lobe));
             let mut ways = [first, last].map(|s| s.map(|s| (s, s.weight * s.pdf)));
             if counters.rays > limit

@@ -182,8 +182,11 @@ impl Compiler<'_> {
         let image = if node.get("file").is_some() {
             let texels = (*self.image(node)?).clone();
             let octahedral = texels.width == texels.height;
-            let latlong =
-                if self.desc.format == Format::Pbrt { Parametrization::LatLongZ } else { Parametrization::LatLongY };
+            let poles = self.choice(node, "rows", false, &[("centers", false), ("poles", true)]);
+            let latlong = match self.desc.format {
+                Format::Pbrt => Parametrization::LatLongZ,
+                _ => Parametrization::LatLongY { poles },
+            };
             let auto = if octahedral { Parametrization::Octahedral } else { latlong };
             let parametrization = self.choice(
                 node,

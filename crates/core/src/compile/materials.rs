@@ -3,9 +3,9 @@
 use super::{Compiler, ResolvedMaterial};
 use crate::{
     bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
-    color::{Color, Role},
+    color::{Color, ColorMode, Role},
     material::{
-        Eta, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
+        Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
         normal_code::{NORMAL_CODES, NormalCode},
     },
     medium::{MEDIA, Medium},
@@ -71,7 +71,12 @@ impl Compiler<'_> {
 
     /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a normal map.
     fn surface_detail(&mut self, node: &Node) -> Option<SurfaceDetail> {
-        let mut detail = SurfaceDetail::default();
+        let facings = [("bent", Facing::Bent), ("turned", Facing::Turned), ("as_it_is", Facing::AsItIs)];
+        let mut detail = SurfaceDetail {
+            facing: self.choice(node, "detail_facing", Facing::Bent, &facings),
+            shadows: self.bool(node, "detail_shadowing", false),
+            ..SurfaceDetail::default()
+        };
         if let Some(id) = self.reference(node, "normal_map") {
             let texture = self.texture(id, Role::Unbounded);
             let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
@@ -372,6 +377,11 @@ impl Compiler<'_> {
         if node.get("eta").is_none() && node.get("k").is_none() {
             return Model::Mirror(tint, roughness);
         }
+        let exceeds = |name: &str| matches!(node.get(name), Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) if v.iter().any(|v| *v > 1.0));
+        if self.mode == ColorMode::Spectral && self.desc.format == Format::Mitsuba && (exceeds("eta") || exceeds("k")) {
+            let what = "RGB values of 'eta' and 'k' above one are spectra as they stand; Mitsuba's spectral mode holds them at one";
+            self.diagnostics.note(&self.desc.sources, node.span, what);
+        }
         Model::Conductor {
             eta: self.spectrum(node, "eta", Role::Unbounded, ONE),
             k: self.spectrum(node, "k", Role::Unbounded, SpectrumValue::Constant(0.0)),
@@ -400,7 +410,7 @@ impl Compiler<'_> {
             self.error(span, format!("an index of refraction of {sodium} is not possible"));
             return Eta::Constant(default as f32);
         }
-        if self.mode == crate::color::ColorMode::Spectral {
+        if self.mode == ColorMode::Spectral {
             let color = self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
             if let Color::Spectral(_) = color {
                 return Eta::Dispersive(color);

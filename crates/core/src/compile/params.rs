@@ -205,7 +205,15 @@ impl Compiler<'_> {
                 Color::BLACK
             }
             SpectrumValue::Named(word) => match spectra::named(word) {
-                Some(curve) => Color::curve(&Spd::Curve(Arc::new(curve)), role, self.mode),
+                Some(curve) => {
+                    // In RGB mode Mitsuba takes the colours of its metals' constants as if these were emitted.
+                    let is_metal = self.desc.format == Format::Mitsuba && word.starts_with("metal-");
+                    Color::curve(
+                        &Spd::Curve(Arc::new(curve)),
+                        if is_metal { Role::Illuminant } else { role },
+                        self.mode,
+                    )
+                }
                 None => {
                     self.error_help(
                         span,

@@ -2,11 +2,11 @@
 
 use super::Compiler;
 use crate::{
-    color::Role,
+    color::{Color, ColorMode, Role},
     material::{Model, PrincipledMaterial},
-    texture::FloatTexture,
+    texture::{FloatTexture, SpectrumTexture},
 };
-use steradian_scene::{Node, SpectrumValue};
+use steradian_scene::{Format, Node, SpectrumValue, Value};
 
 impl Compiler<'_> {
     pub(super) fn principled(&mut self, node: &Node, is_thin: bool) -> Model {
@@ -18,6 +18,15 @@ impl Compiler<'_> {
                 FloatTexture::Constant(0.0)
             }
         };
+        let is_tinted = |name: &str| node.get(name).is_some_and(|v| !matches!(v, Value::Float(0.0)));
+        if self.mode == ColorMode::Spectral
+            && self.desc.format == Format::Mitsuba
+            && (is_tinted("spec_tint") || (is_tinted("sheen") && is_tinted("sheen_tint")))
+        {
+            let what = "tints are relative to the luminance of 'base_color'; in its spectral mode Mitsuba takes what the four wavelengths \
+                        of a sample happen to have";
+            self.diagnostics.note(&self.desc.sources, node.span, what);
+        }
         let roughness = weight(self, "roughness", 0.5);
         let [anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss] = [
             "anisotropic",
@@ -31,8 +40,17 @@ impl Compiler<'_> {
             "clearcoat_gloss",
         ]
         .map(|name| weight(self, name, 0.0));
+        let base_color = self.spectrum(node, "base_color", Role::Albedo, half);
+        let luminance = match &base_color {
+            SpectrumTexture::Constant(Color::Spectral(curve)) => {
+                Some(Color::curve(curve, Role::Albedo, ColorMode::Rgb).luminance(ColorMode::Rgb))
+            }
+            SpectrumTexture::Constant(lanes) => Some(lanes.luminance(self.mode)),
+            SpectrumTexture::Texture(..) => None,
+        };
         Model::Principled(Box::new(PrincipledMaterial {
-            base_color: self.spectrum(node, "base_color", Role::Albedo, half),
+            base_color,
+            luminance,
             eta: self.principled_eta(node, is_thin),
             thin: is_thin.then(|| self.float_texture(node, "diff_trans", 0.0)),
             roughness,

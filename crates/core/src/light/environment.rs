@@ -18,7 +18,11 @@ pub enum Parametrization {
     /// Equal-area octahedral (Clarberg 2008), local +z up: pbrt-v4.
     Octahedral,
     /// Longitude and latitude, local +y up, the middle column at +z … as Mitsuba has it: `u = atan2(x, −z)/2π`, `v = acos(y)/π`.
-    LatLongY,
+    LatLongY {
+        /// Whether the first and last row stand at the poles, row `i` of `h` at `v = i/(h − 1)` (Mitsuba 3), rather than at the middle of `h`
+        /// strips.
+        poles: bool,
+    },
     /// Longitude and latitude, local +z up: `u = φ/2π`, `v = θ/π`.
     LatLongZ,
 }
@@ -105,7 +109,7 @@ impl EnvironmentImage {
         match self.parametrization {
             Parametrization::Octahedral => warp::equal_area_sphere_to_square(d),
             Parametrization::LatLongZ => warp::latlong_from_direction(d),
-            Parametrization::LatLongY => {
+            Parametrization::LatLongY { .. } => {
                 let u = d.x.atan2(-d.z) * (0.5 * std::f32::consts::FRAC_1_PI);
                 Vec2::new(u - u.floor(), d.y.clamp(-1.0, 1.0).acos() * std::f32::consts::FRAC_1_PI)
             }
@@ -122,7 +126,7 @@ impl EnvironmentImage {
                 let (d, sin) = warp::direction_from_latlong(uv);
                 (d, 1.0 / (2.0 * PI * PI * sin))
             }
-            Parametrization::LatLongY => {
+            Parametrization::LatLongY { .. } => {
                 let (sin, cos) = (uv.y * PI).sin_cos();
                 let phi = uv.x * 2.0 * PI;
                 (Vec3::new(phi.sin() * sin, cos, -phi.cos() * sin), 1.0 / (2.0 * PI * PI * sin))
@@ -131,9 +135,10 @@ impl EnvironmentImage {
         (self.world_from_light.vector(d).normalize_or(Vec3::Z), density)
     }
 
-    /// Interpolated linear RGB.
+    /// Interpolated linear RGB. Spectral variants of Mitsuba 3 (where rows stand at the poles) interpolate brightness and hue by themselves, so
+    /// that the mean of a bright and a dark texel is another one.
     #[inline]
-    fn lookup(&self, uv: Vec2) -> Vec3 {
+    fn lookup(&self, uv: Vec2, mode: ColorMode) -> Vec3 {
         let (w, h) = (self.texels.width as i64, self.texels.height as i64);
         let fetch = |x: i64, y: i64| {
             let (x, y) = match self.parametrization {
@@ -154,12 +159,22 @@ impl EnvironmentImage {
             };
             rgb(&self.texels, x as usize, y as usize)
         };
-        let (x, y) = (uv.x * w as f32 - 0.5, uv.y * h as f32 - 0.5);
+        let y = match self.parametrization {
+            Parametrization::LatLongY { poles: true } => uv.y * (h - 1) as f32,
+            _ => uv.y * h as f32 - 0.5,
+        };
+        let x = uv.x * w as f32 - 0.5;
         let (x0, y0) = (x.floor(), y.floor());
         let (dx, dy) = (x - x0, y - y0);
         let (x0, y0) = (x0 as i64, y0 as i64);
-        (fetch(x0, y0) * (1.0 - dx) + fetch(x0 + 1, y0) * dx) * (1.0 - dy)
-            + (fetch(x0, y0 + 1) * (1.0 - dx) + fetch(x0 + 1, y0 + 1) * dx) * dy
+        let corners = [fetch(x0, y0), fetch(x0 + 1, y0), fetch(x0, y0 + 1), fetch(x0 + 1, y0 + 1)];
+        let mean = |[a, b, c, d]: [Vec3; 4]| (a * (1.0 - dx) + b * dx) * (1.0 - dy) + (c * (1.0 - dx) + d * dx) * dy;
+        if mode == ColorMode::Spectral && self.parametrization == (Parametrization::LatLongY { poles: true }) {
+            let brightness = corners.map(|c| Vec3::splat(c.max_element()));
+            let hues = corners.map(|c| c / c.max_element().max(f32::MIN_POSITIVE));
+            return mean(hues) * mean(brightness);
+        }
+        mean(corners)
     }
 }
 
@@ -172,7 +187,10 @@ impl Environment {
         }
         match &self.image {
             None => self.radiance.eval(lambda) * self.scale,
-            Some(image) => color::texel(image.lookup(image.uv(w)), Role::Illuminant, lambda, self.mode) * self.scale,
+            Some(image) => {
+                let rgb = image.lookup(image.uv(w), self.mode);
+                color::texel(rgb, Role::Illuminant, lambda, self.mode) * self.scale
+            }
         }
     }
 
@@ -274,8 +292,12 @@ mod tests {
         EnvironmentImage::new(texels, parametrization, turn)
     }
 
-    const ALL: [Parametrization; 3] =
-        [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ];
+    const ALL: [Parametrization; 4] = [
+        Parametrization::Octahedral,
+        Parametrization::LatLongY { poles: false },
+        Parametrization::LatLongY { poles: true },
+        Parametrization::LatLongZ,
+    ];
 
     #[test]
     fn directions_and_coordinates_are_inverse() {
@@ -288,6 +310,28 @@ mod tests {
                 assert!((image.uv(d) - uv).length() < 2e-3, "{p:?} {uv} {}", image.uv(d));
             }
         }
+    }
+
+    /// Rows at the poles: row i of h at v = i/(h − 1); columns at the middle of strips all the same. In spectral mode brightness and hue are
+    /// interpolated by themselves.
+    #[test]
+    fn rows_at_the_poles() {
+        let (w, h) = (4, 3);
+        let data = (0..w * h).flat_map(|i| [i as f32, 2.0 * i as f32, 1.0]).collect();
+        let (data, encoding) = (TexelData::F32(data), Encoding::Linear);
+        let texels = Texels { width: w, height: h, channels: 3, data, encoding, metadata: Default::default() };
+        let image = EnvironmentImage::new(texels, Parametrization::LatLongY { poles: true }, Affine::default());
+        let at = |u: f32, v: f32| image.lookup(Vec2::new(u, v), ColorMode::Rgb).x;
+        for (row, v) in [(0, 0.0), (1, 0.5), (2, 1.0)] {
+            for column in 0..4 {
+                let u = (column as f32 + 0.5) / 4.0;
+                assert!((at(u, v) - (4 * row + column) as f32).abs() < 1e-5, "{u} {v}: {}", at(u, v));
+            }
+        }
+        assert!((at(0.125, 0.75) - 6.0).abs() < 1e-5);
+        // Between texels (1, 2, 1) and (2, 4, 1): hue (½, 1, (½ + ¼)/2) times brightness 3.
+        let rgb = image.lookup(Vec2::new(0.5, 0.0), ColorMode::Spectral);
+        assert!((rgb - Vec3::new(1.5, 3.0, 1.125)).length() < 1e-5, "{rgb}");
     }
 
     /// The density integrates to one over the sphere and samples follow it: the mean of `1/pdf` over samples with `f = 1` on the

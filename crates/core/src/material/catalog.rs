@@ -716,6 +716,17 @@ pub const DETAIL: Entry = Entry {
         ),
         map("bump", "none", "heights, of which the slopes count").unit("scene units"),
         map("displacement", "none", "the same, as pbrt names it").unit("scene units"),
+        word(
+            "detail_facing",
+            "bent, turned, as_it_is",
+            "bent; turned in Mitsuba scenes",
+            "what is done with normals turned away from the viewer: bent until the mirror direction leaves the surface, or mirrored about its normal",
+        ),
+        flag(
+            "detail_shadowing",
+            "false; true in Mitsuba scenes",
+            "whether bumps shade light from near the horizon; not of bent normals",
+        ),
     ],
     source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, Baker, LEAN mapping (2010)",
 };

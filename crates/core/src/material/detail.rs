@@ -25,9 +25,26 @@ pub struct NormalMap {
     pub filtered: Option<Arc<FilteredNormals>>,
 }
 
+/// What is done with a shading normal that detail has turned away from the viewer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Facing {
+    /// It is bent so far that the mirror direction leaves the surface.
+    #[default]
+    Bent,
+    /// It is mirrored about the normal without detail, and what arrives from below the surface does not count (Mitsuba 3; Schüßler et al.,
+    /// "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
+    Turned,
+    /// Nothing; what arrives from below the surface does not count.
+    AsItIs,
+}
+
 /// What changes the shading frame of a material.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceDetail {
+    /// What is done with normals that face away.
+    pub facing: Facing,
+    /// Whether light from near the horizon is shaded by the bumps it has to pass ([`Cover`]); not of bent normals.
+    pub shadows: bool,
     /// A normal map.
     pub normal_map: Option<NormalMap>,
     /// Heights along the normal, in scene units.
@@ -53,6 +70,8 @@ pub struct Base {
 
 /// The step of differences where the footprint gives none (pbrt-v4's).
 const STEP: f32 = 0.0005;
+/// The step of differences that stand for derivatives.
+const EXACT: f32 = 1e-4;
 
 impl SurfaceDetail {
     /// The variance of slopes along both axes that the footprint hides, where it is to count as roughness.
@@ -68,13 +87,55 @@ impl SurfaceDetail {
         }
         let mut ns = base.ns;
         if let Some(map) = &self.normal_map {
-            ns = map.normal(textures, at, base);
+            ns = map.normal(textures, at, base, self.facing == Facing::Bent);
         }
         if let Some(height) = &self.bump {
-            ns = bumped(height, textures, at, &Base { ns, ..*base });
+            ns = bumped(height, textures, at, &Base { ns, ..*base }, self.facing != Facing::Bent);
         }
-        let side = if base.ns.dot(wo) < 0.0 { -1.0 } else { 1.0 };
-        bend(ns * side, base.n * side, wo) * side
+        let cos = base.ns.dot(wo);
+        match self.facing {
+            Facing::Bent => {
+                let side = if cos < 0.0 { -1.0 } else { 1.0 };
+                bend(ns * side, base.n * side, wo) * side
+            }
+            Facing::Turned if cos * ns.dot(wo) <= 0.0 => base.ns * (2.0 * base.ns.dot(ns)) - ns,
+            Facing::Turned | Facing::AsItIs => ns,
+        }
+    }
+
+    /// What the surface without detail hides, in the shading frame with it.
+    pub fn cover(&self, base: &Base, frame: &Frame, flipped: bool) -> Option<Cover> {
+        if self.facing == Facing::Bent || (self.normal_map.is_none() && self.bump.is_none()) {
+            return None;
+        }
+        let up = frame.to_local(if flipped { -base.ns } else { base.ns });
+        let roughness2 = if self.shadows { (0.125 * tan2(up.z)).min(1.0) } else { 0.0 };
+        Some(Cover { up, roughness2 })
+    }
+}
+
+/// `tan²` of an angle by its cosine.
+fn tan2(cos: f32) -> f32 {
+    (1.0 - cos * cos).max(0.0) / (cos * cos)
+}
+
+/// The surface under the detail: light comes and goes on one side of both, and Smith's shadowing takes the terminator away that the detail would have
+/// (Conty Estevez, Lecocq, Stein, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing Gems, 2019, ch. 12).
+#[derive(Clone, Copy, Debug)]
+pub struct Cover {
+    /// The normal without detail, in the shading frame with it.
+    up: Vec3,
+    /// α² of a surface of which the detail's normal is a typical one: tan²/8 of the angle between both normals, at most 1.
+    roughness2: f32,
+}
+
+impl Cover {
+    /// The share of light from a direction that arrives, `2/(1 + √(1 + α² tan²θ))`; `None` where the direction is above the one surface and below the
+    /// other.
+    #[inline]
+    pub fn passes(&self, wi: Vec3) -> Option<f32> {
+        let cos = self.up.dot(wi);
+        (cos * wi.z > 0.0).then(|| 2.0 / (1.0 + (1.0 + self.roughness2 * tan2(cos)).sqrt()))
     }
 }
 
@@ -100,7 +161,7 @@ impl NormalMap {
     }
 
     /// The normal in the world.
-    fn normal(&self, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
+    fn normal(&self, textures: &Textures, at: &TextureContext, base: &Base, bends: bool) -> Vec3 {
         let m = match &self.filtered {
             Some(filtered) => filtered.normal(at).0,
             None => self.decode(textures.rgb(self.texture, at)),
@@ -114,14 +175,15 @@ impl NormalMap {
         };
         let n = frame.to_world(if mirrored { Vec3::new(m.x, -m.y, m.z) } else { m });
         let n = n.normalize_or(base.ns);
-        // Maps that point into the surface are turned over, as Mitsuba has it.
-        if n.dot(base.n) < 0.0 { -n } else { n }
+        // Maps that point into the surface are turned over.
+        if bends && n.dot(base.n) < 0.0 { -n } else { n }
     }
 }
 
 /// The normal of the surface moved by heights along `ns`, with differences over half the footprint: Blinn, "Simulation of Wrinkled
-/// Surfaces", SIGGRAPH 1978, without the curvature of the surface that is moved.
-fn bumped(height: &FloatTexture, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
+/// Surfaces", SIGGRAPH 1978, without the curvature of the surface that is moved. `exact` are differences over as little as numbers allow, on both
+/// sides.
+fn bumped(height: &FloatTexture, textures: &Textures, at: &TextureContext, base: &Base, exact: bool) -> Vec3 {
     let FloatTexture::Texture(id) = *height else { return base.ns };
     // Without a parametrisation heights vary over space alone; any two tangents serve.
     let area = base.dpdu.cross(base.dpdv).length();
@@ -133,11 +195,13 @@ fn bumped(height: &FloatTexture, textures: &Textures, at: &TextureContext, base:
     let slope = |axis: usize, dp: Vec3| {
         let step = 0.5 * (f.duvdx[axis].abs() + f.duvdy[axis].abs());
         let step = if step > 0.0 && step.is_finite() { step.clamp(1e-6, 0.5) } else { STEP };
-        let mut duv = Vec2::ZERO;
-        duv[axis] = if degenerate { 0.0 } else { step };
-        let mesh = at.mesh.map(|(m, t, b)| (m, t, if degenerate { b } else { b + m.barycentric_change(t, duv) }));
-        let moved = TextureContext { p: at.p + dp * step, uv: at.uv + duv, mesh, ..*at };
-        (textures.float(id, &moved) - here) / step
+        let moved = |step: f32| {
+            let mut duv = Vec2::ZERO;
+            duv[axis] = if degenerate { 0.0 } else { step };
+            let mesh = at.mesh.map(|(m, t, b)| (m, t, if degenerate { b } else { b + m.barycentric_change(t, duv) }));
+            textures.float(id, &TextureContext { p: at.p + dp * step, uv: at.uv + duv, mesh, ..*at })
+        };
+        if exact { (moved(EXACT) - moved(-EXACT)) / (2.0 * EXACT) } else { (moved(step) - here) / step }
     };
     let (hu, hv) = (slope(0, dpdu), slope(1, dpdv));
     let tangent = |dp: Vec3, h: f32| dp + base.ns * (h - base.ns.dot(dp));
@@ -300,6 +364,63 @@ mod tests {
         let footprint = Footprint { duvdx: Vec2::new(0.5, 0.0), duvdy: Vec2::new(0.0, 0.5), ..Footprint::default() };
         let wide = TextureContext { footprint, ..at(Vec2::new(0.3, 0.3)) };
         assert!((detail.shading_normal(&textures, &wide, &FLAT, Vec3::Z) - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-6);
+    }
+
+    /// Mitsuba 3's rules: a normal turned away is mirrored about the one without detail; light above one surface and below the other is lost; from θ
+    /// of a normal tilted by δ arrives 2/(1 + √(1 + min(tan²δ/8, 1) tan²θ)).
+    #[test]
+    fn turned_normals_and_their_cover() {
+        let tilt = 1.2f32;
+        let (textures, mut detail) = map(Vec3::new(tilt.sin(), 0.0, tilt.cos()));
+        detail.facing = Facing::Turned;
+        detail.shadows = true;
+        let normal = |wo: Vec3| detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, wo);
+        let expected = Vec3::new(tilt.sin(), 0.0, tilt.cos());
+        assert!((normal(Vec3::Z) - expected).length() < 1e-6);
+        let from = |degrees: f32| Vec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+        // Seen from −60° the facet is turned away by more than a right angle, from −20° it is not.
+        assert!((normal(from(-20.0)) - expected).length() < 1e-6);
+        assert!((normal(from(-60.0)) - Vec3::new(-tilt.sin(), 0.0, tilt.cos())).length() < 1e-6);
+        // From below the tests are the same with both turned over.
+        assert!((normal(-from(-20.0)) - expected).length() < 1e-6);
+        for flipped in [false, true] {
+            let side = if flipped { -1.0 } else { 1.0 };
+            let frame = Frame::from_z(expected * side);
+            let cover = detail.cover(&FLAT, &frame, flipped).unwrap();
+            let passes = |degrees: f32| cover.passes(frame.to_local(from(degrees) * side));
+            let share = |theta: f32| {
+                2.0 / (1.0 + (1.0 + (0.125 * tilt.tan().powi(2)).min(1.0) * theta.to_radians().tan().powi(2)).sqrt())
+            };
+            for degrees in [0.0f32, 30.0, 80.0, -15.0] {
+                assert!((passes(degrees).unwrap() - share(degrees)).abs() < 1e-5, "{degrees}");
+            }
+            // Below the facet, above the surface, and the other way round.
+            assert!(passes(-60.0).is_none() && passes(120.0).is_none());
+            assert!(passes(-150.0).is_some(), "through both surfaces");
+        }
+        detail.shadows = false;
+        let frame = Frame::from_z(expected);
+        assert_eq!(detail.cover(&FLAT, &frame, false).unwrap().passes(frame.to_local(from(80.0))), Some(1.0));
+        detail.facing = Facing::AsItIs;
+        let seen = detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, from(-60.0));
+        assert!((seen - expected).length() < 1e-6);
+        detail.facing = Facing::Bent;
+        assert!(detail.cover(&FLAT, &frame, false).is_none());
+    }
+
+    /// Mitsuba takes the derivative of the height at the point, whatever the footprint covers.
+    #[test]
+    fn turned_bumps_do_not_depend_on_the_footprint() {
+        let projector = Mapping { projector: Projector::Uv, ..Mapping::default() };
+        let (textures, mut detail) = height(Pattern::Fbm(crate::texture::noise::Fractal::new(1, 0.5)), projector, 0.2);
+        let footprint = Footprint { duvdx: Vec2::new(0.5, 0.0), duvdy: Vec2::new(0.0, 0.5), ..Footprint::default() };
+        let (narrow, wide) = (at(Vec2::new(0.3, 0.3)), TextureContext { footprint, ..at(Vec2::new(0.3, 0.3)) });
+        let normal = |d: &SurfaceDetail, at: &TextureContext| d.shading_normal(&textures, at, &FLAT, Vec3::Z);
+        assert!((normal(&detail, &narrow) - normal(&detail, &wide)).length() > 1e-2);
+        let exact = normal(&detail, &narrow);
+        detail.facing = Facing::Turned;
+        assert_eq!(normal(&detail, &narrow), normal(&detail, &wide));
+        assert!((normal(&detail, &narrow) - exact).length() < 2e-3);
     }
 
     #[test]

@@ -22,18 +22,18 @@ pub mod normal_filter;
 
 use crate::{
     bsdf::{
-        Bsdf, CoatTable, Coated, CompensatedConductor, Compensation, Conductor, Dielectric, Diffuse,
-        DiffuseTransmission, EnergyTable, Measured, MeasuredData, Microfacet, NormalDistribution, Shadowing,
-        ThinDielectric,
+        Bsdf, BsdfEval, BsdfSample, CoatTable, Coated, CompensatedConductor, Compensation, Conductor, Dielectric,
+        Diffuse, DiffuseTransmission, EnergyTable, Measured, MeasuredData, Microfacet, NormalDistribution, Shadowing,
+        ThinDielectric, TransportMode,
     },
-    color::{Color, ColorMode},
+    color::Color,
     texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
 };
 pub use classical::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal};
-pub use detail::{NormalMap, SurfaceDetail};
+pub use detail::{Cover, Facing, NormalMap, SurfaceDetail};
 pub use normal_filter::{FilteredNormals, NormalFilter};
 use std::sync::Arc;
-use steradian_math::{Spectrum, Vec3, color::luminance, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
 mod classical;
 
@@ -218,6 +218,40 @@ pub struct Scattering<'a> {
     pub flipped: bool,
     /// What changes the shading normal.
     pub detail: Option<&'a SurfaceDetail>,
+    /// What the surface without its detail hides and shades.
+    pub cover: Option<Cover>,
+}
+
+impl<'a> Scattering<'a> {
+    /// A value on a surface as it is.
+    pub fn plain(bsdf: Bsdf<'a>) -> Self {
+        Self { bsdf, flipped: false, detail: None, cover: None }
+    }
+
+    /// [`Bsdf::eval`], under the surface's cover.
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        match &self.cover {
+            None => self.bsdf.eval(wo, wi, mode),
+            Some(cover) => match cover.passes(wi) {
+                Some(share) => {
+                    let e = self.bsdf.eval(wo, wi, mode);
+                    BsdfEval { value: e.value * share, ..e }
+                }
+                None => BsdfEval::ZERO,
+            },
+        }
+    }
+
+    /// [`Bsdf::sample`], under the surface's cover.
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let drawn = self.bsdf.sample(wo, u, u2, mode)?;
+        match &self.cover {
+            None => Some(drawn),
+            Some(cover) => Some(BsdfSample { weight: drawn.weight * cover.passes(drawn.wi)?, ..drawn }),
+        }
+    }
 }
 
 impl Material {
@@ -307,14 +341,6 @@ impl Point<'_> {
     #[inline]
     fn albedo(&self, t: &SpectrumTexture) -> Spectrum {
         albedo(t.eval(self.textures, self.at, self.lambda))
-    }
-
-    /// Luminance of a reflectance (that of white is 1), as far as the path's wavelengths tell.
-    fn luminance(&self, s: Spectrum) -> f32 {
-        match self.textures.mode() {
-            ColorMode::Rgb => luminance(Vec3::from(s.to_rgb())),
-            ColorMode::Spectral => self.lambda.to_xyz(s).y / self.lambda.to_xyz(Spectrum::ONE).y.max(1e-12),
-        }
     }
 
     /// A quantity that is not negative.
@@ -432,5 +458,5 @@ pub fn scattering<'a>(
     if !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided) {
         flipped = true;
     }
-    Some(Scattering { bsdf, flipped, detail })
+    Some(Scattering { flipped, detail, ..Scattering::plain(bsdf) })
 }

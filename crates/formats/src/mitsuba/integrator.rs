@@ -99,6 +99,27 @@ impl Reader<'_> {
         }
     }
 
+    /// Says so where Mitsuba's estimator takes surfaces that light passes straight for others than Steradian does.
+    pub fn passed_surfaces(&mut self) {
+        let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) else { return };
+        if node.kind == "volpath" {
+            return;
+        }
+        let passed = |o: &&super::graph::Object| {
+            o.category == Category::Bsdf && o.visited && matches!(o.plugin.as_str(), "mask" | "null")
+        };
+        let Some((plugin, span)) = self.graph.objects.iter().find(passed).map(|o| (o.plugin.clone(), o.span)) else {
+            return;
+        };
+        self.note(
+            span,
+            format!(
+                "light passes '{plugin}' straight, as in Mitsuba's 'volpath'; its 'path' counts that towards 'max_depth', and lets no light of \
+                 'point', 'spot' and 'directional' through"
+            ),
+        );
+    }
+
     /// Mitsuba renders scenes without an integrator with `path`.
     pub fn default_integrator(&mut self) {
         if self.desc.integrator.is_none() {

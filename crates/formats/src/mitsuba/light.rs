@@ -29,6 +29,9 @@ impl Reader<'_> {
         self.once(object, Role::Emission, |r| {
             let mut node = r.node(Family::Light, kind, object);
             r.put(&mut node, "radiance", object, "radiance", Role::Emission, 1.0);
+            if kind == "directional_area" {
+                r.note(r.span(object), "Mitsuba's 'path' finds no light of 'directionalarea'; here it shines");
+            }
             r.ignore(object, &["sampling_weight"]);
             node.set("two_sided", false, None).set("scale", 1.0, None).set("normalize", false, None);
             Some(r.desc.add(node))
@@ -123,7 +126,9 @@ impl Reader<'_> {
         self.ignore(object, &["mis_compensation", "cache", "gamma"]);
         node.set("file", file?, Some(self.value_span(object, "filename")));
         node.set("scale", scale, Some(self.value_span(object, "scale")));
-        Some(node.with("parametrization", "latlong").with("to_world", to_world))
+        // Version 0.6 has texels at the middle of rows.
+        let rows = if self.graph.objects[object].legacy { "centers" } else { "poles" };
+        Some(node.with("parametrization", "latlong").with("rows", rows).with("to_world", to_world))
     }
 
     /// A slide projector: like the camera, it has local +x on the left.

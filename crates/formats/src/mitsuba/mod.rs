@@ -119,5 +119,6 @@ impl Reader<'_> {
         }
         self.default_integrator();
         self.ignored_media();
+        self.passed_surfaces();
     }
 }

@@ -136,8 +136,15 @@ impl Parser<'_> {
             if attributes.broken {
                 continue;
             }
-            match transform::operation(child.tag_name().name(), &attributes, file.legacy) {
-                Ok(t) => composed = t * composed,
+            let tag = child.tag_name().name();
+            match transform::operation(tag, &attributes, file.legacy) {
+                Ok(t) => {
+                    if transform::stretches(tag, &attributes, file.legacy) {
+                        let what = "the axis of this <rotate> is not of unit length: as in Mitsuba 3, it stretches too";
+                        self.diagnostics.warn(&self.sources, Some(tag_span(child, file)), what);
+                    }
+                    composed = t * composed;
+                }
                 Err((span, message)) => self.error(span.unwrap_or_else(|| tag_span(child, file)), message),
             }
         }

@@ -251,6 +251,7 @@ impl Reader<'_> {
             self.error(span, "the radius must be above zero");
             return None;
         }
+        self.uneven(object, &to_world);
         let world_from_object =
             to_world * Transform::translate(center.into()) * Transform::scale(DVec3::new(1.0, 1.0, -1.0));
         Some(Geometry {
@@ -260,6 +261,19 @@ impl Reader<'_> {
             // A mirrored sphere faces inwards in Mitsuba.
             reverse_orientation: flip != to_world.swaps_handedness(),
         })
+    }
+
+    /// Says so where a round shape is not placed by a similarity, which Mitsuba warns of and then takes for one.
+    fn uneven(&mut self, object: ObjectId, to_world: &Transform) {
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
+        let longest = x.length().max(y.length()).max(z.length());
+        let shortest = x.length().min(y.length()).min(z.length());
+        let skewed = x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs()) > 1e-3 * longest * longest;
+        if skewed || shortest < longest * (1.0 - 1e-3) {
+            let message =
+                format!("Mitsuba scales a '{}' evenly only; it is drawn as its transform says", self.plugin(object));
+            self.note(self.value_span(object, "to_world"), message);
+        }
     }
 
     /// Mitsuba 0.6's: a picture's heights over [-1, 1]².
@@ -298,6 +312,7 @@ impl Reader<'_> {
             self.error(span, "the radius must be above zero");
             return None;
         }
+        self.uneven(object, &to_world);
         let length = (p1 - p0).length();
         let Some(axis) = (p1 - p0).try_normalize() else {
             self.error(self.value_span(object, "p1"), "'p0' and 'p1' are the same point");

@@ -25,6 +25,21 @@ pub(super) fn vector(attributes: &Attributes<'_>, missing: f64) -> Result<[f64; 
     }
 }
 
+/// Whether the axis of a `<rotate>` is, to Mitsuba 3, something else than a direction to turn around.
+pub(super) fn stretches(tag: &str, attributes: &Attributes<'_>, legacy: bool) -> bool {
+    let axis = vector(attributes, 0.0).map_or(DVec3::Z, DVec3::from);
+    tag == "rotate" && !legacy && (axis.length() - 1.0).abs() > 1e-3
+}
+
+/// Rodrigues' formula, `cosθ I + (1 − cosθ) a aᵀ + sinθ [a]×`, with the axis as it stands: Mitsuba 3 does not bring it to unit length, so that another
+/// one stretches and shears.
+fn rotation(a: DVec3, angle: f64) -> Transform {
+    let (sin, cos) = angle.sin_cos();
+    let column = |e: DVec3| e * cos + a * (a.dot(e) * (1.0 - cos)) + a.cross(e) * sin;
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(column);
+    Transform::from_columns([x.x, x.y, x.z, 0.0, y.x, y.y, y.z, 0.0, z.x, z.y, z.z, 0.0, 0.0, 0.0, 0.0, 1.0])
+}
+
 /// The map that one operation stands for, or what is wrong with it and where.
 pub(super) fn operation(tag: &str, attributes: &Attributes<'_>, legacy: bool) -> Result<Transform, Fault> {
     let tag = if legacy && tag == "lookAt" { "lookat" } else { tag };
@@ -64,7 +79,8 @@ pub(super) fn operation(tag: &str, attributes: &Attributes<'_>, legacy: bool) ->
                 return Err((None, "the axis of the rotation is zero".into()));
             }
             let angle = attributes.text("angle").map_or(Ok(0.0), values::number);
-            Ok(Transform::rotate(axis, angle.map_err(|e| located("angle", e))?.to_radians()))
+            let angle = angle.map_err(|e| located("angle", e))?.to_radians();
+            Ok(if legacy { Transform::rotate(axis, angle) } else { rotation(axis, angle) })
         }
         "lookat" => {
             let point = |name: &str| -> Result<DVec3, Fault> {

@@ -17,7 +17,8 @@ pub(crate) mod trial;
 use photons::{Photon, is_receiver};
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, BsdfSample, Lobe, TransportMode},
+    bsdf::{BsdfSample, Lobe, TransportMode},
+    material::Scattering,
 };
 use steradian_math::{Bounds3, Frame, Vec2, Vec3};
 
@@ -141,18 +142,26 @@ impl Caustics {
         }
     }
 
-    /// Draws a direction at `p`, as [`Bsdf::sample`] does, by the surface or by the photons.
+    /// Draws a direction at `p`, as [`Scattering::sample`] does, by the surface or by the photons.
     #[inline]
-    pub(crate) fn sample(&self, p: Vec3, frame: &Frame, wo: Vec3, bsdf: &Bsdf, u: f32, u2: Vec2) -> Option<Draw> {
+    pub(crate) fn sample(
+        &self,
+        p: Vec3,
+        frame: &Frame,
+        wo: Vec3,
+        scattering: &Scattering<'_>,
+        u: f32,
+        u2: Vec2,
+    ) -> Option<Draw> {
         let mode = TransportMode::Radiance;
-        let Some(leaf) = is_receiver(bsdf).then(|| self.leaf(p)).flatten() else {
-            return bsdf.sample(wo, u, u2, mode).map(Draw::by_surface);
+        let Some(leaf) = is_receiver(&scattering.bsdf).then(|| self.leaf(p)).flatten() else {
+            return scattering.sample(wo, u, u2, mode).map(Draw::by_surface);
         };
         let share = leaf.share;
         if u < share {
             let w = leaf.sample(p, u / share, u2);
             let wi = frame.to_local(w);
-            let e = bsdf.eval(wo, wi, mode);
+            let e = scattering.eval(wo, wi, mode);
             if e.value.is_black() {
                 return None;
             }
@@ -161,7 +170,7 @@ impl Caustics {
             let sample = BsdfSample { wi, weight: e.value / pdf, pdf: e.pdf, lobe: side.with(Lobe::GLOSSY), eta: 1.0 };
             return Some(Draw { sample, ratio: e.pdf / pdf });
         }
-        let s = bsdf.sample(wo, (u - share) / (1.0 - share), u2, mode)?;
+        let s = scattering.sample(wo, (u - share) / (1.0 - share), u2, mode)?;
         let ratio = if s.lobe.is_specular() {
             1.0 / (1.0 - share)
         } else {
@@ -378,14 +387,15 @@ mod tests {
         leaf.share = 0.4;
         let (nodes, leaves) = (vec![Node::Leaf(0)], vec![leaf]);
         let caustics = Caustics { cells: Cells::new(&nodes, &leaves), nodes, leaves };
-        let bsdf = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) });
+        let grey =
+            Scattering::plain(steradian_core::bsdf::Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) }));
         let frame = Frame::from_z(Vec3::new(0.6, 0.0, 0.8));
         let n = 100_000;
         let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
         for k in 0..n {
             let u = |d| unit_f32(combine32(k, d));
             let wo = Vec3::new(0.0, 0.6, 0.8);
-            let draw = caustics.sample(Vec3::ZERO, &frame, wo, &bsdf, u(1), Vec2::new(u(2), u(3)));
+            let draw = caustics.sample(Vec3::ZERO, &frame, wo, &grey, u(1), Vec2::new(u(2), u(3)));
             let weight = draw.map_or(0.0, |d| f64::from(d.sample.weight[0]));
             sum += weight;
             squares += weight * weight;

@@ -203,7 +203,7 @@ fn trace(
         };
         let u = sampler.get_1d(at(crate::dimension::LOBE));
         let u2 = sampler.get_2d(at(crate::dimension::DIRECTION));
-        let next = scattering.bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Importance)?;
+        let next = scattering.sample(frame.to_local(i.wo), u, u2, TransportMode::Importance)?;
         if next.lobe.is_specular() || next.pdf > FOCUSED {
             q = Some(i.surface.p);
             focused = true;
@@ -242,7 +242,7 @@ fn irradiance(
     let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ONE });
     let counters = &mut Counters::default();
     let vertex = |i, scattering, frame| Vertex::Surface { i, scattering, frame, medium: None };
-    let here = vertex(*i, Scattering { bsdf: white, flipped: false, detail: None }, *frame);
+    let here = vertex(*i, Scattering::plain(white), *frame);
     let direct = here.direct::<false>(scene, event, sampler, lambda, counters);
     let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::AROUND))));
     let ray = i.spawn(w);

@@ -307,7 +307,7 @@ fn under(stage: &Stage, sky: Environment) -> Scene {
 }
 
 const PARAMETRIZATIONS: [Parametrization; 3] =
-    [Parametrization::Octahedral, Parametrization::LatLongY, Parametrization::LatLongZ];
+    [Parametrization::Octahedral, Parametrization::LatLongY { poles: true }, Parametrization::LatLongZ];
 
 /// M74, M217: an image around the scene, in each parametrisation and turned, gives the irradiance ∫ L cos dω of its own radiance by quadrature, found
 /// by light sampling and scattering together. 4σ.

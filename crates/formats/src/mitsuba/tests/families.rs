@@ -88,6 +88,12 @@ fn nested_bsdfs() {
         "<bsdf type=\"bumpmap\"><texture type=\"checkerboard\"/><float name=\"scale\" value=\"3\"/><bsdf type=\"plastic\"/></bsdf>",
     );
     assert_eq!((m.kind.as_str(), child(&desc, &m, "bump").float("scale")), ("plastic", Some(3.0)));
+    assert_eq!((m.string("detail_facing"), m.bool("detail_shadowing")), (Some("turned"), Some(true)));
+    let (_, m) = material(
+        "<bsdf type=\"normalmap\"><texture type=\"checkerboard\" name=\"normalmap\"/><bsdf type=\"diffuse\"/>
+         <boolean name=\"flip_invalid_normals\" value=\"false\"/><boolean name=\"use_shadowing_function\" value=\"false\"/></bsdf>",
+    );
+    assert_eq!((m.string("detail_facing"), m.bool("detail_shadowing")), (Some("as_it_is"), Some(false)));
 }
 
 #[test]
@@ -226,6 +232,45 @@ fn emitters_of_their_own() {
     // Local +x is on the left of the slide.
     assert_eq!(l.transform("to_world").unwrap().vector(DVec3::X), -DVec3::X);
     assert!(read("<emitter type=\"sunsky\"/>").diagnostics.is_lossy());
+}
+
+/// What Mitsuba's own estimators make of a scene and Steradian does not is said.
+#[test]
+fn differences_of_estimators_are_noted() {
+    let said = |text: &str, part: &str| read(text).diagnostics.iter().filter(|d| d.message.contains(part)).count();
+    for bsdf in ["<bsdf type=\"null\"/>", "<bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>"] {
+        let shape = format!("<shape type=\"sphere\">{bsdf}</shape>");
+        for (integrator, count) in [("path", 1), ("direct", 1), ("volpath", 0)] {
+            let text = format!("<integrator type=\"{integrator}\"/>{shape}");
+            assert_eq!(said(&text, "towards 'max_depth'"), count, "{text}");
+        }
+        assert_eq!(said(&shape, "towards 'max_depth'"), 1);
+    }
+    assert_eq!(said("<shape type=\"sphere\"/><bsdf type=\"null\" id=\"unused\"/>", "towards 'max_depth'"), 0);
+    let lamp = |kind: &str| format!("<shape type=\"disk\"><emitter type=\"{kind}\"/></shape>");
+    assert_eq!(said(&lamp("directionalarea"), "finds no light"), 1);
+    assert_eq!(said(&lamp("area"), "finds no light"), 0);
+    for shape in ["sphere", "cylinder"] {
+        for (scale, count) in [("value=\"2\"", 0), ("x=\"-1\"", 0), ("x=\"2\"", 1)] {
+            let text = format!(
+                "<shape type=\"{shape}\"><transform name=\"to_world\"><scale {scale}/><rotate x=\"0.6\" y=\"0.8\" angle=\"30\"/></transform></shape>"
+            );
+            assert_eq!(said(&text, "evenly"), count, "{text}");
+        }
+    }
+    assert_eq!(light_rows("3.0.0"), "poles");
+    assert_eq!(light_rows("0.6.0"), "centers");
+}
+
+/// Where the rows of an environment map stand in a version.
+fn light_rows(version: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sky.pfm"), b"PF\n1 1\n-1.0\n\0\0\x80?\0\0\x80?\0\0\x80?").unwrap();
+    let text = format!(
+        "<scene version=\"{version}\"><emitter type=\"envmap\"><string name=\"filename\" value=\"sky.pfm\"/></emitter></scene>"
+    );
+    let import = import_text(&text, &folder.path().join("a.xml"), &Options::default());
+    only(&import.desc, &import.desc.lights).string("rows").unwrap_or_default().to_owned()
 }
 
 #[test]

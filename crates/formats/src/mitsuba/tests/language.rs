@@ -37,6 +37,33 @@ fn transforms_compose_outwards() {
     assert_eq!(t.point(DVec3::ZERO), DVec3::new(2.0, 2.0, 3.0));
 }
 
+/// Mitsuba 3 takes the axis as it stands: about (0, 0, 2) by θ the plane is turned and stretched by cosθ and 2 sinθ, and z becomes cosθ + 4 (1 − cosθ).
+/// Version 0.6 brings it to unit length.
+#[test]
+fn rotations_about_axes_of_any_length() {
+    let read = |version: &str, z: f64| {
+        let text = format!(
+            "<scene version=\"{version}\"><shape type=\"cube\"><transform name=\"{}\"><rotate z=\"{z}\" angle=\"60\"/></transform></shape></scene>",
+            if version == "0.6.0" { "toWorld" } else { "to_world" }
+        );
+        let import = import_text(&text, Path::new("a.xml"), &Options::default());
+        assert_eq!(errors(&import), Vec::<String>::new());
+        let said = import.diagnostics.iter().any(|d| d.message.contains("unit length"));
+        (import.desc.shapes[0].world_from_object, said)
+    };
+    let (sin, cos) = (0.75f64.sqrt(), 0.5);
+    for (version, z, x_to, z_to, warned) in [
+        ("3.0.0", 2.0, DVec3::new(cos, 2.0 * sin, 0.0), cos + 4.0 * (1.0 - cos), true),
+        ("3.0.0", 1.0, DVec3::new(cos, sin, 0.0), 1.0, false),
+        ("0.6.0", 2.0, DVec3::new(cos, sin, 0.0), 1.0, false),
+    ] {
+        let (t, said) = read(version, z);
+        assert!((t.point(DVec3::X) - x_to).length() < 1e-12, "{version} {z}: {}", t.point(DVec3::X));
+        assert!((t.point(DVec3::Z) - DVec3::new(0.0, 0.0, z_to)).length() < 1e-12, "{version} {z}");
+        assert_eq!(said, warned);
+    }
+}
+
 #[test]
 fn includes_paths_and_references() {
     let folder = tempfile::tempdir().unwrap();
