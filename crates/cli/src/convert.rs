@@ -6,7 +6,10 @@ use crate::{
     output,
 };
 use std::path::Path;
-use steradian::image::{self, Limits};
+use steradian::{
+    Inputs,
+    image::{self, Limits},
+};
 
 /// Reads, maps, writes.
 pub fn run(args: &ConvertArgs) -> Outcome {
@@ -20,6 +23,8 @@ pub fn run(args: &ConvertArgs) -> Outcome {
         }
     }
     output::kind(&args.output)?;
+    output::keep_inputs([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
+    output::check_writable(&args.output)?;
     let options = args.files.write_options().map_err(Failure::bad_input)?;
     let picture = image::read(&args.input, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;

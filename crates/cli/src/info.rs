@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::{
     collections::{BTreeMap, HashSet},
     fmt::Write,
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 use steradian::{
     ColorMode, Scene,
@@ -131,7 +131,7 @@ impl Info {
             schema: 1,
             scene: name.into(),
             format: desc.format,
-            files: desc.sources.iter().map(|s| s.path.clone()).collect(),
+            files: desc.sources.paths().map(Path::to_path_buf).collect(),
             counts: Counted::of(desc),
             cameras: desc
                 .cameras

@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         }
     };
     let terminal = Terminal::new(cli.command.is_quiet());
+    signals::answer_limits();
     panics::explain(terminal);
     let code = match panics::contain(|| run(&cli.command, terminal)) {
         Ok(Ok(code)) => code,

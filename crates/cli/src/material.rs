@@ -4,14 +4,18 @@ use crate::{
     args::{Color, MaterialArgs},
     diagnostics,
     failure::{self, Failure, Outcome},
-    open, relief,
+    open, output, relief,
     terminal::{self, Terminal},
     values::known_name,
 };
 use serde::{Deserialize, Serialize};
-use std::{fmt::Write, fs, path::Path};
+use std::{
+    fmt::Write,
+    fs,
+    path::{Path, PathBuf},
+};
 use steradian::{
-    ColorMode, CompileOptions, Quality, Scene,
+    ColorMode, CompileOptions, Inputs, Quality, Scene,
     instruments::{
         Specimen,
         albedo::{Albedo, albedo},
@@ -69,12 +73,15 @@ struct Evaluated {
 /// Opens the material and takes what readings were asked for.
 pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene.threads);
+    let outputs = || [&args.plot, &args.table, &args.picture].into_iter().flatten().map(PathBuf::as_path);
+    outputs().try_for_each(output::check_writable)?;
     let write = |path: &Path, text: String| {
-        fs::write(path, text).map_err(|e| Failure::failed(format!("cannot write '{}': {e}", path.display())))?;
+        steradian::image::write_whole(path, text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
         terminal.say(&format!("wrote {}", path.display()));
         Ok::<(), Failure>(())
     };
     if let Some(relief) = relief::Relief::asked_for(args, terminal)? {
+        output::keep_inputs(outputs(), &relief.inputs)?;
         if let Some(path) = &args.table {
             write(path, relief.table(args.samples))?;
         }
@@ -86,7 +93,9 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         };
         return tell(&report, args.json);
     }
-    let (scene, index) = under_glass(args, terminal)?;
+    let Glass { scene, index, inputs } = under_glass(args, terminal)?;
+    output::keep_inputs(outputs(), &inputs)?;
+    output::keep_inputs(outputs(), &Inputs::of(args.eval.as_deref()))?;
     let mut specimen = Specimen::new(&scene, index).at(args.uv.into());
     if let Some(lambda) = args.wavelengths {
         specimen = specimen.with_wavelengths(lambda);
@@ -160,8 +169,17 @@ fn evaluate(specimen: &Specimen<'_>, pairs: &[Pair], importance: bool) -> Vec<Ev
         .collect()
 }
 
-/// The scene that holds the material, and the material's index: one of a scene file, or a kind with the parameters given.
-fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<(Scene, u32), Failure> {
+/// The scene that holds a material.
+struct Glass {
+    scene: Scene,
+    /// Which of its materials.
+    index: u32,
+    /// The files that it was made of.
+    inputs: Inputs,
+}
+
+/// The material of a scene file, or of a kind with the parameters given.
+fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure> {
     if let Some((file, name)) =
         args.material.rsplit_once(':').filter(|(file, _)| file.starts_with("builtin:") || Path::new(file).exists())
     {
@@ -172,7 +190,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<(Scene, u32), 
         let names = || ready.scene.material_names.iter().map(String::as_str);
         known_name(name, "material", names()).map_err(Failure::bad_input)?;
         let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);
-        return Ok((ready.scene, index as u32));
+        return Ok(Glass { scene: ready.scene, index: index as u32, inputs: ready.inputs });
     }
     known_name(&args.material, "material", materials::MATERIALS.iter().map(|m| m.name)).map_err(Failure::bad_input)?;
     let desc = specimen::describe(&args.material, &args.params).map_err(Failure::bad_input)?;
@@ -186,7 +204,10 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<(Scene, u32), 
     diagnostics::tell(&compiled.diagnostics, terminal);
     // The specimen is the first shape.
     match compiled.scene {
-        Some(scene) => Ok((scene.geometries[0].material, scene)).map(|(i, s)| (s, i)),
+        Some(scene) => {
+            let inputs = Inputs::of(desc.files().chain(compiled.files.iter().map(PathBuf::as_path)));
+            Ok(Glass { index: scene.geometries[0].material, scene, inputs })
+        }
         None => Err(Failure::bad_input(format!("material '{}' has errors", args.material))),
     }
 }

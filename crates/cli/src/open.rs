@@ -7,9 +7,9 @@ use crate::{
     terminal::Terminal,
     values::{Rectangle, Size},
 };
-use std::time::Duration;
+use std::{path::PathBuf, time::Duration};
 use steradian::{
-    Accelerator, ColorMode, CompileOptions, Scene,
+    Accelerator, ColorMode, CompileOptions, Inputs, Scene,
     formats::Options,
     scene::{Diagnostics, Format, SceneDesc},
 };
@@ -23,6 +23,8 @@ pub struct Opened {
     pub scene: Option<Scene>,
     /// Everything there is to say.
     pub diagnostics: Diagnostics,
+    /// Files that were read and that the description does not name.
+    files: Vec<PathBuf>,
     /// Time of reading files.
     pub load: Duration,
     /// Time of making what is rendered, the hierarchy among it.
@@ -56,7 +58,8 @@ pub fn open(name: &str, options: &SceneOptions, spp: Option<u32>) -> Opened {
     if !options.define.is_empty() && desc.format != Format::Mitsuba {
         diagnostics.warn(&desc.sources, None, "-D sets parameters of Mitsuba scenes; this is none, it has no effect");
     }
-    let mut opened = Opened { desc, scene: None, diagnostics, load: loaded.time, build: Duration::ZERO };
+    let (files, load) = (Vec::new(), loaded.time);
+    let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
     if opened.diagnostics.has_errors() {
         return opened;
     }
@@ -66,6 +69,7 @@ pub fn open(name: &str, options: &SceneOptions, spp: Option<u32>) -> Opened {
     opened.load += start.elapsed().saturating_sub(compiled.build_time);
     opened.build = compiled.build_time;
     opened.diagnostics.extend(compiled.diagnostics);
+    opened.files = compiled.files;
     opened.scene = compiled.scene;
     opened
 }
@@ -83,7 +87,8 @@ impl Opened {
         let counts = Counts::of(&self.diagnostics);
         match self.scene {
             Some(scene) if !self.diagnostics.has_errors() => {
-                Ok(Ready { scene, counts, load: self.load, build: self.build })
+                let inputs = Inputs::of(self.desc.files().chain(self.files.iter().map(PathBuf::as_path)));
+                Ok(Ready { scene, inputs, counts, load: self.load, build: self.build })
             }
             _ => {
                 let n = self.diagnostics.error_count();
@@ -98,6 +103,8 @@ impl Opened {
 pub struct Ready {
     /// The scene.
     pub scene: Scene,
+    /// All files that were read.
+    pub inputs: Inputs,
     /// How many messages of each kind there were.
     pub counts: Counts,
     /// Time of reading files.

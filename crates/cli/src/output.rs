@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use steradian::{
-    Scene,
+    Inputs, Scene,
     image::{self, FileKind, Image, Value, Window, WriteOptions},
 };
 
@@ -32,25 +32,60 @@ pub fn default_names(scene: &str) -> Vec<PathBuf> {
     ["exr", "png"].iter().map(|e| PathBuf::from(format!("{stem}.{e}"))).collect()
 }
 
+/// Default names that none of `inputs` has: `a.png` steps aside to `a.render.png`, and so do those beside it.
+pub fn free_names(names: Vec<PathBuf>, inputs: &Inputs) -> Vec<PathBuf> {
+    let mut free = names.clone();
+    for attempt in 1.. {
+        if !free.iter().any(|name| inputs.find(name).is_some()) {
+            break;
+        }
+        let word = if attempt == 1 { "render".into() } else { format!("render{attempt}") };
+        free = names.iter().map(|name| marked(name, &word)).collect();
+    }
+    free
+}
+
+/// A name with a word before its extension: `a.part.exr`.
+fn marked(path: &Path, word: &str) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!(".{word}"));
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
+}
+
+/// Refuses outputs that are files which are read, whatever they are called.
+///
+/// # Errors
+/// [`Failure`] naming the first of them.
+pub fn keep_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &Inputs) -> Result<(), Failure> {
+    for output in outputs {
+        if let Some(input) = inputs.find(output) {
+            let (output, input) = (output.display(), input.display());
+            return Err(Failure::bad_input(format!(
+                "'{output}' is a file that is read here ('{input}') and would be overwritten; give another name"
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Finds out now, not after hours, that a file cannot be written.
 ///
 /// # Errors
 /// [`Failure`] naming the file and the system's answer.
 pub fn check_writable(path: &Path) -> Result<(), Failure> {
-    let refuse = |why: String| Err(Failure::failed(format!("cannot write '{}': {why}", path.display())));
-    match std::fs::metadata(path) {
-        Ok(there) if there.is_dir() => return refuse("it is a folder".into()),
-        Ok(there) if !there.is_file() => return Ok(()), // a device or a pipe
-        Ok(there) if there.permissions().readonly() => return refuse("it is read-only".into()),
-        _ => {}
-    }
+    let refuse = |why: &str| Err(Failure::failed(format!("cannot write '{}': {why}", path.display())));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match tempfile::Builder::new().prefix(".steradian-").tempfile_in(folder) {
-        Ok(_) => Ok(()),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            refuse(format!("there is no folder '{}'", folder.display()))
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => refuse("it is a folder"),
+        Ok(there) if there.is_file() && there.permissions().readonly() => refuse("it is read-only"),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound && !folder.exists() => {
+            refuse(&format!("there is no folder '{}'", folder.display()))
         }
-        Err(e) => refuse(e.to_string()),
+        _ => image::check_place(path).map_err(|e| Failure::failed(e.to_string())),
     }
 }
 
@@ -123,14 +158,45 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
     m.set("steradian:nonfinite_dropped", integer(provenance.nonfinite));
 }
 
-/// Writes all files, those after one that fails too.
+/// Writes all files, those after one that fails too; gives the names they have. A picture that is not whole, since some pixels have no
+/// sample, leaves older files alone and is written beside them.
 ///
 /// # Errors
-/// [`Failure`] listing the files that could not be written.
-pub fn save(paths: &[PathBuf], picture: &Image, options: &WriteOptions) -> Result<(), Failure> {
-    let faults: Vec<String> =
-        paths.iter().filter_map(|p| image::write(p, picture, options).err()).map(|e| e.to_string()).collect();
-    if faults.is_empty() { Ok(()) } else { Err(Failure::failed(faults.join("\n"))) }
+/// [`Failure`] that lists the files that could not be written, and says where the picture was kept instead.
+pub fn save(
+    paths: &[PathBuf],
+    picture: &Image,
+    options: &WriteOptions,
+    is_whole: bool,
+) -> Result<Vec<PathBuf>, Failure> {
+    let (mut written, mut faults) = (Vec::new(), Vec::new());
+    for path in paths {
+        let replaces = std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0);
+        let path = if is_whole || !replaces { path.clone() } else { marked(path, "partial") };
+        match image::write(&path, picture, options) {
+            Ok(()) => written.push(path),
+            Err(e) => faults.push(e.to_string()),
+        }
+    }
+    if faults.is_empty() {
+        return Ok(written);
+    }
+    // One file with all there is to it is enough to make the others from.
+    let whole = written.iter().find(|path| FileKind::from_extension(path) == Some(FileKind::Exr));
+    faults.push(match whole.cloned().or_else(|| rescue(picture, options)) {
+        Some(kept) => {
+            format!("the picture is kept in '{0}': 'steradian convert {0} OUT' goes on from it", kept.display())
+        }
+        None => "and the picture could not be kept among the temporary files either".into(),
+    });
+    Err(Failure::failed(faults.join("\n")))
+}
+
+/// Writes a picture that has no other place among the temporary files.
+fn rescue(picture: &Image, options: &WriteOptions) -> Option<PathBuf> {
+    let file = tempfile::Builder::new().prefix("steradian-").suffix(".exr").tempfile().ok()?;
+    image::write(file.path(), picture, options).ok()?;
+    file.into_temp_path().keep().ok()
 }
 
 /// The paths in a list.
@@ -149,6 +215,55 @@ mod tests {
         assert_eq!(of("/a/b.c/scene-v4.pbrt.gz"), "scene-v4.exr, scene-v4.png");
         assert_eq!(of("x/room.night.xml"), "room.night.exr, room.night.png");
         assert_eq!(of(".."), "scene.exr, scene.png");
+    }
+
+    #[test]
+    fn default_names_step_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let names = vec![at("spot.exr"), at("spot.png")];
+        let free = |inputs: &[&str]| {
+            let inputs: Vec<PathBuf> = inputs.iter().map(|name| at(name)).collect();
+            listed(&free_names(names.clone(), &Inputs::of(inputs.iter().map(PathBuf::as_path))))
+        };
+        let both = |word: &str| listed(&[at(&format!("spot{word}.exr")), at(&format!("spot{word}.png"))]);
+        assert_eq!(free(&["spot.obj"]), both(""));
+        assert_eq!(free(&["spot.png"]), both(".render"));
+        assert_eq!(free(&["spot.png", "spot.render.exr"]), both(".render2"));
+    }
+
+    #[test]
+    fn what_is_not_whole_goes_beside_older_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let picture = Image::from_rgb(1, 1, &[[0.5; 3]]).unwrap();
+        let save = |is_whole| save(&[at("a.exr")], &picture, &WriteOptions::default(), is_whole).unwrap();
+        assert_eq!(save(false), [at("a.exr")]);
+        std::fs::write(at("a.exr"), b"older").unwrap();
+        assert_eq!(save(false), [at("a.partial.exr")]);
+        assert_eq!(std::fs::read(at("a.exr")).unwrap(), b"older");
+        assert_eq!(save(true), [at("a.exr")]);
+        assert_ne!(std::fs::read(at("a.exr")).unwrap(), b"older");
+    }
+
+    #[test]
+    fn a_picture_that_cannot_be_written_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let picture = Image::from_rgb(1, 1, &[[0.5; 3]]).unwrap();
+        let save = |names: &[&str]| {
+            let paths: Vec<PathBuf> = names.iter().map(|name| at(name)).collect();
+            save(&paths, &picture, &WriteOptions::default(), true).unwrap_err().message
+        };
+        assert!(save(&["no/a.png", "b.exr"]).contains("b.exr OUT"));
+        let message = save(&["no/a.exr"]);
+        let kept = PathBuf::from(message.split('\'').nth(1).unwrap());
+        assert_eq!(
+            image::read(&kept, &image::Limits::default()).unwrap().channel("R"),
+            picture.channel("R"),
+            "{message}"
+        );
+        std::fs::remove_file(kept).unwrap();
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! How far a render is: a bar on a terminal, a line every ten seconds elsewhere.
+//! How far a render is: a bar on a terminal; elsewhere a line when each pixel has a sample, and then every ten seconds.
 
 use crate::terminal::Terminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -9,6 +9,8 @@ use std::{
 
 /// How often a line is written where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
+/// When the first line is written, if each pixel has a sample by then.
+const FIRST_LINE: Duration = Duration::from_secs(1);
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
 
@@ -88,8 +90,8 @@ pub fn clock(time: Duration) -> String {
 pub enum Progress {
     /// On a terminal.
     Bar(ProgressBar),
-    /// Elsewhere: since the last line.
-    Lines(Terminal, Instant),
+    /// Elsewhere: with the moment of the last line.
+    Lines(Terminal, Option<Instant>),
     /// Not at all.
     Silent,
 }
@@ -101,7 +103,7 @@ impl Progress {
             return Self::Silent;
         }
         if !std::io::stderr().is_terminal() {
-            return Self::Lines(terminal, Instant::now());
+            return Self::Lines(terminal, None);
         }
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
         if let Ok(style) = ProgressStyle::with_template("{bar:8} {wide_msg}") {
@@ -117,11 +119,19 @@ impl Progress {
                 bar.set_position((snapshot.fraction() * STEPS as f64) as u64);
                 bar.set_message(snapshot.line());
             }
-            Self::Lines(terminal, last) if last.elapsed() >= LINE_EVERY => {
-                *last = Instant::now();
-                terminal.say(snapshot.line().trim_start());
+            Self::Lines(terminal, last) => {
+                let is_due = match last {
+                    Some(last) => last.elapsed() >= LINE_EVERY,
+                    None => {
+                        snapshot.elapsed >= if snapshot.samples < snapshot.pixels { LINE_EVERY } else { FIRST_LINE }
+                    }
+                };
+                if is_due {
+                    *last = Some(Instant::now());
+                    terminal.say(snapshot.line().trim_start());
+                }
             }
-            Self::Lines(..) | Self::Silent => {}
+            Self::Silent => {}
         }
     }
 

@@ -7,8 +7,9 @@ use crate::{
     terminal::Terminal,
 };
 use serde::Serialize;
+use std::path::PathBuf;
 use steradian::{
-    ColorMode, CompileOptions, Scene,
+    ColorMode, CompileOptions, Inputs, Scene,
     instruments::{
         direction,
         goniometer::{self, Bins},
@@ -30,6 +31,8 @@ const AZIMUTHS: [f64; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0];
 pub struct Relief {
     scene: Scene,
     is_isotropic: bool,
+    /// The files that it was made of.
+    pub inputs: Inputs,
 }
 
 /// What it sends back of the light from a direction.
@@ -63,7 +66,8 @@ impl Relief {
         let compiled = steradian::compile(&desc, &CompileOptions { mode: Some(mode), ..CompileOptions::default() });
         diagnostics::tell(&compiled.diagnostics, terminal);
         let fault = || Failure::bad_input(format!("the geometry of '{}' has errors", args.material));
-        Ok(Some(Self { scene: compiled.scene.ok_or_else(fault)?, is_isotropic: args.geometry.is_none() }))
+        let inputs = Inputs::of(desc.files().chain(compiled.files.iter().map(PathBuf::as_path)));
+        Ok(Some(Self { scene: compiled.scene.ok_or_else(fault)?, is_isotropic: args.geometry.is_none(), inputs }))
     }
 
     /// The share of light from an angle that comes back.

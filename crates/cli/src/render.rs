@@ -13,10 +13,14 @@ use crate::{
     values::MAX_SPP,
     watch::{self, Stop},
 };
-use std::{path::Path, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 use steradian::{
     ColorMode, Layer, Quality, Scene, Session,
     image::FileKind,
+    inputs::is_same_file,
     resume::{self, Recipe},
 };
 
@@ -27,7 +31,7 @@ const DEFAULT_SCENE: &str = "builtin:cornell-box";
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     // Everything that can be wrong with the command line is found before anything takes long.
     let name = args.scene.as_deref().unwrap_or(DEFAULT_SCENE);
-    let outputs = if args.output.is_empty() { output::default_names(name) } else { args.output.clone() };
+    let mut outputs = if args.output.is_empty() { output::default_names(name) } else { args.output.clone() };
     let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
     let quality = quality(args);
     if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
@@ -35,12 +39,26 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     let write_options = args.files.write_options().map_err(Failure::bad_input)?;
     outputs.iter().chain(&args.resume).try_for_each(|o| output::check_writable(o))?;
+    if let Some(state) = &args.resume {
+        check_state(state, &outputs)?;
+    }
 
     open::limit_threads(args.scene_options.threads);
     let opened = open::open(name, &args.scene_options, quality.spp);
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
-    let Ready { scene, counts, load, build } = opened.into_scene(name, args.scene_options.strict, terminal)?;
+    let ready = opened.into_scene(name, args.scene_options.strict, terminal)?;
+    let Ready { scene, inputs, counts, load, build } = ready;
+    if args.output.is_empty() {
+        let free = output::free_names(outputs.clone(), &inputs);
+        if free != outputs {
+            let read = outputs.iter().find(|o| inputs.find(o).is_some()).unwrap_or(&outputs[0]);
+            let free = output::listed(&free);
+            terminal.say(&format!("the scene reads '{}': the picture goes to {free}", read.display()));
+        }
+        outputs = free;
+    }
+    output::keep_inputs(outputs.iter().chain(&args.resume).map(PathBuf::as_path), &inputs)?;
     let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
@@ -93,7 +111,13 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         caustics: session.asks_photons(),
     };
     output::label(&mut picture, &scene, &provenance);
-    output::save(&outputs, &picture, &write_options)?;
+    let written = output::save(&outputs, &picture, &write_options, empty_pixels == 0).map_err(|mut failure| {
+        if let (Some(keeper), Ok(())) = (&keeper, &kept) {
+            failure.message +=
+                &format!("\nthe render is kept in '{}': the same command goes on from it", keeper.path.display());
+        }
+        failure
+    })?;
 
     let report = Report {
         schema: 1,
@@ -124,7 +148,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
             Stop::Error => "error",
             Stop::Signal(signal) => signals::name(signal),
         }),
-        outputs: &outputs,
+        outputs: &written,
         diagnostics: counts,
     };
     tell(&report, stop, terminal);
@@ -132,7 +156,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if let (Some(keeper), Some(_)) = (&keeper, stop) {
         terminal.say(&format!("the same command goes on from {}", keeper.path.display()));
     }
-    terminal.say(&format!("wrote {}", output::listed(&outputs)));
+    if written != outputs {
+        terminal.warn(&format!("{} stays as it was, for this picture is not whole", output::listed(&outputs)));
+    }
+    terminal.say(&format!("wrote {}", output::listed(&written)));
     if args.json {
         terminal::json(&report)?;
     }
@@ -140,6 +167,19 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         Some(Stop::Signal(signal)) => 128 + signal,
         _ => failure::DONE,
     })
+}
+
+/// Refuses names under which a render cannot be kept.
+fn check_state(state: &Path, outputs: &[PathBuf]) -> Result<(), Failure> {
+    let refuse = |why: String| Err(Failure::bad_input(format!("--resume '{}': {why}", state.display())));
+    if let Some(output) = outputs.iter().find(|output| is_same_file(state, output)) {
+        return refuse(format!("the picture would overwrite it, for it is written to '{}'", output.display()));
+    }
+    // To open a pipe waits for someone to write.
+    match std::fs::metadata(state) {
+        Ok(there) if !there.is_file() => refuse("it is not a regular file, and a render cannot be kept in it".into()),
+        _ => Ok(()),
+    }
 }
 
 /// Keeps a session in a file.

@@ -3,13 +3,18 @@
 use crate::{
     args::SignalArgs,
     failure::{self, Failure, Outcome},
+    output,
     terminal::{self, Terminal},
 };
 use serde::Serialize;
-use steradian::image::{
-    self, Limits, WriteOptions,
-    signal::{Dft, Peak, Prefilter, panels, peaks, spectrum_svg},
-    write_whole,
+use std::path::PathBuf;
+use steradian::{
+    Inputs,
+    image::{
+        self, Limits, WriteOptions,
+        signal::{Dft, Peak, Prefilter, panels, peaks, spectrum_svg},
+        write_whole,
+    },
 };
 
 /// Most pixels of a picture: its transform takes 32 bytes for each.
@@ -34,6 +39,7 @@ struct Spectrum {
 
 /// Reads, transforms, tells, draws.
 pub fn run(args: &SignalArgs, terminal: Terminal) -> Outcome {
+    output::keep_inputs(args.output.iter().map(PathBuf::as_path), &Inputs::of([args.input.as_path()]))?;
     let limits = Limits { pixels: MOST_PIXELS, ..Limits::default() };
     let picture = image::read(&args.input, &limits).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height, step) = (picture.width(), picture.height(), args.step as usize);

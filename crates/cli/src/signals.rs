@@ -39,6 +39,12 @@ impl Signals {
     }
 }
 
+/// Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end the process.
+pub fn answer_limits() {
+    #[cfg(unix)]
+    let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
+
 /// The name of a signal that [`Signals`] watches.
 pub fn name(signal: u8) -> &'static str {
     match i32::from(signal) {

@@ -35,7 +35,7 @@ mod voxel_grid;
 mod write;
 
 pub use self::image::{Channel, Image, Metadata, RgbPlanes, Value, Window};
-pub use atomic::{stream_whole, write_whole};
+pub use atomic::{check_place, stream_whole, write_whole};
 pub use encoding::Encoding;
 pub use error::{Error, Result};
 pub use limits::Limits;

@@ -2,11 +2,14 @@
 
 use crate::{
     mesh::Mesh,
-    node::{Node, NodeId},
+    node::{Node, NodeId, Value},
     source::{Sources, Span},
 };
 use serde::{Deserialize, Serialize};
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 use steradian_math::Transform;
 
 /// Where a description comes from; decides the defaults the format promises.
@@ -144,6 +147,16 @@ impl SceneDesc {
     /// If the id is not of this description.
     pub fn node_mut(&mut self, id: NodeId) -> &mut Node {
         &mut self.nodes[id.0 as usize]
+    }
+
+    /// Every file that the scene is made of: those that were read for the description, and those that its nodes name, which
+    /// compiling reads. Some may come twice.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let named = self.nodes.iter().flat_map(|node| &node.params).filter_map(|param| match &param.value {
+            Value::Path(path) => Some(path.as_path()),
+            _ => None,
+        });
+        self.path.as_deref().into_iter().chain(self.sources.paths()).chain(named)
     }
 
     /// Triangles and patches of the world, instances counted each time they are placed.

@@ -3,7 +3,8 @@
 use crate::lines::Lines;
 use serde::{Deserialize, Serialize};
 use std::{
-    path::PathBuf,
+    collections::BTreeSet,
+    path::{Path, PathBuf},
     sync::{Arc, OnceLock},
 };
 
@@ -52,6 +53,8 @@ pub struct Source {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Sources {
     files: Vec<Source>,
+    /// Files that were read and are never quoted.
+    unquoted: BTreeSet<PathBuf>,
 }
 
 impl Sources {
@@ -59,6 +62,16 @@ impl Sources {
     pub fn add(&mut self, path: impl Into<PathBuf>, text: impl Into<Arc<[u8]>>) -> FileId {
         self.files.push(Source { path: path.into(), text: text.into(), lines: OnceLock::new() });
         FileId(self.files.len() as u32 - 1)
+    }
+
+    /// Notes a file that was read and that no message will quote.
+    pub fn note(&mut self, path: impl Into<PathBuf>) {
+        self.unquoted.insert(path.into());
+    }
+
+    /// The paths of all files that were read: those with an id in the order of it, then the others.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|file| file.path.as_path()).chain(self.unquoted.iter().map(PathBuf::as_path))
     }
 
     /// The file with this id.

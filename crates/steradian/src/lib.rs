@@ -16,6 +16,7 @@ pub mod bench;
 pub mod cornell;
 pub mod develop;
 mod error;
+pub mod inputs;
 pub mod load;
 pub mod quality;
 pub mod resume;
@@ -23,6 +24,7 @@ pub mod specimen;
 
 pub use develop::{Layer, develop};
 pub use error::Error;
+pub use inputs::Inputs;
 pub use load::{Loaded, load};
 pub use quality::Quality;
 pub use steradian_accel as accel;

@@ -6,6 +6,7 @@
 mod benches;
 mod lists;
 mod materials;
+mod outputs;
 mod pictures;
 mod render;
 mod scenes;

@@ -7,26 +7,38 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Starts a render that takes hours and waits until it has begun.
-fn start(place: &Place) -> (Child, BufReader<std::process::ChildStderr>) {
-    let arguments = ["render", "--size", "64x64", "--spp", "10000000", "--json", "-o", "kept.exr"];
+/// Starts a render and waits until it has begun.
+fn start(place: &Place, more: &[&str]) -> (Child, BufReader<std::process::ChildStderr>) {
+    let arguments = [&["render", "--spp", "10000000", "--json", "-o", "kept.exr"], more].concat();
     let mut child = place.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     stderr.read_line(&mut line).unwrap();
     assert!(line.starts_with("rendering "), "{line}");
-    std::thread::sleep(Duration::from_millis(400));
     (child, stderr)
+}
+
+/// Waits for a line that says that each pixel has samples.
+fn sampled(stderr: &mut impl BufRead) {
+    let mut line = String::new();
+    while stderr.read_line(&mut line).unwrap() > 0 {
+        let spp = line.split(" · ").nth(1).and_then(|part| part.split('/').next()?.parse::<u32>().ok());
+        if spp.is_some_and(|spp| spp >= 1) {
+            return;
+        }
+        line.clear();
+    }
+    panic!("the render ended");
 }
 
 fn send(signal: &str, child: &Child) {
     assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
 }
 
-/// The exit code, within seconds.
+/// The exit code; `None` for a process that does not end at all.
 fn code(child: &mut Child) -> Option<i32> {
     let since = Instant::now();
-    while since.elapsed() < Duration::from_secs(30) {
+    while since.elapsed() < Duration::from_secs(300) {
         if let Some(status) = child.try_wait().unwrap() {
             return status.code();
         }
@@ -40,7 +52,8 @@ fn code(child: &mut Child) -> Option<i32> {
 fn a_signal_stops_and_saves() {
     for (signal, expected, name) in [("-INT", 130, "SIGINT"), ("-TERM", 143, "SIGTERM")] {
         let place = Place::new();
-        let (mut child, mut stderr) = start(&place);
+        let (mut child, mut stderr) = start(&place, &["--size", "64x64"]);
+        sampled(&mut stderr);
         send(signal, &child);
         assert_eq!(code(&mut child), Some(expected), "{signal}");
         let (mut said, mut told) = (String::new(), String::new());
@@ -54,6 +67,40 @@ fn a_signal_stops_and_saves() {
         assert!(picture.channel("G").unwrap().iter().all(|v| v.is_finite()));
         assert!(picture.channel("G").unwrap().iter().any(|v| *v > 0.0));
     }
+}
+
+/// A picture of which there is hardly anything yet does not take the place of an older one.
+#[test]
+fn a_picture_that_is_not_whole_leaves_the_older_one() {
+    let place = Place::new();
+    place.file("kept.exr", "the older one");
+    // Long enough for the signal to come before each of the pixels has a sample.
+    let (mut child, mut stderr) = start(&place, &["--size", "1600x1600", "--threads", "1", "--compression", "none"]);
+    send("-INT", &child);
+    assert_eq!(code(&mut child), Some(130));
+    let (mut said, mut told) = (String::new(), String::new());
+    stderr.read_to_string(&mut said).unwrap();
+    child.stdout.take().unwrap().read_to_string(&mut told).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&told).unwrap();
+    assert!(json["empty_pixels"].as_u64().unwrap() > 0, "{json}");
+    assert_eq!(json["outputs"], serde_json::json!(["kept.partial.exr"]));
+    assert!(said.contains("kept.exr stays") && said.contains("wrote kept.partial.exr"), "{said}");
+    assert_eq!(std::fs::read(place.path("kept.exr")).unwrap(), b"the older one");
+    assert_eq!(place.picture("kept.partial.exr").width(), 1600);
+}
+
+/// Files that the system does not let grow are a message, not the end of the process.
+#[test]
+fn a_limit_on_the_size_of_files_is_told() {
+    let place = Place::new();
+    let program = place.command(&[]).get_program().to_owned();
+    let mut shell = Command::new("sh");
+    let line = "ulimit -f 1; exec \"$0\" render --size 64x64 --spp 1 --compression none -o a.exr";
+    let run = shell.args(["-c", line]).arg(program).current_dir(&place.0).output().unwrap();
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(1), "{said}");
+    assert!(said.contains("a.exr") && said.contains("too large") && said.contains("could not be kept"), "{said}");
+    assert_eq!(std::fs::read_dir(&place.0).unwrap().count(), 0);
 }
 
 /// A render that is stopped by time again and again ends with the bits of one that is not; another one is refused, and the file kept.

@@ -35,11 +35,12 @@ impl Compiler<'_> {
         }
     }
 
-    fn read_measured(&self, path: &Path, wanted: Wanted) -> Result<MeasuredData, String> {
+    fn read_measured(&mut self, path: &Path, wanted: Wanted) -> Result<MeasuredData, String> {
         let bytes = read(path).map_err(|e| e.to_string())?;
         if let Some(text) = std::str::from_utf8(&bytes).ok().filter(|t| is_btf_index(t)) {
             let lines = btf::index(text).map_err(|e| e.to_string())?;
             let folder = path.parent().unwrap_or(Path::new(""));
+            self.files.extend(lines.iter().map(|line| folder.join(&line.2)));
             let limits = self.options.image_limits;
             let open = |file: &std::path::PathBuf| {
                 let texels = steradian_image::read_texels(&folder.join(file), &limits).map_err(|e| e.to_string())?;

@@ -76,6 +76,8 @@ pub struct Compiled {
     pub diagnostics: Diagnostics,
     /// Time spent on the hierarchy.
     pub build_time: Duration,
+    /// Files that were read besides those that the description names: the pictures of indices of measurements.
+    pub files: Vec<PathBuf>,
 }
 
 /// A material that was compiled: its index, and the opacity a mask gave it.
@@ -101,6 +103,8 @@ struct Compiler<'a> {
     textures: Textures,
     texture_ids: HashMap<NodeId, TextureId>,
     grids: HashMap<PathBuf, Arc<steradian_image::VoxelGrid>>,
+    /// Files that were read and that the description does not name.
+    files: Vec<PathBuf>,
     images: HashMap<PathBuf, Result<Loaded<Arc<Texels>>, String>>,
     /// Images of textures that are kept in `pages`, where textures are limited.
     paged: HashMap<PathBuf, Result<Loaded<Level>, String>>,
@@ -137,6 +141,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         texture_ids: HashMap::new(),
         images: HashMap::new(),
         grids: HashMap::new(),
+        files: Vec::new(),
         paged: HashMap::new(),
         pages: None,
         levels: Vec::new(),
@@ -154,7 +159,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
     };
     let (scene, build_time) = c.run();
     let scene = if c.diagnostics.has_errors() { None } else { scene };
-    Compiled { scene, diagnostics: c.diagnostics, build_time }
+    Compiled { scene, diagnostics: c.diagnostics, build_time, files: c.files }
 }
 
 impl Compiler<'_> {

@@ -72,7 +72,8 @@ impl Reader<'_> {
         let limits = &self.options.limits;
         let read: Vec<Result<(Mesh, Option<String>), String>> =
             jobs.par_iter().map(|(key, ..)| load(key, limits)).collect();
-        for ((_, index, span), mesh) in jobs.into_iter().zip(read) {
+        for ((key, index, span), mesh) in jobs.into_iter().zip(read) {
+            self.desc.sources.note(key.path);
             match mesh {
                 Ok((mesh, warning)) => {
                     self.desc.meshes[index] = Arc::new(mesh);

@@ -94,7 +94,7 @@ impl Parser<'_> {
     }
 
     /// The value that attributes alone state, or what is wrong with them.
-    fn simple_value(&self, tag: &str, file: &File, attributes: &Attributes<'_>) -> Result<Raw, String> {
+    fn simple_value(&mut self, tag: &str, file: &File, attributes: &Attributes<'_>) -> Result<Raw, String> {
         let text = attributes.text("value").unwrap_or_default();
         Ok(match tag {
             "float" => Raw::Float(values::number(text)?),
@@ -151,11 +151,12 @@ impl Parser<'_> {
         composed
     }
 
-    fn spectrum_file(&self, name: &str) -> Result<SpectrumValue, String> {
+    fn spectrum_file(&mut self, name: &str) -> Result<SpectrumValue, String> {
         let path = self.search.find(name).map_err(|e| e.to_string())?;
         let limits = &self.options.limits;
         let limits = Limits { file_bytes: limits.file_bytes.min(SPECTRUM_BYTES), ..limits.clone() };
         let bytes = files::read(&path, &limits).map_err(|e| e.to_string())?;
+        self.sources.note(&path);
         values::spectrum_file(&String::from_utf8_lossy(&bytes)).map_err(|e| format!("'{}', {e}", path.display()))
     }
 }

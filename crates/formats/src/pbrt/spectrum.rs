@@ -127,6 +127,7 @@ fn named(scene: &mut Scene, p: &Param, name: &str) -> Option<SpectrumValue> {
     if let Some(known) = scene.spectra.get(&path) {
         return known.clone();
     }
+    scene.report.sources.note(&path);
     let read = files::read(&path, &scene.options.limits).map_err(|e| e.to_string()).and_then(|bytes| {
         let curve = spectra::parse::parse_spd(&String::from_utf8_lossy(&bytes));
         curve.map_err(|e| format!("cannot read the spectrum '{}': {e}", path.display()))

@@ -1,0 +1,133 @@
+//! What is written: never over what is read, never lost, never late to fail.
+
+use crate::{Place, Run};
+use std::path::Path;
+use steradian::image::{Image, WriteOptions, write};
+
+/// A picture of 4 × 4 pixels.
+fn paint(path: &Path) {
+    let pixels: Vec<[f32; 3]> = (0..16).map(|i| [0.1 + i as f32 / 20.0, 0.5, 0.25]).collect();
+    write(path, &Image::from_rgb(4, 4, &pixels).unwrap(), &WriteOptions::default()).unwrap();
+}
+
+const SPECTRUM: &str = "400 0.1\n500 0.5\n700 0.9\n";
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+                   property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+/// A model with a texture of its own name, a scene with a sky of its own name, and one of each kind of file that scenes name.
+fn place() -> Place {
+    let place = Place::new();
+    paint(&place.path("spot.png"));
+    paint(&place.path("sky.exr"));
+    paint(&place.path("wall.png"));
+    place
+        .file("spot.obj", "mtllib spot.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
+        .file("spot.mtl", "newmtl m\nmap_Kd spot.png\n")
+        .file("red.spd", SPECTRUM)
+        .file("part.ply", PLY)
+        .file("more.pbrt", "Shape \"sphere\"\n")
+        .file(
+            "sky.pbrt",
+            "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\"\nWorldBegin\n\
+             LightSource \"infinite\" \"string filename\" \"sky.exr\"\nTexture \"w\" \"spectrum\" \"imagemap\" \"string filename\" \
+             \"wall.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"w\"\nShape \"plymesh\" \"string filename\" \"part.ply\"\n\
+             Material \"diffuse\" \"spectrum reflectance\" \"red.spd\"\nInclude \"more.pbrt\"\n",
+        )
+        .file(
+            "room.xml",
+            "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/><shape type='ply'>\
+             <string name='filename' value='part.ply'/><bsdf type='diffuse'><spectrum name='reflectance' filename='red.spd'/></bsdf>\
+             </shape></scene>",
+        );
+    place
+}
+
+const QUICK: [&str; 5] = ["--spp", "1", "--size", "8x8", "--json"];
+
+/// All files of the place.
+fn contents(place: &Place) -> Vec<(String, Vec<u8>)> {
+    let mut files: Vec<_> = std::fs::read_dir(place.0.path())
+        .unwrap()
+        .map(|e| e.unwrap())
+        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn nothing_that_is_read_is_overwritten() {
+    let place = place();
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("wall.png", place.path("link.png")).unwrap();
+        std::fs::hard_link(place.path("wall.png"), place.path("hard.png")).unwrap();
+    }
+    let before = contents(&place);
+    let refused = |arguments: &[&str], file: &str| place.refuse(2, arguments, &[file, "overwritten"]);
+    let render = |scene: &str, more: &[&str], file: &str| {
+        refused(&[&["render", scene][..], &QUICK, more].concat(), file);
+    };
+    render("spot.obj", &["-o", "spot.png"], "spot.png");
+    render("spot.obj", &["-o", "new.exr", "-o", "./spot.png"], "spot.png");
+    render("sky.pbrt", &["-o", "sky.exr"], "sky.exr");
+    render("sky.pbrt", &["-o", "wall.png"], "wall.png");
+    render("sky.pbrt", &["-o", "new.png", "--resume", "red.spd"], "red.spd");
+    render("sky.pbrt", &["-o", "new.png", "--resume", "part.ply"], "part.ply");
+    render("sky.pbrt", &["-o", "new.png", "--resume", "more.pbrt"], "more.pbrt");
+    render("sky.pbrt", &["-o", "new.png", "--resume", "sky.pbrt"], "sky.pbrt");
+    for file in ["part.ply", "red.spd", "room.xml"] {
+        render("room.xml", &["-o", "new.png", "--resume", file], file);
+    }
+    #[cfg(unix)]
+    for name in ["link.png", "hard.png"] {
+        render("sky.pbrt", &["-o", name], "wall.png");
+    }
+    let material = |more: &[&str], file: &str| refused(&[&["material"][..], more].concat(), file);
+    material(&["diffuse", "-p", "reflectance=wall.png", "--picture", "wall.png"], "wall.png");
+    material(&["diffuse", "-p", "reflectance=wall.png", "--plot", "wall.png"], "wall.png");
+    material(&["diffuse", "-p", "reflectance=wall.png", "--table", "wall.png"], "wall.png");
+    material(&["sky.pbrt:default", "--table", "red.spd"], "red.spd");
+    refused(&["convert", "wall.png", "wall.png"], "wall.png");
+    refused(&["signal", "wall.png", "-o", "wall.png"], "wall.png");
+    assert_eq!(contents(&place), before);
+}
+
+/// Default names that are taken by what is read step aside, and the program says so.
+#[test]
+fn default_names_step_aside() {
+    let place = place();
+    let before = contents(&place);
+    for (scene, read) in [("spot.obj", "spot.png"), ("sky.pbrt", "sky.exr")] {
+        let Run { stdout, stderr, .. } = place.succeed(&[&["render", scene][..], &QUICK].concat());
+        let stem = scene.split('.').next().unwrap();
+        assert!(stderr.contains(read) && stderr.contains(&format!("{stem}.render.png")), "{stderr}");
+        for extension in ["exr", "png"] {
+            let name = format!("{stem}.render.{extension}");
+            assert!(stdout.contains(&name) && place.picture(&name).width() == 8, "{stdout}");
+        }
+    }
+    let after = contents(&place);
+    assert!(before.iter().all(|file| after.contains(file)));
+    assert_eq!(after.len(), before.len() + 4);
+}
+
+/// What keeps a picture from being written is told before it is rendered: a render of hours would not end within this test.
+#[test]
+fn places_that_cannot_be_written_are_refused_beforehand() {
+    let place = place();
+    let endless = ["render", "--size", "64x64", "--spp", "10000000", "--quiet"];
+    let refuse = |code: i32, more: &[&str], about: &[&str]| place.refuse(code, &[&endless[..], more].concat(), about);
+    let long = "n".repeat(252) + ".exr";
+    refuse(1, &["-o", &long], &["nnn"]);
+    refuse(1, &["-o", "none/a.exr"], &["none/a.exr", "no folder"]);
+    refuse(1, &["-o", "a.png", "--resume", &long], &["nnn"]);
+    refuse(2, &["-o", "state.exr", "--resume", "./state.exr"], &["state.exr", "overwrite"]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("loop.exr", place.path("loop.exr")).unwrap();
+        refuse(1, &["-o", "loop.exr"], &["loop.exr"]);
+        assert!(std::process::Command::new("mkfifo").arg(place.path("pipe")).status().unwrap().success());
+        refuse(2, &["-o", "a.png", "--resume", "pipe"], &["pipe", "not a regular file"]);
+    }
+}
