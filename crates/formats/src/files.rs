@@ -1,6 +1,9 @@
 //! Finding and reading files.
 
-use crate::Limits;
+use crate::{
+    Limits,
+    limits::{MOST_OF_TEXT, unpacked},
+};
 use std::{
     collections::HashMap,
     io::Read,
@@ -29,7 +32,7 @@ pub enum FileError {
         cause: std::io::Error,
     },
     /// A compressed file that is nearly empty.
-    #[error("'{}' unpacks to more than {PACKED_MOST} times its size; it is not read", .path.display())]
+    #[error("'{}' unpacks to more than {MOST_OF_TEXT} times its size; it is not read", .path.display())]
     Bomb {
         /// Which file.
         path: PathBuf,
@@ -88,11 +91,6 @@ impl SearchPath {
     }
 }
 
-/// Most bytes that a byte of a compressed file may stand for, in files that unpack to more than [`PACKED_FREE`]. Scenes reach ten.
-const PACKED_MOST: u64 = 200;
-/// Bytes that any compressed file may unpack to.
-const PACKED_FREE: u64 = 16 << 20;
-
 /// Reads a whole file; one that starts as gzip is unpacked. Never holds more than [`Limits::file_bytes`].
 ///
 /// # Errors
@@ -112,13 +110,13 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     let file = std::fs::File::open(path).map_err(io)?;
     file.take(limits.file_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
     if bytes.starts_with(&[0x1f, 0x8b]) {
-        let plausible = PACKED_FREE.max(bytes.len() as u64 * PACKED_MOST);
-        let mut unpacked = Vec::new();
+        let plausible = unpacked(bytes.len(), MOST_OF_TEXT);
+        let mut plain = Vec::new();
         flate2::read::MultiGzDecoder::new(bytes.as_slice())
             .take(limits.file_bytes.min(plausible) + 1)
-            .read_to_end(&mut unpacked)
+            .read_to_end(&mut plain)
             .map_err(io)?;
-        bytes = unpacked;
+        bytes = plain;
         if bytes.len() as u64 > plausible {
             return Err(FileError::Bomb { path: path.into() });
         }

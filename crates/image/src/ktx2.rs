@@ -3,7 +3,7 @@
 
 use crate::block::BlockFormat;
 use crate::container::{self, Layout, u32_at, u64_at};
-use crate::limits::within;
+use crate::limits::{MOST_DEFLATED, within};
 use crate::{Error, FileKind, Limits, Result, TexelData, Texels};
 use std::io::Read;
 
@@ -90,8 +90,8 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
         0 => container::decode(KIND, layout, srgb, size, data, limits)?,
         3 => {
             limits.check(KIND, size.0, size.1, 8)?;
-            // Deflate makes at most 1032 bytes of one.
-            let needed = layout.bytes(size.0, size.1).filter(|n| n / 1100 <= data.len() as u64 && *n <= inflated);
+            let most = (data.len() as u64).saturating_mul(MOST_DEFLATED);
+            let needed = layout.bytes(size.0, size.1).filter(|&n| n <= most && n <= inflated);
             let Some(needed) = needed else {
                 return Err(Error::TooShort { kind: KIND, width, height, bytes: data.len() as u64 });
             };

@@ -57,8 +57,17 @@ impl Limits {
     }
 }
 
+/// Deflate packs at most so many bytes into one (RFC 1951: a match of 258 bytes in two bits).
+pub(crate) const MOST_DEFLATED: u64 = 1032;
+
 /// Most metadata entries of a file; far more than any real one has.
 const METADATA_ENTRIES: u64 = 4096;
+
+/// Most bytes of metadata of a file as they are stored.
+pub(crate) const METADATA_BYTES: usize = 64 << 20;
+
+/// Most bytes of all metadata of a file that are packed in it, once they are unpacked. Entries beyond it are left out.
+pub(crate) const METADATA_INFLATED: usize = 4 << 20;
 
 /// Refuses files that are made of metadata.
 pub(crate) fn check_metadata(entries: usize) -> Result<()> {

@@ -3,18 +3,20 @@
 //! Stored values are taken as sRGB encoded, 16-bit ones too, as pbrt-v4 and Mitsuba 3 do. A `gAMA` chunk is not applied; it is
 //! reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
-use crate::limits::{check_metadata, within};
+use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, within};
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
 use png::{BitDepth, ColorType, Transformations};
 
 const KIND: FileKind = FileKind::Png;
 
-/// Deflate cannot do better than 1032 to 1, and a pixel takes an eighth of a byte at least.
-const MAX_PIXELS_PER_BYTE: f64 = 1032.0 * 8.0;
+/// A pixel takes an eighth of a byte at least.
+const MAX_PIXELS_PER_BYTE: f64 = MOST_DEFLATED as f64 * 8.0;
 
 pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
-    let mut decoder =
-        png::Decoder::new_with_limits(std::io::Cursor::new(bytes), png::Limits { bytes: limits.bytes as usize });
+    let metadata = png::Limits { bytes: METADATA_BYTES.min(limits.bytes as usize) };
+    let mut decoder = png::Decoder::new_with_limits(std::io::Cursor::new(bytes), metadata);
+    // Profiles are not applied, so they are not unpacked.
+    decoder.set_ignore_iccp_chunk(true);
     // Palettes, 1 to 4 bit samples and transparent colours become 8 bit samples and alpha.
     decoder.set_transformations(Transformations::EXPAND);
     let info = decoder.read_header_info().map_err(explain)?;
@@ -54,13 +56,32 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     if let Some(gamma) = info.gama_chunk {
         texels.metadata.set("gamma", Value::Float(gamma.into_value()));
     }
-    check_metadata(info.uncompressed_latin1_text.len() + info.utf8_text.len())?;
+    check_metadata(info.uncompressed_latin1_text.len() + info.compressed_latin1_text.len() + info.utf8_text.len())?;
     for chunk in &info.uncompressed_latin1_text {
         texels.metadata.set_text(chunk.keyword.clone(), chunk.text.clone());
     }
+    // What is packed is unpacked within bounds; a text that is longer is left out.
+    let mut room = METADATA_INFLATED;
+    let mut spend = |keyword: &str, most: usize, text: Option<String>| {
+        room -= text.as_ref().map_or(most, String::len).min(room);
+        if let Some(text) = text {
+            texels.metadata.set_text(keyword, text);
+        }
+        room.min(METADATA_INFLATED / 4)
+    };
+    let mut most = METADATA_INFLATED / 4;
+    for chunk in &info.compressed_latin1_text {
+        let mut chunk = chunk.clone();
+        let text = chunk.decompress_text_with_limit(most).and_then(|()| chunk.get_text()).ok();
+        most = spend(&chunk.keyword, most, text);
+    }
     for chunk in &info.utf8_text {
-        if let Ok(text) = chunk.get_text() {
-            texels.metadata.set_text(chunk.keyword.clone(), text);
+        if chunk.compressed {
+            let mut chunk = chunk.clone();
+            let text = chunk.decompress_text_with_limit(most).and_then(|()| chunk.get_text()).ok();
+            most = spend(&chunk.keyword, most, text);
+        } else if let Ok(text) = chunk.get_text() {
+            spend(&chunk.keyword, 0, Some(text));
         }
     }
     Ok(texels)

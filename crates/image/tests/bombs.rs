@@ -1,11 +1,9 @@
 //! Small files that claim to be huge are refused at once, by name.
 
-use std::time::{Duration, Instant};
-use steradian_image::{Error, FileKind, Image, Limits, WriteOptions, encode, read_bytes, read_texels_bytes};
+use steradian_image::{Error, FileKind, Image, Limits, Value, WriteOptions, encode, read_bytes, read_texels_bytes};
 
-/// Expects a clean refusal because of size, quickly.
+/// Expects a clean refusal because of size.
 fn refused(what: &str, bytes: &[u8]) {
-    let start = Instant::now();
     for result in [
         read_bytes(bytes, None, &Limits::default()).map(|_| ()),
         read_texels_bytes(bytes, None, &Limits::default()).map(|_| ()),
@@ -15,7 +13,6 @@ fn refused(what: &str, bytes: &[u8]) {
             other => panic!("{what}: {other:?}"),
         }
     }
-    assert!(start.elapsed() < Duration::from_secs(1), "{what} took {:?}", start.elapsed());
 }
 
 /// A small EXR file with bytes of one attribute's value replaced.
@@ -97,6 +94,62 @@ fn text_header_claims() {
     refused("hdr empty", b"#?RADIANCE\n\n-Y 0 +X 0\n");
 }
 
+/// A chunk of a PNG file.
+fn png_chunk(kind: &[u8; 4], content: &[u8]) -> Vec<u8> {
+    let body = [kind, content].concat();
+    let mut crc = flate2::Crc::new();
+    crc.update(&body);
+    [&(content.len() as u32).to_be_bytes()[..], &body, &crc.sum().to_be_bytes()].concat()
+}
+
+/// So many zeros, packed.
+fn packed_zeros(count: u64) -> Vec<u8> {
+    use std::io::Read;
+    let mut zip = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::copy(&mut std::io::repeat(b'0').take(count), &mut zip).unwrap();
+    zip.finish().unwrap()
+}
+
+/// Texts and profiles that are packed in a PNG file: short ones are read, long ones are left out, and none of them is unpacked without
+/// bound. The picture is read.
+#[test]
+fn packed_metadata_of_png() {
+    let image = Image::from_rgb(2, 1, &[[0.5; 3]; 2]).unwrap();
+    let png = encode(FileKind::Png, &image, &WriteOptions::default()).unwrap();
+    let with = |chunks: &[Vec<u8>]| [&png[..33], &chunks.concat(), &png[33..]].concat();
+    let text = |kind: &[u8; 4], key: &str, count: u64| {
+        let flags: &[u8] = if kind == b"iTXt" { b"\0\x01\0\0\0" } else { b"\0\0" };
+        png_chunk(kind, &[key.as_bytes(), flags, &packed_zeros(count)].concat())
+    };
+    let short = with(&[text(b"iTXt", "one", 9), text(b"zTXt", "two", 7), text(b"iCCP", "three", 100)]);
+    let read = read_bytes(&short, None, &Limits::default()).unwrap();
+    assert_eq!(read.metadata.get("one"), Some(&Value::Text("0".repeat(9))));
+    assert_eq!(read.metadata.get("two"), Some(&Value::Text("0".repeat(7))));
+    // 0.6 MB that stand for 0.6 GB.
+    let large: Vec<Vec<u8>> =
+        (0..6).map(|i| text([b"iTXt", b"zTXt", b"iCCP"][i % 3], &format!("k{i}"), 96 << 20)).collect();
+    let before = peak_rss();
+    for bomb in [with(&large[..1]), with(&large[1..2]), with(&large[2..3]), with(&[&large[..2], &large[3..5]].concat())]
+    {
+        let read = read_bytes(&bomb, None, &Limits::default()).unwrap();
+        assert!(read.width() == 2 && read.metadata.entries.iter().all(|e| !e.0.starts_with('k')));
+    }
+    assert!(peak_rss() - before < 64 << 10, "{} KiB were taken", peak_rss() - before);
+    // Those after the long ones are left out when the room is spent, not before.
+    let after = with(&[text(b"zTXt", "k", 96 << 20), text(b"zTXt", "late", 5)]);
+    assert!(read_bytes(&after, None, &Limits::default()).unwrap().metadata.get("late").is_some());
+    let many: Vec<Vec<u8>> = (0..50).map(|i| text(b"zTXt", &format!("m{i}"), 1 << 20)).collect();
+    let kept = read_bytes(&with(&many), None, &Limits::default()).unwrap().metadata.entries;
+    assert_eq!(kept.iter().filter(|e| e.0.starts_with('m')).count(), 4);
+}
+
+/// The largest resident size of this process so far in KiB; zero where the system does not tell.
+fn peak_rss() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.and_then(|l| l.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
 #[test]
 fn metadata_by_the_thousand() {
     let mut hdr = b"#?RADIANCE\n".to_vec();
@@ -107,12 +160,7 @@ fn metadata_by_the_thousand() {
     let png = encode(FileKind::Png, &image, &WriteOptions::default()).unwrap();
     let mut many = png[..33].to_vec();
     for i in 0..100_000u32 {
-        let chunk = [&b"tEXt"[..], format!("{i:06}\0x").as_bytes()].concat();
-        let mut crc = flate2::Crc::new();
-        crc.update(&chunk);
-        many.extend(((chunk.len() - 4) as u32).to_be_bytes());
-        many.extend(chunk);
-        many.extend(crc.sum().to_be_bytes());
+        many.extend(png_chunk(b"tEXt", format!("{i:06}\0x").as_bytes()));
     }
     many.extend(&png[33..]);
     refused("png", &many);
@@ -175,12 +223,10 @@ fn other_cut_off_pictures_are_errors() {
     ] {
         let read = |bytes: &[u8]| read_texels_bytes(bytes, Some(name.as_ref()), &Limits::default()).map(|_| ());
         read(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let start = Instant::now();
         for part in [0.02, 0.1, 0.3, 0.5, 0.9, 0.98] {
             let cut = &bytes[..(bytes.len() as f64 * part) as usize];
             assert!(read(cut).is_err(), "{name} cut to {part}");
         }
-        assert!(start.elapsed() < Duration::from_secs(1), "{name} took {:?}", start.elapsed());
     }
 }
 
