@@ -149,15 +149,11 @@ fn own_z_test(picture: &Image, reference: &Image) -> Option<image::Result<Z>> {
     let own = picture.layer_rgb("variance")?;
     let other = reference.layer_rgb("variance");
     // The layers hold variances of means; the test wants that of one sample. Variances of independent pictures add up.
-    let one_sample: Vec<[f32; 3]> = (0..picture.pixel_count().min(reference.pixel_count()))
-        .map(|i| {
-            let (a, b) = (own.at(i), other.map_or([0.0; 3], |o| o.at(i)));
-            std::array::from_fn(|c| ((f64::from(a[c]) + f64::from(b[c])) * samples) as f32)
-        })
-        .collect();
-    let test = Image::from_rgb(picture.width(), picture.height(), &one_sample)
-        .and_then(|variance| metrics::z_test(picture, reference, &variance, samples));
-    Some(test.map(|t| Z::of(samples, t)))
+    let one_sample = |i: usize| {
+        let (a, b) = (own.at(i), other.map_or([0.0; 3], |o| o.at(i)));
+        std::array::from_fn(|c| (f64::from(a[c]) + f64::from(b[c])) * samples)
+    };
+    Some(metrics::z_test_with(picture, reference, one_sample, samples).map(|t| Z::of(samples, t)))
 }
 
 /// Samples per pixel, as the picture's metadata say.

@@ -24,14 +24,20 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// [`Error::File`] with the path and the system's answer.
 pub fn stream_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    let place = |target: Target| match target {
+    place(path, |out| write(out).map_err(io("write")))
+}
+
+/// [`stream_whole`] of what can fail for other reasons as well.
+pub(crate) fn place(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    let fill = |target: Target| match target {
         Target::Stream(file) => {
             let mut out = BufWriter::new(file);
-            write(&mut out).and_then(|()| out.flush()).map_err(io("write"))
+            write(&mut out)?;
+            out.flush().map_err(io("write"))
         }
         Target::File { path, old, draft } => {
             let mut out = BufWriter::new(draft);
-            write(&mut out).map_err(io("write"))?;
+            write(&mut out)?;
             let draft = out.into_inner().map_err(|failed| io("write")(failed.into_error()))?;
             if let Some(old) = old {
                 draft.as_file().set_permissions(old).map_err(io("keep the permissions"))?;
@@ -41,7 +47,7 @@ pub fn stream_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
             Ok(())
         }
     };
-    open(path).and_then(place).map_err(|e| e.at(path))
+    open(path).and_then(fill).map_err(|e| e.at(path))
 }
 
 /// Finds out, before there is anything to write, whether [`write_whole`] can: makes the temporary file and removes it again. Devices
@@ -64,7 +70,8 @@ enum Target {
     File { path: PathBuf, old: Option<Permissions>, draft: NamedTempFile },
 }
 
-fn io(action: &'static str) -> impl FnOnce(io::Error) -> Error {
+/// The system's answer to something that was tried.
+pub(crate) fn io(action: &'static str) -> impl FnOnce(io::Error) -> Error {
     move |error| Error::Io { action, error }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::limits::check_metadata;
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
+use std::io::Write;
 
 const KIND: FileKind = FileKind::Hdr;
 
@@ -230,22 +231,30 @@ impl Lines<'_> {
     }
 }
 
-/// The bytes of an HDR file, in the new run-length coding where the width allows it.
-pub(crate) fn encode(width: usize, height: usize, pixels: impl Iterator<Item = [f32; 3]>) -> Vec<u8> {
-    let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
-    let coded: Vec<[u8; 4]> = pixels.map(rgbe_encode).collect();
-    for line in coded.chunks(width.max(1)) {
+/// Writes the bytes of an HDR file, in the new run-length coding where the width allows it; `at` gives pixels by index.
+pub(crate) fn encode(
+    width: usize,
+    height: usize,
+    at: impl Fn(usize) -> [f32; 3],
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    write!(out, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n")?;
+    let mut bytes = Vec::new();
+    for y in 0..height {
+        let line: Vec<[u8; 4]> = (y * width..(y + 1) * width).map(|i| rgbe_encode(at(i))).collect();
         if !(8..=0x7fff).contains(&width) {
-            bytes.extend_from_slice(line.as_flattened());
+            out.write_all(line.as_flattened())?;
             continue;
         }
+        bytes.clear();
         bytes.extend_from_slice(&[2, 2, (width >> 8) as u8, width as u8]);
         for component in 0..4 {
             let plane: Vec<u8> = line.iter().map(|pixel| pixel[component]).collect();
             encode_runs(&plane, &mut bytes);
         }
+        out.write_all(&bytes)?;
     }
-    bytes
+    Ok(())
 }
 
 /// Runs of at least four equal bytes as (128 + length, byte), the rest as (length, bytes …).

@@ -3,6 +3,7 @@
 
 use crate::pnm::Words;
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels};
+use std::io::Write;
 
 const KIND: FileKind = FileKind::Pfm;
 
@@ -40,13 +41,18 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     Ok(Texels::new(width, height, channels, TexelData::F32(samples), Encoding::Linear))
 }
 
-/// The bytes of a little-endian PFM file; `samples` is interleaved with 1 or 3 channels, rows from the top.
-pub(crate) fn encode(width: usize, height: usize, channels: usize, samples: &[f32]) -> Vec<u8> {
-    let magic = if channels == 1 { "Pf" } else { "PF" };
-    let mut bytes = format!("{magic}\n{width} {height}\n-1.0\n").into_bytes();
-    bytes.reserve(samples.len() * 4);
-    for row in samples.rchunks_exact((width * channels).max(1)) {
-        bytes.extend(row.iter().flat_map(|v| v.to_le_bytes()));
+/// Writes the bytes of a little-endian PFM file of one or three channels; `at` gives pixels by index, rows from the top.
+pub(crate) fn encode<const N: usize>(
+    width: usize,
+    height: usize,
+    at: impl Fn(usize) -> [f32; N],
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let magic = if N == 1 { "Pf" } else { "PF" };
+    write!(out, "{magic}\n{width} {height}\n-1.0\n")?;
+    for y in (0..height).rev() {
+        let row: Vec<u8> = (y * width..(y + 1) * width).flat_map(&at).flat_map(f32::to_le_bytes).collect();
+        out.write_all(&row)?;
     }
-    bytes
+    Ok(())
 }

@@ -1,8 +1,8 @@
 //! JPEG, TGA and BMP: decoded by the `image` crate under our limits. Nothing but decoding is applied: no EXIF rotation, no profile.
 
-use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels};
+use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels, atomic::io};
 use image::{ColorType, ImageDecoder, ImageError};
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
 /// The largest number of pixels that a byte of such a file can stand for. Run lengths of TGA cover 128 pixels of 2 bytes, those of
 /// BMP 255 pixels in 2 bytes; a JPEG of one colour can need less than a bit per 8×8 block in its progressive form.
@@ -112,12 +112,20 @@ fn explain(kind: FileKind, error: ImageError) -> Error {
     }
 }
 
-/// The bytes of a JPEG file; `quality` 1 to 100, interleaved 8-bit grey (1) or RGB (3).
-pub(crate) fn encode_jpeg(width: u32, height: u32, channels: usize, samples: &[u8], quality: u8) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
+/// Writes the bytes of a JPEG file; `quality` 1 to 100, interleaved 8-bit grey (1) or RGB (3).
+pub(crate) fn encode_jpeg(
+    width: u32,
+    height: u32,
+    channels: usize,
+    samples: &[u8],
+    quality: u8,
+    out: &mut dyn Write,
+) -> Result<()> {
     let colour = if channels == 1 { image::ExtendedColorType::L8 } else { image::ExtendedColorType::Rgb8 };
-    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality.clamp(1, 100))
+    image::codecs::jpeg::JpegEncoder::new_with_quality(out, quality.clamp(1, 100))
         .encode(samples, width, height, colour)
-        .map_err(|error| explain(FileKind::Jpeg, error))?;
-    Ok(bytes)
+        .map_err(|error| match error {
+            ImageError::IoError(error) => io("write")(error),
+            other => explain(FileKind::Jpeg, other),
+        })
 }

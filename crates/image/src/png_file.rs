@@ -4,8 +4,9 @@
 //! reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
 use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, within};
-use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
+use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value, atomic::io};
 use png::{BitDepth, ColorType, Transformations};
+use std::io::Write;
 
 const KIND: FileKind = FileKind::Png;
 
@@ -87,29 +88,33 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     Ok(texels)
 }
 
-/// Interleaved display values to be stored, with 1 to 4 channels.
-pub(crate) enum Samples<'a> {
-    Eight(&'a [u8]),
-    Sixteen(&'a [u16]),
+/// The form of a PNG file of colours.
+pub(crate) struct Form {
+    pub width: u32,
+    pub height: u32,
+    pub has_alpha: bool,
+    /// Samples of 16 bits.
+    pub is_sixteen: bool,
 }
 
-/// The bytes of a PNG file with the sRGB chunk and the metadata as text chunks.
+impl Form {
+    /// Bytes of a pixel.
+    pub(crate) fn pixel_bytes(&self) -> usize {
+        (3 + usize::from(self.has_alpha)) * if self.is_sixteen { 2 } else { 1 }
+    }
+}
+
+/// Writes a PNG file with the sRGB chunk and the metadata as text chunks; `pixels` writes its interleaved display values, the most
+/// significant bytes first.
 pub(crate) fn encode(
-    width: u32,
-    height: u32,
-    channels: usize,
-    samples: &Samples<'_>,
+    form: &Form,
     metadata: &Metadata,
-) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(match channels {
-        1 => ColorType::Grayscale,
-        2 => ColorType::GrayscaleAlpha,
-        3 => ColorType::Rgb,
-        _ => ColorType::Rgba,
-    });
-    encoder.set_depth(if matches!(samples, Samples::Eight(_)) { BitDepth::Eight } else { BitDepth::Sixteen });
+    out: &mut dyn Write,
+    pixels: impl FnOnce(&mut dyn Write) -> Result<()>,
+) -> Result<()> {
+    let mut encoder = png::Encoder::new(out, form.width, form.height);
+    encoder.set_color(if form.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
+    encoder.set_depth(if form.is_sixteen { BitDepth::Sixteen } else { BitDepth::Eight });
     encoder.set_compression(png::Compression::Balanced);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     for (name, value) in &metadata.entries {
@@ -130,15 +135,10 @@ pub(crate) fn encode(
         }
     }
     let mut writer = encoder.write_header().map_err(refuse)?;
-    match samples {
-        Samples::Eight(data) => writer.write_image_data(data).map_err(refuse)?,
-        Samples::Sixteen(data) => {
-            let big_endian: Vec<u8> = data.iter().flat_map(|v| v.to_be_bytes()).collect();
-            writer.write_image_data(&big_endian).map_err(refuse)?;
-        }
-    }
-    writer.finish().map_err(refuse)?;
-    Ok(bytes)
+    let mut rows = writer.stream_writer_with_size(1 << 16).map_err(refuse)?;
+    pixels(&mut rows)?;
+    rows.finish().map_err(refuse)?;
+    writer.finish().map_err(refuse)
 }
 
 fn explain(error: png::DecodingError) -> Error {
@@ -149,5 +149,8 @@ fn explain(error: png::DecodingError) -> Error {
 }
 
 fn refuse(error: png::EncodingError) -> Error {
+    if let png::EncodingError::IoError(error) = error {
+        return io("write")(error);
+    }
     Error::unsupported(KIND, error.to_string())
 }

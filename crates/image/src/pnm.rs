@@ -4,6 +4,7 @@
 //! maximum is the number after the size. Without it samples are display values, taken as sRGB encoded.
 
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels, Value};
+use std::io::{self, Write};
 
 const KIND: FileKind = FileKind::Pnm;
 
@@ -123,31 +124,33 @@ pub(crate) struct Layout {
     pub maximum: u16,
 }
 
-/// The bytes of a PPM file of linear values with a `#MAX=` comment: the largest value of the picture (1 for a black one). Negative
-/// values and NaN become 0.
-pub(crate) fn encode_radiance(width: usize, height: usize, pixels: &[[f32; 3]], layout: Layout) -> Vec<u8> {
-    let finite = pixels.as_flattened().iter().copied().filter(|v| v.is_finite());
+/// Writes a PPM file of linear values with a `#MAX=` comment: the largest value of the picture (1 for a black one). Negative values and
+/// NaN become 0. `at` gives pixels by index.
+pub(crate) fn encode_radiance(
+    width: usize,
+    height: usize,
+    at: impl Fn(usize) -> [f32; 3],
+    layout: Layout,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let finite = (0..width * height).flat_map(&at).filter(|v| v.is_finite());
     let max = finite.fold(0.0f32, f32::max);
     let max = if max > 0.0 { max } else { 1.0 };
     let scale = f64::from(layout.maximum) / f64::from(max);
     let code = |v: f32| (f64::from(v) * scale).round().clamp(0.0, f64::from(layout.maximum)) as u16;
-    let comment = format!("#MAX={max}\n");
-    body(width, height, &comment, pixels.iter().map(|p| p.map(code)), layout)
+    begin(width, height, &format!("#MAX={max}\n"), layout, out)?;
+    (0..height).try_for_each(|y| pixels((y * width..(y + 1) * width).map(|i| at(i).map(code)), layout, out))
 }
 
-/// The bytes of a PPM file of display values.
-pub(crate) fn encode_display(
-    width: usize,
-    height: usize,
-    pixels: impl Iterator<Item = [u16; 3]>,
-    layout: Layout,
-) -> Vec<u8> {
-    body(width, height, "", pixels, layout)
-}
-
-fn body(width: usize, height: usize, comment: &str, pixels: impl Iterator<Item = [u16; 3]>, layout: Layout) -> Vec<u8> {
+/// Writes the header of a PPM file.
+pub(crate) fn begin(width: usize, height: usize, comment: &str, layout: Layout, out: &mut dyn Write) -> io::Result<()> {
     let magic = if layout.plain { "P3" } else { "P6" };
-    let mut bytes = format!("{magic}\n{comment}{width} {height}\n{}\n", layout.maximum).into_bytes();
+    write!(out, "{magic}\n{comment}{width} {height}\n{}\n", layout.maximum)
+}
+
+/// Writes the pixels that come next.
+pub(crate) fn pixels(pixels: impl Iterator<Item = [u16; 3]>, layout: Layout, out: &mut dyn Write) -> io::Result<()> {
+    let mut bytes = Vec::new();
     for [r, g, b] in pixels {
         if layout.plain {
             bytes.extend_from_slice(format!("{r} {g} {b}\n").as_bytes());
@@ -157,5 +160,5 @@ fn body(width: usize, height: usize, comment: &str, pixels: impl Iterator<Item =
             bytes.extend([r, g, b].map(|v| v as u8));
         }
     }
-    bytes
+    out.write_all(&bytes)
 }

@@ -3,7 +3,9 @@
 use crate::block::{self, BlockFormat};
 use crate::encoding::{quantize8, quantize16};
 use crate::tone::Tone;
-use crate::{Error, FileKind, Image, Result, png_file, pnm};
+use crate::{Error, FileKind, Image, Result, atomic::io, png_file, pnm};
+use rayon::prelude::*;
+use std::io::Write;
 use std::path::Path;
 
 /// Sample type of EXR files.
@@ -73,11 +75,8 @@ impl Default for WriteOptions {
 /// [`Error::UnknownExtension`]; [`Error::MissingChannels`] when there is no colour; [`Error::Unsupported`] when the format cannot
 /// hold the picture; [`Error::Io`]. All inside [`Error::File`] with the path.
 pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<()> {
-    let bytes = FileKind::from_extension(path)
-        .ok_or(Error::UnknownExtension)
-        .and_then(|kind| encode(kind, image, options))
-        .map_err(|e| e.at(path))?;
-    crate::write_whole(path, &bytes)
+    let kind = FileKind::from_extension(path).ok_or_else(|| Error::UnknownExtension.at(path))?;
+    crate::atomic::place(path, |out| encode_to(kind, image, options, out))
 }
 
 /// The bytes of the file that [`write()`] would write. The same picture and options give the same bytes.
@@ -85,78 +84,124 @@ pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<()> {
 /// # Errors
 /// As [`write()`], without the path.
 pub fn encode(kind: FileKind, image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode_to(kind, image, options, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// Writes the bytes of a file, some rows at a time: beside the picture there are at most 12 bytes for each of its pixels.
+fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dyn Write) -> Result<()> {
     let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
         return Err(Error::unsupported(kind, format!("an empty picture ({width}x{height})")));
     }
     match kind {
-        FileKind::Exr => crate::exr_file::encode(image, options),
+        FileKind::Exr => out.write_all(&crate::exr_file::encode(image, options)?).map_err(io("write")),
         FileKind::Hdr => {
             let planes = image.require_rgb()?;
-            Ok(crate::hdr::encode(width, height, (0..image.pixel_count()).map(|i| planes.at(i))))
+            crate::hdr::encode(width, height, |i| planes.at(i), out).map_err(io("write"))
         }
         FileKind::Pfm => match image.channels() {
-            [grey] => Ok(crate::pfm::encode(width, height, 1, &grey.data)),
-            _ => Ok(crate::pfm::encode(width, height, 3, image.to_rgb()?.as_flattened())),
+            [grey] => crate::pfm::encode(width, height, |i| [grey.data[i]], out).map_err(io("write")),
+            _ => {
+                let planes = image.require_rgb()?;
+                crate::pfm::encode(width, height, |i| planes.at(i), out).map_err(io("write"))
+            }
         },
-        FileKind::Png => encode_png(image, options),
+        FileKind::Png => encode_png(image, options, out),
         FileKind::Jpeg => {
-            let display = options.tone.map_image(image)?;
-            let samples: Vec<u8> = display.as_flattened().iter().map(|&v| quantize8(v)).collect();
             let [w, h] = side_lengths(kind, image, 65535)?;
-            crate::photo::encode_jpeg(w, h, 3, &samples, options.jpeg_quality)
+            let mut samples = Vec::with_capacity(3 * image.pixel_count());
+            display(image, options, |band| {
+                samples.extend(band.as_flattened().iter().map(|&v| quantize8(v)));
+                Ok(())
+            })?;
+            crate::photo::encode_jpeg(w, h, 3, &samples, options.jpeg_quality, out)
         }
         FileKind::Pnm => {
             let layout =
                 pnm::Layout { plain: options.ppm_plain, maximum: if options.sixteen_bit { 65535 } else { 255 } };
             if options.ppm_radiance {
-                return Ok(pnm::encode_radiance(width, height, &image.to_rgb()?, layout));
+                let planes = image.require_rgb()?;
+                return pnm::encode_radiance(width, height, |i| planes.at(i), layout, out).map_err(io("write"));
             }
-            let display = options.tone.map_image(image)?;
             let code = |v: f32| if options.sixteen_bit { quantize16(v) } else { quantize8(v).into() };
-            Ok(pnm::encode_display(width, height, display.iter().map(|p| p.map(code)), layout))
+            pnm::begin(width, height, "", layout, out).map_err(io("write"))?;
+            display(image, options, |band| {
+                pnm::pixels(band.iter().map(|p| p.map(code)), layout, out).map_err(io("write"))
+            })
         }
         FileKind::Dds | FileKind::Ktx2 => {
             let [w, h] = side_lengths(kind, image, 16384)?;
             let codes = block_samples(image, options)?;
             let blocks = block::encode(options.block, &codes, width, height)
                 .ok_or_else(|| Error::unsupported(kind, format!("writing {:?}", options.block)))?;
+            drop(codes);
             let file = if kind == FileKind::Dds { crate::dds::encode } else { crate::ktx2::encode };
-            Ok(file(w, h, options.block, &blocks))
+            out.write_all(&file(w, h, options.block, &blocks)).map_err(io("write"))
         }
         FileKind::Tga | FileKind::Bmp => Err(Error::unsupported(kind, "writing")),
     }
 }
 
+/// Pixels that are mapped at a time.
+const BAND: usize = 1 << 18;
+
+/// Maps a picture's colours to display values and passes them on in order, some whole rows at a time.
+fn display(image: &Image, options: &WriteOptions, mut pass: impl FnMut(&[[f32; 3]]) -> Result<()>) -> Result<()> {
+    let planes = image.require_rgb()?;
+    let map = options.tone.mapper(Tone::maximum(planes));
+    let band = BAND.next_multiple_of(image.width());
+    for start in (0..image.pixel_count()).step_by(band) {
+        let end = (start + band).min(image.pixel_count());
+        let values: Vec<[f32; 3]> = (start..end).into_par_iter().map(|i| map(planes.at(i))).collect();
+        pass(&values)?;
+    }
+    Ok(())
+}
+
 /// Colour and, where the picture has a channel `A`, alpha (stored as it is, not divided out).
-fn encode_png(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
-    let display = options.tone.map_image(image)?;
+fn encode_png(image: &Image, options: &WriteOptions, out: &mut dyn Write) -> Result<()> {
     let [w, h] = side_lengths(FileKind::Png, image, i32::MAX as u32)?;
     let alpha = image.channel("A");
-    let lanes = if alpha.is_some() { 4 } else { 3 };
-    let mut samples = Vec::with_capacity(display.len() * lanes);
-    for (i, pixel) in display.iter().enumerate() {
-        samples.extend_from_slice(pixel);
-        samples.extend(alpha.map(|a| a[i]));
-    }
-    if options.sixteen_bit {
-        let codes: Vec<u16> = samples.iter().map(|&v| quantize16(v)).collect();
-        png_file::encode(w, h, lanes, &png_file::Samples::Sixteen(&codes), &image.metadata)
-    } else {
-        let codes: Vec<u8> = samples.iter().map(|&v| quantize8(v)).collect();
-        png_file::encode(w, h, lanes, &png_file::Samples::Eight(&codes), &image.metadata)
-    }
+    let form = png_file::Form { width: w, height: h, has_alpha: alpha.is_some(), is_sixteen: options.sixteen_bit };
+    let mut done = 0;
+    png_file::encode(&form, &image.metadata, out, |rows| {
+        display(image, options, |band| {
+            let mut bytes = Vec::with_capacity(band.len() * form.pixel_bytes());
+            for pixel in band {
+                for &v in pixel.iter().chain(alpha.map(|a| &a[done])) {
+                    match options.sixteen_bit {
+                        true => bytes.extend(quantize16(v).to_be_bytes()),
+                        false => bytes.push(quantize8(v)),
+                    }
+                }
+                done += 1;
+            }
+            rows.write_all(&bytes).map_err(io("write"))
+        })
+    })
 }
 
 /// RGBA codes for blocks: display values where the format has colours, linear values where it has one or two channels of numbers.
 fn block_samples(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
-    let pixels = if options.block.is_colour() { options.tone.map_image(image)? } else { image.to_rgb()? };
     let alpha = image.channel("A");
-    let texel = |(i, p): (usize, &[f32; 3])| {
-        let [r, g, b] = p.map(quantize8);
-        [r, g, b, alpha.map_or(255, |a| quantize8(a[i]))]
+    let mut codes = Vec::with_capacity(4 * image.pixel_count());
+    let mut add = |pixel: [f32; 3]| {
+        let a = alpha.map_or(255, |a| quantize8(a[codes.len() / 4]));
+        let [r, g, b] = pixel.map(quantize8);
+        codes.extend([r, g, b, a]);
     };
-    Ok(pixels.iter().enumerate().flat_map(texel).collect())
+    if options.block.is_colour() {
+        display(image, options, |band| {
+            band.iter().copied().for_each(&mut add);
+            Ok(())
+        })?;
+    } else {
+        let planes = image.require_rgb()?;
+        (0..image.pixel_count()).for_each(|i| add(planes.at(i)));
+    }
+    Ok(codes)
 }
 
 fn side_lengths(kind: FileKind, image: &Image, most: u32) -> Result<[u32; 2]> {

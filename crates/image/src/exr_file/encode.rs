@@ -3,10 +3,14 @@
 use super::decode::explain;
 use super::header;
 use crate::{Compression, Error, FileKind, Image, Precision, Result, Value, WriteOptions};
-use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
-use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, Chromaticities, EnvironmentMap, IntegerBounds, LineOrder, Text};
-use exr::meta::header::{ImageAttributes, LayerAttributes, standard_names};
+use exr::block::lines::LineRefMut;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Layer};
+use exr::math::{RoundingMode, Vec2};
+use exr::meta::attribute::{
+    AttributeValue, Chromaticities, EnvironmentMap, IntegerBounds, LevelMode, LineOrder, SampleType, Text,
+};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes, standard_names};
 use exr::prelude::WritableImage;
 use half::f16;
 
@@ -30,7 +34,8 @@ pub(crate) fn encode(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
     let channels = list
         .into_iter()
         .map(|channel| {
-            Ok(AnyChannel::new(text(&channel.name)?, samples(&channel.name, &channel.data, options.exr_precision)))
+            let half = options.exr_precision == Precision::Half && !needs_float(&channel.name);
+            Ok(AnyChannel::new(text(&channel.name)?, Plane { data: &channel.data, width: image.width(), half }))
         })
         .collect::<Result<_>>()?;
 
@@ -77,16 +82,50 @@ pub(crate) fn encode(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A plane in the wanted precision. Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only.
-fn samples(name: &str, data: &[f32], precision: Precision) -> FlatSamples {
-    let needs_float = name == "Z"
+/// A plane of the picture, to be stored as halves or floats; its rows are turned into that as they are written.
+#[derive(Clone, Copy)]
+struct Plane<'a> {
+    data: &'a [f32],
+    width: usize,
+    half: bool,
+}
+
+impl<'a> WritableSamples<'a> for Plane<'_> {
+    type Writer = Self;
+
+    fn sample_type(&self) -> SampleType {
+        if self.half { SampleType::F16 } else { SampleType::F32 }
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&'a self, _: &Header) -> Self {
+        *self
+    }
+}
+
+impl SamplesWriter for Plane<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let start = line.location.position.y() * self.width + line.location.position.x();
+        let samples = &self.data[start..start + line.location.sample_count];
+        // Into memory of the right size, which does not fail.
+        let _ = if self.half {
+            let halves: Vec<f16> = samples.iter().map(|&x| half_clamped(x)).collect();
+            line.write_samples_from_slice(&halves)
+        } else {
+            line.write_samples_from_slice(samples)
+        };
+    }
+}
+
+/// Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only.
+fn needs_float(name: &str) -> bool {
+    name == "Z"
         || ["Z", "P", "depth", "samples", "object_id", "variance"]
             .iter()
-            .any(|layer| name.split('.').next() == Some(layer));
-    match precision {
-        Precision::Half if !needs_float => FlatSamples::F16(data.iter().map(|&x| half_clamped(x)).collect()),
-        _ => FlatSamples::F32(data.to_vec()),
-    }
+            .any(|layer| name.split('.').next() == Some(layer))
 }
 
 /// The nearest half; finite values stay finite.

@@ -22,6 +22,9 @@ const FEATURE_WIDTH: f32 = 0.082;
 /// Exponent of the feature difference.
 const QF: f32 = 0.5;
 
+/// Pixels that are filtered at a time, about 160 bytes each.
+const BAND: usize = 1 << 20;
+
 type Colour = [f32; 3];
 
 /// Mean FLIP error of two pictures, 0 (the same) to 1; their linear values are cut to [0, 1]. NaN counts as black.
@@ -37,26 +40,54 @@ pub fn flip(image: &Image, reference: &Image, pixels_per_degree: f32) -> Result<
     if count == 0 {
         return Err(Error::Invalid("the pictures are empty".into()));
     }
-    let opponent = |planes: crate::RgbPlanes<'_>| -> Vec<Colour> {
-        (0..count).map(|i| ycxcz(xyz(planes.at(i).map(|v| if v > 0.0 { v.min(1.0) } else { 0.0 })))).collect()
-    };
-    let (test, truth) = (opponent(test), opponent(truth));
-
-    let seen = |picture: &[Colour]| perceived(picture, width, pixels_per_degree);
-    let (seen_test, seen_truth) = (seen(&test), seen(&truth));
-    let features = |picture: &[Colour]| Features::of(picture, width, pixels_per_degree);
-    let (features_test, features_truth) = (features(&test), features(&truth));
-
+    let height = image.height();
+    // Bands of rows, with what the filters see above and below them: memory does not grow with the picture.
+    let halo = sensitivity_radius(pixels_per_degree).max(feature_radius(pixels_per_degree));
+    let band = (BAND / width).max(4 * halo).min(height);
     let largest = hyab(hunt(lab(xyz([0.0, 1.0, 0.0]))), hunt(lab(xyz([0.0, 0.0, 1.0])))).powf(QC);
-    let errors = (0..count).into_par_iter().map(|i| {
-        let colour = redistribute(hyab(seen_test[i], seen_truth[i]).powf(QC), largest);
-        let edge = (features_test.edge[i] - features_truth.edge[i]).abs();
-        let point = (features_test.point[i] - features_truth.point[i]).abs();
-        let feature = (edge.max(point) * std::f32::consts::FRAC_1_SQRT_2).powf(QF);
-        colour.powf(1.0 - feature)
-    });
-    let errors: Vec<f32> = errors.collect();
-    Ok(errors.iter().map(|&e| f64::from(e)).sum::<f64>() / count as f64)
+    let mut sum = 0.0;
+    for top in (0..height).step_by(band) {
+        let rows = (height - top).min(band);
+        let opponent = |planes: crate::RgbPlanes<'_>| -> Vec<Colour> {
+            let pixel = |i: usize| {
+                // Rows beyond the picture are as those at its border.
+                let y = (top + i / width).saturating_sub(halo).min(height - 1);
+                let linear = planes.at(y * width + i % width).map(|v| if v > 0.0 { v.min(1.0) } else { 0.0 });
+                ycxcz(xyz(linear))
+            };
+            (0..(rows + 2 * halo) * width).into_par_iter().map(pixel).collect()
+        };
+        let (test, truth) = (opponent(test), opponent(truth));
+        let seen = |picture: &[Colour]| perceived(picture, width, pixels_per_degree);
+        let (seen_test, seen_truth) = (seen(&test), seen(&truth));
+        let features = |picture: &[Colour]| Features::of(picture, width, pixels_per_degree);
+        let (features_test, features_truth) = (features(&test), features(&truth));
+        let errors = (halo * width..(halo + rows) * width).into_par_iter().map(|i| {
+            let colour = redistribute(hyab(seen_test[i], seen_truth[i]).powf(QC), largest);
+            let edge = (features_test.edge[i] - features_truth.edge[i]).abs();
+            let point = (features_test.point[i] - features_truth.point[i]).abs();
+            let feature = (edge.max(point) * std::f32::consts::FRAC_1_SQRT_2).powf(QF);
+            colour.powf(1.0 - feature)
+        });
+        let errors: Vec<f32> = errors.collect();
+        sum = errors.iter().fold(sum, |sum, &e| sum + f64::from(e));
+    }
+    Ok(sum / count as f64)
+}
+
+/// Radius of the filters of contrast sensitivity, pixels.
+fn sensitivity_radius(ppd: f32) -> usize {
+    (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * ppd).ceil() as usize
+}
+
+/// Standard deviation of the feature detectors, pixels.
+fn feature_deviation(ppd: f32) -> f32 {
+    0.5 * FEATURE_WIDTH * ppd
+}
+
+/// Radius of the feature detectors, pixels.
+fn feature_radius(ppd: f32) -> usize {
+    (3.0 * feature_deviation(ppd)).ceil() as usize
 }
 
 /// Maps a colour difference to [0, 1], most of the range to the small ones.
@@ -71,7 +102,7 @@ fn perceived(picture: &[Colour], width: usize, ppd: f32) -> Vec<Colour> {
     const ACHROMATIC: [[f32; 2]; 1] = [[1.0, 0.0047]];
     const RED_GREEN: [[f32; 2]; 1] = [[1.0, 0.0053]];
     const BLUE_YELLOW: [[f32; 2]; 2] = [[34.1, 0.04], [13.5, 0.025]];
-    let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * ppd).ceil() as usize;
+    let radius = sensitivity_radius(ppd);
     let channel = |lane: usize| -> Vec<f32> { picture.iter().map(|c| c[lane]).collect() };
     let filtered = [
         sensitivity(&channel(0), width, &ACHROMATIC, radius, ppd),
@@ -115,8 +146,7 @@ impl Features {
     /// Gradient and second-derivative magnitudes of the luminance, with Gaussian derivatives (paper, §4.2).
     fn of(picture: &[Colour], width: usize, ppd: f32) -> Self {
         let luminance: Vec<f32> = picture.iter().map(|c| (c[0] + 16.0) / 116.0).collect();
-        let deviation = 0.5 * FEATURE_WIDTH * ppd;
-        let radius = (3.0 * deviation).ceil() as usize;
+        let (deviation, radius) = (feature_deviation(ppd), feature_radius(ppd));
         let bell = |x: f32| (-x * x / (2.0 * deviation * deviation)).exp();
         let smooth = balanced(kernel(radius, bell));
         let first = balanced(kernel(radius, |x| -x * bell(x)));
@@ -271,6 +301,26 @@ mod tests {
         let flat = |v: f32| Image::from_rgb(SIZE[0], SIZE[1], &[[v; 3]; SIZE[0] * SIZE[1]]).unwrap();
         let black_to_white = flip(&flat(1.0), &flat(0.0), DEFAULT_PIXELS_PER_DEGREE).unwrap();
         assert!((black_to_white - 0.967_325_21).abs() < 2e-4, "{black_to_white}");
+    }
+
+    /// A tall picture is compared in bands, which give what the whole gives.
+    #[test]
+    fn bands_do_not_show() {
+        let size = [2, 600_000];
+        let picture = |gain: f32| {
+            let pixel = |i: usize| [(i % 7) as f32 / 7.0 * gain, (i / 300 % 5) as f32 / 5.0, 0.3 * gain];
+            Image::from_rgb(size[0], size[1], &(0..size[0] * size[1]).map(pixel).collect::<Vec<_>>()).unwrap()
+        };
+        let (a, b) = (picture(1.0), picture(0.8));
+        let whole = flip(&a, &b, DEFAULT_PIXELS_PER_DEGREE).unwrap();
+        // The same rows, the other way around, have the ends of their bands elsewhere.
+        let turned = |image: &Image| {
+            let mut pixels = image.to_rgb().unwrap();
+            pixels.reverse();
+            Image::from_rgb(size[0], size[1], &pixels).unwrap()
+        };
+        let other = flip(&turned(&a), &turned(&b), DEFAULT_PIXELS_PER_DEGREE).unwrap();
+        assert!((whole - other).abs() < 1e-7 && whole > 0.05, "{whole} {other}");
     }
 
     #[test]

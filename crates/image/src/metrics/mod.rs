@@ -4,7 +4,7 @@ mod flip;
 mod ztest;
 
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
-pub use ztest::{ZTest, z_test};
+pub use ztest::{ZTest, z_test, z_test_with};
 
 use crate::encoding::srgb_encode;
 use crate::{Error, Image, Result, RgbPlanes};

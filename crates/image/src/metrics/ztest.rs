@@ -37,11 +37,24 @@ pub struct ZTest {
 /// # Errors
 /// [`Error::SizeMismatch`], [`Error::MissingChannels`], [`Error::Invalid`] when `samples` is not positive.
 pub fn z_test(mean: &Image, reference: &Image, variance: &Image, samples: f64) -> Result<ZTest> {
+    let (_, v) = colours(mean, variance)?;
+    z_test_with(mean, reference, |i| v.at(i).map(f64::from), samples)
+}
+
+/// [`z_test`] with the variance of each pixel, by index, from a function.
+///
+/// # Errors
+/// As [`z_test`].
+pub fn z_test_with(
+    mean: &Image,
+    reference: &Image,
+    variance: impl Fn(usize) -> [f64; 3],
+    samples: f64,
+) -> Result<ZTest> {
     if samples.is_nan() || samples <= 0.0 {
         return Err(Error::Invalid(format!("the number of samples must be positive, not {samples}")));
     }
     let (m, r) = colours(mean, reference)?;
-    let (_, v) = colours(mean, variance)?;
     let pixels = mean.pixel_count();
     if pixels == 0 {
         return Err(Error::Invalid("the pictures are empty".into()));
@@ -49,7 +62,8 @@ pub fn z_test(mean: &Image, reference: &Image, variance: &Image, samples: f64) -
     let level = 1.0 - (1.0 - ALPHA).powf(1.0 / pixels as f64);
     let (mut accepted, mut min_p) = (0usize, 1.0f64);
     for i in 0..pixels {
-        let [m, r, v] = [m.at(i), r.at(i), v.at(i)].map(xyz);
+        let [m, r] = [m.at(i), r.at(i)].map(|c| xyz(c.map(f64::from)));
+        let v = xyz(variance(i));
         for lane in 0..3 {
             let z = (m[lane] - r[lane]).abs() * (samples / v[lane].max(MIN_VARIANCE)).sqrt();
             let p = if z.is_finite() { erfc(z / std::f64::consts::SQRT_2) } else { 0.0 };
@@ -61,8 +75,7 @@ pub fn z_test(mean: &Image, reference: &Image, variance: &Image, samples: f64) -
     Ok(ZTest { accepted, level, min_p, passes: accepted >= REQUIRED })
 }
 
-fn xyz(rgb: [f32; 3]) -> [f64; 3] {
-    let [r, g, b] = rgb.map(f64::from);
+fn xyz([r, g, b]: [f64; 3]) -> [f64; 3] {
     XYZ.map(|row| row[0] * r + row[1] * g + row[2] * b)
 }
 

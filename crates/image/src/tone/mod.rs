@@ -9,7 +9,7 @@ mod filmic;
 mod lab;
 mod neutral;
 
-use crate::{Error, Image, Result};
+use crate::{Error, Result, RgbPlanes};
 use rayon::prelude::*;
 
 /// Largest value a curve sees; keeps squares finite.
@@ -208,16 +208,10 @@ impl Tone {
         }
     }
 
-    /// The display values of a picture's colour: NaN and negative values as black, infinity as the largest value.
-    ///
-    /// # Errors
-    /// [`Error::MissingChannels`] when it has no colour.
-    pub fn map_image(&self, image: &Image) -> Result<Vec<[f32; 3]>> {
-        let planes = image.require_rgb()?;
-        let largest = |plane: &[f32]| plane.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
-        let maximum = largest(planes.r).max(largest(planes.g)).max(largest(planes.b));
-        let map = self.mapper(maximum);
-        Ok((0..image.pixel_count()).into_par_iter().map(|i| map(planes.at(i))).collect())
+    /// The largest finite component of a picture, or zero: what [`Self::mapper`] wants to know.
+    pub(crate) fn maximum(planes: RgbPlanes<'_>) -> f32 {
+        let largest = |plane: &[f32]| plane.par_iter().copied().filter(|v| v.is_finite()).reduce(|| 0.0, f32::max);
+        largest(planes.r).max(largest(planes.g)).max(largest(planes.b))
     }
 }
 
@@ -233,6 +227,7 @@ fn luminance([r, g, b]: [f32; 3]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Image;
 
     #[test]
     fn every_curve_is_monotone_on_greys_and_stays_in_range() {
@@ -304,9 +299,11 @@ mod tests {
     }
 
     #[test]
-    fn map_image_uses_the_largest_finite_component() {
+    fn pictures_are_mapped_by_the_largest_finite_component() {
         let image = Image::from_rgb(2, 1, &[[4.0, 2.0, f32::NAN], [1.0, f32::INFINITY, 0.0]]).unwrap();
-        let out = Tone::parse("equalize").unwrap().map_image(&image).unwrap();
-        assert_eq!(out, [[1.0, 0.5, 0.0], [0.25, 1.0, 0.0]]);
+        let planes = image.rgb().unwrap();
+        let tone = Tone::parse("equalize").unwrap();
+        let map = tone.mapper(Tone::maximum(planes));
+        assert_eq!([map(planes.at(0)), map(planes.at(1))], [[1.0, 0.5, 0.0], [0.25, 1.0, 0.0]]);
     }
 }
