@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::bench::BenchArgs;
+use crate::experiment::ExperimentArgs;
 use crate::values::{self, Layers, MAX_SPP, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
@@ -49,6 +50,12 @@ pub enum Command {
     Bench(BenchArgs),
     /// Tell what waves a picture holds, and where they would appear if it were sampled more coarsely
     Signal(SignalArgs),
+    /// Run an experiment of optics: diffraction, interference, prisms, rainbows, thermal light, …
+    Optics(Box<ExperimentArgs>),
+    /// Run an experiment of vision: chromaticity, cones, colour deficiencies, contrast, glare, …
+    Vision(Box<ExperimentArgs>),
+    /// Run an experiment of Monte Carlo integration: error against samples, importance, branching, …
+    Estimate(Box<ExperimentArgs>),
     /// Print the completions of a shell
     Completions {
         /// The shell.

@@ -8,6 +8,7 @@ mod bench;
 mod compare;
 mod convert;
 mod diagnostics;
+mod experiment;
 mod failure;
 mod info;
 mod list;
@@ -58,6 +59,9 @@ fn main() -> ExitCode {
 fn run(command: &Command, terminal: Terminal) -> Outcome {
     match command {
         Command::Render(args) => render::run(args, terminal),
+        Command::Optics(args) => experiment::run("optics", args, terminal),
+        Command::Vision(args) => experiment::run("vision", args, terminal),
+        Command::Estimate(args) => experiment::run("estimate", args, terminal),
         Command::Info(args) => info::run(args, terminal),
         Command::List(args) => list::run(args),
         Command::Material(args) => material::run(args, terminal),

@@ -1,16 +1,22 @@
-//! Measuring materials: what a goniophotometer, an integrating sphere and a glossmeter would read off a surface of a scene.
+//! Instruments. First those that measure materials: what a goniophotometer, an integrating sphere and a glossmeter would read off a surface of a scene.
 //!
 //! Every instrument looks at a [`Specimen`]: one material of a compiled scene at one point of a surface, in its shading frame (`z` is
 //! the normal, `x` the tangent).
+//!
+//! Beside them stand experiments of [`optics`], of [`vision`] and of Monte Carlo integration ([`estimate`]); see [`experiment`].
 
 pub mod albedo;
+pub mod estimate;
+pub mod experiment;
 pub mod fit;
 pub mod gloss;
 pub mod goniometer;
 pub mod least_squares;
 pub mod microsurface;
+pub mod optics;
 pub mod plot;
 mod specimen;
+pub mod vision;
 
 pub use specimen::Specimen;
 pub use steradian_core::bsdf::TransportMode;

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout)]
 
 mod benches;
+mod experiments;
 mod lists;
 mod materials;
 mod outputs;

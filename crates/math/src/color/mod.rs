@@ -2,7 +2,9 @@
 //!
 //! "RGB" without more words is linear Rec.709 (the primaries and white of sRGB).
 
+pub mod difference;
 pub mod lab;
+pub mod models;
 pub mod space;
 pub mod transfer;
 pub mod upsample;

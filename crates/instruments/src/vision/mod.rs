@@ -1,0 +1,30 @@
+//! Experiments of vision, each with its equation and source in its file.
+
+mod chromaticity;
+mod color;
+mod cones;
+mod contrast;
+mod deficiency;
+mod flicker;
+mod glare;
+mod illusion;
+mod macadam;
+mod machado;
+mod night;
+mod receptive_field;
+
+use crate::experiment::Experiment;
+
+/// The experiments.
+pub const EXPERIMENTS: &[Experiment] = &[
+    chromaticity::EXPERIMENT,
+    color::EXPERIMENT,
+    cones::EXPERIMENT,
+    deficiency::EXPERIMENT,
+    receptive_field::EXPERIMENT,
+    illusion::EXPERIMENT,
+    contrast::EXPERIMENT,
+    flicker::EXPERIMENT,
+    night::EXPERIMENT,
+    glare::EXPERIMENT,
+];
