@@ -14,6 +14,11 @@ const KIND: FileKind = FileKind::Png;
 const MAX_PIXELS_PER_BYTE: f64 = MOST_DEFLATED as f64 * 8.0;
 
 pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
+    // Xcode's variant for iPhones has a chunk of its own first, turned channels and data that no other program unpacks.
+    if bytes.get(12..16) == Some(b"CgBI") {
+        let what = "pictures packed for iPhones (CgBI), which are no PNG; 'pngcrush -revert-iphone-optimizations' gives the original back";
+        return Err(Error::unsupported(KIND, what));
+    }
     let metadata = png::Limits { bytes: METADATA_BYTES.min(limits.bytes as usize) };
     let mut decoder = png::Decoder::new_with_limits(std::io::Cursor::new(bytes), metadata);
     // Profiles are not applied, so they are not unpacked.
@@ -153,4 +158,18 @@ fn refuse(error: png::EncodingError) -> Error {
         return io("write")(error);
     }
     Error::unsupported(KIND, error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Xcode puts a chunk of its own before the header.
+    #[test]
+    fn pictures_packed_for_iphones_are_named() {
+        let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\x04CgBI\x50\0\x20\x06\x2b\xd5\xb3\x7f".to_vec();
+        bytes.extend(b"\0\0\0\x0dIHDR\0\0\0\x01\0\0\0\x01\x08\x06\0\0\0\x1f\x15\xc4\x89");
+        let said = decode(&bytes, &Limits::default()).unwrap_err().to_string();
+        assert!(said.contains("iPhones (CgBI)") && !said.contains('{'), "{said}");
+    }
 }

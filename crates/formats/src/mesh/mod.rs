@@ -5,7 +5,7 @@
 
 mod error;
 mod polygon;
-mod text;
+pub(crate) mod text;
 
 #[cfg(test)]
 mod test_files;

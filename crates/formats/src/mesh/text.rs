@@ -1,5 +1,18 @@
 //! Numbers and words in text files.
 
+/// The text as UTF-8, where it has the byte order mark of UTF-16; else as it stands.
+pub(crate) fn to_utf8(bytes: Vec<u8>) -> Vec<u8> {
+    let unit = match bytes.get(..2) {
+        Some(b"\xff\xfe") => u16::from_le_bytes,
+        Some(b"\xfe\xff") => u16::from_be_bytes,
+        _ => return bytes,
+    };
+    let units = bytes[2..].chunks_exact(2).map(|c| unit([c[0], c[1]]));
+    let mut text = String::with_capacity(bytes.len() / 2);
+    text.extend(char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)));
+    text.into_bytes()
+}
+
 /// Blank, tab and the other separators within a line.
 #[inline]
 pub(crate) fn is_blank(b: u8) -> bool {
@@ -110,6 +123,20 @@ mod tests {
         for word in ["", "-", "1.0", "9999999999999999999999", "1a"] {
             assert_eq!(integer(word.as_bytes()), None, "{word}");
         }
+    }
+
+    #[test]
+    fn utf_16_becomes_utf_8() {
+        let text = "v 1 2 3\nusemtl Weiß 𝄞\n";
+        let encoded = |mark: [u8; 2], bytes: fn(u16) -> [u8; 2]| {
+            mark.into_iter().chain(text.encode_utf16().flat_map(bytes)).collect::<Vec<u8>>()
+        };
+        assert_eq!(to_utf8(encoded([0xff, 0xfe], u16::to_le_bytes)), text.as_bytes());
+        assert_eq!(to_utf8(encoded([0xfe, 0xff], u16::to_be_bytes)), text.as_bytes());
+        assert_eq!(to_utf8(text.into()), text.as_bytes());
+        // Half a pair, and half a unit.
+        assert_eq!(to_utf8(vec![0xff, 0xfe, b'v', 0, 0x00, 0xd8, b'x']), "v\u{fffd}".as_bytes());
+        assert_eq!(to_utf8(vec![0xff]), [0xff]);
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl Reader<'_> {
 
 /// Reads a mesh and makes of it what Mitsuba would; with what is to be said of the file.
 fn load(key: &MeshKey, limits: &Limits) -> Result<(Mesh, Option<String>), String> {
-    let bytes = files::read(&key.path, limits).map_err(|e| e.to_string())?;
+    let mut bytes = files::read(&key.path, limits).map_err(|e| e.to_string())?;
     let fault = |e: mesh::MeshError| format!("cannot read the mesh '{}': {e}", key.path.display());
     let mut flat = key.face_normals.unwrap_or(false);
     let mut warning = None;
@@ -101,7 +101,8 @@ fn load(key: &MeshKey, limits: &Limits) -> Result<(Mesh, Option<String>), String
         }
         MeshFormat::Obj => {
             let options = mesh::obj::ObjOptions { merge: true, flip_v: key.flip_uvs };
-            let read = mesh::obj::read(&bytes, &options).map_err(fault)?;
+            let read = mesh::obj::read(&mesh::text::to_utf8(std::mem::take(&mut bytes)), &options).map_err(fault)?;
+            warning = read.skipped.warning();
             read.meshes.into_iter().next().unwrap_or_default().mesh
         }
         MeshFormat::Serialized(index) => {

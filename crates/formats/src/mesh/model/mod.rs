@@ -3,7 +3,7 @@
 mod material;
 mod stage;
 
-use super::{MeshError, Place, mtl, obj, ply};
+use super::{MeshError, Place, mtl, obj, ply, text};
 use crate::{
     Import, Options,
     files::{self, SearchPath},
@@ -14,7 +14,7 @@ use std::{
 };
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
-/// Opens an OBJ or PLY file. What the file is decides, not what it is called.
+/// Opens an OBJ or PLY file. A file that starts as PLY is PLY, whatever it is called.
 ///
 /// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for beside it and in
 /// [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain stands in. Anything malformed in the
@@ -42,10 +42,11 @@ pub fn import(path: &Path, options: &Options) -> Import {
         losses: 0,
         undefined: HashSet::new(),
     };
-    if bytes.starts_with(b"ply") {
+    let is_named_ply = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
+    if bytes.starts_with(b"ply") || is_named_ply {
         opener.ply(&bytes);
     } else {
-        opener.obj(bytes);
+        opener.obj(text::to_utf8(bytes));
     }
     opener.finish()
 }
@@ -168,6 +169,8 @@ impl Opener<'_> {
             (skipped.lines, "line statements"),
             (skipped.free_form, "statements of free-form curves and surfaces"),
             (skipped.degenerate, "faces of less than three corners"),
+            (skipped.references, "texture coordinates and normals that faces name and the file has not"),
+            (skipped.colors, "colours of vertices that are not finite"),
         ];
         for (count, what) in drawn.into_iter().filter(|d| d.0 > 0) {
             self.dropped(None, format!("{count} {what} in '{}'", self.path.display()));
@@ -187,6 +190,7 @@ impl Opener<'_> {
             Ok(read) => read,
             Err(e) => return self.approximated(Some(span), format!("{e}: grey surfaces stand in")),
         };
+        let bytes = text::to_utf8(bytes);
         let library = mtl::read(&bytes);
         let source = self.import.desc.sources.add(&path, bytes);
         for remark in library.remarks {
@@ -219,7 +223,7 @@ impl Opener<'_> {
             color.channels = 3;
         }
         let domain = if color.domain == Domain::Vertex { "vertex" } else { "face" };
-        let brightest = color.data.iter().copied().fold(1.0, f32::max);
+        let brightest = color.data.iter().copied().filter(|v| v.is_finite()).fold(1.0, f32::max);
         let mut texture =
             Node::new(Family::Texture, "mesh_attribute", None).with("name", "color").with("domain", domain);
         if brightest > 1.0 {

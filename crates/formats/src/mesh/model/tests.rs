@@ -124,6 +124,8 @@ fn malformed_models_are_errors_with_a_place() {
         ("a.obj", b"", "has no faces"),
         ("a.obj", b"v 1 2 3\np 1\n", "has no faces"),
         ("a.ply", b"ply", "this is not a PLY file"),
+        ("a.ply", b"plx\nformat ascii 1.0\n", "this is not a PLY file"),
+        ("a.PLY", b"v 0 0 0\n", "this is not a PLY file"),
     ] {
         let import = open(&[(name, bytes)]);
         let text = messages(&import);
@@ -131,6 +133,34 @@ fn malformed_models_are_errors_with_a_place() {
     }
     let gone = import(Path::new("/nowhere/at all.obj"), &Options::default());
     assert!(gone.diagnostics.has_errors());
+}
+
+/// What an exporter on Windows writes: UTF-16 with a byte order mark, in model and library. Places are those of the text.
+#[test]
+fn utf_16_models_open() {
+    let wide = |text: &str| {
+        [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect::<Vec<u8>>()
+    };
+    let obj = wide("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl rötlich\nf 1 2 3\nbogus\n");
+    let i = open(&[("a.obj", &obj), ("a.mtl", &wide("newmtl rötlich\nillum 7\n"))]);
+    assert!(!i.diagnostics.has_errors(), "{}", messages(&i));
+    assert_eq!(i.desc.node(i.desc.shapes[0].material.unwrap()).kind, "dielectric");
+    assert!(messages(&i).contains("a.obj:7:1"), "{}", messages(&i));
+}
+
+/// Faults beside the shape are mended, and said.
+#[test]
+fn faults_of_colours_and_references_leave_the_model() {
+    let i = open(&[("a.obj", b"v 0 0 0 1 nan 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1/3/2 2 3\n")]);
+    let text = messages(&i);
+    assert!(!i.diagnostics.has_errors() && i.desc.shapes.len() == 1, "{text}");
+    assert!(text.contains("2 texture coordinates and normals") && text.contains("1 colours of vertices"), "{text}");
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let ply = format!("{header}0 0 0 inf 0.5 nan\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2\n");
+    let i = open(&[("a.ply", ply.as_bytes())]);
+    assert!(!i.diagnostics.has_errors() && i.desc.shapes.len() == 1, "{}", messages(&i));
+    let texture = i.desc.nodes.iter().find(|n| n.kind == "mesh_attribute").unwrap();
+    assert_eq!(texture.get("scale"), None, "an infinite colour is not the brightest");
 }
 
 #[test]

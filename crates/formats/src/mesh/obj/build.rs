@@ -20,7 +20,7 @@ pub(super) fn build(bytes: &[u8], mut parsed: Parsed) -> Result<ObjFile, MeshErr
         if part.faces.is_empty() {
             continue;
         }
-        check_indices(bytes, &part, &parsed)?;
+        check_indices(bytes, &mut part, &mut parsed)?;
         let mesh = work.mesh(bytes, &part, &parsed)?;
         let (object, group) = (std::mem::take(&mut part.object), std::mem::take(&mut part.group));
         meshes.push(ObjMesh { object, group, material: part.material, material_offset: part.material_offset, mesh });
@@ -28,18 +28,25 @@ pub(super) fn build(bytes: &[u8], mut parsed: Parsed) -> Result<ObjFile, MeshErr
     Ok(ObjFile { meshes, libraries: parsed.libraries, skipped: parsed.skipped })
 }
 
-/// Holds the indices against what the whole file has.
-fn check_indices(bytes: &[u8], part: &Part, parsed: &Parsed) -> Result<(), MeshError> {
+/// Holds the indices against what the whole file has. Texture coordinates and normals that are not there are left out.
+fn check_indices(bytes: &[u8], part: &mut Part, parsed: &mut Parsed) -> Result<(), MeshError> {
     let counts = [parsed.positions.len(), parsed.uvs.len(), parsed.normals.len()];
-    let bad = |c: &Corner| (0..3).find(|&k| c[k] as usize >= counts[k] && (k == 0 || c[k] != NONE));
-    let Some(at) = part.corners.iter().position(|c| bad(c).is_some()) else { return Ok(()) };
-    let k = bad(&part.corners[at]).unwrap_or(0);
-    let face = part.faces.partition_point(|f| f.0 <= at);
-    let offset = part.faces.get(face).map_or(0, |f| f.1);
-    const WHAT: [&str; 3] = ["vertices", "texture coordinates", "normals"];
-    let index = u64::from(part.corners[at][k]) + 1;
-    let message = format!("the face refers to number {index} of the {}, but the file has {}", WHAT[k], counts[k]);
-    Err(MeshError::in_text(Kind::IndexOutOfRange, bytes, offset, message))
+    for (at, corner) in part.corners.iter_mut().enumerate() {
+        if corner[0] as usize >= counts[0] {
+            let face = part.faces.partition_point(|f| f.0 <= at);
+            let offset = part.faces.get(face).map_or(0, |f| f.1);
+            let index = u64::from(corner[0]) + 1;
+            let message = format!("the face refers to number {index} of the vertices, but the file has {}", counts[0]);
+            return Err(MeshError::in_text(Kind::IndexOutOfRange, bytes, offset, message));
+        }
+        for k in 1..3 {
+            if corner[k] != NONE && corner[k] as usize >= counts[k] {
+                corner[k] = NONE;
+                parsed.skipped.references += 1;
+            }
+        }
+    }
+    Ok(())
 }
 
 struct Work {

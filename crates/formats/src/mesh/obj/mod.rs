@@ -60,10 +60,27 @@ pub struct Skipped {
     pub degenerate: usize,
     /// Statements of free-form curves and surfaces.
     pub free_form: usize,
+    /// Texture coordinates and normals that corners of faces name, but that the file does not have: such corners have none.
+    pub references: usize,
+    /// Colours of vertices that are not finite: they are white.
+    pub colors: usize,
     /// Statements that OBJ does not have.
     pub unknown: usize,
     /// Offset of the first of those.
     pub unknown_offset: usize,
+}
+
+impl Skipped {
+    /// What there is to say of faces and colours that were mended.
+    pub fn warning(&self) -> Option<String> {
+        let parts = [
+            (self.references, "texture coordinates and normals that faces name and the file has not"),
+            (self.colors, "colours of vertices that are not finite"),
+        ];
+        let said: Vec<String> =
+            parts.iter().filter(|p| p.0 > 0).map(|(count, what)| format!("{count} {what} are left out")).collect();
+        (!said.is_empty()).then(|| said.join("; "))
+    }
 }
 
 /// The contents of an OBJ file.
@@ -80,7 +97,7 @@ pub struct ObjFile {
 /// Reads an OBJ file.
 ///
 /// # Errors
-/// [`MeshError`] with the line for numbers that are malformed or not finite, and for indices that are zero or out of range.
+/// [`MeshError`] with the line for numbers that are malformed or not finite (colours may be), and for indices of positions that are zero or out of range.
 pub fn read(bytes: &[u8], options: &ObjOptions) -> Result<ObjFile, MeshError> {
     let parsed = parse::parse(bytes, options)?;
     build::build(bytes, parsed)

@@ -136,6 +136,27 @@ impl Parser<'_> {
     /// Up to `N` finite numbers, and how many there were; what follows them is passed over.
     #[inline]
     fn numbers<const N: usize>(&self, at: usize, rest: &[u8], what: &str) -> Result<([f32; N], usize), MeshError> {
+        let (values, found) = self.any_numbers(at, rest, what)?;
+        self.all_finite(at, rest, what, &values)?;
+        Ok((values, found))
+    }
+
+    /// Refuses the first of the words that is no finite number.
+    #[inline]
+    fn all_finite(&self, at: usize, rest: &[u8], what: &str, values: &[f32]) -> Result<(), MeshError> {
+        match values.iter().position(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(bad) => {
+                let word = words(rest).nth(bad).unwrap_or_default();
+                let message = format!("{what}: '{}' is not a finite number", shown(word));
+                Err(self.fault(Kind::NotFinite, at, message))
+            }
+        }
+    }
+
+    /// The same, finite or not.
+    #[inline]
+    fn any_numbers<const N: usize>(&self, at: usize, rest: &[u8], what: &str) -> Result<([f32; N], usize), MeshError> {
         let mut values = [0.0; N];
         let (mut i, mut found) = (0, 0);
         while found < N {
@@ -151,14 +172,7 @@ impl Parser<'_> {
                 break;
             }
             match float(word) {
-                Some(v) if v.is_finite() => values[found] = v,
-                Some(_) => {
-                    return Err(self.fault(
-                        Kind::NotFinite,
-                        at,
-                        format!("{what}: '{}' is not a finite number", shown(word)),
-                    ));
-                }
+                Some(v) => values[found] = v,
                 None => return Err(self.fault(Kind::Syntax, at, format!("{what}: '{}' is not a number", shown(word)))),
             }
             found += 1;
@@ -175,11 +189,14 @@ impl Parser<'_> {
 
     /// `v x y z`, `v x y z w` (the weight is for curves only) or `v x y z r g b`.
     fn vertex(&mut self, at: usize, rest: &[u8]) -> Result<(), MeshError> {
-        let ([x, y, z, r, g, b], found) = self.numbers::<6>(at, rest, "vertex")?;
+        let ([x, y, z, r, g, b], found) = self.any_numbers::<6>(at, rest, "vertex")?;
         self.at_least(at, found, 3, "vertex")?;
+        self.all_finite(at, rest, "vertex", &[x, y, z])?;
         if found == 6 {
+            let is_sound = r.is_finite() && g.is_finite() && b.is_finite();
+            self.out.skipped.colors += usize::from(!is_sound);
             self.out.colors.resize(self.out.positions.len(), [1.0; 3]);
-            self.out.colors.push([r, g, b]);
+            self.out.colors.push(if is_sound { [r, g, b] } else { [1.0; 3] });
         }
         self.out.positions.push([x, y, z]);
         Ok(())
@@ -226,12 +243,18 @@ impl Parser<'_> {
             for (k, index) in corner.iter_mut().enumerate() {
                 let (value, digits) = signed(rest, &mut i);
                 if digits {
-                    *index = absolute(value, counts[k]).ok_or_else(|| {
-                        const WHAT: [&str; 3] = ["vertex", "texture coordinate", "normal"];
-                        let message =
-                            format!("the face refers to {} {value}, but {} stand before it", WHAT[k], counts[k]);
-                        MeshError::in_text(Kind::IndexOutOfRange, self.bytes, at, message)
-                    })?;
+                    *index = match absolute(value, counts[k]) {
+                        Some(index) => index,
+                        None if k > 0 => {
+                            self.out.skipped.references += 1;
+                            NONE
+                        }
+                        None => {
+                            let message =
+                                format!("the face refers to vertex {value}, but {} stand before it", counts[k]);
+                            return Err(MeshError::in_text(Kind::IndexOutOfRange, self.bytes, at, message));
+                        }
+                    };
                 } else if k == 0 {
                     ok = false;
                 }

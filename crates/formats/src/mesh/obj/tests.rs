@@ -181,11 +181,6 @@ fn faults_are_located() {
         ("vn 1 1e99 0", Kind::NotFinite, "line 4: normal: '1e99' is not a finite number"),
         ("vt", Kind::Syntax, "line 4: texture coordinate: 0 numbers"),
         ("f 1 2 4", Kind::IndexOutOfRange, "line 4: the face refers to number 4 of the vertices, but the file has 3"),
-        (
-            "f 1/1 2 3",
-            Kind::IndexOutOfRange,
-            "line 4: the face refers to number 1 of the texture coordinates, but the file has 0",
-        ),
         ("f 0 1 2", Kind::IndexOutOfRange, "line 4: the face refers to vertex 0"),
         ("f -4 1 2", Kind::IndexOutOfRange, "line 4: the face refers to vertex -4, but 3 stand before it"),
         ("f 1 2 99999999999999999999999", Kind::IndexOutOfRange, "line 4: the face refers to vertex"),
@@ -232,4 +227,24 @@ fn hostile_files_are_read_in_linear_time() {
         (0..100_000).fold(long, |t, i| t + if i % 2 == 0 { "usemtl a\nf 1 2 3\n" } else { "usemtl b\nf 1 2 3\n" });
     assert_eq!(open(&text).meshes.len(), 2);
     assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
+}
+
+/// Texture coordinates and normals that the file does not have are left out, whether they stand before it or not; so are colours that are no
+/// numbers. All are counted.
+#[test]
+fn what_faces_lack_is_left_out() {
+    let vertices = "v 0 0 0 1 0 0\nv 1 0 0 nan 0 0\nv 0 1 0 0 inf 1\nvt 0.5 0.25\nvn 0 0 1\n";
+    let file = open(&format!("{vertices}f 1/1/1 2/7/9 3/-5/0\n"));
+    assert_eq!((file.skipped.references, file.skipped.colors), (4, 2));
+    let mesh = &file.meshes[0].mesh;
+    assert_eq!(mesh.triangles.len(), 1);
+    assert_eq!(
+        (mesh.uvs[0], mesh.uvs[1], mesh.normals[0], mesh.normals[2]),
+        ([0.5, 0.25], [0.0; 2], [0., 0., 1.], [0., 0., 1.])
+    );
+    assert_eq!(mesh.attributes[0].data, [1., 0., 0., 1., 1., 1., 1., 1., 1.]);
+    let said = file.skipped.warning().unwrap();
+    assert!(said.contains("4 texture coordinates and normals") && said.contains("2 colours"), "{said}");
+    let sound = open(&format!("{vertices}f 1/1/1 2/1/1 3/1/1\n").replace("nan", "1").replace("inf", "1"));
+    assert_eq!(sound.skipped.warning(), None);
 }
