@@ -257,7 +257,7 @@ SCENES = {
     "bsplinecurve": (shape("bsplinecurve", word("filename", "curve.txt")), RGB, ""),
     "sdfgrid": (shape("sdfgrid", word("filename", "ball.vol") + put('<translate x="-0.5" y="-0.5" z="-0.5"/><scale value="2.2"/>')), RGB, ""),
     "sdfgrid analytic": (shape("sdfgrid", word("filename", "ball.vol") + word("normals", "analytic")
-                               + put('<translate x="-0.5" y="-0.5" z="-0.5"/><scale value="2.2"/><rotate z="1" angle="30"/>')), RGB, ""),
+                               + put('<translate x="-0.5" y="-0.5" z="-0.5"/><scale x="2.2" y="1.8" z="2"/>')), RGB, ""),
     "ellipsoids": (shape("ellipsoids", word("filename", "ellipsoids.ply")), RGB, ""),
     "heightfield": (shape("heightfield", word("filename", "height.png")), RGB, ""),
     # Transforms

@@ -9,7 +9,7 @@ use crate::{
     material::{self, Material, Model, Needs, Scattering, detail::Base},
     medium::Medium,
     sampler::SamplerKind,
-    shape::{Curves, Field, PatchMesh, Plane, Quadric, SurfacePoint, TriMesh},
+    shape::{Curves, Field, PatchMesh, Plane, Quadric, SdfGrid, SurfacePoint, TriMesh},
     texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
 use std::sync::Arc;
@@ -32,6 +32,8 @@ pub enum Shape {
     Curves(Arc<Curves>),
     /// A height field.
     Field(Arc<Field>),
+    /// A surface on a grid of distances.
+    Sdf(Arc<SdfGrid>),
     /// An infinite plane.
     Plane(Plane),
 }
@@ -45,6 +47,7 @@ impl Shape {
             Self::Patches(m) => Bounds3::from_points(m.positions.iter().copied()),
             Self::Curves(c) => (0..c.count()).fold(Bounds3::EMPTY, |b, k| b.union(c.bounds(k))),
             Self::Field(f) => (0..f.count()).fold(Bounds3::EMPTY, |b, k| b.union(f.bounds(k))),
+            Self::Sdf(s) => (0..s.count()).fold(Bounds3::EMPTY, |b, k| b.union(s.bounds(k))),
             Self::Plane(_) => Bounds3::EMPTY,
         }
     }
@@ -227,6 +230,7 @@ impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
             Shape::Patches(m) => m.intersect(id.prim, ray).filter(passes),
             Shape::Curves(c) => c.intersect(id.prim, ray).filter(passes),
             Shape::Field(f) => f.intersect(id.prim, ray, passes),
+            Shape::Sdf(s) => s.intersect(id.prim, ray, passes),
             Shape::Mesh(_) | Shape::Plane(_) => None,
         }
     }
@@ -531,6 +535,7 @@ impl Scene {
             Shape::Patches(m) => m.bytes(),
             Shape::Curves(c) => c.bytes(),
             Shape::Field(f) => f.bytes(),
+            Shape::Sdf(s) => s.bytes(),
             Shape::Quadric(_) | Shape::Plane(_) => size_of::<Quadric>(),
         });
         self.accel.bytes() + shapes.sum::<usize>()
@@ -546,6 +551,7 @@ fn surface(shape: &Shape, hit: &Hit, ray: &Ray) -> SurfacePoint {
         Shape::Patches(m) => m.surface(hit.id.prim, hit.u, hit.v),
         Shape::Curves(c) => c.surface(hit.id.prim, hit.u, hit.v, ray, hit.t),
         Shape::Field(f) => f.surface(hit.u, hit.v),
+        Shape::Sdf(s) => s.surface(hit.id.prim, ray, hit.t),
         Shape::Plane(p) => p.surface(ray, hit.t),
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     material::Needs,
     scene::{self, Geometry, Shape},
     shape::{
-        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SHAPES, TriMesh,
+        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SHAPES, SdfGrid, TriMesh,
         curve::{CurveBasis, CurveKind, CurveParams},
         subdivision::loop_subdivide,
     },
@@ -81,6 +81,7 @@ impl Compiler<'_> {
                 Shape::Patches(m) => (0..m.patches.len() as u32).map(|i| m.bounds(i)).collect(),
                 Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
                 Shape::Field(f) => (0..f.count()).map(|i| f.bounds(i)).collect(),
+                Shape::Sdf(s) => (0..s.count()).map(|i| s.bounds(i)).collect(),
             };
             let reach_is_finite = match &part {
                 Shape::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
@@ -236,6 +237,7 @@ impl Compiler<'_> {
                 Some(field) => vec![Shape::Field(Arc::new(field))],
                 None => Vec::new(),
             },
+            "sdf_grid" => self.sdf_grid(node, place, reverse, emits),
             other => {
                 let help = names::did_you_mean(other, SHAPES.iter().map(|s| s.0));
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
@@ -298,6 +300,40 @@ impl Compiler<'_> {
                     self.error_help(node.span, what, Some("known are 'uv', 'mikktspace', and attributes".into()));
                 }
             },
+        }
+    }
+
+    /// The surface of a grid of distances.
+    fn sdf_grid(&mut self, node: &Node, place: &Affine, reverse: bool, emits: bool) -> Vec<Shape> {
+        if emits {
+            let what = "surfaces on grids of distances cannot emit light yet; the light is left out";
+            self.diagnostics.dropped(&self.desc.sources, node.span, what);
+        }
+        let smooth = self.choice(node, "normals", true, &[("smooth", true), ("analytic", false)]);
+        let span = node.param("file").and_then(|p| p.span).or(node.span);
+        let Some(grid) = self.voxel_grid(node) else { return Vec::new() };
+        let ([w, h, d], channels) = (grid.size, grid.channels);
+        if channels != 1 || w.min(h).min(d) < 2 {
+            let what = format!(
+                "a grid of distances needs one channel, and two samples along each axis at least; this one has {w} × {h} × {d} of {channels}"
+            );
+            self.error(span, what);
+            return Vec::new();
+        }
+        match SdfGrid::new(grid, *place, reverse, smooth) {
+            Some(surface) if surface.count() == 0 => {
+                let what = "the distances of this grid are nowhere zero: there is no surface";
+                self.diagnostics.warn(&self.desc.sources, span, what);
+                Vec::new()
+            }
+            Some(surface) => vec![Shape::Sdf(Arc::new(surface))],
+            None => {
+                self.error(
+                    span,
+                    format!("a grid of {w} × {h} × {d} distances whose surface passes this many cells is too large"),
+                );
+                Vec::new()
+            }
         }
     }
 
@@ -467,4 +503,54 @@ fn rectangle(m: &TriMesh, t: u32) -> Option<(Vec3, Vec3, Vec3)> {
     // Both must shine to the same side.
     let same_side = m.geometric_normal(t).dot(m.geometric_normal(t + 1)) > 0.99;
     (right_angle && closes && same_side).then_some((corner, ex, ey))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::compile::{Options, compile};
+    use steradian_math::{Ray, Vec3};
+    use steradian_scene::{Family, Node, SceneDesc, Shape};
+
+    /// A scene with a grid of distances of this size and these channels, what was said, and how far a ray down its middle goes.
+    fn on_a_grid(size: [i32; 4], values: &[f32], emits: bool, normals: Option<&str>) -> (Option<f32>, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bytes = b"VOL\x03\x01\0\0\0".to_vec();
+        size.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0].iter().chain(values).for_each(|v| bytes.extend(v.to_le_bytes()));
+        let path = folder.path().join("a.vol");
+        std::fs::write(&path, bytes).unwrap();
+        let mut desc = SceneDesc::default();
+        let mut node = Node::new(Family::Shape, "sdf_grid", None).with("file", path);
+        if let Some(normals) = normals {
+            node.set("normals", normals, None);
+        }
+        let node = desc.add(node);
+        let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None)));
+        desc.shapes.push(Shape { emission, ..Shape::new(node) });
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        let light = desc.add(Node::new(Family::Light, "point", None));
+        desc.cameras.push(camera);
+        desc.lights.push(light);
+        let compiled = compile(&desc, &Options::default());
+        let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
+        let ray = Ray::new(Vec3::new(0.5, 0.5, 9.0), -Vec3::Z);
+        (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+    }
+
+    #[test]
+    fn grids_of_distances() {
+        // z − ¼ on two samples each way.
+        let slab = [-0.25, -0.25, -0.25, -0.25, 0.75, 0.75, 0.75, 0.75];
+        for normals in [None, Some("smooth"), Some("analytic")] {
+            let (t, said) = on_a_grid([2, 2, 2, 1], &slab, false, normals);
+            assert!(said.is_empty() && (t.unwrap() - 8.75).abs() < 1e-5, "{t:?} {said}");
+        }
+        let says = |size, values: &[f32], emits, normals| on_a_grid(size, values, emits, normals).1;
+        assert!(says([2, 2, 2, 1], &slab, true, None).contains("cannot emit light"));
+        assert!(says([2, 2, 2, 1], &slab, false, Some("flat")).contains("flat"));
+        assert!(says([2, 2, 1, 2], &slab, false, None).contains("needs one channel"));
+        assert!(says([8, 1, 1, 1], &slab, false, None).contains("two samples along each axis"));
+        assert!(says([2, 2, 2, 1], &[1.0; 8], false, None).contains("there is no surface"));
+        assert!(says([2, 2, 2, 1], &[f32::NAN; 8], false, None).contains("8 values of this grid"));
+    }
 }

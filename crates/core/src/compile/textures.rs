@@ -209,32 +209,33 @@ impl Compiler<'_> {
         }
     }
 
+    /// The voxel grid that a node names, read once. Values that are not finite count as zero.
+    pub(super) fn voxel_grid(&mut self, node: &Node) -> Option<Arc<steradian_image::VoxelGrid>> {
+        let span = node.param("file").and_then(|p| p.span).or(node.span);
+        let Some(path) = node.path("file") else {
+            self.error(span, format!("{} '{}' needs a file", node.family.noun(), node.kind));
+            return None;
+        };
+        if let Some(grid) = self.grids.get(path) {
+            return Some(grid.clone());
+        }
+        let mut grid = steradian_image::read_voxel_grid(path, &self.options.image_limits)
+            .map_err(|e| self.error(span, e.to_string()))
+            .ok()?;
+        let faults = grid.data.iter_mut().filter(|v| !v.is_finite()).map(|v| *v = 0.0).count();
+        if faults > 0 {
+            let what = format!("{faults} values of this grid are infinite or NaN; they count as zero");
+            self.diagnostics.warn(&self.desc.sources, span, what);
+        }
+        let grid = Arc::new(grid);
+        self.grids.insert(path.to_path_buf(), grid.clone());
+        Some(grid)
+    }
+
     /// Numbers on a grid of space.
     fn grid(&mut self, node: &Node) -> Option<GridTexture> {
         let span = node.param("file").and_then(|p| p.span).or(node.span);
-        let Some(path) = node.path("file") else {
-            self.error(span, "texture 'grid' needs a file");
-            return None;
-        };
-        let grid = match self.grids.get(path) {
-            Some(grid) => grid.clone(),
-            None => match steradian_image::read_voxel_grid(path, &self.options.image_limits) {
-                Ok(mut grid) => {
-                    let faults = grid.data.iter_mut().filter(|v| !v.is_finite()).map(|v| *v = 0.0).count();
-                    if faults > 0 {
-                        let what = format!("{faults} values of this grid are infinite or NaN; they count as zero");
-                        self.diagnostics.warn(&self.desc.sources, span, what);
-                    }
-                    let grid = Arc::new(grid);
-                    self.grids.insert(path.to_path_buf(), grid.clone());
-                    grid
-                }
-                Err(e) => {
-                    self.error(span, e.to_string());
-                    return None;
-                }
-            },
-        };
+        let grid = self.voxel_grid(node)?;
         let interpolations = [
             ("nearest", Interpolation::Nearest),
             ("trilinear", Interpolation::Trilinear),

@@ -7,6 +7,7 @@ pub mod mesh;
 pub mod patch;
 pub mod plane;
 pub mod quadric;
+pub mod sdf_grid;
 pub mod subdivision;
 pub mod tangents;
 
@@ -16,6 +17,7 @@ pub use mesh::TriMesh;
 pub use patch::PatchMesh;
 pub use plane::Plane;
 pub use quadric::{Quadric, QuadricKind};
+pub use sdf_grid::SdfGrid;
 
 use steradian_math::{Vec2, Vec3};
 
@@ -26,6 +28,7 @@ pub const SHAPES: &[(&str, &str)] = &[
     ("disk", "height, radius, inner_radius, phi_max (degrees)"),
     ("cylinder", "radius, z_min, z_max, phi_max (degrees); or p0, p1, radius"),
     ("height_field", "heights over the unit square, traced without triangles; heights, nu, nv, file, scale, smooth"),
+    ("sdf_grid", "where a signed distance function on a grid over the unit cube is zero; file, normals"),
     ("plane", "the infinite plane n·x + d = 0; normal, distance"),
     ("loop_subdivision", "the limit surface of a mesh by Loop's rules; levels"),
     ("curve", "cubic or quadratic Bézier or B-spline; points, degree, basis, type, width0, width1, normals"),

@@ -196,6 +196,7 @@ impl Reader<'_> {
             }
             "cylinder" => self.cylinder(object, world_from_object),
             "heightfield" => self.height_field(object, world_from_object),
+            "sdfgrid" => self.sdf_grid(object, world_from_object),
             known if self.is_known(object) => {
                 self.error(self.span(object), format!("there is no shape '{known}'"));
                 self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
@@ -300,6 +301,15 @@ impl Reader<'_> {
         let square = Transform::translate(DVec3::new(-1.0, -1.0, 0.0)) * Transform::scale(DVec3::new(2.0, 2.0, 1.0));
         let reverse_orientation = self.bool(object, "flip_normals").unwrap_or(false);
         Some(Geometry { node, mesh: None, world_from_object: to_world * square, reverse_orientation })
+    }
+
+    /// Distances over the unit cube.
+    fn sdf_grid(&mut self, object: ObjectId, world_from_object: Transform) -> Option<Geometry> {
+        let mut node = self.node(Family::Shape, "sdf_grid", object);
+        let normals = self.choice(object, "normals", &["smooth", "analytic"]);
+        let span = self.value_span(object, "filename");
+        node.set("file", self.needed_file(object, "filename")?, Some(span)).set("normals", normals, None);
+        Some(Geometry { node, mesh: None, world_from_object, reverse_orientation: false })
     }
 
     fn cylinder(&mut self, object: ObjectId, to_world: Transform) -> Option<Geometry> {

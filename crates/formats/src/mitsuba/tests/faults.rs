@@ -10,7 +10,7 @@ const MALFORMED: [(&str, u32, &str); 56] = [
     ("<shape type=\"spere\"/>", 14, "unknown shape 'spere'"),
     ("<shape/>", 2, "needs the attribute 'type'"),
     ("<shape type=\"sphere\" nme=\"x\"/>", 22, "no attribute 'nme'"),
-    ("<shape type=\"sdfgrid\"/>", 14, "no shape 'sdfgrid'"),
+    ("<shape type=\"ellipsoids\"/>", 14, "no shape 'ellipsoids'"),
     ("<shape type=\"sphere\"><float name=\"radius\" value=\"1,5\"/></shape>", 50, "'1,5' is not a number"),
     ("<shape type=\"sphere\"><float name=\"radius\" value=\"nan\"/></shape>", 50, "not a finite number"),
     ("<shape type=\"sphere\"><float name=\"radius\" value=\"-1\"/></shape>", 50, "above zero"),

@@ -143,3 +143,21 @@ fn faults_of_mesh_files_name_the_file_and_the_line() {
     assert!(error.contains("m.obj") && error.contains("line 2") && error.contains("s.xml:1:"), "{error}");
     assert_eq!(import.diagnostics.error_count(), 1);
 }
+
+#[test]
+fn grids_of_distances() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.vol"), b"").unwrap();
+    let open = |inside: &str| {
+        let text = format!("<scene version=\"3.0.0\"><shape type=\"sdfgrid\">{inside}</shape></scene>");
+        import_text(&text, &folder.path().join("a.xml"), &Options::default())
+    };
+    for (normals, expected) in [("", "smooth"), ("<string name=\"normals\" value=\"analytic\"/>", "analytic")] {
+        let import = open(&format!("<string name=\"filename\" value=\"a.vol\"/>{normals}"));
+        assert_eq!(errors(&import), Vec::<String>::new());
+        let node = import.desc.node(import.desc.shapes[0].node);
+        assert_eq!((node.kind.as_str(), node.string("normals")), ("sdf_grid", Some(expected)));
+        assert!(node.path("file").unwrap().ends_with("a.vol") && !import.diagnostics.is_lossy());
+    }
+    assert!(errors(&open(""))[0].contains("needs 'filename'"));
+}
