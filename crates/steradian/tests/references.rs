@@ -32,7 +32,7 @@ fn render_alone(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: 
 }
 
 fn render_with(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u32, options: &str) -> Image {
-    let loaded = load(&scene.display().to_string(), &Default::default());
+    let loaded = load(&scene, &Default::default());
     assert!(!loaded.diagnostics.has_errors(), "{}: {:#?}", scene.display(), loaded.diagnostics);
     let compiling = CompileOptions { mode: Some(mode), size, ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &compiling);
