@@ -1,7 +1,10 @@
 //! The files a render is written to: which, whether they can be, and what they carry.
 
 use crate::failure::Failure;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 use steradian::{
     Inputs, Scene,
     image::{self, FileKind, Image, Value, Window, WriteOptions},
@@ -24,21 +27,12 @@ pub fn kind(path: &Path) -> Result<FileKind, Failure> {
 }
 
 /// The files that a render of `scene` is written to when none are given: in the current folder, named after the scene.
-pub fn default_names(scene: &Path) -> Vec<PathBuf> {
-    let file = match scene.to_str().and_then(|name| name.strip_prefix("builtin:")) {
-        Some(builtin) => Path::new(builtin),
-        None => Path::new(scene.file_name().filter(|name| *name != "-").unwrap_or("scene".as_ref())),
-    };
-    let is_packed = file.extension().is_some_and(|e| e == "gz");
-    let file = Path::new(if is_packed { file.file_stem() } else { file.file_name() }.unwrap_or("scene".as_ref()));
-    // What stands before the last dot is the stem, and may have dots of its own.
-    let stem = file.file_stem().unwrap_or("scene".as_ref());
-    let named = |extension: &str| {
-        let mut name = stem.to_owned();
-        name.push(extension);
-        PathBuf::from(name)
-    };
-    vec![named(".exr"), named(".png")]
+pub fn default_names(scene: &str) -> Vec<PathBuf> {
+    let name = scene.strip_prefix("builtin:").unwrap_or(scene);
+    let file = Path::new(name).file_name().and_then(|n| n.to_str()).unwrap_or("scene");
+    let file = file.strip_suffix(".gz").unwrap_or(file);
+    let stem = Path::new(file).file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+    ["exr", "png"].iter().map(|e| PathBuf::from(format!("{stem}.{e}"))).collect()
 }
 
 /// Default names that none of `inputs` has: `a.png` steps aside to `a.render.png`, and so do those beside it.
@@ -136,6 +130,10 @@ pub struct Provenance<'a> {
     pub adaptive: bool,
     /// Whether photons told where light comes from behind mirrors and glass.
     pub caustics: bool,
+    /// How many paths shared what they found.
+    pub sharing: u32,
+    /// Estimated relative errors of means over squares of pixels, by their edges.
+    pub of_means: Option<&'a BTreeMap<u32, f64>>,
 }
 
 /// Writes into the picture how it was made and, where it is a part of its frame, which part.
@@ -161,6 +159,15 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
     m.set_text("steradian:caustics", if provenance.caustics { "photons" } else { "chance" });
     if let Some(error) = provenance.error {
         m.set("steradian:relative_error", Value::Float(error as f32));
+    }
+    m.set("steradian:sharing", integer(provenance.sharing.into()));
+    // What a mean over n x n pixels errs, over what it would if pixels erred independently: the root of its variance is that of the mean of the
+    // `variance` layer over n², times this.
+    if let Some((errors, alone)) = provenance.of_means.and_then(|e| Some((e, e.get(&1).filter(|e| **e > 0.0)?))) {
+        for (edge, error) in errors.iter().filter(|(edge, _)| **edge > 1) {
+            let name = format!("steradian:error_scale_{edge}x{edge}");
+            m.set(&name, Value::Float((error * f64::from(*edge) / alone) as f32));
+        }
     }
     m.set("steradian:seed", integer(provenance.seed));
     m.set("renderTimeSeconds", Value::Float(provenance.seconds as f32));
@@ -219,12 +226,11 @@ mod tests {
 
     #[test]
     fn names_follow_the_scene() {
-        let of = |scene: &str| listed(&default_names(Path::new(scene)));
+        let of = |scene: &str| listed(&default_names(scene));
         assert_eq!(of("builtin:cornell-box"), "cornell-box.exr, cornell-box.png");
         assert_eq!(of("/a/b.c/scene-v4.pbrt.gz"), "scene-v4.exr, scene-v4.png");
         assert_eq!(of("x/room.night.xml"), "room.night.exr, room.night.png");
         assert_eq!(of(".."), "scene.exr, scene.png");
-        assert_eq!(of("-"), "scene.exr, scene.png");
     }
 
     #[test]

@@ -17,6 +17,8 @@ const STEPS: u64 = 10_000;
 /// What is known of a render on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot {
+    /// Whether it is tried what pays, before the first sample.
+    pub is_trying: bool,
     /// Samples that were there when it began.
     pub before: u64,
     /// Samples taken since.
@@ -51,6 +53,9 @@ impl Snapshot {
 
     /// `42 % · 108/256 spp · 3.10 Msamples/s · 12.10 Mray/s · 0:16 left · 0:12`: what matters least is where a narrow terminal cuts.
     pub fn line(&self) -> String {
+        if self.is_trying {
+            return format!("trying which paths pay · {}", clock(self.elapsed));
+        }
         let seconds = self.elapsed.as_secs_f64().max(1e-9);
         let spp = (self.before + self.samples) / self.pixels.max(1);
         let planned = self.planned / self.pixels.max(1);
@@ -149,6 +154,7 @@ mod tests {
 
     fn half() -> Snapshot {
         Snapshot {
+            is_trying: false,
             before: 0,
             samples: 500_000,
             rays: 2_000_000,

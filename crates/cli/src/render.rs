@@ -14,6 +14,7 @@ use crate::{
     watch::{self, Stop},
 };
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -21,6 +22,7 @@ use steradian::{
     ColorMode, Layer, Quality, Scene, Session,
     image::FileKind,
     inputs::is_same_file,
+    integrators::SCALES,
     resume::{self, Recipe},
 };
 
@@ -30,9 +32,8 @@ const DEFAULT_SCENE: &str = "builtin:cornell-box";
 /// Renders, saves, reports.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     // Everything that can be wrong with the command line is found before anything takes long.
-    let path = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
-    let name = &*open::shown(path);
-    let mut outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
+    let name = args.scene.as_deref().unwrap_or(DEFAULT_SCENE);
+    let mut outputs = if args.output.is_empty() { output::default_names(name) } else { args.output.clone() };
     let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
     let quality = quality(args);
     if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
@@ -45,10 +46,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
 
     open::limit_threads(args.scene_options.threads);
-    let opened = open::open(path, &args.scene_options, quality.spp);
+    let opened = open::open(name, &args.scene_options, quality.spp);
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
-    let ready = opened.into_scene(path, args.scene_options.strict, terminal)?;
+    let ready = opened.into_scene(name, args.scene_options.strict, terminal)?;
     let Ready { scene, inputs, counts, load, build } = ready;
     if args.output.is_empty() {
         let free = output::free_names(outputs.clone(), &inputs);
@@ -68,6 +69,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let integrator = quality.integrator_name(&scene);
     let pixels = u64::from(width) * u64::from(height);
     let planned = pixels * u64::from(plan.sampler.spp);
+    if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {
+        terminal.say("note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the whole picture");
+    }
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let signals = Signals::watch().map_err(|e| Failure::failed(format!("cannot watch for signals: {e}")))?;
     let mut session = Session::new(&scene, plan);
@@ -92,8 +96,21 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     let saving = Instant::now();
     let done = session.counters();
+    if done.samples == 0 {
+        // Nothing that would be worth an older picture.
+        kept.map_err(Failure::failed)?;
+        return match stop {
+            Some(Stop::Signal(signal)) => {
+                let name = signals::name(signal);
+                terminal.warn(&format!("stopped by {name} before the first sample: no picture was written"));
+                Ok(128 + signal)
+            }
+            _ => Err(Failure::failed("the time was up before the first sample: no picture was written")),
+        };
+    }
     let spp = done.samples as f64 / pixels as f64;
     let error = session.error();
+    let of_means = session.errors_of_means().map(|errors| SCALES.into_iter().zip(errors).collect::<BTreeMap<_, _>>());
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
     let film = session.film();
     let mut picture = steradian::develop(&scene, &film, &quality.layers);
@@ -110,6 +127,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         error,
         adaptive: session.is_uneven(),
         caustics: session.asks_photons(),
+        sharing: session.sharing(),
+        of_means: of_means.as_ref(),
     };
     output::label(&mut picture, &scene, &provenance);
     let written = output::save(&outputs, &picture, &write_options, empty_pixels == 0).map_err(|mut failure| {
@@ -130,7 +149,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         spp: report::number(spp),
         adaptive: session.is_uneven(),
         caustics: session.asks_photons(),
+        sharing: session.sharing(),
         relative_error: error,
+        relative_error_of_means: of_means.clone(),
         width,
         height,
         threads: session.threads(),

@@ -3,7 +3,7 @@
 use crate::{diagnostics::Counts, progress};
 use serde::Serialize;
 use serde_json::Number;
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// The summary that `--json` prints. Times are in seconds.
 #[derive(Debug, Serialize)]
@@ -26,9 +26,14 @@ pub struct Report<'a> {
     pub adaptive: bool,
     /// Whether photons told where light comes from behind mirrors and glass.
     pub caustics: bool,
-    /// The estimated relative error of the picture: the root of the expected relMSE if samples were independent; null
+    /// How many paths of pixels near each other shared what they found: 1 where none did.
+    pub sharing: u32,
+    /// The estimated relative error of the picture's pixels: the root of the expected relMSE if samples were independent; null
     /// where pixels have fewer than two.
     pub relative_error: Option<f64>,
+    /// The same of means over squares of pixels, by their edge, as it was measured: pixels that share paths err alike, so it may be more
+    /// than that of a pixel over the edge.
+    pub relative_error_of_means: Option<BTreeMap<u32, f64>>,
     /// Pixels of the picture.
     pub width: u32,
     /// Pixels of the picture.

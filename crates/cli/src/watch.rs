@@ -64,7 +64,8 @@ pub fn render(
                     control.cancel.store(true, Ordering::Relaxed);
                 }
                 let (samples, rays) = (control.samples.load(Ordering::Relaxed), control.rays.load(Ordering::Relaxed));
-                progress.show(&Snapshot { before, samples, rays, planned, pixels, elapsed, budget });
+                let is_trying = control.surveys.load(Ordering::Relaxed);
+                progress.show(&Snapshot { is_trying, before, samples, rays, planned, pixels, elapsed, budget });
                 let until_budget = budget.map_or(LOOK_EVERY, |b| b.saturating_sub(elapsed));
                 thread::park_timeout(LOOK_EVERY.min(until_budget.max(Duration::from_millis(1))));
             }

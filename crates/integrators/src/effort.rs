@@ -101,7 +101,7 @@ impl Found {
 
 /// What pays.
 pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Effort {
-    if suffix.reuse() < 2 || !scene.lights.can_sample() {
+    if survey.reuse() < 2 || !scene.lights.can_sample() {
         return Effort::default();
     }
     let surveys = TRIED.map(|effort| Survey { effort, ..survey.clone() });
@@ -110,11 +110,11 @@ pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Sce
     found.into_iter().fold(Found::default(), Found::plus).best()
 }
 
-/// The corner of the `k`th of some tiles, spread over the picture.
-fn tile(scene: &Scene, k: u32, seed: u32) -> [u32; 2] {
+/// The `k`th of some tiles, spread over the picture.
+fn tile(scene: &Scene, k: u32, seed: u32) -> [i32; 2] {
     let place = sobol::shuffled_scrambled_sobol_2d(k, seed);
     let tiles = [scene.film.width, scene.film.height].map(|size| size.div_ceil(TILE));
-    [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as u32 * TILE)
+    [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as i32)
 }
 
 /// Of a group of a tile.
@@ -122,12 +122,12 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     suffix: &S,
     scene: &Scene,
     surveys: &[Survey; TRIED.len()],
-    corner: [u32; 2],
+    tile: [i32; 2],
     k: u32,
 ) -> Found {
-    let partition = Partition::new(corner, suffix.reuse(), 0);
-    let group = k % partition.groups();
-    let mut probe = Probe::new(scene, &partition, group);
+    let partition = Partition::new(surveys[0].reuse(), 0);
+    let Some(window) = partition.parts(tile, k % Partition::LAYERS, &partition).next() else { return Found::default() };
+    let mut probe = Probe::new(scene, &partition, window);
     let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
     // The mean luminance of each pixel, by render and by what is tried.
     let mut means = [[[0.0_f64; TRIED.len()]; MAX_GROUP]; 2];
@@ -172,12 +172,11 @@ pub(crate) fn cost<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scen
     let found: Vec<[f64; 3]> = (0..COSTED)
         .into_par_iter()
         .map(|k| {
-            let partition = Partition::new(tile(scene, k, 5), suffix.reuse(), 0);
-            // As many pixels whatever the size of a group.
-            let groups = MAX_GROUP as u32 / suffix.reuse();
+            let (large, partition) = (Partition::new(MAX_GROUP as u32, 0), Partition::new(survey.reuse(), 0));
             let (mut level, mut variance, mut rays, mut count) = (0.0, 0.0, 0.0, 0.0);
-            for g in 0..groups {
-                let mut probe = Probe::new(scene, &partition, (k * groups + g) % partition.groups());
+            // As many pixels whatever the size of a group.
+            for window in large.parts(tile(scene, k, 5), k % Partition::LAYERS, &partition) {
+                let mut probe = Probe::new(scene, &partition, window);
                 let mut means = [[0.0; MAX_GROUP]; 2];
                 for (seed, mean) in (0..).zip(&mut means) {
                     for index in 0..SAMPLES {

@@ -93,6 +93,9 @@ fn visibility(
 ) -> Spectrum {
     let mut t = Spectrum::ONE;
     for _ in 0..MAX_PASSES {
+        if counters.stop.is_asked() {
+            break;
+        }
         counters.rays += 1;
         let hit = scene.intersect(&ray);
         if let Some(m) = medium {

@@ -26,14 +26,35 @@ mod differential_tests;
 
 pub use effort::Effort;
 pub use registry::{INTEGRATORS, IntegratorKind};
-pub use session::{Control, Film, Plan, Session};
+pub use session::{Control, Film, Plan, SCALES, Session};
 pub use survey::{Survey, Tactics};
 
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
-/// What was done, for reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// A wish to stop that is asked about wherever paths go on, so that it is answered at once. By default there is none.
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Option<Arc<AtomicBool>>);
+
+impl Stop {
+    /// By a flag that somebody else sets.
+    pub fn by(flag: &Arc<AtomicBool>) -> Self {
+        Self(Some(Arc::clone(flag)))
+    }
+
+    /// Whether to stop. What is found from then on counts for nothing.
+    #[inline]
+    pub fn is_asked(&self) -> bool {
+        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+}
+
+/// What was done, for reports. They are equal where the numbers are.
+#[derive(Clone, Debug, Default)]
 pub struct Counters {
     /// Rays traced, shadow rays among them.
     pub rays: u64,
@@ -41,10 +62,27 @@ pub struct Counters {
     pub samples: u64,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,
+    /// Whether what is counted is to end.
+    pub stop: Stop,
 }
 
-impl std::ops::AddAssign for Counters {
-    fn add_assign(&mut self, o: Self) {
+impl Counters {
+    /// None yet, of what is to end when somebody wishes.
+    pub fn until(stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..Self::default() }
+    }
+}
+
+impl PartialEq for Counters {
+    fn eq(&self, o: &Self) -> bool {
+        (self.rays, self.samples, self.nonfinite) == (o.rays, o.samples, o.nonfinite)
+    }
+}
+
+impl Eq for Counters {}
+
+impl std::ops::AddAssign<&Self> for Counters {
+    fn add_assign(&mut self, o: &Self) {
         self.rays += o.rays;
         self.samples += o.samples;
         self.nonfinite += o.nonfinite;
@@ -75,11 +113,6 @@ pub trait Integrator: Sync {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum;
-
-    /// How many paths of neighbouring pixels share what they find: a power of four up to [`reuse::MAX_GROUP`]; 1 where none do.
-    fn reuse(&self) -> u32 {
-        1
-    }
 
     /// Takes a sample for each pixel of a group. By default nothing is
     /// shared: [`Integrator::radiance`], with the pixels' own numbers.

@@ -149,10 +149,6 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
         }
     }
 
-    fn reuse(&self) -> u32 {
-        self.tactics.reuse
-    }
-
     fn group<'s>(
         &self,
         scene: &'s Scene,

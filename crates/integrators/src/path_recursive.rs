@@ -34,6 +34,9 @@ impl PathRecursive {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
+        if counters.stop.is_asked() {
+            return sum;
+        }
         counters.rays += 1;
         let hidden = leg.events == 0 && self.depth.hide_emitters;
         // (2) Nothing is hit: the background.
@@ -153,10 +156,6 @@ impl Integrator for PathRecursive {
         counters: &mut Counters,
     ) -> Spectrum {
         self.follow(scene, survey, Leg::camera(scene, ray), Spectrum::ZERO, sampler, lambda, counters)
-    }
-
-    fn reuse(&self) -> u32 {
-        self.tactics.reuse
     }
 
     fn group<'s>(

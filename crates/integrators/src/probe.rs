@@ -2,7 +2,7 @@
 
 use crate::{
     Counters,
-    partition::{Partition, Place},
+    partition::{Partition, Place, Window},
     reuse::{MAX_GROUP, Room, Seat, Suffix},
     survey::Survey,
 };
@@ -16,17 +16,16 @@ pub(crate) struct Probe<'a, 's> {
     /// Its pixels on the film.
     pub places: Vec<Place>,
     partition: &'a Partition,
-    group: u32,
     seats: Vec<Seat>,
     room: Room<'s>,
 }
 
 impl<'a, 's> Probe<'a, 's> {
     /// A group of a partition.
-    pub fn new(scene: &Scene, partition: &'a Partition, group: u32) -> Self {
+    pub fn new(scene: &Scene, partition: &'a Partition, window: Window) -> Self {
         let is_on_film = |p: &Place| p.x < scene.film.width && p.y < scene.film.height;
-        let places = partition.places(group).filter(is_on_film).collect();
-        Self { places, partition, group, seats: Vec::new(), room: Room::default() }
+        let places = partition.places(window).filter(is_on_film).collect();
+        Self { places, partition, seats: Vec::new(), room: Room::default() }
     }
 
     /// One of the `of` samples of each pixel, spread over each other as those of a picture are: its luminance, zero where it is not finite, and
@@ -39,11 +38,13 @@ impl<'a, 's> Probe<'a, 's> {
         seed: u64,
         (index, of): (u32, u32),
     ) -> ([f64; MAX_GROUP], f64) {
+        if survey.stop.is_asked() {
+            return ([0.0; MAX_GROUP], 0.0);
+        }
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: of, seed };
-        let joint = self.partition.sampler(&sampler, self.group, index);
         self.seats.clear();
-        self.seats.extend(self.places.iter().map(|p| Seat::at(scene, &sampler, &joint, index, p).0));
-        let mut counters = Counters::default();
+        self.seats.extend(self.places.iter().map(|p| Seat::at(scene, &sampler, self.partition, index, p).0));
+        let mut counters = Counters::until(&survey.stop);
         suffix.group(scene, survey, &mut self.seats, &mut self.room, &mut counters);
         let mut light = [0.0; MAX_GROUP];
         for (light, seat) in light.iter_mut().zip(&self.seats) {

@@ -20,6 +20,9 @@ impl Integrator for Raycast {
     ) -> Spectrum {
         let mut differential = scene.ray_differential(&ray);
         for _ in 0..MAX_PASSES {
+            if counters.stop.is_asked() {
+                break;
+            }
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
                 return nee::background(scene, ray.origin, ray.direction, &None, lambda);

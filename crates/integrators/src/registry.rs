@@ -1,7 +1,7 @@
 //! The integrators by name.
 
 use crate::{
-    Depth, Survey, Tactics,
+    Depth, Plan, Stop, Survey, Tactics,
     path::{Path, VolPath},
     path_recursive::PathRecursive,
     raycast::Raycast,
@@ -15,18 +15,18 @@ use steradian_core::Scene;
 pub const INTEGRATORS: &[(&str, &str)] = &[
     (
         "path",
-        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass where that pays; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto), effort (auto)",
+        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass where that pays; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
     ),
     (
         "volpath",
-        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto), effort (auto)",
+        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
     ),
     ("direct", "light that scattered once; hide_emitters"),
     ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
     ("raycast", "the colour of the first surface"),
     (
         "path-recursive",
-        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (16), caustics (auto), effort (auto)",
+        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -69,12 +69,12 @@ impl IntegratorKind {
         })
     }
 
-    /// What the integrator wants to know of a scene before a render of `spp` samples per pixel, `adaptive` where numbers of samples follow the need.
-    pub(crate) fn survey(&self, scene: &Scene, spp: u32, adaptive: bool) -> Survey {
+    /// What the integrator wants to know of a scene before a render; of no use where a stop was asked for meanwhile.
+    pub(crate) fn survey(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Survey {
         match self {
-            Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),
-            Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),
-            Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, spp, adaptive),
+            Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
+            Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
+            Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
             _ => Survey::default(),
         }
     }

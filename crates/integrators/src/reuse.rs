@@ -19,10 +19,11 @@
 //! difference `L − L_sky`, negative where surfaces are darker than what they hide (a control variate).
 
 mod share;
+pub(crate) mod trial;
 
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics, dimension, live_max,
-    partition::Place,
+    partition::{Partition, Place},
     walk::{Arrival, Leg, Vertex, arrive, escape, meet},
 };
 use share::share;
@@ -30,7 +31,7 @@ pub(crate) use share::whole;
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
-    sampler::{GroupSampler, PixelSampler, Sampler},
+    sampler::{PixelSampler, Sampler},
     scene::Hit,
 };
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
@@ -63,16 +64,28 @@ pub struct Seat {
 
 impl Seat {
     /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
-    pub(crate) fn at(scene: &Scene, sampler: &Sampler, joint: &GroupSampler, index: u32, place: &Place) -> (Self, f32) {
-        let (film, common) = (&scene.film, joint.member(0));
+    pub(crate) fn at(
+        scene: &Scene,
+        sampler: &Sampler,
+        partition: &Partition,
+        index: u32,
+        place: &Place,
+    ) -> (Self, f32) {
+        let film = &scene.film;
         let own = sampler.pixel(place.x, place.y, index);
+        let is_alone = partition.size() == 1;
+        let joint = if is_alone { own } else { partition.joint(sampler, place, index) };
+        let common = |dimension| match is_alone {
+            true => own.get_1d(dimension),
+            false => partition.common(sampler, place, index, dimension),
+        };
         let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
         let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
         let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
         let ray = scene.camera.ray(film, point, lens);
-        let lambda = scene.mode.wavelengths(|| common.get_1d(dimension::WAVELENGTH));
-        let lambda = if scene.is_timed { lambda.at_time(common.get_1d(dimension::TIME)) } else { lambda };
-        (Self { ray, own, joint: joint.member(place.rank), lambda, radiance: Spectrum::ZERO }, weight)
+        let lambda = scene.mode.wavelengths(|| common(dimension::WAVELENGTH));
+        let lambda = if scene.is_timed { lambda.at_time(common(dimension::TIME)) } else { lambda };
+        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO }, weight)
     }
 }
 

@@ -1,36 +1,40 @@
 //! A rendering session: advances a film by samples, on any number of threads, with the same bits for any of them.
 //!
-//! The frame is cut into tiles, each owned by one thread at a time. A pixel's samples are added in the order of their index, whatever
-//! the number of steps they come in, so sums do not depend on threads, tiles or steps. What depends on the picture so far, namely how many samples a
-//! cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
+//! The frame is cut into tiles. A pixel's samples are added in the order of their index, whatever the number of steps they come in, so sums do not
+//! depend on threads, tiles or steps. Where paths share, groups of pixels lie across tiles, otherwise for every index: what is done is cut by the
+//! tile in which groups begin, and is added to the film when all about it has come as far. What depends on the picture so far, namely how many samples
+//! a cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
 
+mod scales;
 #[cfg(test)]
 mod sizes_tests;
 mod state;
+#[cfg(test)]
+mod stop_tests;
 mod tile;
+mod work;
 
 use crate::{
-    Counters, Integrator, IntegratorKind,
-    adaptive::{self, CELL, Need, Round},
-    features,
-    partition::{CELLS, Partition, Place, TILE},
-    reuse::{Room, Seat},
+    Counters, Integrator, IntegratorKind, Stop,
+    adaptive::{self, Need, Round},
+    partition::{CELLS, TILE},
     survey::Survey,
 };
+pub use scales::SCALES;
 use std::{
     sync::{
-        Mutex,
-        atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering},
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering},
     },
     time::{Duration, Instant},
 };
 use steradian_core::{
-    Scene, color,
-    film::{Crop, FirstHit, FirstHitSums, Pixel},
+    Scene,
+    film::{Crop, FirstHitSums, Pixel},
     sampler::Sampler,
 };
-use steradian_math::{Vec3, hash::combine64};
 use tile::Tile;
+use work::Work;
 
 /// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
 const FIRST_LOOK: u32 = 16;
@@ -62,27 +66,10 @@ pub struct Control {
     pub samples: AtomicU64,
     /// Rays traced so far.
     pub rays: AtomicU64,
-    /// Set to stop at the next tile.
-    pub cancel: AtomicBool,
-}
-
-/// A group's pixels while they are worked at; kept, so that nothing is allocated per sample.
-#[derive(Default)]
-struct Desk<'s> {
-    places: Vec<Place>,
-    seats: Vec<Seat>,
-    weights: Vec<f32>,
-    /// What the paths of a sample bring.
-    sums: Vec<Vec3>,
-    room: Room<'s>,
-}
-
-/// Which sample of which group, and how many paths it is the mean of.
-#[derive(Clone, Copy)]
-struct Number {
-    group: u32,
-    index: u32,
-    paths: u32,
+    /// Whether trials of the scene are under way, before the first sample.
+    pub surveys: AtomicBool,
+    /// Set to stop, wherever paths are.
+    pub cancel: Arc<AtomicBool>,
 }
 
 /// The state of a film: what a session gives to be looked at or saved.
@@ -102,9 +89,15 @@ pub struct Session<'s> {
     scene: &'s Scene,
     plan: Plan,
     survey: Survey,
+    is_surveyed: bool,
     tiles: Vec<Mutex<Tile>>,
     /// Cells of a row of tiles.
     columns: usize,
+    /// Samples that cells get in the round, by rows of cells, and the most of them.
+    targets: Vec<u32>,
+    ticks: u32,
+    /// Ticks of the round that are done, by tiles in which groups begin ([`work`]).
+    done: Vec<AtomicU32>,
     round: Round,
     /// Samples per pixel, in the mean, that the steps so far were to reach, and whether all tiles have.
     next: u32,
@@ -112,6 +105,8 @@ pub struct Session<'s> {
     /// When the error is looked at next.
     look: u32,
     is_good_enough: bool,
+    /// Of means over pixels, when the first of several rounds was complete.
+    errors_of_first_round: Option<[f64; SCALES.len()]>,
     counters: Counters,
     wall: Duration,
     cpu: Duration,
@@ -142,23 +137,30 @@ impl<'s> Session<'s> {
                 tiles.push(Mutex::new(Tile::new(area, plan.features, round.length())));
             }
         }
-        let (start, cpu) = (Instant::now(), cpu_time());
-        let survey = plan.integrator.survey(scene, plan.sampler.spp, plan.adaptive);
-        Self {
+        let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
+        let mut session = Self {
             scene,
             plan,
-            survey,
+            survey: Survey::default(),
+            is_surveyed: false,
             tiles,
-            columns: columns.len() * CELLS as usize,
+            columns: columns * CELLS as usize,
+            targets: Vec::new(),
+            ticks: 0,
+            done: (0..(columns + 1) * (rows + 1)).map(|_| AtomicU32::new(0)).collect(),
             round,
             next: 0,
             is_complete: true,
             look: FIRST_LOOK,
             is_good_enough: false,
+            errors_of_first_round: None,
             counters: Counters::default(),
-            wall: start.elapsed(),
-            cpu: cpu_time().saturating_sub(cpu),
-        }
+            wall: Duration::ZERO,
+            cpu: Duration::ZERO,
+        };
+        session.aim();
+        session.watch_scales();
+        session
     }
 
     /// Threads that a step uses.
@@ -169,9 +171,35 @@ impl<'s> Session<'s> {
         }
     }
 
-    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. Tiles that a cancelled step
-    /// did not reach are caught up by the next one.
+    /// What trials find out about the scene, before the first step; whether they came to an end.
+    fn look_about(&mut self, control: &Control) -> bool {
+        if self.is_surveyed {
+            return true;
+        }
+        let (start, cpu) = (Instant::now(), cpu_time());
+        control.surveys.store(true, Ordering::Relaxed);
+        let stop = Stop::by(&control.cancel);
+        let survey = || self.plan.integrator.survey(self.scene, &self.plan, &stop);
+        // On as many threads as a step has; where the system gives no more of them, on those there are.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads()).build();
+        let survey = pool.map_or_else(|_| survey(), |pool| pool.install(survey));
+        control.surveys.store(false, Ordering::Relaxed);
+        self.is_surveyed = !stop.is_asked();
+        if self.is_surveyed {
+            self.survey = survey;
+        }
+        self.wall += start.elapsed();
+        self.cpu += cpu_time().saturating_sub(cpu);
+        self.is_surveyed
+    }
+
+    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a cancelled step
+    /// did not reach is caught up by the next one.
     pub fn step(&mut self, samples: u32, control: &Control) {
+        if !self.look_about(control) {
+            return;
+        }
+        self.survey.stop = Stop::by(&control.cancel);
         let goal = self.next.saturating_add(samples).min(self.plan.sampler.spp);
         loop {
             if !self.is_complete {
@@ -193,7 +221,7 @@ impl<'s> Session<'s> {
     /// Brings all tiles to where the steps are.
     fn advance(&mut self, control: &Control) {
         let (start, cpu) = (Instant::now(), cpu_time());
-        let (counters, reached) = match &self.plan.integrator {
+        let (counters, is_complete) = match &self.plan.integrator {
             IntegratorKind::Path(i) => self.run(i, control),
             IntegratorKind::VolPath(i) => self.run(i, control),
             IntegratorKind::Whitted(i) => self.run(i, control),
@@ -201,8 +229,8 @@ impl<'s> Session<'s> {
             IntegratorKind::PathRecursive(i) => self.run(i, control),
             IntegratorKind::Stokes(i) => self.run(i, control),
         };
-        self.is_complete = reached == self.tiles.len();
-        self.counters += counters;
+        self.is_complete = is_complete;
+        self.counters += &counters;
         self.wall += start.elapsed();
         self.cpu += cpu_time().saturating_sub(cpu);
     }
@@ -215,13 +243,9 @@ impl<'s> Session<'s> {
         }
         if self.next == self.round.end && self.next < self.plan.sampler.spp && !self.is_good_enough {
             let mut needs = vec![Need::default(); self.tiles.len() * (CELLS * CELLS) as usize];
-            let at = |tile: usize, cell: usize| -> usize {
-                let (cells, across) = (CELLS as usize, self.columns / CELLS as usize);
-                (tile / across * cells + cell / cells) * self.columns + tile % across * cells + cell % cells
-            };
             for (t, tile) in self.tiles.iter().enumerate() {
                 for (c, need) in lock(tile).needs(self.round).into_iter().enumerate() {
-                    needs[at(t, c)] = need;
+                    needs[self.cell(t, c)] = need;
                 }
             }
             let round = self.round.next(self.plan.sampler.spp);
@@ -232,17 +256,41 @@ impl<'s> Session<'s> {
                 for tile in &self.tiles {
                     lock(tile).cells.iter_mut().for_each(|cell| cell.target = self.round.length());
                 }
+                self.aim();
                 return;
+            }
+            if self.round.number == 0 {
+                self.errors_of_first_round = self.errors_of_means();
             }
             for (t, tile) in self.tiles.iter().enumerate() {
                 let mut tile = lock(tile);
                 tile.close(self.round);
                 for (c, cell) in tile.cells.iter_mut().enumerate() {
-                    cell.target = counts[at(t, c)];
+                    cell.target = counts[self.cell(t, c)];
                 }
             }
+            self.done.iter_mut().for_each(|done| *done.get_mut() = 0);
             self.round = round;
+            self.aim();
         }
+    }
+
+    /// The place of a tile's cell among those of the picture, by rows.
+    fn cell(&self, tile: usize, cell: usize) -> usize {
+        let (cells, across) = (CELLS as usize, self.columns / CELLS as usize);
+        (tile / across * cells + cell / cells) * self.columns + tile % across * cells + cell % cells
+    }
+
+    /// Notes what the tiles' cells are to get in the round.
+    fn aim(&mut self) {
+        self.targets = vec![0; self.tiles.len() * (CELLS * CELLS) as usize];
+        for (t, tile) in self.tiles.iter().enumerate() {
+            for (c, cell) in lock(tile).cells.iter().enumerate() {
+                let at = self.cell(t, c);
+                self.targets[at] = cell.target;
+            }
+        }
+        self.ticks = self.targets.iter().copied().max().unwrap_or(0);
     }
 
     /// Samples that a pixel has, in the mean, when the steps so far are complete.
@@ -270,9 +318,15 @@ impl<'s> Session<'s> {
         self.survey.caustics.is_some()
     }
 
-    /// The estimated relative error of the picture: the square root of the mean, over pixels and channels, of the variance of the pixel
+    /// How many paths of pixels near each other share what they find; 1 where none do, and before the first step.
+    pub fn sharing(&self) -> u32 {
+        self.survey.reuse()
+    }
+
+    /// The estimated relative error of the picture's pixels: the square root of the mean, over pixels and channels, of the variance of the pixel
     /// over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those of independent samples: with a sampler that
-    /// spreads them well the true error is smaller. `None` before all pixels have two samples.
+    /// spreads them well the true error is smaller. Means over pixels that share paths err more than
+    /// this suggests: [`Self::errors_of_means`]. `None` before all pixels have two samples.
     pub fn error(&self) -> Option<f64> {
         let crop = self.scene.film.crop;
         let values = 3.0 * f64::from(crop.width()) * f64::from(crop.height());
@@ -282,7 +336,7 @@ impl<'s> Session<'s> {
 
     /// What was done so far.
     pub fn counters(&self) -> Counters {
-        self.counters
+        self.counters.clone()
     }
 
     /// Wall time spent in steps.
@@ -319,137 +373,17 @@ impl<'s> Session<'s> {
         film
     }
 
-    /// Brings tiles to where the steps are until cancelled; what was done, and how many tiles are there.
-    fn run<I: Integrator>(&self, integrator: &I, control: &Control) -> (Counters, usize) {
-        let (next_tile, reached) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let total = Mutex::new(Counters::default());
-        let work = || {
-            let mut counters = Counters::default();
-            while let Some(tile) = self.tiles.get(next_tile.fetch_add(1, Ordering::Relaxed)) {
-                if control.cancel.load(Ordering::Relaxed) {
-                    break;
-                }
-                let mut mine = Counters::default();
-                self.render_tile(integrator, &mut lock(tile), &mut mine);
-                reached.fetch_add(1, Ordering::Relaxed);
-                control.samples.fetch_add(mine.samples, Ordering::Relaxed);
-                control.rays.fetch_add(mine.rays, Ordering::Relaxed);
-                counters += mine;
-            }
-            *lock(&total) += counters;
-        };
+    /// Brings the film to where the steps are; what was done, and whether nothing is missing.
+    fn run<I: Integrator>(&self, integrator: &I, control: &Control) -> (Counters, bool) {
+        let work = Work::new(self, integrator, control);
         std::thread::scope(|scope| {
-            for _ in 1..self.threads() {
-                scope.spawn(work);
+            for _ in 1..self.threads().min(work.most_threads()) {
+                scope.spawn(|| work.run());
             }
-            work();
+            work.run();
         });
-        (total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), reached.into_inner())
+        work.end()
     }
-
-    fn render_tile<I: Integrator>(&self, integrator: &I, tile: &mut Tile, counters: &mut Counters) {
-        let area = tile.area;
-        let mut desk = Desk::default();
-        let partition =
-            Partition::new([area.x0 / TILE * TILE, area.y0 / TILE * TILE], integrator.reuse(), self.plan.sampler.seed);
-        for cell in 0..tile.cells.len() {
-            if !meets(cell, &area) {
-                continue;
-            }
-            let (done, target) = (tile.cells[cell].done, tile.cells[cell].target);
-            let goal = self.round.share(target, self.next);
-            // Rounds are independent of each other.
-            let mut sampler = match self.round.number {
-                0 => self.plan.sampler,
-                n => Sampler { spp: target, seed: combine64(self.plan.sampler.seed, n.into()), ..self.plan.sampler },
-            };
-            let groups: Vec<u32> = partition.groups_of(cell).collect();
-            let paths = groups.first().map_or(1, |g| self.survey.splitting.paths(partition.first(*g)));
-            sampler.spp = sampler.spp.saturating_mul(paths);
-            let mut mine = Counters::default();
-            for index in done..goal {
-                for group in &groups {
-                    let number = Number { group: *group, index, paths };
-                    self.render_group(integrator, tile, &mut desk, &partition, &sampler, number, &mut mine);
-                }
-            }
-            let cell = &mut tile.cells[cell];
-            cell.done = goal;
-            cell.rays += mine.rays;
-            cell.samples += mine.samples;
-            *counters += mine;
-        }
-    }
-
-    /// One sample of each pixel of a group, which is the mean of as many paths as the survey wants.
-    #[allow(clippy::too_many_arguments)]
-    fn render_group<I: Integrator>(
-        &self,
-        integrator: &I,
-        tile: &mut Tile,
-        desk: &mut Desk<'s>,
-        partition: &Partition,
-        sampler: &Sampler,
-        Number { group, index, paths }: Number,
-        counters: &mut Counters,
-    ) {
-        let (scene, film, area) = (self.scene, &self.scene.film, tile.area);
-        let in_area = |p: &Place| (area.x0..area.x1).contains(&p.x) && (area.y0..area.y1).contains(&p.y);
-        let at = |p: &Place| ((p.y - area.y0) * area.width() + p.x - area.x0) as usize;
-        let Desk { places, seats, weights, sums, room } = desk;
-        // Members beyond the crop take part, so that a crop has the bits of the whole.
-        places.clear();
-        places.extend(partition.places(group).filter(|p| p.x < film.width && p.y < film.height));
-        if !places.iter().any(in_area) {
-            return;
-        }
-        sums.clear();
-        sums.resize(places.len(), Vec3::ZERO);
-        for path in 0..paths {
-            let index = index.wrapping_mul(paths).wrapping_add(path);
-            let joint = partition.sampler(sampler, group, index);
-            seats.clear();
-            weights.clear();
-            for p in &*places {
-                let (seat, weight) = Seat::at(scene, sampler, &joint, index, p);
-                seats.push(seat);
-                weights.push(weight);
-            }
-            match &mut seats[..] {
-                [s] => s.radiance = integrator.radiance(scene, &self.survey, s.ray, &s.own, &mut s.lambda, counters),
-                seats => integrator.group(scene, &self.survey, seats, room, counters),
-            }
-            for ((sum, seat), weight) in sums.iter_mut().zip(&*seats).zip(&*weights) {
-                let mut l = seat.radiance * film.imaging_ratio;
-                if film.max_component.is_finite() {
-                    let m = l.max_element();
-                    if m > film.max_component {
-                        l *= film.max_component / m;
-                    }
-                }
-                *sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
-            }
-            if self.plan.features {
-                for (p, seat) in places.iter().zip(&*seats).filter(|(p, _)| in_area(p)) {
-                    let hit: FirstHit = features::first_hit(scene, seat.ray, &seat.lambda);
-                    tile.features[at(p)].add(&hit);
-                }
-            }
-        }
-        for (p, sum) in places.iter().zip(&*sums).filter(|(p, _)| in_area(p)) {
-            counters.samples += 1;
-            if !tile.pixels[at(p)].add(*sum / paths as f32) {
-                counters.nonfinite += 1;
-            }
-        }
-    }
-}
-
-/// Whether a cell of the tile that an area lies in has pixels of it. Others lie beyond the crop, or beyond the frame.
-fn meets(cell: usize, area: &Crop) -> bool {
-    let cell = cell as u32;
-    let [x, y] = [area.x0 / TILE * TILE + cell % CELLS * CELL, area.y0 / TILE * TILE + cell / CELLS * CELL];
-    x < area.x1 && x + CELL > area.x0 && y < area.y1 && y + CELL > area.y0
 }
 
 /// A thread that panicked leaves whole samples behind: the data is sound.

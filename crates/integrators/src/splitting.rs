@@ -10,9 +10,9 @@
 
 use crate::{
     adaptive::{CELL, FLOOR, Need, around},
-    partition::{CELLS, Partition, TILE},
+    partition::Partition,
     probe::Probe,
-    reuse::{MAX_GROUP, Suffix},
+    reuse::Suffix,
     survey::Survey,
 };
 use rayon::prelude::*;
@@ -159,13 +159,11 @@ fn need<const MEDIA: bool, S: Suffix<MEDIA>>(
         let cells = (size[axis] - first).min(edge).div_ceil(CELL);
         first + (hash >> (16 * axis)) % cells * CELL
     });
-    let partition = Partition::new(at.map(|v| v / TILE * TILE), suffix.reuse(), 0);
-    let [x, y] = at.map(|v| v % TILE / CELL);
-    let groups: Vec<u32> = partition.groups_of((y * CELLS + x) as usize).collect();
-    let wanted = groups.len() * MAX_GROUP / (CELL * CELL) as usize;
+    // Larger groups reach far beyond the cell: small ones stand for them.
+    let partition = Partition::new(survey.reuse().min(4), 0);
     let (mut variance, mut level, mut cost, mut count) = (0.0, 0.0, 0.0, 0);
-    for g in 0..wanted {
-        let mut probe = Probe::new(scene, &partition, groups[(hash as usize + g) % groups.len()]);
+    for window in partition.about(at, hash) {
+        let mut probe = Probe::new(scene, &partition, window);
         let [a, b] = [0, 1].map(|seed| probe.sample(suffix, scene, survey, seed, (0, 1)));
         count += probe.places.len() as u32;
         cost += 0.5 * (a.1 + b.1);

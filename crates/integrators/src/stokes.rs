@@ -60,6 +60,9 @@ impl Stokes {
         let mut origin: nee::Origin = None;
         let (mut events, mut passes) = (0, 0);
         loop {
+            if counters.stop.is_asked() {
+                return sum;
+            }
             counters.rays += 1;
             let hidden = events == 0 && self.depth.hide_emitters;
             let Some(hit) = scene.intersect(&ray) else {

@@ -1,6 +1,7 @@
 //! What is found out about a scene before a session.
 
 use crate::{
+    Plan, Stop,
     caustics::{Caustics, trial},
     effort::{self, Effort, Local},
     reuse::{self, Suffix},
@@ -14,12 +15,16 @@ const WORTH: f64 = 1.8;
 
 /// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
 const FEWEST: u64 = 1 << 20;
+/// The same of sharing: nothing is shared where the trial would take a good part of the time.
+const FEWEST_SHARING: u64 = 1 << 18;
+/// Nothing is shared at up to so many samples per pixel where the guides of a denoiser are asked for.
+const DENOISED: u32 = 16;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Tactics {
-    /// Paths of neighbouring pixels that share what they find: 1 (none do), 4 or 16.
-    pub reuse: u32,
+    /// Paths of neighbouring pixels that share what they find: 1 (none do), 4 or 16; `None` where a trial is to tell.
+    pub reuse: Option<u32>,
     /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and some loss elsewhere.
     /// `None` where a trial is to tell.
     pub caustics: Option<bool>,
@@ -29,16 +34,12 @@ pub struct Tactics {
     pub by_vertex: bool,
 }
 
-impl Default for Tactics {
-    fn default() -> Self {
-        Self { reuse: reuse::MAX_GROUP as u32, caustics: None, effort: None, by_vertex: false }
-    }
-}
-
 /// What path tracers know beforehand. It decides about how much samples err, not about their mean.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
-    /// Whether much of what the camera sees lies under the sky.
+    /// How many paths share what they find; none where it is zero.
+    pub(crate) group: u32,
+    /// Whether much of what the camera sees lies under the sky, and paths share.
     pub is_open: bool,
     /// Where light lands that mirrors and glass focused.
     pub caustics: Option<Caustics>,
@@ -48,22 +49,32 @@ pub struct Survey {
     pub(crate) local: Option<Local>,
     /// How much is spent where.
     pub splitting: Splitting,
+    /// Whether paths are to end at once.
+    pub stop: Stop,
 }
 
 impl Survey {
-    /// Of a scene, for paths of a depth, and pictures with so many samples per pixel, which go where they are needed if they are `adaptive`.
-    pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, spp: u32, adaptive: bool) -> Self {
+    /// Of a scene, for paths of a depth, and the pictures of a plan.
+    pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, plan: &Plan, stop: &Stop) -> Self {
         let (depth, tactics) = (paths.depth(), paths.tactics());
-        let is_open = tactics.reuse > 1 && !(MEDIA && scene.has_media) && is_open(scene);
-        let caustics = if tactics.caustics == Some(false) { None } else { Caustics::new(scene) };
-        let mut survey = Self { is_open, caustics, ..Self::default() };
+        let caustics = if tactics.caustics == Some(false) { None } else { Caustics::new(scene, stop) };
+        let mut survey = Self { caustics, stop: stop.clone(), ..Self::default() };
         if survey.caustics.is_some()
             && tactics.caustics.is_none()
             && trial::gain::<MEDIA>(scene, &survey, depth) < WORTH
         {
             survey.caustics = None;
         }
-        let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(spp);
+        let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(plan.sampler.spp);
+        // Denoisers take errors that neighbours share for detail, so they get plain paths where these are few.
+        let is_for_denoising = plan.features && plan.sampler.spp <= DENOISED;
+        let is_open = !(MEDIA && scene.has_media) && is_open(scene);
+        survey.group = match tactics.reuse {
+            Some(group) => group,
+            None if samples < FEWEST_SHARING || is_for_denoising => 1,
+            None => reuse::trial::trial(paths, scene, &Self { is_open, ..survey.clone() }, samples),
+        };
+        survey.is_open = is_open && survey.group > 1;
         if tactics.by_vertex {
             survey.local = Local::explore(paths, scene, &survey);
         }
@@ -72,12 +83,17 @@ impl Survey {
             None if samples < FEWEST => {}
             None => {
                 survey.effort = effort::trial(paths, scene, &survey);
-                if !adaptive {
+                if !plan.adaptive {
                     survey.splitting = splitting::trial(paths, scene, &survey, samples);
                 }
             }
         }
         survey
+    }
+
+    /// How many paths share what they find: 1 where none do.
+    pub fn reuse(&self) -> u32 {
+        self.group.max(1)
     }
 }
 

@@ -468,6 +468,9 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
 ) {
     *arrival = Arrival::End;
     loop {
+        if counters.stop.is_asked() {
+            return;
+        }
         if let (true, Some(medium)) = (MEDIA, leg.medium) {
             let scattering = &scene.media[medium as usize];
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);

@@ -78,6 +78,9 @@ impl Whitted {
     ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
         for _ in 0..MAX_PASSES {
+            if counters.stop.is_asked() {
+                break;
+            }
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
                 return sum + nee::background(scene, ray.origin, ray.direction, &None, lambda);
@@ -106,6 +109,9 @@ impl Whitted {
                     continue;
                 }
                 counters.rays += 1;
+                if counters.stop.is_asked() {
+                    return sum;
+                }
                 if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
                     sum += e.value * s.radiance / s.pdf;
                 }

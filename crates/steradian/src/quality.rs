@@ -12,7 +12,7 @@ use steradian_scene::names::did_you_mean;
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
-    /// find, 1, 4 or 16, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether trials
+    /// find, 1, 4 or 16, or `auto` where a trial is to tell, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether trials
     /// tell how many light samples and how much roulette pay, and where more paths (`auto`), or not (`even`), or
     /// whether roulette and splitting go by what is known of each vertex (`vertex`).
     pub integrator: Option<String>,
@@ -56,11 +56,10 @@ impl Quality {
                 "max_depth" => depth.max = value.parse().map_err(|_| fault())?,
                 "rr_depth" => depth.roulette_after = value.parse().map_err(|_| fault())?,
                 "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
+                "reuse" if value == "auto" => tactics.reuse = None,
                 "reuse" => {
-                    tactics.reuse = value.parse().map_err(|_| fault())?;
-                    if ![1, 4, 16].contains(&tactics.reuse) {
-                        return Err(fault());
-                    }
+                    let size: u32 = value.parse().map_err(|_| fault())?;
+                    tactics.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
                 }
                 "caustics" if value == "auto" => tactics.caustics = None,
                 "effort" if value == "auto" => (tactics.effort, tactics.by_vertex) = (None, false),

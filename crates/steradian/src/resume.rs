@@ -13,7 +13,7 @@ use std::{
 use steradian_integrators::Plan;
 use steradian_scene::{SceneDesc, Value};
 
-const MAGIC: &[u8; 16] = b"Steradian state\n";
+const MAGIC: &[u8; 16] = b"Steradian state2";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const HASH: u64 = blake3::OUT_LEN as u64;
 /// Longest text of the settings, bytes.

@@ -7,7 +7,6 @@ mod benches;
 mod experiments;
 mod lists;
 mod materials;
-mod names;
 mod outputs;
 mod pictures;
 mod render;

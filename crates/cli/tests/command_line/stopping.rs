@@ -81,11 +81,16 @@ fn a_picture_that_is_not_whole_leaves_the_older_one() {
     let (mut said, mut told) = (String::new(), String::new());
     stderr.read_to_string(&mut said).unwrap();
     child.stdout.take().unwrap().read_to_string(&mut told).unwrap();
+    assert_eq!(std::fs::read(place.path("kept.exr")).unwrap(), b"the older one");
+    if told.is_empty() {
+        // The signal came while it was tried which paths pay.
+        assert!(said.contains("before the first sample") && !place.path("kept.partial.exr").exists(), "{said}");
+        return;
+    }
     let json: serde_json::Value = serde_json::from_str(&told).unwrap();
     assert!(json["empty_pixels"].as_u64().unwrap() > 0, "{json}");
     assert_eq!(json["outputs"], serde_json::json!(["kept.partial.exr"]));
     assert!(said.contains("kept.exr stays") && said.contains("wrote kept.partial.exr"), "{said}");
-    assert_eq!(std::fs::read(place.path("kept.exr")).unwrap(), b"the older one");
     assert_eq!(place.picture("kept.partial.exr").width(), 1600);
 }
 

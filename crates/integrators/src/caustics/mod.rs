@@ -14,6 +14,7 @@
 mod photons;
 pub(crate) mod trial;
 
+use crate::Stop;
 use photons::{Photon, is_receiver};
 use steradian_core::{
     Scene,
@@ -90,8 +91,8 @@ impl Draw {
 
 impl Caustics {
     /// Sends the photons; `None` where nothing focuses light, or too few of them land.
-    pub fn new(scene: &Scene) -> Option<Self> {
-        let mut photons = photons::send(scene);
+    pub fn new(scene: &Scene, stop: &Stop) -> Option<Self> {
+        let mut photons = photons::send(scene, stop);
         if photons.len() < FEWEST {
             return None;
         }

@@ -1,6 +1,6 @@
 //! Photons on their way from the lights through what focuses them, and where they land.
 
-use crate::{Counters, live_max, nee, walk::Vertex};
+use crate::{Counters, Stop, live_max, nee, walk::Vertex};
 use rayon::prelude::*;
 use steradian_core::{
     Scene,
@@ -55,7 +55,7 @@ struct Target {
 }
 
 /// Sends photons towards everything that may focus light; those that land, in an order that depends on the scene alone.
-pub(super) fn send(scene: &Scene) -> Vec<Photon> {
+pub(super) fn send(scene: &Scene, stop: &Stop) -> Vec<Photon> {
     let targets = targets(scene);
     if targets.is_empty() || !scene.lights.can_sample() {
         return Vec::new();
@@ -65,6 +65,7 @@ pub(super) fn send(scene: &Scene) -> Vec<Photon> {
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
     let mut photons: Vec<_> = (0..count)
         .into_par_iter()
+        .take_any_while(|_| !stop.is_asked())
         .flat_map_iter(|index| landings(scene, &targets, &sampler.pixel(0, 0, index)).into_iter().flatten())
         .collect();
     let ambient = AMBIENT * photons.iter().map(|p| p.other).sum::<f32>() / photons.len().max(1) as f32;

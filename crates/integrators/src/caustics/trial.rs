@@ -82,7 +82,7 @@ fn trace<const MEDIA: bool>(
     let place = Vec2::new(place(0, film.width), place(1, film.height));
     let ray = scene.camera.ray(film, place, sampler.get_2d(dimension::LENS));
     let luminance = |s: Spectrum, lambda: &Wavelengths| f64::from(scene.mode.luminance(s, lambda) * film.imaging_ratio);
-    let counters = &mut Counters::default();
+    let counters = &mut Counters::until(&survey.stop);
     let mut leg = Leg::camera(scene, ray);
     let (mut found, mut ratio, mut arrival) = (Contributions::new(), 1.0, Arrival::End);
     loop {

@@ -239,7 +239,7 @@ fn trace<const MEDIA: bool, S: Suffix<MEDIA>>(
     let place = sampler.get_2d(dimension::FILM) * Vec2::new(film.width as f32, film.height as f32);
     let mut leg = Leg::camera(scene, scene.camera.ray(film, place, sampler.get_2d(dimension::LENS)));
     let (mut visits, mut next) = (Vec::new(), Arrival::End);
-    let counters = &mut Counters::default();
+    let counters = &mut Counters::until(&survey.stop);
     loop {
         let mut sum = Spectrum::ZERO;
         arrive::<MEDIA>(scene, &mut leg, &mut sum, depth, sampler, &mut lambda, counters, &mut next);

@@ -1,9 +1,14 @@
 //! The state of a session on its way to bytes and back. What is named here goes both ways, in this order, little-endian.
 
-use super::{Session, lock, tile::Cell};
+use super::{
+    Session, lock,
+    scales::{Half, SCALES},
+    tile::Cell,
+};
 use crate::{Counters, adaptive::Round};
 use std::{
     io::{self, Error, ErrorKind, Read, Write},
+    sync::atomic::Ordering,
     time::Duration,
 };
 use steradian_core::film::{FirstHit, FirstHitSums, Pixel};
@@ -63,8 +68,9 @@ numbers!(u32, u64, f32, f64);
 fields! {
     Round { number, start, end }
     Counters { rays, samples, nonfinite }
-    Cell { done, target, rays, samples, variance, freedom }
+    Cell { target, rays, samples, variance, freedom }
     Pixel { sum, sum_squares, samples }
+    Half { sum, samples }
     FirstHit { albedo, normal, position, depth, distance, uv, shape, material }
     FirstHitSums { sum, samples }
 }
@@ -117,10 +123,14 @@ impl Session<'_> {
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.pass(&mut In(from))?;
         let round = self.round;
-        let cells_are_sound =
-            self.tiles.iter().all(|tile| lock(tile).cells.iter().all(|cell| cell.done <= cell.target.max(round.end)));
+        self.aim();
+        let ticks = round.share(self.ticks, self.next);
         let is_sound = round.start <= round.end && round.end <= self.plan.sampler.spp && self.next <= round.end;
-        if is_sound && cells_are_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
+        if is_sound && self.done.iter().all(|done| done.load(Ordering::Relaxed) <= ticks) {
+            Ok(())
+        } else {
+            Err(Error::from(ErrorKind::InvalidData))
+        }
     }
 
     fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
@@ -132,6 +142,12 @@ impl Session<'_> {
         self.counters.pass(way)?;
         self.wall.pass(way)?;
         self.cpu.pass(way)?;
+        let mut errors = self.errors_of_first_round.unwrap_or([f64::NAN; SCALES.len()]);
+        errors.pass(way)?;
+        self.errors_of_first_round = (!errors[0].is_nan()).then_some(errors);
+        for done in &mut self.done {
+            done.get_mut().pass(way)?;
+        }
         let round = self.round;
         for tile in &self.tiles {
             let tile = &mut *lock(tile);
@@ -140,6 +156,9 @@ impl Session<'_> {
             if round.number > 0 {
                 tile.past.resize(tile.pixels.len(), Pixel::default());
                 tile.past.pass(way)?;
+            }
+            if round.number == 0 {
+                tile.even.pass(way)?;
             }
             tile.features.pass(way)?;
         }

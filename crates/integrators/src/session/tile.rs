@@ -1,19 +1,19 @@
 //! A tile of the film: sums of the pixels over the round under way, and what the rounds before it came to.
 
+use super::{scales::Half, work::RAYS};
 use crate::{
     adaptive::{FLOOR, Need, Round},
     partition::{CELLS, cell_of},
 };
 use steradian_core::film::{Crop, FirstHitSums, Pixel};
+use steradian_math::Vec3;
 
 /// A square of a tile that gets a number of samples of its own.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cell {
-    /// Samples that its pixels have of the round under way.
-    pub done: u32,
-    /// Samples that they get in it.
+    /// Samples that its pixels get in the round under way.
     pub target: u32,
-    /// Rays traced for them, in all rounds, and samples of all of them.
+    /// Rays traced for them, in all rounds, in parts of one; and samples of all of them.
     pub rays: u64,
     /// Samples over its pixels.
     pub samples: u64,
@@ -50,6 +50,8 @@ pub struct Tile {
     pub pixels: Vec<Pixel>,
     /// The rounds before it; empty in the first.
     pub(super) past: Vec<Pixel>,
+    /// What even ticks of the first round brought, by which the error of means over pixels is told; empty where it is not ([`super::scales`]).
+    pub(super) even: Vec<Half>,
     /// First hits, of all rounds.
     pub features: Vec<FirstHitSums>,
     /// By rows.
@@ -64,9 +66,19 @@ impl Tile {
             area,
             pixels: vec![Pixel::default(); n],
             past: Vec::new(),
+            even: Vec::new(),
             features: if features { vec![FirstHitSums::default(); n] } else { Vec::new() },
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
         }
+    }
+
+    /// Adds a sample that was taken in a tick to a pixel of the round under way; `false` where it is not finite and counts as black.
+    pub fn add(&mut self, at: usize, value: Vec3, tick: u32) -> bool {
+        let is_finite = self.pixels[at].add(value);
+        if let Some(even) = self.even.get_mut(at).filter(|_| tick.is_multiple_of(2)) {
+            even.add(value);
+        }
+        is_finite
     }
 
     /// The pixels with all that is known of them, by rows.
@@ -75,7 +87,7 @@ impl Tile {
             None => *now,
             Some(past) => {
                 let cell = &self.cells[self.cell_at(at)];
-                joined(past, now, round.weight(cell.done, cell.target))
+                joined(past, now, round.weight(now.samples, cell.target))
             }
         })
     }
@@ -111,12 +123,12 @@ impl Tile {
             }
         }
         for ((cell, need), found) in self.cells.iter_mut().zip(&mut needs).zip(found) {
-            let freedom = f64::from(cell.done.saturating_sub(1));
+            let freedom = if need.pixels > 0 { f64::from(cell.target.saturating_sub(1)) } else { 0.0 };
             cell.variance += found.variance(need.pixels) * freedom;
             cell.freedom += freedom;
             let variance = if cell.freedom > 0.0 { cell.variance / cell.freedom } else { 0.0 };
             need.variance = if variance.is_finite() { variance } else { f64::MAX };
-            need.rays = cell.rays as f64 / cell.samples.max(1) as f64;
+            need.rays = cell.rays as f64 / (RAYS * cell.samples.max(1)) as f64;
         }
         needs
     }
@@ -124,8 +136,8 @@ impl Tile {
     /// Ends a round that is complete: it becomes part of the past.
     pub fn close(&mut self, round: Round) {
         self.past = self.film(round).collect();
+        self.even = Vec::new();
         self.pixels.fill(Pixel::default());
-        self.cells.iter_mut().for_each(|cell| cell.done = 0);
     }
 
     /// The square by which a pixel's mean leaves the line between its neighbours to both sides, if they lie in its cell: that of independent

@@ -73,8 +73,12 @@ impl Shot {
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let tactics =
-            Tactics { reuse: self.reuse, caustics: self.caustics, effort: self.effort, by_vertex: self.by_vertex };
+        let tactics = Tactics {
+            reuse: Some(self.reuse),
+            caustics: self.caustics,
+            effort: self.effort,
+            by_vertex: self.by_vertex,
+        };
         let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);

@@ -1,0 +1,309 @@
+//! The work of a step: samples of groups of pixels, on all threads.
+//!
+//! A round is counted in *ticks*, as many as the cell with most samples has of these; others take one every so many ticks. What is done in a tick is cut
+//! by the tile in which the windows of groups begin ([`Partition::windows`]). These reach into the tiles to the right and below, so tiles are
+//! counted from one before the first. All pieces are worked at in the order of ticks. A piece is added to the film as a whole, when the pieces
+//! about it are there up to the tick before, which they mostly are long since; so each pixel's samples are added in their order. Where nothing
+//! is shared, pieces have nothing to do with each other, and a tile is brought to the end of the step at once.
+
+use super::{Session, lock};
+use crate::{
+    Control, Counters, Integrator, Stop, features,
+    partition::{CELLS, Partition, Place, TILE, Window, cell_of},
+    reuse::{Room, Seat},
+};
+use std::{
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Duration,
+};
+use steradian_core::{color, film::FirstHit, sampler::Sampler};
+use steradian_math::{Vec3, hash::combine64};
+
+/// Rays are counted for pixels in this part of one, so that a group's can be divided among its members.
+pub(super) const RAYS: u64 = 64;
+
+/// A pixel's part in a group.
+#[derive(Clone, Copy)]
+struct Member {
+    place: Place,
+    /// The tile that keeps it, and where; `None` beyond the crop.
+    kept: Option<(u32, u32)>,
+    /// The number of its sample in the round, and the samples of the round.
+    sample: u32,
+    of: u32,
+    /// Of how many paths the sample is the mean.
+    paths: u32,
+    /// What they bring.
+    sum: Vec3,
+}
+
+/// A sample on its way to the film.
+struct Found {
+    tile: u32,
+    at: u32,
+    cell: u32,
+    value: Vec3,
+    rays: u64,
+    /// First hits of its paths: where they begin among those of the piece, and how many.
+    hits: (usize, usize),
+}
+
+/// What a thread works with; kept, so that nothing is allocated per sample.
+#[derive(Default)]
+struct Desk<'s> {
+    members: Vec<Member>,
+    /// Who takes part in a path of the group, and the weight that the film gives it.
+    taking: Vec<(usize, f32)>,
+    seats: Vec<Seat>,
+    room: Room<'s>,
+    found: Vec<Found>,
+    hits: Vec<(usize, FirstHit)>,
+}
+
+/// A step under way.
+pub(super) struct Work<'a, 's, I> {
+    session: &'a Session<'s>,
+    integrator: &'a I,
+    control: &'a Control,
+    stop: Stop,
+    partition: Partition,
+    /// Tiles of a row, one before the first included.
+    across: usize,
+    /// Ticks to begin with, and to come to.
+    ticks: (u32, u32),
+    /// The next piece of work.
+    next: AtomicU64,
+    total: Mutex<Counters>,
+}
+
+impl<'a, 's, I: Integrator> Work<'a, 's, I> {
+    pub fn new(session: &'a Session<'s>, integrator: &'a I, control: &'a Control) -> Self {
+        let begin = session.done.iter().map(|done| done.load(Ordering::Relaxed)).min().unwrap_or(0);
+        Self {
+            session,
+            integrator,
+            control,
+            stop: Stop::by(&control.cancel),
+            partition: Partition::new(session.survey.reuse(), session.plan.sampler.seed),
+            across: session.columns / CELLS as usize + 1,
+            ticks: (begin, session.round.share(session.ticks, session.next)),
+            next: AtomicU64::new(0),
+            total: Mutex::default(),
+        }
+    }
+
+    /// More threads than this have nothing to do.
+    pub fn most_threads(&self) -> usize {
+        self.session.done.len()
+    }
+
+    /// What was done, and whether nothing is missing.
+    pub fn end(self) -> (Counters, bool) {
+        let is_complete = self.session.done.iter().all(|done| done.load(Ordering::Relaxed) >= self.ticks.1);
+        (self.total.into_inner().unwrap_or_else(PoisonError::into_inner), is_complete)
+    }
+
+    /// Works until nothing is left, or it is cancelled.
+    pub fn run(&self) {
+        let _guard = CancelOnPanic(self.control);
+        let (mut desk, mut counters) = (Desk::default(), Counters::until(&self.stop));
+        let tiles = self.session.done.len() as u64;
+        let ticks = u64::from(self.ticks.1.saturating_sub(self.ticks.0));
+        let alone = self.partition.size() == 1;
+        let pieces = if alone { tiles } else { tiles * ticks };
+        loop {
+            let piece = self.next.fetch_add(1, Ordering::Relaxed);
+            if piece >= pieces {
+                break;
+            }
+            let (tile, first) = ((piece % tiles) as usize, self.ticks.0 + (piece / tiles) as u32);
+            let last = if alone { self.ticks.1 } else { first + 1 };
+            if !(first..last).all(|tick| self.advance(tile, tick, &mut desk, &mut counters)) {
+                break;
+            }
+        }
+        *lock(&self.total) += &counters;
+    }
+
+    /// Takes the samples of a tick whose groups begin in a tile; `false` where that was cancelled, which leaves no trace.
+    fn advance(&self, tile: usize, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) -> bool {
+        let done = &self.session.done[tile];
+        if done.load(Ordering::Relaxed) > tick {
+            return true;
+        }
+        let mut mine = Counters::until(&self.stop);
+        desk.found.clear();
+        desk.hits.clear();
+        let place = [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1];
+        let crop = self.session.scene.film.crop;
+        let first = [crop.x0 / TILE, crop.y0 / TILE].map(|v| v as i32);
+        for window in self.partition.windows([0, 1].map(|axis| first[axis] + place[axis]), tick) {
+            if self.stop.is_asked() {
+                return false;
+            }
+            self.group(window, tick, desk, &mut mine);
+        }
+        if self.stop.is_asked() || !self.wait(place, tick) {
+            return false;
+        }
+        self.add(tick, desk, &mut mine);
+        done.store(tick + 1, Ordering::Release);
+        self.control.samples.fetch_add(mine.samples, Ordering::Relaxed);
+        self.control.rays.fetch_add(mine.rays, Ordering::Relaxed);
+        *counters += &mine;
+        true
+    }
+
+    /// Waits for the pieces about a tile to be added up to a tick; `false` where that was cancelled. They were begun before, so each will be.
+    fn wait(&self, [column, row]: [i32; 2], tick: u32) -> bool {
+        if self.partition.size() == 1 {
+            return true;
+        }
+        let down = self.session.done.len() / self.across;
+        for (x, y) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (column + 1 + x, row + 1 + y))) {
+            if !((0..self.across as i32).contains(&x) && (0..down as i32).contains(&y)) {
+                continue;
+            }
+            let done = &self.session.done[y as usize * self.across + x as usize];
+            let mut looks = 0;
+            while done.load(Ordering::Acquire) < tick {
+                if self.stop.is_asked() {
+                    return false;
+                }
+                looks += 1;
+                if looks < 64 { std::thread::yield_now() } else { std::thread::sleep(Duration::from_micros(50)) }
+            }
+        }
+        true
+    }
+
+    /// Who of a group takes a sample in a tick.
+    fn gather(&self, window: Window, tick: u32, members: &mut Vec<Member>) {
+        let Session { scene, survey, round, columns, targets, ticks, .. } = self.session;
+        let crop = scene.film.crop;
+        let origin = [crop.x0 / TILE, crop.y0 / TILE];
+        members.clear();
+        for place in self.partition.places(window) {
+            let Place { x, y, .. } = place;
+            if x >= scene.film.width || y >= scene.film.height {
+                continue;
+            }
+            let is_kept = (crop.x0..crop.x1).contains(&x) && (crop.y0..crop.y1).contains(&y);
+            let tile = || [x / TILE - origin[0], y / TILE - origin[1]];
+            // Members beyond the crop take part, so that a crop has the bits of the whole; nothing is known of what they need.
+            let of = match (round.number, is_kept) {
+                (0, _) => *ticks,
+                (_, true) => {
+                    let cell = cell_of(x, y) as u32;
+                    let [column, row] = tile().map(|v| v * CELLS);
+                    targets[(row + cell / CELLS) as usize * columns + (column + cell % CELLS) as usize]
+                }
+                (_, false) => continue,
+            };
+            let until = |tick: u32| (u64::from(of) * u64::from(tick) / u64::from((*ticks).max(1))) as u32;
+            let sample = until(tick);
+            if until(tick + 1) == sample {
+                continue;
+            }
+            let kept = is_kept.then(|| {
+                let [column, row] = tile();
+                let corner = [(x / TILE * TILE).max(crop.x0), (y / TILE * TILE).max(crop.y0)];
+                let width = (x / TILE * TILE + TILE).min(crop.x1) - corner[0];
+                (row * (*columns as u32 / CELLS) + column, (y - corner[1]) * width + x - corner[0])
+            });
+            let paths = survey.splitting.paths([x, y]);
+            members.push(Member { place, kept, sample, of, paths, sum: Vec3::ZERO });
+        }
+    }
+
+    /// One sample of each pixel of a group, which is the mean of as many paths as the survey wants.
+    fn group(&self, window: Window, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) {
+        let Session { scene, survey, plan, round, .. } = self.session;
+        let film = &scene.film;
+        self.gather(window, tick, &mut desk.members);
+        let Desk { members, taking, seats, room, found, hits } = desk;
+        if !members.iter().any(|m| m.kept.is_some()) {
+            return;
+        }
+        let begin = hits.len();
+        let before = counters.rays;
+        for path in 0..members.iter().map(|m| m.paths).max().unwrap_or(0) {
+            seats.clear();
+            taking.clear();
+            for (number, m) in members.iter().enumerate().filter(|(_, m)| m.paths > path) {
+                // Rounds are independent of each other.
+                let seed = match round.number {
+                    0 => plan.sampler.seed,
+                    n => combine64(plan.sampler.seed, n.into()),
+                };
+                // The first paths of all samples come first in a pixel's points, then the second ones, for those who have such.
+                let sampler = Sampler { spp: m.of.saturating_mul(m.paths), seed, ..plan.sampler };
+                let index = m.sample.wrapping_add(path.wrapping_mul(m.of));
+                let (seat, weight) = Seat::at(scene, &sampler, &self.partition, index, &m.place);
+                seats.push(seat);
+                taking.push((number, weight));
+            }
+            match &mut seats[..] {
+                [s] => s.radiance = self.integrator.radiance(scene, survey, s.ray, &s.own, &mut s.lambda, counters),
+                seats => self.integrator.group(scene, survey, seats, room, counters),
+            }
+            for ((number, weight), seat) in taking.iter().zip(&*seats) {
+                let mut l = seat.radiance * film.imaging_ratio;
+                if film.max_component.is_finite() {
+                    let m = l.max_element();
+                    if m > film.max_component {
+                        l *= film.max_component / m;
+                    }
+                }
+                members[*number].sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
+                if plan.features && members[*number].kept.is_some() {
+                    hits.push((*number, features::first_hit(scene, seat.ray, &seat.lambda)));
+                }
+            }
+        }
+        if plan.features {
+            hits[begin..].sort_by_key(|(number, _)| *number);
+        }
+        let rays = (counters.rays - before) * RAYS / members.len() as u64;
+        let mut at_hit = begin;
+        for (number, m) in members.iter().enumerate() {
+            let Some((tile, at)) = m.kept else { continue };
+            let count = hits[at_hit..].iter().take_while(|(n, _)| *n == number).count();
+            let (value, cell) = (m.sum / m.paths as f32, cell_of(m.place.x, m.place.y) as u32);
+            found.push(Found { tile, at, cell, value, rays, hits: (at_hit, count) });
+            at_hit += count;
+        }
+    }
+
+    /// Adds what was found to the film.
+    fn add(&self, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) {
+        desk.found.sort_unstable_by_key(|f| (f.tile, f.at));
+        for found in desk.found.chunk_by(|a, b| a.tile == b.tile) {
+            let mut tile = lock(&self.session.tiles[found[0].tile as usize]);
+            for f in found {
+                counters.samples += 1;
+                counters.nonfinite += u64::from(!tile.add(f.at as usize, f.value, tick));
+                let cell = &mut tile.cells[f.cell as usize];
+                cell.rays += f.rays;
+                cell.samples += 1;
+                for (_, hit) in &desk.hits[f.hits.0..f.hits.0 + f.hits.1] {
+                    tile.features[f.at as usize].add(hit);
+                }
+            }
+        }
+    }
+}
+
+/// Lets no thread wait for one that panicked.
+struct CancelOnPanic<'a>(&'a Control);
+
+impl Drop for CancelOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+}
