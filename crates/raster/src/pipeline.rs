@@ -1,0 +1,280 @@
+//! A pipeline: shaders and state that fit each other and a framebuffer's formats.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::{
+    counters::Counters,
+    draw::Draw,
+    error::{Result, refuse},
+    front::{Capture, Front, Sink, Source},
+    output::{Class, DepthOutput, FragmentOutput},
+    primitive::{Chunk, Setup, Window},
+    stages::{FragmentShader, GeometryShader, Program, Tessellation, Vertex, VertexShader},
+    state::{Compare, Multisample, PolygonMode, State, Topology},
+    target::{Framebuffer, Layout},
+    tile::{ColorPlan, DepthPlan, HiddenBy, Plan, TileDrawer},
+    varyings::{Mode, Varyings, any_per_sample},
+};
+
+/// The most clip and cull distances.
+const MAX_DISTANCES: usize = 8;
+/// Primitives of a job: a job is worked on by one thread.
+const JOB: u64 = 1024;
+/// Jobs whose primitives are kept before tiles are drawn.
+const BATCH: u64 = 16;
+
+/// Shaders and state, checked. What can be wrong with them is found when it is made; a draw only checks that the framebuffer fits.
+#[derive(Clone, Debug)]
+pub struct Pipeline<V, T, G, F> {
+    /// The shaders. Their fields (uniforms, textures) may be changed between draws.
+    pub program: Program<V, T, G, F>,
+    state: State,
+    layout: Layout,
+    plan: Plan,
+}
+
+impl<V, T, G, F> Pipeline<V, T, G, F>
+where
+    V: VertexShader,
+    T: Tessellation<Input = V::Varyings>,
+    G: GeometryShader<Input = T::Output>,
+    F: FragmentShader<Varyings = G::Output>,
+{
+    /// A pipeline that draws to framebuffers of this layout.
+    ///
+    /// # Errors
+    /// Where the state breaks a rule, or shaders, state and layout do not fit; the message names which.
+    pub fn new(program: Program<V, T, G, F>, state: State, layout: Layout) -> Result<Self> {
+        state.check()?;
+        check_stages::<T, G, F>(&state)?;
+        let state = checked_targets::<F>(state, &layout)?;
+        let plan = plan::<F>(&state, &layout);
+        Ok(Self { program, state, layout, plan })
+    }
+
+    /// Its state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Draws. The result does not depend on the number of threads (those of the rayon pool it is called in).
+    ///
+    /// # Errors
+    /// Where the framebuffer does not have the layout of the pipeline.
+    pub fn draw(&self, framebuffer: &mut Framebuffer, draw: &Draw) -> Result<Counters> {
+        if framebuffer.layout() != self.layout {
+            let (have, want) = (framebuffer.layout(), &self.layout);
+            return refuse(
+                "Pipeline::draw",
+                format!("the framebuffer has {have:?}, the pipeline was made for {want:?}"),
+            );
+        }
+        let source = self.source(draw);
+        let window = Window::new(&self.state, framebuffer.extent(), self.layout.depth);
+        let total = source.primitives();
+        let job = self.job_size();
+        let mut tiles = framebuffer.tiles();
+        let mut counters = Counters::default();
+        let mut start = 0;
+        while start < total {
+            let end = start.saturating_add(job * BATCH).min(total);
+            let jobs = (end - start).div_ceil(job);
+            let run = |i: u64| self.job(&source, &window, start + i * job..(start + (i + 1) * job).min(end));
+            let chunks: Vec<Chunk> =
+                if jobs == 1 { vec![run(0)] } else { (0..jobs).into_par_iter().map(run).collect() };
+            chunks.iter().for_each(|chunk| counters += chunk.counters);
+            let touched = |number: usize| chunks.iter().any(|c| c.starts[number] != c.starts[number + 1]);
+            let draw_tile = |(number, tile): (usize, &mut crate::target::Tile)| {
+                let mut drawer = TileDrawer::new(&self.program.fragment, &self.state, &self.plan, &window.pattern);
+                if touched(number) {
+                    drawer.draw(tile, number, &chunks);
+                }
+                drawer.counters
+            };
+            let drawn: Vec<Counters> = tiles.par_iter_mut().enumerate().map(draw_tile).collect();
+            drawn.into_iter().for_each(|of_tile| counters += of_tile);
+            start = end;
+        }
+        Ok(counters)
+    }
+
+    /// Draws several, one after the other; [`VertexInput::draw`](crate::VertexInput::draw) counts them.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw).
+    pub fn draw_many(&self, framebuffer: &mut Framebuffer, draws: &[Draw]) -> Result<Counters> {
+        let mut counters = Counters::default();
+        for (number, draw) in draws.iter().enumerate() {
+            counters += self.draw(framebuffer, &draw.numbered(number as u32))?;
+        }
+        Ok(counters)
+    }
+
+    /// Transform feedback: the vertices that the last stage before the rasteriser gives, one after the other for each primitive, strips
+    /// taken apart. Nothing is drawn.
+    pub fn capture(&self, draw: &Draw) -> (Vec<Vertex<G::Output>>, Counters) {
+        let source = self.source(draw);
+        let total = source.primitives();
+        let job = self.job_size();
+        let run = |i: u64| {
+            let mut sink = Capture::default();
+            let mut counters = Counters::default();
+            self.front().run(&source, i * job..((i + 1) * job).min(total), &mut counters, &mut sink);
+            counters.primitives = sink.primitives;
+            (sink.vertices, counters)
+        };
+        let parts: Vec<_> = (0..total.div_ceil(job)).into_par_iter().map(run).collect();
+        let mut all = Vec::with_capacity(parts.iter().map(|(vertices, _)| vertices.len()).sum());
+        let mut counters = Counters::default();
+        for (vertices, part) in parts {
+            all.extend(vertices);
+            counters += part;
+        }
+        (all, counters)
+    }
+
+    fn job_size(&self) -> u64 {
+        match self.state.topology {
+            Topology::Patches(_) => 16,
+            _ if G::ACTIVE => 256,
+            _ => JOB,
+        }
+    }
+
+    fn source<'d>(&self, draw: &Draw<'d>) -> Source<'d> {
+        Source::new(draw.stream, self.state.topology, self.state.restart, draw.instances.clone(), draw.number)
+    }
+
+    fn front(&self) -> Front<'_, V, T, G> {
+        Front {
+            vertex: &self.program.vertex,
+            tessellation: &self.program.tessellation,
+            geometry: &self.program.geometry,
+            topology: self.state.topology,
+            provoking: self.state.provoking,
+        }
+    }
+
+    fn job(&self, source: &Source, window: &Window, numbers: Range<u64>) -> Chunk {
+        let mut setup = Setup::<G::Output>::new(window);
+        let mut counters = Counters::default();
+        self.front().run(source, numbers, &mut counters, &mut setup);
+        let mut chunk = setup.finish();
+        chunk.counters += counters;
+        chunk
+    }
+}
+
+impl<V: Varyings> Sink<V> for Setup<'_, V> {
+    #[inline]
+    fn point(&mut self, vertex: &Vertex<V>, id: u32) {
+        Setup::point(self, vertex, id);
+    }
+    #[inline]
+    fn line(&mut self, ends: [&Vertex<V>; 2], provoking: usize, id: u32) {
+        Setup::line(self, ends, provoking, id);
+    }
+    #[inline]
+    fn triangle(&mut self, corners: [&Vertex<V>; 3], provoking: usize, id: u32) {
+        Setup::triangle(self, corners, provoking, id);
+    }
+}
+
+/// What shaders and topology must agree on.
+fn check_stages<T: Tessellation, G: GeometryShader, F: FragmentShader>(state: &State) -> Result<()> {
+    const CALL: &str = "Pipeline::new";
+    let patches = matches!(state.topology, Topology::Patches(_));
+    if T::ACTIVE && !patches {
+        return refuse(CALL, format!("tessellation needs patches, not {:?}", state.topology));
+    }
+    if !T::ACTIVE && patches {
+        return refuse(CALL, "patches need tessellation");
+    }
+    if G::ACTIVE && (G::MAX_VERTICES == 0 || G::MAX_VERTICES > 4096) {
+        return refuse(CALL, format!("MAX_VERTICES of the geometry shader is {}; from 1 to 4096", G::MAX_VERTICES));
+    }
+    if G::ACTIVE && (G::INVOCATIONS == 0 || G::INVOCATIONS > 128) {
+        return refuse(CALL, format!("INVOCATIONS of the geometry shader is {}; from 1 to 128", G::INVOCATIONS));
+    }
+    let is_distance = |mode: &&Mode| matches!(mode, Mode::Clip | Mode::Cull);
+    let distances = F::Varyings::MODES.iter().filter(is_distance).count();
+    if distances > MAX_DISTANCES {
+        return refuse(CALL, format!("{distances} clip and cull distances; at most {MAX_DISTANCES}"));
+    }
+    Ok(())
+}
+
+/// What state and framebuffer must agree on; gives the state with its samples and color states filled in.
+fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layout) -> Result<State> {
+    const CALL: &str = "Pipeline::new";
+    Multisample::check(layout.samples, CALL)?;
+    if state.multisample.count != layout.samples {
+        let (state, layout) = (state.multisample.count, layout.samples);
+        return refuse(CALL, format!("{state} samples in the state, {layout} in the framebuffer"));
+    }
+    if state.depth.is_some() && layout.depth.is_none() {
+        return refuse(CALL, "the depth test needs a depth target");
+    }
+    if state.stencil.is_some() && !layout.stencil {
+        return refuse(CALL, "the stencil test needs a stencil target");
+    }
+    if F::Output::COLORS > layout.colors.len() {
+        let (colors, targets) = (F::Output::COLORS, layout.colors.len());
+        return refuse(CALL, format!("the fragment shader writes {colors} colours, the framebuffer has {targets}"));
+    }
+    state.color.resize(layout.colors.len().max(state.color.len()), Default::default());
+    for (i, format) in layout.colors.iter().enumerate().take(F::Output::COLORS) {
+        if format.class() != F::Output::CLASS {
+            let class = F::Output::CLASS;
+            return refuse(CALL, format!("the fragment shader writes {class:?}, target {i} is {format:?}"));
+        }
+        let Some(blend) = state.color[i].blend else { continue };
+        if !format.is_blendable() {
+            return refuse(CALL, format!("target {i} is {format:?}, which cannot be blended"));
+        }
+        if blend.is_dual() && !F::Output::DUAL {
+            return refuse(
+                CALL,
+                format!("the blend factors of target {i} ask for a second colour, and the shader has none"),
+            );
+        }
+    }
+    if state.multisample.alpha_to_coverage && (F::Output::COLORS == 0 || F::Output::CLASS != Class::Float) {
+        return refuse(CALL, "alpha to coverage needs a colour with alpha");
+    }
+    if state.raster.conservative != crate::state::Conservative::Off && state.raster.polygon_mode != PolygonMode::Fill {
+        return refuse(CALL, "conservative rasterisation is for filled triangles");
+    }
+    Ok(state)
+}
+
+fn plan<F: FragmentShader>(state: &State, layout: &Layout) -> Plan {
+    let shader_depth = F::Output::DEPTH != DepthOutput::None && !F::EARLY_TESTS;
+    let may_vanish = F::Output::DISCARDS || F::Output::MASK || state.multisample.alpha_to_coverage;
+    let early = F::EARLY_TESTS || (!shader_depth && !may_vanish);
+    let hidden_by = match state.depth {
+        Some(depth) if state.stencil.is_none() => {
+            let keeps_order = match depth.compare {
+                Compare::Less | Compare::LessEqual => F::Output::DEPTH == DepthOutput::Greater,
+                Compare::Greater | Compare::GreaterEqual => F::Output::DEPTH == DepthOutput::Less,
+                _ => false,
+            };
+            if !shader_depth || keeps_order { HiddenBy::Depth(depth.compare) } else { HiddenBy::Nothing }
+        }
+        _ => HiddenBy::Nothing,
+    };
+    let mut colors = std::array::from_fn(|_| None);
+    for (i, format) in layout.colors.iter().enumerate() {
+        colors[i] = Some(ColorPlan::new(*format, state.color[i], state.logic_op, state.blend_constant));
+    }
+    Plan {
+        early,
+        hidden_by,
+        per_sample: layout.samples > 1 && (F::PER_SAMPLE || any_per_sample(F::Varyings::MODES)),
+        shader_depth,
+        depth: state.depth.zip(layout.depth).map(|(depth, format)| DepthPlan::new(depth, format)),
+        colors,
+    }
+}

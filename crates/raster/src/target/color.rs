@@ -1,0 +1,127 @@
+//! A colour target.
+
+use glam::Vec4;
+use steradian_image::Image;
+
+use super::{Extent, TILE_PIXELS};
+use crate::{
+    error::{Error, Result, refuse},
+    format::Format,
+    output::Class,
+};
+
+/// A picture that is drawn into.
+#[derive(Clone, Debug)]
+pub struct ColorTarget {
+    extent: Extent,
+    format: Format,
+    /// Texels tile by tile ([`Extent::place`]).
+    pub(super) texels: Vec<u8>,
+}
+
+impl ColorTarget {
+    /// A target of this size and format; all bits are zero.
+    ///
+    /// # Errors
+    /// Where the size is beyond the limits, or the format cannot be drawn to.
+    pub fn new(extent: Extent, format: Format) -> Result<Self> {
+        const CALL: &str = "ColorTarget::new";
+        extent.check(CALL)?;
+        if !format.is_color_renderable() {
+            return refuse(CALL, format!("colours cannot be drawn to {format:?}"));
+        }
+        let texels = vec![0; extent.tiles() * extent.samples as usize * TILE_PIXELS * format.bytes()];
+        Ok(Self { extent, format, texels })
+    }
+
+    /// Its size.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// Its format.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    pub(super) fn tile_bytes(&self) -> usize {
+        TILE_PIXELS * self.extent.samples as usize * self.format.bytes()
+    }
+
+    /// Fills all layers and samples. Integers as bits.
+    pub fn clear(&mut self, color: Vec4) {
+        let mut texel = [0; 16];
+        self.format.write(color, &mut texel);
+        let bytes = self.format.bytes();
+        self.texels.chunks_exact_mut(bytes).for_each(|t| t.copy_from_slice(&texel[..bytes]));
+    }
+
+    /// The colour of a sample; `None` outside.
+    pub fn sample(&self, pixel: [u32; 2], layer: u32, sample: u32) -> Option<Vec4> {
+        let start = self.extent.place(pixel, layer, sample)? * self.format.bytes();
+        Some(self.format.read(&self.texels[start..]))
+    }
+
+    /// The colour of the first sample of a pixel of layer 0; `None` outside.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<Vec4> {
+        self.sample([x, y], 0, 0)
+    }
+
+    /// The bytes of a layer's first samples, row by row without gaps.
+    pub fn to_bytes(&self, layer: u32) -> Vec<u8> {
+        let bytes = self.format.bytes();
+        let mut out = Vec::with_capacity(self.extent.width as usize * self.extent.height as usize * bytes);
+        for y in 0..self.extent.height {
+            for x in 0..self.extent.width {
+                if let Some(place) = self.extent.place([x, y], layer, 0) {
+                    out.extend_from_slice(&self.texels[place * bytes..][..bytes]);
+                }
+            }
+        }
+        out
+    }
+
+    /// Means of the samples as a target with one sample. Integer formats keep sample 0.
+    pub fn resolve(&self) -> Self {
+        let extent = self.extent.samples(1);
+        let bytes = self.format.bytes();
+        let tiles = extent.tiles();
+        let mut texels = vec![0; tiles * TILE_PIXELS * bytes];
+        let samples = self.extent.samples as usize;
+        let averaged = self.format.class() == Class::Float;
+        for (target, source) in
+            texels.chunks_exact_mut(TILE_PIXELS * bytes).zip(self.texels.chunks_exact(self.tile_bytes()))
+        {
+            for (i, texel) in target.chunks_exact_mut(bytes).enumerate() {
+                let stored = |s: usize| &source[(s * TILE_PIXELS + i) * bytes..][..bytes];
+                if averaged && samples > 1 {
+                    let sum = (0..samples).fold(Vec4::ZERO, |sum, s| sum + self.format.read(stored(s)));
+                    self.format.write(sum / samples as f32, texel);
+                } else {
+                    texel.copy_from_slice(stored(0));
+                }
+            }
+        }
+        Self { extent, format: self.format, texels }
+    }
+
+    /// Layer 0 as a picture with channels `R`, `G`, `B`, `A`; samples are averaged.
+    ///
+    /// # Errors
+    /// For integer formats.
+    pub fn to_image(&self) -> Result<Image> {
+        const CALL: &str = "ColorTarget::to_image";
+        if self.format.class() != Class::Float {
+            return refuse(CALL, format!("{:?} holds integers", self.format));
+        }
+        let resolved = self.resolve();
+        let Extent { width, height, .. } = self.extent;
+        let mut image = Image::new(width as usize, height as usize);
+        for (channel, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
+            let rows = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+            let data = rows.map(|p| resolved.sample(p, 0, 0).map_or(0.0, |c| c[channel])).collect();
+            image.push(name, data).map_err(|error| Error { call: CALL, rule: error.to_string() })?;
+        }
+        Ok(image)
+    }
+}

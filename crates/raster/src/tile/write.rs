@@ -1,0 +1,136 @@
+//! Colours into targets: blending, logic operations, masks.
+
+use glam::Vec4;
+
+use super::{Masks, Strip, TileDrawer, shade::quad_lanes};
+use crate::{
+    format::{Format, Numeric},
+    output::FragmentOutput,
+    primitive::Primitive,
+    stages::FragmentShader,
+    state::{BlendState, ColorState, LogicOp},
+    target::{BLOCK_PIXELS, TILE_PIXELS, Tile},
+};
+
+/// What happens to the colours of a target.
+#[derive(Clone, Debug)]
+pub(crate) struct ColorPlan {
+    format: Format,
+    bytes: usize,
+    blend: Option<BlendState>,
+    logic: Option<LogicOp>,
+    write: [bool; 4],
+    constant: Vec4,
+    /// Colours of normalised formats are clamped before they are blended.
+    limits: Option<(Vec4, Vec4)>,
+}
+
+impl ColorPlan {
+    pub fn new(format: Format, state: ColorState, logic: Option<LogicOp>, constant: [f32; 4]) -> Self {
+        let limits = match format.numeric() {
+            Numeric::Unorm | Numeric::Srgb => Some((Vec4::ZERO, Vec4::ONE)),
+            Numeric::Snorm => Some((Vec4::NEG_ONE, Vec4::ONE)),
+            _ => None,
+        };
+        let constant = Vec4::from_array(constant);
+        let constant = limits.map_or(constant, |(low, high)| constant.clamp(low, high));
+        let logic = logic.filter(|_| !matches!(format.numeric(), Numeric::Float | Numeric::Srgb));
+        Self { format, bytes: format.bytes(), blend: state.blend, logic, write: state.write, constant, limits }
+    }
+
+    /// Whether what is there does not matter.
+    fn replaces(&self) -> bool {
+        self.blend.is_none() && self.logic.is_none() && self.write == [true; 4]
+    }
+
+    /// Writes one sample that depends on what is there.
+    fn combine(&self, texel: &mut [u8], source: Vec4, second: Vec4) {
+        let old = self.format.read(texel);
+        if let Some(op) = self.logic {
+            let mut new = [0; 16];
+            self.format.write(source, &mut new);
+            for (new, old) in new.iter_mut().zip(&*texel) {
+                *new = op.apply(*new, *old);
+            }
+            return self.masked(texel, self.format.read(&new), old);
+        }
+        let Some(blend) = &self.blend else {
+            return self.masked(texel, source, old);
+        };
+        let clamped = |color: Vec4| self.limits.map_or(color, |(low, high)| color.max(low).min(high));
+        self.masked(texel, blend.blend(clamped(source), clamped(second), old, self.constant), old);
+    }
+
+    fn masked(&self, texel: &mut [u8], new: Vec4, old: Vec4) {
+        let mut color = old.to_array();
+        for ((color, new), write) in color.iter_mut().zip(new.to_array()).zip(self.write) {
+            if write {
+                *color = new;
+            }
+        }
+        self.format.write(Vec4::from_array(color), texel);
+    }
+}
+
+impl<F: FragmentShader> TileDrawer<'_, F> {
+    pub(super) fn write(
+        &self,
+        tile: &mut Tile,
+        primitive: &Primitive,
+        strip: Strip,
+        masks: &Masks,
+        outputs: &[Option<[F::Output; 4]>; 4],
+    ) {
+        let count = self.pattern.count;
+        let union = masks[..count].iter().fold(0, |all, m| all | m);
+        let start = strip.block * BLOCK_PIXELS + strip.index * 16;
+        for (target, plan) in self.plan.colors.iter().enumerate().take(F::Output::COLORS) {
+            let Some(plan) = plan else { continue };
+            let texels = &mut *tile.colors[target];
+            for (q, quad) in outputs.iter().enumerate() {
+                let Some(quad) = quad else { continue };
+                for (lane, output) in quad_lanes(q).into_iter().zip(quad) {
+                    if union >> lane & 1 == 0 {
+                        continue;
+                    }
+                    let mut color = output.color(target);
+                    if primitive.smooth {
+                        color.w *= smooth_coverage(primitive, strip, lane);
+                    }
+                    if self.state.multisample.alpha_to_one {
+                        color.w = 1.0;
+                    }
+                    if plan.replaces() && count == 1 {
+                        plan.format.write(color, &mut texels[(start + lane) * plan.bytes..]);
+                        continue;
+                    }
+                    let mut texel = [0; 16];
+                    if plan.replaces() {
+                        plan.format.write(color, &mut texel);
+                    }
+                    for sample in (0..count).filter(|&s| masks[s] >> lane & 1 != 0) {
+                        let place = (sample * TILE_PIXELS + start + lane) * plan.bytes;
+                        let there = &mut texels[place..place + plan.bytes];
+                        if plan.replaces() {
+                            there.copy_from_slice(&texel[..plan.bytes]);
+                        } else {
+                            plan.combine(there, color, output.second());
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// How much of a pixel a smooth line covers: a ramp of one pixel at its sides and ends.
+fn smooth_coverage(primitive: &Primitive, strip: Strip, lane: usize) -> f32 {
+    let half_pixel = 0.5;
+    let at = [lane as i32 % 8, lane as i32 / 8];
+    let p = [0, 1].map(|axis| f64::from(strip.pixel[axis] + at[axis]) + half_pixel - primitive.origin[axis]);
+    let [along, across] = primitive.weights.map(|g| (g[0] * p[0] + g[1] * p[1]) as f32);
+    let [half_width, length] = primitive.line;
+    let beside = (half_width + 0.5 - across.abs()).clamp(0.0, 1.0).min(2.0 * half_width);
+    let from_end = (along * length).min((1.0 - along) * length);
+    beside * (from_end + 0.5).clamp(0.0, 1.0)
+}

@@ -1,0 +1,14 @@
+//! The pipeline against values that are known by other means.
+
+mod clipping;
+mod draws;
+mod fill;
+mod fragments;
+mod hostile;
+mod lines;
+mod ray_cast;
+mod refusals;
+mod samples;
+mod stage;
+mod tests_and_blending;
+mod topologies;
