@@ -123,7 +123,9 @@ impl Planes<'_> {
         let t = d_in / (d_in - d_out);
         let lerp = |a: f32, b: f32, t: f64| (f64::from(a) + t * (f64::from(b) - f64::from(a))) as f32;
         let (p, q) = (inside.position.to_array(), outside.position.to_array());
-        let position = Vec4::from_array(std::array::from_fn(|i| lerp(p[i], q[i], t)));
+        let mut position = Vec4::from_array(std::array::from_fn(|i| lerp(p[i], q[i], t)));
+        // Of a w that is far smaller than those of the ends rounding may leave nothing.
+        position.w = position.w.max(LEAST_W as f32);
         // Where along the way in the window; behind the eye there is none.
         let (wp, wq) = (f64::from(p[3]), f64::from(q[3]));
         let in_window = if wq > 0.0 { t * wq / (wp + t * (wq - wp)) } else { t };
