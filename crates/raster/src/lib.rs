@@ -59,6 +59,9 @@
 //!   and stencil tests; blending; samples; viewports.
 //! * [`target`]: framebuffers of up to eight colour targets in any of the [`Format`]s that can be drawn to, with layers and samples.
 //!
+//! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from bytes, [`BlockRules`] knows where members of
+//!   uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
+//!
 //! # Rules that always hold
 //!
 //! * Positions are rounded to 1/256 pixel; of two triangles with a common edge exactly one covers a sample on it (top-left rule).
@@ -66,6 +69,8 @@
 //! * The window has y down, row 0 is the top row; clip space has y up.
 //! * Nothing panics on any position, index or state: primitives with positions that are not finite are dropped and counted.
 
+mod block_layout;
+mod compute;
 mod counters;
 mod draw;
 pub mod error;
@@ -79,9 +84,13 @@ mod samples;
 pub mod stages;
 pub mod state;
 pub mod target;
+pub mod texture;
 mod tile;
 pub mod varyings;
+mod vertex_array;
 
+pub use block_layout::{BlockRules, BlockType};
+pub use compute::{ComputeShader, Invocation, dispatch};
 pub use counters::Counters;
 pub use draw::Draw;
 pub use error::{Error, Result};
@@ -95,3 +104,4 @@ pub use stages::{Program, Vertex, VertexInput, fragment};
 pub use state::State;
 pub use target::{ColorTarget, DepthFormat, DepthTarget, Extent, Framebuffer, Layout, StencilTarget};
 pub use varyings::Varyings;
+pub use vertex_array::{Attribute, MAX_ATTRIBUTES, VertexArray};

@@ -15,6 +15,11 @@ const MAX_DISTANCES: usize = 8;
 /// A triangle gains at most a corner from each plane.
 pub(super) const MAX_CORNERS: usize = 3 + 7 + MAX_DISTANCES;
 
+/// Whether a corner at this distance of a plane is on its inner side. What is no number is outside.
+pub(super) fn is_inside(distance: f64) -> bool {
+    distance >= 0.0
+}
+
 /// A corner in clip space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner<F> {
@@ -71,8 +76,7 @@ impl Planes<'_> {
     pub fn outside<F: Floats>(&self, corner: &Corner<F>, count: usize) -> u64 {
         let mut bits = 0;
         for plane in 0..count {
-            // Not-a-number is outside.
-            if self.counts(plane) && !(self.distance(plane, corner) >= 0.0) {
+            if self.counts(plane) && !is_inside(self.distance(plane, corner)) {
                 bits |= 1 << plane.min(63);
             }
         }
@@ -88,13 +92,13 @@ impl Planes<'_> {
                 for i in 0..source.count {
                     let (a, b) = (&source.corners[i], &source.corners[(i + 1) % source.count]);
                     let (da, db) = (self.distance(plane, a), self.distance(plane, b));
-                    if da >= 0.0 {
+                    if is_inside(da) {
                         polygon.push(*a);
                     }
                     // The cut is computed from the inside outwards, so that both triangles of an edge find the same point.
-                    if da >= 0.0 && !(db >= 0.0) {
+                    if is_inside(da) && !is_inside(db) {
                         polygon.push(self.cut(a, b, da, db));
-                    } else if !(da >= 0.0) && db >= 0.0 {
+                    } else if !is_inside(da) && is_inside(db) {
                         polygon.push(self.cut(b, a, db, da));
                     }
                 }
@@ -109,7 +113,7 @@ impl Planes<'_> {
     pub fn clip_line<F: Floats>(&self, mut ends: [Corner<F>; 2], count: usize) -> Option<[Corner<F>; 2]> {
         for plane in (0..count).filter(|&plane| self.counts(plane)) {
             let [da, db] = [0, 1].map(|i| self.distance(plane, &ends[i]));
-            match (da >= 0.0, db >= 0.0) {
+            match (is_inside(da), is_inside(db)) {
                 (true, true) => {}
                 (true, false) => ends[1] = self.cut(&ends[0], &ends[1], da, db),
                 (false, true) => ends[0] = self.cut(&ends[1], &ends[0], db, da),

@@ -10,6 +10,9 @@ use crate::{samples::SUBPIXELS, stages::Vertex, state::LineMode, varyings::Varyi
 const UNIT: i64 = SUBPIXELS as i64;
 const HALF: i64 = UNIT / 2;
 
+/// Edges, how many of them count, and the first pixels and those after the last.
+type Outline = ([Edge; 4], u8, [i32; 2], [i32; 2]);
+
 impl<V: Varyings> Setup<'_, V> {
     /// Takes a line.
     pub fn line(&mut self, ends: [&Vertex<V>; 2], provoking: usize, id: u32) {
@@ -75,7 +78,7 @@ impl<V: Varyings> Setup<'_, V> {
 
     /// The pixels of the diamond-exit rule: one in each column that the line crosses (of lines that are steeper than 45°, in each row), where
     /// at the ends those count whose diamond the line leaves. Wider lines have as many along the column.
-    fn diamonds(&self, p: [window::Corner; 2], port: &Port) -> Option<([Edge; 4], u8, [i32; 2], [i32; 2])> {
+    fn diamonds(&self, p: [window::Corner; 2], port: &Port) -> Option<Outline> {
         let at = p.map(|corner| corner.at.map(i64::from));
         let d = [at[1][0] - at[0][0], at[1][1] - at[0][1]];
         if d == [0, 0] {
@@ -137,12 +140,7 @@ impl<V: Varyings> Setup<'_, V> {
     }
 
     /// A rectangle around the line, larger by so many pixels on each side.
-    fn rectangle(
-        &self,
-        p: [window::Corner; 2],
-        port: &Port,
-        margin: f64,
-    ) -> Option<([Edge; 4], u8, [i32; 2], [i32; 2])> {
+    fn rectangle(&self, p: [window::Corner; 2], port: &Port, margin: f64) -> Option<Outline> {
         let d = [0, 1].map(|axis| f64::from(p[1].at[axis]) - f64::from(p[0].at[axis]));
         let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
         if length == 0.0 {

@@ -2,7 +2,7 @@
 
 use super::{
     Edge, Primitive, Window,
-    clip::{Corner, Planes},
+    clip::{Corner, Planes, is_inside},
     window::Port,
 };
 use crate::{
@@ -106,7 +106,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
     where
         V: 'v,
     {
-        let is_out = |i: usize, v: &Vertex<V>| !(v.varyings.to_floats().as_ref()[i] >= 0.0);
+        let is_out = |i: usize, v: &Vertex<V>| !is_inside(v.varyings.to_floats().as_ref()[i].into());
         let modes = V::MODES.iter().enumerate().filter(|(_, mode)| **mode == crate::varyings::Mode::Cull);
         modes.into_iter().any(|(i, _)| vertices.clone().all(|v| is_out(i, v)))
     }

@@ -65,7 +65,12 @@ impl TextureSize {
             let x = if level > 31 { 0 } else { x >> level };
             if x == 0 { 1 } else { x }
         }
-        Self { width: half(self.width, level), height: half(self.height, level), depth: half(self.depth, level), ..self }
+        Self {
+            width: half(self.width, level),
+            height: half(self.height, level),
+            depth: half(self.depth, level),
+            ..self
+        }
     }
 
     /// How many levels there are down to one texel.
@@ -83,8 +88,16 @@ impl TextureKind {
     pub(crate) fn check(self, size: TextureSize, call: &'static str) -> Result<()> {
         let TextureSize { width, height, depth, layers } = size;
         let most = if self == Self::Buffer { 1 << 27 } else { MAX_SIZE };
-        if [width, height, depth, layers].contains(&0) || width > most || height > MAX_SIZE || depth > 2048 || layers > MAX_LAYERS {
-            return refuse(call, format!("{size:?}: sides are from 1 to {MAX_SIZE}, slices and layers to {MAX_LAYERS}"));
+        if [width, height, depth, layers].contains(&0)
+            || width > most
+            || height > MAX_SIZE
+            || depth > 2048
+            || layers > MAX_LAYERS
+        {
+            return refuse(
+                call,
+                format!("{size:?}: sides are from 1 to {MAX_SIZE}, slices and layers to {MAX_LAYERS}"),
+            );
         }
         let flat = depth == 1;
         let fits = match self {
@@ -94,7 +107,7 @@ impl TextureKind {
             Self::D2Array => flat,
             Self::D3 => layers == 1,
             Self::Cube => flat && layers == 6 && width == height,
-            Self::CubeArray => flat && layers % 6 == 0 && width == height,
+            Self::CubeArray => flat && layers.is_multiple_of(6) && width == height,
         };
         if !fits {
             return refuse(call, format!("{size:?} is no size of a {self:?} texture"));
@@ -213,7 +226,8 @@ impl Texture {
     #[inline]
     pub(crate) fn place(&self, level: u32, [x, y, z]: [u32; 3], layer: u32) -> Option<usize> {
         let size = self.size.level(level);
-        if x >= size.width || y >= size.height || z >= size.depth || layer >= size.layers || level >= self.level_count() {
+        if x >= size.width || y >= size.height || z >= size.depth || layer >= size.layers || level >= self.level_count()
+        {
             return None;
         }
         // One of slices and layers is 1.

@@ -128,7 +128,8 @@ impl Sampler {
         if view.kind == TextureKind::Buffer {
             return refuse(CALL, "buffers are fetched, not sampled");
         }
-        if self.lod_bias.is_nan() || self.lod_range.iter().any(|x| x.is_nan()) || self.lod_range[0] > self.lod_range[1] {
+        if self.lod_bias.is_nan() || self.lod_range.iter().any(|x| x.is_nan()) || self.lod_range[0] > self.lod_range[1]
+        {
             return refuse(CALL, format!("levels from {:?} with bias {}", self.lod_range, self.lod_bias));
         }
         if self.anisotropy == 0 || self.anisotropy > 16 {
@@ -206,7 +207,14 @@ impl Sampler {
         }
     }
 
-    fn at_level(&self, view: &TextureView, place: &Place, level: u32, filter: Filter, value: &impl Fn(Vec4) -> Vec4) -> Vec4 {
+    fn at_level(
+        &self,
+        view: &TextureView,
+        place: &Place,
+        level: u32,
+        filter: Filter,
+        value: &impl Fn(Vec4) -> Vec4,
+    ) -> Vec4 {
         let size = view.size(level);
         let n = [size.width, size.height, size.depth];
         let texel = |i: [i64; 3]| value(self.texel(view, place, level, n, i));
@@ -227,7 +235,8 @@ impl Sampler {
             let bit = |d: usize| corner >> d & 1;
             let w: f32 = (0..place.dimensions).map(|d| if bit(d) == 1 { weight[d] } else { 1.0 - weight[d] }).product();
             if w > 0.0 {
-                sum += texel(std::array::from_fn(|d| first[d] + if d < place.dimensions { bit(d) as i64 } else { 0 })) * w;
+                sum +=
+                    texel(std::array::from_fn(|d| first[d] + if d < place.dimensions { bit(d) as i64 } else { 0 })) * w;
             }
         }
         sum
@@ -277,7 +286,8 @@ impl Place {
     fn new(view: &TextureView, at: Vec4) -> Self {
         // The nearest layer; halves up.
         let layer = |x: f32, count: u32| (x + 0.5).floor().clamp(0.0, (count - 1) as f32) as u32;
-        let flat = |at: Vec3, dimensions: usize, layer: u32| Self { at, dimensions, layer, face: None, direction: Vec3::ZERO };
+        let flat =
+            |at: Vec3, dimensions: usize, layer: u32| Self { at, dimensions, layer, face: None, direction: Vec3::ZERO };
         match view.kind {
             TextureKind::D1 | TextureKind::Buffer => flat(Vec3::new(at.x, 0.0, 0.0), 1, 0),
             TextureKind::D1Array => flat(Vec3::new(at.x, 0.0, 0.0), 1, layer(at.y, view.layers)),
@@ -296,7 +306,8 @@ impl Place {
     /// Changes of the coordinates on the face of a cube, of changes of the direction; others as they are.
     fn on_face(&self, dx: Vec3, dy: Vec3) -> (Vec3, Vec3) {
         let Some(face) = self.face else {
-            let used = |d: Vec3| Vec3::from_array(std::array::from_fn(|i| if i < self.dimensions { d[i] } else { 0.0 }));
+            let used =
+                |d: Vec3| Vec3::from_array(std::array::from_fn(|i| if i < self.dimensions { d[i] } else { 0.0 }));
             return (used(dx), used(dy));
         };
         // s = ½(sc/|ma| + 1): the derivative of a quotient.

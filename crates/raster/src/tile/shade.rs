@@ -84,9 +84,9 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
             }
         }
         if !self.plan.early {
-            for s in 0..count {
+            for (s, mask) in masks[..count].iter_mut().enumerate() {
                 let depths = self.plan.shader_depth.then(|| self.shader_depths(primitive, strip, s, &outputs));
-                masks[s] = self.test(tile, primitive, strip, s, masks[s], depths.as_ref());
+                *mask = self.test(tile, primitive, strip, s, *mask, depths.as_ref());
             }
         }
         self.count_samples(&masks);

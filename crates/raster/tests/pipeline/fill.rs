@@ -15,7 +15,7 @@ fn mesh(random: &mut Random, cells: usize, size: f32) -> Vec<[[f32; 2]; 3]> {
         for column in 0..=cells {
             // Some corners stay on whole and half pixels, where rules for edges matter most.
             let snap = |x: f32, random: &mut Random| if random.below(2) == 0 { (x * 2.0).round() / 2.0 } else { x };
-            let amount = if row % cells == 0 || column % cells == 0 { 0.0 } else { 0.45 * step };
+            let amount = if row.is_multiple_of(cells) || column.is_multiple_of(cells) { 0.0 } else { 0.45 * step };
             let x = column as f32 * step - 4.0 + random.between(-amount, amount);
             let y = row as f32 * step - 4.0 + random.between(-amount, amount);
             corners[row * (cells + 1) + column] = [snap(x, random), snap(y, random)];

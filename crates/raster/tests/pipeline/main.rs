@@ -11,4 +11,5 @@ mod refusals;
 mod samples;
 mod stage;
 mod tests_and_blending;
+mod textures;
 mod topologies;

@@ -21,7 +21,10 @@ fn mesh(random: &mut Random) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut points = Vec::new();
     for ring in 0..rings {
         for side in 0..sides {
-            let (a, b) = (ring as f32 / rings as f32 * 6.283_185_5, side as f32 / sides as f32 * 6.283_185_5);
+            let (a, b) = (
+                ring as f32 / rings as f32 * std::f32::consts::TAU,
+                side as f32 / sides as f32 * std::f32::consts::TAU,
+            );
             let r = 0.5 + 0.05 * random.unit();
             let flat = Vec3::new((1.2 + r * b.cos()) * a.cos(), (1.2 + r * b.cos()) * a.sin(), r * b.sin());
             // Turned, so that nothing is aligned with the picture.
