@@ -73,6 +73,9 @@ impl Command {
 /// Which scene, and how to read it.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SceneOptions {
+    /// Format of a scene that is read from standard input, instead of what its beginning looks like
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::EXTENSIONS.iter().map(|e| e.0)), help_heading = "Scene")]
+    pub format: Option<String>,
     /// Frame size in pixels instead of the scene's
     #[arg(long, value_name = "WxH", help_heading = "Scene")]
     pub size: Option<Size>,
@@ -123,8 +126,8 @@ pub enum Color {
     after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
 )]
 pub struct RenderArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .obj .ply), or builtin:NAME (see `steradian list scenes`)
-    pub scene: Option<String>,
+    /// Scene file (.pbrt .pbrt.gz .xml .obj .ply), - for standard input, or builtin:NAME (see `steradian list scenes`)
+    pub scene: Option<PathBuf>,
     /// Output file, its format by extension: .exr .png .hdr .pfm .ppm .jpg; may be repeated. Without it SCENE's name with .exr and
     /// .png in the current folder
     #[arg(short, long = "output", alias = "outfile", value_name = "OUT")]
@@ -257,8 +260,8 @@ impl FileOptions {
 /// `steradian info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// Scene file, or builtin:NAME
-    pub scene: String,
+    /// Scene file, - for standard input, or builtin:NAME
+    pub scene: PathBuf,
     /// The scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,

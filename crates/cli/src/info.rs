@@ -94,11 +94,12 @@ struct Memory {
 /// Opens a scene and tells about it, whether it can be rendered or not.
 pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
+    let name = open::shown(&args.scene);
     let mut opened = open::open(&args.scene, &args.scene_options, None);
     if args.scene_options.strict {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
     }
-    let info = Info::of(&args.scene, &opened);
+    let info = Info::of(&name, &opened);
     if args.json {
         terminal::json(&info)?;
     } else {
@@ -110,7 +111,7 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     }
     match info.diagnostics.errors {
         0 => Ok(failure::DONE),
-        n => Err(Failure::bad_input(format!("'{}' has {n} error{}", args.scene, if n == 1 { "" } else { "s" }))),
+        n => Err(Failure::bad_input(format!("'{name}' has {n} error{}", if n == 1 { "" } else { "s" }))),
     }
 }
 

@@ -186,7 +186,8 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
         if !args.params.is_empty() {
             return Err(Failure::bad_input("--params sets parameters of a material by kind, not of one in a scene"));
         }
-        let ready = open::open(file, &args.scene, None).into_scene(file, args.scene.strict, terminal)?;
+        let ready =
+            open::open(Path::new(file), &args.scene, None).into_scene(Path::new(file), args.scene.strict, terminal)?;
         let names = || ready.scene.material_names.iter().map(String::as_str);
         known_name(name, "material", names()).map_err(Failure::bad_input)?;
         let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);

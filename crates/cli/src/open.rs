@@ -7,12 +7,20 @@ use crate::{
     terminal::Terminal,
     values::{Rectangle, Size},
 };
-use std::{path::PathBuf, time::Duration};
+use std::{
+    borrow::Cow,
+    io::Read,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 use steradian::{
-    Accelerator, ColorMode, CompileOptions, Inputs, Scene,
+    Accelerator, ColorMode, CompileOptions, Inputs, Loaded, Scene,
     formats::Options,
     scene::{Diagnostics, Format, SceneDesc},
 };
+
+/// What standard input is called.
+pub const STDIN: &str = "standard input";
 
 /// A scene that was opened, with or without success.
 #[derive(Debug)]
@@ -51,9 +59,9 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 }
 
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
-pub fn open(name: &str, options: &SceneOptions, spp: Option<u32>) -> Opened {
+pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
     let reading = Options { defines: options.define.iter().cloned().collect(), ..Options::default() };
-    let loaded = steradian::load(name, &reading);
+    let loaded = if is_stdin(name) { from_stdin(options, &reading) } else { steradian::load(name, &reading) };
     let (desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
     if !options.define.is_empty() && desc.format != Format::Mitsuba {
         diagnostics.warn(&desc.sources, None, "-D sets parameters of Mitsuba scenes; this is none, it has no effect");
@@ -74,12 +82,32 @@ pub fn open(name: &str, options: &SceneOptions, spp: Option<u32>) -> Opened {
     opened
 }
 
+/// What a scene is called in messages and files.
+pub fn shown(name: &Path) -> Cow<'_, str> {
+    if is_stdin(name) { STDIN.into() } else { name.to_string_lossy() }
+}
+
+/// Whether a scene is read from standard input.
+pub fn is_stdin(name: &Path) -> bool {
+    name.as_os_str() == "-"
+}
+
+fn from_stdin(options: &SceneOptions, reading: &Options) -> Loaded {
+    let mut bytes = Vec::new();
+    let read = std::io::stdin().lock().take(reading.limits.file_bytes + 1).read_to_end(&mut bytes);
+    let mut loaded = steradian::load_bytes(STDIN, bytes, options.format.as_deref(), reading);
+    if let Err(e) = read {
+        loaded.diagnostics.error(&Default::default(), None, format!("cannot read {STDIN}: {e}"));
+    }
+    loaded
+}
+
 impl Opened {
     /// Tells the messages and gives the scene, if it can be rendered.
     ///
     /// # Errors
     /// Where there are errors among the messages, or losses when these are refused.
-    pub fn into_scene(mut self, name: &str, strict: bool, terminal: Terminal) -> Result<Ready, Failure> {
+    pub fn into_scene(mut self, name: &Path, strict: bool, terminal: Terminal) -> Result<Ready, Failure> {
         if strict {
             self.diagnostics = diagnostics::refuse_losses(&self.diagnostics);
         }
@@ -92,6 +120,7 @@ impl Opened {
             }
             _ => {
                 let n = self.diagnostics.error_count();
+                let name = shown(name);
                 Err(Failure::bad_input(format!("'{name}' has {n} error{}", if n == 1 { "" } else { "s" })))
             }
         }

@@ -27,12 +27,21 @@ pub fn kind(path: &Path) -> Result<FileKind, Failure> {
 }
 
 /// The files that a render of `scene` is written to when none are given: in the current folder, named after the scene.
-pub fn default_names(scene: &str) -> Vec<PathBuf> {
-    let name = scene.strip_prefix("builtin:").unwrap_or(scene);
-    let file = Path::new(name).file_name().and_then(|n| n.to_str()).unwrap_or("scene");
-    let file = file.strip_suffix(".gz").unwrap_or(file);
-    let stem = Path::new(file).file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
-    ["exr", "png"].iter().map(|e| PathBuf::from(format!("{stem}.{e}"))).collect()
+pub fn default_names(scene: &Path) -> Vec<PathBuf> {
+    let file = match scene.to_str().and_then(|name| name.strip_prefix("builtin:")) {
+        Some(builtin) => Path::new(builtin),
+        None => Path::new(scene.file_name().filter(|name| *name != "-").unwrap_or("scene".as_ref())),
+    };
+    let is_packed = file.extension().is_some_and(|e| e == "gz");
+    let file = Path::new(if is_packed { file.file_stem() } else { file.file_name() }.unwrap_or("scene".as_ref()));
+    // What stands before the last dot is the stem, and may have dots of its own.
+    let stem = file.file_stem().unwrap_or("scene".as_ref());
+    let named = |extension: &str| {
+        let mut name = stem.to_owned();
+        name.push(extension);
+        PathBuf::from(name)
+    };
+    vec![named(".exr"), named(".png")]
 }
 
 /// Default names that none of `inputs` has: `a.png` steps aside to `a.render.png`, and so do those beside it.
@@ -226,11 +235,12 @@ mod tests {
 
     #[test]
     fn names_follow_the_scene() {
-        let of = |scene: &str| listed(&default_names(scene));
+        let of = |scene: &str| listed(&default_names(Path::new(scene)));
         assert_eq!(of("builtin:cornell-box"), "cornell-box.exr, cornell-box.png");
         assert_eq!(of("/a/b.c/scene-v4.pbrt.gz"), "scene-v4.exr, scene-v4.png");
         assert_eq!(of("x/room.night.xml"), "room.night.exr, room.night.png");
         assert_eq!(of(".."), "scene.exr, scene.png");
+        assert_eq!(of("-"), "scene.exr, scene.png");
     }
 
     #[test]

@@ -32,8 +32,9 @@ const DEFAULT_SCENE: &str = "builtin:cornell-box";
 /// Renders, saves, reports.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     // Everything that can be wrong with the command line is found before anything takes long.
-    let name = args.scene.as_deref().unwrap_or(DEFAULT_SCENE);
-    let mut outputs = if args.output.is_empty() { output::default_names(name) } else { args.output.clone() };
+    let path = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
+    let name = &*open::shown(path);
+    let mut outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
     let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
     let quality = quality(args);
     if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
@@ -46,10 +47,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
 
     open::limit_threads(args.scene_options.threads);
-    let opened = open::open(name, &args.scene_options, quality.spp);
+    let opened = open::open(path, &args.scene_options, quality.spp);
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
-    let ready = opened.into_scene(name, args.scene_options.strict, terminal)?;
+    let ready = opened.into_scene(path, args.scene_options.strict, terminal)?;
     let Ready { scene, inputs, counts, load, build } = ready;
     if args.output.is_empty() {
         let free = output::free_names(outputs.clone(), &inputs);

@@ -109,20 +109,28 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::with_capacity(meta.len() as usize);
     let file = std::fs::File::open(path).map_err(io)?;
     file.take(limits.file_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
+    inflated(path, bytes, limits)
+}
+
+/// Bytes as they are, or unpacked if they start as gzip; `path` is named in errors.
+///
+/// # Errors
+/// As [`read`].
+pub fn inflated(path: &Path, mut bytes: Vec<u8>, limits: &Limits) -> Result<Vec<u8>, FileError> {
     if bytes.starts_with(&[0x1f, 0x8b]) {
         let plausible = unpacked(bytes.len(), MOST_OF_TEXT);
         let mut plain = Vec::new();
         flate2::read::MultiGzDecoder::new(bytes.as_slice())
             .take(limits.file_bytes.min(plausible) + 1)
             .read_to_end(&mut plain)
-            .map_err(io)?;
+            .map_err(|cause| FileError::Io { path: path.into(), cause })?;
         bytes = plain;
         if bytes.len() as u64 > plausible {
             return Err(FileError::Bomb { path: path.into() });
         }
     }
     if bytes.len() as u64 > limits.file_bytes {
-        return Err(too_large());
+        return Err(FileError::TooLarge { path: path.into(), limit: limits.file_bytes });
     }
     Ok(bytes)
 }

@@ -25,7 +25,7 @@ pub mod specimen;
 pub use develop::{Layer, develop};
 pub use error::Error;
 pub use inputs::Inputs;
-pub use load::{Loaded, load};
+pub use load::{Loaded, load, load_bytes};
 pub use quality::Quality;
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;

@@ -25,14 +25,49 @@ pub const EXTENSIONS: &[(&str, &str)] = &[
 ];
 
 /// Reads a scene. `builtin:NAME` names one of the built-in scenes ([`cornell::BUILTIN`]); other names are files, told apart by
-/// extension, then by content.
-pub fn load(name: &str, options: &Options) -> Loaded {
+/// extension.
+pub fn load(name: impl AsRef<Path>, options: &Options) -> Loaded {
     let start = Instant::now();
-    let import = read(name, options);
+    let import = read(name.as_ref(), options);
     Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
 }
 
-fn read(name: &str, options: &Options) -> Import {
+/// Reads a scene from memory, plain or gzip-compressed. Files that it names are looked for in the current folder; `name` stands for it in
+/// messages. Its format is one of [`EXTENSIONS`], by default what its beginning looks like.
+pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Options) -> Loaded {
+    let start = Instant::now();
+    let path = Path::new(name);
+    let import = match steradian_formats::files::inflated(path, bytes, &options.limits) {
+        Ok(bytes) => {
+            let format = format.map(str::to_ascii_lowercase).unwrap_or_else(|| sniffed(&bytes).into());
+            match format.as_str() {
+                "pbrt" => steradian_formats::pbrt::import_text(name, bytes, Path::new("."), options),
+                "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
+                "obj" | "ply" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
+                _ => unknown(name),
+            }
+        }
+        Err(e) => failed(e.to_string(), None),
+    };
+    Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
+}
+
+/// The format that a text or model looks like: XML begins with a tag, pbrt's directives with a capital, OBJ's statements without.
+fn sniffed(bytes: &[u8]) -> &'static str {
+    if bytes.starts_with(b"ply") {
+        return "ply";
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
+    match lines.filter(|line| !line.is_empty()).find(|line| line[0] != b'#').map(|line| line[0]) {
+        Some(b'<') => "xml",
+        Some(b'a'..=b'z') => "obj",
+        _ => "pbrt",
+    }
+}
+
+fn read(path: &Path, options: &Options) -> Import {
+    let name = path.to_string_lossy();
     if let Some(builtin) = name.strip_prefix("builtin:") {
         return match cornell::builtin(builtin) {
             Some(desc) => Import { desc, diagnostics: Diagnostics::default() },
@@ -42,7 +77,6 @@ fn read(name: &str, options: &Options) -> Import {
             }
         };
     }
-    let path = Path::new(name);
     if !path.exists() {
         return failed(format!("cannot find the scene '{name}'"), None);
     }
@@ -56,15 +90,37 @@ fn read(name: &str, options: &Options) -> Import {
         Some("xml") => steradian_formats::mitsuba::import(path, options),
         Some("obj" | "ply") => steradian_formats::mesh::model::import(path, options),
         Some("gltf" | "glb") => failed("glTF scenes are not implemented yet".into(), None),
-        _ => {
-            let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
-            failed(format!("'{name}' is not a kind of scene that can be read"), Some(format!("known are {known}")))
-        }
+        _ => unknown(&name),
     }
+}
+
+fn unknown(name: &str) -> Import {
+    let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
+    failed(format!("'{name}' is not a kind of scene that can be read"), Some(format!("known are {known}")))
 }
 
 fn failed(message: String, help: Option<String>) -> Import {
     let mut import = Import::default();
     import.diagnostics.push(Diagnostic { severity: Severity::Error, fidelity: None, message, location: None, help });
     import
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_told_by_their_beginning() {
+        for (text, format) in [
+            ("ply\nformat ascii 1.0\n", "ply"),
+            ("\u{feff}<?xml version='1.0'?>\n<scene/>", "xml"),
+            ("\n  <scene version='3.0.0'>", "xml"),
+            ("# a comment\n\nLookAt 0 0 1 0 0 0 0 1 0", "pbrt"),
+            ("# Blender\r\nmtllib a.mtl\r\n", "obj"),
+            ("v 0 0 0\n", "obj"),
+            ("", "pbrt"),
+        ] {
+            assert_eq!(sniffed(text.as_bytes()), format, "{text:?}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ fn color(inside: &str) -> [f64; 3] {
                   <integer name=\"height\" value=\"8\"/></film></sensor>";
     let text = format!("<scene version=\"3.0.0\"><integrator type=\"volpath\"/>{sensor}{inside}</scene>");
     std::fs::write(&path, text).expect("a file");
-    let loaded = load(&path.display().to_string(), &Default::default());
+    let loaded = load(path, &Default::default());
     assert!(!loaded.diagnostics.has_errors(), "{:#?}", loaded.diagnostics);
     let options = CompileOptions { mode: Some(ColorMode::Spectral), ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &options);

@@ -12,7 +12,7 @@ use steradian::{
 fn said(folder: &Path, name: &str, text: &str) -> Vec<String> {
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();
-    let loaded = load(path.to_str().unwrap(), &Default::default());
+    let loaded = load(path, &Default::default());
     let messages = |d: &steradian::scene::Diagnostics| {
         d.iter().map(|d| d.message.clone()).filter(|m| !m.starts_with("sampler ")).collect::<Vec<_>>()
     };

@@ -25,7 +25,7 @@ pub fn measure(folder: &Path, report: &mut Report) -> Result<(), Box<dyn Error>>
         for _ in 0..5 {
             let start = std::time::Instant::now();
             let (errors, seconds) = timed(|| {
-                let loaded = steradian::load(&path.to_string_lossy(), &Options::default());
+                let loaded = steradian::load(&path, &Options::default());
                 loaded.diagnostics.error_count()
             });
             if errors > 0 {

@@ -15,7 +15,7 @@ const MOST_FOR_NONE: usize = 2_000;
 
 /// Reads a scene that was generated.
 pub fn load(path: &Path) -> Result<SceneDesc, Box<dyn Error>> {
-    let loaded = steradian::load(&path.to_string_lossy(), &Options::default());
+    let loaded = steradian::load(path, &Options::default());
     match loaded.diagnostics.error_count() {
         0 => Ok(loaded.desc),
         _ => Err(format!("{} cannot be read", path.display()).into()),

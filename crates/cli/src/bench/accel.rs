@@ -9,7 +9,7 @@ use crate::{
 };
 use clap::Args;
 use serde::Serialize;
-use std::{fmt::Write, time::Duration};
+use std::{fmt::Write, path::PathBuf, time::Duration};
 use steradian::{
     Accelerator,
     bench::{self, Measured, RaySet},
@@ -23,7 +23,7 @@ use steradian::{
 )]
 pub struct AccelArgs {
     /// Scene file, or builtin:NAME
-    pub scene: String,
+    pub scene: PathBuf,
     /// Structures to compare, a comma-separated list of `steradian list accelerators`; by default all, but `none` in scenes of more
     /// than 20000 faces
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
@@ -97,7 +97,10 @@ pub fn run(args: &AccelArgs, terminal: Terminal) -> Outcome {
         let options = open::compile_options(&options, None);
         let compiled = steradian::compile(&desc, &options);
         let Some(scene) = compiled.scene else {
-            return Err(Failure::failed(format!("'{}' cannot be compiled with structure '{name}'", args.scene)));
+            return Err(Failure::failed(format!(
+                "'{}' cannot be compiled with structure '{name}'",
+                args.scene.display()
+            )));
         };
         let measured: Vec<(&RaySet, Measured)> =
             sets.iter().filter_map(|set| Some((set, bench::measure(&scene, set, args.each)?))).collect();
@@ -120,7 +123,7 @@ pub fn run(args: &AccelArgs, terminal: Terminal) -> Outcome {
         });
     }
     let rays = sets.iter().map(|set| (set.name, set.rays.len())).collect();
-    let table = Table { schema: 1, scene: &args.scene, faces, rays, structures: rows };
+    let table = Table { schema: 1, scene: &open::shown(&args.scene), faces, rays, structures: rows };
     if args.json {
         terminal::json(&table)?;
     } else {

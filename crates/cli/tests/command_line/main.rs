@@ -7,6 +7,7 @@ mod benches;
 mod experiments;
 mod lists;
 mod materials;
+mod names;
 mod outputs;
 mod pictures;
 mod render;

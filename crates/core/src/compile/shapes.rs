@@ -2,7 +2,7 @@
 
 use super::{Compiler, height_field};
 use crate::{
-    color::Role,
+    color::{ColorMode, Role},
     light::{AreaLight, AreaShape, Emitter, Light},
     material::Needs,
     scene::{self, Geometry, Shape},
@@ -276,6 +276,13 @@ impl Compiler<'_> {
         if !mesh.triangles.is_empty() || !extra.is_empty() {
             let mut triangles = TriMesh::new(mesh, place, swaps, reverse, flat);
             triangles.triangles.extend(extra);
+            if self.mode == ColorMode::Spectral {
+                let is_shown = |name: &str| {
+                    let mut nodes = self.desc.nodes.iter().filter(|n| n.kind == "mesh_attribute");
+                    nodes.any(|n| n.string("name") == Some(name))
+                };
+                triangles.attributes.iter_mut().filter(|a| is_shown(&a.name)).for_each(|a| a.upsample());
+            }
             if let Some(word) = self.word(node, "tangents") {
                 self.tangents(node, word, &mut triangles, place, swaps ^ reverse);
             }

@@ -132,12 +132,10 @@ impl Compiler<'_> {
         let empty = Node::new(Family::Film, "rgb", None);
         let node = self.desc.film.map_or(&empty, |f| self.desc.node(f));
         let (w, h) = self.frame();
-        if w < 1 || h < 1 || w > 1 << 20 || h > 1 << 20 || (w * h) as u64 > FilmSpec::MAX_PIXELS {
-            let span = node.param("width").or(node.param("height")).and_then(|p| p.span).or(node.span);
-            self.error(
-                span,
-                format!("a film of {w} x {h} pixels cannot be made; at most {} pixels", FilmSpec::MAX_PIXELS),
-            );
+        let span = node.param("width").or(node.param("height")).and_then(|p| p.span).or(node.span);
+        if w < 1 || h < 1 || w > FilmSpec::MAX_SIDE || h > FilmSpec::MAX_SIDE {
+            let most = FilmSpec::MAX_SIDE;
+            self.error(span, format!("a film of {w} x {h} pixels cannot be made; its sides are at most {most} pixels"));
             return None;
         }
         let (width, height) = (w as u32, h as u32);
@@ -169,6 +167,12 @@ impl Compiler<'_> {
                 c
             }
         };
+        if u64::from(crop.width()) * u64::from(crop.height()) > FilmSpec::MAX_PIXELS {
+            let (w, h, most) = (crop.width(), crop.height(), FilmSpec::MAX_PIXELS);
+            let help = (crop == whole).then(|| "a crop renders a part of it".into());
+            self.error_help(span, format!("a film of {w} x {h} pixels cannot be made; at most {most} pixels"), help);
+            return None;
+        }
         if let Some(sensor) = self.word(node, "sensor")
             && sensor != "cie1931"
         {

@@ -171,8 +171,10 @@ pub struct FilmSpec {
 }
 
 impl FilmSpec {
-    /// Most pixels of a frame.
+    /// Most pixels that are rendered: of the crop.
     pub const MAX_PIXELS: u64 = 1 << 28;
+    /// Most pixels of a side of the frame.
+    pub const MAX_SIDE: i64 = 1 << 20;
 }
 
 #[cfg(test)]

@@ -1,7 +1,14 @@
 //! Triangle meshes in world (or group) space.
 
 use super::SurfacePoint;
-use steradian_math::{Vec2, Vec3, Vec4, ray::gamma, transform::Affine};
+use rayon::prelude::*;
+use steradian_math::{
+    Spectrum, Vec2, Vec3, Vec4,
+    color::{space::REC709, upsample::RgbAlbedo},
+    ray::gamma,
+    spectra::Wavelengths,
+    transform::Affine,
+};
 use steradian_scene::{Domain, Mesh};
 
 /// Data on a mesh, such as colours.
@@ -15,6 +22,19 @@ pub struct MeshAttribute {
     pub channels: usize,
     /// The numbers.
     pub data: Vec<f32>,
+    /// The reflectances of values that are colours in [0, 1], where these are asked for at wavelengths; else empty.
+    pub spectra: Vec<RgbAlbedo>,
+}
+
+impl MeshAttribute {
+    /// Makes the spectra of its colours: between vertices they are then interpolated, rather than made anew at every point. To make one takes solving for
+    /// its coefficients, of which points between vertices would need any number.
+    pub fn upsample(&mut self) {
+        if self.channels >= 3 && self.data.iter().all(|v| (0.0..=1.0).contains(v)) {
+            let color = |c: &[f32]| RgbAlbedo::new(&REC709, Vec3::from_slice(c));
+            self.spectra = self.data.par_chunks_exact(self.channels).map(color).collect();
+        }
+    }
 }
 
 /// A triangle mesh placed in the space it is traced in.
@@ -54,6 +74,7 @@ impl TriMesh {
                     domain: a.domain,
                     channels: a.channels,
                     data: a.data.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect(),
+                    spectra: Vec::new(),
                 })
                 .collect(),
             tangents: Vec::new(),
@@ -167,6 +188,27 @@ impl TriMesh {
         (n1 - n0) * u + (n2 - n0) * v
     }
 
+    /// The reflectance of an attribute whose spectra are made, at barycentric coordinates.
+    #[inline]
+    pub fn attribute_spectrum(
+        &self,
+        name: &str,
+        domain: Option<Domain>,
+        triangle: u32,
+        uv: Vec2,
+        lambda: &Wavelengths,
+    ) -> Option<Spectrum> {
+        let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;
+        let at = |i: u32| a.spectra.get(i as usize).map(|s| s.sample(lambda));
+        match a.domain {
+            Domain::Face => at(triangle),
+            Domain::Vertex => {
+                let [x, y, z] = self.triangles[triangle as usize].map(at);
+                Some(x? * (1.0 - uv.x - uv.y) + y? * uv.x + z? * uv.y)
+            }
+        }
+    }
+
     /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
     pub fn attribute(&self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
         let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;
@@ -191,7 +233,7 @@ impl TriMesh {
             + self.uvs.len() * 8
             + self.triangles.len() * 12
             + self.tangents.len() * 48
-            + self.attributes.iter().map(|a| a.data.len() * 4).sum::<usize>()
+            + self.attributes.iter().map(|a| a.data.len() * 4 + a.spectra.len() * size_of::<RgbAlbedo>()).sum::<usize>()
     }
 }
 
@@ -240,4 +282,67 @@ pub fn split_patches(mesh: &Mesh, all: bool) -> (Vec<[u32; 3]>, Vec<[u32; 4]>) {
         }
     }
     (triangles, curved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        color::{self, ColorMode, Role},
+        texture::{SpectrumTexture, Texture, TextureContext, Textures},
+    };
+    use steradian_scene::Attribute;
+
+    /// In spectral mode colours of vertices become spectra once: at vertices those of the colour, between them their mean, whose colour is the mean
+    /// colour; of faces that of the face. Colours above one are made anew at every point, as before.
+    #[test]
+    fn colours_of_vertices_are_made_spectra_once() {
+        let colors = [[0.9, 0.1, 0.1], [0.1, 0.8, 0.2], [0.1, 0.2, 0.7]];
+        let attribute = |name: &str, domain, colors: &[[f32; 3]], scale: f32| Attribute {
+            name: name.into(),
+            domain,
+            channels: 3,
+            data: colors.as_flattened().iter().map(|v| v * scale).collect(),
+        };
+        let mesh = Mesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            attributes: vec![
+                attribute("color", Domain::Vertex, &colors, 1.0),
+                attribute("side", Domain::Face, &colors[1..2], 1.0),
+                attribute("bright", Domain::Vertex, &colors, 4.0),
+            ],
+            ..Mesh::default()
+        };
+        let mut made = TriMesh::new(&mesh, &Affine::default(), false, false, false);
+        made.attributes.iter_mut().for_each(MeshAttribute::upsample);
+        assert_eq!(made.attributes.iter().map(|a| a.spectra.len()).collect::<Vec<_>>(), [3, 1, 0]);
+        let mut textures = Textures::new(ColorMode::Spectral);
+        let mut look = |name: &str, scale: f32| {
+            let id = textures.add(Texture::MeshAttribute { name: name.into(), domain: None, scale });
+            SpectrumTexture::Texture(id, Role::Albedo)
+        };
+        let (color, half, side, bright) =
+            (look("color", 1.0), look("color", 0.5), look("side", 1.0), look("bright", 0.25));
+        let spectrum = |rgb: Vec3, lambda: &Wavelengths| color::texel(rgb, Role::Albedo, lambda, ColorMode::Spectral);
+        for k in 0..8 {
+            let lambda = Wavelengths::sample_visible((k as f32 + 0.5) / 8.0);
+            let eval = |t: &SpectrumTexture, b: Vec2| {
+                let at = TextureContext { mesh: Some((&made, 0, b)), ..TextureContext::new(Vec3::ZERO, Vec2::ZERO) };
+                t.eval(&textures, &at, &lambda)
+            };
+            let near = |a: Spectrum, b: Spectrum| assert!((a - b).map(f32::abs).max_element() < 1e-5, "{a:?} {b:?}");
+            let corners = [Vec2::ZERO, Vec2::X, Vec2::Y];
+            let mean = corners.into_iter().zip(colors).fold(Spectrum::ZERO, |sum, (b, c)| {
+                let expected = spectrum(c.into(), &lambda);
+                near(eval(&color, b), expected);
+                near(eval(&bright, b), expected);
+                sum + expected / 3.0
+            });
+            let middle = Vec2::splat(1.0 / 3.0);
+            near(eval(&color, middle), mean);
+            near(eval(&half, middle), mean * 0.5);
+            near(eval(&side, middle), spectrum(colors[1].into(), &lambda));
+        }
+    }
 }

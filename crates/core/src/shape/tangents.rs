@@ -232,6 +232,7 @@ mod tests {
             domain: steradian_scene::Domain::Vertex,
             channels: 4,
             data: vec![2., 0., 0., 1., 0., 1., 0., -1., 0., 0., 3., 1.],
+            spectra: Vec::new(),
         });
         let t = by_name(&m, false).unwrap();
         assert_eq!(t, [[Vec4::new(1., 0., 0., 1.), Vec4::new(0., 1., 0., -1.), Vec4::new(0., 0., 1., 1.)]]);

@@ -117,6 +117,12 @@ impl Textures {
             },
             Texture::Time => Spectrum::splat(at.time),
             Texture::MeshAttribute { name, domain, scale } => match super::attribute(name, *domain, at) {
+                Some((_, 3..))
+                    if let (Want::Spectrum(Role::Albedo, lambda), Some((mesh, triangle, uv))) = (want, at.mesh)
+                        && let Some(s) = mesh.attribute_spectrum(name, *domain, triangle, uv, lambda) =>
+                {
+                    s * *scale
+                }
                 Some((v, 1)) => Spectrum::splat(v[0] * scale),
                 Some((v, _)) => self.as_wanted(Vec3::new(v[0], v[1], v[2]) * *scale, want),
                 None => Spectrum::ZERO,

@@ -38,7 +38,7 @@ pub fn run(case: &Case, folder: &Path) -> Result<Outcome, String> {
     }
     let scene = folder.join(&case.files[0].0);
     let options = formats::Options { search: case.search.iter().cloned().collect(), ..formats::Options::default() };
-    let loaded = load(scene.to_str().unwrap_or_default(), &options);
+    let loaded = load(scene, &options);
     if loaded.diagnostics.has_errors() {
         return refused(&loaded.diagnostics);
     }

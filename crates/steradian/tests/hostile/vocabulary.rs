@@ -5,7 +5,7 @@ use crate::{
     case::{Case, Expect},
     images,
 };
-use std::{path::PathBuf, sync::Arc};
+use std::{collections::HashMap, path::PathBuf, sync::Arc};
 use steradian::{
     cornell,
     math::{DVec3, Transform},
@@ -15,6 +15,10 @@ use steradian::{
 const README: &str = include_str!("../../../scene/README.md");
 const MAPPING: [&str; 9] =
     ["mapping", "scale_u", "scale_v", "delta_u", "delta_v", "v1", "v2", "to_uv", "texture_from_world"];
+
+/// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each value of each
+/// name is tried with an eighth of the kinds at least.
+const TURNS: usize = 8;
 
 /// A kind of node and the words of its row that may be parameters.
 struct Row {
@@ -286,16 +290,31 @@ fn unsound() -> Vec<Case> {
 
 /// Each kind as it is, and then with each of its parameters poisoned.
 pub fn table() -> impl Iterator<Item = Case> {
-    unsound().into_iter().chain(rows().into_iter().flat_map(|row| {
+    let rows = rows();
+    let mut kinds: HashMap<(Family, String), usize> = HashMap::new();
+    for row in &rows {
+        row.parameters.iter().for_each(|p| *kinds.entry((row.family, p.clone())).or_default() += 1);
+    }
+    let mut turns = HashMap::new();
+    unsound().into_iter().chain(rows.into_iter().flat_map(move |row| {
         let Row { family, kind, parameters } = row;
         let sound = Format::Native;
         let first = case(format!("{family:?} {kind}"), scene_of(family, &kind, sound).0, true, Expect::Either);
-        let poisoned = parameters.into_iter().enumerate().flat_map(move |(i, parameter)| {
+        let mut whose_turn = |parameter: &String| {
+            let key = (family, parameter.clone());
+            let turn = turns.entry(key.clone()).or_insert(0);
+            *turn += 1;
+            (*turn, kinds[&key].min(TURNS))
+        };
+        let parameters: Vec<_> = parameters.into_iter().map(|p| (whose_turn(&p), p)).collect();
+        let poisoned = parameters.into_iter().enumerate().flat_map(move |(i, ((turn, turns), parameter))| {
             // Formats differ in defaults and in colour: they take turns.
             let format = [Format::Native, Format::Pbrt, Format::Mitsuba][i % 3];
             let kind = kind.clone();
             let (_, id) = scene_of(family, &kind, format);
-            poison(id, NodeId(0)).into_iter().map(move |(value_name, value)| {
+            let values = poison(id, NodeId(0)).into_iter().enumerate();
+            let values = values.filter(move |(v, _)| (turn + v).is_multiple_of(turns));
+            values.map(move |(_, (value_name, value))| {
                 let (mut scene, id) = scene_of(family, &kind, format);
                 scene.node_mut(id).set(parameter.as_str(), value, None);
                 // A film without a limit on components clamps nothing.

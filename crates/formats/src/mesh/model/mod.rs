@@ -20,16 +20,22 @@ use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, Nod
 /// [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain stands in. Anything malformed in the
 /// model itself is an error.
 pub fn import(path: &Path, options: &Options) -> Import {
+    match files::read(path, &options.limits) {
+        Ok(bytes) => import_bytes(path, bytes, options),
+        Err(e) => {
+            let mut import = Import::default();
+            import.desc.format = Format::Model;
+            import.diagnostics.error(&import.desc.sources, None, e.to_string());
+            import
+        }
+    }
+}
+
+/// The same for a model in memory. `path` stands for the file, in messages and for the files that it names.
+pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
     let mut import = Import::default();
     import.desc.format = Format::Model;
     import.desc.path = Some(path.into());
-    let bytes = match files::read(path, &options.limits) {
-        Ok(bytes) => bytes,
-        Err(e) => {
-            import.diagnostics.error(&import.desc.sources, None, e.to_string());
-            return import;
-        }
-    };
     let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
     search.folders.extend(options.search.iter().cloned());
     let mut opener = Opener {

@@ -1,0 +1,90 @@
+//! How scenes are named: by files of any name, and from standard input.
+
+use crate::{Place, Run};
+use std::{
+    io::Write,
+    process::{Output, Stdio},
+};
+
+const PBRT: &str = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n\
+                    LightSource \"infinite\"\nInclude \"ball.txt\"\n";
+const BALL: &str = "Translate 0 0 3\nShape \"sphere\"\n";
+const XML: &str =
+    "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/><shape type='sphere'/></scene>";
+const OBJ: &str = "# a triangle\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+fn piped(place: &Place, arguments: &[&str], input: &[u8]) -> Run {
+    let mut command = place.command(arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
+    let Output { status, stdout, stderr } = child.wait_with_output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    Run { code: status.code().unwrap_or(-1), stdout: text(stdout), stderr: text(stderr) }
+}
+
+/// Standard input is read as what it looks like or is said to be; what it names is looked for in the current folder.
+#[test]
+fn scenes_come_from_standard_input() {
+    let place = Place::new();
+    place.file("ball.txt", BALL).file("s.pbrt", PBRT);
+    let quick = ["--size", "8x8", "--spp", "2", "--json"];
+    for (name, text) in [("pbrt", PBRT), ("xml", XML), ("obj", OBJ)] {
+        let out = format!("{name}.exr");
+        for format in [&[][..], &["--format", name]] {
+            let run = piped(&place, &[&["render", "-", "-o", &out][..], &quick, format].concat(), text.as_bytes());
+            assert_eq!(run.code, 0, "{name} {format:?}: {}", run.stderr);
+            assert_eq!(run.json()["scene"], "standard input");
+        }
+    }
+    // The same picture as from a file, and default names.
+    place.succeed(&[&["render", "s.pbrt", "-o", "file.exr"][..], &quick].concat());
+    let same = place.picture("file.exr").channel("G") == place.picture("pbrt.exr").channel("G");
+    assert!(same);
+    let run = piped(&place, &[&["render", "-"][..], &quick].concat(), PBRT.as_bytes());
+    assert!(run.code == 0 && place.path("scene.exr").is_file() && place.path("scene.png").is_file(), "{}", run.stderr);
+    let told = piped(&place, &["info", "-", "--json"], XML.as_bytes());
+    assert_eq!(told.json()["format"], "mitsuba");
+
+    let run = piped(&place, &["render", "-", "-o", "a.exr"], b"WorldBegin Shape \"spere\"");
+    assert!(run.code == 2 && run.stderr.contains("standard input:1:"), "{}", run.stderr);
+    let run = piped(&place, &["render", "-", "--format", "xml", "-o", "a.exr"], PBRT.as_bytes());
+    assert!(run.code == 2 && run.stderr.contains("standard input"), "{}", run.stderr);
+    assert_eq!(piped(&place, &["render", "-", "--format", "blend"], b"").code, 2);
+}
+
+/// File systems of Unix have names that are no UTF-8.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_need_not_be_utf8() {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt};
+    let place = Place::new();
+    place.file("ball.txt", BALL);
+    let folder = place.0.path();
+    std::fs::write(folder.join(OsStr::from_bytes(b"r\xe9union.pbrt")), PBRT).unwrap();
+    let run = |command: &str, more: &[&str]| {
+        let output = place.command(&[command]).arg(OsStr::from_bytes(b"r\xe9union.pbrt")).args(more).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    run("info", &[]);
+    run("render", &["--spp", "1", "--quiet"]);
+    for name in [&b"r\xe9union.exr"[..], b"r\xe9union.png"] {
+        assert!(folder.join(OsStr::from_bytes(name)).is_file());
+    }
+    run("render", &["--spp", "1", "--json", "-o", "a.exr"]);
+}
+
+/// What counts for memory is the part that is rendered.
+#[test]
+fn a_crop_of_a_vast_frame_renders() {
+    let place = Place::new();
+    let vast = ["render", "--spp", "1", "--json", "-o", "a.exr", "--size"];
+    for (size, crop) in [("20000x20000", "9996,9996,10004,10004"), ("1000000x1000000", "600000,700000,600008,700008")] {
+        let told = place.succeed(&[&vast[..], &[size, "--crop", crop]].concat()).json();
+        assert_eq!((&told["width"], &told["height"]), (&8.into(), &8.into()));
+        assert!(told["peak_rss_bytes"].as_u64().is_none_or(|bytes| bytes < 500 << 20), "{told}");
+        assert!(place.picture("a.exr").channel("G").unwrap().iter().any(|v| *v > 0.0), "{size}");
+    }
+    place.refuse(2, &[&vast[..], &["20000x20000"]].concat(), &["20000 x 20000", "crop"]);
+    place.refuse(2, &[&vast[..], &["20000x20000", "--crop", "0,0,19999,19999"]].concat(), &["19999 x 19999"]);
+}
