@@ -5,14 +5,28 @@ pub fn peak() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes that can still be had without swapping, of the machine and of the control group; `None` where the system does not tell.
+/// Bytes that can still be had without swapping: of the machine, of the control group, and of the address space (`ulimit -v`); `None`
+/// where the system does not tell.
 pub fn available() -> Option<u64> {
     let machine = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let group = number("/sys/fs/cgroup/memory.max")
         .zip(number("/sys/fs/cgroup/memory.current"))
         .map(|(limit, used)| limit.saturating_sub(used));
-    Some(machine.min(group.unwrap_or(u64::MAX)))
+    Some(machine.min(group.unwrap_or(u64::MAX)).min(address_space().unwrap_or(u64::MAX)))
+}
+
+/// Bytes that are left of the address space that this process may have, where that is limited.
+fn address_space() -> Option<u64> {
+    let limit = address_limit(&std::fs::read_to_string("/proc/self/limits").ok()?)?;
+    let used = kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmSize:")?;
+    Some(limit.saturating_sub(used))
+}
+
+/// The soft limit of the address space in a table of limits, in bytes.
+fn address_limit(table: &str) -> Option<u64> {
+    let rest = table.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    rest.split_whitespace().next()?.parse().ok()
 }
 
 /// The value of a `Name:   123 kB` line, in bytes.
@@ -50,6 +64,16 @@ mod tests {
         assert_eq!(kilobytes(table, "VmHWM:"), Some(2048 * 1024));
         assert_eq!(kilobytes(table, "Threads:"), None);
         assert_eq!(kilobytes(table, "VmPeak:"), None);
+    }
+
+    #[test]
+    fn limits_of_the_address_space_are_read() {
+        let table = |limit: &str| {
+            format!("Limit  Soft Limit  Hard Limit  Units\nMax address space   {limit}   unlimited   bytes\n")
+        };
+        assert_eq!(address_limit(&table("1073741824")), Some(1 << 30));
+        assert_eq!(address_limit(&table("unlimited")), None);
+        assert_eq!(address_limit(""), None);
     }
 
     #[cfg(target_os = "linux")]

@@ -63,6 +63,12 @@ pub enum Error {
         /// What is allowed.
         limit: u64,
     },
+    /// The system does not give the memory that a picture needs.
+    #[error("there is no memory for the picture: {bytes} bytes cannot be had")]
+    OutOfMemory {
+        /// What was asked for, bytes.
+        bytes: u64,
+    },
     /// The file declares more pixels than its bytes can hold.
     #[error("the {kind} file declares {width}x{height} pixels, more than its {bytes} bytes can hold")]
     TooShort {

@@ -4,7 +4,7 @@
 //! `mantissa · 2^(e − 136)`, zero when e = 0; the half that Radiance adds to a mantissa is left out, as in pbrt-v4 and Mitsuba 3.
 //! `EXPOSURE` lines are reported as metadata and not applied, as there. `32-bit_rle_xyze` pixels are turned into Rec.709.
 
-use crate::limits::check_metadata;
+use crate::limits::{check_metadata, zeros};
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
 use std::io::Write;
 
@@ -32,7 +32,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
 
     let mut stored = Stored { bytes: data, at: 0 };
     let mut scanline = vec![[0u8; 4]; row];
-    let mut colours = vec![0.0f32; pixels * 3];
+    let mut colours: Vec<f32> = zeros(pixels * 3)?;
     for j in 0..rows {
         stored.scanline(&mut scanline)?;
         for (i, &pixel) in scanline.iter().enumerate() {

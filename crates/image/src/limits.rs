@@ -78,3 +78,18 @@ pub(crate) fn check_metadata(entries: usize) -> Result<()> {
 pub(crate) fn within(what: &'static str, declared: u64, limit: u64) -> Result<()> {
     if declared > limit { Err(Error::Limit { what, declared, limit }) } else { Ok(()) }
 }
+
+/// An empty list with room for so many values, if there is memory for them.
+pub(crate) fn with_room<T>(count: usize) -> Result<Vec<T>> {
+    let mut list = Vec::new();
+    let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
+    list.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { bytes })?;
+    Ok(list)
+}
+
+/// So many zeros, if there is memory for them.
+pub(crate) fn zeros<T: Copy + Default>(count: usize) -> Result<Vec<T>> {
+    let mut list = with_room(count)?;
+    list.resize(count, T::default());
+    Ok(list)
+}

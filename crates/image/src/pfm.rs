@@ -1,6 +1,7 @@
 //! PFM (P. Debevec's portable float map): `PF` or `Pf`, width and height, a scale whose sign tells the byte order (negative: little
 //! endian), then rows of floats from the bottom up. The scale's magnitude is applied when it is not 1, as in pbrt-v4.
 
+use crate::limits::with_room;
 use crate::pnm::Words;
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels};
 use std::io::Write;
@@ -33,7 +34,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     let (width, height) = (width as usize, height as usize);
     let parse = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
     let factor = scale.abs();
-    let mut samples = Vec::with_capacity(pixels * channels);
+    let mut samples = with_room(pixels * channels)?;
     for row in data.rchunks_exact(4 * channels * width) {
         samples
             .extend(row.as_chunks::<4>().0.iter().map(|b| if factor == 1.0 { parse(*b) } else { parse(*b) * factor }));

@@ -1,5 +1,6 @@
 //! JPEG, TGA and BMP: decoded by the `image` crate under our limits. Nothing but decoding is applied: no EXIF rotation, no profile.
 
+use crate::limits::zeros;
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels, atomic::io};
 use image::{ColorType, ImageDecoder, ImageError};
 use std::io::{Cursor, Write};
@@ -39,7 +40,7 @@ fn decode_with(kind: FileKind, decoder: impl ImageDecoder, available: usize, lim
     let bytes_per_pixel = u64::from(colour.bytes_per_pixel());
     let size = (u64::from(width), u64::from(height));
     let pixels = limits.check_against(kind, size, bytes_per_pixel, available, MAX_PIXELS_PER_BYTE)?;
-    let mut buffer = vec![0; pixels * bytes_per_pixel as usize];
+    let mut buffer = zeros(pixels * bytes_per_pixel as usize)?;
     if decoder.total_bytes() != buffer.len() as u64 {
         return Err(Error::malformed(kind, "the decoded size is wrong"));
     }

@@ -3,7 +3,7 @@
 //! Stored values are taken as sRGB encoded, 16-bit ones too, as pbrt-v4 and Mitsuba 3 do. A `gAMA` chunk is not applied; it is
 //! reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
-use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, within};
+use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, within, zeros};
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value, atomic::io};
 use png::{BitDepth, ColorType, Transformations};
 use std::io::Write;
@@ -36,7 +36,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
         limit: limits.bytes,
     })?;
     within("the decoded size in bytes", size as u64, limits.bytes)?;
-    let mut buffer = vec![0; size];
+    let mut buffer = zeros(size)?;
     let frame = reader.next_frame(&mut buffer).map_err(explain)?;
     buffer.truncate(frame.buffer_size());
     // Texts may follow the pixels; should the file be damaged only there, its picture is whole.

@@ -1,6 +1,6 @@
 //! Which format a file has, and reading it.
 
-use crate::limits::within;
+use crate::limits::{with_room, within};
 use crate::{Error, Image, Limits, Result, Texels};
 use std::io::Read;
 use std::path::Path;
@@ -93,7 +93,16 @@ impl FileKind {
 /// [`Error::File`] with the path; inside, what is wrong. Damaged, oversized and unsupported files are refused, never guessed at.
 pub fn read(path: &Path, limits: &Limits) -> Result<Image> {
     let bytes = load(path, limits)?;
-    read_bytes(&bytes, Some(path), limits).map_err(|e| e.at(path))
+    let picture = match FileKind::of(&bytes, Some(path)) {
+        Ok(FileKind::Exr) => crate::exr_file::decode_image(&bytes, limits),
+        // The file is not held beside both its texels and the planes that are made of them.
+        Ok(kind) => decode(kind, &bytes, limits).and_then(|texels| {
+            drop(bytes);
+            texels.to_image()
+        }),
+        Err(e) => Err(e),
+    };
+    picture.map_err(|e| e.at(path))
 }
 
 /// As [`read`], from memory; `name` helps with formats that have no signature (TGA).
@@ -148,7 +157,7 @@ pub(crate) fn load(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let file = std::fs::File::open(path).map_err(io("open"))?;
     let size = meta.len();
     within("the file's size in bytes", size, limits.bytes).map_err(|e| e.at(path))?;
-    let mut bytes = Vec::with_capacity(size as usize);
+    let mut bytes = with_room(size as usize).map_err(|e| e.at(path))?;
     // A device or a file that grows does not end where its metadata say.
     file.take(limits.bytes + 1).read_to_end(&mut bytes).map_err(io("read"))?;
     within("the file's size in bytes", bytes.len() as u64, limits.bytes).map_err(|e| e.at(path))?;

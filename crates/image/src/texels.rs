@@ -1,5 +1,6 @@
 //! Samples as the file stores them, for textures that should stay small in memory.
 
+use crate::limits::with_room;
 use crate::{Encoding, Error, Image, Metadata, Result};
 use half::f16;
 
@@ -108,25 +109,28 @@ impl Texels {
         let mut image = Image::new(self.width, self.height);
         for (lane, name) in names.iter().enumerate() {
             let encoding = if self.alpha() == Some(lane) { Encoding::Linear } else { self.encoding };
-            image.push(*name, self.plane(lane, encoding))?;
+            image.push(*name, self.plane(lane, encoding)?)?;
         }
         image.metadata = self.metadata.clone();
         Ok(image)
     }
 
     /// One channel, decoded.
-    fn plane(&self, lane: usize, encoding: Encoding) -> Vec<f32> {
+    fn plane(&self, lane: usize, encoding: Encoding) -> Result<Vec<f32>> {
         let lanes = self.channels;
+        let mut plane = with_room(self.width * self.height)?;
         match &self.data {
             TexelData::U8(v) => {
                 let table = encoding.table8();
-                v.iter().skip(lane).step_by(lanes).map(|&code| table[usize::from(code)]).collect()
+                plane.extend(v.iter().skip(lane).step_by(lanes).map(|&code| table[usize::from(code)]));
             }
             TexelData::U16(v) => {
-                v.iter().skip(lane).step_by(lanes).map(|&code| encoding.decode(f32::from(code) / 65535.0)).collect()
+                let decoded = |&code: &u16| encoding.decode(f32::from(code) / 65535.0);
+                plane.extend(v.iter().skip(lane).step_by(lanes).map(decoded));
             }
-            TexelData::F16(v) => v.iter().skip(lane).step_by(lanes).map(|x| encoding.decode(x.to_f32())).collect(),
-            TexelData::F32(v) => v.iter().skip(lane).step_by(lanes).map(|&x| encoding.decode(x)).collect(),
+            TexelData::F16(v) => plane.extend(v.iter().skip(lane).step_by(lanes).map(|x| encoding.decode(x.to_f32()))),
+            TexelData::F32(v) => plane.extend(v.iter().skip(lane).step_by(lanes).map(|&x| encoding.decode(x))),
         }
+        Ok(plane)
     }
 }

@@ -134,3 +134,29 @@ fn block_compression_and_spectra() {
     assert_eq!(place.run(&["signal", "a.exr", "--step", "1000"]).code, 2);
     assert_eq!(place.run(&["signal", "none.exr"]).code, 2);
 }
+
+/// Memory that cannot be had is a message, not the end of the process.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_beyond_the_memory_is_refused() {
+    let place = Place::new();
+    let mut grey = Image::new(6000, 5000);
+    grey.push("Y", vec![0.25; 30_000_000]).unwrap();
+    write(&place.path("large.png"), &grey, &WriteOptions::default()).unwrap();
+    drop(grey);
+    let program = place.command(&[]).get_program().to_owned();
+    let line = |limit: &str, what: &str| {
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", &format!("ulimit -v {limit}; exec \"$0\" {what}")]).arg(&program);
+        let run = shell.current_dir(&place.0).env("RAYON_NUM_THREADS", "1").output().unwrap();
+        (run.status.code(), String::from_utf8(run.stderr).unwrap())
+    };
+    for what in ["convert large.png a.pfm", "compare large.png large.png"] {
+        let (code, said) = line("400000", what);
+        assert!(code == Some(2) && said.contains("no memory") && said.contains("large.png"), "{what}: {code:?} {said}");
+    }
+    let (code, said) = line("1500000", "convert large.png a.ppm");
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = line("1000000", "render --size 3000x3000 --spp 1 --threads 1 -o a.exr");
+    assert!(code == Some(2) && said.contains("of memory"), "{code:?} {said}");
+}

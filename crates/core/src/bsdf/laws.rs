@@ -2,6 +2,7 @@
 
 use super::registry::{GREY, NON_CONSERVING, NON_RECIPROCAL};
 use super::{Bsdf, BsdfEval, BsdfSample, MODELS, TransportMode};
+use rayon::prelude::*;
 use steradian_math::hash::{HashRng, ONE_MINUS_EPSILON};
 use steradian_math::{Spectrum, Vec2, Vec3};
 use steradian_testkit::{Moments, SphereGrid, chi2_test_within, normal_two_sided_p, sidak, z_test};
@@ -291,15 +292,14 @@ fn edges_are_finite(s: &impl Scatterer) -> Result<(), String> {
 }
 
 /// Runs a law on every case of every model and reports all that break it.
-fn for_every_case(law: impl Fn(&Bsdf<'_>, bool, u64) -> Result<(), String>) {
+fn for_every_case(law: impl Fn(&Bsdf<'_>, bool, u64) -> Result<(), String> + Sync) {
     for_cases_of(|_| true, law);
 }
 
-/// Runs a law on every case of the models whose names pass.
-fn for_cases_of(names: impl Fn(&str) -> bool, law: impl Fn(&Bsdf<'_>, bool, u64) -> Result<(), String>) {
-    let mut failures = Vec::new();
-    for (i, model) in MODELS.iter().enumerate().filter(|(_, m)| names(m.name)) {
-        let mut count = 0;
+/// Runs a law on every case of the models whose names pass, one model beside another.
+fn for_cases_of(names: impl Fn(&str) -> bool + Sync, law: impl Fn(&Bsdf<'_>, bool, u64) -> Result<(), String> + Sync) {
+    let broken = |(i, model): (usize, &super::registry::Model)| {
+        let (mut count, mut failures) = (0, Vec::new());
         (model.cases)(&mut |case| {
             count += 1;
             if let Err(e) = law(&case.bsdf, case.lossless, (i * 1000 + count) as u64) {
@@ -307,7 +307,10 @@ fn for_cases_of(names: impl Fn(&str) -> bool, law: impl Fn(&Bsdf<'_>, bool, u64)
             }
         });
         assert!(count > 0, "{} has no cases", model.name);
-    }
+        failures
+    };
+    let models = MODELS.par_iter().enumerate().with_max_len(1).filter(|(_, m)| names(m.name));
+    let failures: Vec<String> = models.flat_map_iter(broken).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
@@ -327,11 +330,7 @@ fn a_million_samples_follow_the_density() {
         let broken: Vec<String> = outgoing(b.has_transmission()).into_iter().filter_map(broken).collect();
         if broken.is_empty() { Ok(()) } else { Err(broken.join("; ")) }
     };
-    let turn = |name: &str| MODELS.iter().position(|m| m.name == name).unwrap_or(0) % 2;
-    std::thread::scope(|s| {
-        s.spawn(|| for_cases_of(|name| turn(name) == 0, law));
-        s.spawn(|| for_cases_of(|name| turn(name) == 1, law));
-    });
+    for_every_case(law);
 }
 
 /// A new kind of scattering does not come in without cases.
@@ -401,7 +400,7 @@ fn every_model_conserves_energy_but_those_that_say_they_do_not() {
         let wo = direction(89.99f32.to_radians().cos(), 0.7);
         nothing_is_gained(b, &sampled_albedo(b, wo, seed).0, wo, lossless)
     });
-    let gains = std::cell::RefCell::new(Vec::new());
+    let gains = std::sync::Mutex::new(Vec::new());
     for_cases_of(
         |name| !conserves(name),
         |b, _, seed| {
@@ -414,11 +413,12 @@ fn every_model_conserves_energy_but_those_that_say_they_do_not() {
             }
             let (albedo, _) = sampled_albedo(b, direction(89.99f32.to_radians().cos(), 0.7), seed);
             gain |= albedo.iter().any(|m| m.mean() > 1.01 + 4.0 * m.standard_error());
-            gains.borrow_mut().push(gain);
+            gains.lock().expect("no test panicked").push(gain);
             Ok(())
         },
     );
-    assert!(gains.borrow().iter().all(|&g| g), "a model that is listed as gaining energy does not: {gains:?}");
+    let gains = gains.into_inner().expect("no test panicked");
+    assert!(gains.iter().all(|&g| g), "a model that is listed as gaining energy does not: {gains:?}");
 }
 
 /// M98: turned about its normal, a surface stays as it is unless it is stretched.

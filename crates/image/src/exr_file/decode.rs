@@ -1,6 +1,7 @@
 //! EXR pixels: every part's channels in one picture, at full resolution.
 
 use super::{b44, chroma, dwa, header};
+use crate::limits::zeros;
 use crate::{Encoding, Error, FileKind, Image, Limits, Metadata, Result, TexelData, Texels, Value, Window};
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::compression::Compression;
@@ -24,12 +25,12 @@ enum Plane {
 }
 
 impl Plane {
-    fn new(kind: SampleType, pixels: usize) -> Self {
-        match kind {
-            SampleType::F16 => Self::Half(vec![f16::ZERO; pixels]),
-            SampleType::F32 => Self::Float(vec![0.0; pixels]),
-            SampleType::U32 => Self::Uint(vec![0; pixels]),
-        }
+    fn new(kind: SampleType, pixels: usize) -> Result<Self> {
+        Ok(match kind {
+            SampleType::F16 => Self::Half(zeros(pixels)?),
+            SampleType::F32 => Self::Float(zeros(pixels)?),
+            SampleType::U32 => Self::Uint(zeros(pixels)?),
+        })
     }
 
     fn sample_bytes(&self) -> usize {
@@ -154,7 +155,7 @@ fn decode_checked(bytes: &[u8], limits: &Limits) -> Result<Picture> {
         for channel in &part.channels.list {
             planes.push((
                 channel_name(part, &latin_or_utf8(channel.name.as_slice()), headers.len() > 1),
-                Plane::new(channel.sample_type, pixels),
+                Plane::new(channel.sample_type, pixels)?,
             ));
         }
     }

@@ -11,7 +11,7 @@ use std::{
     io::{BufRead, BufReader, Write},
     panic::{AssertUnwindSafe, catch_unwind},
     process::{Command, Stdio},
-    sync::{Mutex, PoisonError, mpsc},
+    sync::mpsc,
     time::Duration,
 };
 use steradian::math::{
@@ -31,12 +31,8 @@ const HUNG: Duration = Duration::from_secs(600);
 const TABLE: &str = "STERADIAN_HOSTILE_TABLE";
 const FIRST: &str = "STERADIAN_HOSTILE_FIRST";
 
-/// One table at a time: where two processors are the threads of one, a case takes half as long again while another one runs.
-static ALONE: Mutex<()> = Mutex::new(());
-
 /// Runs a table; panics with all its faults.
 pub fn check(table: &str) {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let (mut faults, mut next, mut done) = (Vec::new(), 0, false);
     let (mut costs, mut pictures, mut dropped) = (Vec::new(), 0, Vec::new());
     while !done {

@@ -36,7 +36,8 @@ const TABLES: &[Table] = &[
     ("endless", || Box::new(endless::table().into_iter())),
     ("bombs", || Box::new(bombs::table().into_iter())),
     ("mutants", || Box::new(mutants::table())),
-    ("vocabulary", || Box::new(vocabulary::table())),
+    ("vocabulary, odd", || Box::new(vocabulary::table().step_by(2))),
+    ("vocabulary, even", || Box::new(vocabulary::table().skip(1).step_by(2))),
 ];
 
 macro_rules! bounded_tables {
@@ -67,7 +68,8 @@ bounded_tables! {
     light_that_is_never_lost: "endless",
     bombs_and_floods: "bombs",
     damaged_assets: "mutants",
-    parameters_of_the_vocabulary: "vocabulary",
+    parameters_of_the_vocabulary: "vocabulary, odd",
+    more_parameters_of_the_vocabulary: "vocabulary, even",
 }
 
 #[test]
