@@ -1,7 +1,7 @@
 //! Mesh files that lie, break off, or hold what cannot be rendered: PLY, OBJ and `.serialized`.
 
 use crate::case::{Case, Expect};
-use Expect::{Either, Picture, Refused};
+use Expect::{Either, Picture, Refused, Warned};
 use std::io::Write;
 
 /// An ASCII PLY file.
@@ -143,8 +143,12 @@ fn obj() -> Vec<Case> {
         ("index zero", format!("{vertices}f 0 1 2\n"), Refused("0")),
         ("index far below", format!("{vertices}f -4 -2 -1\n"), Refused("-4")),
         ("index of 2^63", format!("{vertices}f 1 2 9223372036854775808\n"), Refused("")),
-        ("texture index out of range", format!("{vertices}vt 0 0\nf 1/1 2/2 3/1\n"), Refused("2")),
-        ("normal index overflow", format!("{vertices}vn 0 0 1\nf 1//1 2//1 3//4294967297\n"), Refused("4294967297")),
+        ("texture index out of range", format!("{vertices}vt 0 0\nf 1/1 2/2 3/1\n"), Warned("texture coordinates")),
+        (
+            "normal index overflow",
+            format!("{vertices}vn 0 0 1\nf 1//1 2//1 3//4294967297\n"),
+            Warned("texture coordinates and normals"),
+        ),
         ("nan vertex", format!("v nan 0 0\n{vertices}f 1 2 3\n"), Either),
         ("infinite vertex", format!("v inf 0 0\n{vertices}f 1 2 3\n"), Either),
         ("vertex 1e39", format!("v 1e39 0 0\n{vertices}f 1 2 3\n"), Either),
