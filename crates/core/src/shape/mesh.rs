@@ -4,7 +4,10 @@ use super::SurfacePoint;
 use rayon::prelude::*;
 use steradian_math::{
     Spectrum, Vec2, Vec3, Vec4,
-    color::{space::REC709, upsample::RgbAlbedo},
+    color::{
+        space::REC709,
+        upsample::{RgbAlbedo, RgbSigmoid},
+    },
     ray::gamma,
     spectra::Wavelengths,
     transform::Affine,
@@ -26,12 +29,19 @@ pub struct MeshAttribute {
     pub spectra: Vec<RgbAlbedo>,
 }
 
+/// Up to so many colours are solved for one by one, which is less work than the table in which more are looked up.
+const MOST_SOLVED: usize = 200_000;
+
 impl MeshAttribute {
     /// Makes the spectra of its colours: between vertices they are then interpolated, rather than made anew at every point. To make one takes solving for
     /// its coefficients, of which points between vertices would need any number.
     pub fn upsample(&mut self) {
         if self.channels >= 3 && self.data.iter().all(|v| (0.0..=1.0).contains(v)) {
-            let color = |c: &[f32]| RgbAlbedo::new(&REC709, Vec3::from_slice(c));
+            let few = self.data.len() / self.channels <= MOST_SOLVED;
+            let color = |c: &[f32]| match few {
+                true => RgbAlbedo(RgbSigmoid::solved(&REC709, Vec3::from_slice(c))),
+                false => RgbAlbedo::new(&REC709, Vec3::from_slice(c)),
+            };
             self.spectra = self.data.par_chunks_exact(self.channels).map(color).collect();
         }
     }
@@ -334,15 +344,15 @@ mod tests {
             let near = |a: Spectrum, b: Spectrum| assert!((a - b).map(f32::abs).max_element() < 1e-5, "{a:?} {b:?}");
             let corners = [Vec2::ZERO, Vec2::X, Vec2::Y];
             let mean = corners.into_iter().zip(colors).fold(Spectrum::ZERO, |sum, (b, c)| {
-                let expected = spectrum(c.into(), &lambda);
+                let expected = RgbSigmoid::solved(&REC709, c.into()).sample(&lambda);
                 near(eval(&color, b), expected);
-                near(eval(&bright, b), expected);
+                near(eval(&bright, b), spectrum(c.into(), &lambda));
                 sum + expected / 3.0
             });
             let middle = Vec2::splat(1.0 / 3.0);
             near(eval(&color, middle), mean);
             near(eval(&half, middle), mean * 0.5);
-            near(eval(&side, middle), spectrum(colors[1].into(), &lambda));
+            near(eval(&side, middle), RgbSigmoid::solved(&REC709, colors[1].into()).sample(&lambda));
         }
     }
 }

@@ -49,6 +49,15 @@ impl RgbSigmoid {
         }
     }
 
+    /// The same, solved for by itself rather than interpolated in the table: for colours that are kept. It is dearer than a lookup where the table's columns
+    /// are there, but a column takes 64 such solutions.
+    pub fn solved(space: &RgbSpace, rgb: Vec3) -> Self {
+        let unit = rgb.to_array().map(unit);
+        let is_grey = unit[0] == unit[1] && unit[1] == unit[2];
+        let solved = if is_grey { None } else { table(space).and_then(|t| t.solve(unit)) };
+        solved.unwrap_or_else(|| Self::new(space, rgb))
+    }
+
     /// The value at `lambda` nm.
     #[inline]
     pub fn eval(&self, lambda: f32) -> f32 {

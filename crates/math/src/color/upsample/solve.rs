@@ -68,6 +68,11 @@ impl Solver {
         }
     }
 
+    /// ΔE (1976) between `rgb` and the colour of a polynomial; NaN or infinite where that has none.
+    pub(super) fn error(&self, rgb: DVec3, c: DVec3) -> f64 {
+        (lab_from_xyz(self.xyz_from_rgb * rgb, self.white) - lab_from_xyz(self.color(c).0, self.white)).length()
+    }
+
     /// XYZ of the sigmoid spectrum, and its derivative by each coefficient (columns).
     fn color(&self, c: DVec3) -> (DVec3, DMat3) {
         // Per lane: the integrals of weight × {S, S' t², S' t, S'} for X, Y and Z.

@@ -68,6 +68,16 @@ impl Table {
         RgbSigmoid { c }
     }
 
+    /// The spectrum of `rgb`, in [0, 1] and not all equal, solved for by itself from the grey of its mean; `None` where that does not come within ΔE 0.01, as
+    /// of the very dark and saturated, whose columns have to be followed.
+    pub(super) fn solve(&self, rgb: [f32; 3]) -> Option<RgbSigmoid> {
+        let grey = RgbSigmoid::constant((rgb[0] + rgb[1] + rgb[2]) / 3.0);
+        let mut c = DVec3::new(0.0, 0.0, f64::from(grey.c[2]));
+        let rgb = glam::Vec3::from(rgb).as_dvec3();
+        self.solver.solve(rgb, &mut c);
+        (self.solver.error(rgb, c) < 0.01).then(|| RgbSigmoid { c: in_nanometres(c) })
+    }
+
     fn column(&self, largest: usize, y: usize, x: usize) -> &Column {
         self.columns[(largest * RES + y) * RES + x].get_or_init(|| Box::new(self.solve_column(largest, y, x)))
     }

@@ -166,3 +166,23 @@ fn the_maximum_is_where_the_spectrum_is_largest() {
         assert!(s.max() >= dense - 1e-6 && s.max() <= dense + 1e-3, "{rgb}: {} {dense}", s.max());
     }
 }
+
+/// Spectra that are solved for by themselves have the colour, and are those of the table but for its interpolation.
+#[test]
+fn solved_spectra_are_those_of_the_table() {
+    let space = &REC709;
+    let (mut worst, mut farthest) = (0.0_f64, 0.0_f64);
+    for i in 0..6 * 6 * 6 {
+        let rgb = Vec3::new((i % 6) as f32, (i / 6 % 6) as f32, (i / 36) as f32) / 5.0 * 0.94 + 0.03;
+        let (solved, looked_up) = (RgbSigmoid::solved(space, rgb), RgbSigmoid::new(space, rgb));
+        let seen = |s: &RgbSigmoid| to_xyz(|l| s.eval(l) * d65().eval(l));
+        worst = worst.max(delta_e(seen(&solved), space.xyz_from_rgb() * rgb.as_dvec3(), space.white()));
+        farthest = farthest.max(delta_e(seen(&solved), seen(&looked_up), space.white()));
+    }
+    // The table's own colours are within ΔE 1.
+    assert!(worst < 0.3 && farthest < 1.0, "ΔE {worst}, {farthest} apart");
+    for rgb in [Vec3::splat(0.3), Vec3::ZERO, Vec3::ONE, Vec3::new(0.0, 0.004, 0.0), Vec3::new(f32::NAN, 2.0, -1.0)] {
+        let (solved, looked_up) = (RgbSigmoid::solved(space, rgb), RgbSigmoid::new(space, rgb));
+        assert!(solved == looked_up || error(space, rgb) < 1.0, "{rgb}");
+    }
+}
