@@ -18,6 +18,7 @@ mod open;
 mod output;
 mod panics;
 mod progress;
+mod raster;
 mod relief;
 mod render;
 mod report;

@@ -7,6 +7,7 @@ use crate::{
     open::{self, Ready},
     output::{self, Provenance},
     progress::Progress,
+    raster,
     report::{self, Report},
     signals::{self, Signals},
     terminal::{self, Terminal},
@@ -37,6 +38,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let mut outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
     let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
     let quality = quality(args);
+    let scene_options = raster::scene_options(args)?;
     if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
@@ -47,7 +49,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
 
     open::limit_threads(args.scene_options.threads);
-    let opened = open::open(path, &args.scene_options, quality.spp);
+    let opened = open::open(path, &scene_options, quality.spp);
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
     let ready = opened.into_scene(path, args.scene_options.strict, terminal)?;
@@ -62,6 +64,21 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         outputs = free;
     }
     output::keep_inputs(outputs.iter().chain(&args.resume).map(PathBuf::as_path), &inputs)?;
+    if let Some(options) =
+        steradian::raster::options(&quality, &scene).map_err(|e| Failure::bad_input(e.to_string()))?
+    {
+        let job = raster::Job {
+            name,
+            scene: &scene,
+            quality: &quality,
+            outputs: &outputs,
+            kinds: &kinds,
+            counts,
+            load,
+            build,
+        };
+        return raster::run(args, &job, &options, terminal);
+    }
     let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
@@ -261,7 +278,7 @@ fn quality(args: &RenderArgs) -> Quality {
 }
 
 /// Refuses films that would not fit into memory, before the system ends the process for it.
-fn check_memory(scene: &Scene, layers: usize) -> Result<(), Failure> {
+pub fn check_memory(scene: &Scene, layers: usize) -> Result<(), Failure> {
     let pixels = u64::from(scene.film.crop.width()) * u64::from(scene.film.crop.height());
     let needed = pixels.saturating_mul(memory::film_bytes_per_pixel(layers));
     match memory::available() {
@@ -277,7 +294,7 @@ fn check_memory(scene: &Scene, layers: usize) -> Result<(), Failure> {
 }
 
 /// The summary and what is remarkable about it.
-fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
+pub fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
     terminal.say(&report.line());
     match stop {
         Some(Stop::Signal(signal)) => {

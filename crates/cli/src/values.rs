@@ -135,7 +135,12 @@ pub fn roughness(text: &str) -> Result<f32, String> {
 /// An integrator with its options; the name is looked up now, so that a slip is not found out after a long load.
 pub fn integrator(text: &str) -> Result<String, String> {
     let name = text.split_once(':').map_or(text, |s| s.0);
-    known_name(name, "integrator", steradian::INTEGRATORS.iter().map(|i| i.0)).map(|_| text.to_owned())
+    let raster = steradian::raster::RASTER;
+    if name == raster.0 {
+        let options = text.split_once(':').map_or("", |(_, options)| options);
+        return steradian::raster::Options::parse(options).map(|_| text.to_owned()).map_err(|e| e.to_string());
+    }
+    known_name(name, "integrator", steradian::INTEGRATORS.iter().chain([&raster]).map(|i| i.0)).map(|_| text.to_owned())
 }
 
 /// A tone curve with its parameters.
@@ -224,6 +229,9 @@ mod tests {
     #[test]
     fn names_and_suggestions() {
         assert!(integrator("path:max_depth=3").is_ok());
+        assert!(integrator("raster:shadows=map,pcf=3").is_ok());
+        assert!(integrator("raster:shadows=magic").is_err_and(|e| e.contains("one of ray, map, none")));
+        assert!(integrator("rastre").is_err_and(|e| e.contains("did you mean 'raster'?")));
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
         assert_eq!("all".parse(), Ok(Layers(Layer::ALL.to_vec())));

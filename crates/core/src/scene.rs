@@ -95,6 +95,8 @@ pub struct Placement {
     pub world_from_group: Affine,
     /// First geometry of the group in [`Scene::geometries`].
     pub base: u32,
+    /// How many geometries the group has.
+    pub count: u32,
 }
 
 /// What a scene asks of the renderer; what the user asks goes before it.
@@ -129,6 +131,8 @@ pub struct Scene {
     pub accel: Accel,
     /// Placed groups, by the hierarchy's instance index.
     pub placements: Vec<Placement>,
+    /// How many of the geometries are the world's own; those of groups follow.
+    pub world_count: u32,
     /// Indices of infinite planes among the geometries.
     pub planes: Vec<u32>,
     /// Materials.
@@ -251,6 +255,13 @@ impl Scene {
     #[inline]
     fn geometry_index(&self, id: PrimId) -> u32 {
         if id.instance == WORLD { id.geom } else { self.placements[id.instance as usize].base + id.geom }
+    }
+
+    /// Whether a hit counts that was found otherwise than by [`Scene::intersect`]: not where the opacity of its shape lets the ray
+    /// through. The ray is in the space of the shape's group.
+    #[inline]
+    pub fn counts(&self, hit: &Hit, ray: &Ray) -> bool {
+        Query::<false>(self).passes(self.geometry(hit.id), hit, ray)
     }
 
     /// Whether an alpha-tested hit counts: by chance, with a random number that is a function of ray and point.

@@ -14,6 +14,7 @@ varyings! {
     struct Surface {
         place: Vec3,
         normal: Vec3 => flat,
+        color: Vec3 => flat,
     }
 }
 
@@ -45,7 +46,7 @@ fn corner(vertex: u32) -> (Vec3, Vec3) {
 fn from_light(p: Vec3) -> Vec4 {
     let right = Vec3::new(2.0, 0.0, -3.0) / 3.605_551_2;
     let up = LIGHT.cross(right);
-    Vec4::new(p.dot(right) / 3.0, p.dot(up) / 3.0, 0.5 - p.dot(LIGHT) / 8.0, 1.0)
+    Vec4::new(p.dot(right) / 4.5, p.dot(up) / 4.5, 0.5 - p.dot(LIGHT) / 10.0, 1.0)
 }
 
 /// The picture.
@@ -78,8 +79,9 @@ pub fn picture() -> Result<ColorTarget> {
     framebuffer.clear(Vec4::new(0.55, 0.7, 0.9, 1.0), 1.0, 0);
     let vertex = |input: VertexInput| {
         let (place, normal) = corner(input.vertex);
+        let color = if input.vertex < 36 { Vec3::new(0.75, 0.7, 0.6) } else { Vec3::new(0.35, 0.5, 0.75) };
         let (x, y, z) = (place.x, 0.8 * place.y - 0.6 * place.z, 0.6 * place.y + 0.8 * place.z - 5.0);
-        Vertex::new(Vec4::new(1.8 * x, 2.4 * y, (-z - 1.0) * 10.0 / 9.0, -z), Surface { place, normal })
+        Vertex::new(Vec4::new(1.8 * x, 2.4 * y, (-z - 1.0) * 10.0 / 9.0, -z), Surface { place, normal, color })
     };
     let shader = fragment(|f: &Fragment<Surface>| {
         let s = f.varyings();
@@ -87,7 +89,7 @@ pub fn picture() -> Result<ColorTarget> {
         let uv = Vec4::new(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y, 0.0, 0.0);
         let lit = sampler.compare(&map.view(), uv, at.z, Lod::Level(0.0));
         let light = 0.2 + 0.8 * lit * s.normal.dot(LIGHT).max(0.0);
-        (Vec3::new(0.9, 0.85, 0.75) * light).extend(1.0)
+        (s.color * light).extend(1.0)
     });
     let state = State { depth: Some(DepthState::LESS), ..State::default() };
     Pipeline::new(Program::new(vertex, shader), state, framebuffer.layout())?.draw(&mut framebuffer, &draw)?;

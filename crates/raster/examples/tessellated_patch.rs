@@ -52,7 +52,7 @@ impl Tessellation for Bezier {
 
 /// From space to clip space: seen from above at a slant.
 fn view(p: Vec3) -> Vec4 {
-    let (x, y, z) = (p.x, 0.8 * p.y - 0.6 * p.z, 0.6 * p.y + 0.8 * p.z - 4.2);
+    let (x, y, z) = (p.x, 0.8 * p.y - 0.6 * p.z, 0.6 * p.y + 0.8 * p.z - 2.7);
     Vec4::new(1.5 * x, 2.0 * (y + 0.1), (-z - 1.0) * 10.0 / 9.0, -z)
 }
 
@@ -62,7 +62,7 @@ pub fn picture() -> Result<ColorTarget> {
     framebuffer.clear(Vec4::new(0.08, 0.09, 0.12, 1.0), 1.0, 0);
     let vertex = |input: VertexInput| {
         let i = input.vertex as usize;
-        let place = Vec3::new((i % 4) as f32 / 1.5 - 1.0, 0.35 * HEIGHTS[i], 1.0 - (i / 4) as f32 / 1.5);
+        let place = Vec3::new((i % 4) as f32 / 1.5 - 1.0, 0.6 * HEIGHTS[i], 1.0 - (i / 4) as f32 / 1.5);
         Vertex::new(Vec4::W, Point { place, normal: Vec3::Y })
     };
     let draw = Draw::vertices(0..16);
@@ -72,7 +72,7 @@ pub fn picture() -> Result<ColorTarget> {
                 return Vec4::new(0.02, 0.02, 0.02, 1.0);
             }
             let light = f.varyings().normal.normalize().dot(Vec3::new(-3.0, 6.0, 2.0) / 7.0).abs();
-            (Vec3::new(0.95, 0.55, 0.25) * (0.15 + 0.85 * light)).extend(1.0)
+            (Vec3::new(0.8, 0.35, 0.1) * (0.05 + 0.95 * light * light)).extend(1.0)
         });
         // The inside is moved back a little, so that lines on it are seen.
         let depth_bias = match polygon_mode {

@@ -29,4 +29,7 @@ pub enum Error {
         "integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters, reuse (1, 4, 16), caustics (auto, true, false), effort (auto, even, vertex)"
     )]
     IntegratorOption(String),
+    /// What the graphics pipeline refused.
+    #[error(transparent)]
+    Raster(#[from] steradian_realtime::Error),
 }

@@ -19,6 +19,7 @@ mod error;
 pub mod inputs;
 pub mod load;
 pub mod quality;
+pub mod raster;
 pub mod resume;
 pub mod specimen;
 
@@ -46,7 +47,7 @@ pub use steradian_scene as scene;
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     use steradian_core as core;
     vec![
-        ("integrators", INTEGRATORS.to_vec()),
+        ("integrators", INTEGRATORS.iter().chain([&raster::RASTER]).copied().collect()),
         ("materials", materials::MATERIALS.iter().chain([&materials::DETAIL]).map(|e| (e.name, e.doc)).collect()),
         ("textures", core::texture::TEXTURES.to_vec()),
         ("lights", core::light::LIGHTS.to_vec()),
@@ -66,6 +67,9 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
 /// # Errors
 /// [`Error::UnknownIntegrator`] when the scene or the quality names an integrator that does not exist.
 pub fn render(scene: &Scene, quality: &Quality) -> Result<image::Image, Error> {
+    if let Some(options) = raster::options(quality, scene)? {
+        return Ok(develop(scene, &raster::render(scene, quality, &options)?.film, &[]));
+    }
     let plan = quality.plan(scene)?;
     let mut session = Session::new(scene, plan);
     session.step(u32::MAX, &Control::default());

@@ -1,6 +1,6 @@
 //! What the user decides about a render; what is left open follows the scene.
 
-use crate::{Error, Layer};
+use crate::{Error, Layer, raster::RASTER};
 use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
@@ -74,8 +74,8 @@ impl Quality {
         depth.max = self.max_depth.unwrap_or(depth.max);
         let integrator = IntegratorKind::named(name, depth, tactics).ok_or_else(|| Error::UnknownIntegrator {
             name: name.into(),
-            hint: did_you_mean(name, INTEGRATORS.iter().map(|i| i.0)),
-            known: INTEGRATORS.iter().map(|i| i.0).collect::<Vec<_>>().join(", "),
+            hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
+            known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
         })?;
         let kind = match self.sampler.as_deref() {
             None => scene.settings.sampler,

@@ -8,6 +8,7 @@ mod generate;
 mod instructions;
 mod loading;
 mod plot;
+mod raster;
 mod rays;
 mod report;
 mod rivals;
@@ -42,7 +43,7 @@ struct Bench {
     /// Folder for results
     #[arg(long, default_value = "target/bench")]
     out: PathBuf,
-    /// Only these parts: structures, scaling, threads, loading, rays, building, builders, rivals
+    /// Only these parts: structures, scaling, threads, loading, rays, building, builders, raster, rivals
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
     /// Largest mesh, in triangles
@@ -105,6 +106,9 @@ impl Bench {
         }
         if is_wanted("builders") {
             rays::builders(&mut report)?;
+        }
+        if is_wanted("raster") {
+            raster::measure(&mut report)?;
         }
         if is_wanted("rivals") {
             rivals::measure(self, &mut report)?;

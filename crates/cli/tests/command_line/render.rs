@@ -349,3 +349,16 @@ fn texture_limit_changes_no_bit() {
     }
     assert_eq!(place.run(&["render", "s.pbrt", "--texture-limit", "12"]).code, 2);
 }
+
+#[test]
+fn the_graphics_pipeline_draws_at_once() {
+    let place = Place::new();
+    let run = place.succeed(&["render", "--size", "48x40", "--integrator", "raster", "--json", "-o", "a.exr"]);
+    let json = run.json();
+    assert_eq!((&json["integrator"], &json["spp"], &json["samples"]), (&"raster".into(), &1.into(), &(48 * 40).into()));
+    let picture = place.picture("a.exr");
+    let [left, right] = [picture.rgb().unwrap().at(20 * 48 + 3), picture.rgb().unwrap().at(20 * 48 + 44)];
+    assert!(left[0] > 2.0 * left[1] && right[1] > 2.0 * right[0], "{left:?} {right:?}");
+    place.refuse(2, &["render", "--integrator", "raster", "--aov", "depth"], &["raster has no --aov"]);
+    place.refuse(2, &["render", "--integrator", "raster:shadows=x"], &["one of ray, map, none"]);
+}

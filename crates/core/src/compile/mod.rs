@@ -196,7 +196,10 @@ impl Compiler<'_> {
         let Some(accel) = accel else { return (None, build_time) };
         let placements = instances
             .iter()
-            .map(|i| Placement { world_from_group: i.world_from_object, base: groups[i.object as usize].0 })
+            .map(|i| {
+                let (base, group) = &groups[i.object as usize];
+                Placement { world_from_group: i.world_from_object, base: *base, count: group.len() as u32 }
+            })
             .collect();
         let planes = (0..world.len() as u32)
             .filter(|&g| matches!(self.geometries[g as usize].shape, crate::scene::Shape::Plane(_)))
@@ -240,6 +243,7 @@ impl Compiler<'_> {
             geometries: std::mem::take(&mut self.geometries),
             accel,
             placements,
+            world_count: world.len() as u32,
             planes,
             materials: std::mem::take(&mut self.materials),
             material_names: std::mem::take(&mut self.material_names),

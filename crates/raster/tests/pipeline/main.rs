@@ -2,6 +2,7 @@
 
 mod clipping;
 mod draws;
+mod examples;
 mod fill;
 mod fragments;
 mod hostile;

@@ -1,0 +1,33 @@
+//! The examples have the same bits everywhere.
+
+use crate::stage::fingerprint;
+
+#[path = "../../examples/compute_histogram.rs"]
+mod compute_histogram;
+#[path = "../../examples/geometry_normals.rs"]
+mod geometry_normals;
+#[path = "../../examples/shadow_map.rs"]
+mod shadow_map;
+#[path = "../../examples/tessellated_patch.rs"]
+mod tessellated_patch;
+#[path = "../../examples/textured_cube.rs"]
+mod textured_cube;
+#[path = "../../examples/triangle.rs"]
+mod triangle;
+
+/// Fingerprints of pictures that were looked at. They use no function whose bits differ from machine to machine.
+#[test]
+fn examples_are_what_they_were() {
+    let pictures = [
+        ("triangle", triangle::picture(), 0x07f5a23e6032cdc1),
+        ("textured_cube", textured_cube::picture(), 0x393cdb64860aa65a),
+        ("tessellated_patch", tessellated_patch::picture(), 0x5745832b035ae77e),
+        ("geometry_normals", geometry_normals::picture(), 0xa656b6b7c6df78ff),
+        ("shadow_map", shadow_map::picture(), 0x3cde506eedf88e1d),
+        ("compute_histogram", compute_histogram::picture(), 0xd6fdb1094faa8c75),
+    ];
+    let found: Vec<_> =
+        pictures.iter().map(|(name, picture, _)| (*name, fingerprint(picture.as_ref().unwrap()))).collect();
+    let expected: Vec<_> = pictures.iter().map(|(name, _, hash)| (*name, *hash)).collect();
+    assert_eq!(found, expected);
+}

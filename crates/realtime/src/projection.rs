@@ -1,0 +1,160 @@
+//! The camera as a projection to clip space.
+
+use steradian_core::{Scene, camera::Projection};
+use steradian_math::{Ray, Vec2, Vec3, Vec4, transform::Affine};
+use steradian_raster::{Extent, glam::Mat4, state::Viewport};
+
+use crate::Error;
+
+/// A camera that maps points to clip space, with reversed depth: 1 near, 0 far. What lies before the camera's start of rays is cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Projected {
+    camera_from_world: Affine,
+    /// x0 + x1, x1 − x0, y0 + y1, y1 − y0 of the window on z = 1 that the full frame shows.
+    window: [f32; 4],
+    perspective: bool,
+    /// Where the view starts along the axis, and its length where rays are parallel.
+    near: f32,
+    length: f32,
+    /// The place in each pixel that is looked at.
+    offset: Vec2,
+    /// Side of the picture of a light's view; none for the scene's camera.
+    light: Option<u32>,
+}
+
+impl Projected {
+    /// The scene's camera, looking at this place of each pixel (0…1 from its top left).
+    ///
+    /// # Errors
+    /// Cameras that see all directions, or a frame beyond what viewports hold.
+    pub fn new(scene: &Scene, offset: Vec2) -> Result<Self, Error> {
+        let (camera, film) = (&scene.camera, &scene.film);
+        let perspective = match camera.projection {
+            Projection::Perspective => true,
+            Projection::Orthographic => false,
+            _ => {
+                return Err(Error::Scene(
+                    "raster needs a perspective or orthographic camera, not one of all directions".into(),
+                ));
+            }
+        };
+        if film.width > steradian_raster::state::MAX_SIZE || film.height > steradian_raster::state::MAX_SIZE {
+            let most = steradian_raster::state::MAX_SIZE;
+            return Err(Error::Scene(format!("raster draws frames up to {most} x {most} pixels")));
+        }
+        let [x0, x1, y0, y1] = camera.window;
+        let camera_from_world = camera.world_from_camera.inverse();
+        let (center, radius) = crate::extent(scene);
+        let middle = camera_from_world.point(center).z;
+        // A length of the scene in the camera's units.
+        let radius = radius * camera_from_world.vector(camera.forward()).length();
+        let far = (middle + radius).max(1e-6 * radius);
+        // Reversed depths as floats keep their precision for any near plane.
+        let near = if perspective { camera.near.max(1e-7 * (far + radius)) } else { camera.near.max(0.0) };
+        // The pipeline looks at centres of pixels: the window moves instead.
+        let moved = [(offset.x - 0.5) / film.width as f32, (offset.y - 0.5) / film.height as f32];
+        let (dx, dy) = ((x1 - x0) * moved[0], -(y1 - y0) * moved[1]);
+        Ok(Self {
+            camera_from_world,
+            window: [x0 + x1 + 2.0 * dx, x1 - x0, y0 + y1 + 2.0 * dy, y1 - y0],
+            perspective,
+            near,
+            length: (far - near).max(1e-6 * radius),
+            offset,
+            light: None,
+        })
+    }
+
+    /// The square view of a light: from a place along unit axes (right, up, forward), `half` wide to each side (at distance 1, for perspective).
+    pub fn of_light(place: Vec3, axes: [Vec3; 3], half: f32, perspective: bool, range: [f32; 2], size: u32) -> Self {
+        let [right, up, forward] = axes.map(|a| a.extend(0.0));
+        let world_from_light = Mat4::from_cols(right, up, forward, place.extend(1.0));
+        let camera_from_world = Affine { m: world_from_light.inverse(), inv: world_from_light };
+        Self {
+            camera_from_world,
+            window: [0.0, 2.0 * half, 0.0, 2.0 * half],
+            perspective,
+            near: range[0],
+            length: range[1] - range[0],
+            offset: Vec2::splat(0.5),
+            light: Some(size),
+        }
+    }
+
+    /// Size of the picture, and where the view lies in it.
+    pub(crate) fn frame(&self, scene: &Scene) -> (Extent, Viewport) {
+        if let Some(size) = self.light {
+            return (Extent::new(size, size), Viewport::new(size as f32, size as f32));
+        }
+        let (film, crop) = (&scene.film, scene.film.crop);
+        let viewport = Viewport::new(film.width as f32, film.height as f32);
+        (Extent::new(crop.width(), crop.height()), Viewport { x: -(crop.x0 as f32), y: -(crop.y0 as f32), ..viewport })
+    }
+
+    /// Whether pictures are mirrored against space: a counter-clockwise triangle appears clockwise.
+    pub(crate) fn is_mirrored(&self) -> bool {
+        // Right, up and forward are a left-handed system.
+        self.camera_from_world.m.determinant() > 0.0
+    }
+
+    /// A point in the view's own coordinates: right, up, forward.
+    pub fn local(&self, p: Vec3) -> Vec3 {
+        self.camera_from_world.point(p)
+    }
+
+    /// Distance along the axis of what has this depth; infinite where nothing was drawn.
+    pub fn distance_of(&self, depth: f32) -> f32 {
+        if depth <= 0.0 {
+            f32::INFINITY
+        } else if self.perspective {
+            self.near / depth
+        } else {
+            self.near + (1.0 - depth) * self.length
+        }
+    }
+
+    /// A point of the world in clip space.
+    #[inline]
+    pub fn clip(&self, p: Vec3) -> Vec4 {
+        let c = self.camera_from_world.point(p);
+        let [x_sum, x_size, y_sum, y_size] = self.window;
+        if self.perspective {
+            let (x, y) = ((2.0 * c.x - x_sum * c.z) / x_size, (2.0 * c.y - y_sum * c.z) / y_size);
+            Vec4::new(x, y, self.near, c.z)
+        } else {
+            let depth = 1.0 - (c.z - self.near) / self.length;
+            Vec4::new((2.0 * c.x - x_sum) / x_size, (2.0 * c.y - y_sum) / y_size, depth, 1.0)
+        }
+    }
+
+    /// Depth in the window of a point of the world.
+    #[inline]
+    pub fn depth(&self, p: Vec3) -> f32 {
+        let clip = self.clip(p);
+        clip.z / clip.w
+    }
+
+    /// The ray through a pixel of the picture.
+    #[inline]
+    pub fn ray(&self, scene: &Scene, [x, y]: [u32; 2]) -> Ray {
+        if let Some(size) = self.light {
+            return self.light_ray([x, y], size);
+        }
+        let crop = scene.film.crop;
+        let pixel = Vec2::new((crop.x0 + x) as f32, (crop.y0 + y) as f32) + self.offset;
+        // The middle of the lens: no blur.
+        scene.camera.ray(&scene.film, pixel, Vec2::splat(0.5))
+    }
+
+    fn light_ray(&self, [x, y]: [u32; 2], size: u32) -> Ray {
+        let half = self.window[1] / 2.0;
+        let at = |i: u32| (i as f32 + 0.5) / size as f32 * 2.0 - 1.0;
+        let place = Vec3::new(at(x) * half, -at(y) * half, 0.0);
+        let world = self.camera_from_world.inverse();
+        if self.perspective {
+            Ray::new(world.point(Vec3::ZERO), world.vector(place.with_z(1.0)).normalize())
+        } else {
+            Ray::new(world.point(place), world.vector(Vec3::Z).normalize())
+        }
+    }
+}

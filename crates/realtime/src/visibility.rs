@@ -1,0 +1,319 @@
+//! Which primitive each pixel sees.
+
+use steradian_accel::{PrimId, WORLD};
+use steradian_core::{
+    Scene,
+    scene::{Hit, Shape},
+};
+use steradian_math::{Ray, Vec3};
+use steradian_raster::{
+    ColorTarget, Counters, DepthFormat, DepthTarget, Draw, Format, Fragment, Framebuffer, Pipeline, Program, State,
+    Vertex, VertexInput, fragment,
+    glam::{UVec4, Vec4},
+    output::WithDepth,
+    state::{Cull, DepthState, FrontFace, RasterState},
+};
+
+use crate::{
+    Error,
+    draw_list::{BOX, DrawList, Item, box_count, part_bounds},
+    projection::Projected,
+};
+
+/// What a pixel sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Where the pixel's ray meets it.
+    pub hit: Hit,
+    /// Number of the primitive in the picture, from 0.
+    pub number: u32,
+}
+
+/// A picture of primitives.
+#[derive(Debug)]
+pub struct Visibility {
+    /// Numbers from 1, by rows; 0 where nothing is seen.
+    numbers: Vec<u32>,
+    /// Reversed depths, by rows.
+    pub(crate) depths: Vec<f32>,
+    width: u32,
+    parts: Parts,
+    /// What the pipeline did.
+    pub counters: Counters,
+}
+
+/// Primitives numbered one after the other: triangles of meshes, those of masked meshes, boxes, planes.
+#[derive(Debug, Default)]
+struct Parts {
+    /// Items, and the number of the first part of each; sorted.
+    items: Vec<(u32, u32)>,
+    count: u32,
+}
+
+impl Parts {
+    /// Numbers so many parts of an item; `false` where numbers are used up.
+    fn add(&mut self, item: u32, count: u32) -> bool {
+        // Three vertices or 36 corners each must be countable, too.
+        let Some(end) = self.count.checked_add(count).filter(|&n| n < u32::MAX / 36) else { return false };
+        if count > 0 {
+            self.items.push((item, self.count));
+            self.count = end;
+        }
+        true
+    }
+
+    /// The item and its part of a number.
+    #[inline]
+    fn find(&self, number: u32) -> Option<(u32, u32)> {
+        let place = self.items.partition_point(|(_, first)| *first <= number).checked_sub(1)?;
+        let (item, first) = self.items[place];
+        Some((item, number - first))
+    }
+}
+
+impl Visibility {
+    /// Draws what the view sees.
+    ///
+    /// # Errors
+    /// More than 119 million primitives in the view, and sizes that the pipeline refuses.
+    pub fn draw(scene: &Scene, list: &DrawList, projected: &Projected) -> Result<Self, Error> {
+        let (extent, viewport) = projected.frame(scene);
+        let colors = vec![ColorTarget::new(extent, Format::R32Uint)?];
+        let mut target = Framebuffer::new(colors, Some(DepthTarget::new(extent, DepthFormat::Float32)?), None)?;
+        target.clear(Vec4::ZERO, 0.0, 0);
+        let state = State { depth: Some(DepthState::GREATER), viewports: vec![viewport], ..State::default() };
+        let mut stage =
+            Stage { scene, list, projected, target, state, parts: Parts::default(), counters: Counters::default() };
+        stage.meshes(false)?;
+        stage.meshes(true)?;
+        stage.boxes(false)?;
+        stage.boxes(true)?;
+        stage.planes()?;
+        let bytes = stage.target.color(0).to_bytes(0);
+        let numbers = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let depths = stage.target.depth().map_or(Vec::new(), |depth| depth.to_rows(0));
+        Ok(Self { numbers, depths, width: extent.width, parts: stage.parts, counters: stage.counters })
+    }
+
+    /// What a pixel of the picture sees.
+    pub fn seen(&self, scene: &Scene, list: &DrawList, projected: &Projected, at: [u32; 2]) -> Option<Seen> {
+        let number = self.numbers[(at[1] * self.width + at[0]) as usize].checked_sub(1)?;
+        let (item, part) = self.parts.find(number)?;
+        let hit = meet(scene, &list.items[item as usize], part, &projected.ray(scene, at), Border::Included)?;
+        Some(Seen { hit, number })
+    }
+}
+
+/// Whether a ray that misses a triangle narrowly is said to meet it at its border: the pipeline rounds corners to 1/256 pixel.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Border {
+    Included,
+    Excluded,
+}
+
+/// What is drawn with, and into.
+struct Stage<'a> {
+    scene: &'a Scene,
+    list: &'a DrawList,
+    projected: &'a Projected,
+    target: Framebuffer,
+    state: State,
+    parts: Parts,
+    counters: Counters,
+}
+
+impl Stage<'_> {
+    /// Numbers the parts of items that fit, and gives the range of numbers.
+    fn number(&mut self, count: impl Fn(&Item, &Shape) -> u32) -> Result<(u32, u32), Error> {
+        let start = self.parts.count;
+        for (i, item) in self.list.items.iter().enumerate() {
+            let shape = &self.list.geometry(self.scene, item).shape;
+            let count = count(item, shape);
+            if count > 0 && self.in_view(item, shape) && !self.parts.add(i as u32, count) {
+                return Err(Error::Scene(
+                    "raster draws up to 119 million primitives at once, and more are in the view".into(),
+                ));
+            }
+        }
+        Ok((start, self.parts.count))
+    }
+
+    /// Whether the box around an item may be in the view: not if all its corners are outside one plane (M41).
+    fn in_view(&self, item: &Item, shape: &Shape) -> bool {
+        let bounds = shape.bounds();
+        if bounds.is_empty() {
+            return true;
+        }
+        let place = item.place(self.scene);
+        let outside = (0..8).fold(!0u32, |all, i| {
+            let p = self.projected.clip(place.point(bounds.corner(i)));
+            let planes = [p.x < -p.w, p.x > p.w, p.y < -p.w, p.y > p.w, p.z > p.w];
+            all & planes.iter().enumerate().fold(0, |bits, (i, out)| bits | u32::from(*out) << i)
+        });
+        outside == 0
+    }
+
+    /// Triangles of meshes, those with masks or the others.
+    fn meshes(&mut self, masked: bool) -> Result<(), Error> {
+        let (scene, list) = (self.scene, self.list);
+        let (start, end) = self.number(|item, shape| match shape {
+            Shape::Mesh(mesh) if list.geometry(scene, item).alpha.is_some() == masked => mesh.triangles.len() as u32,
+            _ => 0,
+        })?;
+        if start == end {
+            return Ok(());
+        }
+        let Self { projected, parts, target, .. } = self;
+        let places: Vec<_> = list.items.iter().map(|item| item.place(scene)).collect();
+        let vertex = |input: VertexInput| {
+            let position = parts.find(start + input.vertex / 3).and_then(|(item, triangle)| {
+                let Shape::Mesh(mesh) = &list.geometry(scene, &list.items[item as usize]).shape else { return None };
+                let corner = mesh.corners(triangle)[(input.vertex % 3) as usize];
+                let corner = if list.items[item as usize].instance == WORLD {
+                    corner
+                } else {
+                    places[item as usize].point(corner)
+                };
+                Some(projected.clip(corner))
+            });
+            Vertex::new(position.unwrap_or(Vec4::NAN), ())
+        };
+        let draw = Draw::vertices(0..3 * (end - start));
+        let number = |f: &Fragment<()>| start + f.primitive_id();
+        self.counters += if masked {
+            let shader = fragment(|f: &Fragment<()>| {
+                let number = number(f);
+                let (item, part) = parts.find(number)?;
+                let ray = projected.ray(scene, f.pixel());
+                let hit = meet(scene, &list.items[item as usize], part, &ray, Border::Included)?;
+                opaque(scene, &list.items[item as usize], &hit, &ray).then_some(UVec4::splat(number + 1))
+            });
+            Pipeline::new(Program::new(vertex, shader), self.state.clone(), target.layout())?.draw(target, &draw)?
+        } else {
+            let shader = fragment(|f: &Fragment<()>| UVec4::splat(number(f) + 1));
+            Pipeline::new(Program::new(vertex, shader), self.state.clone(), target.layout())?.draw(target, &draw)?
+        };
+        Ok(())
+    }
+
+    /// Shapes that rays meet in boxes: the far sides of the boxes are drawn, so that the eye may be inside. `mirrored`: those whose place
+    /// turns boxes inside out, or the others.
+    fn boxes(&mut self, mirrored: bool) -> Result<(), Error> {
+        let (scene, list) = (self.scene, self.list);
+        let (start, end) = self.number(|item, shape| {
+            let turned = item.place(scene).m.determinant() < 0.0;
+            if turned == mirrored { box_count(shape).unwrap_or(0) } else { 0 }
+        })?;
+        if start == end {
+            return Ok(());
+        }
+        let Self { projected, parts, target, .. } = self;
+        let vertex = |input: VertexInput| {
+            let position = parts.find(start + input.vertex / 36).map(|(item, part)| {
+                let item = &list.items[item as usize];
+                let bounds = part_bounds(&list.geometry(scene, item).shape, part);
+                let corner = BOX[(input.vertex % 36 / 3) as usize][(input.vertex % 3) as usize];
+                projected.clip(item.place(scene).point(bounds.corner(corner)))
+            });
+            Vertex::new(position.unwrap_or(Vec4::NAN), ())
+        };
+        let shader = fragment(|f: &Fragment<()>| {
+            let number = start + f.primitive_id() / 12;
+            let (item, part) = parts.find(number)?;
+            let ray = projected.ray(scene, f.pixel());
+            let hit = meet(scene, &list.items[item as usize], part, &ray, Border::Excluded)?;
+            Some(WithDepth::<UVec4> { output: UVec4::splat(number + 1), depth: projected.depth(ray.at(hit.t)) })
+        });
+        let turned = projected.is_mirrored() != mirrored;
+        let front_face = if turned { FrontFace::Clockwise } else { FrontFace::CounterClockwise };
+        let state = State {
+            raster: RasterState { cull: Cull::Front, front_face, ..RasterState::default() },
+            ..self.state.clone()
+        };
+        let pipeline = Pipeline::new(Program::new(vertex, shader), state, target.layout())?;
+        self.counters += pipeline.draw(target, &Draw::vertices(0..36 * (end - start)))?;
+        Ok(())
+    }
+
+    /// Infinite planes: each is asked for at every pixel.
+    fn planes(&mut self) -> Result<(), Error> {
+        let (start, end) = self.number(|_, shape| u32::from(matches!(shape, Shape::Plane(_))))?;
+        let Self { scene, list, projected, parts, target, .. } = self;
+        for number in start..end {
+            let Some((item, part)) = parts.find(number) else { continue };
+            let vertex = |input: VertexInput| {
+                let [x, y] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]][(input.vertex % 3) as usize];
+                Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
+            };
+            let shader = fragment(|f: &Fragment<()>| {
+                let ray = projected.ray(scene, f.pixel());
+                let hit = meet(scene, &list.items[item as usize], part, &ray, Border::Excluded)?;
+                Some(WithDepth::<UVec4> { output: UVec4::splat(number + 1), depth: projected.depth(ray.at(hit.t)) })
+            });
+            let pipeline = Pipeline::new(Program::new(vertex, shader), self.state.clone(), target.layout())?;
+            self.counters += pipeline.draw(target, &Draw::vertices(0..3))?;
+        }
+        Ok(())
+    }
+}
+
+/// The ray in the space of an item.
+fn local(scene: &Scene, item: &Item, ray: &Ray) -> Ray {
+    if item.instance == WORLD { *ray } else { item.place(scene).inverse().ray(ray) }
+}
+
+/// Whether a hit counts, by the opacity of its shape.
+fn opaque(scene: &Scene, item: &Item, hit: &Hit, ray: &Ray) -> bool {
+    scene.counts(hit, &local(scene, item, ray))
+}
+
+/// Where a ray of the world meets a part of an item.
+fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Border) -> Option<Hit> {
+    let id = PrimId { instance: item.instance, geom: item.in_group, prim: part };
+    let ray = local(scene, item, ray);
+    let hit = |h: steradian_accel::UserHit| Hit { t: h.t, u: h.u, v: h.v, id };
+    match &scene.geometries[item.geometry as usize].shape {
+        Shape::Mesh(mesh) => triangle(&ray, mesh.corners(part), border).map(|(t, u, v)| Hit { t, u, v, id }),
+        Shape::Quadric(q) => {
+            let first = q.intersect(&ray)?;
+            if scene.counts(&hit(first), &ray) {
+                return Some(hit(first));
+            }
+            q.intersect_after(&ray, first.t).map(hit).filter(|h| scene.counts(h, &ray))
+        }
+        Shape::Patches(m) => m.intersect(part, &ray).map(hit).filter(|h| scene.counts(h, &ray)),
+        Shape::Curves(c) => c.intersect(part, &ray).map(hit).filter(|h| scene.counts(h, &ray)),
+        Shape::Field(f) => f.intersect(part, &ray, |h| scene.counts(&hit(*h), &ray)).map(hit),
+        Shape::Sdf(s) => s.intersect(part, &ray, |h| scene.counts(&hit(*h), &ray)).map(hit),
+        Shape::Plane(p) => {
+            let t = p.intersect(&ray)?;
+            // The plane's hits have its geometry for a number.
+            let id = PrimId { geom: item.geometry, ..id };
+            Some(Hit { t, u: 0.0, v: 0.0, id }).filter(|h| scene.counts(h, &ray))
+        }
+    }
+}
+
+/// Distance and weights of the second and third corner (Möller, Trumbore 1997).
+fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3], border: Border) -> Option<(f32, f32, f32)> {
+    let (e1, e2) = (b - a, c - a);
+    let p = ray.direction.cross(e2);
+    let det = e1.dot(p);
+    let s = ray.origin - a;
+    let q = s.cross(e1);
+    let (u, v, t) = (s.dot(p) / det, ray.direction.dot(q) / det, e2.dot(q) / det);
+    let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0;
+    if inside {
+        return Some((t, u, v));
+    }
+    if border == Border::Excluded {
+        return None;
+    }
+    // The nearest weights; where the triangle is seen edge on, those of its middle.
+    let clamp = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 / 3.0 };
+    let (u, v) = (clamp(u), clamp(v));
+    let (u, v) = if u + v > 1.0 { (u / (u + v), v / (u + v)) } else { (u, v) };
+    let at = a + e1 * u + e2 * v;
+    let t = (at - ray.origin).dot(ray.direction) / ray.direction.length_squared();
+    (t > 0.0 && t.is_finite()).then_some((t, u, v))
+}

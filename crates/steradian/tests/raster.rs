@@ -1,0 +1,236 @@
+//! The integrator `raster` against rays: what is seen, how it is lit, and where shadows fall.
+
+use steradian::{
+    CompileOptions, Quality, Scene, compile,
+    integrators::{Counters, Depth, Integrator, Survey, whitted::Whitted},
+    load,
+    math::{Ray, Vec2, spectra::Wavelengths},
+    raster::{self, Options},
+};
+use steradian_core::sampler::Sampler;
+use steradian_realtime::{Projected, Visibility, draw_list::DrawList};
+
+/// Every shape, a group placed twice (once mirrored), a mask, a mirror; a point, a spot and parallel light.
+const SCENE: &str = r#"
+LookAt 3 -5 3  0.3 0 0.6  0 0 1
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 200 "integer yresolution" 150
+WorldBegin
+LightSource "point" "rgb I" [20 18 15] "point3 from" [2 -1 4]
+LightSource "spot" "rgb I" [30 30 40] "point3 from" [-3 -3 5] "point3 to" [0 0 0] "float coneangle" 25
+LightSource "distant" "rgb L" [0.6 0.6 0.5] "point3 from" [-1 -2 3] "point3 to" [0 0 0]
+Texture "board" "float" "checkerboard" "float uscale" 6 "float vscale" 6 "float tex1" 1 "float tex2" 0
+Material "diffuse" "rgb reflectance" [0.6 0.55 0.5]
+Shape "trianglemesh" "point3 P" [-6 -6 0 6 -6 0 6 6 0 -6 6 0] "integer indices" [0 1 2 0 2 3]
+Material "diffuse" "rgb reflectance" [0.2 0.4 0.7]
+AttributeBegin
+  Translate -1.2 0 0.6
+  Shape "sphere" "float radius" 0.6
+AttributeEnd
+AttributeBegin
+  Translate 0.4 0.9 0.8
+  Shape "sphere" "float radius" 0.7 "float zmin" -0.3 "float zmax" 0.5 "float phimax" 250
+AttributeEnd
+AttributeBegin
+  Translate 1.6 0.3 0
+  Shape "cylinder" "float radius" 0.35 "float zmin" 0 "float zmax" 1.1
+  Translate 0 0 1.1
+  Shape "disk" "float radius" 0.35
+AttributeEnd
+AttributeBegin
+  Translate 0.2 -1.1 0.1
+  Shape "bilinearmesh" "point3 P" [-0.5 0 0 0.5 0 0.3 -0.5 0.2 0.9 0.5 -0.3 0.7] "integer indices" [0 1 2 3]
+  Shape "curve" "point3 P" [-1 0 0 -0.7 0.4 0.9 -0.3 -0.4 1.2 0 0 1.6] "float width" 0.12
+AttributeEnd
+Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k" "float roughness" 0
+AttributeBegin
+  Translate 0.9 -1.4 0.35
+  Shape "sphere" "float radius" 0.35
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.7 0.2 0.2]
+AttributeBegin
+  Translate 2.3 -0.9 0.05
+  Shape "trianglemesh" "texture alpha" "board" "point3 P" [-0.7 0 0 0.7 0 0 0.7 0 1.2 -0.7 0 1.2] "point2 uv" [0 0 1 0 1 1 0 1] "integer indices" [0 1 2 0 2 3]
+AttributeEnd
+ObjectBegin "not placed"
+  Shape "sphere" "float radius" 3
+ObjectEnd
+ObjectBegin "thing"
+  Shape "trianglemesh" "point3 P" [0 0 0 0.5 0 0 0.2 0.5 0 0.25 0.2 0.8] "integer indices" [0 1 3 1 2 3 2 0 3 0 2 1]
+  Translate 0.3 0.2 0.95
+  Shape "sphere" "float radius" 0.2
+ObjectEnd
+AttributeBegin
+  Translate -2.2 -0.6 0
+  ObjectInstance "thing"
+AttributeEnd
+AttributeBegin
+  Translate -0.4 1.6 0
+  Scale -1.4 1 1
+  ObjectInstance "thing"
+AttributeEnd
+"#;
+
+fn scene_of(text: &str) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.pbrt");
+    std::fs::write(&path, text).unwrap();
+    let loaded = load(path.to_str().unwrap(), &Default::default());
+    assert!(!loaded.diagnostics.has_errors());
+    let options = CompileOptions { mode: Some(steradian::ColorMode::Rgb), ..CompileOptions::default() };
+    compile(&loaded.desc, &options).scene.unwrap()
+}
+
+fn radiances(scene: &Scene, options: &str) -> Vec<[f64; 3]> {
+    let quality = Quality { integrator: Some(format!("raster:{options}")), ..Quality::default() };
+    let options = raster::options(&quality, scene).unwrap().unwrap();
+    raster::render(scene, &quality, &options).unwrap().film.pixels.iter().map(|p| p.mean()).collect()
+}
+
+/// The ray through a place of a pixel.
+fn ray(scene: &Scene, x: u32, y: u32, at: Vec2) -> Ray {
+    scene.camera.ray(&scene.film, Vec2::new(x as f32, y as f32) + at, Vec2::splat(0.5))
+}
+
+/// The primitive that a pixel sees is the one that its ray meets, or that a ray meets within the rounding of positions (1/256 pixel) of it (M46).
+#[test]
+fn what_is_seen_is_what_rays_meet() {
+    let scene = scene_of(SCENE);
+    let list = DrawList::new(&scene);
+    let projected = Projected::new(&scene, Vec2::splat(0.5)).unwrap();
+    let visibility = Visibility::draw(&scene, &list, &projected).unwrap();
+    let (mut equal, mut near, mut masked) = (0, 0, 0);
+    for (x, y) in (0..200).flat_map(|x| (0..150).map(move |y| (x, y))) {
+        let seen = visibility.seen(&scene, &list, &projected, [x, y]);
+        let id = seen.map(|s| s.hit.id);
+        let met = |at: Vec2| scene.intersect(&ray(&scene, x, y, at));
+        match (seen, met(Vec2::splat(0.5))) {
+            (Some(seen), Some(hit)) if seen.hit.id == hit.id => {
+                equal += 1;
+                assert!((seen.hit.t - hit.t).abs() < 1e-4 * hit.t, "{x} {y}: {} {}", seen.hit.t, hit.t);
+            }
+            (None, None) => equal += 1,
+            // Where a mask is half open, chance decides by the bits of the point.
+            (seen, hit)
+                if [seen.map(|s| s.hit), hit].iter().flatten().any(|h| scene.geometry(h.id).alpha.is_some()) =>
+            {
+                masked += 1;
+            }
+            _ => {
+                near += 1;
+                let beside = |i: i32| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) / 100.0 + 0.5;
+                assert!((0..9).any(|i| met(beside(i)).map(|h| h.id) == id), "{x} {y}: {id:?}");
+            }
+        }
+    }
+    assert!(equal > 29_900 && near < 60 && masked < 60, "{equal} {near} {masked}");
+}
+
+/// With lights that have one place, and mirrors, a pixel has the radiance of Whitted's ray tracing through its centre.
+#[test]
+fn light_is_that_of_rays() {
+    let scene = scene_of(SCENE);
+    let found = radiances(&scene, "");
+    let whitted = Whitted { depth: Depth { max: 8, roulette_after: 100, hide_emitters: false } };
+    let sampler = Sampler { kind: scene.settings.sampler, spp: 1, seed: 0 };
+    let (mut off, mut sum) = (0, 0.0);
+    for (x, y) in (0..200).flat_map(|x| (0..150).map(move |y| (x, y))) {
+        let centre = ray(&scene, x, y, Vec2::splat(0.5));
+        let (mut lambda, mut counters) = (Wavelengths::RGB, Counters::default());
+        let pixel = sampler.pixel(x, y, 0);
+        let expected =
+            whitted.radiance(&scene, &Survey::default(), centre, &pixel, &mut lambda, &mut counters).to_rgb();
+        let value = found[(y * 200 + x) as usize];
+        sum += value[1];
+        let differs =
+            (0..3).any(|c| (value[c] - f64::from(expected[c])).abs() > 1e-3 * (f64::from(expected[c]) + 0.01));
+        off += u32::from(differs);
+    }
+    // Pixels whose centre is within rounding of an edge, or of the border of a shadow.
+    assert!(off < 90 && sum > 1000.0, "{off} {sum}");
+}
+
+/// Shadow maps differ from rays along the borders of shadows alone, by fewer pixels the finer they are, and none without shadows is lit less (M228).
+#[test]
+fn shadow_maps_come_close_to_rays() {
+    // Without the mask, whose half-open places are chance, and the curve: a flat ribbon that faces whoever looks at it has no place that eye
+    // and light agree on.
+    let without_mask = SCENE.replace("\"texture alpha\" \"board\"", "");
+    let lines = without_mask.lines().filter(|line| !line.contains("Shape \"curve\""));
+    let scene = scene_of(&lines.collect::<Vec<_>>().join("\n"));
+    let (exact, open) = (radiances(&scene, "shadows=ray"), radiances(&scene, "shadows=none"));
+    let wrong = |options: &str| {
+        let found = radiances(&scene, options);
+        let differs = |i: usize| (0..3).any(|c| (found[i][c] - exact[i][c]).abs() > 1e-3 * (exact[i][c] + 0.01));
+        assert!((0..found.len()).all(|i| found[i][1] <= open[i][1] * 1.001 + 1e-6));
+        let pixels: Vec<usize> = (0..found.len()).filter(|&i| differs(i)).collect();
+        // A border is there where what rays find of shadow changes within 3 pixels.
+        let shade = |i: usize| exact[i][1] / open[i][1].max(1e-9);
+        let by_border = |i: &usize| {
+            let (x, y) = ((i % 200) as i32, (i / 200) as i32);
+            let around = (-3..=3).flat_map(|dx| (-3..=3).map(move |dy| (x + dx, y + dy)));
+            let inside = around.filter(|(x, y)| (0..200).contains(x) && (0..150).contains(y));
+            inside.map(|(x, y)| shade((y * 200 + x) as usize)).any(|s| (s - shade(*i)).abs() > 0.02)
+        };
+        (pixels.len(), pixels.iter().filter(|i| !by_border(i)).count())
+    };
+    let (coarse, _) = wrong("shadows=map,size=256");
+    let (fine, stray) = wrong("shadows=map,size=2048");
+    assert!(coarse < 3000 && fine * 3 < coarse && stray < 30, "{coarse} {fine} {stray}");
+    // Four by four texels soften borders, no more.
+    assert!(wrong("shadows=map,size=2048,pcf=4").0 < 1500);
+}
+
+/// The same bits for any number of threads, crops are parts of the whole, and more samples converge.
+#[test]
+fn threads_crops_and_samples() {
+    let scene = scene_of(SCENE);
+    let with_threads = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| radiances(&scene, "shadows=map,size=256"))
+    };
+    let first = with_threads(1);
+    assert!((2..=4).all(|threads| with_threads(threads) == first));
+    let mut part = scene.clone();
+    part.film.crop = steradian_core::film::Crop { x0: 37, y0: 20, x1: 120, y1: 101 };
+    let (whole, part) = (radiances(&scene, "show=primitives"), radiances(&part, "show=depth"));
+    assert_eq!((whole.len(), part.len()), (200 * 150, 83 * 81));
+    let whole = radiances(&scene, "show=depth");
+    for (i, pixel) in part.iter().enumerate() {
+        assert_eq!(*pixel, whole[(20 + i / 83) * 200 + 37 + i % 83], "{i}");
+    }
+    // The mean of many samples is that of the picture with few, but for edges.
+    let quality = Quality { spp: Some(16), ..Quality::default() };
+    let smooth = raster::render(&scene, &quality, &Options::default()).unwrap();
+    let mean = |pixels: &[[f64; 3]]| pixels.iter().map(|p| p[1]).sum::<f64>() / pixels.len() as f64;
+    let smooth: Vec<_> = smooth.film.pixels.iter().map(|p| p.mean()).collect();
+    let sharp = radiances(&scene, "");
+    assert!((mean(&smooth) / mean(&sharp) - 1.0).abs() < 0.01, "{} {}", mean(&smooth), mean(&sharp));
+}
+
+/// Infinite planes, parallel rays, an eye inside a sphere, nothing at all.
+#[test]
+fn odd_scenes() {
+    let head = "Film \"rgb\" \"integer xresolution\" 33 \"integer yresolution\" 17\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+    let empty = scene_of(&format!("Camera \"perspective\"\n{head}"));
+    assert!(radiances(&empty, "").iter().all(|p| (p[1] - 1.0).abs() < 1e-5));
+    // A white furnace: directions are drawn as the surface scatters, so each has all light.
+    let inside = scene_of(&format!(
+        "Camera \"perspective\"\n{head}Material \"diffuse\" \"rgb reflectance\" [1 1 1]\nShape \"sphere\""
+    ));
+    let furnace = radiances(&inside, "shadows=none");
+    let mean = furnace.iter().map(|p| p[1]).sum::<f64>() / furnace.len() as f64;
+    assert!((mean - 1.0).abs() < 1e-4, "{mean}");
+    let flat =
+        scene_of(&format!("Camera \"orthographic\"\n{head}Translate 0 0 3 Shape \"sphere\" \"float radius\" 0.5"));
+    let list = DrawList::new(&flat);
+    let projected = Projected::new(&flat, Vec2::splat(0.5)).unwrap();
+    let visibility = Visibility::draw(&flat, &list, &projected).unwrap();
+    for (x, y) in (0..33).flat_map(|x| (0..17).map(move |y| (x, y))) {
+        let seen = visibility.seen(&flat, &list, &projected, [x, y]).is_some();
+        assert_eq!(seen, flat.intersect(&ray(&flat, x, y, Vec2::splat(0.5))).is_some(), "{x} {y}");
+    }
+    let around = scene_of(&format!("Camera \"spherical\"\n{head}"));
+    let error = raster::render(&around, &Quality::default(), &Options::default()).unwrap_err();
+    assert!(error.to_string().contains("perspective or orthographic camera"));
+}
