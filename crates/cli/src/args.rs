@@ -97,7 +97,7 @@ pub struct SceneOptions {
     /// Look pictures up by one texel drawn at random, whose mean is the value of the filter
     #[arg(long, help_heading = "Scene")]
     pub stochastic_textures: bool,
-    /// Set a parameter ($NAME) of a Mitsuba scene; may be repeated
+    /// Set a parameter ($NAME) of a Mitsuba scene, or `at` (seconds), `animation`, `variant`, `scene` of a glTF scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
     /// Refuse scenes of which something would be approximated or dropped
@@ -126,7 +126,7 @@ pub enum Color {
     after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
 )]
 pub struct RenderArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .obj .ply), - for standard input, or builtin:NAME (see `steradian list scenes`)
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply), - for standard input, or builtin:NAME (see `steradian list scenes`)
     pub scene: Option<PathBuf>,
     /// Output file, its format by extension: .exr .png .hdr .pfm .ppm .jpg; may be repeated. Without it SCENE's name with .exr and
     /// .png in the current folder

@@ -35,6 +35,5 @@ fn is_scene(path: &Path) -> bool {
     let name = path.to_string_lossy().to_ascii_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     let extension = Path::new(name).extension().and_then(|e| e.to_str());
-    extension
-        .is_some_and(|e| ["gltf", "glb"].contains(&e) || steradian::load::EXTENSIONS.iter().any(|known| known.0 == e))
+    extension.is_some_and(|e| steradian::load::EXTENSIONS.iter().any(|known| known.0 == e))
 }

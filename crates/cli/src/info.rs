@@ -170,6 +170,7 @@ impl Info {
             Format::Pbrt => "pbrt-v4",
             Format::Mitsuba => "Mitsuba",
             Format::Model => "model",
+            Format::Gltf => "glTF",
         };
         row("scene", format!("{} ({format}, {} file{})", self.scene, self.files.len(), plural(self.files.len())));
         for (i, camera) in self.cameras.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! Scene and mesh files ⇄ [`steradian_scene::SceneDesc`], with located diagnostics.
 
 pub mod files;
+pub mod gltf;
 mod limits;
 pub mod mesh;
 pub mod mitsuba;
@@ -15,7 +16,7 @@ use steradian_scene::{Diagnostics, SceneDesc};
 pub struct Options {
     /// Bounds on what a file may ask for.
     pub limits: Limits,
-    /// Values for `$parameters` of Mitsuba scenes (`-D name=value`).
+    /// Values for `$parameters` of Mitsuba scenes, and choices in glTF scenes (`-D name=value`).
     pub defines: BTreeMap<String, String>,
     /// Folders searched after the scene's own.
     pub search: Vec<PathBuf>,

@@ -7,6 +7,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -25,6 +26,8 @@ pub enum Format {
     Mitsuba,
     /// A bare model (OBJ, PLY): framed and lit by us.
     Model,
+    /// glTF 2.0.
+    Gltf,
 }
 
 /// A piece of geometry with all that is attached to it.
@@ -96,6 +99,8 @@ pub struct SceneDesc {
     pub path: Option<PathBuf>,
     /// Every file that was read.
     pub sources: Sources,
+    /// Files that are in memory instead of on disk, such as pictures inside a scene file, by the path that nodes name them with.
+    pub embedded: BTreeMap<PathBuf, Arc<[u8]>>,
     /// The arena.
     pub nodes: Vec<Node>,
     /// Mesh data, shared by shapes.

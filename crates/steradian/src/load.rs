@@ -22,6 +22,8 @@ pub const EXTENSIONS: &[(&str, &str)] = &[
     ("xml", "Mitsuba scene: version 3, 2, or 0.6"),
     ("obj", "Wavefront model with materials"),
     ("ply", "polygon model"),
+    ("gltf", "glTF 2.0 scene, also in binary form (.glb)"),
+    ("glb", "glTF 2.0 scene in binary form"),
 ];
 
 /// Reads a scene. `builtin:NAME` names one of the built-in scenes ([`cornell::BUILTIN`]); other names are files, told apart by
@@ -44,6 +46,7 @@ pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Op
                 "pbrt" => steradian_formats::pbrt::import_text(name, bytes, Path::new("."), options),
                 "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
                 "obj" | "ply" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
+                "gltf" | "glb" => steradian_formats::gltf::import_bytes(path, bytes, options),
                 _ => unknown(name),
             }
         }
@@ -57,10 +60,14 @@ fn sniffed(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"ply") {
         return "ply";
     }
+    if bytes.starts_with(b"glTF") {
+        return "glb";
+    }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
     match lines.filter(|line| !line.is_empty()).find(|line| line[0] != b'#').map(|line| line[0]) {
         Some(b'<') => "xml",
+        Some(b'{') => "gltf",
         Some(b'a'..=b'z') => "obj",
         _ => "pbrt",
     }
@@ -89,7 +96,7 @@ fn read(path: &Path, options: &Options) -> Import {
         Some("pbrt") => steradian_formats::pbrt::import(path, options),
         Some("xml") => steradian_formats::mitsuba::import(path, options),
         Some("obj" | "ply") => steradian_formats::mesh::model::import(path, options),
-        Some("gltf" | "glb") => failed("glTF scenes are not implemented yet".into(), None),
+        Some("gltf" | "glb") => steradian_formats::gltf::import(path, options),
         _ => unknown(&name),
     }
 }
@@ -118,6 +125,8 @@ mod tests {
             ("# a comment\n\nLookAt 0 0 1 0 0 0 0 1 0", "pbrt"),
             ("# Blender\r\nmtllib a.mtl\r\n", "obj"),
             ("v 0 0 0\n", "obj"),
+            ("glTF\u{2}", "glb"),
+            ("{ \"asset\": {} }", "gltf"),
             ("", "pbrt"),
         ] {
             assert_eq!(sniffed(text.as_bytes()), format, "{text:?}");

@@ -80,7 +80,7 @@ fn broken_files_are_refused() {
         ("noise.ply", "noise.ply"),
         ("zero.pbrt", "film is empty"),
         ("scene.blend", "known are"),
-        ("scene.gltf", "not implemented"),
+        ("scene.gltf", "not glTF"),
         (".", "folder"),
     ] {
         place.refuse(2, &["render", name], &[about]);

@@ -37,9 +37,13 @@ impl Compiler<'_> {
         };
         let textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
         let mut others = names(|n| n.family == Family::Light || n.kind == "height_field");
-        let limits = self.options.image_limits;
+        let (limits, desc) = (self.options.image_limits, self.desc);
         let load = |p: &Path| -> Result<Loaded<Arc<Texels>>, String> {
-            let mut texels = steradian_image::read_texels(p, &limits).map_err(|e| e.to_string())?;
+            let read = match desc.embedded.get(p) {
+                Some(bytes) => steradian_image::read_texels_bytes(bytes, Some(p), &limits),
+                None => steradian_image::read_texels(p, &limits),
+            };
+            let mut texels = read.map_err(|e| e.to_string())?;
             let faults = blacken_non_finite(&mut texels);
             Ok(Loaded { texels: Arc::new(texels), faults })
         };

@@ -8,7 +8,7 @@ mod polygon;
 pub(crate) mod text;
 
 #[cfg(test)]
-mod test_files;
+pub(crate) mod test_files;
 
 pub mod model;
 pub mod mtl;

@@ -1,7 +1,7 @@
 //! Opening a model (OBJ, PLY) as a scene: its shapes and materials as they are, seen by a camera that frames them, under a sky.
 
 mod material;
-mod stage;
+pub(crate) mod stage;
 
 use super::{MeshError, Place, mtl, obj, ply, text};
 use crate::{

@@ -11,9 +11,24 @@ const HEIGHT: i64 = 768;
 /// Room around the model, as a factor on the distance.
 const MARGIN: f64 = 1.08;
 
-/// Sets up what is needed to see the shapes: +y is up and +z is the front, as most exporters have it.
+/// Sets up what is needed to see a model: +y is up and +z is the front, as most exporters have it.
 pub(super) fn set(desc: &mut SceneDesc) {
     let corners = bounding_box(desc.meshes.iter().map(Arc::as_ref));
+    let emits = desc.shapes.iter().any(|s| s.emission.is_some());
+    complete(desc, corners, emits);
+}
+
+/// Adds what a scene lacks: a camera that frames the box of its shapes, and a sky with a sun where it has no light of its own.
+pub(crate) fn complete(desc: &mut SceneDesc, corners: [DVec3; 2], has_lights: bool) {
+    if desc.cameras.is_empty() {
+        add_camera(desc, corners);
+    }
+    if !has_lights && desc.lights.is_empty() {
+        add_sky(desc);
+    }
+}
+
+fn add_camera(desc: &mut SceneDesc, corners: [DVec3; 2]) {
     let camera = Node::new(Family::Camera, "perspective", None)
         .with("fov", FOV)
         .with("fov_axis", "x")
@@ -22,8 +37,10 @@ pub(super) fn set(desc: &mut SceneDesc) {
     desc.cameras.push(camera);
     let film = desc.add(Node::new(Family::Film, "rgb", None).with("width", WIDTH).with("height", HEIGHT));
     desc.film = Some(film);
+}
 
-    // A bluish sky of radiance one half, and a warm sun over the left shoulder that makes about as much again where it falls.
+/// A bluish sky of radiance one half, and a warm sun over the left shoulder that makes about as much again where it falls.
+fn add_sky(desc: &mut SceneDesc) {
     let rgb = |r, g, b| SpectrumValue::Rgb([r, g, b], ColorSpace::Srgb);
     let sky = desc.add(Node::new(Family::Light, "environment", None).with("radiance", rgb(0.42, 0.5, 0.62)));
     let sun = Node::new(Family::Light, "distant", None)

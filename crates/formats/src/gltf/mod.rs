@@ -1,0 +1,195 @@
+//! glTF 2.0 (Khronos Group, "glTF 2.0 Specification", ISO/IEC 12113:2022) in text (.gltf) and binary form (.glb).
+//!
+//! Conventions: glTF is right-handed with +y up, cameras and lights look along their −z; pixel rows of pictures go down, as does v. Radiometry: candela, lux and
+//! emitted radiance are taken as they stand for W/sr, W/m² and W/(m² sr).
+//!
+//! What is drawn by a stated rule: points are spheres and lines are cylinders of a radius of 1/500 of the scene's diagonal; back faces are drawn whether
+//! a material is double-sided or not; occlusion textures are ignored, since light is traced; `BLEND` lets rays pass by chance.
+
+mod accessor;
+mod animation;
+mod container;
+mod extensions;
+mod json;
+mod lights;
+mod locate;
+mod material;
+mod mesh;
+mod nodes;
+#[cfg(test)]
+mod tests;
+mod texture;
+
+use crate::{
+    Import, Options,
+    files::{self, SearchPath},
+    mesh::model::stage,
+};
+use json::At;
+use serde_json::Value;
+use std::{collections::HashMap, path::Path, sync::Arc};
+use steradian_math::DVec3;
+use steradian_scene::{FileId, Format, Span};
+
+/// Opens a .gltf or .glb file. What the file is decides, not what it is called.
+///
+/// `-D scene=N` chooses another scene than the default one, `-D variant=NAME` a variant of the materials, `-D at=SECONDS` the moment
+/// of the animations (0) and `-D animation=NAME` one of them (all).
+pub fn import(path: &Path, options: &Options) -> Import {
+    match files::read(path, &options.limits) {
+        Ok(bytes) => import_bytes(path, bytes, options),
+        Err(e) => {
+            let mut import = Import::default();
+            import.diagnostics.error(&import.desc.sources, None, e.to_string());
+            import
+        }
+    }
+}
+
+/// The same for a document in memory; the files that it names are beside `path`.
+pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
+    let mut import = Import::default();
+    import.desc.format = Format::Gltf;
+    import.desc.path = Some(path.into());
+    let bytes: Arc<[u8]> = bytes.into();
+    let parts = match container::split(&bytes) {
+        Ok(parts) => parts,
+        Err(why) => {
+            import.diagnostics.error(&import.desc.sources, None, format!("cannot read '{}': {why}", path.display()));
+            return import;
+        }
+    };
+    let text: Arc<[u8]> = bytes[parts.json.clone()].into();
+    let source = import.desc.sources.add(path, text.clone());
+    let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
+    search.folders.extend(options.search.iter().cloned());
+    let mut root: Value = match serde_json::from_slice(strip_mark(&text)) {
+        Ok(root) => root,
+        Err(e) => {
+            let at = locate::line(&text, e.line(), e.column());
+            let why = format!("this is not JSON: {}", strip_place(&e.to_string()));
+            import.diagnostics.error(&import.desc.sources, Some(Span::new(source, at, at + 1)), why);
+            return import;
+        }
+    };
+    let mut reader = Reader {
+        import,
+        path,
+        options,
+        search,
+        text,
+        source,
+        buffers: Vec::new(),
+        bin: parts.bin.map(|range| container::Bytes::new(bytes.clone(), range)),
+        materials: HashMap::new(),
+        meshes: HashMap::new(),
+        uses_lights: false,
+        bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
+        strokes: Vec::new(),
+    };
+    reader.read(&mut root);
+    reader.import
+}
+
+/// Without the byte order mark that some writers put first.
+fn strip_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
+/// A message of the JSON parser without its own line and column.
+fn strip_place(message: &str) -> &str {
+    message.find(" at line ").map_or(message, |k| &message[..k])
+}
+
+/// A file on its way into a description.
+struct Reader<'a> {
+    import: Import,
+    path: &'a Path,
+    options: &'a Options,
+    search: SearchPath,
+    text: Arc<[u8]>,
+    source: FileId,
+    buffers: Vec<Option<container::Bytes>>,
+    /// The binary chunk of a .glb.
+    bin: Option<container::Bytes>,
+    /// By index, and by what the primitive has to offer.
+    materials: HashMap<material::Key, material::Look>,
+    /// Mesh data by mesh and primitive, where it is the same for all nodes.
+    meshes: HashMap<(usize, usize), Option<mesh::Data>>,
+    uses_lights: bool,
+    /// Of all vertices that are drawn, in the world.
+    bounds: [DVec3; 2],
+    /// Points and lines, until their radius is known.
+    strokes: Vec<mesh::Strokes>,
+}
+
+impl Reader<'_> {
+    fn read(&mut self, root: &mut Value) {
+        self.check_version(&At::root(root));
+        extensions::check(self, &At::root(root));
+        if self.import.diagnostics.has_errors() {
+            return;
+        }
+        self.load_buffers(&At::root(root));
+        animation::pose(self, root);
+        let root = At::root(root);
+        self.scene(&root);
+        if self.import.diagnostics.has_errors() {
+            return;
+        }
+        self.place_strokes();
+        let Import { desc, diagnostics } = &mut self.import;
+        if desc.shapes.is_empty() && desc.instances.is_empty() {
+            diagnostics.warn(&desc.sources, None, format!("the scene of '{}' has no surfaces", self.path.display()));
+            self.bounds = [DVec3::NEG_ONE, DVec3::ONE];
+        }
+        stage::complete(desc, self.bounds, self.uses_lights);
+    }
+
+    fn check_version(&mut self, root: &At<'_>) {
+        let asset = root.get("asset");
+        let version = asset.as_ref().and_then(|a| a.get("version")).and_then(|v| v.value.as_str().map(str::to_owned));
+        match version {
+            None => self.error(root, "this is not glTF: 'asset' with a 'version' is missing"),
+            Some(v) if v.split('.').next() != Some("2") => {
+                let at = asset.and_then(|a| a.get("version")).unwrap_or_else(|| root.clone());
+                self.error(&at, format!("glTF version {v} is not read; 2.0 is"));
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// Where a value stands in the file.
+    fn span(&self, at: &At<'_>) -> Option<Span> {
+        // Messages past the limit are not shown: to find their place takes reading the file.
+        if self.import.diagnostics.iter().count() > 500 {
+            return None;
+        }
+        let (start, end) = locate::value(&self.text, &at.pointer)?;
+        Some(Span::new(self.source, start, end))
+    }
+
+    fn error(&mut self, at: &At<'_>, message: impl Into<String>) {
+        self.error_help(at, message, None);
+    }
+
+    fn error_help(&mut self, at: &At<'_>, message: impl Into<String>, help: Option<String>) {
+        let (span, message) = (self.span(at), named(at, message.into()));
+        self.import.diagnostics.error_help(&self.import.desc.sources, span, message, help);
+    }
+
+    fn approximated(&mut self, at: &At<'_>, message: impl Into<String>) {
+        let (span, message) = (self.span(at), named(at, message.into()));
+        self.import.diagnostics.approximated(&self.import.desc.sources, span, message);
+    }
+
+    fn dropped(&mut self, at: &At<'_>, message: impl Into<String>) {
+        let (span, message) = (self.span(at), named(at, message.into()));
+        self.import.diagnostics.dropped(&self.import.desc.sources, span, message);
+    }
+}
+
+/// A message with the JSON pointer of what it is about.
+fn named(at: &At<'_>, message: String) -> String {
+    if at.pointer.is_empty() { message } else { format!("{}: {message}", at.pointer) }
+}

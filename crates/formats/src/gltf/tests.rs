@@ -1,0 +1,274 @@
+//! Small documents with a known meaning, the shared assets, and mutants of both.
+
+use super::import;
+use crate::{Import, Options};
+use steradian_math::DVec3;
+use steradian_scene::{Fidelity, SpectrumValue, Value};
+
+/// Floats as a data URI.
+fn data(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::from("data:application/octet-stream;base64,");
+    for chunk in bytes.chunks(3) {
+        let word = u32::from(chunk[0]) << 16
+            | chunk.get(1).map_or(0, |b| u32::from(*b) << 8)
+            | chunk.get(2).map_or(0, |b| u32::from(*b));
+        for k in 0..4 {
+            let letter = LETTERS[(word >> (18 - 6 * k) & 63) as usize] as char;
+            text.push(if k <= chunk.len() { letter } else { '=' });
+        }
+    }
+    text
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+/// A document of one triangle, with members added to the root, the node, the primitive and the material.
+fn triangle(root: &str, node: &str, primitive: &str, material: &str) -> String {
+    let buffer = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    format!(
+        r#"{{
+  "asset": {{ "version": "2.0" }},
+  "buffers": [{{ "byteLength": 36, "uri": "{}" }}],
+  "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
+  "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }}],
+  "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }}, "material": 0 {primitive} }}] }}],
+  "materials": [{{ "name": "paint" {material} }}],
+  "nodes": [{{ "mesh": 0 {node} }}]
+  {root}
+}}"#,
+        data(&buffer)
+    )
+}
+
+fn read_with(text: impl AsRef<[u8]>, defines: &[(&str, &str)]) -> Import {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, text).unwrap();
+    let defines = defines.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+    import(&path, &Options { defines, ..Options::default() })
+}
+
+fn read(text: impl AsRef<[u8]>) -> Import {
+    read_with(text, &[])
+}
+
+fn sound(text: impl AsRef<[u8]>) -> Import {
+    let import = read(text);
+    let messages: Vec<_> = import.diagnostics.iter().map(ToString::to_string).collect();
+    assert!(!import.diagnostics.has_errors(), "{messages:#?}");
+    import
+}
+
+/// The errors, each with its place.
+fn faults(text: impl AsRef<[u8]>) -> Vec<String> {
+    let import = read(text);
+    assert!(import.diagnostics.has_errors());
+    import.diagnostics.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn a_triangle_is_placed_framed_and_lit() {
+    let desc = sound(triangle("", r#", "translation": [1, 2, 3], "scale": [2, 2, 2]"#, "", "")).desc;
+    assert_eq!((desc.shapes.len(), desc.cameras.len(), desc.lights.len()), (1, 1, 2));
+    assert_eq!(desc.meshes[0].triangles, [[0, 1, 2]]);
+    let p = desc.shapes[0].world_from_object.matrix.transform_point3(DVec3::new(1.0, 0.0, 0.0));
+    assert!((p - DVec3::new(3.0, 2.0, 3.0)).length() < 1e-12);
+    let material = desc.node(desc.shapes[0].material.unwrap());
+    assert_eq!((material.kind.as_str(), material.name.as_deref()), ("metallic_roughness", Some("paint")));
+    assert_eq!((material.float("metallic"), material.float("roughness")), (Some(1.0), Some(1.0)));
+}
+
+#[test]
+fn materials_and_their_extensions_arrive() {
+    let material = r#", "pbrMetallicRoughness": { "baseColorFactor": [0.2, 0.4, 0.6, 0.5], "metallicFactor": 0.3, "roughnessFactor": 0.7 },
+        "emissiveFactor": [1, 0.5, 0], "alphaMode": "BLEND", "extensions": {
+            "KHR_materials_emissive_strength": { "emissiveStrength": 4 }, "KHR_materials_ior": { "ior": 1.33 },
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 1, 1] },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.9, "clearcoatRoughnessFactor": 0.1 },
+            "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 1.5707963267948966 } }"#;
+    let desc = sound(triangle("", "", "", material)).desc;
+    let shape = &desc.shapes[0];
+    let mask = desc.node(shape.material.unwrap());
+    assert_eq!((mask.kind.as_str(), mask.float("opacity")), ("mask", Some(0.5)));
+    let m = desc.node(mask.node("material").unwrap());
+    let numbers = ["metallic", "roughness", "eta", "transmission", "clearcoat", "clearcoat_roughness", "anisotropy"];
+    assert_eq!(numbers.map(|n| m.float(n).unwrap()), [0.3, 0.7, 1.33, 1.0, 0.9, 0.1, 0.5]);
+    assert!((m.float("anisotropy_rotation").unwrap() - 90.0).abs() < 1e-9);
+    assert_eq!(m.bool("thin"), Some(false));
+    let medium = desc.node(shape.interior.unwrap());
+    let Some(Value::Spectrum(SpectrumValue::Rgb(sigma, _))) = medium.get("sigma_a") else { panic!() };
+    // σ = −ln(c)/d; a component of one keeps its light up to rounding of the least colour.
+    assert!((sigma[0] - 0.5f64.ln().abs() / 2.0).abs() < 1e-12 && sigma[1].abs() < 1e-12);
+    let light = desc.node(shape.emission.unwrap());
+    assert_eq!(light.get("radiance"), Some(&Value::Spectrum(SpectrumValue::Rgb([4.0, 2.0, 0.0], Default::default()))));
+    // It is a lamp: no sky is added.
+    assert!(desc.lights.is_empty());
+}
+
+#[test]
+fn strips_fans_and_morph_targets() {
+    let strip = triangle("", "", r#", "mode": 5"#, "");
+    assert_eq!(sound(strip).desc.meshes[0].triangles, [[0, 1, 2]]);
+    let fan = triangle("", "", r#", "mode": 6"#, "");
+    assert_eq!(sound(fan).desc.meshes[0].triangles, [[1, 2, 0]]);
+    let lines = sound(triangle("", "", r#", "mode": 2"#, "")).desc;
+    assert_eq!(lines.shapes.len(), 3);
+    assert!(lines.shapes.iter().all(|s| lines.node(s.node).kind == "cylinder"));
+    let points = sound(triangle("", "", r#", "mode": 0"#, "")).desc;
+    assert!(points.shapes.iter().all(|s| points.node(s.node).kind == "sphere"));
+    let morphed = triangle("", r#", "weights": [0.5]"#, r#", "targets": [{ "POSITION": 0 }]"#, "");
+    assert_eq!(sound(morphed).desc.meshes[0].positions[1], [1.5, 0.0, 0.0]);
+}
+
+#[test]
+fn cameras_look_along_minus_z_and_lights_too() {
+    let root = r#", "cameras": [{ "type": "perspective", "perspective": { "yfov": 1, "aspectRatio": 2 } }],
+        "scenes": [{ "nodes": [0, 1] }],
+        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "directional", "intensity": 3, "color": [1, 0.5, 0] }] } }"#;
+    let text = triangle(root, "", "", "").replace(
+        r#""nodes": [{ "mesh": 0  }]"#,
+        r#""nodes": [{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 5], "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476],
+            "extensions": { "KHR_lights_punctual": { "light": 0 } } }]"#,
+    );
+    let desc = sound(text).desc;
+    let camera = desc.node(desc.cameras[0]);
+    let forward = camera.transform("to_world").unwrap().matrix.transform_vector3(DVec3::Z);
+    // A quarter turn about y takes −z to −x.
+    assert!((forward - DVec3::NEG_X).length() < 1e-9, "{forward}");
+    assert!((camera.float("fov").unwrap() - 1f64.to_degrees()).abs() < 1e-12);
+    let film = desc.node(desc.film.unwrap());
+    assert_eq!((film.int("width"), film.int("height")), (Some(1536), Some(768)));
+    let light = desc.node(desc.lights[0]);
+    assert!((DVec3::from(light.vec3("direction").unwrap()) - DVec3::NEG_X).length() < 1e-9);
+    assert_eq!(desc.lights.len(), 1);
+}
+
+#[test]
+fn animations_pose_the_scene() {
+    let mut buffer = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    buffer.extend(floats(&[0.0, 2.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0]));
+    let text = format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "buffers": [{{ "byteLength": 68, "uri": "{}" }}],
+        "bufferViews": [{{ "buffer": 0, "byteLength": 68 }}],
+        "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }},
+            {{ "bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "SCALAR" }},
+            {{ "bufferView": 0, "byteOffset": 44, "componentType": 5126, "count": 2, "type": "VEC3" }}],
+        "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }} }}] }}], "nodes": [{{ "mesh": 0 }}],
+        "animations": [{{ "name": "slide", "channels": [{{ "sampler": 0, "target": {{ "node": 0, "path": "translation" }} }}],
+            "samplers": [{{ "input": 1, "output": 2 }}] }}] }}"#,
+        data(&buffer)
+    );
+    let x = |defines: &[(&str, &str)]| {
+        let import = read_with(&text, defines);
+        assert!(!import.diagnostics.has_errors());
+        import.desc.shapes[0].world_from_object.matrix.w_axis.x
+    };
+    assert_eq!(x(&[]), 0.0);
+    assert!((x(&[("at", "0.5s")]) - 2.5).abs() < 1e-6);
+    assert!((x(&[("at", "9"), ("animation", "slide")]) - 10.0).abs() < 1e-6);
+    assert!(read_with(&text, &[("at", "1"), ("animation", "jump")]).diagnostics.has_errors());
+}
+
+#[test]
+fn faults_are_placed() {
+    let text = triangle("", "", "", r#", "pbrMetallicRoughness": { "baseColorTexture": { "index": 7 } }"#);
+    let message = &faults(text)[0];
+    assert!(
+        message.contains("/materials/0/pbrMetallicRoughness/baseColorTexture/index: there is no textures[7]"),
+        "{message}"
+    );
+    assert!(message.contains("a.gltf:7:"), "{message}");
+    let first = |text: String| faults(text)[0].clone();
+    let message = first(triangle(r#", "extensionsRequired": ["KHR_lights_punctal"]"#, "", "", ""));
+    assert!(message.contains("did you mean 'KHR_lights_punctual'?"), "{message}");
+    assert!(
+        first(triangle(r#", "extensionsRequired": ["KHR_texture_basisu"]"#, "", "", "")).contains("not implemented")
+    );
+    assert!(first(triangle("", "", r#", "indices": 0"#, "")).contains("unsigned integers"));
+    assert!(
+        first(
+            triangle("", r#", "children": [0]"#, "", "")
+                .replace("\"nodes\": [{", "\"scene\": 0, \"scenes\": [{\"nodes\": [0]}], \"nodes\": [{")
+        )
+        .contains("met twice")
+    );
+    assert!(first(triangle("", "", "", "").replace("\"count\": 3", "\"count\": 4000000000000")).contains("do not fit"));
+    assert!(first(triangle("", "", "", "").replace("\"2.0\"", "\"1.0\"")).contains("version 1.0"));
+    assert!(
+        first(triangle("", "", "", "").replace("\"byteLength\": 36, \"uri\"", "\"byteLength\": 37, \"uri\""))
+            .contains("36 of the 37")
+    );
+    let message = first("{ \"asset\": { \"version\": \"2.0\" }, \n \"nodes\": [ }".into());
+    assert!(message.contains("not JSON") && message.contains("a.gltf:2:"), "{message}");
+    assert!(first("{}".into()).contains("not glTF"));
+    let escaping = triangle("", "", "", "").replace("data:application", "../../etc/passwd?x=data:application");
+    assert!(first(escaping).contains("leads out of the folder"));
+}
+
+#[test]
+fn losses_are_told() {
+    let losses = |text: String| -> Vec<(Option<Fidelity>, String)> {
+        sound(text).diagnostics.iter().map(|d| (d.fidelity, d.message.clone())).collect()
+    };
+    let used = losses(triangle(r#", "extensionsUsed": ["EXT_texture_webp", "VND_none"]"#, "", "", ""));
+    assert!(used.iter().all(|l| l.0 == Some(Fidelity::Dropped)) && used.len() == 2, "{used:?}");
+    let wide = losses(triangle("", "", "", r#", "pbrMetallicRoughness": { "roughnessFactor": 1.5 }"#));
+    assert!(wide[0].1.contains("outside of 0 to 1"), "{wide:?}");
+}
+
+/// Every file of the assets is read; those that need what is not implemented say so.
+#[test]
+fn the_assets_are_read() {
+    let Some(root) = crate::mesh::test_files::assets() else { return };
+    let mut count = 0;
+    let mut folders = vec![root.join("gltf")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            if !path.extension().is_some_and(|e| e == "gltf" || e == "glb") {
+                continue;
+            }
+            count += 1;
+            let import = import(&path, &Options::default());
+            let errors: Vec<_> =
+                import.diagnostics.iter().map(ToString::to_string).filter(|m| m.starts_with("error")).collect();
+            assert!(errors.iter().all(|e| e.contains("not implemented")), "{}: {errors:#?}", path.display());
+        }
+    }
+    assert!(count > 30, "{count}");
+}
+
+#[test]
+fn mutants_do_not_panic() {
+    let material = r#", "normalTexture": { "index": 0 }, "alphaMode": "MASK", "extensions": { "KHR_materials_volume": { "thicknessFactor": 1 } }"#;
+    let text = triangle(
+        r#", "scenes": [{ "nodes": [0] }], "skins": [{ "joints": [0] }]"#,
+        r#", "rotation": [0, 0, 0, 1], "weights": [1]"#,
+        r#", "targets": [{ "POSITION": 0 }], "mode": 4"#,
+        material,
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.gltf");
+    crate::mesh::test_files::mutants(text.as_bytes(), 3_000, |bytes| {
+        std::fs::write(&path, bytes).unwrap();
+        let _ = import(&path, &Options::default());
+    });
+    let mut glb = b"glTF\x02\0\0\0".to_vec();
+    let json = text.replace(char::is_whitespace, "");
+    glb.extend(((json.len() + 20) as u32).to_le_bytes());
+    glb.extend((json.len() as u32).to_le_bytes());
+    glb.extend(b"JSON");
+    glb.extend(json.as_bytes());
+    crate::mesh::test_files::mutants(&glb, 1_000, |bytes| {
+        std::fs::write(&path, bytes).unwrap();
+        let _ = import(&path, &Options::default());
+    });
+}
