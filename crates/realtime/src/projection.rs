@@ -102,6 +102,11 @@ impl Projected {
         self.camera_from_world.point(p)
     }
 
+    /// A direction in the view's own coordinates.
+    pub fn turn(&self, direction: Vec3) -> Vec3 {
+        self.camera_from_world.vector(direction)
+    }
+
     /// Distance along the axis of what has this depth; infinite where nothing was drawn.
     pub fn distance_of(&self, depth: f32) -> f32 {
         if depth <= 0.0 {

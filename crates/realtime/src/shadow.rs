@@ -131,7 +131,7 @@ impl Shadowing {
                 &maps[2 * axis + usize::from(d[axis] < 0.0)]
             }
         };
-        map.lit(i.surface.p, i.surface.n, wi, self.bias, self.pcf)
+        map.lit(i.surface.p, i.surface.n, self.bias, self.pcf)
     }
 }
 
@@ -151,15 +151,17 @@ impl Map {
 
     /// The share of the texels around a point's that do not see something before it (percentage-closer filtering; Reeves, Salesin, Cook 1987).
     /// A point is lit where its distance is at most that of what the light sees, plus the bias.
-    fn lit(&self, p: Vec3, n: Vec3, wi: Vec3, bias: f32, pcf: u32) -> f32 {
+    fn lit(&self, p: Vec3, n: Vec3, bias: f32, pcf: u32) -> f32 {
         let local = self.view.local(p);
         let clip = self.view.clip(p);
         if clip.w.is_nan() || clip.w <= 0.0 {
             return 1.0;
         }
         let texel = if self.perspective { self.texel * local.z } else { self.texel };
-        let cos = n.dot(wi).abs();
-        let slope = ((1.0 - cos * cos).max(0.0).sqrt() / cos.max(1e-6)).min(STEEPEST);
+        // How the distance along the axis changes from texel to texel on the plane of the surface, in widths of a texel: the sum of both axes.
+        let n = self.view.turn(n);
+        let towards = if self.perspective { local / local.z } else { Vec3::Z };
+        let slope = ((n.x.abs() + n.y.abs()) / n.dot(towards).abs().max(1e-6)).min(STEEPEST);
         // The surface changes by its slope from the middle of a texel to its border, and further texels lie further off.
         let reach = 0.5 * (pcf as f32 + 1.0);
         let limit = local.z - bias * texel * (reach * slope + 0.1);
