@@ -24,6 +24,7 @@ mod render;
 mod report;
 mod signal;
 mod signals;
+mod solving;
 mod terminal;
 mod values;
 mod watch;

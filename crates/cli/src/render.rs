@@ -10,6 +10,7 @@ use crate::{
     raster,
     report::{self, Report},
     signals::{self, Signals},
+    solving,
     terminal::{self, Terminal},
     values::MAX_SPP,
     watch::{self, Stop},
@@ -24,6 +25,7 @@ use steradian::{
     image::FileKind,
     inputs::is_same_file,
     integrators::SCALES,
+    radiosity,
     resume::{self, Recipe},
 };
 
@@ -43,7 +45,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
     let write_options = args.files.write_options().map_err(Failure::bad_input)?;
-    outputs.iter().chain(&args.resume).try_for_each(|o| output::check_writable(o))?;
+    outputs.iter().chain(&args.resume).chain(&quality.solution()).try_for_each(|o| output::check_writable(o))?;
     if let Some(state) = &args.resume {
         check_state(state, &outputs)?;
     }
@@ -52,6 +54,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let opened = open::open(path, &scene_options, quality.spp);
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
+    let solution = quality.solution();
+    let lit = solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
+    let lit = lit.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
     let ready = opened.into_scene(path, args.scene_options.strict, terminal)?;
     let Ready { scene, inputs, counts, load, build } = ready;
     if args.output.is_empty() {
@@ -63,7 +68,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         }
         outputs = free;
     }
-    output::keep_inputs(outputs.iter().chain(&args.resume).map(PathBuf::as_path), &inputs)?;
+    output::keep_inputs(outputs.iter().chain(&args.resume).chain(&solution).map(PathBuf::as_path), &inputs)?;
     if let Some(options) =
         steradian::raster::options(&quality, &scene).map_err(|e| Failure::bad_input(e.to_string()))?
     {
@@ -92,7 +97,11 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let signals = Signals::watch().map_err(|e| Failure::failed(format!("cannot watch for signals: {e}")))?;
-    let mut session = Session::new(&scene, plan);
+    let survey = solving::survey(&scene, &plan, solution.as_deref().zip(lit), &signals, terminal)?;
+    let mut session = match survey {
+        Some(survey) => Session::with_survey(&scene, plan, survey),
+        None => Session::new(&scene, plan),
+    };
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
         let options = open::compile_options(&args.scene_options, quality.spp);
         Keeper { path, recipe: Recipe::new(&scene, fingerprint, &options, &plan), terminal }

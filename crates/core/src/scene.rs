@@ -13,8 +13,8 @@ use crate::{
     texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
 use std::sync::Arc;
-pub use steradian_accel::Hit;
-use steradian_accel::{Accel, PrimId, Steps, UserHit, UserPrimitives, WORLD};
+use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
+pub use steradian_accel::{Hit, PrimId, WORLD};
 use steradian_math::{
     Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
 };

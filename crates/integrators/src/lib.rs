@@ -1,9 +1,11 @@
 //! Light transport: estimators of the radiance that a camera ray carries, and the session that turns them into a film.
 
 pub mod adaptive;
+pub mod ao;
 pub mod features;
 pub mod path;
 pub mod path_recursive;
+pub mod radiosity;
 pub mod raycast;
 pub mod registry;
 pub mod reuse;

@@ -2,13 +2,16 @@
 
 use crate::{
     Depth, Plan, Stop, Survey, Tactics,
+    ao::AmbientOcclusion,
     path::{Path, VolPath},
     path_recursive::PathRecursive,
+    radiosity::{self, View},
     raycast::Raycast,
     stokes::Stokes,
     whitted::Whitted,
 };
 
+use std::sync::Arc;
 use steradian_core::Scene;
 
 /// The integrators: name, and what it does.
@@ -23,10 +26,15 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
     ),
     ("direct", "light that scattered once; hide_emitters"),
     ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
+    ("ao", "ambient occlusion: the part of an even sky that a surface sees; distance (no limit)"),
     ("raycast", "the colour of the first surface"),
     (
         "path-recursive",
         "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
+    ),
+    (
+        "radiosity",
+        "light exchanged by Lambertian patches, solved once for all cameras; method (gauss-seidel, jacobi, direct, shooting, hierarchical, stochastic), factors (analytic, montecarlo, hemicube), patches (2000), adaptive (1), tolerance, rays, gather (0), smooth (true), ambient, solution (a file that keeps it)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -49,6 +57,10 @@ pub enum IntegratorKind {
     PathRecursive(PathRecursive),
     /// Path tracing of polarised light.
     Stokes(Stokes),
+    /// Ambient occlusion.
+    AmbientOcclusion(AmbientOcclusion),
+    /// Views of radiosity.
+    Radiosity(View),
 }
 
 impl IntegratorKind {
@@ -61,6 +73,10 @@ impl IntegratorKind {
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
             "path-recursive" => Self::PathRecursive(PathRecursive { depth, tactics }),
+            "ao" => Self::AmbientOcclusion(AmbientOcclusion { distance: f32::INFINITY }),
+            "radiosity" => {
+                Self::Radiosity(View { settings: radiosity::Settings::default(), depth, gather: 0, smooth: true })
+            }
             "stokes" => Self::Stokes(Stokes { depth, component: 0 }),
             "stokes-s1" => Self::Stokes(Stokes { depth, component: 1 }),
             "stokes-s2" => Self::Stokes(Stokes { depth, component: 2 }),
@@ -75,6 +91,11 @@ impl IntegratorKind {
             Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
             Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
             Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
+            // What cannot be solved is refused before a session is made; it is black here.
+            Self::Radiosity(i) => match radiosity::solve(scene, &i.settings, stop) {
+                Ok(Some(solution)) => Survey::of_radiosity(Arc::new(solution)),
+                _ => Survey::default(),
+            },
             _ => Survey::default(),
         }
     }

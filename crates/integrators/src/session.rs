@@ -119,6 +119,11 @@ fn cpu_time() -> Duration {
 }
 
 impl<'s> Session<'s> {
+    /// Starts with an empty film, and with what is known of the scene already.
+    pub fn with_survey(scene: &'s Scene, plan: Plan, survey: Survey) -> Self {
+        Self { survey, is_surveyed: true, ..Self::new(scene, plan) }
+    }
+
     /// Starts with an empty film.
     pub fn new(scene: &'s Scene, plan: Plan) -> Self {
         let crop = scene.film.crop;
@@ -228,6 +233,8 @@ impl<'s> Session<'s> {
             IntegratorKind::Raycast(i) => self.run(i, control),
             IntegratorKind::PathRecursive(i) => self.run(i, control),
             IntegratorKind::Stokes(i) => self.run(i, control),
+            IntegratorKind::AmbientOcclusion(i) => self.run(i, control),
+            IntegratorKind::Radiosity(i) => self.run(i, control),
         };
         self.is_complete = is_complete;
         self.counters += &counters;

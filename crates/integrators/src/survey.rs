@@ -4,9 +4,11 @@ use crate::{
     Plan, Stop,
     caustics::{Caustics, trial},
     effort::{self, Effort, Local},
+    radiosity::Solution,
     reuse::{self, Suffix},
     splitting::{self, Splitting},
 };
+use std::sync::Arc;
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
 
@@ -34,7 +36,7 @@ pub struct Tactics {
     pub by_vertex: bool,
 }
 
-/// What path tracers know beforehand. It decides about how much samples err, not about their mean.
+/// What integrators know beforehand. Of path tracers it decides about how much samples err, not about their mean.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// How many paths share what they find; none where it is zero.
@@ -51,9 +53,16 @@ pub struct Survey {
     pub splitting: Splitting,
     /// Whether paths are to end at once.
     pub stop: Stop,
+    /// The light that surfaces exchange, for views of it.
+    pub radiosity: Option<Arc<Solution>>,
 }
 
 impl Survey {
+    /// Of a scene that radiosity was solved for.
+    pub fn of_radiosity(solution: Arc<Solution>) -> Self {
+        Self { radiosity: Some(solution), ..Self::default() }
+    }
+
     /// Of a scene, for paths of a depth, and the pictures of a plan.
     pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, plan: &Plan, stop: &Stop) -> Self {
         let (depth, tactics) = (paths.depth(), paths.tactics());

@@ -32,4 +32,16 @@ pub enum Error {
     /// What the graphics pipeline refused.
     #[error(transparent)]
     Raster(#[from] steradian_realtime::Error),
+    /// An option of radiosity that does not exist or has no such value.
+    #[error(
+        "option '{0}' of radiosity is not understood; keys are method ({methods}), factors (analytic, montecarlo, hemicube), resolution (rays of a patch, or pixels of a hemicube's edge; 2 to 4096), patches (1 to 2000000), adaptive (0 to 8), tolerance (above 0, below 1), rays (1 to 1000000), wavelengths (4 to 256), ambient, gather (0 to 4096), smooth, solution (a file), max_depth, hide_emitters",
+        methods = steradian_integrators::radiosity::METHODS.iter().map(|m| m.0).collect::<Vec<_>>().join(", ")
+    )]
+    RadiosityOption(String),
+    /// An option of ambient occlusion that does not exist or has no such value.
+    #[error("option '{0}' of ao is not understood; it knows distance, a length above 0")]
+    AmbientOcclusionOption(String),
+    /// A scene that radiosity cannot do.
+    #[error("{0}")]
+    Radiosity(#[from] steradian_integrators::radiosity::Refusal),
 }

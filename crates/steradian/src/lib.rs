@@ -19,6 +19,7 @@ mod error;
 pub mod inputs;
 pub mod load;
 pub mod quality;
+pub mod radiosity;
 pub mod raster;
 pub mod resume;
 pub mod specimen;
@@ -39,7 +40,7 @@ pub use steradian_formats as formats;
 pub use steradian_image as image;
 pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
-pub use steradian_integrators::{Control, Film, INTEGRATORS, Session};
+pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Session};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
 

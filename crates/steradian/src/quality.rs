@@ -1,11 +1,16 @@
 //! What the user decides about a render; what is left open follows the scene.
 
-use crate::{Error, Layer, raster::RASTER};
+use crate::{Error, Layer, radiosity, raster::RASTER};
+use std::path::PathBuf;
 use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
 use steradian_integrators::{Depth, Effort, INTEGRATORS, IntegratorKind, Plan, Tactics};
+use steradian_integrators::{
+    ao::AmbientOcclusion,
+    radiosity::{Settings, View},
+};
 use steradian_scene::names::did_you_mean;
 
 /// Integrator, samples, depth, threads and layers.
@@ -48,6 +53,20 @@ impl Quality {
             hide_emitters: scene.settings.hide_emitters,
         };
         let mut tactics = Tactics::default();
+        if name == "radiosity" {
+            let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
+            let asked = radiosity::options(options, depth)?;
+            let settings = Settings { seed: self.seed.unwrap_or(scene.settings.seed), ..asked.view.settings };
+            let view = View { settings, ..asked.view };
+            radiosity::can_solve(scene, &view)?;
+            // Without a final gather pixels have no noise but that of edges.
+            let spp = self.spp.unwrap_or(if view.gather > 0 { scene.settings.spp } else { scene.settings.spp.min(16) });
+            return self.plan_of(scene, IntegratorKind::Radiosity(view), spp);
+        }
+        if name == "ao" {
+            let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options)?);
+            return self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
+        }
         for option in options.split(',').filter(|o| !o.is_empty()) {
             let fault = || Error::IntegratorOption(option.into());
             let (key, value) = option.split_once('=').ok_or_else(fault)?;
@@ -77,6 +96,11 @@ impl Quality {
             hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
             known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
         })?;
+        self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
+    }
+
+    /// The plan with an integrator and so many samples per pixel.
+    fn plan_of(&self, scene: &Scene, integrator: IntegratorKind, spp: u32) -> Result<Plan, Error> {
         let kind = match self.sampler.as_deref() {
             None => scene.settings.sampler,
             Some("scene") => scene.settings.named_sampler,
@@ -86,11 +110,7 @@ impl Quality {
                 known: SAMPLERS.iter().map(|s| s.0).collect::<Vec<_>>().join(", "),
             })?,
         };
-        let sampler = Sampler {
-            kind,
-            spp: self.spp.unwrap_or(scene.settings.spp),
-            seed: self.seed.unwrap_or(scene.settings.seed),
-        };
+        let sampler = Sampler { kind, spp, seed: self.seed.unwrap_or(scene.settings.seed) };
         Ok(Plan {
             integrator,
             sampler,
@@ -101,9 +121,25 @@ impl Quality {
         })
     }
 
+    /// The file that keeps the solution of radiosity, where one is named.
+    pub fn solution(&self) -> Option<PathBuf> {
+        let (_, options) = self.integrator.as_deref()?.strip_prefix("radiosity").map(|o| o.split_once(':'))??;
+        options.split(',').find_map(|o| o.strip_prefix("solution=")).filter(|f| !f.is_empty()).map(PathBuf::from)
+    }
+
     /// The integrator's name in the plan, without options.
     pub fn integrator_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
         let asked = self.integrator.as_deref().unwrap_or(&scene.settings.integrator);
         asked.split_once(':').map_or(asked, |s| s.0)
     }
+}
+
+/// The options of ambient occlusion.
+fn ambient_occlusion(options: &str) -> Result<AmbientOcclusion, Error> {
+    let mut asked = AmbientOcclusion { distance: f32::INFINITY };
+    for option in options.split(',').filter(|o| !o.is_empty()) {
+        let distance = option.trim().strip_prefix("distance=").and_then(|v| v.parse::<f32>().ok());
+        asked.distance = distance.filter(|d| *d > 0.0).ok_or_else(|| Error::AmbientOcclusionOption(option.into()))?;
+    }
+    Ok(asked)
 }

@@ -11,7 +11,7 @@ use std::{
     path::Path,
 };
 use steradian_integrators::Plan;
-use steradian_scene::{SceneDesc, Value};
+use steradian_scene::{Node, SceneDesc, Value};
 
 const MAGIC: &[u8; 16] = b"Steradian state2";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -57,15 +57,24 @@ pub struct Recipe {
 /// # Errors
 /// Those of reading; files that are not there count as empty.
 pub fn fingerprint(desc: &SceneDesc) -> io::Result<[u8; blake3::OUT_LEN]> {
+    fingerprint_of(desc, (&desc.cameras, desc.film, desc.filter, desc.sampler, desc.integrator), |_| true)
+}
+
+/// The fingerprint of what is placed in a scene, of its lights, of `more`, and of those nodes that count.
+pub(crate) fn fingerprint_of(
+    desc: &SceneDesc,
+    more: impl serde::Serialize,
+    counts: impl Fn(&Node) -> bool,
+) -> io::Result<[u8; blake3::OUT_LEN]> {
     let mut hasher = blake3::Hasher::new();
     // All but where it was read.
     let placed = (&desc.meshes, &desc.shapes, &desc.groups, &desc.instances);
-    let used = (&desc.lights, &desc.cameras, desc.film, desc.filter, desc.sampler, desc.integrator);
+    let nodes: Vec<&Node> = desc.nodes.iter().filter(|node| counts(node)).collect();
     let mut out = BufWriter::new(&mut hasher);
-    serde_json::to_writer(&mut out, &(desc.format, &desc.nodes, placed, used))?;
+    serde_json::to_writer(&mut out, &(desc.format, &nodes, placed, &desc.lights, more))?;
     out.flush()?;
     drop(out);
-    for param in desc.nodes.iter().flat_map(|node| &node.params) {
+    for param in nodes.iter().flat_map(|node| &node.params) {
         let Value::Path(path) = &param.value else { continue };
         match File::open(path) {
             Ok(file) if file.metadata()?.is_file() => drop(hasher.update_reader(file)?),

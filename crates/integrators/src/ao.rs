@@ -1,0 +1,43 @@
+//! Ambient occlusion: the part of the light of an evenly bright sky that reaches a surface past what is within a distance,
+//! `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
+
+use crate::{Counters, Integrator, Survey, dimension, walk::MAX_PASSES};
+use steradian_core::{Scene, sampler::PixelSampler};
+use steradian_math::{Frame, Ray, Spectrum, spectra::Wavelengths, warp};
+
+/// Ambient occlusion.
+#[derive(Clone, Copy, Debug)]
+pub struct AmbientOcclusion {
+    /// How far away something may be to stop light; scene units.
+    pub distance: f32,
+}
+
+impl Integrator for AmbientOcclusion {
+    fn radiance(
+        &self,
+        scene: &Scene,
+        _: &Survey,
+        mut ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        for _ in 0..MAX_PASSES {
+            counters.rays += 1;
+            let Some(hit) = scene.intersect(&ray) else { return Spectrum::ZERO };
+            let i = scene.interaction(&ray, &hit);
+            let u = sampler.get_1d_lazily(dimension::at(0, dimension::MIXTURE), scene.has_mixtures);
+            let Some((_, frame)) = scene.scattering(&i, u, lambda) else {
+                ray = i.spawn(ray.direction);
+                continue;
+            };
+            let up = if frame.z.dot(i.wo) < 0.0 { -frame.z } else { frame.z };
+            let local = warp::cosine_hemisphere(sampler.get_2d(dimension::at(0, dimension::DIRECTION)));
+            let w = Frame::from_z(up).to_world(local);
+            counters.rays += 1;
+            let is_open = !scene.occluded(&Ray { t_max: self.distance, ..i.spawn(w) });
+            return Spectrum::splat(f32::from(is_open));
+        }
+        Spectrum::ZERO
+    }
+}

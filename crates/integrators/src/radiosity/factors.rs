@@ -1,0 +1,269 @@
+//! Form factors between patches: which part of the light that leaves one arrives at another, with what stands between.
+
+use super::{
+    cells::Cells,
+    direct::spawn,
+    form_factor,
+    patches::{NONE, Patch, Patches},
+    surfaces::Surfaces,
+};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use steradian_core::{Scene, scene::Hit};
+use steradian_math::{Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, warp};
+
+/// How form factors are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FormFactors {
+    /// The closed form for polygons, times the part of their points that see each other, weighted by the kernel.
+    Analytic,
+    /// Rays with density cosθ/π from points of the patch; so many.
+    MonteCarlo(u32),
+    /// What is seen from the middle of the patch through the pixels of half a cube (Cohen, Greenberg 1985); so many along an edge.
+    Hemicube(u32),
+}
+
+/// A row of the matrix: the patches that receive, and the part that they receive.
+pub type Row = Vec<(u32, f64)>;
+
+/// What rows are made from.
+#[derive(Clone, Copy)]
+pub struct Exchange<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its pieces.
+    pub surfaces: &'a Surfaces,
+    /// The quadtrees.
+    pub cells: &'a Cells,
+    /// The patches.
+    pub patches: &'a Patches,
+    /// The method.
+    pub method: FormFactors,
+    /// Chooses the rays.
+    pub seed: u32,
+    /// Rays traced so far.
+    pub rays: &'a AtomicU64,
+}
+
+/// Pairs of points that are looked at first; where these disagree, all are.
+const FIRST_PAIRS: usize = 4;
+/// Pairs of points that are looked at at most.
+pub const PAIRS: usize = 16;
+/// Interfaces that a ray passes at most.
+const PASSES: u32 = 16;
+
+impl Exchange<'_> {
+    /// The row of a patch.
+    pub fn row(&self, i: usize) -> Row {
+        match self.method {
+            FormFactors::Analytic => (0..self.patches.len())
+                .filter_map(|j| self.pair(i, j).map(|a| (j as u32, a)))
+                .map(|(j, a)| (j, a / self.patches.list[i].area))
+                .collect(),
+            FormFactors::MonteCarlo(rays) => self.row_by_rays(i, rays),
+            FormFactors::Hemicube(edge) => self.row_by_hemicube(i, edge),
+        }
+    }
+
+    /// All rows. `A_i F_ij = A_j F_ji` holds exactly for the closed form.
+    pub fn rows(&self, tell: &(dyn Fn(usize) -> bool + Sync)) -> Option<Vec<Row>> {
+        let n = self.patches.len();
+        let cancelled = std::sync::atomic::AtomicBool::new(false);
+        let parallel = |make: &(dyn Fn(usize) -> Row + Sync)| -> Vec<Row> {
+            (0..n)
+                .into_par_iter()
+                .map(|i| {
+                    if cancelled.load(Ordering::Relaxed) {
+                        return Row::new();
+                    }
+                    let row = make(i);
+                    if !tell(1) {
+                        cancelled.store(true, Ordering::Relaxed);
+                    }
+                    row
+                })
+                .collect()
+        };
+        let rows = if self.method == FormFactors::Analytic {
+            let upper = parallel(&|i| (i + 1..n).filter_map(|j| self.pair(i, j).map(|a| (j as u32, a))).collect());
+            let area = |i: usize| self.patches.list[i].area;
+            let mut rows: Vec<Row> = vec![Row::new(); n];
+            for (i, row) in upper.iter().enumerate() {
+                for &(j, a) in row {
+                    rows[i].push((j, a / area(i)));
+                    rows[j as usize].push((i as u32, a / area(j as usize)));
+                }
+            }
+            rows.par_iter_mut().for_each(|row| {
+                row.sort_unstable_by_key(|e| e.0);
+                hold_to_one(row);
+            });
+            rows
+        } else {
+            parallel(&|i| self.row(i))
+        };
+        (!cancelled.into_inner()).then_some(rows)
+    }
+
+    /// `A_i F_ij` by the closed form, with visibility; `None` where nothing is exchanged.
+    fn pair(&self, i: usize, j: usize) -> Option<f64> {
+        if i == j {
+            return None;
+        }
+        // The same for both orders, so that what is exchanged is.
+        let (a, b) = (&self.patches.list[i.min(j)], &self.patches.list[i.max(j)]);
+        let exchange = form_factor::exchange(&a.polygon, &b.polygon);
+        if exchange <= 0.0 {
+            return None;
+        }
+        let seen = self.visibility(a, b);
+        (seen > 0.0).then_some(exchange * seen)
+    }
+
+    /// The part of what two patches exchange that nothing stops.
+    pub fn visibility(&self, a: &Patch, b: &Patch) -> f64 {
+        let (seen, all) = self.seen(a, b, 0..FIRST_PAIRS);
+        if all <= 0.0 || seen == 0.0 || seen >= all {
+            let (more, rest) = if all <= 0.0 { self.seen(a, b, FIRST_PAIRS..PAIRS) } else { (0.0, 0.0) };
+            let (seen, all) = (seen + more, all + rest);
+            // Polygons that stand for curved surfaces may lie before each other where the surfaces do not.
+            return if all > 0.0 { seen / all } else { 0.0 };
+        }
+        let (more, rest) = self.seen(a, b, FIRST_PAIRS..PAIRS);
+        (seen + more) / (all + rest)
+    }
+
+    /// The same by all pairs of points; `None` where none of these lie before each other.
+    pub fn visibility_of_all(&self, a: &Patch, b: &Patch) -> Option<f64> {
+        let (seen, all) = self.seen(a, b, 0..PAIRS);
+        (all > 0.0).then(|| seen / all)
+    }
+
+    /// The kernel summed over pairs of points: over those that see each other, and over all.
+    fn seen(&self, a: &Patch, b: &Patch, pairs: std::ops::Range<usize>) -> (f64, f64) {
+        let (mut seen, mut all) = (0.0, 0.0);
+        for k in pairs {
+            let p = &a.points[k % a.points.len()];
+            // Not the same order in both, so that places are paired with many others.
+            let q = &b.points[(k * 7 + 3) % b.points.len()];
+            let to = q.p - p.p;
+            let d2 = to.length_squared();
+            let kernel = p.n.dot(to).max(0.0) * (-q.n.dot(to)).max(0.0) / (d2 * d2);
+            if !(kernel > 0.0 && kernel.is_finite()) {
+                continue;
+            }
+            all += f64::from(kernel);
+            let origin = offset_ray_origin(p.p, p.error, p.n, to);
+            let end = offset_ray_origin(q.p, q.error, q.n, -to);
+            let way = end - origin;
+            let length = way.length();
+            self.rays.fetch_add(1, Ordering::Relaxed);
+            let ray = Ray { t_max: length * (1.0 - 1e-4), ..Ray::new(origin, way / length) };
+            if !self.scene.occluded(&ray) {
+                seen += f64::from(kernel);
+            }
+        }
+        (seen, all)
+    }
+
+    /// The patch that a ray meets first, or [`NONE`].
+    pub fn first_met(&self, ray: &Ray, hit: Option<Hit>) -> u32 {
+        let (mut ray, mut hit) = (*ray, hit);
+        for _ in 0..PASSES {
+            let Some(h) = hit else { return NONE };
+            let i = self.scene.interaction(&ray, &h);
+            if self.scene.geometries[i.geometry as usize].is_interface {
+                ray = i.spawn(ray.direction);
+                hit = self.scene.intersect(&ray);
+                continue;
+            }
+            let Some((piece, uv)) = self.surfaces.locate(&i) else { return NONE };
+            return self.patches.of(self.cells.find(piece, uv), i.surface.n.dot(i.wo) > 0.0);
+        }
+        NONE
+    }
+
+    /// The patches that rays meet.
+    pub(super) fn met(&self, rays: &[Ray]) -> Vec<u32> {
+        let mut hits = vec![None; rays.len()];
+        self.scene.intersect_batch(rays, &mut hits);
+        self.rays.fetch_add(rays.len() as u64, Ordering::Relaxed);
+        rays.iter().zip(hits).map(|(ray, hit)| self.first_met(ray, hit)).collect()
+    }
+
+    fn row_by_rays(&self, i: usize, count: u32) -> Row {
+        let patch = &self.patches.list[i];
+        let rays: Vec<Ray> = (0..count).map(|k| self.ray_from(patch, k, self.seed)).collect();
+        let share = 1.0 / f64::from(count);
+        collected(self.met(&rays).into_iter().map(|j| (j, share)))
+    }
+
+    /// A ray from a patch, of a sequence of points and directions.
+    pub fn ray_from(&self, patch: &Patch, k: u32, seed: u32) -> Ray {
+        let seed = steradian_math::hash::combine32(seed, patch.cell * 2 + u32::from(patch.front));
+        let [a, b, c, d] = steradian_math::sobol::shuffled_scrambled_sobol_4d(k, seed);
+        let cell = &self.cells.cells[patch.cell as usize];
+        let piece = &self.surfaces.pieces[cell.piece as usize];
+        let seen = piece.seen(self.scene, cell.at(Vec2::new(a, b)), patch.front);
+        let w = Frame::from_z(seen.wo).to_world(warp::cosine_hemisphere(Vec2::new(c, d)));
+        seen.spawn(w)
+    }
+
+    fn row_by_hemicube(&self, i: usize, edge: u32) -> Row {
+        let patch = &self.patches.list[i];
+        let cell = &self.cells.cells[patch.cell as usize];
+        let piece = &self.surfaces.pieces[cell.piece as usize];
+        let seen = piece.seen(self.scene, cell.at(Vec2::splat(0.5)), patch.front);
+        let point = super::patches::Point { p: seen.surface.p, error: seen.surface.error, n: seen.wo };
+        let frame = Frame::from_z(point.n);
+        let pixels = hemicube_pixels(edge);
+        let rays: Vec<Ray> = pixels.iter().map(|(w, _)| spawn(&point, frame.to_world(*w))).collect();
+        collected(self.met(&rays).into_iter().zip(&pixels).map(|(j, (_, share))| (j, *share)))
+    }
+}
+
+/// Directions through the pixels of a half cube, and their form factors, which add up to one.
+fn hemicube_pixels(edge: u32) -> Vec<(Vec3, f64)> {
+    let edge = (edge.max(2) / 2) * 2;
+    let at = |k: u32| (f64::from(k) + 0.5) / f64::from(edge) * 2.0 - 1.0;
+    let mut pixels = Vec::with_capacity((3 * edge * edge) as usize);
+    for j in 0..edge {
+        for i in 0..edge {
+            let (x, y) = (at(i), at(j));
+            let r2 = x * x + y * y + 1.0;
+            let direction = |v: [f64; 3]| (glam::DVec3::from(v) / r2.sqrt()).as_vec3();
+            // π cosθ cosθ' / r² of the top, and of the four sides in so far as they stand above the plane.
+            pixels.push((direction([x, y, 1.0]), 1.0 / (r2 * r2)));
+            if y > 0.0 {
+                for side in [[1.0, x, y], [-1.0, x, y], [x, 1.0, y], [x, -1.0, y]] {
+                    pixels.push((direction(side), y / (r2 * r2)));
+                }
+            }
+        }
+    }
+    let sum: f64 = pixels.iter().map(|p| p.1).sum();
+    pixels.iter_mut().for_each(|p| p.1 /= sum);
+    pixels
+}
+
+/// No patch sends more than it has, whatever flat polygons that stand for curved surfaces come to.
+fn hold_to_one(row: &mut Row) {
+    let sum: f64 = row.iter().map(|e| e.1).sum();
+    if sum > 1.0 {
+        row.iter_mut().for_each(|e| e.1 /= sum);
+    }
+}
+
+/// A row from single contributions.
+fn collected(shares: impl Iterator<Item = (u32, f64)>) -> Row {
+    let mut all: Row = shares.filter(|s| s.0 != NONE).collect();
+    all.sort_by_key(|s| s.0);
+    all.dedup_by(|from, into| {
+        let same = from.0 == into.0;
+        if same {
+            into.1 += from.1;
+        }
+        same
+    });
+    all
+}

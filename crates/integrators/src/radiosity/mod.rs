@@ -1,0 +1,294 @@
+//! Radiosity: the light that Lambertian surfaces exchange, solved once for all cameras.
+//!
+//! Surfaces are cut into patches that are taken to be evenly bright (`surfaces`, `cells`, `patches`). Which part of the light of one arrives at another
+//! is a form factor (`form_factor`, `factors`); the equation between them is solved by iteration (`system`), elimination (`elimination`), shooting
+//! (`shooting`), over a hierarchy of patches (`hierarchy`) or by rays without a matrix (`stochastic`). What is kept is the irradiance
+//! (`solution`), so that textures stay sharp; pictures are made of it by `view`.
+
+mod bands;
+mod cells;
+mod direct;
+mod elimination;
+mod factors;
+pub mod form_factor;
+mod hierarchy;
+mod matter;
+mod patches;
+pub mod polygon;
+mod saved;
+mod shooting;
+mod solution;
+mod stochastic;
+mod surfaces;
+mod system;
+#[cfg(test)]
+mod tests;
+mod vertices;
+mod view;
+
+pub use factors::FormFactors;
+pub use saved::LoadError;
+pub use solution::{Report, Solution};
+pub use surfaces::Refusal;
+pub use view::View;
+
+use crate::Stop;
+use bands::Bands;
+use cells::Cells;
+use factors::Exchange;
+use patches::Patches;
+use shooting::Shooting;
+use solution::Light;
+use std::sync::atomic::AtomicU64;
+use steradian_core::Scene;
+use surfaces::Surfaces;
+use system::{Solved, System};
+
+/// How the equation is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// All patches from those before.
+    Jacobi,
+    /// Each patch from the newest values.
+    GaussSeidel,
+    /// Elimination.
+    Direct,
+    /// From the brightest patch to all others, again and again.
+    Shooting,
+    /// Over links between patches of all sizes, which are made where they are needed.
+    Hierarchical,
+    /// By rays alone.
+    Stochastic,
+}
+
+/// The methods by name.
+pub const METHODS: &[(&str, Method)] = &[
+    ("jacobi", Method::Jacobi),
+    ("gauss-seidel", Method::GaussSeidel),
+    ("direct", Method::Direct),
+    ("shooting", Method::Shooting),
+    ("hierarchical", Method::Hierarchical),
+    ("stochastic", Method::Stochastic),
+];
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The method.
+    pub method: Method,
+    /// Form factors; for the methods that have a matrix or rows of it.
+    pub factors: FormFactors,
+    /// Number of patches aimed at; there are at least as many as pieces of surface.
+    pub patches: usize,
+    /// How many times the patches that differ most from their neighbours are split after a solution; the first has a quarter of the patches then.
+    pub adaptive: u32,
+    /// The relative change, or the share of light unshot, at which iteration ends; of the hierarchy the share of all light that a link may carry.
+    pub tolerance: f64,
+    /// Rays of the stochastic method, for each patch.
+    pub rays: u32,
+    /// Bands of four wavelengths in spectral mode.
+    pub bands: usize,
+    /// Whether light that is not shot yet is shown as ambient light.
+    pub ambient: bool,
+    /// Chooses the random numbers.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::GaussSeidel,
+            factors: FormFactors::Analytic,
+            patches: 2000,
+            adaptive: 1,
+            tolerance: 1e-4,
+            rays: 1000,
+            bands: 8,
+            ambient: false,
+            seed: 0,
+        }
+    }
+}
+
+/// Most iterations or, for each patch, shots.
+const MOST_STEPS: usize = 10_000;
+/// Most patches of the methods that keep a matrix: of 16 bytes for each pair that exchanges light, up to 2 GiB.
+const MATRIX_LIMIT: usize = 12_000;
+/// Most patches of shooting, which makes a row of form factors for each shot.
+const SHOOTING_LIMIT: usize = 100_000;
+
+/// Shown while a scene is being solved, and asked whether to go on.
+pub trait Watcher: Sync {
+    /// A phase begins, of so many parts.
+    fn begins(&self, phase: &'static str, parts: u64);
+    /// So many parts are done; whether to go on.
+    fn advances(&self, parts: u64) -> bool;
+}
+
+/// Nobody watches.
+impl Watcher for () {
+    fn begins(&self, _: &'static str, _: u64) {}
+
+    fn advances(&self, _: u64) -> bool {
+        true
+    }
+}
+
+/// Stops where it is asked to.
+impl Watcher for Stop {
+    fn begins(&self, _: &'static str, _: u64) {}
+
+    fn advances(&self, _: u64) -> bool {
+        !self.is_asked()
+    }
+}
+
+/// Whether a scene can be solved with these settings.
+///
+/// # Errors
+/// [`Refusal`]: why it cannot.
+pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
+    let surfaces = Surfaces::new(scene)?;
+    // A leaf has two sides.
+    let count = surfaces.pieces.len().max(settings.patches);
+    match settings.method {
+        Method::Hierarchical => within("hierarchical", surfaces.pieces.len(), hierarchy::LIMIT),
+        Method::Shooting => within("shooting", count, SHOOTING_LIMIT),
+        Method::Direct => within("direct", count, elimination::LIMIT),
+        Method::Jacobi | Method::GaussSeidel => within("a matrix of form factors", count, MATRIX_LIMIT),
+        Method::Stochastic => Ok(()),
+    }
+}
+
+fn within(what: &'static str, count: usize, limit: usize) -> Result<(), Refusal> {
+    match count > limit {
+        true => Err(Refusal::TooManyPatches { what, count, limit, instead: "stochastic" }),
+        false => Ok(()),
+    }
+}
+
+/// Solves a scene; `None` where the watcher says to stop.
+///
+/// # Errors
+/// [`Refusal`] for scenes that radiosity, or the method, cannot do.
+pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Result<Option<Solution>, Refusal> {
+    check(scene, settings)?;
+    let surfaces = Surfaces::new(scene)?;
+    let bands = Bands::new(scene.mode, settings.bands);
+    let mut cells = Cells::new(&surfaces);
+    let is_adaptive = settings.adaptive > 0 && settings.method != Method::Hierarchical;
+    // Of the hierarchy's leaves some are made beforehand, for light that does not come over links.
+    {
+        let (center, radius) = surfaces.middle(scene);
+        let is_even = settings.method != Method::Hierarchical && !is_adaptive;
+        let count = if is_even { settings.patches } else { settings.patches / 4 };
+        cells.split_to(&surfaces, count, center, radius);
+    }
+    let passes = if is_adaptive { settings.adaptive } else { 0 };
+    for pass in 0..=passes {
+        let Some(solution) = solve_cells(scene, &surfaces, &cells, &bands, settings, watcher)? else { return Ok(None) };
+        if pass == passes {
+            return Ok(Some(solution));
+        }
+        // The number of patches grows evenly, by factors.
+        let left = f64::from(passes - pass - 1) / f64::from(passes);
+        let count = settings.patches as f64 * 0.25_f64.powf(left);
+        cells.split_by(&surfaces, count as usize, &solution.needs());
+    }
+    Ok(None)
+}
+
+fn solve_cells(
+    scene: &Scene,
+    surfaces: &Surfaces,
+    cells: &Cells,
+    bands: &Bands,
+    settings: &Settings,
+    watcher: &dyn Watcher,
+) -> Result<Option<Solution>, Refusal> {
+    watcher.begins("patches", 1);
+    let patches = if settings.method == Method::Hierarchical {
+        Patches::default()
+    } else {
+        Patches::new(scene, surfaces, cells, bands)
+    };
+    if !watcher.advances(1) {
+        return Ok(None);
+    }
+    let rays = AtomicU64::new(0);
+    let seed = steradian_math::hash::mix64(settings.seed) as u32;
+    let exchange = Exchange { scene, surfaces, cells, patches: &patches, method: settings.factors, seed, rays: &rays };
+    let tell = |parts: usize| watcher.advances(parts as u64);
+    let (cells, patches, exchanged, mut report) = match settings.method {
+        Method::Hierarchical => {
+            watcher.begins("links", 0);
+            let wanted =
+                hierarchy::Wanted { tolerance: settings.tolerance, patches: settings.patches, precision: 1e-6 };
+            let Some(refined) = hierarchy::solve(&exchange, bands, wanted, &tell) else { return Ok(None) };
+            let patches = Patches::new(scene, surfaces, &refined.cells, bands);
+            let exchanged = hierarchy::by_patch(&patches, &refined.irradiance);
+            let report = Report { steps: refined.rounds, factors: refined.links, ..Report::default() };
+            (refined.cells, patches, exchanged, report)
+        }
+        Method::Stochastic => {
+            let system = system(&patches);
+            let count = u64::from(settings.rays) * patches.len() as u64;
+            watcher.begins("rays", 0);
+            let Some(solved) = stochastic::solve(&system, &exchange, count.div_ceil(4), 4, &tell) else {
+                return Ok(None);
+            };
+            let report = Report { steps: solved.steps, ..Report::default() };
+            (cells.clone(), patches, solved.irradiance, report)
+        }
+        Method::Shooting => {
+            let system = system(&patches);
+            let mut shooting = Shooting::new(&system);
+            watcher.begins("shots", 0);
+            while shooting.shots < MOST_STEPS.max(100 * patches.len()) {
+                // The sum over all patches is not for every shot.
+                if shooting.shots.is_multiple_of(16) && shooting.left(&system) <= settings.tolerance {
+                    break;
+                }
+                if !tell(1) {
+                    return Ok(None);
+                }
+                shooting.shoot(&system, |i| exchange.row(i));
+            }
+            let solved = shooting.solved(&system, settings.ambient);
+            let report = Report { steps: solved.steps, residual: solved.residual, ..Report::default() };
+            (cells.clone(), patches, solved.irradiance, report)
+        }
+        Method::Jacobi | Method::GaussSeidel | Method::Direct => {
+            watcher.begins("form factors", patches.len() as u64);
+            let Some(rows) = exchange.rows(&tell) else { return Ok(None) };
+            let system = System { rows, ..system(&patches) };
+            let solved = match settings.method {
+                Method::Jacobi => Some(system.jacobi(settings.tolerance, MOST_STEPS, &tell)),
+                Method::Direct => system.direct(&tell),
+                _ => Some(system.gauss_seidel(settings.tolerance, MOST_STEPS, &tell)),
+            };
+            let Some(Solved { irradiance, steps, residual, .. }) = solved else { return Ok(None) };
+            let factors = system.rows.iter().map(Vec::len).sum();
+            (cells.clone(), patches, irradiance, Report { steps, residual, factors, ..Report::default() })
+        }
+    };
+    report.patches = patches.len();
+    report.rays = rays.into_inner();
+    report.impure = patches.impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect();
+    report.left_out = surfaces.left_out.iter().map(|s| (*s).into()).collect();
+    let light = Light::new(&patches, &exchanged);
+    Ok(Some(Solution::new(scene, surfaces.clone(), cells, bands.clone(), light, report)))
+}
+
+/// The equation without form factors.
+fn system(patches: &Patches) -> System {
+    System {
+        rows: Vec::new(),
+        reflectance: patches.reflectance.clone(),
+        transmittance: patches.transmittance.clone(),
+        sources: patches.sources(),
+        twins: patches.list.iter().map(|p| p.twin).collect(),
+        areas: patches.list.iter().map(|p| p.area).collect(),
+        bands: patches.bands,
+    }
+}

@@ -1,0 +1,104 @@
+//! Stochastic iteration without a matrix (Neumann et al. 1995; Bekaert 1999, "incremental shooting"): the unshot light of all patches is carried
+//! by rays, of which each patch sends as many as it has of the light; what they bring is the unshot light of the next iteration, which has
+//! fewer rays in proportion. Any number of patches, memory of a few numbers for each. Several runs are averaged.
+
+use super::{
+    factors::Exchange,
+    patches::NONE,
+    system::{Solved, System},
+};
+use glam::DVec4;
+use rayon::prelude::*;
+
+/// Iterations end when less than this share of the first light is left.
+const LEAST: f64 = 1e-6;
+/// Most iterations of a run.
+const MOST: usize = 256;
+
+/// One run with so many rays for the first iteration; irradiance by patch and band.
+pub fn run(
+    system: &System,
+    exchange: &Exchange<'_>,
+    rays: u64,
+    seed: u32,
+    tell: &(dyn Fn(usize) -> bool + Sync),
+) -> Option<Vec<DVec4>> {
+    let n = system.bands;
+    let mut unshot = system.sources.clone();
+    let mut irradiance = vec![DVec4::ZERO; unshot.len()];
+    let power = |unshot: &[DVec4], i: usize| {
+        unshot[i * n..(i + 1) * n].iter().map(|u| u.element_sum()).sum::<f64>() * system.areas[i]
+    };
+    let mut first = 0.0;
+    for iteration in 0..MOST {
+        let powers: Vec<f64> = (0..system.len()).map(|i| power(&unshot, i)).collect();
+        let total: f64 = powers.iter().sum();
+        first = if iteration == 0 { total } else { first };
+        if total <= 0.0 || total < LEAST * first {
+            break;
+        }
+        let budget = (rays as f64 * total / first).ceil().max(64.0);
+        // Systematic sampling: each patch has the rounded number of rays, up or down by one chance for all.
+        let seed = steradian_math::hash::combine32(seed, iteration as u32);
+        let chance = f64::from(steradian_math::hash::unit_f32(seed));
+        let mut upto = 0.0;
+        let shares: Vec<(f64, u32)> = powers
+            .iter()
+            .map(|p| {
+                let before = upto;
+                upto += p / total * budget;
+                (p / total * budget, ((upto + chance).floor() - (before + chance).floor()) as u32)
+            })
+            .collect();
+        let met: Vec<Vec<u32>> = (0..system.len())
+            .into_par_iter()
+            .map(|i| {
+                if shares[i].1 == 0 || !tell(shares[i].1 as usize) {
+                    return Vec::new();
+                }
+                let patch = &exchange.patches.list[i];
+                let rays: Vec<_> = (0..shares[i].1).map(|k| exchange.ray_from(patch, k, seed)).collect();
+                exchange.met(&rays)
+            })
+            .collect();
+        if !tell(0) {
+            return None;
+        }
+        let mut next = vec![DVec4::ZERO; unshot.len()];
+        for (i, met) in met.iter().enumerate() {
+            for &j in met.iter().filter(|j| **j != NONE) {
+                let j = j as usize;
+                for b in 0..n {
+                    // What the ray carries: the patch's light over the expected number of its rays.
+                    let more = unshot[i * n + b] * (system.areas[i] / shares[i].0 / system.areas[j]);
+                    let k = j * n + b;
+                    irradiance[k] += more;
+                    next[k] += system.reflectance[k] * more;
+                    if system.twins[j] != NONE {
+                        let other = system.twins[j] as usize * n + b;
+                        next[other] += system.transmittance[other] * more;
+                    }
+                }
+            }
+        }
+        unshot = next;
+    }
+    Some(irradiance)
+}
+
+/// The mean of runs.
+pub fn solve(
+    system: &System,
+    exchange: &Exchange<'_>,
+    rays: u64,
+    runs: u32,
+    tell: &(dyn Fn(usize) -> bool + Sync),
+) -> Option<Solved> {
+    let mut irradiance = vec![DVec4::ZERO; system.sources.len()];
+    for k in 0..runs.max(1) {
+        let seed = steradian_math::hash::combine32(exchange.seed, k ^ 0x6c07_8965);
+        let one = run(system, exchange, rays, seed, tell)?;
+        irradiance.iter_mut().zip(one).for_each(|(sum, h)| *sum += h / f64::from(runs.max(1)));
+    }
+    Some(Solved { irradiance, steps: runs as usize, residual: 0.0 })
+}

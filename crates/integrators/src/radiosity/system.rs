@@ -1,0 +1,132 @@
+//! The discrete radiosity equation and its solution by iteration.
+//!
+//! > `B_i = S_i + ρ_i H_i + τ_i H_i'`, `H_i = Σ_j F_ij B_j`
+//!
+//! with radiosities `B`, irradiances `H`, sources `S`, and `i'` the other side of a patch that transmits light (Goral et al. 1984). Rows of `F` add up
+//! to one at most, so that the spectral radius is at most the largest albedo `ρ + τ`, and iteration loses at least that factor of the error each time.
+
+use super::{factors::Row, patches::NONE};
+use glam::DVec4;
+use rayon::prelude::*;
+
+/// The equation. Values are by patch and band.
+#[derive(Clone, Debug, Default)]
+pub struct System {
+    /// Form factors.
+    pub rows: Vec<Row>,
+    /// Reflectance.
+    pub reflectance: Vec<DVec4>,
+    /// Transmittance.
+    pub transmittance: Vec<DVec4>,
+    /// Sources.
+    pub sources: Vec<DVec4>,
+    /// The patch on the other side, or [`NONE`].
+    pub twins: Vec<u32>,
+    /// Areas.
+    pub areas: Vec<f64>,
+    /// Number of bands.
+    pub bands: usize,
+}
+
+/// What an iteration came to.
+#[derive(Clone, Debug, Default)]
+pub struct Solved {
+    /// Irradiance by patch and band, from patches alone.
+    pub irradiance: Vec<DVec4>,
+    /// Iterations or shots.
+    pub steps: usize,
+    /// The last change of a radiosity, or the light not yet shot, relative to the largest radiosity or all light.
+    pub residual: f64,
+}
+
+impl System {
+    /// Number of patches.
+    pub fn len(&self) -> usize {
+        self.twins.len()
+    }
+
+    /// `H = F B` at a patch.
+    fn gather(&self, i: usize, radiosity: &[DVec4], into: &mut [DVec4]) {
+        into.fill(DVec4::ZERO);
+        for &(j, f) in &self.rows[i] {
+            for (h, b) in into.iter_mut().zip(&radiosity[j as usize * self.bands..]) {
+                *h += *b * f;
+            }
+        }
+    }
+
+    /// The radiosity that goes with irradiances.
+    pub fn radiosity(&self, irradiance: &[DVec4]) -> Vec<DVec4> {
+        (0..self.sources.len()).map(|k| self.radiosity_at(k / self.bands, k % self.bands, irradiance)).collect()
+    }
+
+    fn radiosity_at(&self, i: usize, b: usize, irradiance: &[DVec4]) -> DVec4 {
+        let k = i * self.bands + b;
+        let through = match self.twins[i] {
+            NONE => DVec4::ZERO,
+            twin => irradiance[twin as usize * self.bands + b] * self.transmittance[k],
+        };
+        self.sources[k] + self.reflectance[k] * irradiance[k] + through
+    }
+
+    /// Jacobi's method: all irradiances from the radiosities before. Ends when no radiosity changes by more than `tolerance` of the largest.
+    pub fn jacobi(&self, tolerance: f64, most: usize, tell: &dyn Fn(usize) -> bool) -> Solved {
+        let mut radiosity = self.sources.clone();
+        let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
+        let mut solved = Solved { residual: f64::INFINITY, ..Solved::default() };
+        while solved.steps < most && solved.residual > tolerance && tell(solved.steps) {
+            irradiance
+                .par_chunks_mut(self.bands.max(1))
+                .enumerate()
+                .for_each(|(i, into)| self.gather(i, &radiosity, into));
+            let next = self.radiosity(&irradiance);
+            solved.residual = change(&radiosity, &next);
+            radiosity = next;
+            solved.steps += 1;
+        }
+        Solved { irradiance, ..solved }
+    }
+
+    /// The method of Gauss and Seidel: each irradiance from the newest radiosities, in both orders by turns.
+    pub fn gauss_seidel(&self, tolerance: f64, most: usize, tell: &dyn Fn(usize) -> bool) -> Solved {
+        let n = self.len();
+        let mut radiosity = self.sources.clone();
+        let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
+        let mut into = vec![DVec4::ZERO; self.bands];
+        let mut solved = Solved { residual: f64::INFINITY, ..Solved::default() };
+        while solved.steps < most && solved.residual > tolerance && tell(solved.steps) {
+            let (mut largest, mut moved) = (0.0_f64, 0.0_f64);
+            for k in 0..n {
+                let i = if solved.steps.is_multiple_of(2) { k } else { n - 1 - k };
+                self.gather(i, &radiosity, &mut into);
+                irradiance[i * self.bands..(i + 1) * self.bands].copy_from_slice(&into);
+                for i in [i as u32, self.twins[i]].into_iter().filter(|i| *i != NONE) {
+                    for b in 0..self.bands {
+                        let next = self.radiosity_at(i as usize, b, &irradiance);
+                        let k = i as usize * self.bands + b;
+                        moved = moved.max((next - radiosity[k]).abs().max_element());
+                        largest = largest.max(next.abs().max_element());
+                        radiosity[k] = next;
+                    }
+                }
+            }
+            solved.residual = if largest > 0.0 { moved / largest } else { 0.0 };
+            solved.steps += 1;
+        }
+        Solved { irradiance, ..solved }
+    }
+
+    /// The largest difference between the two sides of the equation, relative to the largest radiosity.
+    pub fn residual(&self, radiosity: &[DVec4]) -> f64 {
+        let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
+        irradiance.par_chunks_mut(self.bands.max(1)).enumerate().for_each(|(i, into)| self.gather(i, radiosity, into));
+        change(radiosity, &self.radiosity(&irradiance))
+    }
+}
+
+/// The largest change of a value relative to the largest value.
+fn change(before: &[DVec4], after: &[DVec4]) -> f64 {
+    let largest = after.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+    let moved = before.iter().zip(after).map(|(a, b)| (*b - *a).abs().max_element()).fold(0.0, f64::max);
+    if largest > 0.0 { moved / largest } else { 0.0 }
+}

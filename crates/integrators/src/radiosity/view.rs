@@ -1,0 +1,199 @@
+//! Pictures of a solved scene. Where a camera ray meets a Lambertian surface it shows `(ρ H + τ H')/π`, with the texture's own `ρ`; mirrors, glass
+//! and glossy lobes are followed. With a final gather, light is asked for once at the surface and the solution is looked up one bounce
+//! further on, where its patches are not seen.
+
+use super::{Settings, Solution};
+use crate::{Counters, Depth, Integrator, Survey, dimension, nee};
+use std::f32::consts::FRAC_1_PI;
+use steradian_core::{
+    Scene,
+    bsdf::{Bsdf, Lobe, TransportMode},
+    light::LightContext,
+    material::Scattering,
+    sampler::PixelSampler,
+    scene::Interaction,
+};
+use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+
+/// Mirrors, panes and glossy lobes that a ray follows at most, where the scene has no limit.
+const MOST_EVENTS: u32 = 32;
+
+/// The integrator of a solved scene, which the survey has.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// How it is solved.
+    pub settings: Settings,
+    /// How far rays are followed.
+    pub depth: Depth,
+    /// Rays of the final gather for each camera sample; 0 for none.
+    pub gather: u32,
+    /// Whether irradiance is interpolated between vertices.
+    pub smooth: bool,
+}
+
+impl Integrator for View {
+    fn radiance(
+        &self,
+        scene: &Scene,
+        survey: &Survey,
+        mut ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let Some(solution) = survey.radiosity.as_deref() else { return Spectrum::ZERO };
+        let seen = Seen { view: self, solution };
+        let (mut beta, mut l) = (Spectrum::ONE, Spectrum::ZERO);
+        let mut is_camera_ray = true;
+        for event in 0..self.depth.max.min(MOST_EVENTS) {
+            counters.rays += 1;
+            let shows_lights = !(is_camera_ray && self.depth.hide_emitters);
+            let Some(hit) = scene.intersect(&ray) else {
+                if shows_lights {
+                    l += beta * nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                }
+                break;
+            };
+            let i = scene.interaction(&ray, &hit);
+            if shows_lights {
+                l += beta * nee::emission(scene, &i, &None, lambda);
+            }
+            let u = sampler.get_1d_lazily(dimension::at(event, dimension::MIXTURE), scene.has_mixtures);
+            let Some((s, frame)) = scene.scattering(&i, u, lambda) else {
+                ray = i.spawn(ray.direction);
+                continue;
+            };
+            is_camera_ray = false;
+            let wo = frame.to_local(i.wo);
+            if let Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_) = s.bsdf {
+                return l + beta * seen.lambertian(scene, &i, &s, &frame, (sampler, event), lambda, counters);
+            }
+            let choice = sampler.get_1d(dimension::at(event, dimension::LOBE));
+            let u = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
+            let Some(drawn) = s.sample(wo, choice, u, TransportMode::Radiance) else { break };
+            beta *= drawn.weight;
+            let w = frame.to_world(drawn.wi);
+            if drawn.lobe.contains(Lobe::DIFFUSE) {
+                let front = i.surface.n.dot(w) > 0.0;
+                let n = if front { i.surface.n } else { -i.surface.n };
+                let sharp = seen.sharp(scene, &i, n, lambda, counters);
+                return l + beta * (solution.irradiance(&i, front, self.smooth, lambda) + sharp) * FRAC_1_PI;
+            }
+            ray = i.spawn(w);
+        }
+        l
+    }
+}
+
+/// A view and what it is of.
+struct Seen<'a> {
+    view: &'a View,
+    solution: &'a Solution,
+}
+
+impl Seen<'_> {
+    /// Light that leaves a Lambertian surface.
+    #[allow(clippy::too_many_arguments)]
+    fn lambertian(
+        &self,
+        scene: &Scene,
+        i: &Interaction,
+        surface: &Scattering<'_>,
+        frame: &Frame,
+        (sampler, event): (&PixelSampler, u32),
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let front = i.surface.n.dot(i.wo) > 0.0;
+        if self.view.gather > 0 {
+            let mut sum = Spectrum::ZERO;
+            for k in 0..self.view.gather {
+                let sampler = sampler.branch(event, k);
+                sum += self.gathered(scene, i, surface, frame, (&sampler, event), lambda, counters);
+            }
+            return sum / self.view.gather as f32;
+        }
+        let mut at = |side: bool| {
+            let n = if side { i.surface.n } else { -i.surface.n };
+            self.solution.irradiance(i, side, self.view.smooth, lambda) + self.sharp(scene, i, n, lambda, counters)
+        };
+        let (reflectance, transmittance) = match &surface.bsdf {
+            Bsdf::Diffuse(b) if frame.to_local(i.wo).z > 0.0 => (b.reflectance, Spectrum::ZERO),
+            Bsdf::DiffuseTransmission(b) => (b.reflectance, b.transmittance),
+            _ => return Spectrum::ZERO,
+        };
+        let through = if transmittance.is_black() { Spectrum::ZERO } else { transmittance * at(!front) };
+        (reflectance * at(front) + through) * FRAC_1_PI
+    }
+
+    /// Irradiance from lights without extent on the side that a normal points to.
+    fn sharp(
+        &self,
+        scene: &Scene,
+        i: &Interaction,
+        n: Vec3,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let ctx = LightContext { p: i.surface.p, n };
+        let ns = if i.surface.ns.dot(n) < 0.0 { -i.surface.ns } else { i.surface.ns };
+        let mut sum = Spectrum::ZERO;
+        for &light in &self.solution.sharp_lights {
+            let Some(s) = scene.lights.sample(light, &ctx, Vec2::splat(0.5), lambda, &scene.textures) else { continue };
+            let cos = s.wi.dot(ns);
+            if cos > 0.0 && s.wi.dot(n) > 0.0 {
+                counters.rays += 1;
+                if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
+                    sum += s.radiance * (cos / s.pdf);
+                }
+            }
+        }
+        sum
+    }
+
+    /// One light sample and one ray to where the solution is looked up, weighted against each other.
+    #[allow(clippy::too_many_arguments)]
+    fn gathered(
+        &self,
+        scene: &Scene,
+        i: &Interaction,
+        surface: &Scattering<'_>,
+        frame: &Frame,
+        (sampler, event): (&PixelSampler, u32),
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let wo = frame.to_local(i.wo);
+        let ctx = nee::context(i, frame, &surface.bsdf);
+        let mut l = Spectrum::ZERO;
+        if let Some(s) = nee::sample_light(scene, &ctx, event, sampler, lambda) {
+            let light = nee::unoccluded(&s, wo, frame, surface);
+            if !light.is_black() {
+                counters.rays += 1;
+                if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
+                    l += light;
+                }
+            }
+        }
+        let choice = sampler.get_1d(dimension::at(event, dimension::LOBE));
+        let u = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
+        let Some(drawn) = surface.sample(wo, choice, u, TransportMode::Radiance) else { return l };
+        let origin = Some((ctx, drawn.pdf));
+        let mut ray = i.spawn(frame.to_world(drawn.wi));
+        for _ in 0..MOST_EVENTS {
+            counters.rays += 1;
+            let Some(hit) = scene.intersect(&ray) else {
+                return l + drawn.weight * nee::background(scene, ray.origin, ray.direction, &origin, lambda);
+            };
+            let y = scene.interaction(&ray, &hit);
+            if scene.geometries[y.geometry as usize].is_interface {
+                ray = y.spawn(ray.direction);
+                continue;
+            }
+            let emitted = nee::emission(scene, &y, &origin, lambda);
+            let front = y.surface.n.dot(y.wo) > 0.0;
+            return l + drawn.weight * (emitted + self.solution.reflected(&y, front, lambda) * FRAC_1_PI);
+        }
+        l
+    }
+}

@@ -1,0 +1,244 @@
+//! Radiosity against closed forms and against path tracing.
+
+use crate::{
+    shot::{Shot, mean},
+    stage::{Stage, cuboid, diffuse, light, material, plane, rectangle, rgb, sphere, white},
+};
+use std::sync::Arc;
+use steradian_core::{
+    Scene,
+    sampler::{Sampler, SamplerKind},
+};
+use steradian_integrators::{
+    Counters, Depth, Integrator, Survey,
+    radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, solve},
+};
+use steradian_math::{Ray, Vec2};
+
+/// Everything by a fixed number of patches.
+fn settings(method: Method, patches: usize) -> Settings {
+    Settings { method, patches, adaptive: 0, tolerance: 1e-6, ..Settings::default() }
+}
+
+fn solved(scene: &Scene, settings: &Settings) -> Solution {
+    solve(scene, settings, &()).expect("a scene for radiosity").expect("nobody said stop")
+}
+
+/// The mean of the picture (first three lanes) by so many samples per pixel.
+fn picture(scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3] {
+    let depth = Depth { max: u32::MAX, roulette_after: 8, hide_emitters: false };
+    let view = View { settings: Settings::default(), depth, gather, smooth: true };
+    let survey = Survey::of_radiosity(Arc::new(solution));
+    let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 1 };
+    let (w, h) = (scene.film.width, scene.film.height);
+    let mut sum = [0.0; 3];
+    for k in 0..w * h * spp {
+        let (x, y, index) = (k / spp % w, k / spp / w, k % spp);
+        let s = sampler.pixel(x, y, index);
+        let at = Vec2::new(x as f32, y as f32) + s.get_2d(0);
+        let ray: Ray = scene.camera.ray(&scene.film, at, Vec2::splat(0.5));
+        let mut lambda = scene.mode.wavelengths(|| s.get_1d(2));
+        let l = view.radiance(scene, &survey, ray, &s, &mut lambda, &mut Counters::default());
+        let c = steradian_core::color::to_rgb(l, &lambda, scene.mode);
+        sum.iter_mut().zip(c.to_array()).for_each(|(s, c)| *s += f64::from(c) / f64::from(w * h * spp));
+    }
+    sum
+}
+
+/// The lab's box of half width one with its two spheres, open in front, lit by its ceiling or by a point.
+fn lab_box(ceiling: bool) -> Stage {
+    let mut stage = Stage::new();
+    let walls = [
+        ([1.0, 0.0, 0.0], [0.75, 0.1, 0.1]),
+        ([-1.0, 0.0, 0.0], [0.1, 0.6, 0.1]),
+        ([0.0, 1.0, 0.0], [0.75; 3]),
+        ([0.0, 0.0, -1.0], [0.75; 3]),
+        ([0.0, -1.0, 0.0], [0.75; 3]),
+    ];
+    for (n, c) in walls {
+        stage.solid(plane(n, -1.0), diffuse(0.0).with("reflectance", rgb(c)));
+    }
+    stage.solid(sphere([-0.5, -0.7, 0.25], 0.3), diffuse(0.0).with("reflectance", rgb([0.85, 0.5, 0.65])));
+    stage.solid(sphere([0.5, -0.7, -0.25], 0.3), diffuse(0.0).with("reflectance", rgb([0.45, 0.75, 0.85])));
+    if ceiling {
+        let lamp = stage.add(light("area").with("radiance", white(1.0)));
+        stage.desc.shapes[4].emission = Some(lamp);
+    } else {
+        stage.light(light("point").with("position", [0.0, 0.5, 0.0]).with("intensity", white(1.0)));
+    }
+    stage.film(16, 16);
+    stage.look([0.0, 0.0, -3.5], [0.0, 0.0, 0.0], 2.0 * (1.0_f64 / 3.0).atan().to_degrees());
+    stage
+}
+
+fn relative(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max)
+}
+
+/// M180, M182: the mean of the lab's box is path tracing's within 1 %, and nearer with more patches; with a final gather too.
+#[test]
+fn the_lab_box_is_as_bright_as_by_path_tracing() {
+    for ceiling in [true, false] {
+        let scene = lab_box(ceiling).scene();
+        let truth = mean(&Shot { threads: 0, ..Shot::of("path", 4096) }.take(&scene));
+        let error =
+            |solution: &Solution, gather: u32| relative(picture(&scene, solution.clone(), gather, 32), truth.mean);
+        let of = |patches: usize| solved(&scene, &settings(Method::GaussSeidel, patches));
+        let fine = of(2000);
+        let (coarse, fine, gathered) = (error(&of(250), 0), error(&fine, 0), error(&fine, 1));
+        let noise = (0..3).map(|c| truth.sigma[c] / truth.mean[c]).fold(0.0, f64::max);
+        assert!(noise < 2e-3);
+        assert!(fine < 0.01 && fine < coarse, "{coarse} {fine}");
+        assert!(gathered < 0.01, "{gathered}");
+    }
+}
+
+/// A closed room of a lamp, walls of many colours and a box in its middle.
+fn room() -> Stage {
+    let mut stage = Stage::new();
+    let mut wall = |corner: [f64; 3], x: [f64; 3], y: [f64; 3], c: [f64; 3]| {
+        let made_of = stage.add(diffuse(0.0).with("reflectance", rgb(c)));
+        stage.place_mesh(rectangle(corner, x, y)).material = Some(made_of);
+    };
+    wall([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.7; 3]);
+    wall([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.7; 3]);
+    wall([0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.8, 0.2, 0.2]);
+    wall([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.2, 0.8, 0.2]);
+    wall([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.5; 3]);
+    wall([0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.5; 3]);
+    let white_box = stage.add(diffuse(0.6));
+    stage.place_mesh(cuboid([0.3, 0.3, 0.0], [0.7, 0.6, 0.4])).material = Some(white_box);
+    stage.mesh_lamp(rectangle([0.35, 0.35, 0.99], [0.0, 0.3, 0.0], [0.3, 0.0, 0.0]), 5.0);
+    stage.film(8, 8);
+    stage.look([0.5, 0.02, 0.5], [0.5, 1.0, 0.4], 80.0);
+    stage
+}
+
+/// The light that patches reflect, by channel; W.
+fn reflected(solution: &Solution) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (area, _, reflected) in solution.patches() {
+        (0..3).for_each(|c| sum[c] += area * f64::from(reflected[0][c]));
+    }
+    sum
+}
+
+/// M176 to M179: all methods and all form factors come to the same light, as far as patches and rays allow.
+#[test]
+fn all_methods_agree() {
+    let scene = room().scene();
+    let of = |s: Settings| reflected(&solved(&scene, &s));
+    let matrix = of(settings(Method::GaussSeidel, 400));
+    for (name, method) in METHODS {
+        let exact = settings(*method, 400);
+        // The hierarchy looks at links of all sizes, rays have noise; the others solve one equation.
+        let (s, tolerance) = match method {
+            Method::Hierarchical => (Settings { tolerance: 1e-3, patches: 1500, ..exact }, 0.02),
+            Method::Stochastic => (exact, 0.02),
+            // It holds rows to a sum of one where it shoots, the others where they gather.
+            Method::Shooting => (Settings { tolerance: 1e-4, ..exact }, 6e-3),
+            _ => (exact, 1e-3),
+        };
+        let other = of(s);
+        assert!(relative(other, matrix) < tolerance, "{name}: {other:?} {matrix:?}");
+    }
+    for factors in [FormFactors::MonteCarlo(1000), FormFactors::Hemicube(64)] {
+        let other = of(Settings { factors, ..settings(Method::GaussSeidel, 400) });
+        assert!(relative(other, matrix) < 0.03, "{factors:?}: {other:?} {matrix:?}");
+    }
+}
+
+/// M179: the hierarchy comes to the matrix of many patches as its tolerance falls.
+#[test]
+fn the_hierarchy_converges() {
+    let scene = room().scene();
+    let truth = reflected(&solved(&scene, &settings(Method::GaussSeidel, 2000)));
+    let error = |tolerance: f64| {
+        let s = Settings { tolerance, ..settings(Method::Hierarchical, 4000) };
+        relative(reflected(&solved(&scene, &s)), truth)
+    };
+    let errors = [error(1e-3), error(3e-5)];
+    assert!(errors[1] < 0.5 * errors[0] && errors[1] < 0.006, "{errors:?}");
+}
+
+/// M178: a closed sphere of albedo 0.9 that emits 1/π is everywhere of radiosity 10, whatever the method.
+#[test]
+fn a_closed_sphere_of_a_scene_is_ten() {
+    let mut stage = Stage::new();
+    let lamp = stage.add(light("area").with("radiance", white(1.0 / std::f64::consts::PI)).with("two_sided", true));
+    stage.solid(sphere([0.0; 3], 2.0), diffuse(0.9)).emission = Some(lamp);
+    stage.probe([0.0; 3], [0.0, 0.0, 1.0]);
+    let mut scene = stage.scene();
+    scene.materials.iter_mut().for_each(|m| m.two_sided = true);
+    for (method, factors) in [
+        (Method::Direct, FormFactors::MonteCarlo(256)),
+        (Method::GaussSeidel, FormFactors::Hemicube(32)),
+        (Method::Stochastic, FormFactors::Analytic),
+    ] {
+        let solution = solved(&scene, &Settings { factors, tolerance: 1e-9, ..settings(method, 300) });
+        let (mut sum, mut area) = (0.0, 0.0);
+        // Nine of the ten are reflected inside; outside there is nothing to reflect.
+        for (a, _, reflected) in solution.patches().filter(|p| p.2[0][0] > 1.0) {
+            sum += a * f64::from(reflected[0][0]);
+            area += a;
+        }
+        // Every ray from the inside meets the inside; the stochastic method ends with a millionth of the light.
+        let exact = if method == Method::Stochastic { 0.02 } else { 1e-3 };
+        assert!((sum / area - 9.0).abs() < exact, "{method:?} {factors:?}: {}", sum / area);
+    }
+}
+
+/// M181: in spectral mode radiosity is solved for each wavelength, with path tracing's mean; twice the light is twice the radiosity.
+#[test]
+fn radiosity_is_spectral_and_linear() {
+    let stage = room();
+    let scene = stage.scene_in(steradian_core::ColorMode::Spectral);
+    let truth = mean(&Shot { threads: 0, ..Shot::of("path", 2048) }.take(&scene));
+    let solution = solved(&scene, &settings(Method::GaussSeidel, 1500));
+    let ours = picture(&scene, solution, 1, 256);
+    assert!(relative(ours, truth.mean) < 0.015, "{ours:?} {truth:?}");
+    let dim = reflected(&solved(&stage.scene(), &settings(Method::GaussSeidel, 300)));
+    let mut bright = stage.scene();
+    bright.lights.emitters.iter_mut().for_each(|e| e.scale *= 2.0);
+    let bright = reflected(&solved(&bright, &settings(Method::GaussSeidel, 300)));
+    assert!(relative(bright, dim.map(|v| 2.0 * v)) < 1e-5);
+}
+
+/// The same bits for any number of threads, and after saving and loading.
+#[test]
+fn solutions_are_kept_bit_by_bit() {
+    let scene = room().scene();
+    for method in [Method::GaussSeidel, Method::Hierarchical, Method::Stochastic, Method::Shooting] {
+        let s = Settings { adaptive: 1, tolerance: 1e-2, rays: 100, ..settings(method, 300) };
+        let bits = |s: &Solution| -> Vec<[u32; 4]> {
+            s.patches().flat_map(|p| [p.1[0], p.2[0]]).map(|v| v.to_array().map(f32::to_bits)).collect()
+        };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| solved(&scene, &s))
+        };
+        let (one, three) = (on(1), on(3));
+        assert_eq!(bits(&one), bits(&three), "{method:?}");
+        let mut file = Vec::new();
+        one.save(&mut file).expect("memory takes everything");
+        let back = Solution::load(&scene, &mut &file[..], file.len() as u64).expect("what was saved");
+        assert_eq!(bits(&one), bits(&back));
+        for cut in (0..file.len()).step_by(file.len() / 40 + 1) {
+            assert!(Solution::load(&scene, &mut &file[..cut], cut as u64).is_err(), "cut at {cut}");
+        }
+        let other = lab_box(true).scene();
+        assert!(Solution::load(&other, &mut &file[..], file.len() as u64).is_err());
+    }
+}
+
+/// What radiosity cannot do is refused by name, what takes part in part is told.
+#[test]
+fn limits_are_named() {
+    let mut stage = room();
+    stage.solid(sphere([0.8, 0.8, 0.2], 0.1), material("plastic"));
+    let scene = stage.scene();
+    assert_eq!(solved(&scene, &settings(Method::GaussSeidel, 200)).report.impure.len(), 1);
+    let refused = solve(&scene, &settings(Method::Direct, 1 << 20), &()).expect_err("too many");
+    assert!(matches!(refused, Refusal::TooManyPatches { .. }));
+    assert!(refused.to_string().contains("stochastic"), "{refused}");
+}
