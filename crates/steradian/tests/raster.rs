@@ -150,7 +150,7 @@ fn light_is_that_of_rays() {
     assert!(off < 90 && sum > 1000.0, "{off} {sum}");
 }
 
-/// Shadow maps differ from rays in few pixels, and fewer the finer they are; nothing is lit more than without shadows (M228).
+/// Shadow maps differ from rays along the borders of shadows alone, by fewer pixels the finer they are, and none without shadows is lit less (M228).
 #[test]
 fn shadow_maps_come_close_to_rays() {
     // Without the mask, whose half-open places are chance, and the curve: a flat ribbon that faces whoever looks at it has no place that eye
@@ -163,12 +163,22 @@ fn shadow_maps_come_close_to_rays() {
         let found = radiances(&scene, options);
         let differs = |i: usize| (0..3).any(|c| (found[i][c] - exact[i][c]).abs() > 1e-3 * (exact[i][c] + 0.01));
         assert!((0..found.len()).all(|i| found[i][1] <= open[i][1] * 1.001 + 1e-6));
-        (0..found.len()).filter(|&i| differs(i)).count()
+        let pixels: Vec<usize> = (0..found.len()).filter(|&i| differs(i)).collect();
+        // A border is there where what rays find of shadow changes within 3 pixels.
+        let shade = |i: usize| exact[i][1] / open[i][1].max(1e-9);
+        let by_border = |i: &usize| {
+            let (x, y) = ((i % 200) as i32, (i / 200) as i32);
+            let around = (-3..=3).flat_map(|dx| (-3..=3).map(move |dy| (x + dx, y + dy)));
+            let inside = around.filter(|(x, y)| (0..200).contains(x) && (0..150).contains(y));
+            inside.map(|(x, y)| shade((y * 200 + x) as usize)).any(|s| (s - shade(*i)).abs() > 0.02)
+        };
+        (pixels.len(), pixels.iter().filter(|i| !by_border(i)).count())
     };
-    let (coarse, fine) = (wrong("shadows=map,size=256"), wrong("shadows=map,size=2048"));
-    assert!(coarse < 1000 && fine * 2 < coarse, "{coarse} {fine}");
-    // Means over texels soften borders, and light nothing more than it is without shadows.
-    wrong("shadows=map,size=1024,pcf=4");
+    let (coarse, _) = wrong("shadows=map,size=256");
+    let (fine, stray) = wrong("shadows=map,size=2048");
+    assert!(coarse < 3000 && fine * 3 < coarse && stray < 30, "{coarse} {fine} {stray}");
+    // Four by four texels soften borders, no more.
+    assert!(wrong("shadows=map,size=2048,pcf=4").0 < 1500);
 }
 
 /// The same bits for any number of threads, crops are parts of the whole, and more samples converge.
