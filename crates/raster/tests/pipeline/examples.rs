@@ -21,9 +21,9 @@ fn examples_are_what_they_were() {
     let pictures = [
         ("triangle", triangle::picture(), 0x07f5a23e6032cdc1),
         ("textured_cube", textured_cube::picture(), 0x393cdb64860aa65a),
-        ("tessellated_patch", tessellated_patch::picture(), 0x5745832b035ae77e),
+        ("tessellated_patch", tessellated_patch::picture(), 0x1712f3291de9a3ec),
         ("geometry_normals", geometry_normals::picture(), 0xa656b6b7c6df78ff),
-        ("shadow_map", shadow_map::picture(), 0x3cde506eedf88e1d),
+        ("shadow_map", shadow_map::picture(), 0x920aa77448f6d122),
         ("compute_histogram", compute_histogram::picture(), 0xd6fdb1094faa8c75),
     ];
     let found: Vec<_> =
