@@ -300,11 +300,16 @@ impl Compiler<'_> {
         match word {
             "uv" => {}
             "mikktspace" => mesh.tangents = shape::tangents::mikktspace(mesh),
+            "mikktspace_down" => mesh.tangents = shape::tangents::mikktspace_down(mesh),
             name => match shape::tangents::from_attribute(mesh, name, place, turned) {
                 Some(tangents) => mesh.tangents = tangents,
                 None => {
                     let what = format!("this mesh has no vertex attribute '{name}' of three or four numbers");
-                    self.error_help(node.span, what, Some("known are 'uv', 'mikktspace', and attributes".into()));
+                    self.error_help(
+                        node.span,
+                        what,
+                        Some("known are 'uv', 'mikktspace', 'mikktspace_down', and attributes".into()),
+                    );
                 }
             },
         }

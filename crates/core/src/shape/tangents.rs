@@ -57,6 +57,13 @@ pub fn mikktspace(mesh: &TriMesh) -> Vec<[Vec4; 3]> {
     (0..count).map(|t| std::array::from_fn(|k| corner(&mut groups, t, k))).collect()
 }
 
+/// [`mikktspace`] of `(u, −v)`: for coordinates whose v grows downwards in pictures whose green points up, as glTF has them.
+pub fn mikktspace_down(mesh: &TriMesh) -> Vec<[Vec4; 3]> {
+    let mut tangents = mikktspace(mesh);
+    tangents.as_flattened_mut().iter_mut().for_each(|t| t.w = -t.w);
+    tangents
+}
+
 /// Tangents from a vertex attribute of three or four numbers in the space of the file, where the mesh has it. `turned`: whether the mesh
 /// was mirrored or turned inside out when it was placed, but not both.
 pub fn from_attribute(mesh: &TriMesh, name: &str, place: &Affine, turned: bool) -> Option<Vec<[Vec4; 3]>> {
@@ -165,6 +172,9 @@ mod tests {
         for (uvs, wanted) in cases {
             let m = mesh(&positions, &[[0., 0., 1.]; 4], &uvs, &triangles);
             mikktspace(&m).iter().flatten().for_each(|t| close(*t, wanted));
+            // Where v goes down, the bitangent w (n × t) points up all the same.
+            let turned = wanted.truncate().extend(-wanted.w);
+            mikktspace_down(&m).iter().flatten().for_each(|t| close(*t, turned));
         }
         // Coordinates without area: some tangent across the normal.
         let m = mesh(&positions, &[[0., 0., 1.]; 4], &[[0.5, 0.5]; 4], &triangles);

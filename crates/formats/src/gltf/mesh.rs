@@ -102,7 +102,7 @@ impl Reader<'_> {
         let mut node = Node::new(Family::Shape, "mesh", None);
         node.name = name;
         if look.uses_tangents {
-            node.set("tangents", if data.channels.tangent { "tangent" } else { "mikktspace" }, None);
+            node.set("tangents", if data.channels.tangent { "tangent" } else { "mikktspace_down" }, None);
         }
         let desc = &mut self.import.desc;
         let shape = Shape {
