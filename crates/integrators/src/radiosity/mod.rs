@@ -112,6 +112,9 @@ impl Default for Settings {
 
 /// Most iterations or, for each patch, shots.
 const MOST_STEPS: usize = 10_000;
+/// Most products of form factors and radiosities over all iterations, from a hundred iterations on: where no light is lost the solution does not
+/// exist, and iterations would not end.
+const MOST_PRODUCTS: usize = 2_000_000_000;
 /// Most patches of the methods that keep a matrix: of 16 bytes for each pair that exchanges light, up to 2 GiB.
 const MATRIX_LIMIT: usize = 12_000;
 /// Most patches of shooting, which makes a row of form factors for each shot.
@@ -262,10 +265,12 @@ fn solve_cells(
             watcher.begins("form factors", patches.len() as u64);
             let Some(rows) = exchange.rows(&tell) else { return Ok(None) };
             let system = System { rows, ..system(&patches) };
+            let entries = system.rows.iter().map(Vec::len).sum::<usize>() * system.bands;
+            let most = (MOST_PRODUCTS / entries.max(1)).clamp(100, MOST_STEPS);
             let solved = match settings.method {
-                Method::Jacobi => Some(system.jacobi(settings.tolerance, MOST_STEPS, &tell)),
+                Method::Jacobi => Some(system.jacobi(settings.tolerance, most, &tell)),
                 Method::Direct => system.direct(&tell),
-                _ => Some(system.gauss_seidel(settings.tolerance, MOST_STEPS, &tell)),
+                _ => Some(system.gauss_seidel(settings.tolerance, most, &tell)),
             };
             let Some(Solved { irradiance, steps, residual, .. }) = solved else { return Ok(None) };
             let factors = system.rows.iter().map(Vec::len).sum();
