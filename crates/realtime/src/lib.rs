@@ -3,9 +3,9 @@
 //!
 //! 1. [`draw_list`]: triangles of meshes as they are; other shapes (spheres, curves, patches, height fields, planes) by boxes around their
 //!    parts, in which the fragment shader meets the shape with the pixel's ray. Nothing is tessellated, so there is no error to state.
-//! 2. [`visibility`]: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a reversed depth buffer.
-//! 3. [`shading`]: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
-//! 4. [`shadow`]: whether a light is seen: by rays, by shadow maps, or always.
+//! 2. `visibility`: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a reversed depth buffer.
+//! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
+//! 4. `shadow`: whether a light is seen: by rays, by shadow maps, or always.
 
 pub mod draw_list;
 mod options;

@@ -140,7 +140,7 @@ impl Experiment {
     /// Resolves `given` names and values against the parameters, and runs the experiment; `picture` is what it works on, where it works on one.
     ///
     /// # Errors
-    /// [`Error`] for unknown parameters, values out of range, a missing picture, and what the experiment itself refuses.
+    /// [`enum@Error`] for unknown parameters, values out of range, a missing picture, and what the experiment itself refuses.
     pub fn run(&self, given: &[(String, String)], picture: Option<&Picture>) -> Result<Report, Error> {
         let values = Values::resolve(self, given)?;
         match (self.run, picture) {
