@@ -379,10 +379,7 @@ impl Reader<'_> {
                 }
             }
         }
-        for p in strokes.points.iter().chain(strokes.lines.as_flattened()) {
-            let [low, high] = &mut self.bounds;
-            (*low, *high) = (low.min(*p), high.max(*p));
-        }
+        strokes.points.iter().chain(strokes.lines.as_flattened()).for_each(|p| self.include(*p));
         self.strokes.push(strokes);
     }
 

@@ -1,9 +1,6 @@
 //! Scenes in which light is never lost, so that nothing but the integrators' own bounds ends a path: for every integrator.
 
-use crate::case::{
-    Case,
-    Expect::{Either, Picture},
-};
+use crate::case::{Case, Expect::Picture};
 use steradian::{
     INTEGRATORS, cornell,
     scene::{Family, Format, Node, NodeId, SceneDesc, Shape},
@@ -39,9 +36,6 @@ fn fog(sigma_s: f64) -> SceneDesc {
     scene
 }
 
-/// Integrators that may refuse some of the scenes: those without surfaces, or with media.
-const CHOOSY: [&str; 6] = ["light", "bdpt", "vcm", "sppm", "photon", "pssmlt"];
-
 pub fn table() -> Vec<Case> {
     let white = || material("diffuse").with("reflectance", 1.0);
     let scenes: [(&str, SceneDesc); 9] = [
@@ -63,8 +57,7 @@ pub fn table() -> Vec<Case> {
                 let mut scene = scene.clone();
                 let node = Node::new(Family::Integrator, *integrator, None).with("max_depth", depth);
                 scene.integrator = Some(scene.add(node));
-                let expect = if CHOOSY.contains(integrator) { Either } else { Picture };
-                let mut case = Case::new(format!("{name}, {integrator}, depth {depth}"), "none", "", expect);
+                let mut case = Case::new(format!("{name}, {integrator}, depth {depth}"), "none", "", Picture);
                 (case.description, case.small) = (Some(scene), true);
                 cases.push(case);
             }
