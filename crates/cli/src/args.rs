@@ -36,6 +36,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene into pictures; without SCENE, the built-in Cornell box
     Render(Box<RenderArgs>),
+    /// Render a scene by every integrator that can, and test whether they agree
+    Verify(VerifyArgs),
     /// Tell what is in a scene, and what of it was approximated or dropped
     Info(InfoArgs),
     /// List what is there by name: integrators, materials, tones, layers, …
@@ -348,6 +350,35 @@ pub struct MaterialArgs {
     /// Print one line of JSON to stdout
     #[arg(long)]
     pub json: bool,
+}
+
+/// `steradian verify`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Every integrator is compared with 'path' ('volpath' where there are media), by z-tests of blocks of 4 x 4 pixels whose level is\n\
+    divided among them (Sidak). Biased integrators may differ, if they differ less than with twice the radius. Exit code 4 if one disagrees."
+)]
+pub struct VerifyArgs {
+    /// Scene file, or builtin:NAME
+    pub scene: PathBuf,
+    /// Integrators to verify, with options, instead of all; may be repeated
+    #[arg(short, long, value_name = "NAME[:key=value,...]")]
+    pub integrator: Vec<String>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
+    pub spp: u32,
+    /// Random seed
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the pictures and their differences (.exr)
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Print one line of JSON to stdout instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// The scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
 }
 
 /// `steradian compare`.

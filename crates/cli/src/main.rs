@@ -27,6 +27,7 @@ mod signals;
 mod solving;
 mod terminal;
 mod values;
+mod verify;
 mod watch;
 
 use args::{Cli, Command};
@@ -64,6 +65,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Optics(args) => experiment::run("optics", args, terminal),
         Command::Vision(args) => experiment::run("vision", args, terminal),
         Command::Estimate(args) => experiment::run("estimate", args, terminal),
+        Command::Verify(args) => verify::run(args, terminal),
         Command::Info(args) => info::run(args, terminal),
         Command::List(args) => list::run(args),
         Command::Material(args) => material::run(args, terminal),

@@ -90,6 +90,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     check_memory(&scene, quality.layers.len())?;
 
     let integrator = quality.integrator_name(&scene);
+    if let Some(what) = quality.cannot(&scene) {
+        let named = &scene.settings.integrator;
+        terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
+    }
     let pixels = u64::from(width) * u64::from(height);
     let planned = pixels * u64::from(plan.sampler.spp);
     if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {

@@ -3,6 +3,8 @@
 pub mod adaptive;
 pub mod ao;
 pub mod features;
+pub mod method;
+pub mod passes;
 pub mod path;
 pub mod path_recursive;
 pub mod radiosity;
@@ -27,8 +29,9 @@ mod walk;
 mod differential_tests;
 
 pub use effort::Effort;
+pub use method::{Method, Session};
 pub use registry::{INTEGRATORS, IntegratorKind};
-pub use session::{Control, Film, Plan, SCALES, Session};
+pub use session::{Control, Film, Plan, SCALES};
 pub use survey::{Survey, Tactics};
 
 use std::sync::{

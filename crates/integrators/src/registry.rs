@@ -3,6 +3,7 @@
 use crate::{
     Depth, Plan, Stop, Survey, Tactics,
     ao::AmbientOcclusion,
+    passes::PassKind,
     path::{Path, VolPath},
     path_recursive::PathRecursive,
     radiosity::{self, View},
@@ -36,6 +37,30 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
         "radiosity",
         "light exchanged by Lambertian patches, solved once for all cameras; method (gauss-seidel, jacobi, direct, shooting, hierarchical, stochastic), factors (analytic, montecarlo, hemicube), patches (2000), adaptive (1), tolerance, rays, gather (0), smooth (true), ambient, solution (a file that keeps it)",
     ),
+    (
+        "light",
+        "light tracing: paths from lights, connected to the camera; for caustics on surfaces that are not smooth; max_depth, rr_depth, hide_emitters",
+    ),
+    (
+        "bdpt",
+        "bidirectional path tracing with all connections, weighted by the power heuristic; max_depth, rr_depth, hide_emitters",
+    ),
+    (
+        "vcm",
+        "vertex connection and merging: bidirectional path tracing and photons; max_depth, rr_depth, hide_emitters, radius or pixels (3)",
+    ),
+    (
+        "sppm",
+        "stochastic progressive photon mapping; max_depth, rr_depth, hide_emitters, radius or pixels (3), photons (one for a pixel)",
+    ),
+    (
+        "photon",
+        "photon mapping with a map of caustics and a final gather; max_depth, rr_depth, hide_emitters, radius or pixels (3), photons (one for a pixel), nearest (all), gather (true)",
+    ),
+    (
+        "pssmlt",
+        "Metropolis light transport over the random numbers of bidirectional paths; max_depth, rr_depth, hide_emitters",
+    ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
     ("stokes-s2", "of polarised light, the diagonal polarisation S2 (may be negative)"),
@@ -61,6 +86,8 @@ pub enum IntegratorKind {
     AmbientOcclusion(AmbientOcclusion),
     /// Views of radiosity.
     Radiosity(View),
+    /// A method that works by passes.
+    Passes(PassKind),
 }
 
 impl IntegratorKind {
@@ -81,8 +108,25 @@ impl IntegratorKind {
             "stokes-s1" => Self::Stokes(Stokes { depth, component: 1 }),
             "stokes-s2" => Self::Stokes(Stokes { depth, component: 2 }),
             "stokes-s3" => Self::Stokes(Stokes { depth, component: 3 }),
-            _ => return None,
+            _ => return PassKind::named(name, depth).map(Self::Passes),
         })
+    }
+
+    /// Changes an option that is the integrator's own; whether there is such an option and value.
+    pub fn set(&mut self, key: &str, value: &str) -> bool {
+        match self {
+            Self::Passes(kind) => kind.set(key, value),
+            _ => false,
+        }
+    }
+
+    /// What of a scene it cannot do; `None` where it can do all.
+    pub fn cannot(&self, scene: &Scene) -> Option<String> {
+        match self {
+            Self::Passes(kind) => kind.cannot(scene),
+            Self::Path(_) | Self::PathRecursive(_) if scene.has_media => Some("participating media".into()),
+            _ => None,
+        }
     }
 
     /// What the integrator wants to know of a scene before a render; of no use where a stop was asked for meanwhile.

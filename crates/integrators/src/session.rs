@@ -8,7 +8,7 @@
 mod scales;
 #[cfg(test)]
 mod sizes_tests;
-mod state;
+pub(crate) mod state;
 #[cfg(test)]
 mod stop_tests;
 mod tile;
@@ -37,7 +37,7 @@ use tile::Tile;
 use work::Work;
 
 /// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
-const FIRST_LOOK: u32 = 16;
+pub(crate) const FIRST_LOOK: u32 = 16;
 
 /// Samples are spread unevenly from this [`adaptive::gain`] on: it is told from few samples.
 const WORTH: f64 = 1.25;
@@ -113,7 +113,7 @@ pub struct Session<'s> {
 }
 
 /// CPU time of all threads of this process.
-fn cpu_time() -> Duration {
+pub(crate) fn cpu_time() -> Duration {
     let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
 }
@@ -235,6 +235,8 @@ impl<'s> Session<'s> {
             IntegratorKind::Stokes(i) => self.run(i, control),
             IntegratorKind::AmbientOcclusion(i) => self.run(i, control),
             IntegratorKind::Radiosity(i) => self.run(i, control),
+            // A session by passes renders these ([`crate::Session::new`]).
+            IntegratorKind::Passes(_) => (Counters::default(), true),
         };
         self.is_complete = is_complete;
         self.counters += &counters;

@@ -152,6 +152,13 @@ impl Affine {
         self.m.transform_vector3(v)
     }
 
+    /// How much larger the solid angle about a unit direction is in the image: `|det M| / |M d|³`.
+    pub fn solid_angle(&self, d: Vec3) -> f32 {
+        let [x, y, z] = [self.m.x_axis, self.m.y_axis, self.m.z_axis].map(glam::Vec4::truncate);
+        let length = (x * d.x + y * d.y + z * d.z).length();
+        (x.cross(y).dot(z) / (length * length * length)).abs()
+    }
+
     /// Image of a normal, by the inverse transpose (M22); not normalised.
     #[inline]
     pub fn normal(&self, n: Vec3) -> Vec3 {

@@ -24,6 +24,14 @@ pub enum Error {
         /// All names.
         known: String,
     },
+    /// An integrator cannot do what is in the scene.
+    #[error("integrator '{integrator}' cannot do {what}; 'path' and 'volpath' can")]
+    CannotRender {
+        /// Its name.
+        integrator: String,
+        /// What of the scene.
+        what: String,
+    },
     /// An integrator option that does not exist or has no such value.
     #[error(
         "integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters, reuse (1, 4, 16), caustics (auto, true, false), effort (auto, even, vertex)"

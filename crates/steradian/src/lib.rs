@@ -23,6 +23,7 @@ pub mod radiosity;
 pub mod raster;
 pub mod resume;
 pub mod specimen;
+pub mod verify;
 
 pub use develop::{Layer, develop};
 pub use error::Error;
@@ -31,6 +32,7 @@ pub use load::{Loaded, load, load_bytes};
 pub use quality::Quality;
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
+pub use steradian_core::film::Pixel;
 pub use steradian_core::material::catalog as materials;
 pub use steradian_core::{
     ColorMode, Compiled, Scene,

@@ -45,14 +45,14 @@ impl Quality {
     /// # Errors
     /// [`Error`] for unknown names and options.
     pub fn plan(&self, scene: &Scene) -> Result<Plan, Error> {
-        let asked = self.integrator.as_deref().unwrap_or(&scene.settings.integrator);
+        let asked = self.integrator_or_scene(scene);
         let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
         let mut depth = Depth {
             max: scene.settings.max_depth,
             roulette_after: scene.settings.rr_depth,
             hide_emitters: scene.settings.hide_emitters,
         };
-        let mut tactics = Tactics::default();
+        let (mut tactics, mut own) = (Tactics::default(), Vec::new());
         if name == "radiosity" {
             let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
             let asked = radiosity::options(options, depth)?;
@@ -87,15 +87,23 @@ impl Quality {
                 }
                 "effort" if value == "vertex" => (tactics.effort, tactics.by_vertex) = (None, true),
                 "caustics" => tactics.caustics = Some(value.parse().map_err(|_| fault())?),
-                _ => return Err(fault()),
+                key => own.push((key, value, option)),
             }
         }
         depth.max = self.max_depth.unwrap_or(depth.max);
-        let integrator = IntegratorKind::named(name, depth, tactics).ok_or_else(|| Error::UnknownIntegrator {
+        let mut integrator = IntegratorKind::named(name, depth, tactics).ok_or_else(|| Error::UnknownIntegrator {
             name: name.into(),
             hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
             known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
         })?;
+        for (key, value, option) in own {
+            if !integrator.set(key, value) {
+                return Err(Error::IntegratorOption(option.into()));
+            }
+        }
+        if let Some(what) = integrator.cannot(scene).filter(|_| matches!(integrator, IntegratorKind::Passes(_))) {
+            return Err(Error::CannotRender { integrator: name.into(), what });
+        }
         self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
     }
 
@@ -127,9 +135,34 @@ impl Quality {
         options.split(',').find_map(|o| o.strip_prefix("solution=")).filter(|f| !f.is_empty()).map(PathBuf::from)
     }
 
+    /// The integrator that is asked for, or the scene's; where that cannot do what is in the scene, a path tracer.
+    fn integrator_or_scene<'a>(&'a self, scene: &'a Scene) -> &'a str {
+        let named = scene.settings.integrator.as_str();
+        match &self.integrator {
+            Some(asked) => asked,
+            None if self.cannot(scene).is_some() => {
+                if scene.has_media {
+                    "volpath"
+                } else {
+                    "path"
+                }
+            }
+            None => named,
+        }
+    }
+
+    /// What in the scene its own integrator cannot do, where no other one is asked for: a path tracer renders it then.
+    pub fn cannot(&self, scene: &Scene) -> Option<String> {
+        let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
+        match IntegratorKind::named(&scene.settings.integrator, depth, Tactics::default())? {
+            IntegratorKind::Passes(kind) if self.integrator.is_none() => kind.cannot(scene),
+            _ => None,
+        }
+    }
+
     /// The integrator's name in the plan, without options.
     pub fn integrator_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
-        let asked = self.integrator.as_deref().unwrap_or(&scene.settings.integrator);
+        let asked = self.integrator_or_scene(scene);
         asked.split_once(':').map_or(asked, |s| s.0)
     }
 }

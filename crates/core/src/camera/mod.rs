@@ -1,6 +1,7 @@
 //! Cameras: from a point on the film to a ray. Camera space has +x to the right, +y up and +z forward.
 
 mod differentials;
+pub mod importance;
 
 pub use differentials::ViewFootprint;
 

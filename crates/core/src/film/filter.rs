@@ -130,6 +130,17 @@ impl Filter {
         evaluate(self.kind, offset.x, self.radius.x) * evaluate(self.kind, offset.y, self.radius.y)
     }
 
+    /// The radii along both axes, pixels.
+    pub fn radius(&self) -> Vec2 {
+        self.radius
+    }
+
+    /// The value at an offset from the pixel centre, normalised: its integral over the film is one.
+    pub fn density(&self, offset: Vec2) -> f32 {
+        let [x, y] = &*self.axes;
+        self.evaluate(offset) * (x.norm * y.norm / (self.radius.x * self.radius.y))
+    }
+
     /// An offset from the pixel centre and the weight of a sample there: filter over density, one on average.
     #[inline]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {

@@ -65,6 +65,16 @@ impl Pixel {
         true
     }
 
+    /// Adds a finite sample that is a sum of many contributions.
+    #[inline]
+    pub fn add_value(&mut self, rgb: [f64; 3]) {
+        self.samples += 1;
+        for (c, v) in rgb.into_iter().enumerate() {
+            self.sum[c] += v;
+            self.sum_squares[c] += v * v;
+        }
+    }
+
     /// The mean: the pixel's linear Rec.709 radiance.
     pub fn mean(&self) -> [f64; 3] {
         let n = f64::from(self.samples.max(1));

@@ -169,7 +169,7 @@ impl AreaLight {
     }
 
     /// Where on the texture a sampled point lies. `uv` are barycentric coordinates on triangles, surface parameters on quadrics.
-    fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
+    pub(super) fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
         match (&self.mesh, &self.shape) {
             (Some((mesh, t)), AreaShape::Triangle(..)) => {
                 TextureContext { mesh: Some((mesh, *t, uv)), ..TextureContext::new(q, mesh.uv(*t, uv.x, uv.y)) }

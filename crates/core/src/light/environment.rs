@@ -185,6 +185,12 @@ impl Environment {
         if self.portal.is_some_and(|q| through(q, p, w).is_none()) {
             return Spectrum::ZERO;
         }
+        self.beyond(w, lambda)
+    }
+
+    /// Radiance from direction `w`, where no portal stands before it.
+    #[inline]
+    pub fn beyond(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         match &self.image {
             None => self.radiance.eval(lambda) * self.scale,
             Some(image) => {

@@ -1,6 +1,7 @@
 //! Lights: where light comes from, and how a point of the scene finds it.
 
 pub mod area;
+pub mod emission;
 pub mod environment;
 pub mod punctual;
 pub mod tree;

@@ -40,6 +40,10 @@ impl Reader<'_> {
                 self.approximated(self.span(object), format!("there is no integrator '{plugin}'; 'path' is used"));
                 "path"
             }
+            "bdpt" => "bdpt",
+            "mlt" | "pssmlt" => "pssmlt",
+            "photonmapper" => "photon",
+            "ppm" | "sppm" => "sppm",
             // Other estimators of the same picture.
             _ if self.is_known(object) => {
                 let media = self.graph.objects.iter().any(|o| o.category == Category::Medium);

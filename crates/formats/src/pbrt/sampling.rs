@@ -56,10 +56,10 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
         "simplepath" => ("path", &[("samplelights", Type::Bool), ("samplebsdf", Type::Bool)]),
         "simplevolpath" => ("volpath", &[]),
         "randomwalk" => ("path", &[]),
-        "lightpath" => ("path", &[]),
-        "bdpt" => ("volpath", &[("visualizestrategies", Type::Bool), ("visualizeweights", Type::Bool)]),
+        "lightpath" => ("light", &[]),
+        "bdpt" => ("bdpt", &[("visualizestrategies", Type::Bool), ("visualizeweights", Type::Bool)]),
         "mlt" => (
-            "volpath",
+            "pssmlt",
             &[
                 ("bootstrapsamples", Type::Integer),
                 ("chains", Type::Integer),
@@ -68,7 +68,7 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
                 ("sigma", Type::Float),
             ],
         ),
-        "sppm" => ("path", &[("photonsperiteration", Type::Integer), ("radius", Type::Float), ("seed", Type::Integer)]),
+        "sppm" => ("sppm", &[("photonsperiteration", Type::Integer), ("radius", Type::Float), ("seed", Type::Integer)]),
         "ambientocclusion" => ("path", &[("cossample", Type::Bool), ("maxdistance", Type::Float)]),
         "function" => (
             "path",
@@ -101,8 +101,8 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
             return None;
         }
     };
-    // These estimate the same light as a path tracer, by simpler means.
-    let same_light = matches!(given, "path" | "volpath" | "simplepath" | "simplevolpath");
+    // All others are there, or estimate the same light as a path tracer, by simpler means.
+    let same_light = !matches!(given, "randomwalk" | "ambientocclusion" | "function");
     if !same_light {
         scene.report.approximated(dict.span, format!("integrator '{given}' is rendered as '{kind}'"));
     }

@@ -14,11 +14,11 @@ use std::{
 use steradian_core::film::{FirstHit, FirstHitSums, Pixel};
 
 /// Turns bytes of values into bytes of a file, or those of a file into those of values.
-trait Way {
+pub(crate) trait Way {
     fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()>;
 }
 
-struct Out<'w>(&'w mut dyn Write);
+pub(crate) struct Out<'w>(pub &'w mut dyn Write);
 
 impl Way for Out<'_> {
     fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()> {
@@ -26,7 +26,7 @@ impl Way for Out<'_> {
     }
 }
 
-struct In<'r>(&'r mut dyn Read);
+pub(crate) struct In<'r>(pub &'r mut dyn Read);
 
 impl Way for In<'_> {
     fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()> {
@@ -35,7 +35,7 @@ impl Way for In<'_> {
 }
 
 /// What is kept.
-trait State {
+pub(crate) trait State {
     fn pass(&mut self, way: &mut impl Way) -> io::Result<()>;
 }
 

@@ -4,6 +4,7 @@
 //! spread allow for rounding alone.
 
 mod adaptive;
+mod bidirectional;
 mod by_vertex;
 mod color;
 mod determinism;

@@ -70,6 +70,13 @@ impl Shot {
         Self { seed, ..self }
     }
 
+    /// The integrator.
+    pub fn integrator(self, _scene: &Scene) -> IntegratorKind {
+        let depth =
+            Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
+        IntegratorKind::named(self.integrator, depth, Tactics::default()).expect("a registered integrator")
+    }
+
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };

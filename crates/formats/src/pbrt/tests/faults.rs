@@ -217,7 +217,7 @@ fn warnings_do_not_stop_a_scene() {
         "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0] \"point2 uv\" [0 0]",
         "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0] \"integer indices\" [0 1 2 0]",
         "Film \"rgb\" \"integer pixelbounds\" [0 5000 0 5] WorldBegin",
-        "Integrator \"bdpt\" WorldBegin",
+        "Integrator \"randomwalk\" WorldBegin",
         "Integrator \"path\" \"bool regularize\" true WorldBegin",
         "Integrator \"path\" WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" MediumInterface \"m\" \"\" Shape \"sphere\"",
         "ColorSpace \"rec2020\" Film \"rgb\" WorldBegin",

@@ -1,0 +1,372 @@
+//! Lights that emit: rays from lights, with their densities (Veach 1997, chapter 8; PBR 4th ed., 12.1.2).
+//!
+//! A light is chosen in proportion to its flux, a place on it uniformly over its area (of infinite lights, over a disk that covers the scene), a
+//! direction by the cosine, over a cone, or as the light is bright. What is a delta distribution (the place of a point light, the direction of parallel
+//! light) is left out of densities, here and in next-event estimation, so that their ratios are right.
+
+use super::{AreaLight, AreaShape, Environment, Light, Lights};
+use crate::{Scene, texture::TextureContext};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use steradian_math::{
+    Frame, Ray, Spectrum, Vec2, Vec3,
+    distribution::AliasTable,
+    ray::{gamma, offset_ray_origin},
+    spectra::Wavelengths,
+    warp,
+};
+
+/// How a scene's lights are sampled for emission.
+#[derive(Clone, Debug)]
+pub struct Emission {
+    choice: AliasTable,
+    /// A sphere around all that light can reach.
+    center: Vec3,
+    radius: f32,
+}
+
+/// A ray that leaves a light.
+#[derive(Clone, Copy, Debug)]
+pub struct EmittedRay {
+    /// Index of the light.
+    pub light: u32,
+    /// The ray.
+    pub ray: Ray,
+    /// Oriented unit normal of the surface there; of other lights the direction.
+    pub n: Vec3,
+    /// Cosine between both; 1 of lights that are no surfaces.
+    pub cos: f32,
+    /// Radiance, intensity (of points), or irradiance across the ray (of parallel light).
+    pub radiance: Spectrum,
+    /// Density of choice, place and direction, without delta distributions.
+    pub pdf: f32,
+}
+
+/// What kind of light emits, for the densities of paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// No ray can meet it by chance: points and parallel light.
+    pub is_delta: bool,
+    /// Its density over surfaces does not fall with the square of the distance: infinite and parallel lights.
+    pub is_parallel: bool,
+}
+
+impl Light {
+    /// What kind of light it is.
+    pub fn kind(&self) -> Kind {
+        let (is_delta, is_parallel) = match self {
+            Self::Point(..) | Self::Spot(_) | Self::Goniometric(_) | Self::Projection(_) => (true, false),
+            Self::Distant(..) | Self::DirectionalArea(_) => (true, true),
+            Self::Environment(_) => (false, true),
+            Self::Area(_) => (false, false),
+        };
+        Kind { is_delta, is_parallel }
+    }
+}
+
+/// A direction by which a light shines, and its density.
+struct Drawn {
+    w: Vec3,
+    pdf: f32,
+}
+
+impl Emission {
+    /// Of a scene; `None` where no light emits. Infinite planes are too large for light from infinity to be sent at them: it is left out then,
+    /// with density zero.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let (center, radius) = scene.bounds().bounding_sphere();
+        let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
+        let lights = &scene.lights;
+        let is_sent = |l: &Light| scene.planes.is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
+        let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius, scene) } else { 0.0 };
+        let weights: Vec<f32> = lights.lights.iter().map(flux).map(|f| if f.is_finite() { f } else { 0.0 }).collect();
+        let is_any = weights.iter().any(|w| *w > 0.0);
+        is_any.then(|| Self { choice: AliasTable::new(&weights), center, radius })
+    }
+
+    /// A ray from a light: `u` chooses the light, `place` where on it, `direction` where to.
+    pub fn sample(
+        &self,
+        scene: &Scene,
+        u: f32,
+        place: Vec2,
+        direction: Vec2,
+        lambda: &Wavelengths,
+    ) -> Option<EmittedRay> {
+        let (light, choice, _) = self.choice.sample(u);
+        let mut emitted = self.sample_light(scene, light as u32, place, direction, lambda)?;
+        emitted.pdf *= choice;
+        let is_sound = emitted.pdf > 0.0 && emitted.pdf.is_finite() && emitted.ray.is_valid();
+        (is_sound && !emitted.radiance.is_black()).then_some(emitted)
+    }
+
+    /// The same of one light; the density leaves the choice out.
+    pub fn sample_light(
+        &self,
+        scene: &Scene,
+        light: u32,
+        place: Vec2,
+        direction: Vec2,
+        lambda: &Wavelengths,
+    ) -> Option<EmittedRay> {
+        let lights = &scene.lights;
+        let point = |p: Vec3, Drawn { w, pdf }: Drawn, radiance: Spectrum| EmittedRay {
+            light,
+            ray: Ray::new(p, w),
+            n: w,
+            cos: 1.0,
+            radiance,
+            pdf,
+        };
+        // Parallel light through a disk across it.
+        let through_disk = |w: Vec3| {
+            let d = warp::concentric_disk(place) * self.radius;
+            let frame = Frame::from_z(w);
+            Ray::new(self.center + frame.x * d.x + frame.y * d.y - w * self.radius, w)
+        };
+        let disk = 1.0 / (PI * self.radius * self.radius);
+        Some(match &lights.lights[light as usize] {
+            Light::Point(p, intensity) => point(*p, uniform(direction), intensity.eval(lambda)),
+            Light::Goniometric(g) => {
+                let drawn = uniform(direction);
+                let intensity = g.intensity(g.position + drawn.w, lambda);
+                point(g.position, drawn, intensity)
+            }
+            Light::Spot(s) => {
+                let m = 1.0 - s.total.cos();
+                let local = warp::uniform_cone(direction, m);
+                let pdf = warp::uniform_cone_pdf(m) / s.world_from_light.solid_angle(local);
+                let w = s.world_from_light.vector(local).try_normalize()?;
+                point(s.position, Drawn { w, pdf }, s.intensity(s.position + w, lambda, &scene.textures))
+            }
+            Light::Projection(s) => {
+                let at = (direction * 2.0 - 1.0) * s.half;
+                let local = Vec3::new(at.x, at.y, 1.0).normalize();
+                let pdf = 1.0 / (4.0 * s.half.x * s.half.y * local.z.powi(3));
+                let w = s.world_from_light.vector(local).try_normalize()?;
+                let pdf = pdf / s.world_from_light.solid_angle(local);
+                let p = s.position();
+                point(p, Drawn { w, pdf }, s.intensity(p + w, lambda, &scene.textures, lights.mode()))
+            }
+            Light::Distant(to, irradiance) => EmittedRay {
+                light,
+                ray: through_disk(-*to),
+                n: -*to,
+                cos: 1.0,
+                radiance: irradiance.eval(lambda),
+                pdf: disk,
+            },
+            Light::Environment(e) => {
+                if let Some([corner, ex, ey]) = e.portal {
+                    let n = ex.cross(ey);
+                    let area = n.length();
+                    let z = if direction.x < 0.5 { n / area } else { -n / area };
+                    let u = Vec2::new((direction.x * 2.0).fract(), direction.y);
+                    let w = Frame::from_z(z).to_world(warp::cosine_hemisphere(u));
+                    let q = corner + ex * place.x + ey * place.y;
+                    let back = self.radius + (q - self.center).length();
+                    let ray = Ray::new(q - w * back, w);
+                    let radiance = e.beyond(-w, lambda);
+                    // Both cosines cancel: of the direction, and of the portal seen along it.
+                    return Some(EmittedRay { light, ray, n: w, cos: 1.0, radiance, pdf: 0.5 * FRAC_1_PI / area });
+                }
+                let to = match e.sampled_irradiance() > 0.0 {
+                    true if direction.x < 0.5 => e.sample(self.center, Vec2::new(direction.x * 2.0, direction.y))?.0,
+                    true => warp::uniform_sphere(Vec2::new(direction.x * 2.0 - 1.0, direction.y)),
+                    false => warp::uniform_sphere(direction),
+                };
+                let radiance = e.beyond(to, lambda);
+                let pdf = self.sky_pdf(e, to) * disk;
+                EmittedRay { light, ray: through_disk(-to), n: -to, cos: 1.0, radiance, pdf }
+            }
+            Light::Area(a) => {
+                let (p, n, at) = a.sample_place(place);
+                let emitter = &lights.emitters[a.emitter as usize];
+                let mut local = warp::cosine_hemisphere(direction);
+                if emitter.two_sided {
+                    let u = Vec2::new((direction.x * 2.0).fract(), direction.y);
+                    local = warp::cosine_hemisphere(u);
+                    local.z *= if direction.x < 0.5 { 1.0 } else { -1.0 };
+                }
+                let cos = local.z.abs();
+                let w = Frame::from_z(n).to_world(local);
+                let radiance = emitter.radiance(n, w, || at, lambda, &scene.textures);
+                let pdf = lobe(cos, emitter.two_sided) / a.area();
+                EmittedRay { light, ray: Ray::new(a.leave(p, n, w), w), n, cos, radiance, pdf }
+            }
+            Light::DirectionalArea(a) => {
+                let (p, n, at) = a.sample_place(place);
+                let radiance = lights.emitters[a.emitter as usize].radiance(n, n, || at, lambda, &scene.textures);
+                EmittedRay { light, ray: Ray::new(a.leave(p, n, n), n), n, cos: 1.0, radiance, pdf: 1.0 / a.area() }
+            }
+        })
+    }
+
+    /// The density with which a ray leaves a light in direction `w` from a place with oriented normal `n`, choice included, as in
+    /// [`EmittedRay::pdf`].
+    pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3) -> f32 {
+        let disk = 1.0 / (PI * self.radius * self.radius);
+        let pdf = match &scene.lights.lights[light as usize] {
+            Light::Point(..) | Light::Goniometric(_) => 0.25 * FRAC_1_PI,
+            Light::Spot(s) => {
+                let local = s.world_from_light.inverse().vector(w).normalize_or_zero();
+                if local.z >= s.total.cos() {
+                    warp::uniform_cone_pdf(1.0 - s.total.cos()) / s.world_from_light.solid_angle(local)
+                } else {
+                    0.0
+                }
+            }
+            Light::Projection(s) => {
+                let local = s.world_from_light.inverse().vector(w).normalize_or_zero();
+                let at = Vec2::new(local.x, local.y) / (local.z * s.half);
+                if local.z > 0.0 && at.abs().max_element() <= 1.0 {
+                    1.0 / (4.0 * s.half.x * s.half.y * local.z.powi(3)) / s.world_from_light.solid_angle(local)
+                } else {
+                    0.0
+                }
+            }
+            Light::Distant(..) => disk,
+            Light::Environment(e) => match e.portal {
+                Some([_, ex, ey]) => 0.5 * FRAC_1_PI / ex.cross(ey).length(),
+                None => self.sky_pdf(e, -w) * disk,
+            },
+            Light::Area(a) => {
+                let two_sided = scene.lights.emitters[a.emitter as usize].two_sided;
+                let cos = if two_sided { n.dot(w).abs() } else { n.dot(w).max(0.0) };
+                lobe(cos, two_sided) / a.area()
+            }
+            Light::DirectionalArea(a) => 1.0 / a.area(),
+        };
+        pdf * self.choice.pmf(light as usize)
+    }
+
+    /// The density of directions to an environment without a portal.
+    fn sky_pdf(&self, e: &Environment, to: Vec3) -> f32 {
+        let uniform = 0.25 * FRAC_1_PI;
+        if e.sampled_irradiance() > 0.0 { 0.5 * (uniform + e.pdf(self.center, to)) } else { uniform }
+    }
+}
+
+/// A direction from a point, over the whole sphere.
+fn uniform(u: Vec2) -> Drawn {
+    Drawn { w: warp::uniform_sphere(u), pdf: 0.25 * FRAC_1_PI }
+}
+
+/// The cosine density, on one side or both.
+fn lobe(cos: f32, two_sided: bool) -> f32 {
+    cos * FRAC_1_PI * if two_sided { 0.5 } else { 1.0 }
+}
+
+impl Lights {
+    /// The luminous flux that a light sends into a sphere of a radius around the scene (an estimate for pictures and textures).
+    fn flux(&self, light: &Light, radius: f32, scene: &Scene) -> f32 {
+        let mode = self.mode();
+        let section = PI * radius * radius;
+        match light {
+            Light::Point(_, intensity) => 4.0 * PI * intensity.luminance(mode),
+            Light::Spot(s) => s.flux_share() * s.intensity.luminance(mode),
+            Light::Goniometric(g) => 4.0 * PI * g.mean() * g.intensity.luminance(mode),
+            Light::Projection(p) => {
+                // The solid angle of the slide is less than its area at distance one.
+                p.max_intensity(mode, &scene.textures) * (4.0 * p.half.x * p.half.y).min(TAU)
+            }
+            Light::Distant(_, irradiance) => irradiance.luminance(mode) * section,
+            Light::Environment(e) => {
+                let through = e.portal.map_or(section, |[_, ex, ey]| 2.0 * ex.cross(ey).length());
+                PI * e.mean_luminance() * through
+            }
+            Light::Area(a) => {
+                let e = &self.emitters[a.emitter as usize];
+                PI * e.luminance * a.area() * if e.two_sided { 2.0 } else { 1.0 }
+            }
+            Light::DirectionalArea(a) => self.emitters[a.emitter as usize].luminance * a.area(),
+        }
+    }
+
+    /// The oriented unit normal of a light at a point on it; of lights that are no surfaces the direction `w` of emission.
+    pub fn normal_at(&self, light: u32, p: Vec3, w: Vec3) -> Vec3 {
+        match &self.lights[light as usize] {
+            Light::Area(a) | Light::DirectionalArea(a) => a.normal_at(p),
+            _ => w,
+        }
+    }
+
+    /// Whether light of an infinite light that comes along `-to` arrives at `p`: not if it comes past its portal.
+    pub fn reaches(&self, light: u32, p: Vec3, to: Vec3, lambda: &Wavelengths) -> bool {
+        match &self.lights[light as usize] {
+            Light::Environment(e) if e.portal.is_some() => !e.radiance(p, to, lambda).is_black(),
+            _ => true,
+        }
+    }
+}
+
+impl Environment {
+    /// Luminance of the radiance, averaged over directions; of pictures with what a grid of directions may miss of their bright parts.
+    fn mean_luminance(&self) -> f32 {
+        if self.image.is_none() {
+            return self.radiance.luminance(self.mode) * self.scale;
+        }
+        const EDGE: u32 = 64;
+        let mut sum = 0.0;
+        for k in 0..EDGE * EDGE {
+            let u = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+            let lambda = self.mode.wavelengths(|| (k % 61) as f32 / 61.0);
+            sum += self.mode.luminance(self.beyond(warp::equal_area_square_to_sphere(u), &lambda), &lambda);
+        }
+        sum.max(0.0) / (EDGE * EDGE) as f32 + self.sampled_irradiance() * FRAC_1_PI
+    }
+}
+
+impl AreaLight {
+    /// Its area.
+    pub fn area(&self) -> f32 {
+        match &self.shape {
+            AreaShape::Triangle(_, _, area) | AreaShape::Rectangle { area, .. } => *area,
+            AreaShape::Sphere(_, r, _) => 4.0 * PI * r * r,
+            AreaShape::Quadric(q) => q.area(),
+        }
+    }
+
+    /// A point, uniform over the area, its oriented normal, and where textures are looked up there.
+    fn sample_place(&self, u: Vec2) -> (Vec3, Vec3, TextureContext<'_>) {
+        let (p, n, uv) = match &self.shape {
+            AreaShape::Triangle(v, n, _) => {
+                let b = warp::uniform_triangle(u);
+                (v[0] * b[0] + v[1] * b[1] + v[2] * b[2], *n, Vec2::new(b[1], b[2]))
+            }
+            AreaShape::Rectangle { corner, ex, ey, n, .. } => (*corner + *ex * u.x + *ey * u.y, *n, u),
+            AreaShape::Sphere(c, r, inward) => {
+                let n = warp::uniform_sphere(u);
+                (*c + n * *r, if *inward { -n } else { n }, Vec2::ZERO)
+            }
+            AreaShape::Quadric(q) => {
+                let s = q.surface_at(q.sample(u));
+                (s.p, s.n, s.uv)
+            }
+        };
+        (p, n, self.texture_context(p, uv))
+    }
+
+    /// Oriented unit normal at a point on the light.
+    fn normal_at(&self, p: Vec3) -> Vec3 {
+        match &self.shape {
+            AreaShape::Triangle(_, n, _) | AreaShape::Rectangle { n, .. } => *n,
+            AreaShape::Sphere(c, r, inward) => (p - *c) / if *inward { -*r } else { *r },
+            AreaShape::Quadric(q) => q.surface_at(q.place.inverse().point(p)).n,
+        }
+    }
+
+    /// Where a ray starts that leaves a point of the light.
+    fn leave(&self, p: Vec3, n: Vec3, w: Vec3) -> Vec3 {
+        let size = match &self.shape {
+            AreaShape::Triangle(v, ..) => v.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max),
+            AreaShape::Rectangle { corner, ex, ey, .. } => (corner.abs() + ex.abs() + ey.abs()).max_element(),
+            AreaShape::Sphere(c, r, _) => c.abs().max_element() + r,
+            AreaShape::Quadric(q) => p.abs().max_element() + q.world_radius(),
+        };
+        offset_ray_origin(p, Vec3::splat(size * gamma(16)), n, w)
+    }
+}
+
+#[cfg(test)]
+#[path = "emission_tests.rs"]
+mod tests;

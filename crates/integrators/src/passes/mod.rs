@@ -1,0 +1,359 @@
+//! Pictures that are the mean of passes: methods that start at lights, or whose paths land on other pixels than their own.
+//!
+//! A pass is an estimate of the whole picture that is a function of scene, plan and its number alone, independent of all others. So the mean
+//! over passes converges, their spread tells the variance of every pixel, a render goes on from sums and a count, and nothing depends on
+//! threads. A pass that is cancelled counts for nothing.
+
+mod bidirectional;
+mod film;
+mod mlt;
+mod photon_map;
+mod photons;
+mod radius;
+mod registry;
+mod sppm;
+mod subpath;
+#[cfg(test)]
+mod tests;
+
+pub use bidirectional::{Bidirectional, Strategy};
+pub use film::{PassFilm, Splat};
+pub use mlt::Metropolis;
+pub use photon_map::PhotonMap;
+pub use radius::Radius;
+pub use registry::PassKind;
+pub use sppm::Sppm;
+
+use crate::{
+    Control, Counters, Film, Method, Plan, dimension, features,
+    session::{
+        FIRST_LOOK, cpu_time,
+        state::{In, Out, State, Way},
+    },
+};
+use std::{
+    fmt::Debug,
+    io::{self, Error, ErrorKind, Read, Write},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+use steradian_core::{
+    Scene,
+    bsdf::TransportMode,
+    color,
+    film::{FirstHitSums, Pixel},
+    light::Light,
+    sampler::{PixelSampler, Sampler},
+};
+use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+
+/// A method whose pictures are means of passes.
+pub trait PassIntegrator: Debug + Send + Sync {
+    /// Samples per pixel that a pass counts for.
+    fn samples_per_pass(&self) -> u32 {
+        1
+    }
+
+    /// Finds out what all passes need, before the first one and again after a restore; `None` where that was cancelled.
+    fn prepare(&mut self, _run: &Run<'_>) -> Option<()> {
+        Some(())
+    }
+
+    /// Adds the pass of a number to a black film: an estimate of the whole picture. Counts rays and the samples of a pass; `None` where it was
+    /// cancelled.
+    fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters>;
+}
+
+/// What a pass works with.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'s> {
+    /// The scene.
+    pub scene: &'s Scene,
+    /// Random numbers; its `spp` is the number of passes.
+    pub sampler: Sampler,
+    threads: usize,
+    control: &'s Control,
+}
+
+impl<'s> Run<'s> {
+    /// Whether the work is to end.
+    pub fn is_cancelled(&self) -> bool {
+        self.control.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Does pieces of work on all threads; what they found, in the order of the pieces, and what was counted. `None` where it was cancelled.
+    pub fn in_order<T: Send>(
+        &self,
+        pieces: usize,
+        work: impl Fn(usize, &mut Counters) -> T + Sync,
+    ) -> Option<(Vec<T>, Counters)> {
+        let next = AtomicUsize::new(0);
+        let all = Mutex::new((Vec::with_capacity(pieces), Counters::default()));
+        let run = || {
+            let (mut found, mut counters) = (Vec::new(), Counters::default());
+            while !self.is_cancelled() {
+                let piece = next.fetch_add(1, Ordering::Relaxed);
+                if piece >= pieces {
+                    break;
+                }
+                let mut mine = Counters::default();
+                found.push((piece, work(piece, &mut mine)));
+                self.control.rays.fetch_add(mine.rays, Ordering::Relaxed);
+                self.control.samples.fetch_add(mine.samples, Ordering::Relaxed);
+                include(&mut counters, &mine);
+            }
+            let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+            all.0.append(&mut found);
+            include(&mut all.1, &counters);
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..self.threads.min(pieces) {
+                scope.spawn(run);
+            }
+            run();
+        });
+        let (mut found, counters) = all.into_inner().unwrap_or_else(PoisonError::into_inner);
+        found.sort_unstable_by_key(|f| f.0);
+        (found.len() == pieces).then(|| (found.into_iter().map(|f| f.1).collect(), counters))
+    }
+
+    /// The camera sample of a pixel in a pass.
+    pub fn camera_sample(&self, x: u32, y: u32, number: u32) -> CameraSample {
+        let (scene, film) = (self.scene, &self.scene.film);
+        let sampler = self.sampler.pixel(x, y, number);
+        let (offset, weight) = film.filter.sample(sampler.get_2d(dimension::FILM));
+        let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+        let lens = sampler.get_2d(dimension::LENS);
+        let ray = scene.camera.ray(film, at, if scene.camera.lens_radius > 0.0 { lens } else { Vec2::splat(0.5) });
+        let lambda = self.wavelengths(&sampler);
+        CameraSample { at, ray, sampler, lambda, weight }
+    }
+
+    /// Wavelengths and moment of a path.
+    pub fn wavelengths(&self, sampler: &PixelSampler) -> Wavelengths {
+        let lambda = self.scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+        if self.scene.is_timed { lambda.at_time(sampler.get_1d(dimension::TIME)) } else { lambda }
+    }
+
+    /// Radiance as the film has it: exposed, clamped where the film clamps, in linear Rec.709.
+    pub fn developed(&self, radiance: Spectrum, lambda: &Wavelengths) -> Vec3 {
+        let film = &self.scene.film;
+        let mut l = radiance * film.imaging_ratio;
+        let largest = l.max_element();
+        if film.max_component.is_finite() && largest > film.max_component {
+            l *= film.max_component / largest;
+        }
+        color::to_rgb(l, lambda, self.scene.mode)
+    }
+}
+
+/// A camera ray, and what its path starts with.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraSample {
+    /// Place on the full frame, pixels.
+    pub at: Vec2,
+    /// The ray.
+    pub ray: Ray,
+    /// The path's random numbers.
+    pub sampler: PixelSampler,
+    /// Its wavelengths and moment.
+    pub lambda: Wavelengths,
+    /// Weight in the pixel: filter over density.
+    pub weight: f32,
+}
+
+/// Adds counts.
+fn include(sum: &mut Counters, more: &Counters) {
+    sum.rays += more.rays;
+    sum.samples += more.samples;
+    sum.nonfinite += more.nonfinite;
+}
+
+/// The wavelengths and the moment that all paths of a pass share.
+fn pass_wavelengths(run: &Run<'_>, number: u32) -> Wavelengths {
+    run.wavelengths(&run.sampler.pixel(u32::MAX, u32::MAX, number))
+}
+
+/// Light that paths from lights cannot bring.
+fn light_reaches_all(scene: &Scene) -> Option<String> {
+    let is_infinite = |l: &Light| matches!(l, Light::Distant(..) | Light::Environment(_));
+    let is_lost = !scene.planes.is_empty() && scene.lights.lights.iter().any(is_infinite);
+    is_lost.then(|| "light from infinity on infinite planes".into())
+}
+
+/// The material of a surface that the camera sees and that reflects or refracts in one direction, by a grid of rays.
+fn specular_material(scene: &Scene) -> Option<String> {
+    const EDGE: u32 = 48;
+    let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+    (0..EDGE * EDGE).find_map(|k| {
+        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
+        let i = scene.interaction(&ray, &scene.intersect(&ray)?);
+        let mut lambda = scene.mode.wavelengths(|| 0.5);
+        let (s, frame) = scene.scattering(&i, 0.5, &mut lambda)?;
+        let wo = frame.to_local(i.wo);
+        let lobe = |u| s.bsdf.sample(wo, u, Vec2::splat(0.4), TransportMode::Radiance);
+        let is_specular = [0.0, 0.25, 0.5, 0.75, 0.999].into_iter().filter_map(lobe).any(|s| s.lobe.is_specular());
+        let name = || scene.material_names.get(scene.geometries[i.geometry as usize].material as usize).cloned();
+        is_specular.then(|| name().unwrap_or_default())
+    })
+}
+
+/// A render by passes, under way.
+#[derive(Debug)]
+pub struct Passes<'s> {
+    scene: &'s Scene,
+    plan: Plan,
+    integrator: Box<dyn PassIntegrator>,
+    is_prepared: bool,
+    pixels: Vec<Pixel>,
+    features: Vec<FirstHitSums>,
+    /// Passes that are in the film.
+    passes: u32,
+    /// Passes at which the error is looked at next.
+    look: u32,
+    is_good_enough: bool,
+    counters: Counters,
+    time: [Duration; 2],
+}
+
+impl<'s> Passes<'s> {
+    /// Starts with an empty film. Of the plan counts all but the integrator, which is given, and `adaptive`: passes are of the whole picture.
+    pub fn new(scene: &'s Scene, integrator: Box<dyn PassIntegrator>, plan: Plan) -> Self {
+        let n = scene.film.crop.width() as usize * scene.film.crop.height() as usize;
+        Self {
+            scene,
+            plan,
+            integrator,
+            is_prepared: false,
+            pixels: vec![Pixel::default(); n],
+            features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
+            passes: 0,
+            look: FIRST_LOOK,
+            is_good_enough: false,
+            counters: Counters::default(),
+            time: [Duration::ZERO; 2],
+        }
+    }
+
+    /// Takes passes until there are `samples` per pixel or more.
+    fn advance(&mut self, samples: u32, control: &Control) -> Option<()> {
+        let (per_pass, threads) = (self.integrator.samples_per_pass().max(1), self.threads());
+        let sampler = Sampler { spp: self.plan.sampler.spp.div_ceil(per_pass), ..self.plan.sampler };
+        let run = Run { scene: self.scene, sampler, threads, control };
+        if !self.is_prepared {
+            self.integrator.prepare(&run)?;
+            self.is_prepared = true;
+        }
+        while self.samples() < samples && !self.is_good_enough {
+            let mut film = PassFilm::new(&self.scene.film);
+            let done = self.integrator.pass(&run, self.passes, &mut film)?;
+            self.first_hits(&run)?;
+            include(&mut self.counters, &done);
+            self.counters.nonfinite += film.nonfinite;
+            for (pixel, sum) in self.pixels.iter_mut().zip(&film.sums) {
+                pixel.add_value(*sum);
+            }
+            self.passes += 1;
+            if let Some(error) = self.plan.error.filter(|_| self.passes >= self.look) {
+                self.is_good_enough = self.error().is_some_and(|e| e <= error);
+                self.look = self.look.saturating_add(self.look / 4);
+            }
+        }
+        Some(())
+    }
+
+    /// Adds what the pass's camera rays see first.
+    fn first_hits(&mut self, run: &Run<'_>) -> Option<()> {
+        if self.features.is_empty() {
+            return Some(());
+        }
+        let crop = self.scene.film.crop;
+        let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
+            let hit = |x| {
+                let s = run.camera_sample(x, crop.y0 + row as u32, self.passes);
+                features::first_hit(run.scene, s.ray, &s.lambda)
+            };
+            (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
+        })?;
+        self.features.iter_mut().zip(rows.iter().flatten()).for_each(|(sum, hit)| sum.add(hit));
+        Some(())
+    }
+
+    fn pass_state(&mut self, way: &mut impl Way) -> io::Result<()> {
+        self.passes.pass(way)?;
+        self.look.pass(way)?;
+        self.is_good_enough.pass(way)?;
+        self.counters.pass(way)?;
+        self.time.pass(way)?;
+        self.pixels.pass(way)?;
+        self.features.pass(way)
+    }
+}
+
+impl Method for Passes<'_> {
+    fn step(&mut self, samples: u32, control: &Control) {
+        let (start, cpu) = (Instant::now(), cpu_time());
+        let goal = self.samples().saturating_add(samples).min(self.plan.sampler.spp);
+        // What was cancelled is done anew by the next step.
+        let _complete = self.advance(goal, control);
+        self.time[0] += start.elapsed();
+        self.time[1] += cpu_time().saturating_sub(cpu);
+    }
+
+    fn threads(&self) -> usize {
+        match self.plan.threads {
+            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+            n => n,
+        }
+    }
+
+    fn samples(&self) -> u32 {
+        self.passes.saturating_mul(self.integrator.samples_per_pass().max(1))
+    }
+
+    fn is_done(&self) -> bool {
+        self.samples() >= self.plan.sampler.spp || self.is_good_enough
+    }
+
+    fn is_good_enough(&self) -> bool {
+        self.is_good_enough
+    }
+
+    fn error(&self) -> Option<f64> {
+        (self.passes >= 2).then(|| {
+            let squared = |p: &Pixel| {
+                let (v, m) = (p.variance_of_mean(), p.mean());
+                (0..3).map(|c| v[c] / (m[c] * m[c] + crate::adaptive::FLOOR)).sum::<f64>()
+            };
+            (self.pixels.iter().map(squared).sum::<f64>() / (3.0 * self.pixels.len() as f64)).sqrt()
+        })
+    }
+
+    fn counters(&self) -> Counters {
+        let mut counters = Counters::default();
+        include(&mut counters, &self.counters);
+        counters
+    }
+
+    fn time(&self) -> [Duration; 2] {
+        self.time
+    }
+
+    fn film(&self) -> Film {
+        Film { crop: self.scene.film.crop, pixels: self.pixels.clone(), features: self.features.clone() }
+    }
+
+    fn save(&mut self, out: &mut dyn Write) -> io::Result<()> {
+        self.pass_state(&mut Out(out))
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        self.pass_state(&mut In(from))?;
+        let is_sound = self.pixels.iter().all(|p| p.samples == self.passes);
+        if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
+    }
+}

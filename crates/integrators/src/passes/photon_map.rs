@@ -1,0 +1,183 @@
+//! Photon mapping with two maps and a final gather (Jensen 1996, "Global Illumination using Photon Maps"): direct light by light samples, light that
+//! mirrors and glass focused by the map of caustics, all other by one bounce on to the global map.
+
+use super::{
+    PassFilm, PassIntegrator, Run,
+    photons::{Grid, Photon},
+    radius::Radius,
+    sppm::{brought, direct, gathered, land, next, paths},
+    subpath::{Subpath, Vertex, Ways},
+};
+use crate::{Counters, Depth};
+use std::f32::consts::PI;
+use steradian_core::{Scene, light::emission::Emission, sampler::PixelSampler};
+use steradian_math::Vec3;
+
+/// The settings.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonMap {
+    /// How far paths are followed: events of both subpaths count.
+    pub depth: Depth,
+    /// The largest distance of a photon that counts in the map of caustics; four times as much in the global map.
+    pub radius: Radius,
+    /// Light paths of a pass; 0 for one for each pixel, up to a million.
+    pub photons: u32,
+    /// Photons that an estimate takes, the nearest ones; 0 for all within the radius.
+    pub nearest: u32,
+    /// Whether indirect light is gathered over a bounce, or read from the global map where it is seen.
+    pub gather: bool,
+}
+
+impl PhotonMap {
+    /// What of the scene it cannot do.
+    pub fn cannot(&self, scene: &Scene) -> Option<String> {
+        if scene.has_media { Some("participating media".into()) } else { super::light_reaches_all(scene) }
+    }
+}
+
+/// How much wider photons are gathered from the global map.
+const GLOBAL: f32 = 4.0;
+
+/// The method with what it prepared.
+#[derive(Debug)]
+pub(super) struct Mapped {
+    settings: PhotonMap,
+    radius: f32,
+    emission: Option<Emission>,
+}
+
+/// The maps of a pass.
+struct Maps {
+    caustics: Grid,
+    global: Grid,
+}
+
+impl Mapped {
+    pub fn new(settings: PhotonMap) -> Self {
+        Self { settings, radius: 0.0, emission: None }
+    }
+
+    /// Sends the photons of a pass.
+    fn maps(&self, run: &Run<'_>, number: u32) -> Option<(Maps, Counters)> {
+        let mut found = (Vec::new(), Counters::default());
+        if let Some(emission) = &self.emission {
+            let lambda = super::pass_wavelengths(run, number);
+            let seed = |k: u32| (run.sampler.pixel(k & 0xffff, (k >> 16) + 0x1_0000, number), lambda);
+            found = land(run, emission, &self.settings.depth, paths(self.settings.photons, run), seed, |_| true)?;
+        }
+        let (photons, counters) = found;
+        let focused = photons.iter().filter(|p| p.is_focused).copied().collect();
+        // Where photons are not gathered over a bounce, direct and focused light is not read from the global map.
+        let counts = |p: &&Photon| self.settings.gather || (p.events > 0 && !p.is_focused);
+        let global = photons.iter().filter(counts).copied().collect();
+        Some((
+            Maps { caustics: Grid::new(focused, self.radius), global: Grid::new(global, self.radius * GLOBAL) },
+            counters,
+        ))
+    }
+
+    /// Radiance by a map.
+    fn estimate(&self, v: &Vertex<'_>, map: &Grid, radius: f32, run: &Run<'_>) -> Vec3 {
+        let (sent, depth) = (paths(self.settings.photons, run) as f32, &self.settings.depth);
+        if self.settings.nearest == 0 {
+            return gathered(v, map, radius, sent, depth, run);
+        }
+        let mut near: Vec<(f32, Photon)> = Vec::new();
+        map.near(v.i.surface.p, radius, |photon| {
+            if v.events + photon.events < depth.max && photon.lies_on(&v.i) {
+                near.push(((photon.p - v.i.surface.p).length_squared(), *photon));
+            }
+        });
+        let k = self.settings.nearest as usize;
+        let mut square = radius * radius;
+        if near.len() > k {
+            // The last of them tells the radius, and counts no more (k − 1 photons within it have the right mean).
+            near.select_nth_unstable_by(k, |a, b| a.0.total_cmp(&b.0));
+            square = near[k].0;
+            near.truncate(k);
+        }
+        let scale = 1.0 / (PI * square.max(f32::MIN_POSITIVE) * sent);
+        // In an order that is the same for equal sets of photons.
+        near.iter().map(|(_, photon)| brought(v, photon, scale, run)).sum()
+    }
+
+    fn pixel(&self, run: &Run<'_>, maps: &Maps, x: u32, y: u32, number: u32, counters: &mut Counters) -> Vec3 {
+        let (scene, depth) = (run.scene, &self.settings.depth);
+        let sample = run.camera_sample(x, y, number);
+        let (ways, sampler) = (Ways::connections(1.0, false), &sample.sampler);
+        let mut path = Subpath::from_camera(scene, sample.ray, super::pass_wavelengths(run, number), &ways);
+        let mut sum = Vec3::ZERO;
+        loop {
+            let (v, seen) = next(scene, &mut path, sampler, depth, counters);
+            sum += run.developed(seen, &path.lambda);
+            let Some(v) = v else { break };
+            if v.scattering.bsdf.is_specular() {
+                if path.scatter(&v, sampler, &ways, depth) {
+                    continue;
+                }
+                break;
+            }
+            sum += direct(run, &v, sampler, counters);
+            sum += self.estimate(&v, &maps.caustics, self.radius, run);
+            if !self.settings.gather {
+                sum += self.estimate(&v, &maps.global, self.radius * GLOBAL, run);
+            }
+            if !path.scatter(&v, sampler, &ways, depth) {
+                break;
+            }
+            if path.context.is_none() {
+                continue;
+            }
+            if self.settings.gather {
+                sum += self.bounce(run, maps, path, sampler, counters);
+            }
+            break;
+        }
+        sum * sample.weight
+    }
+
+    /// Light that a bounce on to the next surface that is not specular brings: all that leaves it, by the global map.
+    fn bounce(
+        &self,
+        run: &Run<'_>,
+        maps: &Maps,
+        mut path: Subpath,
+        sampler: &PixelSampler,
+        counters: &mut Counters,
+    ) -> Vec3 {
+        let (depth, ways) = (&self.settings.depth, Ways::connections(1.0, false));
+        loop {
+            // Lights that are met count in what is seen from where the bounce began.
+            let (Some(v), _) = next(run.scene, &mut path, sampler, depth, counters) else { return Vec3::ZERO };
+            if !v.scattering.bsdf.is_specular() {
+                return self.estimate(&v, &maps.global, self.radius * GLOBAL, run);
+            }
+            if !path.scatter(&v, sampler, &ways, depth) || path.context.is_some() {
+                return Vec3::ZERO;
+            }
+        }
+    }
+}
+
+impl PassIntegrator for Mapped {
+    fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
+        self.radius = self.settings.radius.of_scene(run.scene);
+        self.emission = Emission::new(run.scene);
+        Some(())
+    }
+
+    fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
+        let (maps, mut total) = self.maps(run, number)?;
+        let crop = film.crop();
+        let (rows, counters) = run.in_order(crop.height() as usize, |row, counters| {
+            let pixel = |x| {
+                counters.samples += 1;
+                self.pixel(run, &maps, x, crop.y0 + row as u32, number, counters)
+            };
+            (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
+        })?;
+        super::include(&mut total, &counters);
+        film.add_rows(&rows);
+        Some(total)
+    }
+}

@@ -1,0 +1,55 @@
+//! How far photons are gathered from.
+
+use steradian_core::Scene;
+use steradian_math::Vec2;
+
+/// The radius of the first pass.
+#[derive(Clone, Copy, Debug)]
+pub enum Radius {
+    /// In scene units.
+    Fixed(f32),
+    /// A number of pixels, where the camera sees surfaces at their median distance.
+    Pixels(f32),
+}
+
+impl Default for Radius {
+    fn default() -> Self {
+        Self::Pixels(3.0)
+    }
+}
+
+impl Radius {
+    /// In a scene.
+    pub(super) fn of_scene(self, scene: &Scene) -> f32 {
+        match self {
+            Self::Fixed(r) => r,
+            Self::Pixels(pixels) => pixels * pixel_size(scene),
+        }
+    }
+}
+
+/// How fast squared radii shrink: those of passes are `r² (n + 1)^(α − 1)`, so that bias and variance both vanish (Knaus, Zwicker 2011,
+/// "Progressive Photon Mapping: A Probabilistic Approach").
+const ALPHA: f32 = 2.0 / 3.0;
+
+/// The radius of a pass, counted from zero.
+pub(super) fn of_pass(first: f32, number: u32) -> f32 {
+    first * (number as f32 + 1.0).powf((ALPHA - 1.0) / 2.0)
+}
+
+/// The median edge of a pixel on what the camera sees.
+fn pixel_size(scene: &Scene) -> f32 {
+    const EDGE: u32 = 16;
+    let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+    let mut edges = Vec::new();
+    for k in 0..EDGE * EDGE {
+        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
+        let Some(hit) = scene.intersect(&ray) else { continue };
+        let d = scene.camera.ray_density(&scene.film, &ray);
+        let distance = if d.is_parallel { 1.0 } else { hit.t + d.start };
+        edges.push(distance / d.density.sqrt());
+    }
+    edges.sort_by(f32::total_cmp);
+    edges.get(edges.len() / 2).copied().unwrap_or(1e-3)
+}

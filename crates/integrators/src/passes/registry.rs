@@ -1,0 +1,93 @@
+//! The methods that work by passes, with their settings.
+
+use super::{
+    PassIntegrator,
+    bidirectional::{Bidirectional, Strategy, Tracer},
+    mlt::{Chains, Metropolis},
+    photon_map::{Mapped, PhotonMap},
+    radius::Radius,
+    sppm::{Progressive, Sppm},
+};
+use crate::Depth;
+use steradian_core::Scene;
+
+/// A method that works by passes, ready to run.
+#[derive(Clone, Copy, Debug)]
+pub enum PassKind {
+    /// Light tracing, bidirectional path tracing, vertex connection and merging.
+    Bidirectional(Bidirectional),
+    /// Stochastic progressive photon mapping.
+    Sppm(Sppm),
+    /// Photon mapping.
+    PhotonMap(PhotonMap),
+    /// Metropolis light transport.
+    Metropolis(Metropolis),
+}
+
+impl PassKind {
+    /// By name.
+    pub fn named(name: &str, depth: Depth) -> Option<Self> {
+        let radius = Radius::default();
+        let paths = |strategy| Self::Bidirectional(Bidirectional { depth, strategy, radius });
+        Some(match name {
+            "light" => paths(Strategy::Light),
+            "bdpt" => paths(Strategy::Connections),
+            "vcm" => paths(Strategy::Merging),
+            "sppm" => Self::Sppm(Sppm { depth, radius, photons: 0 }),
+            "photon" => Self::PhotonMap(PhotonMap { depth, radius, photons: 0, nearest: 0, gather: true }),
+            "pssmlt" => Self::Metropolis(Metropolis { depth }),
+            _ => return None,
+        })
+    }
+
+    /// Changes an option of the method; whether there is such an option and value.
+    pub fn set(&mut self, key: &str, value: &str) -> bool {
+        let length = || value.parse().ok().filter(|r: &f32| *r > 0.0 && r.is_finite());
+        let radius = || Some(Radius::Fixed(length()?));
+        let pixels = || Some(Radius::Pixels(length()?));
+        let count = || value.parse::<u32>().ok();
+        let done = match (self, key) {
+            (Self::Bidirectional(b), "radius") if b.strategy == Strategy::Merging => radius().map(|r| b.radius = r),
+            (Self::Bidirectional(b), "pixels") if b.strategy == Strategy::Merging => pixels().map(|r| b.radius = r),
+            (Self::Sppm(s), "radius") => radius().map(|r| s.radius = r),
+            (Self::Sppm(s), "pixels") => pixels().map(|r| s.radius = r),
+            (Self::Sppm(s), "photons") => count().map(|n| s.photons = n),
+            (Self::PhotonMap(p), "radius") => radius().map(|r| p.radius = r),
+            (Self::PhotonMap(p), "pixels") => pixels().map(|r| p.radius = r),
+            (Self::PhotonMap(p), "photons") => count().map(|n| p.photons = n),
+            (Self::PhotonMap(p), "nearest") => count().map(|n| p.nearest = n),
+            (Self::PhotonMap(p), "gather") => value.parse().ok().map(|g| p.gather = g),
+            _ => None,
+        };
+        done.is_some()
+    }
+
+    /// What of a scene it cannot do; `None` where it can do all.
+    pub fn cannot(&self, scene: &Scene) -> Option<String> {
+        match self {
+            Self::Bidirectional(m) => m.cannot(scene),
+            Self::Sppm(m) => m.cannot(scene),
+            Self::PhotonMap(m) => m.cannot(scene),
+            Self::Metropolis(m) => m.cannot(scene),
+        }
+    }
+
+    /// Whether its mean differs from the true picture, by less the smaller its radius is.
+    pub fn is_biased(&self) -> bool {
+        match self {
+            Self::Bidirectional(b) => b.strategy == Strategy::Merging,
+            Self::Sppm(_) | Self::PhotonMap(_) => true,
+            Self::Metropolis(_) => false,
+        }
+    }
+
+    /// What a session runs.
+    pub fn integrator(&self) -> Box<dyn PassIntegrator> {
+        match *self {
+            Self::Bidirectional(m) => Box::new(Tracer::new(m)),
+            Self::Sppm(m) => Box::new(Progressive::new(m)),
+            Self::PhotonMap(m) => Box::new(Mapped::new(m)),
+            Self::Metropolis(m) => Box::new(Chains::new(m)),
+        }
+    }
+}

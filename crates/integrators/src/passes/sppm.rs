@@ -1,0 +1,249 @@
+//! Stochastic progressive photon mapping in its memoryless form: every pass sends photons of its own and gathers them within a radius that shrinks
+//! from pass to pass (Hachisuka, Jensen 2009; Knaus, Zwicker 2011).
+
+use super::{
+    PassFilm, PassIntegrator, Run,
+    bidirectional::common,
+    photons::{Grid, Photon},
+    radius::{self, Radius},
+    subpath::{Arrival, Subpath, Vertex, Ways},
+};
+use crate::{Counters, Depth, dimension, nee, walk::MAX_PASSES};
+use std::f32::consts::PI;
+use steradian_core::{Scene, bsdf::TransportMode::Radiance, light::emission::Emission, sampler::PixelSampler};
+use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
+
+/// Light paths and pixels of a piece of work.
+const PIECE: usize = 256;
+
+/// Most light paths of a pass, where their number is not given: the memory of photons is bounded by it.
+const MOST: usize = 1 << 20;
+
+/// Light paths of a pass: so many, or with 0 one for each pixel.
+pub(super) fn paths(photons: u32, run: &Run<'_>) -> usize {
+    let film = &run.scene.film;
+    match photons {
+        0 => (film.width as usize * film.height as usize).min(MOST),
+        n => n as usize,
+    }
+}
+
+/// The settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Sppm {
+    /// How far paths are followed: events of both subpaths count.
+    pub depth: Depth,
+    /// Within which photons are gathered in the first pass.
+    pub radius: Radius,
+    /// Light paths of a pass; 0 for one for each pixel, up to a million.
+    pub photons: u32,
+}
+
+impl Sppm {
+    /// What of the scene it cannot do.
+    pub fn cannot(&self, scene: &Scene) -> Option<String> {
+        if scene.has_media { Some("participating media".into()) } else { super::light_reaches_all(scene) }
+    }
+}
+
+/// The method with what it prepared.
+#[derive(Debug)]
+pub(super) struct Progressive {
+    settings: Sppm,
+    emission: Option<Emission>,
+    radius: f32,
+}
+
+impl Progressive {
+    pub fn new(settings: Sppm) -> Self {
+        Self { settings, emission: None, radius: 0.0 }
+    }
+}
+
+/// Where light paths land that scattered before: photons, in an order that does not depend on threads.
+pub(super) fn land(
+    run: &Run<'_>,
+    emission: &Emission,
+    depth: &Depth,
+    count: usize,
+    seed: impl Fn(u32) -> (PixelSampler, Wavelengths) + Sync,
+    keeps: impl Fn(&Vertex<'_>) -> bool + Sync,
+) -> Option<(Vec<Photon>, Counters)> {
+    // Nothing is weighed.
+    let ways = Ways::connections(1.0, false);
+    let (found, counters) = run.in_order(count.div_ceil(PIECE), |piece, counters| {
+        let mut photons = Vec::new();
+        for k in piece * PIECE..count.min((piece + 1) * PIECE) {
+            let (sampler, lambda) = seed(k as u32);
+            let Some(mut path) = Subpath::from_light(run.scene, emission, &sampler, lambda, &ways) else { continue };
+            while let Arrival::Vertex(v) = path.arrive(run.scene, &sampler, counters, |_, _, _, _| ()) {
+                if v.events >= depth.max {
+                    break;
+                }
+                if !v.scattering.bsdf.is_specular() && keeps(&v) {
+                    photons.push(Photon::of(&v, path.is_specular));
+                }
+                if !path.scatter(&v, &sampler, &ways, depth) {
+                    break;
+                }
+            }
+        }
+        photons
+    })?;
+    Some((found.into_iter().flatten().collect(), counters))
+}
+
+/// Radiance towards the camera by photons near, each of which counts as `weight` of a square of the radius.
+pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, depth: &Depth, run: &Run<'_>) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    let scale = 1.0 / (PI * radius * radius * paths);
+    photons.near(v.i.surface.p, radius, |photon| {
+        if v.events + photon.events < depth.max && photon.lies_on(&v.i) {
+            sum += brought(v, photon, scale, run);
+        }
+    });
+    sum
+}
+
+/// Radiance that a photon stands for.
+pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>) -> Vec3 {
+    let Some(e) = v.eval(photon.wi, Radiance) else { return Vec3::ZERO };
+    let light = v.beta * photon.beta * e.value * (scale / v.cos(photon.wi).max(1e-4));
+    run.developed(light, common(&v.lambda, &photon.lambda))
+}
+
+/// Light straight from lights at a vertex of a camera path: by a light sample and by scattering, weighted against each other.
+pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
+    let (scene, context, wo) = (run.scene, v.context(), v.frame.to_local(v.i.wo));
+    let mut sum = Spectrum::ZERO;
+    if let Some(s) = nee::sample_light(scene, &context, v.events, sampler, &v.lambda) {
+        let light = nee::unoccluded(&s, wo, &v.frame, &v.scattering);
+        if !light.is_black() {
+            counters.rays += 1;
+            if !scene.occluded(&v.i.spawn_towards(s.wi, s.distance)) {
+                sum += light;
+            }
+        }
+    }
+    let at = |decision| dimension::at(v.events, decision);
+    let (u, u2) = (sampler.get_1d(at(dimension::LOBE)), sampler.get_2d(at(dimension::DIRECTION)));
+    if let Some(s) = v.scattering.sample(wo, u, u2, Radiance).filter(|s| !s.lobe.is_specular()) {
+        let origin = Some((context, s.pdf));
+        let mut ray = v.i.spawn(v.frame.to_world(s.wi));
+        for _ in 0..MAX_PASSES {
+            counters.rays += 1;
+            let Some(hit) = scene.intersect(&ray) else {
+                sum += s.weight * nee::background(scene, ray.origin, ray.direction, &origin, &v.lambda);
+                break;
+            };
+            let i = scene.interaction_of_light(&ray, &hit);
+            sum += s.weight * nee::emission(scene, &i, &origin, &v.lambda);
+            if !scene.geometries[i.geometry as usize].is_interface {
+                break;
+            }
+            ray = i.spawn(ray.direction);
+        }
+    }
+    run.developed(v.beta * sum, &v.lambda)
+}
+
+impl PassIntegrator for Progressive {
+    fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
+        self.emission = Emission::new(run.scene);
+        self.radius = self.settings.radius.of_scene(run.scene);
+        Some(())
+    }
+
+    fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
+        let (scene, depth) = (run.scene, &self.settings.depth);
+        let lambda = super::pass_wavelengths(run, number);
+        let (width, count) = (scene.film.width, paths(self.settings.photons, run));
+        let mut total = Counters::default();
+        let radius = radius::of_pass(self.radius, number);
+        let photons = match &self.emission {
+            None => Vec::new(),
+            Some(emission) => {
+                let seed = |k: u32| (run.sampler.pixel(k % width, k / width, number), lambda);
+                let (photons, counters) = land(run, emission, depth, count, seed, |v| v.events > 0)?;
+                super::include(&mut total, &counters);
+                photons
+            }
+        };
+        let grid = Grid::new(photons, radius);
+        let crop = film.crop();
+        let (rows, counters) = run.in_order(crop.height() as usize, |row, counters| {
+            let pixel = |x| {
+                counters.samples += 1;
+                self.pixel(run, x, crop.y0 + row as u32, number, lambda, &grid, radius, count as f32, counters)
+            };
+            (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
+        })?;
+        super::include(&mut total, &counters);
+        film.add_rows(&rows);
+        Some(total)
+    }
+}
+
+impl Progressive {
+    /// A camera path: through what is specular to the first surface that is not, where photons are gathered.
+    #[allow(clippy::too_many_arguments)]
+    fn pixel(
+        &self,
+        run: &Run<'_>,
+        x: u32,
+        y: u32,
+        number: u32,
+        lambda: Wavelengths,
+        photons: &Grid,
+        radius: f32,
+        paths: f32,
+        counters: &mut Counters,
+    ) -> Vec3 {
+        let (scene, depth) = (run.scene, &self.settings.depth);
+        let sample = run.camera_sample(x, y, number);
+        let (ways, sampler) = (Ways::connections(paths, false), &sample.sampler);
+        let mut path = Subpath::from_camera(scene, sample.ray, lambda, &ways);
+        let mut sum = Vec3::ZERO;
+        loop {
+            let (v, seen) = next(scene, &mut path, sampler, depth, counters);
+            sum += run.developed(seen, &path.lambda);
+            let Some(v) = v else { break };
+            if !v.scattering.bsdf.is_specular() {
+                sum += direct(run, &v, sampler, counters);
+                sum += gathered(&v, photons, radius, paths, depth, run);
+                // Of surfaces that have a specular lobe too, that lobe goes on.
+                if !path.scatter(&v, sampler, &ways, depth) || path.context.is_some() {
+                    break;
+                }
+            } else if !path.scatter(&v, sampler, &ways, depth) {
+                break;
+            }
+        }
+        sum * sample.weight
+    }
+}
+
+/// The next vertex of a camera path all of whose events were specular, and the light met on the way.
+pub(super) fn next<'s>(
+    scene: &'s Scene,
+    path: &mut Subpath,
+    sampler: &PixelSampler,
+    depth: &Depth,
+    counters: &mut Counters,
+) -> (Option<Vertex<'s>>, Spectrum) {
+    let mut seen = Spectrum::ZERO;
+    let is_hidden = path.events == 0 && depth.hide_emitters;
+    let arrival = path.arrive(scene, sampler, counters, |path, i, _, _| {
+        if !is_hidden {
+            seen += path.beta * nee::emission(scene, i, &None, &path.lambda);
+        }
+    });
+    match arrival {
+        Arrival::Vertex(v) if v.events < depth.max => (Some(v), seen),
+        Arrival::Escaped if !is_hidden => {
+            let sky = nee::background(scene, path.ray.origin, path.ray.direction, &None, &path.lambda);
+            (None, seen + path.beta * sky)
+        }
+        _ => (None, seen),
+    }
+}

@@ -1,0 +1,381 @@
+//! Subpaths from the camera and from lights, the vertices they leave, and what weighs the ways to find a path against each other.
+//!
+//! Weights are those of the power heuristic over all ways to find a path: by scattering alone, by a light sample, by connecting two vertices,
+//! by connecting to the camera, and by merging. They are computed from three sums that are carried along a subpath (Georgiev 2012,
+//! "Implementing Vertex Connection and Merging", equations 31 to 38). Roulette is left out of densities, which changes no mean.
+
+use crate::{Counters, Depth, dimension, live_max, nee, walk::MAX_PASSES};
+use steradian_core::{
+    Scene,
+    bsdf::{BsdfEval, BsdfSample, TransportMode},
+    light::{
+        LightContext,
+        emission::{Emission, EmittedRay},
+    },
+    material::Scattering,
+    sampler::PixelSampler,
+    scene::Interaction,
+};
+use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+
+/// Events of paths from lights take numbers from this one on.
+pub(super) const LIGHT_EVENTS: u32 = 4096;
+
+/// Random numbers by what they are for.
+pub(super) trait Numbers {
+    fn one(&self, dimension: u32) -> f32;
+    fn two(&self, dimension: u32) -> Vec2;
+}
+
+impl Numbers for PixelSampler {
+    #[inline]
+    fn one(&self, dimension: u32) -> f32 {
+        self.get_1d(dimension)
+    }
+
+    #[inline]
+    fn two(&self, dimension: u32) -> Vec2 {
+        self.get_2d(dimension)
+    }
+}
+
+/// The square, in which ratios of densities count.
+#[inline]
+pub(super) fn squared(v: f32) -> f64 {
+    f64::from(v) * f64::from(v)
+}
+
+/// The partial sums of weights (`dVCM`, `dVC` and `dVM` of the source).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    pub vcm: f64,
+    pub vc: f64,
+    pub vm: f64,
+}
+
+/// How many ways there are, and how often each is tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ways {
+    /// Paths from lights for all camera rays of a pass.
+    pub light_paths: f32,
+    /// Square of the expected number of paths from lights that merge, per unit density; 0 where none does.
+    pub merge: f64,
+    /// Its inverse; 0 where none merges.
+    pub connect: f64,
+    /// Whether vertices are connected to the camera.
+    pub to_camera: bool,
+}
+
+impl Ways {
+    /// Without merging.
+    pub fn connections(light_paths: f32, to_camera: bool) -> Self {
+        Self { light_paths, merge: 0.0, connect: 0.0, to_camera }
+    }
+
+    /// With merging within a radius.
+    pub fn merging(light_paths: f32, to_camera: bool, radius: f32) -> Self {
+        let merge = squared(std::f32::consts::PI * radius * radius * light_paths);
+        Self { light_paths, merge, connect: 1.0 / merge, to_camera }
+    }
+}
+
+/// Where a subpath scatters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex<'s> {
+    pub i: Interaction,
+    pub scattering: Scattering<'s>,
+    pub frame: Frame,
+    /// What the subpath carries there.
+    pub beta: Spectrum,
+    pub lambda: Wavelengths,
+    /// Scattering events before this one.
+    pub events: u32,
+    pub sums: Sums,
+}
+
+/// `f |cos|` of a vertex for a direction, and the densities of the subpath going on and of another one coming back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scattered {
+    pub value: Spectrum,
+    pub pdf: f32,
+    pub reverse: f32,
+}
+
+impl Vertex<'_> {
+    /// The cosine between a direction and the surface.
+    #[inline]
+    pub fn cos(&self, w: Vec3) -> f32 {
+        self.i.surface.n.dot(w).abs()
+    }
+
+    /// Scattering from where the subpath came towards `w`; `None` where it is nothing.
+    #[inline]
+    pub fn eval(&self, w: Vec3, mode: TransportMode) -> Option<Scattered> {
+        let (wo, wi) = (self.frame.to_local(self.i.wo), self.frame.to_local(w));
+        let e = eval(&self.scattering, wo, wi, mode);
+        let value = e.value * adjoint(mode, &self.i, &self.frame, w);
+        (!value.is_black() && value.is_finite()).then(|| Scattered {
+            value,
+            pdf: e.pdf,
+            reverse: self.scattering.bsdf.pdf(wi, wo, mode.adjoint()),
+        })
+    }
+
+    /// Where light is asked for.
+    #[inline]
+    pub fn context(&self) -> LightContext {
+        nee::context(&self.i, &self.frame, &self.scattering.bsdf)
+    }
+}
+
+/// Scattering under the surface's cover, which hides part of the light's directions: those of `wi` for radiance, of `wo` for importance.
+#[inline]
+fn eval(s: &Scattering<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+    match (mode, &s.cover) {
+        (TransportMode::Importance, Some(cover)) => match cover.passes(wo) {
+            Some(share) => {
+                let e = s.bsdf.eval(wo, wi, mode);
+                BsdfEval { value: e.value * share, ..e }
+            }
+            None => BsdfEval::ZERO,
+        },
+        _ => s.eval(wo, wi, mode),
+    }
+}
+
+/// A direction, as [`eval`] has it.
+#[inline]
+fn sample(s: &Scattering<'_>, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    match (mode, &s.cover) {
+        (TransportMode::Importance, Some(cover)) => {
+            let drawn = s.bsdf.sample(wo, u, u2, mode)?;
+            Some(BsdfSample { weight: drawn.weight * cover.passes(wo)?, ..drawn })
+        }
+        _ => s.sample(wo, u, u2, mode),
+    }
+}
+
+/// What shading normals change for importance: `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19).
+#[inline]
+fn adjoint(mode: TransportMode, i: &Interaction, frame: &Frame, wi: Vec3) -> f32 {
+    let (n, ns) = (i.surface.n, frame.z);
+    if mode == TransportMode::Radiance || n == ns || n == -ns {
+        return 1.0;
+    }
+    let below = n.dot(i.wo) * ns.dot(wi);
+    if below == 0.0 { 0.0 } else { (ns.dot(i.wo) * n.dot(wi) / below).abs() }
+}
+
+/// A subpath on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Subpath {
+    pub ray: Ray,
+    pub beta: Spectrum,
+    pub lambda: Wavelengths,
+    /// Scattering events so far.
+    pub events: u32,
+    /// Where light could have been asked for at the last event; `None` from the camera and after specular events.
+    pub context: Option<LightContext>,
+    /// Whether all events so far were specular.
+    pub is_specular: bool,
+    sums: Sums,
+    mode: TransportMode,
+    /// Of the light, until the first vertex.
+    emitted: Option<EmittedRay>,
+    /// Whether densities do not fall with distance up to the first vertex.
+    is_parallel: bool,
+    /// The way so far since the last vertex.
+    distance: f32,
+    /// What roulette compares with: what the subpath began with, without the compression of radiance.
+    scale: f32,
+    /// Surfaces passed straight.
+    passes: u32,
+    first_event: u32,
+}
+
+/// What a subpath comes to.
+#[allow(clippy::large_enum_variant)]
+pub(super) enum Arrival<'s> {
+    Vertex(Vertex<'s>),
+    Escaped,
+    Ended,
+}
+
+impl Subpath {
+    /// From the camera along one of its rays.
+    pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways) -> Self {
+        let d = scene.camera.ray_density(&scene.film, &ray);
+        let vcm = if ways.to_camera { squared(ways.light_paths / d.density) } else { 0.0 };
+        Self {
+            ray,
+            beta: Spectrum::ONE,
+            lambda,
+            events: 0,
+            context: None,
+            is_specular: true,
+            sums: Sums { vcm, ..Sums::default() },
+            mode: TransportMode::Radiance,
+            emitted: None,
+            is_parallel: d.is_parallel,
+            distance: d.start,
+            scale: 1.0,
+            passes: 0,
+            first_event: 0,
+        }
+    }
+
+    /// From a light.
+    pub fn from_light(
+        scene: &Scene,
+        emission: &Emission,
+        numbers: &impl Numbers,
+        lambda: Wavelengths,
+        ways: &Ways,
+    ) -> Option<Self> {
+        let at = |decision| dimension::at(LIGHT_EVENTS - 1, decision);
+        let place = numbers.two(at(dimension::LIGHT_POINT));
+        let direction = numbers.two(at(dimension::DIRECTION));
+        let emitted = emission.sample(scene, numbers.one(at(dimension::LIGHT)), place, direction, &lambda)?;
+        let kind = scene.lights.lights[emitted.light as usize].kind();
+        let beta = emitted.radiance * (emitted.cos / emitted.pdf);
+        let live = live_max(beta, &lambda);
+        let vc = if kind.is_delta { 0.0 } else { squared(emitted.cos / emitted.pdf) };
+        (live > 0.0 && live.is_finite()).then(|| Self {
+            ray: emitted.ray,
+            beta,
+            lambda,
+            events: 0,
+            context: None,
+            is_specular: true,
+            sums: Sums { vcm: 0.0, vc, vm: vc * ways.connect },
+            mode: TransportMode::Importance,
+            emitted: Some(emitted),
+            is_parallel: kind.is_parallel,
+            distance: 0.0,
+            scale: 1.0 / live,
+            passes: 0,
+            first_event: LIGHT_EVENTS,
+        })
+    }
+
+    /// The dimension of a decision at the next event.
+    fn at(&self, decision: u32) -> u32 {
+        dimension::at(self.first_event + self.events, decision) ^ (self.passes << 16)
+    }
+
+    /// The sums where the subpath leaves the scene.
+    pub fn sums(&self) -> Sums {
+        self.sums
+    }
+
+    /// The sums where the subpath meets a surface at a distance and a cosine.
+    fn sums_at(&self, distance: f32, cos: f32) -> Sums {
+        let (mut sums, cos) = (self.sums, squared(cos));
+        if !(self.is_parallel && self.events == 0) {
+            sums.vcm *= squared(distance) * squared(distance);
+        }
+        Sums { vcm: sums.vcm / cos, vc: sums.vc / cos, vm: sums.vm / cos }
+    }
+
+    /// Follows the ray to the next point that scatters; `met` is told of every surface on the way.
+    pub fn arrive<'s>(
+        &mut self,
+        scene: &'s Scene,
+        numbers: &impl Numbers,
+        counters: &mut Counters,
+        mut met: impl FnMut(&Self, &Interaction, f32, Sums),
+    ) -> Arrival<'s> {
+        for _ in 0..MAX_PASSES {
+            counters.rays += 1;
+            let Some(hit) = scene.intersect(&self.ray) else { return Arrival::Escaped };
+            let i = scene.interaction_of_light(&self.ray, &hit);
+            let distance = self.distance + hit.t;
+            let cos = i.surface.n.dot(i.wo).abs().max(1e-12);
+            let mut sums = self.sums_at(distance, cos);
+            met(self, &i, distance, sums);
+            let choice = if scene.has_mixtures { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
+            if let Some((scattering, frame)) = scene.scattering(&i, choice, &mut self.lambda) {
+                if let Some(e) = self.emitted.take() {
+                    if !scene.lights.reaches(e.light, i.surface.p, i.wo, &self.lambda) {
+                        return Arrival::Ended;
+                    }
+                    let context = nee::context(&i, &frame, &scattering.bsdf);
+                    sums.vcm = squared(asked(scene, &e, &context, distance) / (e.pdf * cos));
+                }
+                let (beta, lambda, events) = (self.beta, self.lambda, self.events);
+                return Arrival::Vertex(Vertex { i, scattering, frame, beta, lambda, events, sums });
+            }
+            self.passes += 1;
+            self.distance = distance;
+            self.ray = i.spawn(self.ray.direction);
+        }
+        Arrival::Ended
+    }
+
+    /// On from a vertex; whether the subpath goes on.
+    pub fn scatter(&mut self, v: &Vertex<'_>, numbers: &impl Numbers, ways: &Ways, depth: &Depth) -> bool {
+        let wo = v.frame.to_local(v.i.wo);
+        let (u, u2) = (numbers.one(self.at(dimension::LOBE)), numbers.two(self.at(dimension::DIRECTION)));
+        let Some(s) = sample(&v.scattering, wo, u, u2, self.mode) else { return false };
+        let wi = v.frame.to_world(s.wi);
+        let cos = v.cos(wi);
+        let sums = &mut self.sums;
+        if s.lobe.is_specular() {
+            *sums = Sums { vcm: 0.0, vc: v.sums.vc * squared(cos), vm: v.sums.vm * squared(cos) };
+            self.context = None;
+        } else {
+            let (on, back) = (squared(cos / s.pdf), squared(v.scattering.bsdf.pdf(s.wi, wo, self.mode.adjoint())));
+            *sums = Sums {
+                vcm: 1.0 / squared(s.pdf),
+                vc: on * (v.sums.vc * back + v.sums.vcm + ways.merge),
+                vm: on * (v.sums.vm * back + v.sums.vcm * ways.connect + 1.0),
+            };
+            self.context = Some(v.context());
+            self.is_specular = false;
+        }
+        self.beta *= s.weight * adjoint(self.mode, &v.i, &v.frame, wi);
+        if self.mode == TransportMode::Radiance {
+            self.scale *= s.eta * s.eta;
+        }
+        self.ray = v.i.spawn(wi);
+        self.distance = 0.0;
+        self.events += 1;
+        let live = live_max(self.beta, &self.lambda) * self.scale;
+        if !(live > 0.0 && live.is_finite() && sums_are_sound(&self.sums)) {
+            return false;
+        }
+        match survival(live, self.events, depth) {
+            1.0.. => true,
+            p => {
+                self.beta *= 1.0 / p;
+                numbers.one(self.at(dimension::ROULETTE)) < p
+            }
+        }
+    }
+}
+
+/// After this many events a subpath goes on with the second number as its chance at most: vertices of both are kept or joined.
+const LONG: (u32, f32) = (32, 0.9);
+
+/// The chance to go on with a throughput, relative to what the subpath began with, after so many events: less than one below one third.
+fn survival(live: f32, events: u32, depth: &Depth) -> f32 {
+    let p = if events > depth.roulette_after { 3.0 * live } else { 1.0 };
+    if events > LONG.0 { p.min(LONG.1) } else { p }
+}
+
+fn sums_are_sound(s: &Sums) -> bool {
+    s.vcm.is_finite() && s.vc.is_finite() && s.vm.is_finite()
+}
+
+/// The density with which a light sample for a context finds the light that emitted a ray, so that it can be divided by that of emission and the
+/// cosine where the ray arrives.
+fn asked(scene: &Scene, e: &EmittedRay, context: &LightContext, distance: f32) -> f32 {
+    let (lights, wi) = (&scene.lights, -e.ray.direction);
+    let kind = lights.lights[e.light as usize].kind();
+    match (kind.is_delta, kind.is_parallel) {
+        (false, false) => lights.area_pdf(e.light, context, wi, distance, e.n) * e.cos,
+        (false, true) => lights.environment_pdf(e.light, context, wi),
+        (true, false) => lights.probability(context, e.light) * distance * distance,
+        (true, true) => lights.probability(context, e.light),
+    }
+}
