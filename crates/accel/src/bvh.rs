@@ -8,7 +8,7 @@ use crate::refit::refit;
 use crate::simd::LANES;
 #[cfg(test)]
 use crate::simd::Row;
-use crate::traverse::{Nearest, Users};
+use crate::traverse::{Nearest, UserLeaves};
 use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
 use steradian_math::{Bounds3, Ray};
 
@@ -258,7 +258,7 @@ pub(crate) struct Leaves<'a, U> {
     pub user: &'a U,
 }
 
-impl<U: UserPrimitives> Users for Leaves<'_, U> {
+impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
     type Extra = ();
 
     fn triangle(&self) {}

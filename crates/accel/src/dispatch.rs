@@ -6,8 +6,8 @@ use crate::every::every;
 use crate::layout::ChildRef;
 use crate::packet::{Found, Packet, any_batch, any_packet, nearest_batch, nearest_packet};
 use crate::search::{any, nearest};
-use crate::simd::{self, Lanes, Twice, WIDE};
-use crate::traverse::{Nearest, Start, Users, Way, is_traceable};
+use crate::simd::{self, DoubleLanes, Lanes, WIDE};
+use crate::traverse::{Nearest, RayConstants, Start, UserLeaves, is_traceable};
 use crate::{Hit, Isa};
 use glam::Mat4;
 use steradian_math::Ray;
@@ -16,25 +16,25 @@ use steradian_math::Ray;
 macro_rules! queries {
     ($(
         $(#[$doc:meta])*
-        fn $name:ident<U: Users>($($arg:ident: $ty:ty),* $(,)?) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;
+        fn $name:ident<U: UserLeaves>($($arg:ident: $ty:ty),* $(,)?) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;
     )*) => {
         #[cfg(target_arch = "x86_64")]
         level!(avx2, "avx2,fma,bmi1,bmi2,popcnt", simd::Avx2::assume_supported(), simd::Avx2::assume_supported(), {
-            $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
+            $(fn $name<U: UserLeaves>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
         });
         #[cfg(target_arch = "x86_64")]
         level!(avx512, "avx512f,avx512vl,avx2,fma,bmi1,bmi2,popcnt", simd::Avx512::assume_supported(), simd::Avx512Wide::assume_supported(), {
-            $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
+            $(fn $name<U: UserLeaves>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
         });
         #[cfg(target_arch = "x86_64")]
         level!(sse2, "sse2", simd::Sse2::assume_supported(), simd::Sse2::assume_supported(), {
-            $(fn $name<U: Users>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
+            $(fn $name<U: UserLeaves>($($arg: $ty),*) $(-> $out)? = |$isa, $s, $l| $body;)*
         });
 
         $(
             $(#[$doc])*
             #[inline]
-            pub(crate) fn $name<U: Users>(isa: SupportedIsa, $($arg: $ty),*) $(-> $out)? {
+            pub(crate) fn $name<U: UserLeaves>(isa: SupportedIsa, $($arg: $ty),*) $(-> $out)? {
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `SupportedIsa` is one that this machine has.
                 unsafe {
@@ -59,14 +59,14 @@ macro_rules! queries {
 #[cfg(target_arch = "x86_64")]
 macro_rules! level {
     ($level:ident, $features:literal, $single:expr, $packet:expr, {
-        $(fn $name:ident<U: Users>($($arg:ident: $ty:ty),*) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;)*
+        $(fn $name:ident<U: UserLeaves>($($arg:ident: $ty:ty),*) $(-> $out:ty)? = |$isa:ident, $s:ident, $l:ident| $body:expr;)*
     }) => {
         mod $level {
             use super::*;
 
             $(
                 #[target_feature(enable = $features)]
-                pub(super) fn $name<U: Users>($isa: SupportedIsa, $($arg: $ty),*) $(-> $out)? {
+                pub(super) fn $name<U: UserLeaves>($isa: SupportedIsa, $($arg: $ty),*) $(-> $out)? {
                     // SAFETY: this function can be called only where its features are supported.
                     let ($s, $l) = unsafe { ($single, $packet) };
                     let _ = ($isa, $l);
@@ -79,67 +79,67 @@ macro_rules! level {
 
 queries! {
     /// The nearest hit in `(0, ray.t_max)` on a tree; `None` for a ray that is not traceable.
-    fn nearest_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> = |isa, s, l| {
+    fn nearest_hit<U: UserLeaves>(tree: &Tree, ray: &Ray, users: &U) -> Option<Nearest<U::Extra>> = |isa, s, l| {
         if !is_traceable(ray) {
             return None;
         }
-        nearest(s, tree, ray, users, &Way::new(ray, &tree.bounds), Start { child: tree.root, t: ray.t_max, best: None })
+        nearest(s, tree, ray, users, &RayConstants::new(ray, &tree.bounds), Start { child: tree.root, t: ray.t_max, best: None })
     };
     /// The nearest hit of a traceable ray in `(0, ray.t_max)` on a tree, from a start on.
-    fn nearest_hit_from<U: Users>(
-        tree: &Tree, ray: &Ray, users: &U, way: &Way, start: Start<U::Extra>,
-    ) -> Option<Nearest<U::Extra>> = |isa, s, l| nearest(s, tree, ray, users, way, start);
+    fn nearest_hit_from<U: UserLeaves>(
+        tree: &Tree, ray: &Ray, users: &U, constants: &RayConstants, start: Start<U::Extra>,
+    ) -> Option<Nearest<U::Extra>> = |isa, s, l| nearest(s, tree, ray, users, constants, start);
     /// Whether a tree is hit in `(0, ray.t_max)`; `false` for a ray that is not traceable.
-    fn any_hit<U: Users>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| {
-        is_traceable(ray) && any(s, tree, ray, users, &Way::new(ray, &tree.bounds), tree.root)
+    fn any_hit<U: UserLeaves>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| {
+        is_traceable(ray) && any(s, tree, ray, users, &RayConstants::new(ray, &tree.bounds), tree.root)
     };
     /// Whether a tree is hit by a traceable ray in `(0, ray.t_max)` below a child.
-    fn any_hit_from<U: Users>(tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool =
-        |isa, s, l| any(s, tree, ray, users, way, start);
+    fn any_hit_from<U: UserLeaves>(tree: &Tree, ray: &Ray, users: &U, constants: &RayConstants, start: ChildRef) -> bool =
+        |isa, s, l| any(s, tree, ray, users, constants, start);
     /// Collects all hits in `(0, ray.t_max)` on a tree, in any order.
-    fn all_hits<U: Users>(tree: &Tree, ray: &Ray, users: &U, hits: &mut Vec<Hit>) = |isa, s, l| {
+    fn all_hits<U: UserLeaves>(tree: &Tree, ray: &Ray, users: &U, hits: &mut Vec<Hit>) = |isa, s, l| {
         if is_traceable(ray) {
             every(s, tree, ray, users, hits);
         }
     };
     /// The nearest hits of rays.
-    fn nearest_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
+    fn nearest_hits<U: UserLeaves>(tree: &Tree, rays: &[Ray], users: &U, hits: &mut [Option<Hit>]) = |isa, s, l| {
         let isa = isa.for_rays(l, rays.len());
         if isa.is_narrow(l) {
             nearest_batch(isa, (s, l), tree, rays, users, hits);
         } else {
-            nearest_batch(isa, (s, Twice(l)), tree, rays, users, hits);
+            nearest_batch(isa, (s, DoubleLanes(l)), tree, rays, users, hits);
         }
     };
     /// Which rays hit anything.
-    fn any_hits<U: Users>(tree: &Tree, rays: &[Ray], users: &U, occluded: &mut [bool]) = |isa, s, l| {
+    fn any_hits<U: UserLeaves>(tree: &Tree, rays: &[Ray], users: &U, occluded: &mut [bool]) = |isa, s, l| {
         let isa = isa.for_rays(l, rays.len());
         if isa.is_narrow(l) {
             any_batch(isa, (s, l), tree, rays, users, occluded);
         } else {
-            any_batch(isa, (s, Twice(l)), tree, rays, users, occluded);
+            any_batch(isa, (s, DoubleLanes(l)), tree, rays, users, occluded);
         }
     };
     /// The nearest hits of a packet that is moved to the space of a tree, in intervals that end where `found` says.
-    fn nearest_packet_in<U: Users>(
+    fn nearest_packet_in<U: UserLeaves>(
         tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U, found: &mut Found,
     ) = |isa, s, l| {
         if isa.is_narrow(l) {
             let packet = placed.0.transformed(l, placed.1, &found.t);
             nearest_packet(isa, (s, l), tree, &packet, lanes, users, found);
         } else {
-            let packet = placed.0.transformed(Twice(l), placed.1, &found.t);
-            nearest_packet(isa, (s, Twice(l)), tree, &packet, lanes, users, found);
+            let packet = placed.0.transformed(DoubleLanes(l), placed.1, &found.t);
+            nearest_packet(isa, (s, DoubleLanes(l)), tree, &packet, lanes, users, found);
         }
     };
     /// Which rays of a packet that is moved to the space of a tree hit anything.
-    fn any_packet_in<U: Users>(tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U) -> u32 = |isa, s, l| {
+    fn any_packet_in<U: UserLeaves>(tree: &Tree, placed: (&Packet, &Mat4), lanes: u32, users: &U) -> u32 = |isa, s, l| {
         if isa.is_narrow(l) {
             let packet = placed.0.transformed(l, placed.1, &placed.0.t_max);
             any_packet(isa, (s, l), tree, &packet, lanes, users)
         } else {
-            let packet = placed.0.transformed(Twice(l), placed.1, &placed.0.t_max);
-            any_packet(isa, (s, Twice(l)), tree, &packet, lanes, users)
+            let packet = placed.0.transformed(DoubleLanes(l), placed.1, &placed.0.t_max);
+            any_packet(isa, (s, DoubleLanes(l)), tree, &packet, lanes, users)
         }
     };
 }

@@ -5,17 +5,17 @@ use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Simd};
 use crate::stack::{Stack, Waiting};
-use crate::traverse::{Nearest, Slabs, Users, Way};
+use crate::traverse::{Nearest, RayConstants, Slabs, UserLeaves};
 use crate::triangle::Shear;
 use crate::{Hit, UserHit};
 use steradian_math::Ray;
 
 /// Collects the hits of a traceable ray in `(0, ray.t_max)`, in any order.
 #[inline(always)]
-pub(crate) fn every<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, hits: &mut Vec<Hit>) {
-    let way = Way::new(ray, &tree.bounds);
-    let slabs = Slabs::new(s, &way);
-    let shear = Shear::new(s, ray, &way);
+pub(crate) fn every<S: Simd, U: UserLeaves>(s: S, tree: &Tree, ray: &Ray, users: &U, hits: &mut Vec<Hit>) {
+    let constants = RayConstants::new(ray, &tree.bounds);
+    let slabs = Slabs::new(s, &constants);
+    let shear = Shear::new(s, ray, &constants);
     let t_max = s.splat(ray.t_max);
     let mut stack = std::mem::MaybeUninit::uninit();
     let stack = Stack::emptied(&mut stack);

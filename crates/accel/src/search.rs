@@ -8,13 +8,13 @@ use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Simd};
 use crate::stack::{OrderedStack, Stack, Waiting};
-use crate::traverse::{Nearest, Slabs, Start, Users, Way};
+use crate::traverse::{Nearest, RayConstants, Slabs, Start, UserLeaves};
 use crate::triangle::Shear;
 use std::mem::MaybeUninit;
 use steradian_math::Ray;
 
 /// A query on its way.
-pub(crate) trait Query<S: Simd, U: Users>: Sized {
+pub(crate) trait Query<S: Simd, U: UserLeaves>: Sized {
     /// What it finds.
     type Answer: Copy + Default;
     /// What waits to be visited.
@@ -22,7 +22,7 @@ pub(crate) trait Query<S: Simd, U: Users>: Sized {
     /// The answer for a ray that goes alone; the default for one that is not traceable.
     fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer;
     /// At the root of a tree.
-    fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self;
+    fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self;
     /// What is visited next.
     fn current(&self) -> ChildRef;
     /// Visits a node or a leaf: the answer when that was the last one. The ray is the one that it began with, and the stack the one
@@ -41,13 +41,13 @@ pub(crate) struct Closest<S: Simd, E> {
 
 impl<S: Simd, E: Copy> Closest<S, E> {
     #[inline(always)]
-    fn new(s: S, ray: &Ray, way: &Way, Start { child, t, best }: Start<E>) -> Self {
-        let (slabs, shear) = (Slabs::new(s, way), Shear::new(s, ray, way));
+    fn new(s: S, ray: &Ray, constants: &RayConstants, Start { child, t, best }: Start<E>) -> Self {
+        let (slabs, shear) = (Slabs::new(s, constants), Shear::new(s, ray, constants));
         Self { slabs, shear, current: child, t, best }
     }
 }
 
-impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
+impl<S: Simd, U: UserLeaves> Query<S, U> for Closest<S, U::Extra> {
     type Answer = Option<Nearest<U::Extra>>;
     type Stack = OrderedStack;
 
@@ -57,8 +57,8 @@ impl<S: Simd, U: Users> Query<S, U> for Closest<S, U::Extra> {
     }
 
     #[inline(always)]
-    fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self {
-        Self::new(s, ray, way, Start { child: tree.root, t: ray.t_max, best: None })
+    fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self {
+        Self::new(s, ray, constants, Start { child: tree.root, t: ray.t_max, best: None })
     }
 
     #[inline(always)]
@@ -123,13 +123,13 @@ pub(crate) struct Any<S: Simd> {
 
 impl<S: Simd> Any<S> {
     #[inline(always)]
-    fn new(s: S, ray: &Ray, way: &Way, start: ChildRef) -> Self {
-        let (slabs, shear) = (Slabs::new(s, way), Shear::new(s, ray, way));
+    fn new(s: S, ray: &Ray, constants: &RayConstants, start: ChildRef) -> Self {
+        let (slabs, shear) = (Slabs::new(s, constants), Shear::new(s, ray, constants));
         Self { slabs, shear, current: start, t_max: s.splat(ray.t_max) }
     }
 }
 
-impl<S: Simd, U: Users> Query<S, U> for Any<S> {
+impl<S: Simd, U: UserLeaves> Query<S, U> for Any<S> {
     type Answer = bool;
     type Stack = Stack;
 
@@ -139,8 +139,8 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
     }
 
     #[inline(always)]
-    fn at_root(s: S, tree: &Tree, ray: &Ray, way: &Way) -> Self {
-        Self::new(s, ray, way, tree.root)
+    fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self {
+        Self::new(s, ray, constants, tree.root)
     }
 
     #[inline(always)]
@@ -189,7 +189,7 @@ impl<S: Simd, U: Users> Query<S, U> for Any<S> {
 
 /// Looks for hits on the triangles of a block that are nearer than the best one so far.
 #[inline(always)]
-pub(crate) fn nearest_in_block<S: Simd, U: Users>(
+pub(crate) fn nearest_in_block<S: Simd, U: UserLeaves>(
     s: S,
     shear: &Shear<S>,
     block: &Block,
@@ -216,7 +216,13 @@ pub(crate) fn nearest_in_block<S: Simd, U: Users>(
 
 /// Whether a ray hits a triangle of a block.
 #[inline(always)]
-pub(crate) fn any_in_block<S: Simd, U: Users>(s: S, shear: &Shear<S>, block: &Block, ray: &Ray, users: &U) -> bool {
+pub(crate) fn any_in_block<S: Simd, U: UserLeaves>(
+    s: S,
+    shear: &Shear<S>,
+    block: &Block,
+    ray: &Ray,
+    users: &U,
+) -> bool {
     let Some(candidates) = shear.test(s, block, s.splat(ray.t_max), ray.t_max < f32::INFINITY) else { return false };
     let mut lanes = candidates.lanes;
     while lanes != 0 {
@@ -235,26 +241,33 @@ pub(crate) fn any_in_block<S: Simd, U: Users>(s: S, shear: &Shear<S>, block: &Bl
 
 /// The nearest hit of a traceable ray in `(0, ray.t_max)`, from a start on.
 #[inline(always)]
-pub(crate) fn nearest<S: Simd, U: Users>(
+pub(crate) fn nearest<S: Simd, U: UserLeaves>(
     s: S,
     tree: &Tree,
     ray: &Ray,
     users: &U,
-    way: &Way,
+    constants: &RayConstants,
     start: Start<U::Extra>,
 ) -> Option<Nearest<U::Extra>> {
-    to_the_end(s, tree, ray, users, Closest::new(s, ray, way, start))
+    to_the_end(s, tree, ray, users, Closest::new(s, ray, constants, start))
 }
 
 /// Whether a traceable ray has any hit in `(0, ray.t_max)` below a child.
 #[inline(always)]
-pub(crate) fn any<S: Simd, U: Users>(s: S, tree: &Tree, ray: &Ray, users: &U, way: &Way, start: ChildRef) -> bool {
-    to_the_end(s, tree, ray, users, Any::new(s, ray, way, start))
+pub(crate) fn any<S: Simd, U: UserLeaves>(
+    s: S,
+    tree: &Tree,
+    ray: &Ray,
+    users: &U,
+    constants: &RayConstants,
+    start: ChildRef,
+) -> bool {
+    to_the_end(s, tree, ray, users, Any::new(s, ray, constants, start))
 }
 
 /// Step after step.
 #[inline(always)]
-pub(crate) fn to_the_end<S: Simd, U: Users, Q: Query<S, U>>(
+pub(crate) fn to_the_end<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     s: S,
     tree: &Tree,
     ray: &Ray,

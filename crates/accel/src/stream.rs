@@ -76,12 +76,12 @@ fn key(ray: &Ray, corner: Vec3, scale: Vec3) -> u32 {
     } else {
         [2, 0, 1]
     };
-    let way = (d.to_array().into_iter().fold(0, |signs, x| signs << 1 | u32::from(x < 0.0)) * 3) + z as u32;
+    let constants = (d.to_array().into_iter().fold(0, |signs, x| signs << 1 | u32::from(x < 0.0)) * 3) + z as u32;
     let cell = |x: f32, bits: u32| (x as u32).min((1 << bits) - 1);
     let half = (1 << DIRECTION_BITS) as f32;
     let direction = [a[x] / a[z] * half, a[y] / a[z] * half].map(|x| cell(x, DIRECTION_BITS));
     let origin = ((ray.origin - corner) * scale).to_array().map(|x| cell(x, ORIGIN_BITS));
-    (way << (3 * ORIGIN_BITS) | interleaved(origin)) << (2 * DIRECTION_BITS) | interleaved(direction)
+    (constants << (3 * ORIGIN_BITS) | interleaved(origin)) << (2 * DIRECTION_BITS) | interleaved(direction)
 }
 
 /// The bits of several numbers in turn.
@@ -123,9 +123,9 @@ mod tests {
                     *answer = ray.direction.x.to_bits();
                     // What cannot be traced may be anywhere.
                     if ray.is_valid() {
-                        let way = key(ray, Vec3::ZERO, Vec3::ZERO) >> 27;
-                        assert!(way >= greatest);
-                        greatest = way;
+                        let constants = key(ray, Vec3::ZERO, Vec3::ZERO) >> 27;
+                        assert!(constants >= greatest);
+                        greatest = constants;
                     }
                 }
             });

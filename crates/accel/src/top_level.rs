@@ -7,7 +7,7 @@ use crate::dispatch::{
 use crate::geometry::WORLD;
 use crate::outline::Outline;
 use crate::packet::{Found, Packet};
-use crate::traverse::{Nearest, Users};
+use crate::traverse::{Nearest, UserLeaves};
 use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, build, stream};
 use glam::Mat4;
 use rayon::prelude::*;
@@ -266,7 +266,7 @@ impl<'a, U> Leaves<'a, U> {
     }
 }
 
-impl<U: UserPrimitives> Users for Leaves<'_, U> {
+impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
     /// The index of the primitive within the instance's object.
     type Extra = u32;
 

@@ -40,7 +40,7 @@ impl Extra for u32 {
 }
 
 /// What lies below the user references of a tree: user primitives or instances.
-pub(crate) trait Users {
+pub(crate) trait UserLeaves {
     /// What a hit carries beyond [`UserHit`].
     type Extra: Extra;
     /// What a hit on a triangle of this tree carries.
@@ -104,7 +104,7 @@ pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
 
 /// What both tests need of a ray: numbers that take divisions to make.
 #[derive(Clone, Copy)]
-pub(crate) struct Way {
+pub(crate) struct RayConstants {
     /// Reciprocals of the direction, of limited size.
     pub inverse: Vec3,
     /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the second more than what
@@ -120,7 +120,7 @@ pub(crate) const GREATEST: f32 = 8e37;
 /// The bound on rounding of coordinates along which a ray hardly moves, at least.
 const AT_REST: f32 = 3e31;
 
-impl Way {
+impl RayConstants {
     /// For a valid ray in a tree with given bounds.
     #[inline(always)]
     pub fn new(ray: &Ray, bounds: &Bounds3) -> Self {
@@ -161,7 +161,7 @@ impl Way {
 
 /// What the slab test needs of a ray.
 pub(crate) struct Slabs<S: Simd> {
-    /// See [`Way`].
+    /// See [`RayConstants`].
     inverse: [S::F; 3],
     offset: [[S::F; 3]; 2],
     /// Rows of the near planes and of the far planes.
@@ -171,12 +171,12 @@ pub(crate) struct Slabs<S: Simd> {
 
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
-    pub fn new(s: S, way: &Way) -> Self {
+    pub fn new(s: S, constants: &RayConstants) -> Self {
         let rows = |x: f32, axis: usize| if x.is_sign_negative() { (axis + 3, axis) } else { (axis, axis + 3) };
-        let (x, y, z) = (rows(way.inverse.x, 0), rows(way.inverse.y, 1), rows(way.inverse.z, 2));
+        let (x, y, z) = (rows(constants.inverse.x, 0), rows(constants.inverse.y, 1), rows(constants.inverse.z, 2));
         Self {
-            inverse: s.splat3(way.inverse),
-            offset: [s.splat3(way.offset[0]), s.splat3(way.offset[1])],
+            inverse: s.splat3(constants.inverse),
+            offset: [s.splat3(constants.offset[0]), s.splat3(constants.offset[1])],
             near: [x.0, y.0, z.0],
             far: [x.1, y.1, z.1],
         }

@@ -12,7 +12,7 @@
 
 use crate::layout::Block;
 use crate::simd::{LANES, Lanes, Simd, WIDE, Wide};
-use crate::traverse::{Way, at};
+use crate::traverse::{RayConstants, at};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// What the test needs of a ray.
@@ -60,14 +60,14 @@ pub(crate) static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 impl<S: Simd> Shear<S> {
     /// For a valid ray.
     #[inline(always)]
-    pub fn new(s: S, ray: &Ray, way: &Way) -> Self {
-        let [x, y, z] = way.axes;
-        // What is chosen by an index goes to memory: these three numbers, not all of `way`.
-        let inverse = way.inverse;
+    pub fn new(s: S, ray: &Ray, constants: &RayConstants) -> Self {
+        let [x, y, z] = constants.axes;
+        // What is chosen by an index goes to memory: these three numbers, not all of `constants`.
+        let inverse = constants.inverse;
         Self {
-            axes: way.axes,
+            axes: constants.axes,
             origin: [x, y, z].map(|axis| s.splat(at(&ray.origin, axis))),
-            shear: [s.splat(way.shear[0]), s.splat(way.shear[1]), s.splat(way.shear[2])],
+            shear: [s.splat(constants.shear[0]), s.splat(constants.shear[1]), s.splat(constants.shear[2])],
             inverse: [s.splat(at(&inverse, x)), s.splat(at(&inverse, y))],
         }
     }

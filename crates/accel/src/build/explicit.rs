@@ -11,7 +11,7 @@ use steradian_math::Bounds3;
 
 /// What is below a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Below {
+pub(super) enum NodeContent {
     /// Two nodes.
     Children([u32; 2]),
     /// A range of references, of which the builder of ranges makes a subtree.
@@ -22,7 +22,7 @@ pub(super) enum Below {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Branch {
     pub bounds: Bounds3,
-    pub below: Below,
+    pub below: NodeContent,
 }
 
 /// The tree. It has a reference at least.
@@ -39,7 +39,7 @@ const PARALLEL: usize = 1 << 12;
 impl Explicit {
     /// A tree of one node.
     pub fn leaf(bounds: Bounds3, refs: Vec<PrimRef>) -> Self {
-        let below = Below::Refs { first: 0, count: refs.len() as u32 };
+        let below = NodeContent::Refs { first: 0, count: refs.len() as u32 };
         Self { nodes: vec![Branch { bounds, below }], refs, root: 0 }
     }
 
@@ -48,14 +48,14 @@ impl Explicit {
         let (nodes, refs) = (left.nodes.len() as u32, left.refs.len() as u32);
         left.nodes.extend(right.nodes.into_iter().map(|node| Branch {
             below: match node.below {
-                Below::Children(children) => Below::Children(children.map(|child| child + nodes)),
-                Below::Refs { first, count } => Below::Refs { first: first + refs, count },
+                NodeContent::Children(children) => NodeContent::Children(children.map(|child| child + nodes)),
+                NodeContent::Refs { first, count } => NodeContent::Refs { first: first + refs, count },
             },
             ..node
         }));
         left.refs.extend(right.refs);
         let children = [left.root, right.root + nodes];
-        left.nodes.push(Branch { bounds, below: Below::Children(children) });
+        left.nodes.push(Branch { bounds, below: NodeContent::Children(children) });
         Self { root: left.nodes.len() as u32 - 1, ..left }
     }
 
@@ -68,16 +68,16 @@ impl Explicit {
             let node = &ranges[from];
             let index = nodes.len() as u32;
             let below = if node.second == 0 || node.count <= LANES as u32 {
-                Below::Refs { first: node.first, count: node.count }
+                NodeContent::Refs { first: node.first, count: node.count }
             } else {
                 pending.push((from + node.second as usize, Some((index, 1))));
                 pending.push((from + 1, Some((index, 0))));
-                Below::Children([0; 2])
+                NodeContent::Children([0; 2])
             };
             nodes.push(Branch { bounds: node.bounds, below });
             if let Some((parent, side)) = parent {
                 let parent: &mut Branch = &mut nodes[parent as usize];
-                if let Below::Children(children) = &mut parent.below {
+                if let NodeContent::Children(children) = &mut parent.below {
                     children[side] = index;
                 }
             }
@@ -91,7 +91,7 @@ impl Explicit {
         let mut pending = vec![self.root];
         while let Some(node) = pending.pop() {
             order.push(node);
-            if let Below::Children(children) = self.nodes[node as usize].below {
+            if let NodeContent::Children(children) = self.nodes[node as usize].below {
                 pending.extend(children);
             }
         }
@@ -103,8 +103,8 @@ impl Explicit {
         let mut counts = vec![0; self.nodes.len()];
         for &node in self.downwards().iter().rev() {
             counts[node as usize] = match self.nodes[node as usize].below {
-                Below::Children([a, b]) => counts[a as usize] + counts[b as usize],
-                Below::Refs { count, .. } => count,
+                NodeContent::Children([a, b]) => counts[a as usize] + counts[b as usize],
+                NodeContent::Refs { count, .. } => count,
             };
         }
         let mut refs = self.refs.clone();
@@ -135,7 +135,7 @@ impl Layout<'_> {
     ) -> Costs<WIDTH> {
         let node = &self.tree.nodes[index as usize];
         let children = match node.below {
-            Below::Children(children) if depth < SAH_DEPTH && refs.len() > 2 => children,
+            NodeContent::Children(children) if depth < SAH_DEPTH && refs.len() > 2 => children,
             _ => {
                 self.gather(index, refs);
                 return build_range(refs, ranges, first, Extent::of(refs), self.scale, depth);
@@ -158,8 +158,8 @@ impl Layout<'_> {
         let (mut pending, mut len) = (vec![index], 0);
         while let Some(node) = pending.pop() {
             match self.tree.nodes[node as usize].below {
-                Below::Children(children) => pending.extend(children),
-                Below::Refs { first, count } => {
+                NodeContent::Children(children) => pending.extend(children),
+                NodeContent::Refs { first, count } => {
                     let count = count as usize;
                     refs[len..len + count].copy_from_slice(&self.tree.refs[first as usize..][..count]);
                     len += count;
@@ -176,7 +176,9 @@ pub(super) fn bounds_of(refs: &[PrimRef]) -> Bounds3 {
 
 /// A leaf for each reference.
 pub(super) fn leaves(refs: &[PrimRef]) -> Vec<Branch> {
-    let leaf =
-        |(i, r): (usize, &PrimRef)| Branch { bounds: r.bounds(), below: Below::Refs { first: i as u32, count: 1 } };
+    let leaf = |(i, r): (usize, &PrimRef)| Branch {
+        bounds: r.bounds(),
+        below: NodeContent::Refs { first: i as u32, count: 1 },
+    };
     refs.par_iter().enumerate().map(leaf).collect()
 }

@@ -3,7 +3,7 @@
 //! a distance with which it has the smallest box, and those that choose each other are merged, until there is one.
 
 use super::binary::scale;
-use super::explicit::{Below, Branch, Explicit, leaves};
+use super::explicit::{Branch, Explicit, NodeContent, leaves};
 use super::primitives::PrimRef;
 use super::split::{Extent, half_area};
 use glam::Vec3A;
@@ -33,7 +33,7 @@ pub(super) fn build(mut refs: Vec<PrimRef>) -> Explicit {
             } else if i < other {
                 let bounds = bounds.union(clusters[other].0);
                 merged.push((bounds, nodes.len() as u32));
-                nodes.push(Branch { bounds, below: Below::Children([node, clusters[other].1]) });
+                nodes.push(Branch { bounds, below: NodeContent::Children([node, clusters[other].1]) });
             }
         }
         clusters = merged;

@@ -5,7 +5,7 @@
 //! The best place of every subtree is looked for in parallel; then those moves are made that gain most and do not touch each other.
 
 use super::binary::scale;
-use super::explicit::{Below, Explicit};
+use super::explicit::{Explicit, NodeContent};
 use super::split::half_area;
 use rayon::prelude::*;
 use steradian_math::Bounds3;
@@ -49,7 +49,7 @@ impl<'a> Work<'a> {
         let scale = scale(&tree.nodes[tree.root as usize].bounds);
         let mut parents = vec![tree.root; tree.nodes.len()];
         for (i, node) in tree.nodes.iter().enumerate() {
-            if let Below::Children(children) = node.below {
+            if let NodeContent::Children(children) = node.below {
                 children.into_iter().for_each(|child| parents[child as usize] = i as u32);
             }
         }
@@ -59,7 +59,8 @@ impl<'a> Work<'a> {
 
     /// The areas of all inner nodes together.
     fn area(&self) -> f64 {
-        let inner = self.tree.nodes.iter().zip(&self.areas).filter(|(n, _)| matches!(n.below, Below::Children(_)));
+        let inner =
+            self.tree.nodes.iter().zip(&self.areas).filter(|(n, _)| matches!(n.below, NodeContent::Children(_)));
         inner.map(|(_, &area)| f64::from(area)).sum()
     }
 
@@ -70,8 +71,8 @@ impl<'a> Work<'a> {
     /// The other child of a node's parent.
     fn sibling(&self, node: u32) -> u32 {
         match self.tree.nodes[self.parents[node as usize] as usize].below {
-            Below::Children([a, b]) => a ^ b ^ node,
-            Below::Refs { .. } => node,
+            NodeContent::Children([a, b]) => a ^ b ^ node,
+            NodeContent::Refs { .. } => node,
         }
     }
 
@@ -94,7 +95,7 @@ impl<'a> Work<'a> {
             made += 1;
         }
         for &node in self.tree.downwards().iter().rev() {
-            if let Below::Children([a, b]) = self.tree.nodes[node as usize].below {
+            if let NodeContent::Children([a, b]) = self.tree.nodes[node as usize].below {
                 let bounds = self.bounds(a).union(*self.bounds(b));
                 self.tree.nodes[node as usize].bounds = bounds;
                 self.areas[node as usize] = half_area(&bounds, self.scale);
@@ -133,7 +134,7 @@ impl<'a> Work<'a> {
                 if gain > best.gain && self.parents[target as usize] != parent {
                     best = Move { gain, node, target };
                 }
-                if let Below::Children(children) = self.tree.nodes[target as usize].below {
+                if let NodeContent::Children(children) = self.tree.nodes[target as usize].below {
                     let grown = grown + merged - self.areas[target as usize];
                     pending.extend(children.map(|child| (child, grown)));
                 }
@@ -166,13 +167,13 @@ impl<'a> Work<'a> {
         self.replace(grandparent, parent, sibling);
         let above = self.parents[target as usize];
         self.replace(above, target, parent);
-        self.tree.nodes[parent as usize].below = Below::Children([target, node]);
+        self.tree.nodes[parent as usize].below = NodeContent::Children([target, node]);
         self.parents[target as usize] = parent;
     }
 
     /// Gives a node another child instead of one that it has.
     fn replace(&mut self, node: u32, child: u32, by: u32) {
-        if let Below::Children(children) = &mut self.tree.nodes[node as usize].below {
+        if let NodeContent::Children(children) = &mut self.tree.nodes[node as usize].below {
             children.iter_mut().filter(|c| **c == child).for_each(|c| *c = by);
         }
         self.parents[by as usize] = node;

@@ -1,8 +1,8 @@
 //! Which rays of a packet hit anything.
 #![allow(unsafe_code)]
 
-use super::beam::{Apart, Beam, Sight, Ways};
-use super::bundle::{AnyHit, Bundle, Left};
+use super::beam::{Beam, BeamConstants, ShearedRays, SingleRays};
+use super::bundle::{AnyHit, Bundle, RemainingRays};
 use super::interval::{Interval, range};
 use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
@@ -11,7 +11,7 @@ use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, any_hit_from};
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{Users, Way};
+use crate::traverse::{RayConstants, UserLeaves};
 use crate::triangle::Crossing;
 
 /// Slopes of a beam differ by less than this. Measured.
@@ -22,7 +22,7 @@ const FEW: u32 = 4;
 
 /// The rays in `lanes` that hit anything.
 #[inline(always)]
-pub(crate) fn any_packet<S: Simd, L: Lanes, U: Users>(
+pub(crate) fn any_packet<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
@@ -33,43 +33,44 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: Users>(
     let (mut hits, left) = any_beams(isa, (s, l), tree, packet, (lanes, true), users);
     for lane in Set(left.alone) {
         let ray = packet.ray(lane, packet.t_max.0[lane]);
-        hits |= u32::from(any_hit_from(isa, tree, &ray, users, &Way::new(&ray, &tree.bounds), tree.root)) << lane;
+        hits |=
+            u32::from(any_hit_from(isa, tree, &ray, users, &RayConstants::new(&ray, &tree.bounds), tree.root)) << lane;
     }
     hits
 }
 
 /// Of the rays that go nearly the same way, or begin near each other, those that hit anything; and what is left to do.
 #[inline(always)]
-pub(super) fn any_beams<S: Simd, L: Lanes, U: Users>(
+pub(super) fn any_beams<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
     packet: &Packet,
     (lanes, may_bundle): (u32, bool),
     users: &U,
-) -> (u32, Left) {
-    let ways = Ways::new(l, packet, &tree.bounds);
-    let apart = ways.apart(l);
-    let lanes = lanes & ways.valid;
-    let (mut rest, mut alone) = (lanes & ways.moving, lanes & !ways.moving);
+) -> (u32, RemainingRays) {
+    let beam_constants = BeamConstants::new(l, packet, &tree.bounds);
+    let single = beam_constants.single(l);
+    let lanes = lanes & beam_constants.valid;
+    let (mut rest, mut alone) = (lanes & beam_constants.moving, lanes & !beam_constants.moving);
     let mut hits = 0;
     while rest != 0 {
-        let group = ways.like_first(rest);
+        let group = beam_constants.like_first(rest);
         rest &= !group;
         if group.count_ones() < beam(isa.width()) {
             alone |= group;
             continue;
         }
-        let beam = ways.beam(group.trailing_zeros() as usize);
+        let beam = beam_constants.beam(group.trailing_zeros() as usize);
         if !beam.is_narrow(l, group, NARROW) {
             alone |= group;
         } else {
-            hits |= Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group);
+            hits |= Query { isa, s, l, tree, packet, users, beam, single: &single }.run(group);
         }
     }
-    let bundle = Bundle { isa, s, l, rows: &ways.rows, apart: &apart, tree, packet, users };
-    let mut left = Left { alone, poor: false };
-    let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
+    let bundle = Bundle { isa, s, l, rows: &beam_constants.rows, single: &single, tree, packet, users };
+    let mut left = RemainingRays { alone, poor: false };
+    let group = if may_bundle { left.bundle(beam_constants.moving) } else { 0 };
     if group != 0 {
         let (occluded, poor) = bundle.run(group, AnyHit);
         hits |= occluded;
@@ -87,10 +88,10 @@ struct Query<'a, S: Simd, L: Lanes, U> {
     packet: &'a Packet,
     users: &'a U,
     beam: Beam<L>,
-    apart: &'a Apart,
+    single: &'a SingleRays,
 }
 
-impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
+impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32) -> u32 {
         let (s, l, tree) = (self.s, self.l, self.tree);
@@ -139,7 +140,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
                 }
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
-                    if any_hit_from(self.isa, tree, &ray, self.users, &self.apart.get(lane), child) {
+                    if any_hit_from(self.isa, tree, &ray, self.users, &self.single.get(lane), child) {
                         open &= !(1 << lane);
                     }
                 }
@@ -173,18 +174,18 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         (first, active): (usize, u32),
         some_end: bool,
     ) -> u32 {
-        let sight = Sight::new(k, self.packet, self.apart, first, self.beam.axes);
+        let sheared = ShearedRays::new(k, self.packet, self.single, first, self.beam.axes);
         let t_max = k.read_from(&self.packet.t_max, first);
         let mut open = active;
         let mut seen = Seen::new(boxes.entered);
         while seen.rest != 0 && open != 0 {
-            seen.look(k, &sight, block, open, true);
+            seen.look(k, &sheared, block, open, true);
             for slot in Set(seen.slots) {
                 let slot = slot & (LANES - 1);
                 // SAFETY: the slot is in the set.
-                if let Some(mut crossing) = unsafe { seen.cross(k, &sight, block, slot, t_max) } {
+                if let Some(mut crossing) = unsafe { seen.cross(k, &sheared, block, slot, t_max) } {
                     if some_end {
-                        crossing.t = boxes.at_least(k, &sight, slot, &crossing);
+                        crossing.t = boxes.at_least(k, &sheared, slot, &crossing);
                     }
                     let Crossing { lanes, t, v, w, sum, .. } = crossing;
                     let mut hits = lanes & open & k.bits(k.lt(t, t_max));
@@ -217,7 +218,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
 /// The active rays that hit what is at a user reference, asked one after the other.
 #[inline(always)]
-pub(super) fn at_user_alone<U: Users>(packet: &Packet, index: u32, active: u32, users: &U) -> u32 {
+pub(super) fn at_user_alone<U: UserLeaves>(packet: &Packet, index: u32, active: u32, users: &U) -> u32 {
     let mut hits = 0;
     for lane in Set(active) {
         let ray = packet.ray(lane, packet.t_max.0[lane]);

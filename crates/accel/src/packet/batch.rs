@@ -1,7 +1,7 @@
 //! Slices of rays, packet by packet.
 
 use super::any::any_beams;
-use super::bundle::Left;
+use super::bundle::RemainingRays;
 use super::flight::alone;
 use super::nearest::nearest_beams;
 use super::{Found, Packet, Set, beam, first_lanes};
@@ -10,7 +10,7 @@ use crate::bvh::Tree;
 use crate::dispatch::SupportedIsa;
 use crate::search::{Any, Closest};
 use crate::simd::{Lanes, Simd, WIDE};
-use crate::traverse::{Extra, Nearest, Users};
+use crate::traverse::{Extra, Nearest, UserLeaves};
 use crate::triangle::axes;
 use crate::{Hit, UserHit};
 use std::cell::Cell;
@@ -76,7 +76,7 @@ trait Batch<S: Simd, L: Lanes> {
     /// Whether bundles may be quicker.
     fn may_bundle(&self) -> bool;
     /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to do.
-    fn together(&self, s: S, l: L, packet: (usize, usize), may_bundle: bool) -> Left;
+    fn together(&self, s: S, l: L, packet: (usize, usize), may_bundle: bool) -> RemainingRays;
     /// Traces rays alone.
     fn alone(&self, s: S, places: &[u32]);
 
@@ -129,7 +129,7 @@ struct ClosestHits<'a, U> {
     hits: &'a [Cell<Option<Hit>>],
 }
 
-impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
+impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for ClosestHits<'_, U> {
     /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`]; user primitives say themselves where they are hit.
     #[inline(always)]
     fn may_bundle(&self) -> bool {
@@ -142,7 +142,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for ClosestHits<'_, U> {
     }
 
     #[inline(always)]
-    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
+    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> RemainingRays {
         let packet = Packet::new(l, &self.rays[first..first + len]);
         let mut found = Found::nothing(&packet.t_max);
         let lanes = (first_lanes(len), may_bundle);
@@ -178,7 +178,7 @@ struct AnyHits<'a, U> {
     occluded: &'a [Cell<bool>],
 }
 
-impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
+impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for AnyHits<'_, U> {
     #[inline(always)]
     fn may_bundle(&self) -> bool {
         true
@@ -190,7 +190,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
     }
 
     #[inline(always)]
-    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> Left {
+    fn together(&self, s: S, l: L, (first, len): (usize, usize), may_bundle: bool) -> RemainingRays {
         let packet = Packet::new(l, &self.rays[first..first + len]);
         let (hits, left) = any_beams(self.isa, (s, l), self.tree, &packet, (first_lanes(len), may_bundle), self.users);
         for (lane, occluded) in self.occluded[first..first + len].iter().enumerate() {
@@ -209,7 +209,7 @@ impl<S: Simd, L: Lanes, U: Users> Batch<S, L> for AnyHits<'_, U> {
 
 /// The nearest hits of rays.
 #[inline(always)]
-pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
+pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
@@ -224,7 +224,7 @@ pub(crate) fn nearest_batch<S: Simd, L: Lanes, U: Users>(
 
 /// Which rays hit anything.
 #[inline(always)]
-pub(crate) fn any_batch<S: Simd, L: Lanes, U: Users>(
+pub(crate) fn any_batch<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,

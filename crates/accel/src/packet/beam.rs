@@ -3,7 +3,7 @@
 use crate::layout::Node;
 use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
-use crate::traverse::{GREATEST, WIDEN, Way};
+use crate::traverse::{GREATEST, RayConstants, WIDEN};
 use crate::triangle::{AXES, abs};
 use steradian_math::{Bounds3, Vec3};
 
@@ -11,7 +11,7 @@ use steradian_math::{Bounds3, Vec3};
 #[derive(Clone, Copy)]
 pub(super) struct Rows<L: Lanes> {
     pub origin: [L::F; 3],
-    /// See [`Way`].
+    /// See [`RayConstants`].
     pub inverse: [L::F; 3],
     offset: [[L::F; 3]; 2],
     /// Twice the greatest bound on rounding of a distance.
@@ -20,11 +20,11 @@ pub(super) struct Rows<L: Lanes> {
 }
 
 /// The rays of a packet, and which way they go.
-pub(super) struct Ways<L: Lanes> {
+pub(super) struct BeamConstants<L: Lanes> {
     pub rows: Rows<L>,
     /// Rays that are valid and have an interval that is not empty.
     pub valid: u32,
-    /// Rays that move enough along each axis, see [`Way`].
+    /// Rays that move enough along each axis, see [`RayConstants`].
     pub moving: u32,
     /// By axis the rays whose direction is negative.
     negative: [u32; 3],
@@ -34,7 +34,7 @@ pub(super) struct Ways<L: Lanes> {
 
 /// What tests of triangles need of rays with the same greatest axis.
 #[derive(Clone, Copy)]
-pub(super) struct Sight<L: Lanes> {
+pub(super) struct ShearedRays<L: Lanes> {
     /// Axes in the order x, y, z of the sheared space.
     pub axes: [usize; 3],
     /// The origins by these axes.
@@ -54,7 +54,7 @@ pub(super) struct Beam<L: Lanes> {
     pub far: [usize; 3],
 }
 
-impl<L: Lanes> Ways<L> {
+impl<L: Lanes> BeamConstants<L> {
     /// Looks at all rays of a packet in a tree with given bounds.
     #[inline(always)]
     pub fn new(l: L, packet: &Packet, bounds: &Bounds3) -> Self {
@@ -137,16 +137,16 @@ impl<L: Lanes> Ways<L> {
 
     /// What the rays need when they go on alone.
     #[inline(always)]
-    pub fn apart(&self, l: L) -> Apart {
+    pub fn single(&self, l: L) -> SingleRays {
         let zero = [Wide::splat(0.0); 3];
-        let mut apart = Apart { inverse: zero, offset: [zero; 2], shear: zero, along: self.along };
+        let mut single = SingleRays { inverse: zero, offset: [zero; 2], shear: zero, along: self.along };
         for axis in 0..3 {
-            l.write(self.rows.inverse[axis], &mut apart.inverse[axis]);
-            l.write(self.rows.offset[0][axis], &mut apart.offset[0][axis]);
-            l.write(self.rows.offset[1][axis], &mut apart.offset[1][axis]);
-            l.write(self.rows.shear[axis], &mut apart.shear[axis]);
+            l.write(self.rows.inverse[axis], &mut single.inverse[axis]);
+            l.write(self.rows.offset[0][axis], &mut single.offset[0][axis]);
+            l.write(self.rows.offset[1][axis], &mut single.offset[1][axis]);
+            l.write(self.rows.shear[axis], &mut single.shear[axis]);
         }
-        apart
+        single
     }
 }
 
@@ -157,20 +157,20 @@ fn chosen<L: Lanes>(l: L, [first, second]: [L::M; 2], [a, b, c]: [L::F; 3]) -> L
 }
 
 /// What the rays of a packet need when they go on alone, or those of one register without the others.
-pub(super) struct Apart {
+pub(super) struct SingleRays {
     inverse: [Wide; 3],
     offset: [[Wide; 3]; 2],
     shear: [Wide; 3],
     along: [u32; 3],
 }
 
-impl Apart {
+impl SingleRays {
     /// Of one of the rays.
     #[inline(always)]
-    pub fn get(&self, lane: usize) -> Way {
+    pub fn get(&self, lane: usize) -> RayConstants {
         let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
         let [_, y, z] = self.along.map(|lanes| (lanes >> lane & 1) as usize);
-        Way {
+        RayConstants {
             inverse: vector(&self.inverse),
             offset: [vector(&self.offset[0]), vector(&self.offset[1])],
             axes: AXES[(y + 2 * z) % 3],
@@ -179,10 +179,10 @@ impl Apart {
     }
 }
 
-impl<L: Lanes> Sight<L> {
+impl<L: Lanes> ShearedRays<L> {
     /// Of as many rays of a packet as there are lanes, from one on.
     #[inline(always)]
-    pub fn new(l: L, packet: &Packet, apart: &Apart, first: usize, axes: [usize; 3]) -> Self {
+    pub fn new(l: L, packet: &Packet, single: &SingleRays, first: usize, axes: [usize; 3]) -> Self {
         let [x, y, z] = axes;
         Self {
             axes,
@@ -192,11 +192,11 @@ impl<L: Lanes> Sight<L> {
                 l.read_from(&packet.origin[z], first),
             ],
             shear: [
-                l.read_from(&apart.shear[0], first),
-                l.read_from(&apart.shear[1], first),
-                l.read_from(&apart.shear[2], first),
+                l.read_from(&single.shear[0], first),
+                l.read_from(&single.shear[1], first),
+                l.read_from(&single.shear[2], first),
             ],
-            inverse: [l.read_from(&apart.inverse[x], first), l.read_from(&apart.inverse[y], first)],
+            inverse: [l.read_from(&single.inverse[x], first), l.read_from(&single.inverse[y], first)],
         }
     }
 }

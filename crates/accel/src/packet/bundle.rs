@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::any::at_user_alone;
-use super::beam::{Apart, Rows};
+use super::beam::{Rows, SingleRays};
 use super::nearest::at_user;
 use super::stack::BundleStack;
 use super::{Found, Packet, Set};
@@ -14,7 +14,7 @@ use crate::dispatch::{SupportedIsa, any_hit_from, nearest_hit_from};
 use crate::layout::{Block, ChildRef, Node};
 use crate::search::{any_in_block, nearest_in_block};
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{Start, Users, Way};
+use crate::traverse::{RayConstants, Start, UserLeaves};
 use crate::triangle::Shear;
 use steradian_math::Ray;
 
@@ -25,14 +25,14 @@ const FEW: u32 = 5;
 
 /// What is left of a packet.
 #[derive(Clone, Copy)]
-pub(super) struct Left {
+pub(super) struct RemainingRays {
     /// Rays that must go alone.
     pub alone: u32,
     /// Whether a bundle fell apart, so that it had been better to begin alone.
     pub poor: bool,
 }
 
-impl Left {
+impl RemainingRays {
     /// Takes a bundle out of the rays that would go alone: those that move, if there are enough of them.
     #[inline(always)]
     pub fn bundle(&mut self, moving: u32) -> u32 {
@@ -46,23 +46,30 @@ impl Left {
 }
 
 /// What is asked of the rays of a bundle.
-pub(super) trait Question<S: Simd, L: Lanes, U: Users> {
+pub(super) trait Question<S: Simd, L: Lanes, U: UserLeaves> {
     /// Whether it is quicker to visit children near the origins first.
     const ORDERED: bool;
     /// Where the intervals of the rays end by now.
     fn ends(&self, l: L, packet: &Packet) -> L::F;
     /// Asks it of a ray and the triangles of a block: whether that was the last thing to ask of this ray.
-    fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool;
+    fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, constants: &RayConstants, users: &U) -> bool;
     /// The same of some rays at a user reference: of which rays it was the last thing to ask.
     fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> u32;
     /// The same below a child.
-    fn below(&mut self, bundle: &Bundle<S, L, U>, lane: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool;
+    fn below(
+        &mut self,
+        bundle: &Bundle<S, L, U>,
+        lane: usize,
+        child: ChildRef,
+        ray: &Ray,
+        constants: &RayConstants,
+    ) -> bool;
 }
 
 /// Whether there is any hit.
 pub(super) struct AnyHit;
 
-impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for AnyHit {
+impl<S: Simd, L: Lanes, U: UserLeaves> Question<S, L, U> for AnyHit {
     const ORDERED: bool = false;
 
     #[inline(always)]
@@ -71,8 +78,8 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for AnyHit {
     }
 
     #[inline(always)]
-    fn in_block(&mut self, s: S, _: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool {
-        any_in_block(s, &Shear::new(s, ray, way), block, ray, users)
+    fn in_block(&mut self, s: S, _: usize, block: &Block, ray: &Ray, constants: &RayConstants, users: &U) -> bool {
+        any_in_block(s, &Shear::new(s, ray, constants), block, ray, users)
     }
 
     #[inline(always)]
@@ -81,12 +88,19 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for AnyHit {
     }
 
     #[inline(always)]
-    fn below(&mut self, bundle: &Bundle<S, L, U>, _: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool {
-        any_hit_from(bundle.isa, bundle.tree, ray, bundle.users, way, child)
+    fn below(
+        &mut self,
+        bundle: &Bundle<S, L, U>,
+        _: usize,
+        child: ChildRef,
+        ray: &Ray,
+        constants: &RayConstants,
+    ) -> bool {
+        any_hit_from(bundle.isa, bundle.tree, ray, bundle.users, constants, child)
     }
 }
 
-impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for &mut Found {
+impl<S: Simd, L: Lanes, U: UserLeaves> Question<S, L, U> for &mut Found {
     const ORDERED: bool = true;
 
     #[inline(always)]
@@ -95,9 +109,9 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for &mut Found {
     }
 
     #[inline(always)]
-    fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, way: &Way, users: &U) -> bool {
+    fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, constants: &RayConstants, users: &U) -> bool {
         let (mut t, mut best) = (self.t.0[lane], self.get(lane));
-        nearest_in_block(s, &Shear::new(s, ray, way), block, ray, users, (&mut t, &mut best));
+        nearest_in_block(s, &Shear::new(s, ray, constants), block, ray, users, (&mut t, &mut best));
         if let Some(nearest) = best {
             self.set(lane, nearest);
         }
@@ -111,9 +125,16 @@ impl<S: Simd, L: Lanes, U: Users> Question<S, L, U> for &mut Found {
     }
 
     #[inline(always)]
-    fn below(&mut self, bundle: &Bundle<S, L, U>, lane: usize, child: ChildRef, ray: &Ray, way: &Way) -> bool {
+    fn below(
+        &mut self,
+        bundle: &Bundle<S, L, U>,
+        lane: usize,
+        child: ChildRef,
+        ray: &Ray,
+        constants: &RayConstants,
+    ) -> bool {
         let start = Start { child, t: self.t.0[lane], best: self.get(lane) };
-        if let Some(nearest) = nearest_hit_from(bundle.isa, bundle.tree, ray, bundle.users, way, start) {
+        if let Some(nearest) = nearest_hit_from(bundle.isa, bundle.tree, ray, bundle.users, constants, start) {
             self.set(lane, nearest);
         }
         false
@@ -126,19 +147,19 @@ pub(super) struct Bundle<'a, S: Simd, L: Lanes, U> {
     pub s: S,
     pub l: L,
     pub rows: &'a Rows<L>,
-    pub apart: &'a Apart,
+    pub single: &'a SingleRays,
     pub tree: &'a Tree,
     pub packet: &'a Packet,
     pub users: &'a U,
 }
 
-impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
+impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
     /// Asks a question of all rays of a group: those for which it was answered before everything was looked at, and whether the bundle fell apart. That is
     /// where rays went on alone below nodes more often than there are rays.
     #[inline(always)]
     pub fn run<Q: Question<S, L, U>>(&self, group: u32, mut question: Q) -> (u32, bool) {
         let (l, tree) = (self.l, self.tree);
-        let (mut open, mut apart) = (group, 0);
+        let (mut open, mut single) = (group, 0);
         let mut stack = BundleStack::new();
         let (mut current, mut active) = (tree.root, group);
         loop {
@@ -167,20 +188,20 @@ impl<S: Simd, L: Lanes, U: Users> Bundle<'_, S, L, U> {
             } else {
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
-                    let way = self.apart.get(lane);
+                    let constants = self.single.get(lane);
                     let done = if current.is_block() {
                         // SAFETY: the reference comes from the tree and is to a block.
                         let block = unsafe { tree.arena.block(current) };
-                        question.in_block(self.s, lane, block, &ray, &way, self.users)
+                        question.in_block(self.s, lane, block, &ray, &constants, self.users)
                     } else {
-                        apart += u32::from(current.is_node());
-                        question.below(self, lane, current, &ray, &way)
+                        single += u32::from(current.is_node());
+                        question.below(self, lane, current, &ray, &constants)
                     };
                     open &= !(u32::from(done) << lane);
                 }
             }
             loop {
-                let Some((child, lanes)) = stack.pop() else { return (group & !open, apart > group.count_ones()) };
+                let Some((child, lanes)) = stack.pop() else { return (group & !open, single > group.count_ones()) };
                 active = lanes & open;
                 if active != 0 {
                     current = child;

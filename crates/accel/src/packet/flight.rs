@@ -6,7 +6,7 @@ use crate::dispatch::SupportedIsa;
 use crate::search::Query;
 use crate::simd::Simd;
 use crate::stack::Waiting;
-use crate::traverse::{Users, Way, is_traceable};
+use crate::traverse::{RayConstants, UserLeaves, is_traceable};
 use std::array::from_fn;
 use std::mem::MaybeUninit;
 use std::time::{Duration, Instant};
@@ -25,7 +25,7 @@ const WORTH: f32 = 0.85;
 /// Traces the rays with given places alone, and hands over their answers. In a large tree they may wait for
 /// memory or not: the clock tells. All ways give the same bits.
 #[inline(always)]
-pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
+pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     isa: SupportedIsa,
     s: S,
     tree: &Tree,
@@ -42,7 +42,7 @@ pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
         let flies = if is_trial { part == 1 } else { times[1] < times[0].mul_f32(WORTH) };
         let start = is_trial.then(Instant::now);
         if flies {
-            fly::<S, U, Q>(s, tree, rays, users, some, &mut answer);
+            trace_packet::<S, U, Q>(s, tree, rays, users, some, &mut answer);
         } else {
             in_turn::<S, U, Q>(isa, tree, rays, users, some, &mut answer);
         }
@@ -55,7 +55,7 @@ pub(super) fn alone<S: Simd, U: Users, Q: Query<S, U>>(
 /// The same, one ray after the other, as those do who have one ray only. A function of its own: what packets keep in registers would be
 /// fetched anew for each ray.
 #[inline(never)]
-fn in_turn<S: Simd, U: Users, Q: Query<S, U>>(
+fn in_turn<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     isa: SupportedIsa,
     tree: &Tree,
     rays: &[Ray],
@@ -70,7 +70,7 @@ fn in_turn<S: Simd, U: Users, Q: Query<S, U>>(
 
 /// The same, with several rays on their way at once.
 #[inline(always)]
-fn fly<S: Simd, U: Users, Q: Query<S, U>>(
+fn trace_packet<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     s: S,
     tree: &Tree,
     rays: &[Ray],
@@ -111,7 +111,7 @@ fn fly<S: Simd, U: Users, Q: Query<S, U>>(
             match next {
                 Some(place) => {
                     let ray = &rays[place];
-                    queries[slot].write(Q::at_root(s, tree, ray, &Way::new(ray, &tree.bounds)));
+                    queries[slot].write(Q::at_root(s, tree, ray, &RayConstants::new(ray, &tree.bounds)));
                     Q::Stack::emptied(&mut stacks[slot]);
                     place_of[slot] = place;
                     flying = flying.max(i + 1);

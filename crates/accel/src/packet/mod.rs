@@ -26,7 +26,7 @@ pub(crate) use nearest::nearest_packet;
 
 use crate::UserHit;
 use crate::simd::{COLUMNS, Lanes, WIDE, Wide};
-use crate::traverse::{Extra, Nearest, Users};
+use crate::traverse::{Extra, Nearest, UserLeaves};
 use glam::Mat4;
 use std::mem::offset_of;
 use steradian_math::{Ray, Vec3};
@@ -184,7 +184,7 @@ impl Found {
 
 /// The rays, from one on, whose hits on a filtered triangle the caller accepts: distances, parameters times their sums, and these are given.
 #[inline(always)]
-fn accepted<L: Lanes, U: Users>(
+fn accepted<L: Lanes, U: UserLeaves>(
     l: L,
     packet: &Packet,
     users: &U,

@@ -1,8 +1,8 @@
 //! The nearest hits of the rays of a packet.
 #![allow(unsafe_code)]
 
-use super::beam::{Apart, Beam, Sight, Ways};
-use super::bundle::{Bundle, Left};
+use super::beam::{Beam, BeamConstants, ShearedRays, SingleRays};
+use super::bundle::{Bundle, RemainingRays};
 use super::interval::Interval;
 use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
@@ -11,7 +11,7 @@ use crate::bvh::Tree;
 use crate::dispatch::{SupportedIsa, nearest_hit_from};
 use crate::layout::{Block, ChildRef};
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{Extra, Nearest, Start, Users, Way};
+use crate::traverse::{Extra, Nearest, RayConstants, Start, UserLeaves};
 use crate::triangle::Crossing;
 
 /// Slopes of a beam differ by less than this. Measured.
@@ -19,7 +19,7 @@ const NARROW: f32 = 0.4;
 
 /// Finds the nearest hits of the rays in `lanes`: `found` begins with the ends of the intervals.
 #[inline(always)]
-pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
+pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
@@ -31,7 +31,7 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
     for lane in Set(nearest_beams(isa, (s, l), tree, packet, (lanes, tree.only_triangles), users, found).alone) {
         let ray = packet.ray(lane, packet.t_max.0[lane]);
         let start = Start { child: tree.root, t: found.t.0[lane], best: None };
-        if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, &Way::new(&ray, &tree.bounds), start) {
+        if let Some(nearest) = nearest_hit_from(isa, tree, &ray, users, &RayConstants::new(&ray, &tree.bounds), start) {
             found.set(lane, nearest);
         }
     }
@@ -39,7 +39,7 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: Users>(
 
 /// Finds the nearest hits of those rays that go nearly the same way, or begin near each other; and says what is left to do.
 #[inline(always)]
-pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
+pub(super) fn nearest_beams<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,
     (s, l): (S, L),
     tree: &Tree,
@@ -47,28 +47,28 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: Users>(
     (lanes, may_bundle): (u32, bool),
     users: &U,
     found: &mut Found,
-) -> Left {
-    let ways = Ways::new(l, packet, &tree.bounds);
-    let apart = ways.apart(l);
-    let lanes = lanes & ways.valid;
-    let (mut rest, mut alone) = (lanes & ways.moving, lanes & !ways.moving);
+) -> RemainingRays {
+    let beam_constants = BeamConstants::new(l, packet, &tree.bounds);
+    let single = beam_constants.single(l);
+    let lanes = lanes & beam_constants.valid;
+    let (mut rest, mut alone) = (lanes & beam_constants.moving, lanes & !beam_constants.moving);
     while rest != 0 {
-        let group = ways.like_first(rest);
+        let group = beam_constants.like_first(rest);
         rest &= !group;
         if group.count_ones() < beam(isa.width()) {
             alone |= group;
             continue;
         }
-        let beam = ways.beam(group.trailing_zeros() as usize);
+        let beam = beam_constants.beam(group.trailing_zeros() as usize);
         if !beam.is_narrow(l, group, NARROW) {
             alone |= group;
         } else {
-            Query { isa, s, l, tree, packet, users, beam, apart: &apart }.run(group, found);
+            Query { isa, s, l, tree, packet, users, beam, single: &single }.run(group, found);
         }
     }
-    let bundle = Bundle { isa, s, l, rows: &ways.rows, apart: &apart, tree, packet, users };
-    let mut left = Left { alone, poor: false };
-    let group = if may_bundle { left.bundle(ways.moving) } else { 0 };
+    let bundle = Bundle { isa, s, l, rows: &beam_constants.rows, single: &single, tree, packet, users };
+    let mut left = RemainingRays { alone, poor: false };
+    let group = if may_bundle { left.bundle(beam_constants.moving) } else { 0 };
     if group != 0 {
         (_, left.poor) = bundle.run(group, found);
     }
@@ -84,10 +84,10 @@ struct Query<'a, S: Simd, L: Lanes, U> {
     packet: &'a Packet,
     users: &'a U,
     beam: Beam<L>,
-    apart: &'a Apart,
+    single: &'a SingleRays,
 }
 
-impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
+impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32, found: &mut Found) {
         let (s, l, tree) = (self.s, self.l, self.tree);
@@ -166,16 +166,16 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
         (first, active): (usize, u32),
         found: &mut Found,
     ) -> bool {
-        let sight = Sight::new(k, self.packet, self.apart, first, self.beam.axes);
+        let sheared = ShearedRays::new(k, self.packet, self.single, first, self.beam.axes);
         let mut seen = Seen::new(boxes.entered);
-        seen.look(k, &sight, block, active, false);
+        seen.look(k, &sheared, block, active, false);
         let mut hits = false;
         for slot in Set(seen.slots) {
             let slot = slot & (LANES - 1);
             let so_far = k.read_from(&found.t, first);
             // SAFETY: the slot is in the set.
-            if let Some(mut crossing) = unsafe { seen.cross(k, &sight, block, slot, so_far) } {
-                crossing.t = boxes.at_least(k, &sight, slot, &crossing);
+            if let Some(mut crossing) = unsafe { seen.cross(k, &sheared, block, slot, so_far) } {
+                crossing.t = boxes.at_least(k, &sheared, slot, &crossing);
                 crossing.lanes &= active & k.bits(k.le(crossing.t, so_far));
                 self.triangle(k, block.ids[slot], &crossing, first, found);
                 hits = true;
@@ -208,7 +208,7 @@ impl<S: Simd, L: Lanes, U: Users> Query<'_, S, L, U> {
 
 /// Asks for nearer hits of active rays at a user reference, and says whether there may be some.
 #[inline(always)]
-pub(super) fn at_user<L: Lanes, U: Users>(
+pub(super) fn at_user<L: Lanes, U: UserLeaves>(
     (isa, l): (SupportedIsa, L),
     packet: &Packet,
     index: u32,

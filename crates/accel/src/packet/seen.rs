@@ -4,7 +4,7 @@
 //! answer to a question that is hard to guess.
 #![allow(unsafe_code)]
 
-use super::beam::Sight;
+use super::beam::ShearedRays;
 use super::interval::Interval;
 use crate::layout::Block;
 use crate::simd::{LANES, Lanes, Simd};
@@ -30,13 +30,13 @@ impl<L: Lanes> Seen<L> {
 
     /// Looks with the active rays at all triangles, or, if one for each ray will do, until each may hit one.
     #[inline(always)]
-    pub fn look(&mut self, l: L, sight: &Sight<L>, block: &Block, active: u32, one_will_do: bool) {
+    pub fn look(&mut self, l: L, sheared: &ShearedRays<L>, block: &Block, active: u32, one_will_do: bool) {
         self.slots = 0;
         let mut met = 0;
         while self.rest != 0 {
             let slot = self.rest.trailing_zeros() as usize & (LANES - 1);
             self.rest &= self.rest - 1;
-            let edges = edges(l, Spot { sight, block, slot }.across(l));
+            let edges = edges(l, Spot { sheared, block, slot }.across(l));
             self.edges[slot].write(edges);
             let lanes = l.bits(of_one_sign(l, edges)) & active;
             self.slots |= u32::from(lanes != 0) << slot;
@@ -52,10 +52,17 @@ impl<L: Lanes> Seen<L> {
     /// # Safety
     /// It must be in `slots`.
     #[inline(always)]
-    pub unsafe fn cross(&self, l: L, sight: &Sight<L>, block: &Block, slot: usize, t_max: L::F) -> Option<Crossing<L>> {
+    pub unsafe fn cross(
+        &self,
+        l: L,
+        sheared: &ShearedRays<L>,
+        block: &Block,
+        slot: usize,
+        t_max: L::F,
+    ) -> Option<Crossing<L>> {
         // SAFETY: the edge functions of those in the set have been written, and the caller promises that this is one.
         let edges = unsafe { self.edges[slot].assume_init() };
-        cross_at(l, &Spot { sight, block, slot }, edges, sight.shear[2], t_max)
+        cross_at(l, &Spot { sheared, block, slot }, edges, sheared.shear[2], t_max)
     }
 }
 
@@ -77,8 +84,8 @@ impl Boxes {
 
     /// Distances of hits on a triangle, moved to its box where they are before it, see [`crate::triangle`].
     #[inline(always)]
-    pub fn at_least<L: Lanes>(&self, l: L, sight: &Sight<L>, slot: usize, crossing: &Crossing<L>) -> L::F {
-        let ([x, y, _], origin, inverse) = (sight.axes, sight.origin, sight.inverse);
+    pub fn at_least<L: Lanes>(&self, l: L, sheared: &ShearedRays<L>, slot: usize, crossing: &Crossing<L>) -> L::F {
+        let ([x, y, _], origin, inverse) = (sheared.axes, sheared.origin, sheared.inverse);
         let along_x = l.mul(l.sub(l.splat(self.near[x][slot]), origin[0]), inverse[0]);
         let along_y = l.mul(l.sub(l.splat(self.near[y][slot]), origin[1]), inverse[1]);
         l.max(along_y, l.max(along_x, l.max(crossing.depth, crossing.t)))
@@ -87,7 +94,7 @@ impl Boxes {
 
 /// A triangle of a block, seen from rays.
 struct Spot<'a, L: Lanes> {
-    sight: &'a Sight<L>,
+    sheared: &'a ShearedRays<L>,
     block: &'a Block,
     slot: usize,
 }
@@ -95,14 +102,14 @@ struct Spot<'a, L: Lanes> {
 impl<L: Lanes> Spot<'_, L> {
     #[inline(always)]
     fn coordinate(&self, l: L, vertex: usize, i: usize) -> L::F {
-        let row = &self.block.rows[3 * vertex + self.sight.axes[i]];
-        l.sub(l.splat(row.0[self.slot]), self.sight.origin[i])
+        let row = &self.block.rows[3 * vertex + self.sheared.axes[i]];
+        l.sub(l.splat(row.0[self.slot]), self.sheared.origin[i])
     }
 
     #[inline(always)]
     fn vertex(&self, l: L, vertex: usize) -> [L::F; 2] {
         let [x, y, z] = [self.coordinate(l, vertex, 0), self.coordinate(l, vertex, 1), self.coordinate(l, vertex, 2)];
-        let shear = &self.sight.shear;
+        let shear = &self.sheared.shear;
         [l.sub(x, l.mul(shear[0], z)), l.sub(y, l.mul(shear[1], z))]
     }
 }

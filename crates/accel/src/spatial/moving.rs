@@ -9,7 +9,7 @@ use super::shear::Shear;
 use super::wide::Child;
 use crate::build::{self, Builder, Part};
 use crate::geometry::WORLD;
-use crate::traverse::{Way, is_traceable};
+use crate::traverse::{RayConstants, is_traceable};
 use crate::{Error, Geometry, Hit, PrimId};
 use steradian_math::{Bounds3, Ray, Vec3};
 
@@ -151,8 +151,8 @@ impl MovingBvh {
             return;
         }
         let shares = shares(time);
-        let (way, shear) = (Way::new(ray, &self.bounds), Shear::new(ray));
-        let (inverse, offset) = (way.inverse.to_array(), way.offset.map(|offset| offset.to_array()));
+        let (constants, shear) = (RayConstants::new(ray, &self.bounds), Shear::new(ray));
+        let (inverse, offset) = (constants.inverse.to_array(), constants.offset.map(|offset| offset.to_array()));
         let mut t = ray.t_max;
         let mut pending = vec![(0.0, Child::ROOT)];
         while let Some((entry, child)) = pending.pop() {
@@ -210,14 +210,14 @@ mod tests {
             // Each triangle goes its own way, and turns and grows on it.
             let mut end = Vec::new();
             for corners in start.chunks(3) {
-                let way = in_cube(&mut rng) * reach;
-                end.extend(corners.iter().map(|p| *p + way + in_cube(&mut rng) * 0.1 * reach));
+                let constants = in_cube(&mut rng) * reach;
+                end.extend(corners.iter().map(|p| *p + constants + in_cube(&mut rng) * 0.1 * reach));
             }
             let bvh = MovingBvh::build(&MovingTriangles { start: &start, end: &end, indices: &indices }).expect("few");
             for time in [0.0, 0.1, 0.5, 0.77, 1.0, -3.0, 7.0] {
                 let [a, b] = shares(time);
                 let now: Vec<Vec3> = start.iter().zip(&end).map(|(p, q)| *p * a + *q * b).collect();
-                let apart: Vec<Bvh> = indices
+                let single: Vec<Bvh> = indices
                     .iter()
                     .map(|triangle| {
                         Bvh::build(&[Geometry::triangles(&now, std::slice::from_ref(triangle))]).expect("one")
@@ -228,7 +228,7 @@ mod tests {
                         let hit = bvh.intersect(&ray, &())?;
                         Some(Hit { id: PrimId { prim, ..hit.id }, ..hit })
                     };
-                    let all = apart.iter().zip(0..).filter_map(of_triangle);
+                    let all = single.iter().zip(0..).filter_map(of_triangle);
                     let nearest = all.min_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
                     assert_eq!(bvh.intersect(&ray, time), nearest, "{seed} at {time}: {ray:?}");
                     assert_eq!(bvh.occluded(&ray, time), nearest.is_some());

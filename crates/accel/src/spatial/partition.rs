@@ -9,7 +9,7 @@ use super::line::{Line, is_askable};
 use super::octree::Octree;
 use super::search::{AnySearch, NearestSearch, Tally, Visitor};
 use super::wide::{Kind, Wide};
-use crate::traverse::{Nearest, Users};
+use crate::traverse::{Nearest, UserLeaves};
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray};
 
@@ -97,7 +97,12 @@ impl Partition {
     }
 
     /// The nearest hit in `(0, ray.t_max)`.
-    pub(super) fn nearest<U: Users, T: Tally>(&self, ray: &Ray, users: &U, tally: T) -> (Option<Nearest<U::Extra>>, T) {
+    pub(super) fn nearest<U: UserLeaves, T: Tally>(
+        &self,
+        ray: &Ray,
+        users: &U,
+        tally: T,
+    ) -> (Option<Nearest<U::Extra>>, T) {
         if !is_askable(ray) {
             return (None, tally);
         }
@@ -107,7 +112,7 @@ impl Partition {
     }
 
     /// Whether there is any hit in `(0, ray.t_max)`.
-    pub(super) fn any<U: Users, T: Tally>(&self, ray: &Ray, users: &U, tally: T) -> (bool, T) {
+    pub(super) fn any<U: UserLeaves, T: Tally>(&self, ray: &Ray, users: &U, tally: T) -> (bool, T) {
         if !is_askable(ray) {
             return (false, tally);
         }

@@ -5,7 +5,7 @@ use super::partition::Partition;
 use super::search::{Steps, Tally};
 use crate::geometry::WORLD;
 use crate::outline::Outline;
-use crate::traverse::{Nearest, Users};
+use crate::traverse::{Nearest, UserLeaves};
 use crate::{Error, Geometry, Hit, Instance, PrimId, UserHit, UserPrimitives};
 use glam::Mat4;
 use std::cell::Cell;
@@ -131,7 +131,7 @@ impl<'a, U, T: Tally + Total> Leaves<'a, U, T> {
     }
 }
 
-impl<U: UserPrimitives, T: Tally + Total> Users for Leaves<'_, U, T> {
+impl<U: UserPrimitives, T: Tally + Total> UserLeaves for Leaves<'_, U, T> {
     type Extra = u32;
 
     fn triangle(&self) -> u32 {
@@ -180,7 +180,7 @@ struct ObjectLeaves<'a, U> {
     user: &'a U,
 }
 
-impl<U: UserPrimitives> Users for ObjectLeaves<'_, U> {
+impl<U: UserPrimitives> UserLeaves for ObjectLeaves<'_, U> {
     type Extra = ();
 
     fn triangle(&self) {}

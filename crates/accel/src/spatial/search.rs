@@ -2,7 +2,7 @@
 
 use super::items::Items;
 use super::shear::Shear;
-use crate::traverse::{Nearest, Users};
+use crate::traverse::{Nearest, UserLeaves};
 use steradian_math::Ray;
 
 /// Who is told of each cell and each test; `()` counts nothing and costs nothing.
@@ -64,7 +64,7 @@ impl Mailbox {
 }
 
 /// The search for the nearest hit.
-pub(super) struct NearestSearch<'a, U: Users, T> {
+pub(super) struct NearestSearch<'a, U: UserLeaves, T> {
     items: &'a Items,
     users: &'a U,
     ray: &'a Ray,
@@ -75,7 +75,7 @@ pub(super) struct NearestSearch<'a, U: Users, T> {
     pub tally: T,
 }
 
-impl<'a, U: Users, T: Tally> NearestSearch<'a, U, T> {
+impl<'a, U: UserLeaves, T: Tally> NearestSearch<'a, U, T> {
     /// For a valid ray.
     pub fn new(items: &'a Items, users: &'a U, ray: &'a Ray, tally: T) -> Self {
         let mailbox = Mailbox([u32::MAX; 64]);
@@ -108,7 +108,7 @@ impl<'a, U: Users, T: Tally> NearestSearch<'a, U, T> {
     }
 }
 
-impl<U: Users, T: Tally> Visitor for NearestSearch<'_, U, T> {
+impl<U: UserLeaves, T: Tally> Visitor for NearestSearch<'_, U, T> {
     #[inline]
     fn step(&mut self) {
         self.tally.step();
@@ -131,7 +131,7 @@ impl<U: Users, T: Tally> Visitor for NearestSearch<'_, U, T> {
 }
 
 /// The search for any hit.
-pub(super) struct AnySearch<'a, U: Users, T> {
+pub(super) struct AnySearch<'a, U: UserLeaves, T> {
     items: &'a Items,
     users: &'a U,
     ray: &'a Ray,
@@ -141,7 +141,7 @@ pub(super) struct AnySearch<'a, U: Users, T> {
     pub tally: T,
 }
 
-impl<'a, U: Users, T: Tally> AnySearch<'a, U, T> {
+impl<'a, U: UserLeaves, T: Tally> AnySearch<'a, U, T> {
     /// For a valid ray.
     pub fn new(items: &'a Items, users: &'a U, ray: &'a Ray, tally: T) -> Self {
         Self { items, users, ray, shear: Shear::new(ray), mailbox: Mailbox([u32::MAX; 64]), found: false, tally }
@@ -163,7 +163,7 @@ impl<'a, U: Users, T: Tally> AnySearch<'a, U, T> {
     }
 }
 
-impl<U: Users, T: Tally> Visitor for AnySearch<'_, U, T> {
+impl<U: UserLeaves, T: Tally> Visitor for AnySearch<'_, U, T> {
     #[inline]
     fn step(&mut self) {
         self.tally.step();

@@ -4,7 +4,7 @@
 use super::items::Items;
 use super::search::Visitor;
 use crate::build::{self, Builder, Part};
-use crate::traverse::Way;
+use crate::traverse::RayConstants;
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray, Vec3};
 
@@ -134,8 +134,8 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
         if self.nodes.is_empty() {
             return;
         }
-        let way = Way::new(ray, bounds);
-        let (i, o) = (way.inverse.to_array(), way.offset.map(|offset| offset.to_array()));
+        let constants = RayConstants::new(ray, bounds);
+        let (i, o) = (constants.inverse.to_array(), constants.offset.map(|offset| offset.to_array()));
         let far = i.map(|x| usize::from(!x.is_sign_negative()));
         let mut pending = Vec::with_capacity(64);
         pending.push((0.0, Child(0)));

@@ -30,12 +30,12 @@ type Scenes<'a> = [(&'static str, Built<'a>); 2];
 
 /// A way to trace rays: what it traces through, and how.
 #[derive(Clone, Copy)]
-enum Way<'a> {
+enum Tracer<'a> {
     Ours(&'a TopLevel, Mode),
     Embree(&'a Built<'a>, Packing),
 }
 
-impl Way<'_> {
+impl Tracer<'_> {
     fn trace(self, rays: &[Ray], query: Query) -> Found {
         match self {
             Self::Ours(top, mode) => trace::trace(top, rays, query, mode),
@@ -65,14 +65,14 @@ struct Best {
 }
 
 impl Best {
-    fn of(measured: &[(Way, f64)]) -> Self {
-        let best = |ways: &mut dyn Iterator<Item = &(Way, f64)>| {
+    fn of(measured: &[(Tracer, f64)]) -> Self {
+        let best = |ways: &mut dyn Iterator<Item = &(Tracer, f64)>| {
             ways.map(|&(way, rate)| (rate, way.name()))
                 .max_by(|a, b| a.0.total_cmp(&b.0))
                 .unwrap_or((f64::NAN, String::new()))
         };
         let (single, _) = best(&mut measured.iter().filter(|(way, _)| way.is_single()));
-        let (many, way) = best(&mut measured.iter().filter(|(way, _)| !matches!(way, Way::Ours(_, Mode::Single))));
+        let (many, way) = best(&mut measured.iter().filter(|(way, _)| !matches!(way, Tracer::Ours(_, Mode::Single))));
         Self { single, many, way }
     }
 }
@@ -114,10 +114,12 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
                 if (rays.starts_with("shadow") && query == Query::Closest) || !is_wanted(&bench.rays, &names) {
                     continue;
                 }
-                let ours = Mode::ALL.map(|mode| Way::Ours(&top, mode));
-                let theirs =
-                    scenes.iter().flatten().map(|(_, built)| Packing::all().map(|p| Way::Embree(built, p)).collect());
-                let groups: Vec<Vec<Way>> = std::iter::once(ours.to_vec()).chain(theirs).collect();
+                let ours = Mode::ALL.map(|mode| Tracer::Ours(&top, mode));
+                let theirs = scenes
+                    .iter()
+                    .flatten()
+                    .map(|(_, built)| Packing::all().map(|p| Tracer::Embree(built, p)).collect());
+                let groups: Vec<Vec<Tracer>> = std::iter::once(ours.to_vec()).chain(theirs).collect();
                 let (measured, found) = compare(&groups, &set, query);
                 if let Some(other) = found[1..].iter().find(|other| !other.agrees(found[0])) {
                     differ.push(format!("{} (here {:?}, Embree {other:?})", names.join(" "), found[0]));
@@ -171,7 +173,7 @@ fn number(x: f64) -> Value {
 }
 
 /// Rates of groups of ways that take turns, in millions of rays in a second; and what the first way of each group finds.
-fn compare<'a>(groups: &[Vec<Way<'a>>], rays: &[Ray], query: Query) -> (Vec<Vec<(Way<'a>, f64)>>, Vec<Found>) {
+fn compare<'a>(groups: &[Vec<Tracer<'a>>], rays: &[Ray], query: Query) -> (Vec<Vec<(Tracer<'a>, f64)>>, Vec<Found>) {
     let found = groups.iter().filter_map(|group| group.first()).map(|way| way.trace(rays, query)).collect();
     let mut rates: Vec<Vec<Vec<f64>>> = groups.iter().map(|group| vec![Vec::new(); group.len()]).collect();
     for _ in 0..ROUNDS {
@@ -190,7 +192,7 @@ fn compare<'a>(groups: &[Vec<Way<'a>>], rays: &[Ray], query: Query) -> (Vec<Vec<
             }
         }
     }
-    let of_group = |(group, rates): (&Vec<Way<'a>>, Vec<Vec<f64>>)| {
+    let of_group = |(group, rates): (&Vec<Tracer<'a>>, Vec<Vec<f64>>)| {
         group.iter().copied().zip(rates.into_iter().map(median)).collect()
     };
     (groups.iter().zip(rates).map(of_group).collect(), found)

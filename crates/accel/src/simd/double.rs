@@ -5,7 +5,7 @@ use std::array::from_fn;
 
 /// Twice the lanes of a level.
 #[derive(Clone, Copy)]
-pub(crate) struct Twice<L>(pub L);
+pub(crate) struct DoubleLanes<L>(pub L);
 
 /// Operations on numbers, for either half.
 macro_rules! numbers {
@@ -27,7 +27,7 @@ macro_rules! truths {
     )*};
 }
 
-impl<L: Lanes> Lanes for Twice<L> {
+impl<L: Lanes> Lanes for DoubleLanes<L> {
     const COUNT: usize = 2 * L::COUNT;
     type Half = L;
     type F = [L::F; 2];
@@ -89,8 +89,8 @@ mod tests {
 
     #[test]
     fn lanes_of_one_half_are_found() {
-        let twice = Twice(Portable);
-        let halves = [0x0001, 0x00ff, 0x0100, 0xff00, 0x0180, 0xffff].map(|lanes| twice.half_of(lanes));
+        let double = DoubleLanes(Portable);
+        let halves = [0x0001, 0x00ff, 0x0100, 0xff00, 0x0180, 0xffff].map(|lanes| double.half_of(lanes));
         assert_eq!(halves, [Some(0), Some(0), Some(8), Some(8), None, None]);
         assert_eq!(Portable.half_of(0x0f), None, "one register has no halves");
     }
