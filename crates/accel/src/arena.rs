@@ -1,5 +1,5 @@
-//! The memory of a hierarchy: nodes, then blocks, in one piece. A reference says where either begins, so that it becomes an address
-//! without asking what it is to.
+//! The memory of a hierarchy: nodes, then blocks, in one piece. A reference says where either begins, so that it
+//! becomes an address without asking what it is to.
 #![allow(unsafe_code)]
 
 use crate::layout::{Block, ChildRef, Node};

@@ -32,8 +32,8 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Follows geometry that has moved: the shape of the tree is kept (`true`) when the same primitives can be hit as before, else it
-    /// is built anew.
+    /// Follows geometry that has moved: the shape of the tree is kept (`true`) when the same primitives can be hit as
+    /// before, else it is built anew.
     pub fn update(&mut self, geometries: &[Geometry]) -> Result<bool, Error> {
         let kept = refit(self, &build::Primitives::new(geometries)?);
         if !kept {
@@ -66,8 +66,8 @@ impl Tree {
         PrimId { instance, geom: geom as u32, prim: index - self.first[geom] }
     }
 
-    /// Boxes that contain everything in the tree, tighter together than its bounds: about `count` of its upper levels, where the
-    /// greatest ones are opened.
+    /// Boxes that contain everything in the tree, tighter together than its bounds: about `count` of its upper levels,
+    /// where the greatest ones are opened.
     pub fn upper_boxes(&self, count: usize) -> Vec<Bounds3> {
         let mut boxes = vec![(self.bounds, self.root)];
         while boxes.len() < count {
@@ -94,7 +94,8 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds the hierarchy, in parallel in rayon's current thread pool. The result does not depend on the number of threads.
+    /// Builds the hierarchy, in parallel in rayon's current thread pool. The result does not depend on the number of
+    /// threads.
     ///
     /// # Errors
     /// When there are too many primitives.
@@ -110,9 +111,10 @@ impl Bvh {
         Ok(Self { tree: build::build(geometries, builder)?, isa: SupportedIsa::best() })
     }
 
-    /// Follows geometry that has moved. When the numbers of primitives are the same and the same ones can be hit, the shape of the
-    /// hierarchy is kept and its boxes are set anew, which is much faster than to build; gives `true` then. Else it is built anew.
-    /// After great changes a hierarchy that keeps its shape is slow; [`Bvh::build`] makes a good one.
+    /// Follows geometry that has moved. When the numbers of primitives are the same and the same ones can be hit, the
+    /// shape of the hierarchy is kept and its boxes are set anew, which is much faster than to build; gives `true`
+    /// then. Else it is built anew. After great changes a hierarchy that keeps its shape is slow; [`Bvh::build`] makes
+    /// a good one.
     ///
     /// # Errors
     /// When there are too many primitives; nothing is changed then.
@@ -142,8 +144,8 @@ impl Bvh {
         self
     }
 
-    /// Packets of batches and streams have at most so many rays: `width`, which is made a power of two from four to thirty-two, and
-    /// no more than two registers have lanes. Hits are the same for all.
+    /// Packets of batches and streams have at most so many rays: `width`, which is made a power of two from four to
+    /// thirty-two, and no more than two registers have lanes. Hits are the same for all.
     #[must_use]
     pub fn with_packet_width(mut self, width: usize) -> Self {
         self.isa = self.isa.with_width(width);
@@ -163,8 +165,8 @@ impl Bvh {
         self.occluded_as(WORLD, ray, user)
     }
 
-    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`] first: every triangle that is
-    /// hit and, where it is filtered, accepted; of a user primitive its nearest hit.
+    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`] first: every
+    /// triangle that is hit and, where it is filtered, accepted; of a user primitive its nearest hit.
     pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
         let mut hits = Vec::new();
         all_hits(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance: WORLD, user }, &mut hits);
@@ -174,8 +176,8 @@ impl Bvh {
         hits
     }
 
-    /// The nearest hits of many rays at once, each with the bits of [`Bvh::intersect`]. Neighbours in the slice that go nearly the same
-    /// way are traced together.
+    /// The nearest hits of many rays at once, each with the bits of [`Bvh::intersect`]. Neighbours in the slice that go
+    /// nearly the same way are traced together.
     ///
     /// # Panics
     /// When the slices differ in length.

@@ -162,7 +162,8 @@ impl SupportedIsa {
         if level.is_supported() { Self { level, ..self } } else { self }
     }
 
-    /// The same with packets of at most so many rays: a power of two from four to thirty-two, whichever is next to what is asked for.
+    /// The same with packets of at most so many rays: a power of two from four to thirty-two, whichever is next to what
+    /// is asked for.
     pub fn with_width(self, width: usize) -> Self {
         Self { width: width.clamp(4, WIDE).next_power_of_two() as u8, ..self }
     }

@@ -29,15 +29,16 @@ pub enum Error {
 /// The primitives of one geometry.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape<'a> {
-    /// An indexed triangle mesh. Triangles with a vertex that is missing or not finite, or with two equal vertices, are left out:
-    /// no ray can hit them.
+    /// An indexed triangle mesh. Triangles with a vertex that is missing or not finite, or with two equal vertices, are
+    /// left out: no ray can hit them.
     Triangles {
         /// Vertex positions.
         positions: &'a [Vec3],
         /// Three vertex indices for each triangle.
         indices: &'a [[u32; 3]],
     },
-    /// The bounding boxes of user primitives, which [`UserPrimitives`] intersects. Boxes that are empty or not finite are left out.
+    /// The bounding boxes of user primitives, which [`UserPrimitives`] intersects. Boxes that are empty or not finite
+    /// are left out.
     Boxes(&'a [Bounds3]),
 }
 
@@ -46,7 +47,8 @@ pub enum Shape<'a> {
 pub struct Geometry<'a> {
     /// Its primitives.
     pub shape: Shape<'a>,
-    /// Whether hits on its triangles must pass [`UserPrimitives::accept`]. Geometries without this flag pay nothing for it.
+    /// Whether hits on its triangles must pass [`UserPrimitives::accept`]. Geometries without this flag pay nothing for
+    /// it.
     pub filtered: bool,
 }
 
@@ -99,8 +101,8 @@ pub struct PrimId {
 pub struct Hit {
     /// Where along the ray: `0 < t < ray.t_max`.
     pub t: f32,
-    /// For triangles the barycentric coordinate of the second vertex: `p = (1 − u − v) p0 + u p1 + v p2`. For user primitives
-    /// what [`UserHit`] said.
+    /// For triangles the barycentric coordinate of the second vertex: `p = (1 − u − v) p0 + u p1 + v p2`. For user
+    /// primitives what [`UserHit`] said.
     pub u: f32,
     /// For triangles the barycentric coordinate of the third vertex.
     pub v: f32,
@@ -121,8 +123,8 @@ pub struct UserHit {
 
 /// What a query asks of its caller. The answers must be pure functions of the arguments.
 ///
-/// Rays given to these functions are in the space of the hierarchy that holds the primitive, with unnormalised directions, so
-/// that `t` means the same in every space.
+/// Rays given to these functions are in the space of the hierarchy that holds the primitive, with unnormalised
+/// directions, so that `t` means the same in every space.
 pub trait UserPrimitives {
     /// The nearest hit in `(0, ray.t_max)` on a user primitive. Hits outside of the interval, and NaN, are ignored.
     fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit>;

@@ -64,7 +64,8 @@ impl ChildRef {
     }
 }
 
-/// Eight children: their boxes by rows, and what they are. Four cache lines, so that an index becomes an address by a shift.
+/// Eight children: their boxes by rows, and what they are. Four cache lines, so that an index becomes an address by a
+/// shift.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {

@@ -1,5 +1,5 @@
-//! The ray-tracing acceleration structure: an 8-wide bounding volume hierarchy over triangles and user primitives, with one level
-//! of instancing and SIMD traversal of single rays, packets and sorted streams.
+//! The ray-tracing acceleration structure: an 8-wide bounding volume hierarchy over triangles and user primitives, with
+//! one level of instancing and SIMD traversal of single rays, packets and sorted streams.
 //!
 //! * [`Geometry`] describes what goes in: indexed triangles, or boxes of primitives that the caller intersects itself.
 //! * [`Bvh`] is the hierarchy over some geometries in one space.
@@ -7,16 +7,21 @@
 //! * [`MovingBvh`] is a hierarchy over triangles that move, for rays with a time.
 //! * [`UserPrimitives`] is how a query calls back: user primitives, and the filtering of triangle hits (alpha masks).
 //!
-//! The traversal is compiled for several instruction sets and chosen at run time ([`Isa`]); every level gives the same bits.
-//! A hit at equal distance goes to the smaller [`PrimId`], so results do not depend on the order of traversal either.
+//! The traversal is compiled for several instruction sets and chosen at run time ([`Isa`]); every level gives the same
+//! bits. A hit at equal distance goes to the smaller [`PrimId`], so results do not depend on the order of traversal
+//! either.
 //!
-//! Rays that lie together in a slice and go nearly the same way are traced together by `intersect_batch` and `occluded_batch`, several
-//! times as fast as alone; so are those that begin near each other. Others fly several at once, where memory is what they wait for. `intersect_stream` and `occluded_stream` sort them first. Each ray gets the bits that it gets alone.
+//! Rays that lie together in a slice and go nearly the same way are traced together by `intersect_batch` and
+//! `occluded_batch`, several times as fast as alone; so are those that begin near each other. Others fly several at
+//! once, where memory is what they wait for. `intersect_stream` and `occluded_stream` sort them first. Each ray gets
+//! the bits that it gets alone.
 //!
-//! Triangles are tested watertight, and a hit that rounding cannot tell from the origin of the ray is none: no ray slips between two
-//! triangles that share an edge, and none meets again the triangle that it leaves. There is no epsilon to choose.
+//! Triangles are tested watertight, and a hit that rounding cannot tell from the origin of the ray is none: no ray
+//! slips between two triangles that share an edge, and none meets again the triangle that it leaves. There is no
+//! epsilon to choose.
 //!
-//! This crate knows nothing of materials, and is the only one of the program with `unsafe` code, which each module that needs it allows by name.
+//! This crate knows nothing of materials, and is the only one of the program with `unsafe` code, which each module that
+//! needs it allows by name.
 
 mod arena;
 pub mod bounding;

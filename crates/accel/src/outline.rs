@@ -21,8 +21,8 @@ impl Outline {
         }
     }
 
-    /// A box in world space that contains the object where it is placed, and every point where a ray that was transformed to its space
-    /// may hit it.
+    /// A box in world space that contains the object where it is placed, and every point where a ray that was
+    /// transformed to its space may hit it.
     pub fn placed(&self, world_from_object: &Affine) -> Bounds3 {
         let Affine { m, inv } = world_from_object;
         if !m.is_finite() || !inv.is_finite() {

@@ -1,4 +1,5 @@
-//! Geometry that moves while it stays the same in number: boxes and triangles are set anew, and the shape of the tree is kept.
+//! Geometry that moves while it stays the same in number: boxes and triangles are set anew, and the shape of the tree
+//! is kept.
 
 use crate::arena::Arena;
 use crate::build::Primitives;
@@ -8,8 +9,9 @@ use crate::simd::LANES;
 use rayon::prelude::*;
 use steradian_math::Bounds3;
 
-/// Sets the blocks and boxes of a tree by the present places of its primitives. `false`, and nothing changed, when there are other
-/// primitives than those that the tree was built from, or one of them cannot be hit any more or could not before.
+/// Sets the blocks and boxes of a tree by the present places of its primitives. `false`, and nothing changed, when
+/// there are other primitives than those that the tree was built from, or one of them cannot be hit any more or could
+/// not before.
 pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
     if tree.first != primitives.first || primitives.count() != tree.primitives {
         return false;

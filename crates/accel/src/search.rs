@@ -1,5 +1,5 @@
-//! Queries of single rays, nearest children first, step by step: a step is the test of a node or of a leaf, so that several rays can
-//! be on their way at once.
+//! Queries of single rays, nearest children first, step by step: a step is the test of a node or of a leaf, so that
+//! several rays can be on their way at once.
 #![allow(unsafe_code)]
 
 use crate::UserHit;
@@ -25,8 +25,8 @@ pub(crate) trait Query<S: Simd, U: UserLeaves>: Sized {
     fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self;
     /// What is visited next.
     fn current(&self) -> ChildRef;
-    /// Visits a node or a leaf: the answer when that was the last one. The ray is the one that it began with, and the stack the one
-    /// that was empty then.
+    /// Visits a node or a leaf: the answer when that was the last one. The ray is the one that it began with, and the
+    /// stack the one that was empty then.
     fn step(&mut self, stack: &mut Self::Stack, s: S, tree: &Tree, ray: &Ray, users: &U) -> Option<Self::Answer>;
 }
 

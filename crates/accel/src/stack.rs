@@ -6,8 +6,8 @@ use crate::layout::ChildRef;
 use crate::simd::{LANES, last_key};
 use std::mem::MaybeUninit;
 
-/// Room for every tree: a node puts at most eight children on the stack, of which one is taken at once, and the builder bounds the
-/// depth; a push may write a whole group of eight.
+/// Room for every tree: a node puts at most eight children on the stack, of which one is taken at once, and the builder
+/// bounds the depth; a push may write a whole group of eight.
 const CAPACITY: usize = (LANES - 1) * MAX_DEPTH + 2 * LANES;
 
 /// How many children are written at once.
@@ -77,8 +77,8 @@ pub(crate) struct OrderedStack {
 }
 
 impl OrderedStack {
-    /// Puts the first `count` children of a node that are sorted by distance on the stack, but for the last of them, which is the
-    /// nearest.
+    /// Puts the first `count` children of a node that are sorted by distance on the stack, but for the last of them,
+    /// which is the nearest.
     ///
     /// # Safety
     /// `1 <= count <= LANES`, and the stack must hold at most `CAPACITY − LANES` children.

@@ -1,5 +1,5 @@
-//! Memory for the large arrays of a hierarchy, on huge pages where the system has them: rays that go everywhere then miss the
-//! translation buffer less.
+//! Memory for the large arrays of a hierarchy, on huge pages where the system has them: rays that go everywhere then
+//! miss the translation buffer less.
 #![allow(unsafe_code)]
 
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
 //! Streams: rays in any order, sorted so that neighbours go nearly the same way from nearly the same place.
 //!
-//! The key of a ray is the signs of its direction and its greatest axis, then the cell of its origin along a Z-order curve, then the
-//! cell of its direction along another (Pharr et al., "Rendering Complex Scenes with Memory-Coherent Ray Tracing", 1997; Garanzha and
-//! Loop, "Fast Ray Sorting and Breadth-First Packet Traversal for GPU Ray Tracing", 2010).
+//! The key of a ray is the signs of its direction and its greatest axis, then the cell of its origin along a Z-order
+//! curve, then the cell of its direction along another (Pharr et al., "Rendering Complex Scenes with Memory-Coherent
+//! Ray Tracing", 1997; Garanzha and Loop, "Fast Ray Sorting and Breadth-First Packet Traversal for GPU Ray Tracing",
+//! 2010).
 
 use steradian_math::{Bounds3, Ray, Vec3};
 

@@ -29,8 +29,8 @@ struct Placement {
     object: u32,
 }
 
-/// World-space geometry and instances of objects. The instances are user primitives of the tree over the geometry, so that both
-/// are visited in the order of distance, and a scene without instances costs what its [`Bvh`] costs.
+/// World-space geometry and instances of objects. The instances are user primitives of the tree over the geometry, so
+/// that both are visited in the order of distance, and a scene without instances costs what its [`Bvh`] costs.
 #[derive(Clone, Debug)]
 pub struct TopLevel {
     tree: Tree,
@@ -44,8 +44,8 @@ pub struct TopLevel {
 }
 
 impl TopLevel {
-    /// Builds the hierarchy. Hits on `world` have the instance [`WORLD`]; the others have an index into `instances`, and
-    /// their `geom` counts the geometries of the instance's object.
+    /// Builds the hierarchy. Hits on `world` have the instance [`WORLD`]; the others have an index into `instances`,
+    /// and their `geom` counts the geometries of the instance's object.
     ///
     /// # Errors
     /// When there are too many primitives, or an instance refers to an object that does not exist.
@@ -75,7 +75,8 @@ impl TopLevel {
         })
     }
 
-    /// Follows world geometry and instances that have moved, see [`Bvh::update`]: whether the shape of the hierarchy could be kept.
+    /// Follows world geometry and instances that have moved, see [`Bvh::update`]: whether the shape of the hierarchy
+    /// could be kept.
     ///
     /// # Errors
     /// As [`TopLevel::build`]; nothing is changed then.
@@ -116,8 +117,8 @@ impl TopLevel {
         self
     }
 
-    /// Packets of batches and streams have at most so many rays: `width`, which is made a power of two from four to thirty-two, and
-    /// no more than two registers have lanes. Hits are the same for all.
+    /// Packets of batches and streams have at most so many rays: `width`, which is made a power of two from four to
+    /// thirty-two, and no more than two registers have lanes. Hits are the same for all.
     #[must_use]
     pub fn with_packet_width(mut self, width: usize) -> Self {
         self.isa = self.isa.with_width(width);
@@ -134,8 +135,8 @@ impl TopLevel {
         nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
     }
 
-    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`](crate::PrimId) first: every triangle that is
-    /// hit and, where it is filtered, accepted; of a user primitive its nearest hit.
+    /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`](crate::PrimId)
+    /// first: every triangle that is hit and, where it is filtered, accepted; of a user primitive its nearest hit.
     pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
         let mut hits = Vec::new();
         all_hits(self.isa, &self.tree, ray, &Leaves { scene: self, user }, &mut hits);
@@ -145,8 +146,8 @@ impl TopLevel {
         hits
     }
 
-    /// The nearest hits of many rays at once, each with the bits of [`TopLevel::intersect`]. Neighbours in the slice that go nearly
-    /// the same way are traced together.
+    /// The nearest hits of many rays at once, each with the bits of [`TopLevel::intersect`]. Neighbours in the slice
+    /// that go nearly the same way are traced together.
     ///
     /// # Panics
     /// When the slices differ in length.

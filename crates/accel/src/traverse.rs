@@ -65,8 +65,8 @@ pub(crate) trait UserLeaves {
         false
     }
 
-    /// The nearest hits of the rays in `lanes` in intervals that end where `inner` says, if there is a tree behind the reference;
-    /// else `false`.
+    /// The nearest hits of the rays in `lanes` in intervals that end where `inner` says, if there is a tree behind the
+    /// reference; else `false`.
     #[inline(always)]
     fn intersect_packet(&self, _: SupportedIsa, _: u32, _: &Packet, _: u32, _: &mut Found) -> bool {
         false
@@ -97,9 +97,9 @@ pub(crate) struct Start<E> {
     pub best: Option<Nearest<E>>,
 }
 
-/// By how much reciprocals of directions are made smaller for near planes and greater for far ones. Rounding moves a distance by at
-/// most 3 units of 2^-24. Widening by more keeps every box that the exact ray touches (Ize, "Robust BVH Ray Traversal", JCGT 2(2),
-/// 2013).
+/// By how much reciprocals of directions are made smaller for near planes and greater for far ones. Rounding moves a
+/// distance by at most 3 units of 2^-24. Widening by more keeps every box that the exact ray touches (Ize, "Robust BVH
+/// Ray Traversal", JCGT 2(2), 2013).
 pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
 
 /// What both tests need of a ray: numbers that take divisions to make.
@@ -107,8 +107,8 @@ pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
 pub(crate) struct RayConstants {
     /// Reciprocals of the direction, of limited size.
     pub inverse: Vec3,
-    /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the second more than what
-    /// is exact by a bound on all rounding.
+    /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the
+    /// second more than what is exact by a bound on all rounding.
     pub offset: [Vec3; 2],
     /// See [`crate::triangle::Shear`].
     pub axes: [usize; 3],
@@ -134,11 +134,12 @@ impl RayConstants {
 
     /// From what takes divisions.
     ///
-    /// The distance of the plane at `p` is `p·i − o·i` with the reciprocal `i`. Rounding of `i`, of both products and of the sum moves it by
-    /// at most 4 units of 2^-24 of `(|p| + |o|)·|i|`, and `|p|` is at most that of the bounds. The offsets allow for twice that.
+    /// The distance of the plane at `p` is `p·i − o·i` with the reciprocal `i`. Rounding of `i`, of both products and
+    /// of the sum moves it by at most 4 units of 2^-24 of `(|p| + |o|)·|i|`, and `|p|` is at most that of the bounds.
+    /// The offsets allow for twice that.
     ///
-    /// Where the ray hardly moves along an axis, `i` is limited and with it `p·i − o·i`; what is allowed for is then more than any distance
-    /// at which there are hits, so that the ray is within a slab for ever or not at all.
+    /// Where the ray hardly moves along an axis, `i` is limited and with it `p·i − o·i`; what is allowed for is then
+    /// more than any distance at which there are hits, so that the ray is within a slab for ever or not at all.
     #[inline(always)]
     pub fn with(ray: &Ray, bounds: &Bounds3, reciprocal: Vec3, axes: [usize; 3], shear: [f32; 3]) -> Self {
         let extent = bounds.min.abs().max(bounds.max.abs()) + ray.origin.abs();

@@ -1,13 +1,14 @@
-//! The watertight ray-triangle test of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, on eight
-//! triangles at once.
+//! The watertight ray-triangle test of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013,
+//! on eight triangles at once.
 //!
-//! Vertices are moved to the ray's origin and sheared so that the ray becomes the z axis. The signs of the three edge functions
-//! then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them. Where an edge function
-//! is zero it is computed again in `f64`, where its sign is exact.
+//! Vertices are moved to the ray's origin and sheared so that the ray becomes the z axis. The signs of the three edge
+//! functions then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them.
+//! Where an edge function is zero it is computed again in `f64`, where its sign is exact.
 //!
-//! No hit is before the box of its triangle, where rounding may put those on triangles that are hardly any: it is moved there, to the greatest of the
-//! least distances of the vertices along each axis. The boxes of nodes, which are widened by more than that rounds, never begin later. So no box
-//! that is left out because it begins behind a hit has a nearer one, and hits do not depend on the order in which boxes are visited.
+//! No hit is before the box of its triangle, where rounding may put those on triangles that are hardly any: it is moved
+//! there, to the greatest of the least distances of the vertices along each axis. The boxes of nodes, which are widened
+//! by more than that rounds, never begin later. So no box that is left out because it begins behind a hit has a nearer
+//! one, and hits do not depend on the order in which boxes are visited.
 #![allow(unsafe_code)]
 
 use crate::layout::Block;
@@ -95,8 +96,9 @@ impl<S: Simd> Shear<S> {
         s.sub(s.load(row), self.origin[axis])
     }
 
-    /// Tests a block: hits that are farther than rounding can tell from the origin, with `0 < t <= t_max`; those that are before the boxes
-    /// of their triangles are moved there, perhaps behind `t_max`, unless that is of no consequence.
+    /// Tests a block: hits that are farther than rounding can tell from the origin, with `0 < t <= t_max`; those that
+    /// are before the boxes of their triangles are moved there, perhaps behind `t_max`, unless that is of no
+    /// consequence.
     #[inline(always)]
     pub fn test(&self, s: S, block: &Block, t_max: S::F, in_boxes: bool) -> Option<Candidates> {
         let [a, b, c] = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
@@ -156,8 +158,8 @@ pub(crate) fn edges<L: Lanes>(s: L, [[ax, ay], [bx, by], [cx, cy]]: [[L::F; 2]; 
     [s.sub(s.mul(cx, by), s.mul(cy, bx)), s.sub(s.mul(ax, cy), s.mul(ay, cx)), s.sub(s.mul(bx, ay), s.mul(by, ax))]
 }
 
-/// The test: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin. `scale` is the reciprocal of the greatest
-/// coordinate of the direction.
+/// The test: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin. `scale` is the
+/// reciprocal of the greatest coordinate of the direction.
 #[inline(always)]
 pub(crate) fn cross<L: Lanes>(s: L, corners: &impl Corners<L>, scale: L::F, t_max: L::F) -> Option<Crossing<L>> {
     let edges = edges(s, corners.across(s));
@@ -205,7 +207,8 @@ pub(crate) fn cross_at<L: Lanes>(
         return None;
     }
 
-    // A triangle that is in front of the origin as a whole is hit in front of it. Else rounding may have brought the hit there.
+    // A triangle that is in front of the origin as a whole is hit in front of it. Else rounding may have brought the
+    // hit there.
     let nearest = s.min(s.min(s.mul(az, scale), s.mul(bz, scale)), s.mul(cz, scale));
     let in_front = s.bits(s.lt(zero, nearest));
     if lanes & !in_front != 0 {
@@ -224,9 +227,9 @@ pub(crate) fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
     s.or(s.le(zero, least), s.le(greatest, zero))
 }
 
-/// A bound on the rounding error of the sum of the edge functions times the depths of their vertices. A hit whose sum is not
-/// greater may lie behind the origin: a ray that leaves a large triangle would meet it again (Pharr, Jakob, Humphreys, PBR
-/// 4th ed., 6.8.7). Depths are not scaled here, so that the length of the direction does not matter.
+/// A bound on the rounding error of the sum of the edge functions times the depths of their vertices. A hit whose sum
+/// is not greater may lie behind the origin: a ray that leaves a large triangle would meet it again (Pharr, Jakob,
+/// Humphreys, PBR 4th ed., 6.8.7). Depths are not scaled here, so that the length of the direction does not matter.
 #[inline(always)]
 fn depth_error<L: Lanes>(s: L, x: [L::F; 3], y: [L::F; 3], z: [L::F; 3], edges: [L::F; 3]) -> L::F {
     let (x, y, z, e) = (greatest(s, x), greatest(s, y), greatest(s, z), greatest(s, edges));
@@ -274,8 +277,8 @@ mod tests {
 
     #[test]
     fn signs_that_single_precision_cannot_tell_are_right() {
-        // The ray passes the shared edge of two triangles so closely that the edge function is zero in `f32`: the products
-        // (1 + e)² and 1 + 2e round to the same number. Exactly one of the triangles is hit.
+        // The ray passes the shared edge of two triangles so closely that the edge function is zero in `f32`: the
+        // products (1 + e)² and 1 + 2e round to the same number. Exactly one of the triangles is hit.
         let e = f32::EPSILON;
         let positions = [
             Vec3::new(-1.0, -(1.0 + e), 1.0),

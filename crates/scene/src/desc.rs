@@ -41,11 +41,13 @@ pub struct Shape {
     pub world_from_object: Transform,
     /// Turns the normals over.
     pub reverse_orientation: bool,
-    /// Family `Material`; `None` is a grey diffuse surface (no surface at all when only media are given: use kind `interface`).
+    /// Family `Material`; `None` is a grey diffuse surface (no surface at all when only media are given: use kind
+    /// `interface`).
     pub material: Option<NodeId>,
     /// Family `Light`, kind `area`.
     pub emission: Option<NodeId>,
-    /// Family `Medium`: what fills the side the normals point away from. `None` on both sides: the shape does not change the medium.
+    /// Family `Medium`: what fills the side the normals point away from. `None` on both sides: the shape does not
+    /// change the medium.
     pub interior: Option<NodeId>,
     /// Family `Medium`: what is on the side the normals point to.
     pub exterior: Option<NodeId>,
@@ -99,7 +101,8 @@ pub struct SceneDesc {
     pub path: Option<PathBuf>,
     /// Every file that was read.
     pub sources: Sources,
-    /// Files that are in memory instead of on disk, such as pictures inside a scene file, by the path that nodes name them with.
+    /// Files that are in memory instead of on disk, such as pictures inside a scene file, by the path that nodes name
+    /// them with.
     pub embedded: BTreeMap<PathBuf, Arc<[u8]>>,
     /// The arena.
     pub nodes: Vec<Node>,
@@ -154,8 +157,8 @@ impl SceneDesc {
         &mut self.nodes[id.0 as usize]
     }
 
-    /// Every file that the scene is made of: those that were read for the description, and those that its nodes name, which
-    /// compiling reads. Some may come twice.
+    /// Every file that the scene is made of: those that were read for the description, and those that its nodes name,
+    /// which compiling reads. Some may come twice.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let named = self.nodes.iter().flat_map(|node| &node.params).filter_map(|param| match &param.value {
             Value::Path(path) => Some(path.as_path()),

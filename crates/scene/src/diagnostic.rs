@@ -87,8 +87,8 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// The messages of one load, in the order they arose. Errors are kept up to [`Diagnostics::MAX_ERRORS`], other messages up to
-/// [`Diagnostics::MAX_OTHERS`]; what is over is counted.
+/// The messages of one load, in the order they arose. Errors are kept up to [`Diagnostics::MAX_ERRORS`], other messages
+/// up to [`Diagnostics::MAX_OTHERS`]; what is over is counted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,

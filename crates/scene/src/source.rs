@@ -84,7 +84,8 @@ impl Sources {
         self.files.iter()
     }
 
-    /// Line, column (both from 1; columns count characters) and the text of the line, cut to a readable width around the span.
+    /// Line, column (both from 1; columns count characters) and the text of the line, cut to a readable width around
+    /// the span.
     pub fn locate(&self, span: Span) -> Option<crate::Location> {
         const CONTEXT: usize = 60;
         let source = self.get(span.file)?;

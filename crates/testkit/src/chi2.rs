@@ -18,16 +18,16 @@ const MIN_EXPECTED: f64 = 5.0;
 
 /// Tests whether `observed` counts follow the `expected` ones.
 ///
-/// `total` samples were drawn; what they and `expected` leave out of the cells (draws that were rejected) forms one more
-/// cell. Cells that expect fewer than five are pooled, smallest first. Two outcomes are so wrong that they need no
-/// statistics and give `p = 0`: more than one sample where less than 10⁻⁶ of one was expected, and an expectation that sums
-/// to over 0.1 % (and one sample) more than `total`.
+/// `total` samples were drawn; what they and `expected` leave out of the cells (draws that were rejected) forms one
+/// more cell. Cells that expect fewer than five are pooled, smallest first. Two outcomes are so wrong that they need no
+/// statistics and give `p = 0`: more than one sample where less than 10⁻⁶ of one was expected, and an expectation that
+/// sums to over 0.1 % (and one sample) more than `total`.
 pub fn chi2_test(observed: &[u64], expected: &[f64], total: u64) -> Chi2 {
     chi2_test_within(observed, expected, total, 0.0)
 }
 
-/// [`chi2_test`] for expectations whose sum may err by a part `quadrature` of `total`: of the draws that were rejected only what
-/// exceeds that counts. So many samples as to find the quadrature itself wanting need it.
+/// [`chi2_test`] for expectations whose sum may err by a part `quadrature` of `total`: of the draws that were rejected
+/// only what exceeds that counts. So many samples as to find the quadrature itself wanting need it.
 pub fn chi2_test_within(observed: &[u64], expected: &[f64], total: u64, quadrature: f64) -> Chi2 {
     assert_eq!(observed.len(), expected.len(), "one expectation per cell");
     let impossible = Chi2 { statistic: f64::INFINITY, degrees: 0, p_value: 0.0 };
@@ -64,8 +64,8 @@ pub fn chi2_test_within(observed: &[u64], expected: &[f64], total: u64, quadratu
     Chi2 { statistic, degrees, p_value }
 }
 
-/// The significance level of each of `tests` independent tests for which the chance that any of them fails by accident is
-/// `alpha`: `1 − (1 − α)^(1/n)` (Šidák 1967).
+/// The significance level of each of `tests` independent tests for which the chance that any of them fails by accident
+/// is `alpha`: `1 − (1 − α)^(1/n)` (Šidák 1967).
 pub fn sidak(alpha: f64, tests: usize) -> f64 {
     1.0 - (1.0 - alpha).powf(1.0 / tests.max(1) as f64)
 }

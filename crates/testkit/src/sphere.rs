@@ -28,8 +28,8 @@ impl SphereGrid {
 
     /// The integral of `density` over each cell, by adaptive quadrature.
     ///
-    /// Each cell is first cut into 16 parts, then divided until two levels agree within `tolerance` (absolute, per cell) or
-    /// 4⁹ parts are reached. Features much smaller than a 64th of a cell can be missed.
+    /// Each cell is first cut into 16 parts, then divided until two levels agree within `tolerance` (absolute, per
+    /// cell) or 4⁹ parts are reached. Features much smaller than a 64th of a cell can be missed.
     pub fn integrate(&self, density: impl Fn(Vec3) -> f64, tolerance: f64) -> Vec<f64> {
         (0..self.cells()).map(|i| self.integrate_cell(i, &density, tolerance, LEVELS)).collect()
     }
@@ -103,8 +103,8 @@ const FINE_LEVELS: RangeInclusive<u32> = 6..=11;
 /// Relative differences below this are rounding of single precision.
 const ROUNDING: f64 = 1e-5;
 
-/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ, and where the density ends: there they
-/// may agree by chance.
+/// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ, and where the
+/// density ends: there they may agree by chance.
 fn integrate_patch(
     f: &impl Fn(Vec3) -> f64,
     z: [f64; 2],

@@ -55,8 +55,8 @@ pub fn normal_two_sided_p(z: f64) -> f64 {
 }
 
 /// Two-sided p-value of the hypothesis that `samples` have the mean `expected`. `tolerance` is a known error of the
-/// expectation itself (a bound; rounding, quadrature): only what exceeds it counts. Without spread, a difference beyond the
-/// tolerance gives 0.
+/// expectation itself (a bound; rounding, quadrature): only what exceeds it counts. Without spread, a difference beyond
+/// the tolerance gives 0.
 pub fn z_test(samples: &Moments, expected: f64, tolerance: f64) -> f64 {
     let excess = ((samples.mean() - expected).abs() - tolerance).max(0.0);
     if excess == 0.0 {

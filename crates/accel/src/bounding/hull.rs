@@ -1,8 +1,8 @@
 //! The convex hull by Quickhull (Barber, Dobkin, Huhdanpaa 1996).
 //!
-//! Points are moved to a lattice of 2²⁶ steps across their greatest extent, where determinants are exact in 128 bits. So no face is
-//! ever wrong about its side, points in the plane of a face add nothing, and no face has zero area. The planes of the result are then
-//! moved to where the points really are, so that all of them are inside.
+//! Points are moved to a lattice of 2²⁶ steps across their greatest extent, where determinants are exact in 128 bits.
+//! So no face is ever wrong about its side, points in the plane of a face add nothing, and no face has zero area. The
+//! planes of the result are then moved to where the points really are, so that all of them are inside.
 
 use super::oriented::polygon;
 use super::{ROUNDING, Volume, line};
@@ -15,7 +15,8 @@ const STEPS: f64 = 67_108_864.0;
 
 type Point = [i64; 3];
 
-/// A convex polytope. Its triangles share vertices; flat faces are several of them. Of points in a plane or on a line it is flat.
+/// A convex polytope. Its triangles share vertices; flat faces are several of them. Of points in a plane or on a line
+/// it is flat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
     vertices: Vec<DVec3>,
@@ -100,8 +101,8 @@ impl Hull {
         &self.triangles
     }
 
-    /// How far points may stick out between the vertices, at most: 2.6·10⁻⁸ of the greatest extent. None is outside the planes by which
-    /// [`Volume::contains`] and [`Volume::intersect`] go.
+    /// How far points may stick out between the vertices, at most: 2.6·10⁻⁸ of the greatest extent. None is outside the
+    /// planes by which [`Volume::contains`] and [`Volume::intersect`] go.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -158,7 +159,8 @@ impl Volume for Hull {
         (t[0] <= t[1]).then_some(t)
     }
 
-    /// By all axes that may separate two polytopes: normals, and products of edges. Of hulls with many edges this is slow.
+    /// By all axes that may separate two polytopes: normals, and products of edges. Of hulls with many edges this is
+    /// slow.
     fn overlaps(&self, other: &Self) -> bool {
         let slack = self.slack() + other.slack();
         let separates = |axis: DVec3| {

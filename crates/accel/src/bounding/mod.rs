@@ -1,7 +1,8 @@
-//! Bounding volumes of sets of points: sphere, box, oriented box, k-DOP and convex hull, from loose and cheap to tight and dear.
+//! Bounding volumes of sets of points: sphere, box, oriented box, k-DOP and convex hull, from loose and cheap to tight
+//! and dear.
 //!
-//! All compute in `f64` on points that were `f32`. Each contains its points up to [`ROUNDING`] times the greatest coordinate, which is
-//! what [`Volume::contains`] allows; the ray tests allow the same.
+//! All compute in `f64` on points that were `f32`. Each contains its points up to [`ROUNDING`] times the greatest
+//! coordinate, which is what [`Volume::contains`] allows; the ray tests allow the same.
 
 mod classifier;
 mod hull;
@@ -27,12 +28,12 @@ pub trait Volume {
     /// Whether a point is in it, or no farther outside than rounding explains.
     fn contains(&self, p: DVec3) -> bool;
 
-    /// The part of a line `origin + t·direction` that is in it, `t` from −∞ to ∞. `None` where it is missed, and for a direction
-    /// of zero or one that is not finite.
+    /// The part of a line `origin + t·direction` that is in it, `t` from −∞ to ∞. `None` where it is missed, and for a
+    /// direction of zero or one that is not finite.
     fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]>;
 
-    /// Whether it has a point in common with another one of its kind. Where they are apart this is `false` but for rounding, except
-    /// for k-DOPs, which are compared by their own directions only and may be apart in others.
+    /// Whether it has a point in common with another one of its kind. Where they are apart this is `false` but for
+    /// rounding, except for k-DOPs, which are compared by their own directions only and may be apart in others.
     fn overlaps(&self, other: &Self) -> bool;
 
     /// Its volume.

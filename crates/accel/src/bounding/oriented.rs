@@ -1,4 +1,5 @@
-//! Oriented boxes: along the principal axes of the points, and the smallest of those that lie flush with a face of the convex hull.
+//! Oriented boxes: along the principal axes of the points, and the smallest of those that lie flush with a face of the
+//! convex hull.
 
 use super::{Hull, ROUNDING, Volume, line, slab};
 use glam::DMat3;
@@ -18,8 +19,8 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// Along the principal axes: the directions in which the points vary most and least (Gottschalk 2000). `None` without points, or
-    /// where one is not finite.
+    /// Along the principal axes: the directions in which the points vary most and least (Gottschalk 2000). `None`
+    /// without points, or where one is not finite.
     pub fn principal(points: &[Vec3]) -> Option<Self> {
         if points.is_empty() || points.iter().any(|p| !p.is_finite()) {
             return None;
@@ -37,8 +38,9 @@ impl OrientedBox {
         Some(Self::along(eigenvectors(covariance), points.iter().map(|p| p.as_dvec3())))
     }
 
-    /// The smallest of the boxes with a face in the plane of a face of the hull, each turned to the smallest rectangle about it. The
-    /// smallest box of all need not be among them, but is rarely much smaller (O'Rourke 1985 finds it in cubic time).
+    /// The smallest of the boxes with a face in the plane of a face of the hull, each turned to the smallest rectangle
+    /// about it. The smallest box of all need not be among them, but is rarely much smaller (O'Rourke 1985 finds it in
+    /// cubic time).
     pub fn flush(hull: &Hull) -> Self {
         let boxes = std::iter::once(DVec3::AXES).chain(hull.normals(FACES).map(|normal| {
             let u = normal.any_orthonormal_vector();

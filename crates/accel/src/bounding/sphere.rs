@@ -13,8 +13,8 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// Ritter's sphere ("An Efficient Bounding Sphere", Graphics Gems 1990): around two points that are far apart, and grown where points
-    /// stick out. Usually 5 to 20 % too large. `None` without points, or where one is not finite.
+    /// Ritter's sphere ("An Efficient Bounding Sphere", Graphics Gems 1990): around two points that are far apart, and
+    /// grown where points stick out. Usually 5 to 20 % too large. `None` without points, or where one is not finite.
     pub fn ritter(points: &[Vec3]) -> Option<Self> {
         let first = finite(points)?;
         let farthest = |from: DVec3| {
@@ -37,14 +37,16 @@ impl Sphere {
         Some(sphere.around(points))
     }
 
-    /// The smallest sphere: Welzl's algorithm with the pivoting of Gärtner ("Fast and Robust Smallest Enclosing Balls", ESA 1999).
-    /// `None` without points, or where one is not finite.
+    /// The smallest sphere: Welzl's algorithm with the pivoting of Gärtner ("Fast and Robust Smallest Enclosing Balls",
+    /// ESA 1999). `None` without points, or where one is not finite.
     pub fn smallest(points: &[Vec3]) -> Option<Self> {
         let first = finite(points)?;
-        // Relative to a point among them, so that no digits are lost far from the origin. The list begins with those that matter.
+        // Relative to a point among them, so that no digits are lost far from the origin. The list begins with those
+        // that matter.
         let mut near: Vec<DVec3> = vec![DVec3::ZERO];
         let mut ball = Self { center: DVec3::ZERO, radius: 0.0 };
-        // Each round takes in the point that sticks out most. The radius grows each time, until rounding is all there is.
+        // Each round takes in the point that sticks out most. The radius grows each time, until rounding is all there
+        // is.
         loop {
             let distance = |p: &Vec3| (p.as_dvec3() - first).distance(ball.center);
             let out = points.iter().map(|p| (distance(p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
@@ -74,7 +76,8 @@ fn finite(points: &[Vec3]) -> Option<DVec3> {
     points.iter().all(|p| p.is_finite()).then_some(points.first()?.as_dvec3())
 }
 
-/// The smallest ball around the first points with all of `support` on its surface; points that support it move to the front.
+/// The smallest ball around the first points with all of `support` on its surface; points that support it move to the
+/// front.
 fn move_to_front(points: &mut [DVec3], end: usize, support: &mut Vec<DVec3>) -> Sphere {
     let mut ball = through(support);
     if support.len() == 4 {
@@ -96,7 +99,8 @@ fn through(support: &[DVec3]) -> Sphere {
     let Some((&first, others)) = support.split_first() else {
         return Sphere { center: DVec3::ZERO, radius: -1.0 };
     };
-    // The centre is `first + Σ λᵢ qᵢ` and as far from each: 2 qᵢ·(Σ λⱼ qⱼ) = qᵢ·qᵢ, by elimination in an orthogonal basis.
+    // The centre is `first + Σ λᵢ qᵢ` and as far from each: 2 qᵢ·(Σ λⱼ qⱼ) = qᵢ·qᵢ, by elimination in an orthogonal
+    // basis.
     let mut center = DVec3::ZERO;
     let mut basis: Vec<DVec3> = Vec::new();
     for &point in others {

@@ -1,4 +1,5 @@
-//! Laws of all bounding volumes: they contain their points, tighter ones lie in looser ones, and their tests are conservative.
+//! Laws of all bounding volumes: they contain their points, tighter ones lie in looser ones, and their tests are
+//! conservative.
 
 use super::*;
 use crate::tests::{direction, in_cube, soup};

@@ -1,8 +1,9 @@
 //! The binary tree, and for each of its nodes the cheapest way to make a part of a wide tree of it.
 //!
-//! The cost of a wide tree is the area of its nodes and blocks, each weighted with the time of its test. The cheapest tree is found
-//! from the leaves up by dynamic programming: for each binary node the cost as a forest of at most `i` wide subtrees (Ylitie,
-//! Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1).
+//! The cost of a wide tree is the area of its nodes and blocks, each weighted with the time of its test. The cheapest
+//! tree is found from the leaves up by dynamic programming: for each binary node the cost as a forest of at most `i`
+//! wide subtrees (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG
+//! 2017, section 3.1).
 
 use super::nodes::{BinaryTree, Nodes};
 use super::primitives::PrimRef;
@@ -36,8 +37,8 @@ pub(super) struct BinaryNode<const WIDTH: usize> {
     pub count: u32,
     /// Where the second child is, from this node; the first child is at 1. Zero: no children.
     pub second: u32,
-    /// `forest[i]`: how many of `i + 1` subtrees the first child gets in the cheapest forest, or zero when one subtree less is
-    /// as cheap. `forest[0]` is one when the range becomes a leaf.
+    /// `forest[i]`: how many of `i + 1` subtrees the first child gets in the cheapest forest, or zero when one subtree
+    /// less is as cheap. `forest[0]` is one when the range becomes a leaf.
     pub forest: [u8; WIDTH],
 }
 
@@ -69,7 +70,8 @@ pub(super) fn fits_leaf(count: usize, triangles: bool) -> bool {
     count == 1 || count <= LANES && triangles
 }
 
-/// Builds the subtree over a range that begins at a place. The depth of the recursion is bounded by [`super::MAX_DEPTH`].
+/// Builds the subtree over a range that begins at a place. The depth of the recursion is bounded by
+/// [`super::MAX_DEPTH`].
 pub(super) fn build_range<const WIDTH: usize>(
     refs: &mut [PrimRef],
     nodes: &mut Nodes<WIDTH>,

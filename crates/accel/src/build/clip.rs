@@ -2,8 +2,8 @@
 
 use steradian_math::{Bounds3, Vec3};
 
-/// Boxes around the parts of a triangle below and above a plane across an axis, no greater than a box that holds what is wanted of
-/// the triangle. They are rounded outwards, and both hold what lies in the plane.
+/// Boxes around the parts of a triangle below and above a plane across an axis, no greater than a box that holds what
+/// is wanted of the triangle. They are rounded outwards, and both hold what lies in the plane.
 pub(super) fn clip(corners: [Vec3; 3], within: &Bounds3, axis: usize, plane: f32) -> [Bounds3; 2] {
     let mut parts = [Bounds3::EMPTY; 2];
     for i in 0..3 {

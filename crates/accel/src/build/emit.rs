@@ -1,7 +1,7 @@
 //! From the binary tree with its choices to the wide tree.
 //!
-//! The upper part of the tree is laid out first; the subtrees below it follow, each as a part of its own, so that several threads lay out,
-//! and then write, a part each.
+//! The upper part of the tree is laid out first; the subtrees below it follow, each as a part of its own, so that
+//! several threads lay out, and then write, a part each.
 
 use super::Builder;
 use super::binary::{BinaryNode, PARALLEL};

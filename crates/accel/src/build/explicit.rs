@@ -1,5 +1,5 @@
-//! A binary tree whose nodes may lie anywhere, for builders that do not go from the root down, and the way from it to the one that is
-//! made wide.
+//! A binary tree whose nodes may lie anywhere, for builders that do not go from the root down, and the way from it to
+//! the one that is made wide.
 
 use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, scale};
 use super::nodes::{BinaryTree, Nodes};

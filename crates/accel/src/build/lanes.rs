@@ -1,5 +1,5 @@
-//! Binning with a box in one register: its least corner and its greatest one with the sign changed, so that one minimum makes the box
-//! around two of them. The same numbers as without.
+//! Binning with a box in one register: its least corner and its greatest one with the sign changed, so that one minimum
+//! makes the box around two of them. The same numbers as without.
 #![allow(unsafe_code)]
 
 use super::primitives::{PrimRef, Span};
@@ -71,8 +71,8 @@ fn partitioned(cut: &Cut, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
     const { assert!(size_of::<PrimRef>() == size_of::<__m256>()) };
     let first: *mut f32 = refs.as_mut_ptr().cast();
     for i in 0..refs.len() {
-        // SAFETY: a reference is eight `f32`, and the middle is never beyond the present place. Whole references are read and written:
-        // one that has just been written in halves would be waited for.
+        // SAFETY: a reference is eight `f32`, and the middle is never beyond the present place. Whole references are
+        // read and written: one that has just been written in halves would be waited for.
         let (own, first_of_second, r) = unsafe {
             let own = first.add(8 * i);
             (own, first.add(8 * middle), _mm256_loadu_ps(own))
@@ -173,12 +173,13 @@ impl<const BINS: usize> Folded<BINS> {
         }
     }
 
-    /// The cheapest cut of so many primitives: first the boxes on both sides of all cuts, then the costs of eight cuts at a time, so that
-    /// no branch depends on them.
+    /// The cheapest cut of so many primitives: first the boxes on both sides of all cuts, then the costs of eight cuts
+    /// at a time, so that no branch depends on them.
     #[target_feature(enable = "avx2")]
     fn cheapest(mut self, total: u32, extent: &Extent, scale: f32, grid: Grid) -> Option<Cut> {
         const { assert!(BINS.is_multiple_of(8)) };
-        // Bins beyond those of the grid are empty: cuts there have no second part. Of the fewest bins all are used, which the compiler cannot know.
+        // Bins beyond those of the grid are empty: cuts there have no second part. Of the fewest bins all are used,
+        // which the compiler cannot know.
         let used = if BINS == MIN_BINS { BINS } else { grid.count.min(BINS).next_multiple_of(8) };
         let mut all = [[f32::INFINITY; BINS]; 3];
         let mut after = [[empty(); BINS]; 3];
@@ -285,7 +286,8 @@ fn empty() -> __m256 {
     _mm256_set1_ps(f32::INFINITY)
 }
 
-/// The areas ([`super::split::half_area`]) of both parts of four cuts: of first parts in the lower half, of second parts in the upper one.
+/// The areas ([`super::split::half_area`]) of both parts of four cuts: of first parts in the lower half, of second
+/// parts in the upper one.
 #[target_feature(enable = "avx2")]
 fn areas<const BINS: usize>(left: &[__m256; BINS], right: &[__m256; BINS], cuts: usize, scale: f32) -> __m256 {
     let [a, b, c, d] = [0, 1, 2, 3].map(|i| (left[cuts + i], right[cuts + i]));

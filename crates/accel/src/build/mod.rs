@@ -25,8 +25,8 @@ use nodes::{BinaryTree, Nodes};
 use primitives::PrimRef;
 use steradian_math::Bounds3;
 
-/// Greatest depth of a tree, in nodes on a way from the root to a leaf: below [`binary::SAH_DEPTH`] ranges are halved, and they
-/// have less than 2^30 references.
+/// Greatest depth of a tree, in nodes on a way from the root to a leaf: below [`binary::SAH_DEPTH`] ranges are halved,
+/// and they have less than 2^30 references.
 pub(crate) const MAX_DEPTH: usize = binary::SAH_DEPTH as usize + 31;
 
 /// How the binary tree is made. All give the same hits.
@@ -37,8 +37,8 @@ pub enum Builder {
     Sah,
     /// The same, then optimised by moving subtrees: slower to build, faster to trace.
     Reinsertion,
-    /// From the root down, with planes that cut triangles in two, then optimised: the slowest to build. It pays where triangles are
-    /// long or of very different sizes.
+    /// From the root down, with planes that cut triangles in two, then optimised: the slowest to build. It pays where
+    /// triangles are long or of very different sizes.
     Spatial,
     /// From the leaves up along a Z-order curve (PLOC): the fastest to build where there are many processors.
     Ploc,

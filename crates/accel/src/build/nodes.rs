@@ -22,8 +22,8 @@ impl<const WIDTH: usize> Nodes<WIDTH> {
         }
     }
 
-    /// Adds a node over two subtrees, which are made by functions, by two threads if that is worth it: where the node is, for it to be
-    /// finished, and the costs of both.
+    /// Adds a node over two subtrees, which are made by functions, by two threads if that is worth it: where the node
+    /// is, for it to be finished, and the costs of both.
     pub fn join(
         &mut self,
         node: BinaryNode<WIDTH>,

@@ -1,6 +1,7 @@
-//! A binary tree from the leaves up: parallel locally-ordered clustering (Meister, Bittner, "Parallel Locally-Ordered Clustering for
-//! Bounding Volume Hierarchy Construction", TVCG 24(3), 2018). Clusters lie along a Z-order curve; each looks for the neighbour within
-//! a distance with which it has the smallest box, and those that choose each other are merged, until there is one.
+//! A binary tree from the leaves up: parallel locally-ordered clustering (Meister, Bittner, "Parallel Locally-Ordered
+//! Clustering for Bounding Volume Hierarchy Construction", TVCG 24(3), 2018). Clusters lie along a Z-order curve; each
+//! looks for the neighbour within a distance with which it has the smallest box, and those that choose each other are
+//! merged, until there is one.
 
 use super::binary::scale;
 use super::explicit::{Branch, Explicit, NodeContent, leaves};
@@ -41,8 +42,8 @@ pub(super) fn build(mut refs: Vec<PrimRef>) -> Explicit {
     Explicit { root: nodes.len() as u32 - 1, nodes, refs }
 }
 
-/// For each cluster the neighbour with which it has the smallest box; of several the first pair. A pair of least area chooses itself,
-/// so that there is always one to merge.
+/// For each cluster the neighbour with which it has the smallest box; of several the first pair. A pair of least area
+/// chooses itself, so that there is always one to merge.
 fn nearest_neighbours(clusters: &[(Bounds3, u32)], scale: f32) -> Vec<u32> {
     let mut nearest = vec![0; clusters.len()];
     let look = |(piece, nearest): (usize, &mut [u32])| {
@@ -64,7 +65,8 @@ fn nearest_neighbours(clusters: &[(Bounds3, u32)], scale: f32) -> Vec<u32> {
     nearest
 }
 
-/// Sorts references by the place of their centre along a Z-order curve of 2^10 cells in each direction, then by their index.
+/// Sorts references by the place of their centre along a Z-order curve of 2^10 cells in each direction, then by their
+/// index.
 fn sort_along_curve(refs: &mut Vec<PrimRef>, centers: &Bounds3) {
     let (origin, scale) = (Vec3A::from(centers.min), Vec3A::from(1024.0 / centers.diagonal()));
     let key = |(r, place): (&PrimRef, u32)| {

@@ -15,8 +15,8 @@ const PIECE: usize = 1 << 10;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimRef {
-    /// The least corner. The bits of the last coordinate are the index over all geometries with [`PrimRef::NORMAL`], and
-    /// [`PrimRef::USER`] for user primitives.
+    /// The least corner. The bits of the last coordinate are the index over all geometries with [`PrimRef::NORMAL`],
+    /// and [`PrimRef::USER`] for user primitives.
     low: Vec4,
     /// The greatest corner, and nothing.
     high: Vec4,
@@ -181,13 +181,14 @@ impl<'a> Primitives<'a> {
         if index < self.first[1] { 0 } else { self.first.partition_point(|&first| first <= index) - 1 }
     }
 
-    /// The vertices of the triangle with an index, and what goes into [`Block::ids`]; `None` for what is not a triangle.
+    /// The vertices of the triangle with an index, and what goes into [`Block::ids`]; `None` for what is not a
+    /// triangle.
     pub fn triangle(&self, index: u32) -> Option<([Vec3; 3], u32)> {
         self.indices(index).and_then(Indices::corners)
     }
 
-    /// Where the vertices of the triangle with an index are; `None` for what is not a triangle. Several are looked up at once sooner than
-    /// one after the other with what they lead to.
+    /// Where the vertices of the triangle with an index are; `None` for what is not a triangle. Several are looked up
+    /// at once sooner than one after the other with what they lead to.
     #[inline]
     pub(super) fn indices(&self, index: u32) -> Option<Indices<'a>> {
         let geom = self.geometry(index);

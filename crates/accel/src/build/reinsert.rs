@@ -1,8 +1,9 @@
-//! Optimisation of a binary tree: subtrees are taken out and put back where the areas of all boxes grow least (Bittner, Hapala, Havran,
-//! "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", CGF 32(1), 2013; in batches after Meister, Bittner, "Parallel
-//! Reinsertion for Bounding Volume Hierarchy Optimization", CGF 37(2), 2018).
+//! Optimisation of a binary tree: subtrees are taken out and put back where the areas of all boxes grow least (Bittner,
+//! Hapala, Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", CGF 32(1), 2013; in batches
+//! after Meister, Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF 37(2), 2018).
 //!
-//! The best place of every subtree is looked for in parallel; then those moves are made that gain most and do not touch each other.
+//! The best place of every subtree is looked for in parallel; then those moves are made that gain most and do not touch
+//! each other.
 
 use super::binary::scale;
 use super::explicit::{Explicit, NodeContent};
@@ -113,8 +114,8 @@ impl<'a> Work<'a> {
         }
         let (bounds, area) = (*self.bounds(node), self.areas[node as usize]);
         let mut best = Move { gain: self.areas[parent as usize] * 1e-4, node, target: node };
-        // What is gained when the subtree is taken out: its parent goes, and the boxes above become smaller up to the highest node
-        // that both places are below.
+        // What is gained when the subtree is taken out: its parent goes, and the boxes above become smaller up to the
+        // highest node that both places are below.
         let mut gained = self.areas[parent as usize];
         let mut other = self.sibling(node);
         let mut shrunk = *self.bounds(other);

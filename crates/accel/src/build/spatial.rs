@@ -1,8 +1,9 @@
-//! A binary tree whose nodes may cut triangles in two (Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume Hierarchies", HPG
-//! 2009): where the boxes of both parts of a range overlap, a plane through space is tried as well as a partition of the primitives.
+//! A binary tree whose nodes may cut triangles in two (Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
+//! Hierarchies", HPG 2009): where the boxes of both parts of a range overlap, a plane through space is tried as well as
+//! a partition of the primitives.
 //!
-//! References beyond one for each primitive come out of a budget, which is shared among subtrees in proportion to their size, so that
-//! it does not matter which thread builds what.
+//! References beyond one for each primitive come out of a budget, which is shared among subtrees in proportion to their
+//! size, so that it does not matter which thread builds what.
 
 use super::binary::{SAH_DEPTH, scale};
 use super::clip::{clip, intersection};
@@ -138,7 +139,8 @@ impl Builder<'_> {
         [below, above]
     }
 
-    /// The references on both sides of a plane. One that would be on both is put wholly on one side where that is cheaper.
+    /// The references on both sides of a plane. One that would be on both is put wholly on one side where that is
+    /// cheaper.
     fn cut(&self, refs: &[PrimRef], plane: &Plane) -> Option<[Vec<PrimRef>; 2]> {
         let mut sides = [Vec::with_capacity(refs.len()), Vec::with_capacity(refs.len())];
         let [mut left, mut right] = plane.sides;

@@ -1,5 +1,5 @@
-//! Where to cut a range of primitives: the surface area heuristic over bins (Wald, "On fast Construction of SAH-based Bounding Volume
-//! Hierarchies", 2007).
+//! Where to cut a range of primitives: the surface area heuristic over bins (Wald, "On fast Construction of SAH-based
+//! Bounding Volume Hierarchies", 2007).
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes;
@@ -192,7 +192,8 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    /// Sorts a range into its parts, and says where the second one begins and what is known of both, unless one of them is empty.
+    /// Sorts a range into its parts, and says where the second one begins and what is known of both, unless one of them
+    /// is empty.
     pub fn apply(&self, refs: &mut [PrimRef], extent: &Extent) -> Option<(usize, [Extent; 2])> {
         let (middle, centers) = self.partition(refs);
         if middle == 0 || middle == refs.len() {
@@ -206,8 +207,8 @@ impl Cut {
         Some((middle, [part(0, left), part(1, right)]))
     }
 
-    /// Moves the primitives of the first part to the front, in an order that depends on the input only, and counts them; and measures the
-    /// centres of both parts.
+    /// Moves the primitives of the first part to the front, in an order that depends on the input only, and counts
+    /// them; and measures the centres of both parts.
     fn partition(&self, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
         #[cfg(target_arch = "x86_64")]
         if let Some(parts) = lanes::partition(self, refs) {
@@ -216,8 +217,8 @@ impl Cut {
         self.partition_one_by_one(refs)
     }
 
-    /// The same without wide registers. Every primitive changes its place with the first one of the second part, so that there is no
-    /// branch to guess.
+    /// The same without wide registers. Every primitive changes its place with the first one of the second part, so
+    /// that there is no branch to guess.
     pub fn partition_one_by_one(&self, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
         let (mut middle, mut centers) = (0, [Span::EMPTY; 2]);
         for i in 0..refs.len() {

@@ -17,7 +17,8 @@ use crate::triangle::Crossing;
 /// Slopes of a beam differ by less than this. Measured.
 const NARROW: f32 = 0.6;
 
-/// With fewer rays of a beam than these in a part of the tree, they go on alone. Measured: nearest hits are found faster together.
+/// With fewer rays of a beam than these in a part of the tree, they go on alone. Measured: nearest hits are found
+/// faster together.
 const FEW: u32 = 4;
 
 /// The rays in `lanes` that hit anything.

@@ -16,8 +16,8 @@ use crate::{Hit, UserHit};
 use std::cell::Cell;
 use steradian_math::Ray;
 
-/// Whether enough of some rays for a beam have directions with the same signs and the same greatest axis. Where they have not, nothing is
-/// done in the widest registers, whose use makes a processor slower for a while.
+/// Whether enough of some rays for a beam have directions with the same signs and the same greatest axis. Where they
+/// have not, nothing is done in the widest registers, whose use makes a processor slower for a while.
 #[inline(always)]
 fn may_be_beam(rays: &[Ray], width: usize) -> bool {
     let mut counts = [0; 32];
@@ -75,7 +75,8 @@ impl Alone {
 trait Batch<S: Simd, L: Lanes> {
     /// Whether bundles may be quicker.
     fn may_bundle(&self) -> bool;
-    /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to do.
+    /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to
+    /// do.
     fn together(&self, s: S, l: L, packet: (usize, usize), may_bundle: bool) -> RemainingRays;
     /// Traces rays alone.
     fn alone(&self, s: S, places: &[u32]);
@@ -83,7 +84,8 @@ trait Batch<S: Simd, L: Lanes> {
     /// The rays.
     fn rays(&self) -> &[Ray];
 
-    /// Traces all rays, in packets of at most so many: the next packets in one go, those that go alone when there are enough of them.
+    /// Traces all rays, in packets of at most so many: the next packets in one go, those that go alone when there are
+    /// enough of them.
     #[inline(always)]
     fn run(&self, s: S, l: L, width: usize) {
         let rays = self.rays();
@@ -130,7 +132,8 @@ struct ClosestHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for ClosestHits<'_, U> {
-    /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`]; user primitives say themselves where they are hit.
+    /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`]; user primitives
+    /// say themselves where they are hit.
     #[inline(always)]
     fn may_bundle(&self) -> bool {
         self.tree.only_triangles || self.users.in_any_order()

@@ -1,7 +1,7 @@
 //! Rays of a packet that go different ways, but begin near each other: they share the nodes around their origins.
 //!
-//! The boxes of such nodes are tested one after the other with all rays; for nearest hits, from those near the origins to those far away. Where few of the
-//! rays are left in a part of the tree, they go on alone.
+//! The boxes of such nodes are tested one after the other with all rays; for nearest hits, from those near the origins
+//! to those far away. Where few of the rays are left in a part of the tree, they go on alone.
 #![allow(unsafe_code)]
 
 use super::any::at_user_alone;
@@ -154,8 +154,8 @@ pub(super) struct Bundle<'a, S: Simd, L: Lanes, U> {
 }
 
 impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
-    /// Asks a question of all rays of a group: those for which it was answered before everything was looked at, and whether the bundle fell apart. That is
-    /// where rays went on alone below nodes more often than there are rays.
+    /// Asks a question of all rays of a group: those for which it was answered before everything was looked at, and
+    /// whether the bundle fell apart. That is where rays went on alone below nodes more often than there are rays.
     #[inline(always)]
     pub fn run<Q: Question<S, L, U>>(&self, group: u32, mut question: Q) -> (u32, bool) {
         let (l, tree) = (self.l, self.tree);
@@ -211,7 +211,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
         }
     }
 
-    /// The slots of the children of a node that are not empty, and how many there are: farthest from the origin of a ray first.
+    /// The slots of the children of a node that are not empty, and how many there are: farthest from the origin of a
+    /// ray first.
     #[inline(always)]
     fn farthest_first(&self, node: &Node, lane: usize) -> ([usize; LANES], usize) {
         let s = self.s;

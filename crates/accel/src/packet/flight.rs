@@ -19,7 +19,8 @@ const FLIGHT: usize = 6;
 const TRIAL: usize = 24;
 const ENOUGH: usize = 5 * TRIAL;
 
-/// What the others take of the time of the first, at most, to be faster: they find in the caches what the first have brought.
+/// What the others take of the time of the first, at most, to be faster: they find in the caches what the first have
+/// brought.
 const WORTH: f32 = 0.85;
 
 /// Traces the rays with given places alone, and hands over their answers. In a large tree they may wait for
@@ -52,8 +53,8 @@ pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     }
 }
 
-/// The same, one ray after the other, as those do who have one ray only. A function of its own: what packets keep in registers would be
-/// fetched anew for each ray.
+/// The same, one ray after the other, as those do who have one ray only. A function of its own: what packets keep in
+/// registers would be fetched anew for each ray.
 #[inline(never)]
 fn in_turn<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     isa: SupportedIsa,

@@ -6,10 +6,10 @@ use crate::simd::{Lanes, Simd};
 use crate::traverse::WIDEN;
 use steradian_math::Bounds3;
 
-/// Bounds of the distances at which the rays of a beam meet planes. All directions have the same signs. Where the depth of a near plane is
-/// positive, the least distance is that of the ray that begins nearest to it and goes fastest; where it is negative, distances are,
-/// too, and another bound would do as well, since rays begin at 0. So with far planes. A bound is thus a distance of one ray, with its rounding
-/// (see [`crate::traverse::RayConstants`]).
+/// Bounds of the distances at which the rays of a beam meet planes. All directions have the same signs. Where the depth
+/// of a near plane is positive, the least distance is that of the ray that begins nearest to it and goes fastest; where
+/// it is negative, distances are, too, and another bound would do as well, since rays begin at 0. So with far planes. A
+/// bound is thus a distance of one ray, with its rounding (see [`crate::traverse::RayConstants`]).
 pub(super) struct Interval<S: Simd> {
     /// For near and for far planes.
     inverse: [[S::F; 3]; 2],
@@ -41,8 +41,8 @@ impl<S: Simd> Interval<S> {
         interval
     }
 
-    /// Distances that are not greater than those at which any ray enters the boxes of a node, and which of them may be entered before
-    /// `t_max`.
+    /// Distances that are not greater than those at which any ray enters the boxes of a node, and which of them may be
+    /// entered before `t_max`.
     #[inline(always)]
     pub fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
         let ([x, y, z], [u, v, w]) = (self.near, self.far);

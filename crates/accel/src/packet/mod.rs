@@ -1,13 +1,14 @@
-//! Queries of many rays: packets that go through the hierarchy together while they stay close to each other, and single rays where
-//! they do not. Every ray gets the bits that it gets alone.
+//! Queries of many rays: packets that go through the hierarchy together while they stay close to each other, and single
+//! rays where they do not. Every ray gets the bits that it gets alone.
 //!
-//! A packet has as many rays as two registers have lanes: what is found about nodes is shared by more rays, and two chains of operations do not
-//! wait for each other. Rays whose directions have the same signs and the same greatest axis form a
-//! beam. One test of a beam's bounds against the eight children of a node sorts out most of them; each of the rest is then tested
-//! with all rays of the beam when its turn comes (Boulos et al., "Packet-based Whitted and Distribution Ray Tracing", 2007; Benthin
-//! and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for going on with single rays). Where the rays that enter the box of a
-//! block are in one of the registers, the other is left out of the tests of its triangles. Rays of
-//! no beam share the nodes around their origins as a bundle. What is left goes alone, one ray after the other or several at once.
+//! A packet has as many rays as two registers have lanes: what is found about nodes is shared by more rays, and two
+//! chains of operations do not wait for each other. Rays whose directions have the same signs and the same greatest
+//! axis form a beam. One test of a beam's bounds against the eight children of a node sorts out most of them; each of
+//! the rest is then tested with all rays of the beam when its turn comes (Boulos et al., "Packet-based Whitted and
+//! Distribution Ray Tracing", 2007; Benthin and Wald, "Efficient Ray Traversal on Multi-Core x86 Hardware", 2012, for
+//! going on with single rays). Where the rays that enter the box of a block are in one of the registers, the other is
+//! left out of the tests of its triangles. Rays of no beam share the nodes around their origins as a bundle. What is
+//! left goes alone, one ray after the other or several at once.
 #![allow(unsafe_code)]
 
 mod any;
@@ -87,8 +88,8 @@ impl Packet {
         packet
     }
 
-    /// The rays in the space of an instance, with the same rounding as `Mat4::transform_point3` and `transform_vector3`, up to given
-    /// distances.
+    /// The rays in the space of an instance, with the same rounding as `Mat4::transform_point3` and
+    /// `transform_vector3`, up to given distances.
     #[inline(always)]
     pub fn transformed<L: Lanes>(&self, l: L, m: &Mat4, t_max: &Wide) -> Self {
         let mut packet = Self { t_max: *t_max, ..Self::EMPTY };
@@ -166,7 +167,8 @@ impl Found {
         self.extra.0[lane] = f32::from_bits(extra.bits());
     }
 
-    /// Takes over hits with one index, whose parameters and sums are given, of rays from one on: `lanes` counts from there.
+    /// Takes over hits with one index, whose parameters and sums are given, of rays from one on: `lanes` counts from
+    /// there.
     #[inline(always)]
     pub fn merge<L: Lanes>(&mut self, l: L, (first, lanes): (usize, u32), new: [L::F; 4], index: u32, extra: L::F) {
         let mask = l.mask(lanes);
@@ -182,7 +184,8 @@ impl Found {
     }
 }
 
-/// The rays, from one on, whose hits on a filtered triangle the caller accepts: distances, parameters times their sums, and these are given.
+/// The rays, from one on, whose hits on a filtered triangle the caller accepts: distances, parameters times their sums,
+/// and these are given.
 #[inline(always)]
 fn accepted<L: Lanes, U: UserLeaves>(
     l: L,

@@ -37,7 +37,8 @@ pub(crate) fn nearest_packet<S: Simd, L: Lanes, U: UserLeaves>(
     }
 }
 
-/// Finds the nearest hits of those rays that go nearly the same way, or begin near each other; and says what is left to do.
+/// Finds the nearest hits of those rays that go nearly the same way, or begin near each other; and says what is left to
+/// do.
 #[inline(always)]
 pub(super) fn nearest_beams<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,

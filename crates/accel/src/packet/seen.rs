@@ -1,7 +1,7 @@
 //! The triangles of a block, seen from the rays of a beam.
 //!
-//! First the edge functions of all triangles are computed, and only then the question is asked which of them are hit: nothing waits for the
-//! answer to a question that is hard to guess.
+//! First the edge functions of all triangles are computed, and only then the question is asked which of them are hit:
+//! nothing waits for the answer to a question that is hard to guess.
 #![allow(unsafe_code)]
 
 use super::beam::ShearedRays;

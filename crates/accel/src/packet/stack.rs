@@ -1,5 +1,5 @@
-//! The stack of a packet: children that wait, with the node whose slot they are in, so that their box can be tested when their turn
-//! comes.
+//! The stack of a packet: children that wait, with the node whose slot they are in, so that their box can be tested
+//! when their turn comes.
 #![allow(unsafe_code)]
 
 use crate::build::MAX_DEPTH;
@@ -7,8 +7,8 @@ use crate::layout::ChildRef;
 use crate::simd::{LANES, last_key};
 use std::mem::MaybeUninit;
 
-/// Room for every tree: a node puts at most eight children on the stack, of which one is taken at once, and the builder bounds the
-/// depth.
+/// Room for every tree: a node puts at most eight children on the stack, of which one is taken at once, and the builder
+/// bounds the depth.
 const CAPACITY: usize = (LANES - 1) * MAX_DEPTH + 2 * LANES;
 
 /// A child that waits.

@@ -20,7 +20,8 @@ impl Avx2 {
     }
 }
 
-// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
+// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight
+// `f32`.
 impl Lanes for Avx2 {
     const COUNT: usize = LANES;
     type Half = Self;

@@ -20,7 +20,8 @@ impl Avx512 {
     }
 }
 
-// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
+// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight
+// `f32`.
 impl Lanes for Avx512 {
     const COUNT: usize = LANES;
     type Half = Self;

@@ -19,7 +19,8 @@ impl Avx512Wide {
     }
 }
 
-// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of sixteen `f32`.
+// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of
+// sixteen `f32`.
 impl Lanes for Avx512Wide {
     const COUNT: usize = 16;
     type Half = Self;

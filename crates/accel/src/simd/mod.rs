@@ -1,8 +1,9 @@
-//! Eight, sixteen or thirty-two `f32` lanes on several instruction sets, all with the same bits (but for [`Lanes::mul_add`]): only correctly rounded
-//! operations, no contraction, and one meaning of minimum and maximum.
+//! Eight, sixteen or thirty-two `f32` lanes on several instruction sets, all with the same bits (but for
+//! [`Lanes::mul_add`]): only correctly rounded operations, no contraction, and one meaning of minimum and maximum.
 //!
-//! A value of a type that implements [`Simd`] is a token: that it exists proves that the machine has the instructions, so that
-//! its operations are safe to call. They are fast only when inlined into a function compiled for that instruction set.
+//! A value of a type that implements [`Simd`] is a token: that it exists proves that the machine has the instructions,
+//! so that its operations are safe to call. They are fast only when inlined into a function compiled for that
+//! instruction set.
 
 #![allow(unsafe_code)]
 
@@ -129,8 +130,8 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a * b`.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    /// `a · b + c`, rounded once or twice: the one operation whose bits differ between levels. Boxes are tested with it, whose bounds
-    /// hold for both.
+    /// `a · b + c`, rounded once or twice: the one operation whose bits differ between levels. Boxes are tested with
+    /// it, whose bounds hold for both.
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     /// `a / b`.
     fn div(self, a: Self::F, b: Self::F) -> Self::F;
@@ -138,8 +139,8 @@ pub(crate) trait Lanes: Copy {
     fn min(self, a: Self::F, b: Self::F) -> Self::F;
     /// `if a > b { a } else { b }`: gives `b` where either is NaN.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
-    /// [`Lanes::min`] of numbers that are not NaN and of which one at least has no sign; of two with a sign either. Faster where
-    /// integers are compared faster than numbers.
+    /// [`Lanes::min`] of numbers that are not NaN and of which one at least has no sign; of two with a sign either.
+    /// Faster where integers are compared faster than numbers.
     #[inline(always)]
     fn nearer(self, a: Self::F, b: Self::F) -> Self::F {
         self.min(a, b)
@@ -192,8 +193,8 @@ pub(crate) trait Simd: Lanes {
     /// The lanes as an array.
     fn store(self, a: Self::F) -> [f32; LANES];
 
-    /// Sorts numbers that are at least +0, farthest first: the keys of those in `chosen` (see [`key`]), and in the same order their
-    /// companions. What follows these has no meaning.
+    /// Sorts numbers that are at least +0, farthest first: the keys of those in `chosen` (see [`key`]), and in the same
+    /// order their companions. What follows these has no meaning.
     #[inline(always)]
     fn sort_descending(self, a: Self::F, chosen: u32, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
         let a = self.store(a);
@@ -210,8 +211,8 @@ pub(crate) trait Simd: Lanes {
         (keys, keys.map(|key| companions[key_lane(key)]))
     }
 
-    /// The lane in `chosen`, which is not empty, that [`Simd::sort_descending`] puts last. It is known sooner than the whole order, and
-    /// what depends on it need not wait.
+    /// The lane in `chosen`, which is not empty, that [`Simd::sort_descending`] puts last. It is known sooner than the
+    /// whole order, and what depends on it need not wait.
     #[inline(always)]
     fn nearest(self, a: Self::F, chosen: u32) -> usize {
         let a = self.store(a);
@@ -220,7 +221,8 @@ pub(crate) trait Simd: Lanes {
     }
 }
 
-/// A number that is at least +0 and its lane as an integer that sorts like them: the lane replaces the lowest three bits.
+/// A number that is at least +0 and its lane as an integer that sorts like them: the lane replaces the lowest three
+/// bits.
 #[inline(always)]
 pub(crate) fn key(x: f32, lane: usize) -> u32 {
     x.to_bits() & !LANE_BITS | lane as u32

@@ -4,14 +4,15 @@
 use super::LANES;
 use std::arch::x86_64::*;
 
-/// Sorts keys as signed integers, greatest first, and companions in the same order; the lowest three bits of a key are the lane it
-/// came from, unless it is -1, whose companion has no meaning.
+/// Sorts keys as signed integers, greatest first, and companions in the same order; the lowest three bits of a key are
+/// the lane it came from, unless it is -1, whose companion has no meaning.
 ///
 /// # Safety
 /// The machine must have AVX2.
 #[inline(always)]
 pub(super) unsafe fn sort_descending(keys: __m256i, companions: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
-    // A bitonic network: each stage compares with a permutation of the lanes and keeps the greater key at the lower lane.
+    // A bitonic network: each stage compares with a permutation of the lanes and keeps the greater key at the lower
+    // lane.
     macro_rules! stage {
         ($keys:expr, $permuted:expr, $lower:literal) => {{
             let other = $permuted;

@@ -19,7 +19,8 @@ impl Sse2 {
     }
 }
 
-// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight `f32`.
+// SAFETY (all blocks below): the token proves that the instructions exist; loads and stores go to whole arrays of eight
+// `f32`.
 impl Lanes for Sse2 {
     const COUNT: usize = LANES;
     type Half = Self;

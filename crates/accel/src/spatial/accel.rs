@@ -145,8 +145,8 @@ pub enum Accel {
 }
 
 impl Accel {
-    /// Builds the structure over geometry in world space and instances of objects. Objects of another kind than `accelerator` are
-    /// an error only if they are instanced.
+    /// Builds the structure over geometry in world space and instances of objects. Objects of another kind than
+    /// `accelerator` are an error only if they are instanced.
     ///
     /// # Errors
     /// When there are too many primitives, or an instance refers to an object that does not exist.
@@ -253,7 +253,8 @@ impl Accel {
         }
     }
 
-    /// What [`Accel::intersect`] costs. Of the hierarchy nodes and blocks are steps, and each triangle of a block is a test.
+    /// What [`Accel::intersect`] costs. Of the hierarchy nodes and blocks are steps, and each triangle of a block is a
+    /// test.
     pub fn intersect_cost<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Steps {
         match self {
             Self::Bvh(top) => cost(top, Query::Nearest, ray, user),

@@ -1,7 +1,7 @@
 //! A bound on how often primitives may be listed, for trees that list a primitive in every leaf it reaches.
 
-/// Entries in lists that may still be added below a node. Children share in proportion to what they hold, so that the tree is the
-/// same in whatever order its parts are built.
+/// Entries in lists that may still be added below a node. Children share in proportion to what they hold, so that the
+/// tree is the same in whatever order its parts are built.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget(pub u64);
 

@@ -1,8 +1,9 @@
-//! The uniform grid, walked by a three-dimensional digital differential analyser (Amanatides and Woo, "A Fast Voxel Traversal
-//! Algorithm for Ray Tracing", Eurographics 1987). Bresenham's lines, which are sometimes named here, skip cells.
+//! The uniform grid, walked by a three-dimensional digital differential analyser (Amanatides and Woo, "A Fast Voxel
+//! Traversal Algorithm for Ray Tracing", Eurographics 1987). Bresenham's lines, which are sometimes named here, skip
+//! cells.
 //!
-//! There are at most [`CELLS_PER_ITEM`] cells for each primitive and [`LISTED_PER_ITEM`] entries in their lists; a grid that would have
-//! more is made coarser.
+//! There are at most [`CELLS_PER_ITEM`] cells for each primitive and [`LISTED_PER_ITEM`] entries in their lists; a grid
+//! that would have more is made coarser.
 
 use super::items::Items;
 use super::line::{Line, is_beyond, padded};
@@ -11,8 +12,8 @@ use super::overlap::overlaps;
 use super::search::Visitor;
 use steradian_math::DVec3;
 
-/// Cells for each primitive, about (the density of Jevans and Wyvill, "Adaptive Voxel Subdivision for Ray Tracing", 1989, and later
-/// practice: 3 to 8).
+/// Cells for each primitive, about (the density of Jevans and Wyvill, "Adaptive Voxel Subdivision for Ray Tracing",
+/// 1989, and later practice: 3 to 8).
 const CELLS_PER_ITEM: f64 = 5.0;
 /// Most entries in lists for each primitive.
 const LISTED_PER_ITEM: u64 = 24;

@@ -1,5 +1,5 @@
-//! What queries on the hierarchy cost. The hierarchy itself counts nothing, to lose no time; this walk visits what it visits, one box
-//! after another.
+//! What queries on the hierarchy cost. The hierarchy itself counts nothing, to lose no time; this walk visits what it
+//! visits, one box after another.
 
 use super::line::is_askable;
 use super::scene::Total;

@@ -96,8 +96,8 @@ impl Items {
         PrimId { instance, geom: geom as u32, prim: index - self.first[geom] }
     }
 
-    /// How far from a primitive a ray may pass, at least, and yet be listed with it: what the structures add around primitives when
-    /// they sort them into cells. See [`super::line::Line`].
+    /// How far from a primitive a ray may pass, at least, and yet be listed with it: what the structures add around
+    /// primitives when they sort them into cells. See [`super::line::Line`].
     pub fn padding(&self) -> f64 {
         if self.list.is_empty() {
             return 0.0;

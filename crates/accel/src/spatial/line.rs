@@ -1,10 +1,10 @@
-//! A ray as the walks through cells see it: in `f64`, where origin and direction are exact and a crossing with a plane is off by a
-//! relative 2⁻⁵¹ at most.
+//! A ray as the walks through cells see it: in `f64`, where origin and direction are exact and a crossing with a plane
+//! is off by a relative 2⁻⁵¹ at most.
 //!
-//! The triangle test works in `f32` and may accept a triangle that the exact ray passes at a distance of a few units of 2⁻²⁴ of the
-//! distance between origin and triangle. So that every structure tests what brute force accepts, primitives are sorted into cells
-//! with some padding around them, and a ray that begins so far away that the padding does not cover the rounding walks with a
-//! *reach*: it visits the cells that are within this distance too.
+//! The triangle test works in `f32` and may accept a triangle that the exact ray passes at a distance of a few units of
+//! 2⁻²⁴ of the distance between origin and triangle. So that every structure tests what brute force accepts, primitives
+//! are sorted into cells with some padding around them, and a ray that begins so far away that the padding does not
+//! cover the rounding walks with a *reach*: it visits the cells that are within this distance too.
 
 use steradian_math::{DVec3, Ray, Vec3};
 

@@ -1,9 +1,10 @@
-//! A hierarchy over triangles that move: its boxes move with them, so that a ray that asks at a time meets boxes that are tight at
-//! that time (Grünschloß, Stich, Nawaz, Keller, "MSBVH: An Efficient Acceleration Data Structure for Ray Traced Motion Blur", HPG 2011,
-//! on linear bounds).
+//! A hierarchy over triangles that move: its boxes move with them, so that a ray that asks at a time meets boxes that
+//! are tight at that time (Grünschloß, Stich, Nawaz, Keller, "MSBVH: An Efficient Acceleration Data Structure for Ray
+//! Traced Motion Blur", HPG 2011, on linear bounds).
 //!
-//! A vertex is at `(1 − time)·start + time·end`, and so are the corners of boxes. Rounding keeps the order of numbers in products with what
-//! is not negative and in sums, so that boxes hold the vertices as they are rounded, without any slack.
+//! A vertex is at `(1 − time)·start + time·end`, and so are the corners of boxes. Rounding keeps the order of numbers
+//! in products with what is not negative and in sums, so that boxes hold the vertices as they are rounded, without any
+//! slack.
 
 use super::shear::Shear;
 use super::wide::Child;
@@ -23,7 +24,8 @@ pub struct MovingTriangles<'a> {
     pub start: &'a [Vec3],
     /// Vertex positions at time 1.
     pub end: &'a [Vec3],
-    /// Three vertex indices for each triangle. Triangles with a vertex that is missing or not finite at either time are left out.
+    /// Three vertex indices for each triangle. Triangles with a vertex that is missing or not finite at either time are
+    /// left out.
     pub indices: &'a [[u32; 3]],
 }
 
@@ -112,7 +114,8 @@ impl MovingBvh {
         Ok(Self { nodes, triangles, bounds })
     }
 
-    /// The nearest hit in `(0, ray.t_max)` at a time; of hits at equal distance the one on the triangle with the smaller index.
+    /// The nearest hit in `(0, ray.t_max)` at a time; of hits at equal distance the one on the triangle with the
+    /// smaller index.
     pub fn intersect(&self, ray: &Ray, time: f32) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.walk(ray, time, |hit, t| {

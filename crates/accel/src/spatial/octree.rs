@@ -1,6 +1,6 @@
-//! The octree. A ray goes from leaf to leaf by finding neighbours (Samet, "Implementing Ray Tracing with Octrees and Neighbor Finding",
-//! Computers & Graphics 13(4), 1989): leaves have integer coordinates, and the bits in which those of two neighbours differ tell how
-//! far up their common ancestor is.
+//! The octree. A ray goes from leaf to leaf by finding neighbours (Samet, "Implementing Ray Tracing with Octrees and
+//! Neighbor Finding", Computers & Graphics 13(4), 1989): leaves have integer coordinates, and the bits in which those
+//! of two neighbours differ tell how far up their common ancestor is.
 //!
 //! At most [`DEPTH`] levels, and [`LISTED_PER_ITEM`] entries in lists for each primitive.
 

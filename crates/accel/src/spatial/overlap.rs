@@ -1,5 +1,5 @@
-//! Whether a primitive overlaps a cell: the thirteen separating axes of a triangle and a box (Akenine-Möller, "Fast 3D Triangle-Box
-//! Overlap Testing", JGT 6(1), 2001).
+//! Whether a primitive overlaps a cell: the thirteen separating axes of a triangle and a box (Akenine-Möller, "Fast 3D
+//! Triangle-Box Overlap Testing", JGT 6(1), 2001).
 
 use super::items::Item;
 use steradian_math::{DVec3, Vec3};

@@ -48,8 +48,9 @@ pub(super) trait Visitor {
     fn t_max(&self) -> f32;
 }
 
-/// The last primitives that were tested, so that those in several cells are tested once, mostly: a direct-mapped table on the stack,
-/// which no other query shares (Benthin, "Realtime Ray Tracing on Current CPU Architectures", 2006, on Arnaldi's mailboxes).
+/// The last primitives that were tested, so that those in several cells are tested once, mostly: a direct-mapped table
+/// on the stack, which no other query shares (Benthin, "Realtime Ray Tracing on Current CPU Architectures", 2006, on
+/// Arnaldi's mailboxes).
 struct Mailbox([u32; 64]);
 
 impl Mailbox {

@@ -1,5 +1,5 @@
-//! The watertight test of [`crate::triangle`] on one triangle: the same operations in the same order, so that every bit of a hit is
-//! the one that the hierarchy finds.
+//! The watertight test of [`crate::triangle`] on one triangle: the same operations in the same order, so that every bit
+//! of a hit is the one that the hierarchy finds.
 
 use crate::UserHit;
 use steradian_math::{Ray, Vec3, ray::gamma};

@@ -1,5 +1,6 @@
-//! Hierarchies of other widths than eight, and one whose boxes are quantised to eight bits: made by the same builder with the same
-//! choices for each width, to be compared. They hold the primitives in an order of their own, but no copy of them in blocks.
+//! Hierarchies of other widths than eight, and one whose boxes are quantised to eight bits: made by the same builder
+//! with the same choices for each width, to be compared. They hold the primitives in an order of their own, but no copy
+//! of them in blocks.
 
 use super::items::Items;
 use super::search::Visitor;
@@ -55,8 +56,8 @@ impl<const WIDTH: usize> Boxes<WIDTH> for Full<WIDTH> {
     }
 }
 
-/// In eight bits for each plane: steps of a power of two from the least corner of all (Ylitie, Karras, Laine, "Efficient Incoherent Ray
-/// Traversal on GPUs Through Compressed Wide BVHs", HPG 2017).
+/// In eight bits for each plane: steps of a power of two from the least corner of all (Ylitie, Karras, Laine,
+/// "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017).
 #[derive(Clone, Copy, Debug)]
 struct Quantised<const WIDTH: usize> {
     origin: [f32; 3],
@@ -69,8 +70,8 @@ impl<const WIDTH: usize> Boxes<WIDTH> for Quantised<WIDTH> {
         let all = boxes.iter().fold(Bounds3::EMPTY, |all, b| all.union(*b));
         let mut node = Self { origin: all.min.to_array(), step: [1.0; 3], planes: [[[0; WIDTH]; 3]; 2] };
         for axis in 0..3 {
-            // A step for which 255 of them reach the other end. Powers of two make products exact; the sum may be rounded, so that
-            // a plane is moved until it is where it has to be.
+            // A step for which 255 of them reach the other end. Powers of two make products exact; the sum may be
+            // rounded, so that a plane is moved until it is where it has to be.
             let size = f64::from(all.max[axis]) - f64::from(all.min[axis]);
             let mut step = 2.0_f64.powi(((size / 255.0).log2().ceil().max(-126.0)) as i32);
             let place = |step: f64, x: u8| all.min[axis] + (step * f64::from(x)) as f32;

@@ -20,7 +20,8 @@ fn one_by_one(mesh: &Mesh) -> impl Fn(&Ray) -> Option<Hit> {
 
 #[test]
 fn nearest_hits_are_those_of_single_triangles() {
-    // Big overlapping triangles, small sparse ones, and a mesh where every triangle is there twice, so that all hits tie.
+    // Big overlapping triangles, small sparse ones, and a mesh where every triangle is there twice, so that all hits
+    // tie.
     let mut doubled = icosphere(2);
     doubled.1 = doubled.1.iter().flat_map(|&t| [t, t]).collect();
     for (mesh, seed) in [(soup(300, 0.7, 1), 1), (soup(700, 0.05, 2), 2), (doubled, 3)] {

@@ -24,7 +24,8 @@ fn assert_closed(mesh: &Mesh, center: Vec3, inner: f32, rays: usize, seed: u64) 
     }
 }
 
-/// A cube of side 2 around the origin with a grid of `n × n` squares on each face: many coplanar triangles in flat boxes.
+/// A cube of side 2 around the origin with a grid of `n × n` squares on each face: many coplanar triangles in flat
+/// boxes.
 fn cube(n: u32) -> Mesh {
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
     for face in 0..6 {

@@ -1,7 +1,8 @@
 //! Mesh files: PLY, OBJ with MTL, Mitsuba serialized.
 //!
-//! Every reader takes bytes and gives a [`steradian_scene::Mesh`] that passes its `validate`, or a [`MeshError`] that says where the file
-//! is wrong. Counts that a file declares are held against the bytes it really has before anything is allocated.
+//! Every reader takes bytes and gives a [`steradian_scene::Mesh`] that passes its `validate`, or a [`MeshError`] that
+//! says where the file is wrong. Counts that a file declares are held against the bytes it really has before anything
+//! is allocated.
 
 mod error;
 mod polygon;

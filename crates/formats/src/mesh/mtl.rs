@@ -1,5 +1,5 @@
-//! MTL material libraries of OBJ files (Alias|Wavefront, "Material Library File"), with the common extension for physically based
-//! parameters (`Pr Pm Ps Pc Pcr Ke aniso anisor` and their maps).
+//! MTL material libraries of OBJ files (Alias|Wavefront, "Material Library File"), with the common extension for
+//! physically based parameters (`Pr Pm Ps Pc Pcr Ke aniso anisor` and their maps).
 
 use super::{
     obj::Lines,

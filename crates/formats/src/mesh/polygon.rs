@@ -51,8 +51,8 @@ fn area(a: Point, b: Point, c: Point) -> f64 {
 }
 
 impl Triangulator {
-    /// Calls `emit` with the corners (positions in the polygon) of its `n − 2` triangles, wound as the polygon is; nothing for less than
-    /// three corners. `position` gives a corner's place.
+    /// Calls `emit` with the corners (positions in the polygon) of its `n − 2` triangles, wound as the polygon is;
+    /// nothing for less than three corners. `position` gives a corner's place.
     ///
     /// # Errors
     /// [`TooComplex`] for concave polygons when the budget is used up.
@@ -66,7 +66,8 @@ impl Triangulator {
             0..=2 => {}
             3 => emit([0, 1, 2]),
             4 => {
-                // The diagonal 0–2 cuts the quad well unless the halves face apart, as they do where corner 1 or 3 is reflex.
+                // The diagonal 0–2 cuts the quad well unless the halves face apart, as they do where corner 1 or 3 is
+                // reflex.
                 let p = [position(0), position(1), position(2), position(3)];
                 let diagonal = sub(p[2], p[0]);
                 let (n1, n2) = (cross(sub(p[1], p[0]), diagonal), cross(diagonal, sub(p[3], p[0])));
@@ -136,7 +137,8 @@ impl Triangulator {
         Ok(())
     }
 
-    /// Projects the polygon along the largest axis of its normal (Newell's), mirrored where needed so that it runs counter-clockwise.
+    /// Projects the polygon along the largest axis of its normal (Newell's), mirrored where needed so that it runs
+    /// counter-clockwise.
     fn flatten(&mut self, corners: usize, position: impl Fn(usize) -> [f32; 3]) {
         let origin = position(0);
         let mut normal = [0.0; 3];

@@ -1,4 +1,5 @@
-//! Mitsuba's `.serialized` meshes, versions 3 and 4: a header, one zlib stream per mesh, and at the end a table of where each starts.
+//! Mitsuba's `.serialized` meshes, versions 3 and 4: a header, one zlib stream per mesh, and at the end a table of
+//! where each starts.
 
 use super::{MeshError, MeshErrorKind as Kind};
 use crate::limits::{MOST_OF_MESHES, unpacked};
@@ -28,8 +29,8 @@ pub struct SerializedMesh {
 /// Reads one of the meshes of a file, counted from 0.
 ///
 /// # Errors
-/// [`MeshError`] with the byte in the file, or in the unpacked data for what lies in the zlib stream, for anything malformed, for versions
-/// other than 3 and 4, and for an index past the meshes of the file.
+/// [`MeshError`] with the byte in the file, or in the unpacked data for what lies in the zlib stream, for anything
+/// malformed, for versions other than 3 and 4, and for an index past the meshes of the file.
 pub fn read(bytes: &[u8], shape_index: usize) -> Result<SerializedMesh, MeshError> {
     let (version, _) = version_at(bytes, 0)?;
     let start = if shape_index == 0 { 0 } else { start_of(bytes, shape_index, version)? };
@@ -64,7 +65,8 @@ fn version_at(bytes: &[u8], at: usize) -> Result<(u16, usize), MeshError> {
     Ok((version, at + 4))
 }
 
-/// Looks a mesh up in the table at the end of the file: offsets of 8 bytes (version 4) or 4 (version 3), then how many there are.
+/// Looks a mesh up in the table at the end of the file: offsets of 8 bytes (version 4) or 4 (version 3), then how many
+/// there are.
 fn start_of(bytes: &[u8], shape_index: usize, version: u16) -> Result<usize, MeshError> {
     let missing = || MeshError::at_byte(Kind::Truncated, bytes.len(), "the file ends before its table of meshes");
     let count_at = bytes.len().checked_sub(4).ok_or_else(missing)?;
@@ -327,7 +329,8 @@ mod tests {
         }
     }
 
-    /// A small file that holds a huge mesh of nothing: what it may unpack to is bounded, and found out before it is unpacked.
+    /// A small file that holds a huge mesh of nothing: what it may unpack to is bounded, and found out before it is
+    /// unpacked.
     #[test]
     fn bombs_are_refused() {
         let bomb = |triangles: u64| {

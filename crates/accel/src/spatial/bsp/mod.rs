@@ -1,5 +1,6 @@
-//! The binary space partition (Fuchs, Kedem and Naylor, "On Visible Surface Generation by a Priori Tree Structures", SIGGRAPH 1980):
-//! planes of any direction, those of the polygons themselves among them, which are split where a plane cuts them.
+//! The binary space partition (Fuchs, Kedem and Naylor, "On Visible Surface Generation by a Priori Tree Structures",
+//! SIGGRAPH 1980): planes of any direction, those of the polygons themselves among them, which are split where a plane
+//! cuts them.
 //!
 //! At most [`DEPTH`] levels, and [`FRAGMENTS_PER_ITEM`] fragments for each primitive.
 

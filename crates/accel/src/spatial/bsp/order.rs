@@ -17,8 +17,8 @@ pub enum Order {
     FrontToBack,
 }
 
-/// A binary space partition of a mesh that gives its polygons in order as seen from any point. Triangles that stand in each other's way
-/// are split.
+/// A binary space partition of a mesh that gives its polygons in order as seen from any point. Triangles that stand in
+/// each other's way are split.
 #[derive(Clone, Debug)]
 pub struct PolygonOrder {
     bsp: Bsp,
@@ -28,8 +28,9 @@ pub struct PolygonOrder {
 }
 
 impl PolygonOrder {
-    /// Builds the partition. Triangles that have no area, or are not finite, are left out. There are at most `200 + 40 n` polygons
-    /// for `n` triangles: beyond this, those that remain together are given in no particular order.
+    /// Builds the partition. Triangles that have no area, or are not finite, are left out. There are at most
+    /// `200 + 40 n` polygons for `n` triangles: beyond this, those that remain together are given in no particular
+    /// order.
     ///
     /// # Errors
     /// When there are too many triangles.

@@ -1,5 +1,5 @@
-//! The k-d tree: planes across the axes, chosen by the surface area heuristic or through the median, and two walks: with a stack, and
-//! along ropes from leaf to leaf.
+//! The k-d tree: planes across the axes, chosen by the surface area heuristic or through the median, and two walks:
+//! with a stack, and along ropes from leaf to leaf.
 
 mod build;
 mod ropes;

@@ -1,5 +1,5 @@
-//! Ropes (Havran, Bittner and Žára, "Ray Tracing with Rope Trees", SCCG 1998; Popov et al. 2007): from each face of a leaf to the smallest
-//! node that holds all of its neighbours there. A ray goes from leaf to leaf without a stack.
+//! Ropes (Havran, Bittner and Žára, "Ray Tracing with Rope Trees", SCCG 1998; Popov et al. 2007): from each face of a
+//! leaf to the smallest node that holds all of its neighbours there. A ray goes from leaf to leaf without a stack.
 
 use super::{KdTree, Node};
 use crate::spatial::line::{Line, is_beyond};
@@ -111,7 +111,8 @@ impl KdTree {
             if current == NONE || exit > line.t[1] || is_beyond(exit, visitor.t_max()) {
                 return;
             }
-            // The point never goes back on any axis, nor out of the leaf, so that rounding cannot make the walk turn in circles.
+            // The point never goes back on any axis, nor out of the leaf, so that rounding cannot make the walk turn in
+            // circles.
             let p = line.at(exit);
             for axis in 0..3 {
                 let d = line.direction[axis];

@@ -1,6 +1,6 @@
-//! The planes of a k-d tree by the surface area heuristic (MacDonald and Booth 1990): exact where primitives are few, and among evenly
-//! spaced ones where they are many. Primitives that a plane cuts go to both sides with the boxes of their parts ("perfect splits",
-//! Wald and Havran 2006).
+//! The planes of a k-d tree by the surface area heuristic (MacDonald and Booth 1990): exact where primitives are few,
+//! and among evenly spaced ones where they are many. Primitives that a plane cuts go to both sides with the boxes of
+//! their parts ("perfect splits", Wald and Havran 2006).
 
 use crate::spatial::items::Items;
 use steradian_math::{Bounds3, DVec3, Vec3};

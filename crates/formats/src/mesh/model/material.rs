@@ -1,7 +1,8 @@
 //! Materials of MTL libraries in Steradian's vocabulary.
 //!
-//! MTL describes Phong shading by numbered illumination models, later writers add physically based numbers; both are read. Phong's exponent
-//! n becomes the microfacet roughness α = √(2 / (n + 2)) (Walter et al. 2007, section 5.2, from the widths of the lobes).
+//! MTL describes Phong shading by numbered illumination models, later writers add physically based numbers; both are
+//! read. Phong's exponent n becomes the microfacet roughness α = √(2 / (n + 2)) (Walter et al. 2007, section 5.2, from
+//! the widths of the lobes).
 
 use super::{Look, Opener, file_name};
 use crate::mesh::mtl;

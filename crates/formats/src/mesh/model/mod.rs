@@ -1,4 +1,5 @@
-//! Opening a model (OBJ, PLY) as a scene: its shapes and materials as they are, seen by a camera that frames them, under a sky.
+//! Opening a model (OBJ, PLY) as a scene: its shapes and materials as they are, seen by a camera that frames them,
+//! under a sky.
 
 mod material;
 pub(crate) mod stage;
@@ -16,9 +17,9 @@ use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, Nod
 
 /// Opens an OBJ or PLY file. A file that starts as PLY is PLY, whatever it is called.
 ///
-/// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for beside it and in
-/// [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain stands in. Anything malformed in the
-/// model itself is an error.
+/// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for
+/// beside it and in [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain
+/// stands in. Anything malformed in the model itself is an error.
 pub fn import(path: &Path, options: &Options) -> Import {
     match files::read(path, &options.limits) {
         Ok(bytes) => import_bytes(path, bytes, options),

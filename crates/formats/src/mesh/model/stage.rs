@@ -18,7 +18,8 @@ pub(super) fn set(desc: &mut SceneDesc) {
     complete(desc, corners, emits);
 }
 
-/// Adds what a scene lacks: a camera that frames the box of its shapes, and a sky with a sun where it has no light of its own.
+/// Adds what a scene lacks: a camera that frames the box of its shapes, and a sky with a sun where it has no light of
+/// its own.
 pub(crate) fn complete(desc: &mut SceneDesc, corners: [DVec3; 2], has_lights: bool) {
     if desc.cameras.is_empty() {
         add_camera(desc, corners);
@@ -39,7 +40,8 @@ fn add_camera(desc: &mut SceneDesc, corners: [DVec3; 2]) {
     desc.film = Some(film);
 }
 
-/// A bluish sky of radiance one half, and a warm sun over the left shoulder that makes about as much again where it falls.
+/// A bluish sky of radiance one half, and a warm sun over the left shoulder that makes about as much again where it
+/// falls.
 fn add_sky(desc: &mut SceneDesc) {
     let rgb = |r, g, b| SpectrumValue::Rgb([r, g, b], ColorSpace::Srgb);
     let sky = desc.add(Node::new(Family::Light, "environment", None).with("radiance", rgb(0.42, 0.5, 0.62)));

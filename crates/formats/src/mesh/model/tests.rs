@@ -135,7 +135,8 @@ fn malformed_models_are_errors_with_a_place() {
     assert!(gone.diagnostics.has_errors());
 }
 
-/// What an exporter on Windows writes: UTF-16 with a byte order mark, in model and library. Places are those of the text.
+/// What an exporter on Windows writes: UTF-16 with a byte order mark, in model and library. Places are those of the
+/// text.
 #[test]
 fn utf_16_models_open() {
     let wide = |text: &str| {

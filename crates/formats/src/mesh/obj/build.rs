@@ -115,8 +115,8 @@ fn newell(points: impl Iterator<Item = [f32; 3]> + Clone) -> [f32; 3] {
     if length > 0.0 && length.is_finite() { n.map(|v| (v / length) as f32) } else { [0.0; 3] }
 }
 
-/// Gives each different corner a vertex. The first vertices of a position are chained; those of the few positions with many variants go
-/// to a hash table, so that no file makes the chains long.
+/// Gives each different corner a vertex. The first vertices of a position are chained; those of the few positions with
+/// many variants go to a hash table, so that no file makes the chains long.
 #[derive(Default)]
 struct Sharing {
     /// Of each position in the file: its first vertex in this mesh.

@@ -1,4 +1,5 @@
-//! Wavefront OBJ (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1): polygons and what belongs to them.
+//! Wavefront OBJ (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1): polygons and what belongs
+//! to them.
 
 mod build;
 mod lines;
@@ -28,8 +29,9 @@ pub struct ObjMesh {
     pub material: Option<String>,
     /// Offset in the file of that `usemtl`.
     pub material_offset: usize,
-    /// Vertices are shared by corners that agree in position, texture coordinate and normal. Colours of vertices (`v x y z r g b`) are
-    /// the attribute `color`. Corners that lack a normal where others have one get that of their face.
+    /// Vertices are shared by corners that agree in position, texture coordinate and normal. Colours of vertices
+    /// (`v x y z r g b`) are the attribute `color`. Corners that lack a normal where others have one get that of their
+    /// face.
     pub mesh: Mesh,
 }
 
@@ -60,7 +62,8 @@ pub struct Skipped {
     pub degenerate: usize,
     /// Statements of free-form curves and surfaces.
     pub free_form: usize,
-    /// Texture coordinates and normals that corners of faces name, but that the file does not have: such corners have none.
+    /// Texture coordinates and normals that corners of faces name, but that the file does not have: such corners have
+    /// none.
     pub references: usize,
     /// Colours of vertices that are not finite: they are white.
     pub colors: usize,
@@ -97,7 +100,8 @@ pub struct ObjFile {
 /// Reads an OBJ file.
 ///
 /// # Errors
-/// [`MeshError`] with the line for numbers that are malformed or not finite (colours may be), and for indices of positions that are zero or out of range.
+/// [`MeshError`] with the line for numbers that are malformed or not finite (colours may be), and for indices of
+/// positions that are zero or out of range.
 pub fn read(bytes: &[u8], options: &ObjOptions) -> Result<ObjFile, MeshError> {
     let parsed = parse::parse(bytes, options)?;
     build::build(bytes, parsed)

@@ -60,7 +60,8 @@ struct Parser<'a> {
     named: HashSet<String>,
 }
 
-/// Reads all statements. Indices are made absolute, but not yet compared with what there is: a face may stand before its vertices.
+/// Reads all statements. Indices are made absolute, but not yet compared with what there is: a face may stand before
+/// its vertices.
 pub(super) fn parse(bytes: &[u8], options: &ObjOptions) -> Result<Parsed, MeshError> {
     let mut p = Parser {
         bytes,

@@ -229,8 +229,8 @@ fn hostile_files_are_read_in_linear_time() {
     assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }
 
-/// Texture coordinates and normals that the file does not have are left out, whether they stand before it or not; so are colours that are no
-/// numbers. All are counted.
+/// Texture coordinates and normals that the file does not have are left out, whether they stand before it or not; so
+/// are colours that are no numbers. All are counted.
 #[test]
 fn what_faces_lack_is_left_out() {
     let vertices = "v 0 0 0 1 0 0\nv 1 0 0 nan 0 0\nv 0 1 0 0 inf 1\nvt 0.5 0.25\nvn 0 0 1\n";

@@ -202,7 +202,8 @@ impl<'a> Cursor<'a> {
         self.take(n.saturating_mul(item.size()), what).map(|_| ())
     }
 
-    /// Reads one record: its single numbers into `row` (one place per property), the items of the property `list` into `items`.
+    /// Reads one record: its single numbers into `row` (one place per property), the items of the property `list` into
+    /// `items`.
     pub(super) fn record(
         &mut self,
         element: &Element,

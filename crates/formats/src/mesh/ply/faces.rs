@@ -24,7 +24,8 @@ fn out_of_range(cursor: &Cursor<'_>, at: usize, name: &str, face: usize, index: 
     cursor.fault(Kind::IndexOutOfRange, at, message)
 }
 
-/// Reads the faces of a mesh whose vertices are known. Lists of less than three corners are no surface and are passed over.
+/// Reads the faces of a mesh whose vertices are known. Lists of less than three corners are no surface and are passed
+/// over.
 pub(super) fn read(
     cursor: &mut Cursor<'_>,
     element: &Element,
@@ -57,8 +58,8 @@ pub(super) fn read(
     Ok(())
 }
 
-/// The usual layout: records of a length (`L` bytes) and 32-bit indices. Reads triangles up to the first face that is something else,
-/// or faulty, and returns its number.
+/// The usual layout: records of a length (`L` bytes) and 32-bit indices. Reads triangles up to the first face that is
+/// something else, or faulty, and returns its number.
 fn packed<const L: usize, const BIG: bool>(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut Mesh) -> usize {
     let count = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
     let size = L + 12;
@@ -133,8 +134,8 @@ fn general(
     Ok(())
 }
 
-/// Reads triangle strips: each corner after the second makes a triangle with the two before it, every other one turned; −1 starts anew.
-/// Only for files that have no faces.
+/// Reads triangle strips: each corner after the second makes a triangle with the two before it, every other one turned;
+/// −1 starts anew. Only for files that have no faces.
 pub(super) fn read_strips(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut Mesh) -> Result<(), MeshError> {
     let list = corner_list(element, cursor)?;
     let count = mesh.positions.len();

@@ -94,8 +94,9 @@ fn color_scale(item: Type, channel: usize) -> Scale {
     }
 }
 
-/// Groups properties into attributes by Mitsuba's rules: `r g b [a]` or `red green blue [alpha]` are `color`; neighbours
-/// `{prefix}_x, _y, …` (also `_r _g _b _a`, `_0 _1 …`, `_1 _2 …`) are `{prefix}`, with `_color` added for the letters of a colour.
+/// Groups properties into attributes by Mitsuba's rules: `r g b [a]` or `red green blue [alpha]` are `color`;
+/// neighbours `{prefix}_x, _y, …` (also `_r _g _b _a`, `_0 _1 …`, `_1 _2 …`) are `{prefix}`, with `_color` added for
+/// the letters of a colour.
 pub(super) fn attributes(element: &Element, used: &[usize]) -> Vec<AttributeLayout> {
     const SUFFIXES: [&[u8]; 4] = [b"xyzw", b"rgba", b"0123", b"1234"];
     let mut out = Vec::new();

@@ -36,13 +36,15 @@ impl PlyFile {
 
 /// Reads a mesh.
 ///
-/// Elements other than `vertex`, `face` and `tristrips` are passed over, as are properties without a meaning. Polygons are triangulated.
-/// `color` and properties named by Mitsuba's rule (`{name}_x`, `{name}_y`, …) become attributes; colours of integer types are scaled to
-/// `[0, 1]` and decoded from sRGB, texture coordinates of integer types are scaled.
+/// Elements other than `vertex`, `face` and `tristrips` are passed over, as are properties without a meaning. Polygons
+/// are triangulated. `color` and properties named by Mitsuba's rule (`{name}_x`, `{name}_y`, …) become attributes;
+/// colours of integer types are scaled to `[0, 1]` and decoded from sRGB, texture coordinates of integer types are
+/// scaled.
 ///
 /// # Errors
-/// [`MeshError`] with the line (header, text) or byte (binary data) for anything that is malformed: truncated data, counts the file cannot
-/// hold, unknown types, absent coordinates, positions and texture coordinates that are not finite, indices out of range.
+/// [`MeshError`] with the line (header, text) or byte (binary data) for anything that is malformed: truncated data,
+/// counts the file cannot hold, unknown types, absent coordinates, positions and texture coordinates that are not
+/// finite, indices out of range.
 pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<PlyFile, MeshError> {
     let header = header::parse(bytes)?;
     let mut cursor = Cursor::new(bytes, &header);

@@ -112,7 +112,8 @@ fn the_three_encodings_agree() {
     }
 }
 
-/// The magnum files hold one mesh in every type: the position of vertex 1 is (3, 2, 1), of vertex 4 (9, 4, 5) in the small ones.
+/// The magnum files hold one mesh in every type: the position of vertex 1 is (3, 2, 1), of vertex 4 (9, 4, 5) in the
+/// small ones.
 #[test]
 fn all_types_and_orders_agree() {
     let Some(root) = assets() else { return };
