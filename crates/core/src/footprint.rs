@@ -1,4 +1,4 @@
-//! Footprints: how far the point that a pixel sees moves when the sample moves by a pixel (M65). Texture filters average over them.
+//! Footprints: how far the point that a pixel sees moves when the sample moves by a pixel. Texture filters average over them.
 //!
 //! Ray differentials follow Igehy, "Tracing Ray Differentials", SIGGRAPH 1999: transfer (eq. 10 to 12), reflection (14, 15) and
 //! refraction (16, 17). A rough surface is taken for the mirror of the facet that the sample drew, curved as the surface is: its own

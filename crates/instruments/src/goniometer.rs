@@ -1,4 +1,4 @@
-//! The virtual gonioreflectometer (M107): a table of a material's values, and the scattering of a piece of geometry as if it were one.
+//! The virtual gonioreflectometer: a table of a material's values, and the scattering of a piece of geometry as if it were one.
 
 use crate::{Specimen, TransportMode, direction};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! The random microfacet surface (M97): a Gaussian height field, whose facets are held against the analytic distributions.
+//! The random microfacet surface: a Gaussian height field, whose facets are held against the analytic distributions.
 //!
 //! Heights are a sum of plane waves with random phases and Gaussian wave vectors, so that slopes are Gaussian: the surface that Beckmann's
 //! distribution of roughness `α = √2 × slope` describes. Where `α` is small light meets it once and its reflection is `D G / (4 cosθ cosθ')`.

@@ -1,4 +1,4 @@
-//! Flights through participating media (M171): distances are drawn from the transmittance of one lane chosen at random and weighted by
+//! Flights through participating media: distances are drawn from the transmittance of one lane chosen at random and weighted by
 //! the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin pane on their way.
 
 use crate::{Counters, walk::MAX_PASSES};

@@ -1,5 +1,5 @@
 //! Path tracing, iterative: next-event estimation at every event, weighted with scattering by the power heuristic; Russian roulette
-//! on the throughput (M150, M151, M155, M161), on surfaces alone or through media (M171). Paths of neighbouring pixels share what they
+//! on the throughput, on surfaces alone or through media. Paths of neighbouring pixels share what they
 //! find from the first bounce on ([`crate::reuse`]).
 
 use crate::{

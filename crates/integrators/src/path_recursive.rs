@@ -1,4 +1,4 @@
-//! Path tracing in the recursive form of the lab (M160): the light that leaves a point is what it emits, what lights send it, and what
+//! Path tracing in the recursive form of the lab: the light that leaves a point is what it emits, what lights send it, and what
 //! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{

@@ -1,4 +1,4 @@
-//! Ray casting (M156): the colour of the first surface, as if the light were everywhere the same.
+//! Ray casting: the colour of the first surface, as if the light were everywhere the same.
 
 use crate::{Counters, Integrator, Survey, nee, walk::MAX_PASSES};
 use steradian_core::{Scene, sampler::PixelSampler};

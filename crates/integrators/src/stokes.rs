@@ -1,4 +1,4 @@
-//! Path tracing of polarised light (M131): one component of the Stokes vector that reaches the camera.
+//! Path tracing of polarised light: one component of the Stokes vector that reaches the camera.
 //!
 //! As `path`, but the throughput is a Mueller matrix: what lies between the camera and the current vertex acts on Stokes vectors
 //! from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the picture: S₁ is positive for

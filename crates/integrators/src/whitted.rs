@@ -1,4 +1,4 @@
-//! Whitted's ray tracing (M158): mirrors and glass are followed in both directions, every light is asked once at each surface, and
+//! Whitted's ray tracing: mirrors and glass are followed in both directions, every light is asked once at each surface, and
 //! nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
 use crate::{Counters, Depth, Integrator, Survey, dimension, nee, walk::MAX_PASSES};

@@ -1,4 +1,4 @@
-//! Axis-aligned bounding boxes (M58).
+//! Axis-aligned bounding boxes.
 
 use crate::Vec3;
 

@@ -1,4 +1,4 @@
-//! Real spherical harmonics (M109): values, projection, and convolution with zonal kernels such as the clamped cosine.
+//! Real spherical harmonics: values, projection, and convolution with zonal kernels such as the clamped cosine.
 //!
 //! `y_lm(θ, φ) = N_lm P_l^|m|(cosθ) · {√2 cos mφ, 1, √2 sin |m|φ}` for `m > 0`, `= 0`, `< 0`, orthonormal over the sphere, without the
 //! Condon–Shortley phase. (Sloan, "Stupid Spherical Harmonics Tricks", 2008; Ramamoorthi and Hanrahan 2001.)

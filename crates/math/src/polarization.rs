@@ -1,4 +1,4 @@
-//! Polarised light: Stokes vectors, Mueller matrices, and the frames in which they hold (M131).
+//! Polarised light: Stokes vectors, Mueller matrices, and the frames in which they hold.
 //!
 //! A Stokes vector `(S₀, S₁, S₂, S₃)` describes light that travels along `k` relative to a unit vector `x ⊥ k`, with `y = k × x`: total radiance;
 //! linear polarisation along `x` over along `y`; along the diagonal `x + y` over the other; right- over left-circular. With fields

@@ -1,4 +1,4 @@
-//! Affine and projective maps with their inverses (M15–M22).
+//! Affine and projective maps with their inverses.
 
 mod linear;
 mod orientation;
@@ -42,17 +42,17 @@ impl Transform {
         Self { matrix: DMat4::from_cols_array(&m) }
     }
 
-    /// `p + d` (M16).
+    /// `p + d`.
     pub fn translate(d: DVec3) -> Self {
         Self { matrix: DMat4::from_translation(d) }
     }
 
-    /// `(s.x x, s.y y, s.z z)` (M19).
+    /// `(s.x x, s.y y, s.z z)`.
     pub fn scale(s: DVec3) -> Self {
         Self { matrix: DMat4::from_scale(s) }
     }
 
-    /// Right-handed rotation by an angle in radians around an axis of any length but zero; the identity for a zero axis (M17).
+    /// Right-handed rotation by an angle in radians around an axis of any length but zero; the identity for a zero axis.
     pub fn rotate(axis: DVec3, angle: f64) -> Self {
         match axis.try_normalize() {
             Some(a) => Self { matrix: DMat4::from_axis_angle(a, angle) },
@@ -70,7 +70,7 @@ impl Transform {
         Some(Self { matrix: DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0)) })
     }
 
-    /// The inverse, or `None` for a singular or non-finite map (M19). An affine map is singular where the volume of the images of the
+    /// The inverse, or `None` for a singular or non-finite map. An affine map is singular where the volume of the images of the
     /// unit vectors is below rounding error, relative to their lengths.
     pub fn inverse(&self) -> Option<Self> {
         let m = &self.matrix;
@@ -159,14 +159,14 @@ impl Affine {
         (x.cross(y).dot(z) / (length * length * length)).abs()
     }
 
-    /// Image of a normal, by the inverse transpose (M22); not normalised.
+    /// Image of a normal, by the inverse transpose; not normalised.
     #[inline]
     pub fn normal(&self, n: Vec3) -> Vec3 {
         let i = &self.inv;
         Vec3::new(i.x_axis.truncate().dot(n), i.y_axis.truncate().dot(n), i.z_axis.truncate().dot(n))
     }
 
-    /// Image of a ray; the direction is not normalised, so `t` keeps its meaning (M59).
+    /// Image of a ray; the direction is not normalised, so `t` keeps its meaning.
     #[inline]
     pub fn ray(&self, r: &Ray) -> Ray {
         Ray { origin: self.point(r.origin), direction: self.vector(r.direction), t_max: r.t_max }

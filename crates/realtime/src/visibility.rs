@@ -138,7 +138,7 @@ impl Stage<'_> {
         Ok((start, self.parts.count))
     }
 
-    /// Whether the box around an item may be in the view: not if all its corners are outside one plane (M41).
+    /// Whether the box around an item may be in the view: not if all its corners are outside one plane.
     fn in_view(&self, item: &Item, shape: &Shape) -> bool {
         let bounds = shape.bounds();
         if bounds.is_empty() {

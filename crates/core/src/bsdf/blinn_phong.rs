@@ -1,4 +1,4 @@
-//! Blinn–Phong (M85): a power of the cosine between the normal and the half vector (Blinn 1977).
+//! Blinn–Phong: a power of the cosine between the normal and the half vector (Blinn 1977).
 //!
 //! ```text
 //! normalised  f = k_d/π + k_s (n+2)(n+4) / (8π (2^(−n/2) + n)) · cos^n θ_h

@@ -1,4 +1,4 @@
-//! Metals (M81, M92): mirror reflection tinted by the Fresnel equations of a complex index `η − ik`, from a smooth surface or
+//! Metals: mirror reflection tinted by the Fresnel equations of a complex index `η − ik`, from a smooth surface or
 //! from microfacets, `f = F D G₂ / (4 cosθ_o cosθ_i)` (Torrance & Sparrow 1967; Walter et al. 2007, eq. 20).
 
 use super::microfacet::Mirror;

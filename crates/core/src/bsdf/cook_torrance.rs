@@ -1,5 +1,5 @@
-//! Cook & Torrance (1982): Lambertian reflection from the bulk and microfacets on top (M90), with the diffuse part
-//! independent of the angle or lessened by what the facets reflect (M100).
+//! Cook & Torrance (1982): Lambertian reflection from the bulk and microfacets on top, with the diffuse part
+//! independent of the angle or lessened by what the facets reflect.
 //!
 //! ```text
 //! f = f_d + k_s F D G / (4 cosθ_o cosθ_i)

@@ -1,4 +1,4 @@
-//! Glass and liquids (M95): light is reflected in the ratio `F` of Fresnel's equations and refracted otherwise, at a smooth
+//! Glass and liquids: light is reflected in the ratio `F` of Fresnel's equations and refracted otherwise, at a smooth
 //! surface or at microfacets (Walter et al. 2007, eqs. 20 and 21). Refraction into a denser medium compresses radiance by
 //! `(η_t/η_i)²`, so radiance that is followed backwards is divided by it.
 

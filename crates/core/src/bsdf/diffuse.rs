@@ -1,4 +1,4 @@
-//! Lambertian reflection: `f = ρ/π`, the same in every direction (M80).
+//! Lambertian reflection: `f = ρ/π`, the same in every direction.
 
 use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
 use std::f32::consts::FRAC_1_PI;

@@ -1,7 +1,7 @@
-//! How much light an interface reflects, and where the rest goes (M82, M83, M91–M93).
+//! How much light an interface reflects, and where the rest goes.
 //!
 //! The amplitude coefficients of the field perpendicular (`s`, senkrecht) and parallel (`p`) to the plane of incidence are
-//! (Born & Wolf 1999, 1.5.2; M91)
+//! (Born & Wolf 1999, 1.5.2)
 //!
 //! ```text
 //! r_s = (η_i cosθ_i − η_t cosθ_t) / (η_i cosθ_i + η_t cosθ_t)
@@ -99,7 +99,7 @@ pub fn dielectric(cos_i: f32, eta: f32) -> f32 {
     Crossing::new(cos_i, eta).reflectance
 }
 
-/// Reflectance of a conductor with index `η − ik`, relative to the medium above, for unpolarised light (M92).
+/// Reflectance of a conductor with index `η − ik`, relative to the medium above, for unpolarised light.
 ///
 /// The exact complex equations in real arithmetic: with `a² + b² = √((η² − k² − sin²θ)² + 4η²k²)` and
 /// `2a² = a² + b² + η² − k² − sin²θ` (Born & Wolf 1999, 14.2). A purely imaginary index (`η = 0`) reflects everything.
@@ -126,7 +126,7 @@ pub fn conductor_by_square(cos2: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
 
 /// The approximation for metals with large `k`: with `m = η² + k²` and `c = cosθ`, the mean of
 /// `(m c² − 2ηc + 1)/(m c² + 2ηc + 1)` and `(m − 2ηc + c²)/(m + 2ηc + c²)` for the parallel and the
-/// perpendicular field; the lectures print it as if it were exact (E12). At normal incidence it is; copper's reflectance at 70° is too large by 0.0068.
+/// perpendicular field; the lectures print it as if it were exact. At normal incidence it is; copper's reflectance at 70° is too large by 0.0068.
 pub fn conductor_approximate(cos_i: f32, eta: f32, k: f32) -> f32 {
     let c = cos_i.clamp(0.0, 1.0);
     let m = eta * eta + k * k;
@@ -141,7 +141,7 @@ pub fn schlick(cos_i: f32, f0: Spectrum) -> Spectrum {
     f0 + (Spectrum::ONE - f0) * m
 }
 
-/// Reflectance at normal incidence of a dielectric, `((η − 1)/(η + 1))²` (M93).
+/// Reflectance at normal incidence of a dielectric, `((η − 1)/(η + 1))²`.
 pub fn f0_from_eta(eta: f32) -> f32 {
     ((eta - 1.0) / (eta + 1.0)).powi(2)
 }
@@ -197,14 +197,14 @@ pub fn dielectric_diffuse_fit(eta: f32) -> f32 {
     }
 }
 
-/// Mirrors `w` in the plane orthogonal to the unit vector `n`: `2(w·n)n − w` (M82). Both point away from the surface.
+/// Mirrors `w` in the plane orthogonal to the unit vector `n`: `2(w·n)n − w`. Both point away from the surface.
 #[inline]
 pub fn reflect(w: Vec3, n: Vec3) -> Vec3 {
     2.0 * w.dot(n) * n - w
 }
 
 /// Refracts `w`, which points away from the surface, at a plane with unit normal `n`: the transmitted direction, also away
-/// from the surface, and the relative index `η_t/η_i` on its way (M83). `None` under total internal reflection.
+/// from the surface, and the relative index `η_t/η_i` on its way. `None` under total internal reflection.
 ///
 /// `eta` is the index on the side that `−n` points to, relative to the side of `n`; `w` may lie on either side.
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! Masking and shadowing of microfacets (M89): which part of them a direction sees.
+//! Masking and shadowing of microfacets: which part of them a direction sees.
 //!
 //! **Smith** (1967; Heitz 2014): `G₁ = 1/(1 + Λ)`, the heights of facets independent of their normals; `cosθ(1 + Λ)` is the area
 //! that is seen, which stays finite towards grazing. With `a = cotθ/α(φ)`:

@@ -1,4 +1,4 @@
-//! Light that facets of a metal reflect to each other: what single scattering loses given back (M81, M92).
+//! Light that facets of a metal reflect to each other: what single scattering loses given back.
 //!
 //! With `E(θ)` the albedo of a perfectly reflecting rough surface, `⟨E⟩` its mean over the cosine and `⟨F⟩` the mean
 //! Fresnel factor:

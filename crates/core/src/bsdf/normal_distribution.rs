@@ -1,4 +1,4 @@
-//! Distributions of microfacet normals (M88): the density `D(m)` over the hemisphere and how to draw from it.
+//! Distributions of microfacet normals: the density `D(m)` over the hemisphere and how to draw from it.
 //!
 //! All are normalised by `∫ D(m) cosθ_m dm = 1`. With the stretched slopes `s = tan²θ_m (cos²φ/α_x² + sin²φ/α_y²)`:
 //!

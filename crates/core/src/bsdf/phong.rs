@@ -1,4 +1,4 @@
-//! Cosine lobes around a transformed direction: Phong (M84) and Lafortune.
+//! Cosine lobes around a transformed direction: Phong and Lafortune.
 //!
 //! ```text
 //! modified Phong   f = k_d/π + k_s (n+2)/2π · max(0, cosα)^n             cosα = R(wo)·wi;  Lafortune & Willems 1994

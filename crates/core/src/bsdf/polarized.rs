@@ -1,4 +1,4 @@
-//! Polarised scattering (M131): what a surface does to Stokes vectors, apart from the unpolarised path.
+//! Polarised scattering: what a surface does to Stokes vectors, apart from the unpolarised path.
 //!
 //! Mirrors and facets of metals and glass polarise by Fresnel's equations at the facet that the light meets; the unpolarised value
 //! is shared out by the Mueller matrix of that facet over its first element. All other models depolarise: so do Mitsuba's diffuse, plastic

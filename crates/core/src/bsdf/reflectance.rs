@@ -15,7 +15,7 @@ pub enum Reflectance {
         /// Imaginary part.
         k: Spectrum,
     },
-    /// The approximation for metals with large `k` (E12), for comparison.
+    /// The approximation for metals with large `k`, for comparison.
     LargeK {
         /// Real part.
         eta: Spectrum,

@@ -1,4 +1,4 @@
-//! Ward's model of glossy, possibly brushed surfaces (M87), with three normalisations.
+//! Ward's model of glossy, possibly brushed surfaces, with three normalisations.
 //!
 //! With `D` Beckmann's distribution (`D = exp(−tan²θ_h (cos²φ/α_x² + sin²φ/α_y²)) / (π α_x α_y cos⁴θ_h)`):
 //!
@@ -10,7 +10,7 @@
 //!
 //! `α` in `[10⁻³, 4]` is the standard deviation of the surface's slope times √2, as everywhere here. The first loses
 //! energy towards grazing angles, the second gains it (albedo 1.13 at 85° for α = 0.2), the third does neither by much
-//! and stays below one (E15). Half vectors are drawn with the density `D cosθ_h`, as Ward's sampling does with its
+//! and stays below one. Half vectors are drawn with the density `D cosθ_h`, as Ward's sampling does with its
 //! weight corrected (Walter 2005).
 
 use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};

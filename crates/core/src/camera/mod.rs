@@ -134,7 +134,7 @@ impl Camera {
         self.world_from_camera.vector(Vec3::X).normalize()
     }
 
-    /// The lab's camera (M52): origin O, left L, up U and forward F; the image plane spans O + F ± L ± U.
+    /// The lab's camera: origin O, left L, up U and forward F; the image plane spans O + F ± L ± U.
     pub fn lab(origin: Vec3, left: Vec3, up: Vec3, forward: Vec3) -> Option<Self> {
         let columns = [-left.normalize(), up.normalize(), forward.normalize()];
         let m = steradian_math::Transform {

@@ -81,7 +81,7 @@ impl Pixel {
         self.sum.map(|s| s / n)
     }
 
-    /// The unbiased estimate of the variance of the mean (M154); zero with fewer than two samples.
+    /// The unbiased estimate of the variance of the mean; zero with fewer than two samples.
     pub fn variance_of_mean(&self) -> [f64; 3] {
         if self.samples < 2 {
             return [0.0; 3];

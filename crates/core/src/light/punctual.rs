@@ -37,7 +37,7 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// Share of the full intensity at a cosine from the axis (M70).
+    /// Share of the full intensity at a cosine from the axis.
     pub fn share(&self, cos: f32) -> f32 {
         let (inner, outer) = (self.start.cos(), self.total.cos());
         if cos >= inner {

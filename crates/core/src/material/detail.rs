@@ -1,4 +1,4 @@
-//! Surface detail by the shading frame: normal maps (M222) and bump maps (M223), what keeps them from sending light into the surface, and
+//! Surface detail by the shading frame: normal maps and bump maps, what keeps them from sending light into the surface, and
 //! the turn of the tangent that stretched highlights follow.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.

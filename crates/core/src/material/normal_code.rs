@@ -1,4 +1,4 @@
-//! How normals are stored in textures (M225).
+//! How normals are stored in textures.
 
 use steradian_math::Vec3;
 

@@ -1,4 +1,4 @@
-//! Normals that are averaged leave their spread to the roughness (M224): Toksvig's estimate from the length of the mean, and LEAN mapping
+//! Normals that are averaged leave their spread to the roughness: Toksvig's estimate from the length of the mean, and LEAN mapping
 //! from the second moments of the slopes.
 
 use steradian_math::{Vec2, Vec3};

@@ -1,4 +1,4 @@
-//! Parallax mapping: one step from the coordinates that a ray meets on the flat surface to those on the relief (M226). The raster
+//! Parallax mapping: one step from the coordinates that a ray meets on the flat surface to those on the relief. The raster
 //! pipeline's approximations, and the measure of the searches.
 //!
 //! Directions are in the tangent frame (x along u, y along v, z out of the surface), point to the viewer, and need no unit length.

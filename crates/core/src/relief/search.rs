@@ -1,4 +1,4 @@
-//! Searches for the first meeting of a ray with a relief (M227), from plain marches to maps that are made beforehand. Each gives the
+//! Searches for the first meeting of a ray with a relief, from plain marches to maps that are made beforehand. Each gives the
 //! parameter of the line, `None` for a miss. [`HeightField::first_hit`] is what they approximate.
 //!
 //! After Szirmay-Kalos, Umenhoffer, "Displacement Mapping on the GPU — State of the Art", Computer Graphics Forum 27 (2008).

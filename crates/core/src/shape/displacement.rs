@@ -1,4 +1,4 @@
-//! Displacement of meshes (M221): triangles are split until their edges are short, then vertices are moved: `d* = d + h m`.
+//! Displacement of meshes: triangles are split until their edges are short, then vertices are moved: `d* = d + h m`.
 //!
 //! Whether an edge is split depends on its ends alone, and vertices that share a place move together, so no cracks open: not within a
 //! mesh, not at seams of its parametrisation.

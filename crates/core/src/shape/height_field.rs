@@ -1,4 +1,4 @@
-//! Height fields: heights over the unit square, bilinear between the samples, that are traced without triangles (M227).
+//! Height fields: heights over the unit square, bilinear between the samples, that are traced without triangles.
 //!
 //! Blocks of 8 × 8 cells are primitives of the hierarchy, so that rays skip what lies far above or below. Within a block, a ray goes from cell
 //! to cell (Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing"), and meets the surface of each at the roots of a

@@ -1,4 +1,4 @@
-//! The infinite plane `n·x + d = 0` (M54). It has no bounds, so it is tested apart from the hierarchy.
+//! The infinite plane `n·x + d = 0`. It has no bounds, so it is tested apart from the hierarchy.
 
 use super::SurfacePoint;
 use steradian_math::{Frame, Ray, Vec2, Vec3, ray::gamma};

@@ -1,4 +1,4 @@
-//! Spheres, disks and cylinders, whole or in part, under any affine placement (M57, M59).
+//! Spheres, disks and cylinders, whole or in part, under any affine placement.
 
 use super::SurfacePoint;
 use std::f32::consts::TAU;

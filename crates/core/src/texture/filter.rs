@@ -1,7 +1,7 @@
 //! Texture filters: what value a footprint gets (M202, M203, M209 to M211).
 //!
 //! Coordinates of lookups are in periods of the picture, (0, 0) its top left corner; texel centres are at half-integers
-//! (E37), and levels of detail follow from derivatives in texels, not in periods (E43).
+//!, and levels of detail follow from derivatives in texels, not in periods.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 

@@ -1,4 +1,4 @@
-//! Three-dimensional textures on a grid (M218), with interpolation over the eight corners of a cell or the four of a simplex in it (M204).
+//! Three-dimensional textures on a grid, with interpolation over the eight corners of a cell or the four of a simplex in it.
 
 use super::{Mapping, TextureContext, Wrap, whole::floor};
 use std::sync::Arc;
@@ -76,7 +76,7 @@ impl GridTexture {
 }
 
 /// Interpolates over the tetrahedron of the unit cube that holds `d`: the path from corner (0, 0, 0) to (1, 1, 1) that takes the axes in
-/// the order of falling coordinates. The weights are ratios of volumes, `det(V₂ − V, V₃ − V, V₄ − V)/det(V₂ − V₁, V₃ − V₁, V₄ − V₁)` (E19),
+/// the order of falling coordinates. The weights are ratios of volumes, `det(V₂ − V, V₃ − V, V₄ − V)/det(V₂ − V₁, V₃ − V₁, V₄ − V₁)`,
 /// which here are differences of the sorted coordinates.
 pub fn tetrahedral(d: Vec3, corner: impl Fn(u8, u8, u8) -> Vec3) -> Vec3 {
     let mut order = [0_usize, 1, 2];
@@ -91,7 +91,7 @@ pub fn tetrahedral(d: Vec3, corner: impl Fn(u8, u8, u8) -> Vec3) -> Vec3 {
     sum
 }
 
-/// Barycentric coordinates of a point with respect to a tetrahedron; `None` where it is flat (M7, E19).
+/// Barycentric coordinates of a point with respect to a tetrahedron; `None` where it is flat.
 pub fn barycentric(v: [Vec3; 4], p: Vec3) -> Option<[f32; 4]> {
     let det = |a: Vec3, b: Vec3, c: Vec3| a.as_dvec3().dot(b.as_dvec3().cross(c.as_dvec3()));
     let volume = det(v[1] - v[0], v[2] - v[0], v[3] - v[0]);

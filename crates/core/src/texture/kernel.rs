@@ -1,4 +1,4 @@
-//! Kernels: how texels are joined to a continuous picture (M202, M203), and how pictures are made smaller (M209).
+//! Kernels: how texels are joined to a continuous picture, and how pictures are made smaller.
 
 use std::f32::consts::PI;
 

@@ -1,5 +1,5 @@
 //! A picture in several sizes: mip-maps (each level half as wide and half as high, Williams 1983) and ripmaps (halved in each direction
-//! on its own). Levels are kept in the picture's own precision and encoding, and are averaged in linear values (M124, E45).
+//! on its own). Levels are kept in the picture's own precision and encoding, and are averaged in linear values.
 
 use super::{
     kernel::MipKernel,

@@ -1,5 +1,5 @@
 //! Summed-area tables (Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH 1984; M211): means over any rectangle along the axes,
-//! from four sums. Sums are 64-bit floats, and exclude the row and column that they are named by, so that no index is off by one (E44).
+//! from four sums. Sums are 64-bit floats, and exclude the row and column that they are named by, so that no index is off by one.
 
 use super::{
     store::Level,

@@ -1,7 +1,7 @@
-//! Pictures as signals (M214): their discrete Fourier transform, what sampling does to it, and what a prefilter prevents.
+//! Pictures as signals: their discrete Fourier transform, what sampling does to it, and what a prefilter prevents.
 //!
 //! Frequencies are in cycles per pixel. The transform of a picture of N pixels across knows the frequencies k/N from −1/2 up to 1/2; sampled at every
-//! s-th pixel, with the rate 1/s, a picture keeps what is below half that rate (E36), and the rest appears at another frequency.
+//! s-th pixel, with the rate 1/s, a picture keeps what is below half that rate, and the rest appears at another frequency.
 
 mod plot;
 mod sampling;

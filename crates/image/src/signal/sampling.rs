@@ -3,7 +3,7 @@
 use super::Dft;
 
 /// The frequency at which a wave of frequency `f` appears when it is sampled at a rate (both in cycles per pixel): the nearest to zero of
-/// those that differ from `f` by multiples of the rate. What is below half the rate stays (E36).
+/// those that differ from `f` by multiples of the rate. What is below half the rate stays.
 pub fn alias(f: f64, rate: f64) -> f64 {
     f - rate * (f / rate).round()
 }

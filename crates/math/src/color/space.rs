@@ -1,4 +1,4 @@
-//! RGB colour spaces: primaries and white, and the matrices to and from CIE XYZ that follow from them (M116).
+//! RGB colour spaces: primaries and white, and the matrices to and from CIE XYZ that follow from them.
 //!
 //! The matrices are derived in `f64` from the primaries' chromaticities and the XYZ of the white illuminant, integrated from its
 //! tabulated spectrum; four-digit matrices found in print deviate from being each other's inverse by 4e-5. That the white is

@@ -1,4 +1,4 @@
-//! CIE XYZ and its relatives: chromaticity with luminance (xyY), and the CIE 1931 RGB primaries (M115).
+//! CIE XYZ and its relatives: chromaticity with luminance (xyY), and the CIE 1931 RGB primaries.
 
 use glam::{DMat3, DVec3};
 

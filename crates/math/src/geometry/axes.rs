@@ -1,6 +1,6 @@
-//! Handedness and up-axis conversions (M3).
+//! Handedness and up-axis conversions.
 //!
-//! Swapping two coordinates turns a right-handed system into a left-handed one (E32). The up-axis maps here are rotations, which keep
+//! Swapping two coordinates turns a right-handed system into a left-handed one. The up-axis maps here are rotations, which keep
 //! the handedness, and the change of handedness is a separate, explicit mirror.
 
 use glam::{DMat3, DVec3};

@@ -1,7 +1,7 @@
-//! Barycentric coordinates (M6) and simplex coordinates in any dimension (M7).
+//! Barycentric coordinates and simplex coordinates in any dimension.
 //!
 //! The coordinate of a vertex is the ratio of two signed contents: of the simplex in which the point takes that vertex's place, and
-//! of the whole simplex, both with the vertices in the same order (E19). They add up to one and are kept by affine maps (M24).
+//! of the whole simplex, both with the vertices in the same order. They add up to one and are kept by affine maps.
 
 use glam::{DVec2, DVec3};
 

@@ -1,4 +1,4 @@
-//! Plane curves of second order, each implicit, explicit where it can be, and parametric (M11).
+//! Plane curves of second order, each implicit, explicit where it can be, and parametric.
 //!
 //! The implicit functions are negative inside, zero on the curve.
 

@@ -1,4 +1,4 @@
-//! Polar and spherical coordinates (M4, M5).
+//! Polar and spherical coordinates.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -49,7 +49,7 @@ impl Spherical {
     }
 }
 
-/// The angle of `(x, y)` in `[0, 2π)`. The library function gives `(−π, π]` and tells `−0` from `0` (E31); here zero is zero.
+/// The angle of `(x, y)` in `[0, 2π)`. The library function gives `(−π, π]` and tells `−0` from `0`; here zero is zero.
 fn azimuth(x: f64, y: f64) -> f64 {
     if x == 0.0 && y == 0.0 {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Homogeneous coordinates (M8): points of projective space, the ideal ones (directions) among them.
+//! Homogeneous coordinates: points of projective space, the ideal ones (directions) among them.
 
 use super::Point3;
 use glam::{DMat4, DVec3, DVec4};

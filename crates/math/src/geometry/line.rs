@@ -1,4 +1,4 @@
-//! Lines of the plane in all their forms (M9), and segments and lines of space.
+//! Lines of the plane in all their forms, and segments and lines of space.
 //!
 //! The form that is kept is the line coordinates `[a, b, c]`, `a x + b y + c = 0`: it has no exceptions (the ideal line is
 //! `[0, 0, 1]`), and joining points and meeting lines are both a cross product.

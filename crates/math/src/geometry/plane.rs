@@ -1,4 +1,4 @@
-//! Planes in all their forms (M10): point and normal, implicit, Hesse, determinant, parametric, plane coordinates.
+//! Planes in all their forms: point and normal, implicit, Hesse, determinant, parametric, plane coordinates.
 
 use super::{Point3, homogeneous::HomogeneousPoint};
 use glam::{DMat3, DMat4, DVec3, DVec4};

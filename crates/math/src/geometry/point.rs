@@ -1,4 +1,4 @@
-//! Points as a type of their own (M1): what makes no sense for points does not compile.
+//! Points as a type of their own: what makes no sense for points does not compile.
 //!
 //! `P − P` is a vector, `P + v` a point; sums of points exist only as combinations, with weights that add up to one (a point) or to
 //! zero (a vector).

@@ -1,4 +1,4 @@
-//! Solid angles (M25–M27): the spherical Jacobian, the area of spherical sets, and the solid angle of area elements. In steradians.
+//! Solid angles: the spherical Jacobian, the area of spherical sets, and the solid angle of area elements. In steradians.
 
 use crate::quadrature::gauss_legendre;
 use glam::DVec3;

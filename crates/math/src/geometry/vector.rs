@@ -1,4 +1,4 @@
-//! Angles, determinants and projections of vectors (M2).
+//! Angles, determinants and projections of vectors.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Ray and plane, for the three ways to give a plane (M54).
+//! Ray and plane, for the three ways to give a plane.
 
 use super::within;
 use crate::{Ray, Vec3};

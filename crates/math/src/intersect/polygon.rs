@@ -1,7 +1,7 @@
-//! Ray and planar polygon, concave and self-crossing ones included (M56).
+//! Ray and planar polygon, concave and self-crossing ones included.
 //!
 //! A horizontal half-line from the point counts edges by the half-open rule: an edge spans `y` where `y_low ≤ y < y_high`, so
-//! horizontal edges never count and a vertex counts once (E27). Edges are evaluated from their lower to their upper end, so two
+//! horizontal edges never count and a vertex counts once. Edges are evaluated from their lower to their upper end, so two
 //! polygons that share an edge decide alike, and a point on it belongs to exactly one of them.
 
 use super::plane_point_normal;

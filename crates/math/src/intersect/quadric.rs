@@ -1,4 +1,4 @@
-//! Ray and surface of second order (M60): `⟨x, Q x⟩ = 0` in homogeneous coordinates, with sphere, ellipsoid, paraboloid, cylinder,
+//! Ray and surface of second order: `⟨x, Q x⟩ = 0` in homogeneous coordinates, with sphere, ellipsoid, paraboloid, cylinder,
 //! cone and pairs of planes as special cases.
 
 use super::{roots, sphere};
@@ -77,7 +77,7 @@ impl Quadric {
     }
 }
 
-/// The ordered roots for the axis-aligned ellipsoid: the ray is scaled to the unit sphere, where `t` means the same (M59).
+/// The ordered roots for the axis-aligned ellipsoid: the ray is scaled to the unit sphere, where `t` means the same.
 #[inline]
 pub fn ellipsoid(center: Vec3, radii: Vec3, ray: &Ray) -> Option<[f32; 2]> {
     let scaled = Ray { origin: (ray.origin - center) / radii, direction: ray.direction / radii, t_max: ray.t_max };

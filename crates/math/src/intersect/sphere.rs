@@ -1,4 +1,4 @@
-//! Ray and sphere (M57).
+//! Ray and sphere.
 
 use super::roots_with_discriminant;
 use crate::{Ray, Vec3};

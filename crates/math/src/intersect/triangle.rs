@@ -1,4 +1,4 @@
-//! Ray and triangle (M55; Möller and Trumbore 1997).
+//! Ray and triangle (Möller and Trumbore 1997).
 
 use super::within;
 use crate::{Ray, Vec3};

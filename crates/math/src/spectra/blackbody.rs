@@ -1,4 +1,4 @@
-//! Thermal emission: Planck's law (M134).
+//! Thermal emission: Planck's law.
 //!
 //! `B_λ(T) = 2hc² / λ⁵ / (exp(hc / λ k T) − 1)`, `B_ν(T) = 2hν³ / c² / (exp(hν / k T) − 1)`, with the exact SI constants of 2019.
 

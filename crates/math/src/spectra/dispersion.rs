@@ -1,5 +1,5 @@
 //! Indices of refraction by formula: Cauchy's and Sellmeier's dispersion, the Abbe number, and the complex index of a
-//! medium with given permittivity, permeability and conductivity (M94).
+//! medium with given permittivity, permeability and conductivity.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Radiometric quantities with their units, and their photometric counterparts (M66–M68).
+//! Radiometric quantities with their units, and their photometric counterparts.
 //!
 //! A photometric quantity is the radiometric one weighed by the eye: `683 lm/W ∫ Q_λ(λ) ȳ(λ) dλ`.
 

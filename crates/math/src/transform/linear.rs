@@ -1,4 +1,4 @@
-//! Mirrors, shears and changes of basis (M19–M21).
+//! Mirrors, shears and changes of basis.
 
 use super::Transform;
 use glam::{DMat3, DMat4, DVec3};
@@ -20,12 +20,12 @@ impl Transform {
         )))
     }
 
-    /// The shear `x' = x + a y + b z`, `y' = y + c z`, `z' = z` (M20): the cards of a deck slide, volumes and each card stay as they are.
+    /// The shear `x' = x + a y + b z`, `y' = y + c z`, `z' = z`: the cards of a deck slide, volumes and each card stay as they are.
     pub fn shear(a: f64, b: f64, c: f64) -> Self {
         Self::linear(DMat3::from_cols(DVec3::X, DVec3::new(a, 1.0, 0.0), DVec3::new(b, c, 1.0)))
     }
 
-    /// To coordinates in the system with the given origin and basis (M21): `M = B⁻¹ T(−origin)`, where `B⁻¹ = Bᵀ` for orthonormal
+    /// To coordinates in the system with the given origin and basis: `M = B⁻¹ T(−origin)`, where `B⁻¹ = Bᵀ` for orthonormal
     /// vectors. The origin goes to zero and the basis to the unit vectors. `None` where the vectors do not span space.
     pub fn to_basis(origin: DVec3, basis: [DVec3; 3]) -> Option<Self> {
         let [u, v, w] = basis;

@@ -1,4 +1,4 @@
-//! Rotations by angles (M17, M18).
+//! Rotations by angles.
 //!
 //! **Yaw, pitch, roll.** The world is y-up: yaw turns about y, pitch about x, roll about z, each right-handed, and the roll is applied
 //! first: `R = R_Y(yaw) · R_X(pitch) · R_Z(roll)`. (The lectures name these axes but print the product `R_Z · R_Y · R_X`, with the

@@ -1,4 +1,4 @@
-//! Spherical angles with their seam and poles settled (M5, E31): `θ ∈ [0, π]` from `+z`, `φ ∈ [0, 2π)` from `+x` towards `+y`.
+//! Spherical angles with their seam and poles settled: `θ ∈ [0, π]` from `+z`, `φ ∈ [0, 2π)` from `+x` towards `+y`.
 
 use crate::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};

@@ -74,7 +74,7 @@ pub fn concentric_disk(u: Vec2) -> Vec2 {
     DiskPoint::new(u).point()
 }
 
-/// A direction with density `cosθ/π` (M148), by Malley's method: a uniform point of the disk, lifted to the hemisphere.
+/// A direction with density `cosθ/π`, by Malley's method: a uniform point of the disk, lifted to the hemisphere.
 #[inline]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     DiskPoint::new(u).lifted()
@@ -86,13 +86,13 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
     cos_theta.max(0.0) * FRAC_1_PI
 }
 
-/// A direction uniform in solid angle over the upper hemisphere (M147): `cosθ = 1 − u.x`.
+/// A direction uniform in solid angle over the upper hemisphere: `cosθ = 1 − u.x`.
 #[inline]
 pub fn uniform_hemisphere(u: Vec2) -> Vec3 {
     uniform_cone(u, 1.0)
 }
 
-/// A direction of the upper hemisphere uniform in the two angles, `θ = u.x·π/2`, `φ = 2π·u.y` (M146).
+/// A direction of the upper hemisphere uniform in the two angles, `θ = u.x·π/2`, `φ = 2π·u.y`.
 #[inline]
 pub fn uniform_angle_hemisphere(u: Vec2) -> Vec3 {
     let (sin_theta, cos_theta) = (u.x * FRAC_PI_2).sin_cos();

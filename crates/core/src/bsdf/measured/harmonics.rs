@@ -1,4 +1,4 @@
-//! Isotropic reflection projected onto spherical harmonics (M109): smooth, small, and fast where only soft lighting counts.
+//! Isotropic reflection projected onto spherical harmonics: smooth, small, and fast where only soft lighting counts.
 //!
 //! For each angle of the viewer `f·cosθ_i` over the sphere of light directions is a sum of real spherical harmonics, `Σ c_lm(θ_o) y_lm(ω_i)`, the
 //! viewer at azimuth zero. By the mirror symmetry of isotropic materials only `m ≥ 0` remains. Kautz, Sloan, Snyder, "Fast, Arbitrary BRDF

@@ -1,4 +1,4 @@
-//! Projectors: the inverse of the parametrisation of a simple surface (M206).
+//! Projectors: the inverse of the parametrisation of a simple surface.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -40,14 +40,14 @@ pub struct Projected {
     pub wraps: bool,
 }
 
-/// Azimuth around z over 2π, in [0, 1): `atan2` gives (−π, π] (E31).
+/// Azimuth around z over 2π, in [0, 1): `atan2` gives (−π, π].
 pub(in crate::texture) fn azimuth(v: Vec3) -> f32 {
     let turns = exact::atan2(v.y.into(), v.x.into()) / TAU;
     let turns = (if turns < 0.0 { turns + 1.0 } else { turns }) as f32;
     if turns >= 1.0 { 0.0 } else { turns }
 }
 
-/// Angle from +z over π. By its tangent: the arc cosine of z/r is not a number where rounding makes z exceed r (E31).
+/// Angle from +z over π. By its tangent: the arc cosine of z/r is not a number where rounding makes z exceed r.
 pub(super) fn polar(v: Vec3) -> f32 {
     let v = v.as_dvec3();
     (exact::atan2((v.x * v.x + v.y * v.y).sqrt(), v.z) / PI) as f32

@@ -1,5 +1,5 @@
 //! Two-part mapping (Bier, Sloan, "Two-Part Texture Mappings", IEEE CG&A 1986): an O-map leads from the object to a simple surface
-//! around it, an S-map from there to texture coordinates (M207).
+//! around it, an S-map from there to texture coordinates.
 
 use super::projector::{Projected, azimuth, cube, polar};
 use crate::texture::TextureContext;

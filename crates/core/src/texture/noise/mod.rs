@@ -1,4 +1,4 @@
-//! Noise: random functions of space that are smooth, band-limited and repeat nowhere that matters (M220). Only exact arithmetic, so that a
+//! Noise: random functions of space that are smooth, band-limited and repeat nowhere that matters. Only exact arithmetic, so that a
 //! texture has the same bits on every machine.
 
 pub mod cellular;

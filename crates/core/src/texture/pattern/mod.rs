@@ -1,4 +1,4 @@
-//! Procedural patterns: numbers as a function of the place (M219, M220), averaged over the footprint. Tilings are averaged exactly by a box
+//! Procedural patterns: numbers as a function of the place, averaged over the footprint. Tilings are averaged exactly by a box
 //! or tent as wide as the footprint; noise leaves out the octaves that do not fit; the others fade to their mean.
 
 pub mod solid;

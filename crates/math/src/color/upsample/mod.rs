@@ -1,4 +1,4 @@
-//! Smooth spectra for RGB values (M128): Jakob and Hanika 2019, "A Low-Dimensional Function Space for Efficient Spectral Upsampling".
+//! Smooth spectra for RGB values: Jakob and Hanika 2019, "A Low-Dimensional Function Space for Efficient Spectral Upsampling".
 //!
 //! A reflectance is a sigmoid of a quadratic polynomial, `S(c₀ λ² + c₁ λ + c₂)` with `S(x) = ½ + x / (2 √(1 + x²))` (their eqs. 3
 //! and 4; λ in nm). The coefficients of an RGB value are those whose colour under the white of its space differs least in CIELAB;

@@ -1,7 +1,7 @@
-//! Surfaces of space in their three representations (M12), their normals (M13) and the classical objects (M14).
+//! Surfaces of space in their three representations, their normals and the classical objects.
 //!
 //! Implicit functions are negative inside, so gradients point outwards, and parametric normals are turned to agree with them. Textbooks
-//! differ here: `∂u × ∂v` of the usual parameters of an ellipsoid points inwards, and vanishes at its poles (E24).
+//! differ here: `∂u × ∂v` of the usual parameters of an ellipsoid points inwards, and vanishes at its poles.
 
 mod ellipsoid;
 mod paraboloid;
