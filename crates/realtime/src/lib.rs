@@ -5,7 +5,7 @@
 //!    parts, in which the fragment shader meets the shape with the pixel's ray. Nothing is tessellated, so there is no error to state.
 //! 2. `visibility`: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a reversed depth buffer.
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
-//! 4. `shadow`: whether a light is seen: by rays, by shadow maps, or always.
+//! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected shadows, or always.
 
 pub mod draw_list;
 mod options;
@@ -14,7 +14,7 @@ mod shading;
 mod shadow;
 mod visibility;
 
-pub use options::{Options, SHADOWS, Shadows, Show};
+pub use options::{BiasBy, Options, SHADOWS, Shadows, Show};
 pub use projection::Projected;
 pub use visibility::{Seen, Visibility};
 
@@ -62,13 +62,18 @@ pub fn render(scene: &Scene, spp: u32, options: &Options) -> Result<Picture, Err
     let mode = if options.show == Show::Picture { scene.mode } else { steradian_core::ColorMode::Rgb };
     let mut pixels = vec![Pixel::default(); (crop.width() * crop.height()) as usize];
     let (mut counters, mut rays, mut nonfinite) = (Counters::default(), 0, 0);
-    let shadows = shadow::Shadowing::new(scene, &list, options)?;
+    let mut made = None;
     for pass in 0..spp.max(1) {
         let offset = if spp <= 1 { Vec2::splat(0.5) } else { spread(pass) };
         let projected = Projected::new(scene, offset)?;
         let visibility = Visibility::draw(scene, &list, &projected)?;
         counters += visibility.counters;
-        let shader = shading::Shader { scene, shadows: &shadows, options, pass };
+        if made.is_none() || options.shadows.is_of_pixels() {
+            let eye = shadow::Eye { projected: &projected, visibility: &visibility };
+            made = Some(shadow::Shadowing::new(scene, &list, options, &eye)?);
+        }
+        let Some(shadows) = &made else { continue };
+        let shader = shading::Shader { scene, shadows, options, pass };
         let width = crop.width() as usize;
         let row_of = |(row, pixels): (usize, &mut [Pixel])| {
             let (mut traced, mut dropped) = (0, 0);

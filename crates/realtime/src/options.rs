@@ -11,14 +11,76 @@ pub enum Shadows {
     Ray,
     /// By shadow maps: pictures of depths as the light sees them (Williams 1978). Lights that are not points or parallel use rays.
     Map,
+    /// As maps; those of points are drawn in one pass, in which a geometry shader hands each triangle to the faces of a cube.
+    Cube,
+    /// As maps; those of parallel light are bent by a trapezoid around what is seen (Martin, Tan 2004).
+    Trapezoid,
+    /// As maps; those of parallel light are bent by a perspective along the view (Wimmer, Scherzer, Purgathofer 2004).
+    Perspective,
+    /// As maps; parallel light has several, one behind the other along the view.
+    Cascades,
+    /// By mean and variance of filtered depths (Donnelly, Lauritzen 2006).
+    Variance,
+    /// By four moments of filtered depths (Peters, Klein 2015).
+    Moments,
+    /// Soft shadows of area lights by maps, filtered as far as blockers are off (Fernando 2005).
+    Pcss,
+    /// By shadow volumes and the stencil buffer, counted behind what is seen (Crow 1977; Everitt, Kilgard 2002).
+    Volume,
+    /// By shadow volumes, counted before what is seen.
+    VolumePass,
+    /// By meshes projected to the planes of what is flat (Blinn 1988); nothing else has shadows.
+    Planar,
 }
+
+/// What keeps a surface from casting shadows on itself in maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BiasBy {
+    /// The surface is moved towards the light in proportion to its slope.
+    Slope,
+    /// By the same distance everywhere.
+    Constant,
+    /// Its points are moved along the normal.
+    Normal,
+    /// Each texel is compared with the plane of the surface in it (Isidoro 2006).
+    Plane,
+}
+
+/// The kinds of bias by name.
+const BIASES: [(&str, BiasBy); 4] =
+    [("slope", BiasBy::Slope), ("constant", BiasBy::Constant), ("normal", BiasBy::Normal), ("plane", BiasBy::Plane)];
 
 /// The ways to tell shadows by name, and what they are.
 pub const SHADOWS: &[(&str, Shadows, &str)] = &[
     ("ray", Shadows::Ray, "by rays through the hierarchy: exact"),
     ("map", Shadows::Map, "by shadow maps for points and parallel light (size, bias, pcf); by rays for others"),
+    ("cube", Shadows::Cube, "as map; the six faces around a point are drawn in one pass by a geometry shader"),
+    ("trapezoid", Shadows::Trapezoid, "as map; maps of parallel light are bent to a trapezoid around what is seen"),
+    ("perspective", Shadows::Perspective, "as map; maps of parallel light are bent by a perspective along the view"),
+    ("cascades", Shadows::Cascades, "as map; parallel light has several maps along the view (cascades)"),
+    ("variance", Shadows::Variance, "by mean and variance of depths over pcf texels"),
+    ("moments", Shadows::Moments, "by four moments of depths over pcf texels"),
+    ("pcss", Shadows::Pcss, "soft shadows of area lights by maps, filtered as far as blockers are off"),
+    (
+        "volume",
+        Shadows::Volume,
+        "by shadow volumes of meshes in the stencil buffer, counted behind what is seen (z-fail)",
+    ),
+    (
+        "volume-pass",
+        Shadows::VolumePass,
+        "by shadow volumes, counted before what is seen (z-pass): wrong where the eye is in shadow",
+    ),
+    ("planar", Shadows::Planar, "by meshes projected to what is flat; nothing else has shadows"),
     ("none", Shadows::None, "nothing casts a shadow"),
 ];
+
+impl Shadows {
+    /// Whether it holds for the pixels of one picture alone.
+    pub(crate) fn is_of_pixels(self) -> bool {
+        matches!(self, Self::Volume | Self::VolumePass | Self::Planar)
+    }
+}
 
 /// What is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,8 +106,12 @@ pub struct Options {
     pub shadows: Shadows,
     /// Side of a shadow map in texels.
     pub size: u32,
-    /// Depth bias of shadow maps in texels: how far a surface is moved towards the light, times its slope.
+    /// Depth bias of shadow maps in texels: how far a surface is moved, times its slope for [`BiasBy::Slope`].
     pub bias: f32,
+    /// What the bias does.
+    pub bias_by: BiasBy,
+    /// Maps of parallel light, one behind the other along the view.
+    pub cascades: u32,
     /// Texels that are compared around a point, along each axis; 1 for one.
     pub pcf: u32,
     /// Points on each light that has an extent, and directions of environments.
@@ -58,7 +124,17 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { shadows: Shadows::Ray, size: 1024, bias: 1.5, pcf: 1, points: 4, bounces: 8, show: Show::Picture }
+        Self {
+            shadows: Shadows::Ray,
+            size: 1024,
+            bias: 1.5,
+            bias_by: BiasBy::Slope,
+            cascades: 4,
+            pcf: 1,
+            points: 4,
+            bounces: 8,
+            show: Show::Picture,
+        }
     }
 }
 
@@ -82,11 +158,9 @@ impl Options {
                     let found = SHADOWS.iter().find(|s| s.0 == value);
                     options.shadows = found.ok_or_else(|| fault(&format!("one of {}", names.join(", "))))?.1;
                 }
-                "show" => {
-                    let names = SHOWN.map(|s| s.0).join(", ");
-                    options.show =
-                        SHOWN.iter().find(|s| s.0 == value).ok_or_else(|| fault(&format!("one of {names}")))?.1;
-                }
+                "show" => options.show = named(&SHOWN, value).map_err(|names| fault(&names))?,
+                "bias-by" => options.bias_by = named(&BIASES, value).map_err(|names| fault(&names))?,
+                "cascades" => options.cascades = number(1, 16)?,
                 "size" => options.size = number(16, 8192)?,
                 "pcf" => options.pcf = number(1, 15)?,
                 "points" => options.points = number(1, 1024)?,
@@ -95,11 +169,21 @@ impl Options {
                     let bias = value.parse().ok().filter(|b: &f32| b.is_finite());
                     options.bias = bias.ok_or_else(|| fault("a number"))?;
                 }
-                _ => return Err(fault("keys are shadows, show, size, bias, pcf, points and bounces")),
+                _ => {
+                    return Err(fault(
+                        "keys are shadows, show, size, bias, bias-by, pcf, cascades, points and bounces",
+                    ));
+                }
             }
         }
         Ok(options)
     }
+}
+
+/// What has this name, or the names there are.
+fn named<T: Copy>(list: &[(&str, T)], name: &str) -> Result<T, String> {
+    let names = || list.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    list.iter().find(|(n, _)| *n == name).map(|(_, value)| *value).ok_or_else(|| format!("one of {}", names()))
 }
 
 #[cfg(test)]
@@ -112,7 +196,7 @@ mod tests {
         assert_eq!((options.shadows, options.size, options.bias, options.show), (Shadows::Map, 64, -2.5, Show::Depth));
         assert_eq!(Options::parse("").unwrap(), Options::default());
         for (text, part) in [
-            ("shadows=magic", "one of ray, map, none"),
+            ("shadows=magic", "one of ray, map, cube"),
             ("size=1", "from 16 to 8192"),
             ("bias=NaN", "a number"),
             ("quality=high", "keys are shadows"),

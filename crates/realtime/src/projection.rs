@@ -2,7 +2,11 @@
 
 use steradian_core::{Scene, camera::Projection};
 use steradian_math::{Ray, Vec2, Vec3, Vec4, transform::Affine};
-use steradian_raster::{Extent, glam::Mat4, state::Viewport};
+use steradian_raster::{
+    Extent,
+    glam::{Mat3, Mat4},
+    state::Viewport,
+};
 
 use crate::Error;
 
@@ -18,8 +22,43 @@ pub struct Projected {
     length: f32,
     /// The place in each pixel that is looked at.
     offset: Vec2,
-    /// Side of the picture of a light's view; none for the scene's camera.
-    light: Option<u32>,
+    /// Of a light's view; none for the scene's camera.
+    light: Option<LightFrame>,
+}
+
+/// The square picture of a light's view.
+#[derive(Clone, Copy, Debug)]
+struct LightFrame {
+    /// Its side in texels.
+    size: u32,
+    /// What the picture is bent by; none leaves it as it is.
+    warp: Option<Warp>,
+}
+
+/// A homography of the picture plane. It maps (x, y, w) of clip space and leaves z, so that all points of a ray keep one place, and their
+/// depths are divided by the same number.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Warp {
+    forward: Mat3,
+    inverse: Mat3,
+}
+
+impl Warp {
+    /// A homography, scaled so that depths stay in 0…1 within the frame; `None` where it has no inverse, or its horizon crosses the frame.
+    pub fn new(forward: Mat3) -> Option<Self> {
+        let inverse = forward.inverse();
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+        let scales = corners.map(|[x, y]| (inverse * Vec3::new(x, y, 1.0)).z);
+        let (least, largest) = scales.iter().fold((f32::MAX, 0f32), |(a, b), s| (a.min(*s), b.max(*s)));
+        let is_sound = inverse.is_finite() && least > 0.0 && largest < f32::MAX;
+        is_sound.then(|| Self { forward: forward * largest, inverse: inverse * (1.0 / largest) })
+    }
+
+    /// The place before the warp of a place in the frame, and what depths there were divided by.
+    fn undo(&self, x: f32, y: f32) -> (Vec2, f32) {
+        let p = self.inverse * Vec3::new(x, y, 1.0);
+        (Vec2::new(p.x, p.y) / p.z, 1.0 / p.z)
+    }
 }
 
 impl Projected {
@@ -77,13 +116,72 @@ impl Projected {
             near: range[0],
             length: range[1] - range[0],
             offset: Vec2::splat(0.5),
-            light: Some(size),
+            light: Some(LightFrame { size, warp: None }),
+        }
+    }
+
+    /// The view of a light, bent.
+    pub(crate) fn warped(self, warp: Option<Warp>) -> Self {
+        Self { light: self.light.map(|frame| LightFrame { warp, ..frame }), ..self }
+    }
+
+    /// The place on the picture plane (x right and y up, from −1 to 1 before any warp) that a place of the frame shows, and what depths there
+    /// were divided by.
+    pub(crate) fn unwarped(&self, x: f32, y: f32) -> (Vec2, f32) {
+        match self.light.and_then(|frame| frame.warp) {
+            Some(warp) => warp.undo(x, y),
+            None => (Vec2::new(x, y), 1.0),
+        }
+    }
+
+    /// Whether rays start at one point.
+    pub(crate) fn is_perspective(&self) -> bool {
+        self.perspective
+    }
+
+    /// Half the width of the window: in space where rays are parallel, at distance 1 otherwise.
+    pub(crate) fn half(&self) -> f32 {
+        self.window[1] / 2.0
+    }
+
+    /// The place of the eye, and the direction it looks in (not of unit length).
+    pub(crate) fn eye(&self) -> (Vec3, Vec3) {
+        let world = self.camera_from_world.inverse();
+        (world.point(Vec3::ZERO), world.vector(Vec3::Z))
+    }
+
+    /// A point of the view's own coordinates in the world.
+    pub(crate) fn world(&self, local: Vec3) -> Vec3 {
+        self.camera_from_world.inverse().point(local)
+    }
+
+    /// Right and up on the plane at distance 1 (in space where rays are parallel) of the corners of the frame: least and largest.
+    pub(crate) fn window(&self) -> [f32; 4] {
+        let [x_sum, x_size, y_sum, y_size] = self.window;
+        [(x_sum - x_size) / 2.0, (x_sum + x_size) / 2.0, (y_sum - y_size) / 2.0, (y_sum + y_size) / 2.0]
+    }
+
+    /// Where a distance along the axis is between the start and the end of the view, from 0 to 1.
+    pub(crate) fn share_of(&self, distance: f32) -> f32 {
+        ((distance - self.near) / self.length).clamp(0.0, 1.0)
+    }
+
+    /// A point with weight `w`, or with 0 a direction, in clip space. Depths are not held to the range.
+    pub(crate) fn clip_homogeneous(&self, p: Vec4) -> Vec4 {
+        let c = self.camera_from_world.m * p;
+        let [x_sum, x_size, y_sum, y_size] = self.window;
+        if self.perspective {
+            let (x, y) = ((2.0 * c.x - x_sum * c.z) / x_size, (2.0 * c.y - y_sum * c.z) / y_size);
+            Vec4::new(x, y, self.near * c.w, c.z)
+        } else {
+            let depth = c.w - (c.z - self.near * c.w) / self.length;
+            Vec4::new((2.0 * c.x - x_sum * c.w) / x_size, (2.0 * c.y - y_sum * c.w) / y_size, depth, c.w)
         }
     }
 
     /// Size of the picture, and where the view lies in it.
     pub(crate) fn frame(&self, scene: &Scene) -> (Extent, Viewport) {
-        if let Some(size) = self.light {
+        if let Some(LightFrame { size, .. }) = self.light {
             return (Extent::new(size, size), Viewport::new(size as f32, size as f32));
         }
         let (film, crop) = (&scene.film, scene.film.crop);
@@ -123,12 +221,19 @@ impl Projected {
     pub fn clip(&self, p: Vec3) -> Vec4 {
         let c = self.camera_from_world.point(p);
         let [x_sum, x_size, y_sum, y_size] = self.window;
-        if self.perspective {
+        let clip = if self.perspective {
             let (x, y) = ((2.0 * c.x - x_sum * c.z) / x_size, (2.0 * c.y - y_sum * c.z) / y_size);
             Vec4::new(x, y, self.near, c.z)
         } else {
             let depth = 1.0 - (c.z - self.near) / self.length;
             Vec4::new((2.0 * c.x - x_sum) / x_size, (2.0 * c.y - y_sum) / y_size, depth, 1.0)
+        };
+        match self.light {
+            Some(LightFrame { warp: Some(warp), .. }) => {
+                let bent = warp.forward * Vec3::new(clip.x, clip.y, clip.w);
+                Vec4::new(bent.x, bent.y, clip.z, bent.z)
+            }
+            _ => clip,
         }
     }
 
@@ -142,7 +247,7 @@ impl Projected {
     /// The ray through a pixel of the picture.
     #[inline]
     pub fn ray(&self, scene: &Scene, [x, y]: [u32; 2]) -> Ray {
-        if let Some(size) = self.light {
+        if let Some(LightFrame { size, .. }) = self.light {
             return self.light_ray([x, y], size);
         }
         let crop = scene.film.crop;
@@ -152,9 +257,8 @@ impl Projected {
     }
 
     fn light_ray(&self, [x, y]: [u32; 2], size: u32) -> Ray {
-        let half = self.window[1] / 2.0;
         let at = |i: u32| (i as f32 + 0.5) / size as f32 * 2.0 - 1.0;
-        let place = Vec3::new(at(x) * half, -at(y) * half, 0.0);
+        let place = (self.unwarped(at(x), -at(y)).0 * self.half()).extend(0.0);
         let world = self.camera_from_world.inverse();
         if self.perspective {
             Ray::new(world.point(Vec3::ZERO), world.vector(place.with_z(1.0)).normalize())

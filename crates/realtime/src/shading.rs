@@ -17,6 +17,14 @@ use crate::{
 /// Scenes with more lights than this are lit by some of them, chosen for each point.
 const FEW_LIGHTS: usize = 16;
 
+/// What follows the way of a pixel's light.
+pub struct Trace {
+    /// Rays that were traced.
+    pub rays: u64,
+    /// The pixel, while what it sees itself is shaded.
+    pub pixel: Option<usize>,
+}
+
 /// Shades points.
 pub struct Shader<'a> {
     pub scene: &'a Scene,
@@ -66,7 +74,10 @@ impl Shader<'_> {
             return (self.lesson(ray, seen), Wavelengths::RGB);
         }
         let mut lambda = lambda;
-        let light = self.light(ray, seen, &numbers, &mut lambda, rays);
+        let pixel = (at[1] * self.scene.film.crop.width() + at[0]) as usize;
+        let mut trace = Trace { rays: 0, pixel: Some(pixel) };
+        let light = self.light(ray, seen, &numbers, &mut lambda, &mut trace);
+        *rays += trace.rays;
         (light, lambda)
     }
 
@@ -94,7 +105,7 @@ impl Shader<'_> {
         seen: Option<Seen>,
         numbers: &Numbers,
         lambda: &mut Wavelengths,
-        rays: &mut u64,
+        trace: &mut Trace,
     ) -> Spectrum {
         let scene = self.scene;
         let (mut ray, mut hit) = (*ray, seen.map(|s| s.hit));
@@ -108,12 +119,13 @@ impl Shader<'_> {
             let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
             let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
                 ray = i.spawn(ray.direction);
-                *rays += 1;
+                trace.pixel = None;
+                trace.rays += 1;
                 hit = scene.intersect(&ray);
                 continue;
             };
             let bsdf = &scattering.bsdf;
-            sum += throughput * self.direct(&i, &frame, bsdf, numbers, round, lambda, rays);
+            sum += throughput * self.direct(&i, &frame, bsdf, numbers, round, lambda, trace);
             // Mirrors and glass show what lies behind them.
             if bounce >= self.options.bounces {
                 return sum;
@@ -124,7 +136,8 @@ impl Shader<'_> {
             let Some(s) = sample.filter(|s| s.lobe.is_specular()) else { return sum };
             throughput *= s.weight;
             ray = i.spawn(frame.to_world(s.wi));
-            *rays += 1;
+            trace.pixel = None;
+            trace.rays += 1;
             hit = scene.intersect(&ray);
         }
         sum
@@ -155,7 +168,7 @@ impl Shader<'_> {
         numbers: &Numbers,
         round: u32,
         lambda: &Wavelengths,
-        rays: &mut u64,
+        trace: &mut Trace,
     ) -> Spectrum {
         if bsdf.is_specular() {
             return Spectrum::ZERO;
@@ -169,21 +182,22 @@ impl Shader<'_> {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
                 if let Some((light, p)) = lights.choose(&ctx, u) {
                     let u = numbers.get_2d(5 + 8 * round, k);
-                    sum += self.one(light, p, u, i, &ctx, frame, bsdf, lambda, rays) / points as f32;
+                    sum += self.one(light, p, None, u, i, &ctx, frame, bsdf, lambda, trace) / points as f32;
                 }
             }
-            return sum + self.sky(true, i, &ctx, frame, bsdf, numbers, round, lambda, rays);
+            return sum + self.sky(true, i, &ctx, frame, bsdf, numbers, round, lambda, trace);
         }
         for (number, light) in lights.lights.iter().enumerate() {
             // Points and parallel light have one place.
             let is_delta = !matches!(light, Light::Environment(_) | Light::Area(_));
             let count = if is_delta { 1 } else { points };
+            let share = self.shadows.share(number as u32, i);
             for k in 0..count {
                 let u = numbers.get_2d(1000 * (number as u32 + 1) + 6 + 8 * round, k);
-                sum += self.one(number as u32, 1.0, u, i, &ctx, frame, bsdf, lambda, rays) / count as f32;
+                sum += self.one(number as u32, 1.0, share, u, i, &ctx, frame, bsdf, lambda, trace) / count as f32;
             }
         }
-        sum + self.sky(false, i, &ctx, frame, bsdf, numbers, round, lambda, rays)
+        sum + self.sky(false, i, &ctx, frame, bsdf, numbers, round, lambda, trace)
     }
 
     /// The light of environments in directions that the surface draws, weighted against those that the light draws. `chosen`: whether
@@ -199,7 +213,7 @@ impl Shader<'_> {
         numbers: &Numbers,
         round: u32,
         lambda: &Wavelengths,
-        rays: &mut u64,
+        trace: &mut Trace,
     ) -> Spectrum {
         let lights = &self.scene.lights;
         let mut sum = Spectrum::ZERO;
@@ -219,26 +233,27 @@ impl Shader<'_> {
                 let other = if chosen || choice <= 0.0 { other } else { other / choice };
                 arriving += e.radiance(i.surface.p, wi, lambda) * power_heuristic(s.pdf, other);
             }
-            if !arriving.is_black() && self.shadows.is_open(self.scene, &i.spawn(wi), rays) {
+            if !arriving.is_black() && self.shadows.is_open(self.scene, &i.spawn(wi), trace) {
                 sum += s.weight * arriving;
             }
         }
         sum / self.options.points as f32
     }
 
-    /// The light of a place on a light that was chosen with probability `p`.
+    /// The light of a place on a light that was chosen with probability `p`. `share`: how much of the light is seen, where that is known.
     #[allow(clippy::too_many_arguments)]
     fn one(
         &self,
         light: u32,
         p: f32,
+        share: Option<f32>,
         u: Vec2,
         i: &Interaction,
         ctx: &LightContext,
         frame: &Frame,
         bsdf: &Bsdf,
         lambda: &Wavelengths,
-        rays: &mut u64,
+        trace: &mut Trace,
     ) -> Spectrum {
         let Some(s) = self.scene.lights.sample(light, ctx, u, lambda, &self.scene.textures) else {
             return Spectrum::ZERO;
@@ -247,7 +262,7 @@ impl Shader<'_> {
         if e.value.is_black() || s.radiance.is_black() {
             return Spectrum::ZERO;
         }
-        let lit = self.shadows.lit(self.scene, light, i, &s, rays);
+        let lit = share.unwrap_or_else(|| self.shadows.lit(self.scene, light, i, &s, trace));
         if lit <= 0.0 {
             return Spectrum::ZERO;
         }

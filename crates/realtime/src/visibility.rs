@@ -77,6 +77,16 @@ impl Visibility {
     /// # Errors
     /// More than 119 million primitives in the view, and sizes that the pipeline refuses.
     pub fn draw(scene: &Scene, list: &DrawList, projected: &Projected) -> Result<Self, Error> {
+        Self::draw_with(scene, list, projected, true)
+    }
+
+    /// Draws what the view sees, or of it what is no mesh of whole triangles.
+    pub(crate) fn draw_with(
+        scene: &Scene,
+        list: &DrawList,
+        projected: &Projected,
+        meshes: bool,
+    ) -> Result<Self, Error> {
         let (extent, viewport) = projected.frame(scene);
         let colors = vec![ColorTarget::new(extent, Format::R32Uint)?];
         let mut target = Framebuffer::new(colors, Some(DepthTarget::new(extent, DepthFormat::Float32)?), None)?;
@@ -84,7 +94,9 @@ impl Visibility {
         let state = State { depth: Some(DepthState::GREATER), viewports: vec![viewport], ..State::default() };
         let mut stage =
             Stage { scene, list, projected, target, state, parts: Parts::default(), counters: Counters::default() };
-        stage.meshes(false)?;
+        if meshes {
+            stage.meshes(false)?;
+        }
         stage.meshes(true)?;
         stage.boxes(false)?;
         stage.boxes(true)?;
@@ -93,6 +105,11 @@ impl Visibility {
         let numbers = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         let depths = stage.target.depth().map_or(Vec::new(), |depth| depth.to_rows(0));
         Ok(Self { numbers, depths, width: extent.width, parts: stage.parts, counters: stage.counters })
+    }
+
+    /// Index in the list of what a pixel sees.
+    pub(crate) fn item(&self, pixel: usize) -> Option<u32> {
+        self.parts.find(self.numbers[pixel].checked_sub(1)?).map(|(item, _)| item)
     }
 
     /// What a pixel of the picture sees.

@@ -4,7 +4,7 @@ use steradian::{
     CompileOptions, Quality, Scene, compile,
     integrators::{Counters, Depth, Integrator, Survey, whitted::Whitted},
     load,
-    math::{Ray, Vec2, spectra::Wavelengths},
+    math::{Ray, Vec2, Vec3, spectra::Wavelengths},
     raster::{self, Options},
 };
 use steradian_core::sampler::Sampler;
@@ -233,4 +233,168 @@ fn odd_scenes() {
     let around = scene_of(&format!("Camera \"spherical\"\n{head}"));
     let error = raster::render(&around, &Quality::default(), &Options::default()).unwrap_err();
     assert!(error.to_string().contains("perspective or orthographic camera"));
+}
+
+/// A table, a box, a sheet and posts on a floor, in parallel light.
+const TABLE: &str = include_str!("../../../scenes/shadows.pbrt");
+const PARALLEL: &str =
+    "LightSource \"distant\" \"rgb L\" [1.6 1.5 1.3] \"point3 from\" [-3 -2 4] \"point3 to\" [0 0 0]";
+const POINT: &str = "LightSource \"point\" \"rgb I\" [30 28 24] \"point3 from\" [-2.2 -1.4 3.1]";
+
+/// Shares of the light that pixels have, by what they would have without shadows; none where that is nothing.
+fn shares(scene: &Scene, options: &str) -> Vec<Option<f64>> {
+    let (found, open) = (radiances(scene, options), radiances(scene, "shadows=none"));
+    found.iter().zip(open).map(|(a, b)| (b[1] > 1e-6).then(|| a[1] / b[1])).collect()
+}
+
+/// Pixels whose shares differ.
+fn differing(a: &[Option<f64>], b: &[Option<f64>]) -> Vec<usize> {
+    let differ = |i: &usize| a[*i].zip(b[*i]).is_some_and(|(a, b)| (a - b).abs() > 1e-3);
+    (0..a.len()).filter(differ).collect()
+}
+
+/// The stencil buffer tells what rays tell, but where the ray of a pixel passes within the rounding of positions (1/256 pixel) of an edge of a
+/// shadow or of what casts it: in parallel light and that of a point, with the eye in light and in shadow, among all kinds of shapes (M234).
+#[test]
+fn shadow_volumes_are_ray_cast_shadows() {
+    let among_legs = "LookAt 1.2 0.2 0.5  2.2 3 0.2  0 0 1";
+    let from_outside = "LookAt 0 -9 2.2  0 0 0.9  0 0 1";
+    let point = TABLE.replace(PARALLEL, POINT);
+    assert!(point != TABLE && TABLE.contains(from_outside));
+    let without_mask = SCENE.replace("\"texture alpha\" \"board\"", "");
+    let without_curve: Vec<_> = without_mask.lines().filter(|line| !line.contains("Shape \"curve\"")).collect();
+    let cases = [
+        (TABLE.to_owned(), true),
+        (point.clone(), true),
+        (TABLE.replace(from_outside, among_legs), false),
+        (point.replace(from_outside, among_legs), false),
+        (without_curve.join("\n"), true),
+    ];
+    for (number, (text, eye_is_lit)) in cases.into_iter().enumerate() {
+        let scene = scene_of(&text);
+        let width = scene.film.width as usize;
+        let (exact, volumes) = (shares(&scene, "shadows=ray"), shares(&scene, "shadows=volume"));
+        assert!(exact.iter().flatten().any(|s| *s < 0.9));
+        let wrong = differing(&exact, &volumes);
+        let beside = |i: usize, dx: i32, dy: i32| {
+            let at = Vec2::new(dx as f32, dy as f32) / 100.0 + 0.5;
+            let ray = ray(&scene, (i % width) as u32, (i / width) as u32, at);
+            let hit = scene.intersect(&ray)?;
+            let i = scene.interaction(&ray, &hit);
+            let lit = |light: u32| {
+                let ctx = steradian_core::light::LightContext { p: i.surface.p, n: Vec3::ZERO };
+                let s = scene.lights.sample(light, &ctx, Vec2::splat(0.5), &Wavelengths::RGB, &scene.textures)?;
+                Some(!scene.occluded(&i.spawn_towards(s.wi, s.distance)))
+            };
+            Some((0..scene.lights.lights.len() as u32).map(lit).collect::<Vec<_>>())
+        };
+        let off_edges = wrong.iter().filter(|&&i| {
+            let here = beside(i, 0, 0);
+            !(0..9).any(|k| beside(i, k % 3 - 1, k / 3 - 1) != here)
+        });
+        let off_edges: Vec<_> = off_edges.map(|i| (i % width, i / width)).collect();
+        assert!(off_edges.is_empty() && wrong.len() < 40, "case {number}: {} wrong, {off_edges:?}", wrong.len());
+        let before = differing(&exact, &shares(&scene, "shadows=volume-pass")).len();
+        assert!(if eye_is_lit { before < 40 } else { before > 1000 }, "case {number}: {before}");
+    }
+}
+
+/// Every map errs by at most a texel: where it differs from rays, rays that start within a texel's width differ, too. Bent and split maps err
+/// in fewer pixels than plain ones of their size (M228, M232, M233), and a cube in one pass is six maps (M231).
+#[test]
+fn shadow_maps_err_within_a_texel() {
+    let scene = scene_of(TABLE);
+    let exact = shares(&scene, "shadows=ray");
+    let (size, radius) = (512, scene.bounds().bounding_sphere().1);
+    let texel = 2.0 * 1.01 * radius / size as f32;
+    let wi = Vec3::new(-3.0, -2.0, 4.0).normalize();
+    let (right, up) = wi.any_orthonormal_pair();
+    let by_border = |pixel: usize| {
+        let ray = ray(&scene, (pixel % 480) as u32, (pixel / 480) as u32, Vec2::splat(0.5));
+        let Some(hit) = scene.intersect(&ray) else { return false };
+        let at = scene.interaction(&ray, &hit);
+        let lit = |x: f32, y: f32| {
+            let aside = right * x + up * y;
+            // On the surface, which is flat.
+            let aside = aside - wi * (at.surface.n.dot(aside) / at.surface.n.dot(wi));
+            let mut moved = at;
+            moved.surface.p += aside;
+            !scene.occluded(&moved.spawn_towards(wi, f32::INFINITY))
+        };
+        let here = lit(0.0, 0.0);
+        // A texel, and what the bias adds on surfaces that the light grazes.
+        let steps = || (-8..=8).map(|i| i as f32 / 8.0 * 1.5 * texel);
+        steps().any(|x| steps().any(|y| lit(x, y) != here))
+    };
+    let mut counts = std::collections::HashMap::new();
+    for kind in [
+        "map",
+        "map,bias-by=normal",
+        "map,bias-by=plane",
+        "trapezoid,bias-by=plane",
+        "perspective,bias-by=plane",
+        "cascades,bias-by=plane",
+    ] {
+        let found = shares(&scene, &format!("shadows={kind},size={size}"));
+        let wrong = differing(&exact, &found);
+        let stray: Vec<_> = wrong.iter().filter(|i| !by_border(**i)).map(|i| (i % 480, i / 480)).collect();
+        assert!(stray.is_empty(), "{kind}: {} of {} pixels off borders: {stray:?}", stray.len(), wrong.len());
+        counts.insert(kind, wrong.len());
+    }
+    let plain = counts["map,bias-by=plane"];
+    for kind in ["trapezoid", "perspective", "cascades"] {
+        let better = counts[&*format!("{kind},bias-by=plane")];
+        assert!(2 * better < plain && better > 0, "{kind}: {better} of {plain}");
+    }
+    let lamp = scene_of(&TABLE.replace(PARALLEL, POINT));
+    assert_eq!(radiances(&lamp, "shadows=cube,size=256"), radiances(&lamp, "shadows=map,size=256"));
+}
+
+/// On what is flat, projected shadows are those of rays (M235).
+#[test]
+fn projected_shadows_are_exact_on_planes() {
+    for text in [TABLE.to_owned(), TABLE.replace(PARALLEL, POINT)] {
+        let scene = scene_of(&text);
+        let (exact, found) = (shares(&scene, "shadows=ray"), shares(&scene, "shadows=planar"));
+        let is_floor = |i: &usize| {
+            let ray = ray(&scene, (i % 480) as u32, (i / 480) as u32, Vec2::splat(0.5));
+            scene.intersect(&ray).is_some_and(|hit| ray.at(hit.t).z.abs() < 1e-4)
+        };
+        let dark = (0..found.len()).filter(|i| found[*i].is_some_and(|s| s < 0.01)).count();
+        let wrong = differing(&exact, &found).into_iter().filter(is_floor).count();
+        assert!(dark > 1000 && wrong < 12, "{wrong} of {dark}");
+    }
+}
+
+/// Where one plane casts the shadow of a lamp that is parallel to it, soft shadows by maps are close to those of rays (M230), and shadows
+/// from filtered depths are bounds that hold off their borders.
+#[test]
+fn soft_shadows_by_maps_are_close_to_rays() {
+    let text = r#"
+LookAt 0 -6 3  0 0 0  0 0 1
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 120 "integer yresolution" 90
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [9 9 9]
+  Shape "trianglemesh" "point3 P" [-0.6 -0.4 4 -0.6 0.4 4 0.6 0.4 4 0.6 -0.4 4] "integer indices" [0 1 2 0 2 3]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "trianglemesh" "point3 P" [-6 -6 0 6 -6 0 6 6 0 -6 6 0] "integer indices" [0 1 2 0 2 3]
+Shape "trianglemesh" "point3 P" [-0.8 -0.8 1.2 0.8 -0.8 1.2 0.8 0.8 1.2 -0.8 0.8 1.2] "integer indices" [0 1 2 0 2 3]
+"#;
+    let scene = scene_of(text);
+    let exact = shares(&scene, "shadows=ray,points=200");
+    let soft = shares(&scene, "shadows=pcss,points=200,size=512");
+    let (mut penumbra, mut sum, mut largest) = (0, 0.0, 0f64);
+    for (a, b) in exact.iter().zip(&soft).filter_map(|(a, b)| a.zip(*b)) {
+        largest = largest.max((a - b).abs());
+        if a > 0.02 && a < 0.98 {
+            penumbra += 1;
+            sum += (a - b).abs();
+        }
+    }
+    let mean = sum / f64::from(penumbra);
+    // The samples of both are 48 and 200 points: differences of a few hundredths are theirs.
+    assert!(penumbra > 500 && mean < 0.04 && largest < 0.25, "{penumbra} {mean} {largest}");
 }
