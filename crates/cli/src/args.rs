@@ -99,7 +99,8 @@ pub struct SceneOptions {
     /// Look pictures up by one texel drawn at random, whose mean is the value of the filter
     #[arg(long, help_heading = "Scene")]
     pub stochastic_textures: bool,
-    /// Set a parameter ($NAME) of a Mitsuba scene, or `at` (seconds), `animation`, `variant`, `scene` of a glTF scene; may be repeated
+    /// Set a parameter ($NAME) of a Mitsuba scene, or `at` (seconds), `animation`, `variant`, `scene` of a glTF scene, or
+    /// `ground=false` of a model; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
     /// Refuse scenes of which something would be approximated or dropped
@@ -191,8 +192,8 @@ fn sampler_names() -> PossibleValuesParser {
 /// How pictures are stored.
 #[derive(Args, Clone, Debug)]
 pub struct FileOptions {
-    /// Tone curve of .png, .jpg and .ppm (`steradian list tones`); none is plain sRGB. A .ppm without it keeps linear values, scaled by
-    /// the #MAX= in its comment
+    /// Tone curve of .png, .jpg and .ppm (`steradian list tones`); `none` is plain sRGB. Default: `none`, and
+    /// `pbr-neutral` for models and glTF. A .ppm without it keeps linear values, scaled by the #MAX= in its comment
     #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::tone, help_heading = "Files")]
     pub tonemap: Option<Tone>,
     /// Exposure of .png, .jpg and .ppm in stops, -64 to 64
@@ -237,7 +238,15 @@ impl FileOptions {
     /// # Errors
     /// An exposure out of range.
     pub fn write_options(&self) -> Result<WriteOptions, String> {
-        let mut tone = self.tonemap.clone().unwrap_or_default();
+        self.write_options_or(Tone::default())
+    }
+
+    /// [`write_options`](Self::write_options) with another tone curve where the command line names none.
+    ///
+    /// # Errors
+    /// An exposure out of range.
+    pub fn write_options_or(&self, tone: Tone) -> Result<WriteOptions, String> {
+        let mut tone = self.tonemap.clone().unwrap_or(tone);
         if let Some(ev) = self.exposure {
             tone = tone.with_exposure(ev).map_err(|e| e.to_string())?;
         }

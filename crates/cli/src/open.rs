@@ -16,6 +16,7 @@ use std::{
 use steradian::{
     Accelerator, ColorMode, CompileOptions, Inputs, Loaded, Scene,
     formats::Options,
+    image::tone::Tone,
     scene::{Diagnostics, Format, SceneDesc},
 };
 
@@ -63,8 +64,9 @@ pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
     let reading = Options { defines: options.define.iter().cloned().collect(), ..Options::default() };
     let loaded = if is_stdin(name) { from_stdin(options, &reading) } else { steradian::load(name, &reading) };
     let (desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
-    if !options.define.is_empty() && desc.format != Format::Mitsuba {
-        diagnostics.warn(&desc.sources, None, "-D sets parameters of Mitsuba scenes; this is none, it has no effect");
+    if !options.define.is_empty() && !matches!(desc.format, Format::Mitsuba | Format::Gltf | Format::Model) {
+        let message = "-D sets parameters of Mitsuba and glTF scenes and models; it has no effect on this one";
+        diagnostics.warn(&desc.sources, None, message);
     }
     let (files, load) = (Vec::new(), loaded.time);
     let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
@@ -80,6 +82,16 @@ pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
     opened.files = compiled.files;
     opened.scene = compiled.scene;
     opened
+}
+
+impl Opened {
+    /// The tone curve that suits the scene: models are lit so that no colour burns out with this one.
+    pub fn tone(&self) -> Tone {
+        match self.desc.format {
+            Format::Model | Format::Gltf => Tone::parse("pbr-neutral").unwrap_or_default(),
+            _ => Tone::default(),
+        }
+    }
 }
 
 /// What a scene is called in messages and files.

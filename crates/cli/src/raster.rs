@@ -14,7 +14,11 @@ use std::{
     path::PathBuf,
     time::{Duration, Instant},
 };
-use steradian::{ColorMode, Quality, Scene, image::FileKind, raster};
+use steradian::{
+    ColorMode, Quality, Scene,
+    image::{FileKind, WriteOptions},
+    raster,
+};
 
 /// An opened scene and where its picture goes.
 pub struct Job<'a> {
@@ -28,6 +32,8 @@ pub struct Job<'a> {
     pub outputs: &'a [PathBuf],
     /// Their kinds.
     pub kinds: &'a [FileKind],
+    /// How they are written.
+    pub write_options: &'a WriteOptions,
     /// Messages of reading.
     pub counts: Counts,
     /// Time of reading.
@@ -71,7 +77,6 @@ pub fn run(args: &RenderArgs, job: &Job<'_>, options: &raster::Options, terminal
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(job.kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
     render::check_memory(scene, 2)?;
-    let write_options = args.files.write_options().map_err(Failure::bad_input)?;
     let integrator = raster::RASTER.0;
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let done = raster::render(scene, quality, options).map_err(|e| Failure::bad_input(e.to_string()))?;
@@ -94,7 +99,7 @@ pub fn run(args: &RenderArgs, job: &Job<'_>, options: &raster::Options, terminal
         of_means: None,
     };
     output::label(&mut picture, scene, &provenance);
-    let written = output::save(outputs, &picture, &write_options, true)?;
+    let written = output::save(outputs, &picture, job.write_options, true)?;
     let report = Report {
         schema: 1,
         software: concat!("Steradian ", env!("CARGO_PKG_VERSION")),

@@ -10,6 +10,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use steradian::{
     ColorMode, CompileOptions, Inputs, Scene,
+    formats::Options,
     instruments::{
         direction,
         goniometer::{self, Bins},
@@ -51,7 +52,8 @@ impl Relief {
     pub fn asked_for(args: &MaterialArgs, terminal: Terminal) -> Result<Option<Self>, Failure> {
         let bare = match (&args.geometry, args.microsurface) {
             (Some(file), _) => {
-                let loaded = steradian::load(file, &Default::default());
+                let defines = [("ground".to_owned(), "false".to_owned())].into();
+                let loaded = steradian::load(file, &Options { defines, ..Options::default() });
                 diagnostics::tell(&loaded.diagnostics, terminal);
                 if loaded.diagnostics.has_errors() || loaded.desc.shapes.is_empty() {
                     return Err(Failure::bad_input(format!("'{file}' has no geometry to measure")));

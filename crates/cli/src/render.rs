@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
-    let write_options = args.files.write_options().map_err(Failure::bad_input)?;
+    args.files.write_options().map_err(Failure::bad_input)?;
     outputs.iter().chain(&args.resume).chain(&quality.solution()).try_for_each(|o| output::check_writable(o))?;
     if let Some(state) = &args.resume {
         check_state(state, &outputs)?;
@@ -52,6 +52,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
 
     open::limit_threads(args.scene_options.threads);
     let opened = open::open(path, &scene_options, quality.spp);
+    let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
     let solution = quality.solution();
@@ -78,6 +79,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
             quality: &quality,
             outputs: &outputs,
             kinds: &kinds,
+            write_options: &write_options,
             counts,
             load,
             build,

@@ -143,7 +143,7 @@ impl Reader<'_> {
             diagnostics.warn(&desc.sources, None, format!("the scene of '{}' has no surfaces", self.path.display()));
             self.bounds = [DVec3::NEG_ONE, DVec3::ONE];
         }
-        stage::complete(desc, self.bounds, self.uses_lights);
+        stage::complete(&mut self.import, self.options, self.bounds, self.uses_lights);
     }
 
     fn check_version(&mut self, root: &At<'_>) {

@@ -72,7 +72,7 @@ fn faults(text: impl AsRef<[u8]>) -> Vec<String> {
 #[test]
 fn a_triangle_is_placed_framed_and_lit() {
     let desc = sound(triangle("", r#", "translation": [1, 2, 3], "scale": [2, 2, 2]"#, "", "")).desc;
-    assert_eq!((desc.shapes.len(), desc.cameras.len(), desc.lights.len()), (1, 1, 2));
+    assert_eq!((desc.shapes.len(), desc.cameras.len(), desc.lights.len()), (2, 1, 1), "with a ground and a sky");
     assert_eq!(desc.meshes[0].triangles, [[0, 1, 2]]);
     let p = desc.shapes[0].world_from_object.matrix.transform_point3(DVec3::new(1.0, 0.0, 0.0));
     assert!((p - DVec3::new(3.0, 2.0, 3.0)).length() < 1e-12);
@@ -116,10 +116,10 @@ fn strips_fans_and_morph_targets() {
     let fan = triangle("", "", r#", "mode": 6"#, "");
     assert_eq!(sound(fan).desc.meshes[0].triangles, [[1, 2, 0]]);
     let lines = sound(triangle("", "", r#", "mode": 2"#, "")).desc;
-    assert_eq!(lines.shapes.len(), 3);
-    assert!(lines.shapes.iter().all(|s| lines.node(s.node).kind == "cylinder"));
+    assert_eq!(lines.shapes.len(), 4, "with a ground");
+    assert!(lines.shapes[..3].iter().all(|s| lines.node(s.node).kind == "cylinder"));
     let points = sound(triangle("", "", r#", "mode": 0"#, "")).desc;
-    assert!(points.shapes.iter().all(|s| points.node(s.node).kind == "sphere"));
+    assert!(points.shapes[..3].iter().all(|s| points.node(s.node).kind == "sphere"));
     let morphed = triangle("", r#", "weights": [0.5]"#, r#", "targets": [{ "POSITION": 0 }]"#, "");
     assert_eq!(sound(morphed).desc.meshes[0].positions[1], [1.5, 0.0, 0.0]);
 }

@@ -2,6 +2,8 @@
 //! under a sky.
 
 mod material;
+mod sky;
+mod smooth;
 pub(crate) mod stage;
 
 use super::{MeshError, Place, mtl, obj, ply, text};
@@ -15,7 +17,8 @@ use std::{
 };
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
-/// Opens an OBJ or PLY file. A file that starts as PLY is PLY, whatever it is called.
+/// Opens an OBJ or PLY file. What is needed to see it is added: a camera, a sky with a sun, and a ground, unless
+/// [`Options::defines`] has `ground=false`. Meshes without normals get those of [`smooth`] surfaces. A file that starts as PLY is PLY, whatever it is called.
 ///
 /// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for
 /// beside it and in [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain
@@ -244,10 +247,11 @@ impl Opener<'_> {
         Look { material: Some(both), emission: None }
     }
 
-    fn shape(&mut self, mesh: Mesh, look: Look) {
+    fn shape(&mut self, mut mesh: Mesh, look: Look) {
         if mesh.triangles.is_empty() && mesh.patches.is_empty() {
             return;
         }
+        smooth::smooth(&mut mesh);
         let desc = &mut self.import.desc;
         let node = desc.add(Node::new(Family::Shape, "mesh", None));
         let mesh = desc.add_mesh(mesh);
@@ -272,7 +276,7 @@ impl Opener<'_> {
             self.import.diagnostics.error(&self.import.desc.sources, None, message);
             return self.import;
         }
-        stage::set(&mut self.import.desc);
+        stage::set(&mut self.import, self.options);
         self.import
     }
 }

@@ -1,8 +1,10 @@
-//! Camera, film and light for a model that comes without.
+//! Camera, film, ground and light for a model that comes without.
 
-use std::sync::Arc;
+use super::sky;
+use crate::{Import, Options};
+use std::{path::PathBuf, sync::Arc};
 use steradian_math::{DMat4, DVec3};
-use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, SpectrumValue, Transform};
+use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, Transform};
 
 /// Horizontal angle of view in degrees.
 const FOV: f64 = 40.0;
@@ -10,21 +12,40 @@ const WIDTH: i64 = 1024;
 const HEIGHT: i64 = 768;
 /// Room around the model, as a factor on the distance.
 const MARGIN: f64 = 1.08;
+/// Reflectance of the ground.
+const GROUND: f64 = 0.3;
+/// Radius of the ground, and how far it lies below the model, in diagonals of the box.
+const GROUND_RADIUS: f64 = 20.0;
+const GROUND_GAP: f64 = 1e-3;
 
 /// Sets up what is needed to see a model: +y is up and +z is the front, as most exporters have it.
-pub(super) fn set(desc: &mut SceneDesc) {
+pub(super) fn set(import: &mut Import, options: &Options) {
+    let desc = &import.desc;
     let corners = bounding_box(desc.meshes.iter().map(Arc::as_ref));
     let emits = desc.shapes.iter().any(|s| s.emission.is_some());
-    complete(desc, corners, emits);
+    complete(import, options, corners, emits);
 }
 
-/// Adds what a scene lacks: a camera that frames the box of its shapes, and a sky with a sun where it has no light of
-/// its own.
-pub(crate) fn complete(desc: &mut SceneDesc, corners: [DVec3; 2], has_lights: bool) {
+/// Adds what a scene lacks: a camera that frames the box of its shapes, a sky with a sun where it has no light of its
+/// own, and a ground where it has neither, unless the user defines `ground=false`.
+pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool) {
+    let Import { desc, diagnostics } = import;
+    let wants_ground = match options.defines.get("ground").map(String::as_str) {
+        None | Some("true") => true,
+        Some("false") => false,
+        Some(other) => {
+            diagnostics.error(&desc.sources, None, format!("'ground' is 'true' or 'false', not '{other}'"));
+            return;
+        }
+    };
+    let is_lit = has_lights || !desc.lights.is_empty();
     if desc.cameras.is_empty() {
         add_camera(desc, corners);
+        if !is_lit && wants_ground {
+            add_ground(desc, corners);
+        }
     }
-    if !has_lights && desc.lights.is_empty() {
+    if !is_lit {
         add_sky(desc);
     }
 }
@@ -40,16 +61,25 @@ fn add_camera(desc: &mut SceneDesc, corners: [DVec3; 2]) {
     desc.film = Some(film);
 }
 
-/// A bluish sky of radiance one half, and a warm sun over the left shoulder that makes about as much again where it
-/// falls.
 fn add_sky(desc: &mut SceneDesc) {
-    let rgb = |r, g, b| SpectrumValue::Rgb([r, g, b], ColorSpace::Srgb);
-    let sky = desc.add(Node::new(Family::Light, "environment", None).with("radiance", rgb(0.42, 0.5, 0.62)));
-    let sun = Node::new(Family::Light, "distant", None)
-        .with("radiance", rgb(1.75, 1.65, 1.5))
-        .with("direction", [0.45, -0.8, -0.65]);
-    let sun = desc.add(sun);
-    desc.lights.extend([sky, sun]);
+    let file = PathBuf::from("sky of the viewer");
+    desc.embedded.insert(file.clone(), sky::pfm().into());
+    let sky = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
+    let sky = desc.add(sky);
+    desc.lights.push(sky);
+}
+
+/// A wide grey disk under the model, which catches its shadow.
+fn add_ground(desc: &mut SceneDesc, [low, high]: [DVec3; 2]) {
+    let diagonal = (high - low).length().max(1e-6);
+    let center = (low + high) * 0.5;
+    let origin = DVec3::new(center.x, low.y - GROUND_GAP * diagonal, center.z);
+    // The disk's +z is the world's +y.
+    let axes = [DVec3::X, DVec3::NEG_Z, DVec3::Y].map(|axis| axis.extend(0.0));
+    let to_world = Transform { matrix: DMat4::from_cols(axes[0], axes[1], axes[2], origin.extend(1.0)) };
+    let disk = desc.add(Node::new(Family::Shape, "disk", None).with("radius", GROUND_RADIUS * diagonal));
+    let material = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", GROUND));
+    desc.shapes.push(Shape { world_from_object: to_world, material: Some(material), ..Shape::new(disk) });
 }
 
 /// The least and the greatest coordinates of the vertices of faces.

@@ -154,12 +154,12 @@ fn utf_16_models_open() {
 fn faults_of_colours_and_references_leave_the_model() {
     let i = open(&[("a.obj", b"v 0 0 0 1 nan 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1/3/2 2 3\n")]);
     let text = messages(&i);
-    assert!(!i.diagnostics.has_errors() && i.desc.shapes.len() == 1, "{text}");
+    assert!(!i.diagnostics.has_errors() && i.desc.shapes.len() == 2, "{text}");
     assert!(text.contains("2 texture coordinates and normals") && text.contains("1 colours of vertices"), "{text}");
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
     let ply = format!("{header}0 0 0 inf 0.5 nan\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2\n");
     let i = open(&[("a.ply", ply.as_bytes())]);
-    assert!(!i.diagnostics.has_errors() && i.desc.shapes.len() == 1, "{}", messages(&i));
+    assert!(!i.diagnostics.has_errors() && i.desc.shapes.len() == 2, "{}", messages(&i));
     let texture = i.desc.nodes.iter().find(|n| n.kind == "mesh_attribute").unwrap();
     assert_eq!(texture.get("scale"), None, "an infinite colour is not the brightest");
 }
@@ -189,7 +189,7 @@ fn the_camera_frames_real_models() {
         assert!(nearest > 0.0 && reach <= 1.0 && reach > 0.6, "{name}: {nearest} {reach}");
         // Up in the world is up in the picture, and +x is to the right.
         assert!(to_camera.vector(DVec3::Y).y > 0.5 && to_camera.vector(DVec3::X).x > 0.5);
-        assert_eq!(desc.lights.len(), 2);
+        assert_eq!((desc.lights.len(), desc.shapes.last().unwrap().mesh), (1, None), "a sky, and a ground");
     }
 }
 
@@ -215,8 +215,20 @@ fn vertex_and_face_colors_are_shown() {
 fn a_library_shared_by_groups_makes_one_material_each() {
     let Some(root) = assets() else { return };
     let i = import(&root.join("obj/assimp/cube_usemtl.obj"), &Options::default());
-    assert_eq!(i.desc.shapes.len(), 3);
+    assert_eq!(i.desc.shapes.len(), 4, "with the ground");
     let text = messages(&i);
     assert!(text.contains("no library defines the material 'mtl3'"), "{text}");
     assert_eq!(i.desc.nodes.iter().filter(|n| n.kind == "plastic").count(), 2);
+}
+
+/// A lamp of its own or the user's wish leaves the ground out; a wish that is none is refused.
+#[test]
+fn the_ground_can_be_left_out() {
+    let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let with = |ground: &str| {
+        let options = Options { defines: [("ground".into(), ground.into())].into(), ..Options::default() };
+        import_bytes(Path::new("a.obj"), triangle.to_vec(), &options)
+    };
+    assert_eq!((with("true").desc.shapes.len(), with("false").desc.shapes.len()), (2, 1));
+    assert!(messages(&with("maybe")).contains("'ground' is 'true' or 'false', not 'maybe'"));
 }
