@@ -57,9 +57,10 @@ pub(super) fn smooth(mesh: &mut Mesh) {
     let mut order: Vec<u32> = (0..corners.len() as u32).collect();
     order.par_sort_unstable_by_key(|&c| (place(c), c));
     let mut of_corner = vec![Vec3::ZERO; corners.len()];
-    let is_smooth = order
-        .chunk_by(|&a, &b| place(a) == place(b))
-        .fold(false, |any, around| share(around, &corners, &normals, &mut of_corner) || any);
+    let mut is_smooth = false;
+    for around in order.chunk_by(|&a, &b| place(a) == place(b)) {
+        is_smooth |= share(around, &corners, &normals, &mut of_corner);
+    }
     if is_smooth {
         assign(mesh, &of_corner);
     }

@@ -17,6 +17,8 @@ const GROUND: f64 = 0.3;
 /// Radius of the ground, and how far it lies below the model, in diagonals of the box.
 const GROUND_RADIUS: f64 = 20.0;
 const GROUND_GAP: f64 = 1e-3;
+/// Diagonal of the largest model that gets a ground.
+const LARGEST: f64 = 1e30;
 
 /// Sets up what is needed to see a model: +y is up and +z is the front, as most exporters have it.
 pub(super) fn set(import: &mut Import, options: &Options) {
@@ -69,9 +71,13 @@ fn add_sky(desc: &mut SceneDesc) {
     desc.lights.push(sky);
 }
 
-/// A wide grey disk under the model, which catches its shadow.
+/// A wide grey disk under the model, which catches its shadow. There is none under models so large that places on it
+/// could not be told in single precision.
 fn add_ground(desc: &mut SceneDesc, [low, high]: [DVec3; 2]) {
     let diagonal = (high - low).length().max(1e-6);
+    if diagonal > LARGEST {
+        return;
+    }
     let center = (low + high) * 0.5;
     let origin = DVec3::new(center.x, low.y - GROUND_GAP * diagonal, center.z);
     // The disk's +z is the world's +y.
