@@ -18,7 +18,8 @@ use std::{
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
 /// Opens an OBJ or PLY file. What is needed to see it is added: a camera, a sky with a sun, and a ground, unless
-/// [`Options::defines`] has `ground=false`. Meshes without normals get those of [`smooth`] surfaces. A file that starts as PLY is PLY, whatever it is called.
+/// [`Options::defines`] has `ground=false`. Meshes without normals get those of
+/// smooth surfaces. A file that starts as PLY is PLY, whatever it is called.
 ///
 /// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for
 /// beside it and in [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain
