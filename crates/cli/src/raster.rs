@@ -80,6 +80,7 @@ pub fn run(args: &RenderArgs, job: &Job<'_>, options: &raster::Options, terminal
     let integrator = raster::RASTER.0;
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let done = raster::render(scene, quality, options).map_err(|e| Failure::bad_input(e.to_string()))?;
+    done.notes.iter().for_each(|note| terminal.say(note));
     let saving = Instant::now();
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
     let mut picture = steradian::develop(scene, &done.film, &[]);

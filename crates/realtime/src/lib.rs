@@ -4,17 +4,19 @@
 //! 1. [`draw_list`]: triangles of meshes as they are; other shapes (spheres, curves, patches, height fields, planes) by boxes around their
 //!    parts, in which the fragment shader meets the shape with the pixel's ray. Nothing is tessellated, so there is no error to state.
 //! 2. `visibility`: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a reversed depth buffer.
+//!    Painter's algorithm, BSP order, Newell's sort and Warnock's subdivision find the same (`order`).
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
 //! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected shadows, or always.
 
 pub mod draw_list;
 mod options;
+mod order;
 mod projection;
 mod shading;
 mod shadow;
 mod visibility;
 
-pub use options::{BiasBy, Options, SHADOWS, Shadows, Show};
+pub use options::{BiasBy, Method, Options, SHADOWS, Shadows, Show};
 pub use projection::Projected;
 pub use visibility::{Seen, Visibility};
 
@@ -48,6 +50,8 @@ pub struct Picture {
     pub rays: u64,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,
+    /// What is to be said of it.
+    pub notes: Vec<String>,
 }
 
 /// Draws a scene with `spp` samples for each pixel: with one, at the centres of pixels; with more, spread over the pixels and the lights, so
@@ -62,11 +66,16 @@ pub fn render(scene: &Scene, spp: u32, options: &Options) -> Result<Picture, Err
     let mode = if options.show == Show::Picture { scene.mode } else { steradian_core::ColorMode::Rgb };
     let mut pixels = vec![Pixel::default(); (crop.width() * crop.height()) as usize];
     let (mut counters, mut rays, mut nonfinite) = (Counters::default(), 0, 0);
+    let mut notes = Vec::new();
     let mut made = None;
     for pass in 0..spp.max(1) {
         let offset = if spp <= 1 { Vec2::splat(0.5) } else { spread(pass) };
         let projected = Projected::new(scene, offset)?;
-        let visibility = Visibility::draw(scene, &list, &projected)?;
+        let visibility = Visibility::draw_with(scene, &list, &projected, Some(options.visibility))?;
+        if options.visibility == Method::Painter && pass == 0 {
+            let wrong = visibility.differing(&Visibility::draw(scene, &list, &projected)?);
+            notes.push(format!("the order of the painter's algorithm is wrong in {wrong} pixels"));
+        }
         counters += visibility.counters;
         if made.is_none() || options.shadows.is_of_pixels() {
             let eye = shadow::Eye { projected: &projected, visibility: &visibility };
@@ -94,7 +103,7 @@ pub fn render(scene: &Scene, spp: u32, options: &Options) -> Result<Picture, Err
         rays += traced;
         nonfinite += dropped;
     }
-    Ok(Picture { pixels, counters, rays, nonfinite })
+    Ok(Picture { pixels, counters, rays, nonfinite, notes })
 }
 
 /// Points that fill the unit square evenly (Roberts 2018, the R2 sequence), from its middle on.

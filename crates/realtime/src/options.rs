@@ -82,6 +82,30 @@ impl Shadows {
     }
 }
 
+/// How it is told which triangle of meshes a pixel sees. All give one picture, but for pixels whose centres are within rounding of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By depths of pixels (Catmull 1974).
+    ZBuffer,
+    /// By drawing sorted triangles; pixels that this gets wrong are counted.
+    Painter,
+    /// By drawing in the order of a tree of planes.
+    Bsp,
+    /// By Newell's sort, which cuts what has no order.
+    Newell,
+    /// By dividing the picture (Warnock 1969).
+    Warnock,
+}
+
+/// The methods by name.
+const METHODS: [(&str, Method); 5] = [
+    ("zbuffer", Method::ZBuffer),
+    ("painter", Method::Painter),
+    ("bsp", Method::Bsp),
+    ("newell", Method::Newell),
+    ("warnock", Method::Warnock),
+];
+
 /// What is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
@@ -114,6 +138,8 @@ pub struct Options {
     pub cascades: u32,
     /// Texels that are compared around a point, along each axis; 1 for one.
     pub pcf: u32,
+    /// How it is told what is seen.
+    pub visibility: Method,
     /// Points on each light that has an extent, and directions of environments.
     pub points: u32,
     /// How many mirrors and panes of glass are looked through one after the other.
@@ -131,6 +157,7 @@ impl Default for Options {
             bias_by: BiasBy::Slope,
             cascades: 4,
             pcf: 1,
+            visibility: Method::ZBuffer,
             points: 4,
             bounces: 8,
             show: Show::Picture,
@@ -159,6 +186,7 @@ impl Options {
                     options.shadows = found.ok_or_else(|| fault(&format!("one of {}", names.join(", "))))?.1;
                 }
                 "show" => options.show = named(&SHOWN, value).map_err(|names| fault(&names))?,
+                "visibility" => options.visibility = named(&METHODS, value).map_err(|names| fault(&names))?,
                 "bias-by" => options.bias_by = named(&BIASES, value).map_err(|names| fault(&names))?,
                 "cascades" => options.cascades = number(1, 16)?,
                 "size" => options.size = number(16, 8192)?,
@@ -171,7 +199,7 @@ impl Options {
                 }
                 _ => {
                     return Err(fault(
-                        "keys are shadows, show, size, bias, bias-by, pcf, cascades, points and bounces",
+                        "keys are shadows, show, size, bias, bias-by, pcf, cascades, visibility, points and bounces",
                     ));
                 }
             }

@@ -11,14 +11,24 @@ use steradian_raster::{
     Vertex, VertexInput, fragment,
     glam::{UVec4, Vec4},
     output::WithDepth,
-    state::{Cull, DepthState, FrontFace, RasterState},
+    state::{Compare, Cull, DepthState, FrontFace, RasterState},
+    varyings,
 };
 
 use crate::{
     Error,
     draw_list::{BOX, DrawList, Item, box_count, part_bounds},
+    options::Method,
+    order,
     projection::Projected,
 };
+
+varyings! {
+    /// The number of a piece's primitive.
+    struct OfPrimitive {
+        number: u32 => flat,
+    }
+}
 
 /// What a pixel sees.
 #[derive(Clone, Copy, Debug)]
@@ -77,15 +87,18 @@ impl Visibility {
     /// # Errors
     /// More than 119 million primitives in the view, and sizes that the pipeline refuses.
     pub fn draw(scene: &Scene, list: &DrawList, projected: &Projected) -> Result<Self, Error> {
-        Self::draw_with(scene, list, projected, true)
+        Self::draw_with(scene, list, projected, Some(Method::ZBuffer))
     }
 
-    /// Draws what the view sees, or of it what is no mesh of whole triangles.
-    pub(crate) fn draw_with(
+    /// Draws what the view sees, meshes by a method; without one, what is no mesh of whole triangles.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw), and more triangles or cuts than the method takes.
+    pub fn draw_with(
         scene: &Scene,
         list: &DrawList,
         projected: &Projected,
-        meshes: bool,
+        method: Option<Method>,
     ) -> Result<Self, Error> {
         let (extent, viewport) = projected.frame(scene);
         let colors = vec![ColorTarget::new(extent, Format::R32Uint)?];
@@ -94,8 +107,10 @@ impl Visibility {
         let state = State { depth: Some(DepthState::GREATER), viewports: vec![viewport], ..State::default() };
         let mut stage =
             Stage { scene, list, projected, target, state, parts: Parts::default(), counters: Counters::default() };
-        if meshes {
-            stage.meshes(false)?;
+        match method {
+            None => {}
+            Some(Method::ZBuffer) => stage.meshes(false)?,
+            Some(method) => stage.ordered(method)?,
         }
         stage.meshes(true)?;
         stage.boxes(false)?;
@@ -105,6 +120,11 @@ impl Visibility {
         let numbers = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         let depths = stage.target.depth().map_or(Vec::new(), |depth| depth.to_rows(0));
         Ok(Self { numbers, depths, width: extent.width, parts: stage.parts, counters: stage.counters })
+    }
+
+    /// How many pixels see another primitive than in another picture of the same view.
+    pub fn differing(&self, other: &Self) -> usize {
+        self.numbers.iter().zip(&other.numbers).filter(|(a, b)| a != b).count()
     }
 
     /// Index in the list of what a pixel sees.
@@ -209,6 +229,73 @@ impl Stage<'_> {
         } else {
             let shader = fragment(|f: &Fragment<()>| UVec4::splat(number(f) + 1));
             Pipeline::new(Program::new(vertex, shader), self.state.clone(), target.layout())?.draw(target, &draw)?
+        };
+        Ok(())
+    }
+
+    /// Triangles of meshes without masks by another method than depths. What it finds is put into the depth buffer, where other shapes meet it.
+    fn ordered(&mut self, method: Method) -> Result<(), Error> {
+        let (scene, list) = (self.scene, self.list);
+        let (start, end) = self.number(|item, shape| match shape {
+            Shape::Mesh(mesh) if list.geometry(scene, item).alpha.is_none() => mesh.triangles.len() as u32,
+            _ => 0,
+        })?;
+        let mut triangles = Vec::with_capacity((end - start) as usize);
+        for number in start..end {
+            let Some((item, triangle)) = self.parts.find(number) else { continue };
+            let item = &list.items[item as usize];
+            let Shape::Mesh(mesh) = &list.geometry(scene, item).shape else { continue };
+            let place = item.place(scene);
+            let in_world = |p| if item.instance == WORLD { p } else { place.point(p) };
+            triangles.push((number, mesh.corners(triangle).map(in_world)));
+        }
+        let (extent, viewport) = self.projected.frame(scene);
+        let frame = order::Frame {
+            size: [extent.width, extent.height],
+            view: [f64::from(viewport.width), f64::from(viewport.height)],
+            start: [f64::from(viewport.x), f64::from(viewport.y)],
+        };
+        let (found, scale) = order::solve(method, &triangles, self.projected, frame)?;
+        let Self { state, target, .. } = self;
+        let state = State { depth: Some(DepthState { compare: Compare::Always, write: true }), ..state.clone() };
+        self.counters += match found {
+            order::Found::Ordered(polygons) => {
+                let mut corners = Vec::new();
+                for polygon in polygons {
+                    let at = |i: usize| (scale.undo(polygon.corners[i]), polygon.number);
+                    corners.extend((2..polygon.corners.len()).flat_map(|i| [at(0), at(i - 1), at(i)]));
+                }
+                let vertex = |input: VertexInput| {
+                    let (position, number) = corners[input.vertex as usize];
+                    Vertex::new(position, OfPrimitive { number })
+                };
+                let shader = fragment(|f: &Fragment<OfPrimitive>| UVec4::splat(f.varyings().number + 1));
+                let count = u32::try_from(corners.len())
+                    .map_err(|_| Error::Scene("more than 1431 million pieces to draw".into()))?;
+                Pipeline::new(Program::new(vertex, shader), state, target.layout())?
+                    .draw(target, &Draw::vertices(0..count))?
+            }
+            order::Found::Painted(painted) => {
+                let mut pixels = vec![(0, 0.0); (extent.width * extent.height) as usize];
+                for one in painted {
+                    let depth = (one.z * scale.0).clamp(0.0, 1.0) as f32;
+                    pixels[(one.pixel[1] * extent.width + one.pixel[0]) as usize] = (one.number + 1, depth);
+                }
+                let vertex = |input: VertexInput| {
+                    let [x, y] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]][(input.vertex % 3) as usize];
+                    Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
+                };
+                let shader = fragment(|f: &Fragment<()>| {
+                    let [x, y] = f.pixel();
+                    // Helpers may lie beyond the border.
+                    let place = (y * extent.width + x) as usize;
+                    let (number, depth) = pixels.get(place).copied().filter(|(number, _)| *number > 0)?;
+                    Some(WithDepth::<UVec4> { output: UVec4::splat(number), depth })
+                });
+                let state = State { viewports: Vec::new(), ..state };
+                Pipeline::new(Program::new(vertex, shader), state, target.layout())?
+                    .draw(target, &Draw::vertices(0..3))?
+            }
         };
         Ok(())
     }

@@ -9,7 +9,7 @@ pub use steradian_realtime::Options;
 /// Name and description of the integrator, for the registry.
 pub const RASTER: (&str, &str) = (
     "raster",
-    "what is seen by the graphics pipeline, direct light on it, and mirrors and glass by rays, at once: one sample per pixel unless --spp says otherwise; shadows (ray, none, of maps: map, cube, trapezoid, perspective, cascades, variance, moments, pcss; volume, volume-pass, planar), size (1024), bias (1.5), bias-by (slope, constant, normal, plane), pcf (1), cascades (4) of shadow maps, points (4) on each light, bounces (8), show (picture, depth, normal, primitives)",
+    "what is seen by the graphics pipeline, direct light on it, and mirrors and glass by rays, at once: one sample per pixel unless --spp says otherwise; shadows (ray, none, of maps: map, cube, trapezoid, perspective, cascades, variance, moments, pcss; volume, volume-pass, planar), size (1024), bias (1.5), bias-by (slope, constant, normal, plane), pcf (1), cascades (4) of shadow maps, visibility (zbuffer, painter, bsp, newell, warnock), points (4) on each light, bounces (8), show (picture, depth, normal, primitives)",
 );
 
 /// A finished render.
@@ -23,6 +23,8 @@ pub struct Rendered {
     pub rays: u64,
     /// Samples that were not finite.
     pub nonfinite: u64,
+    /// What is to be said of it.
+    pub notes: Vec<String>,
     /// Wall time.
     pub wall: Duration,
     /// Time of all processors.
@@ -48,8 +50,8 @@ pub fn render(scene: &Scene, quality: &Quality, options: &Options) -> Result<Ren
     let spp = quality.spp.unwrap_or(1).max(1);
     let picture = steradian_realtime::render(scene, spp, options)?;
     let film = Film { crop: scene.film.crop, pixels: picture.pixels, features: Vec::new() };
-    let (rays, nonfinite) = (picture.rays, picture.nonfinite);
-    Ok(Rendered { film, spp, rays, nonfinite, wall: start.elapsed(), cpu: cpu_time().saturating_sub(cpu) })
+    let (rays, nonfinite, notes) = (picture.rays, picture.nonfinite, picture.notes);
+    Ok(Rendered { film, spp, rays, nonfinite, notes, wall: start.elapsed(), cpu: cpu_time().saturating_sub(cpu) })
 }
 
 /// CPU time of all threads of this process.

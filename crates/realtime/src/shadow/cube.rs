@@ -58,7 +58,7 @@ pub fn maps(
     let map = |(face, view): (usize, &Projected)| {
         let mut depths = target.depth().map_or(Vec::new(), |depth| depth.to_rows(face as u32));
         if casters.others {
-            let others = Visibility::draw_with(scene, list, view, false)?;
+            let others = Visibility::draw_with(scene, list, view, None)?;
             depths.iter_mut().zip(&others.depths).for_each(|(depth, other)| *depth = depth.max(*other));
         }
         Ok(Map::of_depths(*view, &depths, size))

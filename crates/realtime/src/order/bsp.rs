@@ -1,0 +1,138 @@
+//! Binary space partitioning (Fuchs, Kedem, Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures"): planes of polygons divide
+//! space, polygons that cross them are cut, and from any eye one side of each plane is behind the other.
+
+use steradian_raster::glam::{DVec3, DVec4};
+
+use super::Polygon;
+use crate::Error;
+
+/// Where it is looked from.
+#[derive(Clone, Copy, Debug)]
+pub enum From {
+    Point(DVec3),
+    /// Along this direction.
+    Direction(DVec3),
+}
+
+/// Planes that are tried for each node, and polygons that each is tried on.
+const CANDIDATES: usize = 6;
+const TRIED: usize = 128;
+
+struct Node {
+    plane: DVec4,
+    /// Polygons in the plane.
+    inside: Vec<Polygon>,
+    /// Above and below.
+    children: [Option<usize>; 2],
+}
+
+/// The polygons, cut, from the back to the front.
+pub fn ordered(polygons: Vec<Polygon>, from: From) -> Result<Vec<Polygon>, Error> {
+    let size = polygons.iter().flat_map(|p| &p.corners).fold(0f64, |size, c| size.max(c.abs().max_element()));
+    // Corners are rounded to 24 bits.
+    let within = 2e-7 * size;
+    let most = 20 * polygons.len() + 10_000;
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut count = 0;
+    let mut work = vec![(polygons, None)];
+    while let Some((polygons, parent)) = work.pop() {
+        let Some(plane) = best(&polygons, within) else { continue };
+        let mut node = Node { plane, inside: Vec::new(), children: [None; 2] };
+        let mut sides = [Vec::new(), Vec::new()];
+        for polygon in polygons {
+            match side(&polygon, plane, within) {
+                Side::In => node.inside.push(polygon),
+                Side::Above => sides[0].push(polygon),
+                Side::Below => sides[1].push(polygon),
+                Side::Across => {
+                    let [above, below] = polygon.cut(plane, within).unwrap_or_else(|| [polygon.clone(), polygon]);
+                    sides[0].push(above);
+                    sides[1].push(below);
+                }
+            }
+        }
+        count += node.inside.len();
+        if count + sides[0].len() + sides[1].len() > most {
+            return Err(Error::Scene(format!("visibility=bsp needs more than {most} pieces here")));
+        }
+        // Of equals the first is drawn last.
+        node.inside.sort_by_key(|p| std::cmp::Reverse(p.number));
+        let number = nodes.len();
+        nodes.push(node);
+        if let Some((parent, side)) = parent {
+            let parent: &mut Node = &mut nodes[parent];
+            parent.children[side] = Some(number);
+        }
+        for (side, polygons) in sides.into_iter().enumerate() {
+            if !polygons.is_empty() {
+                work.push((polygons, Some((number, side))));
+            }
+        }
+    }
+    Ok(traversed(&mut nodes, from))
+}
+
+/// Far sides first.
+fn traversed(nodes: &mut [Node], from: From) -> Vec<Polygon> {
+    let mut ordered = Vec::new();
+    // Nodes to enter, and nodes whose own polygons are next.
+    let mut stack = if nodes.is_empty() { Vec::new() } else { vec![(0, false)] };
+    while let Some((number, entered)) = stack.pop() {
+        let node = &mut nodes[number];
+        if entered {
+            ordered.append(&mut node.inside);
+            continue;
+        }
+        let eye_above = match from {
+            From::Point(eye) => node.plane.dot(eye.extend(1.0)) > 0.0,
+            From::Direction(d) => node.plane.truncate().dot(d) < 0.0,
+        };
+        let [above, below] = node.children;
+        let (near, far) = if eye_above { (above, below) } else { (below, above) };
+        stack.extend(near.map(|n| (n, false)));
+        stack.push((number, true));
+        stack.extend(far.map(|n| (n, false)));
+    }
+    ordered
+}
+
+#[derive(PartialEq, Eq)]
+enum Side {
+    In,
+    Above,
+    Below,
+    Across,
+}
+
+fn side(polygon: &Polygon, plane: DVec4, within: f64) -> Side {
+    let distances = polygon.corners.iter().map(|c| plane.dot(c.extend(1.0)));
+    let (low, high) = distances.fold((0f64, 0f64), |(l, h), d| (l.min(d), h.max(d)));
+    match (low < -within, high > within) {
+        (false, false) => Side::In,
+        (false, true) => Side::Above,
+        (true, false) => Side::Below,
+        (true, true) => Side::Across,
+    }
+}
+
+/// The plane, of some polygons, that cuts the fewest and divides best; that of none where all are without area.
+fn best(polygons: &[Polygon], within: f64) -> Option<DVec4> {
+    let step = (polygons.len() / CANDIDATES).max(1);
+    let planes = polygons.iter().step_by(step).filter_map(Polygon::plane);
+    let cost = |plane: &DVec4| {
+        let mut counts = [0i64; 3];
+        for polygon in polygons.iter().step_by((polygons.len() / TRIED).max(1)) {
+            match side(polygon, *plane, within) {
+                Side::In => {}
+                Side::Above => counts[0] += 1,
+                Side::Below => counts[1] += 1,
+                Side::Across => counts[2] += 1,
+            }
+        }
+        (counts[0] - counts[1]).abs() + 4 * counts[2]
+    };
+    planes.map(|plane| (cost(&plane), plane)).min_by_key(|(cost, _)| *cost).map(|(_, plane)| plane).or_else(|| {
+        // All candidates were needles: any other will do.
+        polygons.iter().find_map(Polygon::plane)
+    })
+}
