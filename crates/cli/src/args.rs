@@ -163,6 +163,10 @@ pub struct RenderArgs {
     /// that was never stopped
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
+    /// Leave what lies behind all surfaces out of the picture; write coverage as alpha (premultiplied in .exr, straight
+    /// in .png)
+    #[arg(long)]
+    pub transparent: bool,
     /// Layers to add to .exr files (a comma-separated list of `steradian list layers`, or `all`)
     #[arg(long, value_name = "LIST")]
     pub aov: Vec<Layers>,
@@ -412,6 +416,10 @@ pub struct CompareArgs {
     /// Samples per pixel of the tested pictures, for the z-test; by default what their metadata say
     #[arg(long, value_name = "N", requires = "variance")]
     pub samples: Option<f64>,
+    /// Write a picture of the differences: of .png and .jpg the FLIP error of each pixel in colours from black (none) to
+    /// light yellow (1), of .exr, .hdr and .pfm the absolute differences
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Option<PathBuf>,
     /// Exit with code 4 when a metric of any pair is above a value (or not a number); may be repeated
     #[arg(long, value_name = "METRIC=VALUE")]
     pub fail_above: Vec<Threshold>,
@@ -427,6 +435,9 @@ pub struct ConvertArgs {
     pub input: PathBuf,
     /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2
     pub output: PathBuf,
+    /// Layer of the picture to write: a name of `steradian list layers`, or of channels in the file (N, diffuse, Z, …)
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,

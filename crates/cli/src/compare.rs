@@ -3,16 +3,19 @@
 use crate::{
     args::CompareArgs,
     failure::{self, Failure, Outcome},
-    terminal,
+    output, terminal,
 };
 use serde::Serialize;
 use std::{
     fmt::Write,
     path::{Path, PathBuf},
 };
-use steradian::image::{
-    self, Image, Limits, Value,
-    metrics::{self, Comparison, ZTest},
+use steradian::{
+    Inputs,
+    image::{
+        self, FileKind, Image, Limits, Value, WriteOptions,
+        metrics::{self, Comparison, ZTest},
+    },
 };
 
 /// Metrics that `--fail-above` knows. `z_rejected` is the share of components that the z-test rejects.
@@ -66,6 +69,15 @@ pub fn run(args: &CompareArgs) -> Outcome {
         Some(b) if args.reference.is_empty() => vec![b],
         _ => args.reference.iter().map(PathBuf::as_path).collect(),
     };
+    if let Some(output) = &args.output {
+        if references.len() * tests.len() != 1 {
+            return Err(Failure::bad_input("a picture of the differences (-o) is of one pair of pictures"));
+        }
+        output::kind(output)?;
+        let inputs = Inputs::of(tests.iter().chain(&references).copied().chain(args.variance.as_deref()));
+        output::keep_inputs([output.as_path()], &inputs)?;
+        output::check_writable(output)?;
+    }
     let mut pairs = Vec::new();
     for reference_path in references {
         let reference = read(reference_path)?;
@@ -73,6 +85,9 @@ pub fn run(args: &CompareArgs) -> Outcome {
             let picture = read(path)?;
             let pair = compare((path, &picture), (reference_path, &reference), variance.as_ref(), args.samples);
             pairs.push(pair?);
+            if let Some(output) = &args.output {
+                draw_difference(output, &picture, &reference)?;
+            }
         }
     }
     if args.json {
@@ -81,6 +96,16 @@ pub fn run(args: &CompareArgs) -> Outcome {
         terminal::data(pairs.iter().map(Pair::text).collect::<Vec<_>>().join("\n").as_bytes())?;
     }
     judge(&pairs, args)
+}
+
+/// Writes the differences: as numbers where the format holds them, else as colours.
+fn draw_difference(output: &Path, picture: &Image, reference: &Image) -> Result<(), Failure> {
+    let difference = match FileKind::from_extension(output) {
+        Some(FileKind::Exr | FileKind::Hdr | FileKind::Pfm) => metrics::absolute_difference(picture, reference),
+        _ => metrics::flip_picture(picture, reference),
+    };
+    let difference = difference.map_err(|e| Failure::bad_input(e.to_string()))?;
+    image::write(output, &difference, &WriteOptions::default()).map_err(|e| Failure::failed(e.to_string()))
 }
 
 /// The exit code that the thresholds ask for.

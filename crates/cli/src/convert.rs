@@ -7,8 +7,9 @@ use crate::{
 };
 use std::path::Path;
 use steradian::{
-    Inputs,
-    image::{self, Limits},
+    Inputs, Layer,
+    image::{self, FileKind, Image, Limits, WriteOptions},
+    scene::names::did_you_mean,
 };
 
 /// Reads, maps, writes.
@@ -26,9 +27,25 @@ pub fn run(args: &ConvertArgs) -> Outcome {
     output::keep_inputs([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
     output::check_writable(&args.output)?;
     let options = args.files.write_options().map_err(Failure::bad_input)?;
+    let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
+    let options = WriteOptions { premultiplied, ..options };
     let picture = image::read(&args.input, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
+    let picture = match &args.layer {
+        Some(name) => layer(&picture, name)?,
+        None => picture,
+    };
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
     Ok(failure::DONE)
+}
+
+/// A layer by the program's name for it or by that of its channels.
+fn layer(picture: &Image, name: &str) -> Result<Image, Failure> {
+    let known = Layer::named(name).map(Layer::prefix);
+    known.and_then(|prefix| picture.layer(prefix)).or_else(|| picture.layer(name)).ok_or_else(|| {
+        let names: Vec<&str> = picture.channels().iter().map(|c| c.name.split('.').next().unwrap_or(&c.name)).collect();
+        let hint = did_you_mean(name, names.iter().copied()).map(|h| format!("; {h}")).unwrap_or_default();
+        Failure::bad_input(format!("there is no layer '{name}'{hint} (channels: {})", picture.channel_names()))
+    })
 }
 
 fn is_scene(path: &Path) -> bool {

@@ -56,6 +56,7 @@ pub fn scene_options(args: &RenderArgs) -> Result<SceneOptions, Failure> {
         (!args.aov.is_empty(), "--aov"),
         (args.resume.is_some(), "--resume"),
         (args.adaptive, "--adaptive"),
+        (args.transparent, "--transparent"),
         (args.error.is_some(), "--error"),
         (args.time.is_some(), "--time"),
         (args.sampler.is_some(), "--sampler"),

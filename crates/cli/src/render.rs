@@ -22,7 +22,7 @@ use std::{
 };
 use steradian::{
     ColorMode, Layer, Quality, Scene, Session,
-    image::FileKind,
+    image::{FileKind, WriteOptions},
     inputs::is_same_file,
     integrators::SCALES,
     radiosity,
@@ -41,7 +41,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
     let quality = quality(args);
     let scene_options = raster::scene_options(args)?;
-    if !quality.layers.is_empty() && !kinds.contains(&FileKind::Exr) {
+    if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
     args.files.write_options().map_err(Failure::bad_input)?;
@@ -53,6 +53,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
     let opened = open::open(path, &scene_options, quality.spp);
     let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
+    let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
     let solution = quality.solution();
@@ -278,6 +279,9 @@ fn quality(args: &RenderArgs) -> Quality {
             layers.push(layer);
         }
     }
+    if args.transparent && !layers.contains(&Layer::Alpha) {
+        layers.push(Layer::Alpha);
+    }
     Quality {
         integrator: args.integrator.clone(),
         // Time or error alone end the render where they are all that is asked for.
@@ -289,6 +293,7 @@ fn quality(args: &RenderArgs) -> Quality {
         max_depth: args.max_depth.map(|d| u32::try_from(d).unwrap_or(u32::MAX)),
         sampler: args.sampler.clone(),
         layers,
+        transparent: args.transparent,
     }
 }
 

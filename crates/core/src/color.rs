@@ -156,6 +156,15 @@ pub fn to_rgb(s: Spectrum, lambda: &Wavelengths, mode: ColorMode) -> Vec3 {
     }
 }
 
+/// Equal-energy lanes under D65 of luminance one, in which a white surface is white; in RGB mode they are as they were.
+#[inline]
+pub fn under_white(s: Spectrum, lambda: &Wavelengths, mode: ColorMode) -> Spectrum {
+    match mode {
+        ColorMode::Rgb => s,
+        ColorMode::Spectral => s * texel(Vec3::ONE, Role::Illuminant, lambda, mode),
+    }
+}
+
 /// The lanes of an RGB texel in a role.
 #[inline]
 pub fn texel(rgb: Vec3, role: Role, lambda: &Wavelengths, mode: ColorMode) -> Spectrum {

@@ -197,6 +197,32 @@ impl Image {
         Some(RgbPlanes { r: plane("R")?, g: plane("G")?, b: plane("B")? })
     }
 
+    /// A layer as a picture of its own: the channel of that name, or all that are called `name.` and something. One
+    /// channel becomes `Y`; up to four become `R`, `G`, `B`, `A` in the order of red, green, blue, alpha, of X, Y, Z, or
+    /// of U, V, and what lacks to three is zero. Metadata are kept. `None` where there is no such channel, and where
+    /// there are more.
+    pub fn layer(&self, name: &str) -> Option<Self> {
+        let exact = self.channels.iter().find(|c| c.name == name);
+        let prefix = format!("{name}.");
+        let rank = |c: &Channel| "RXUYGVBZA".find(c.name.strip_prefix(&prefix).unwrap_or("A"));
+        let mut found: Vec<&Channel> = match exact {
+            Some(channel) => vec![channel],
+            None => self.channels.iter().filter(|c| c.name.starts_with(&prefix)).collect(),
+        };
+        found.sort_by_key(|c| rank(c));
+        let names: &[&str] = match found.len() {
+            0 | 5.. => return None,
+            1 => &["Y"],
+            _ => &["R", "G", "B", "A"],
+        };
+        let mut picture = Self { metadata: self.metadata.clone(), ..Self::new(self.width, self.height) };
+        for (i, name) in names.iter().enumerate().take(found.len().max(names.len().min(3))) {
+            let data = found.get(i).map_or_else(|| vec![0.0; self.pixel_count()], |c| c.data.clone());
+            picture.push(*name, data).ok()?;
+        }
+        Some(picture)
+    }
+
     /// As [`Image::rgb`], with an error that lists the channels there are.
     ///
     /// # Errors
@@ -240,6 +266,19 @@ pub(crate) fn colour_channels(names: &[&str]) -> Option<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_layer_is_a_picture_of_its_own() {
+        let mut image = Image::from_rgb(1, 1, &[[1.0, 2.0, 3.0]]).unwrap();
+        for (name, value) in [("N.Z", 6.0), ("N.Y", 5.0), ("N.X", 4.0), ("Z", 7.0), ("uv.V", 9.0), ("uv.U", 8.0)] {
+            image.push(name, vec![value]).unwrap();
+        }
+        let colour = |name: &str| image.layer(name).unwrap().rgb().unwrap().at(0);
+        assert_eq!(colour("N"), [4.0, 5.0, 6.0]);
+        assert_eq!((colour("Z"), colour("N.Y")), ([7.0; 3], [5.0; 3]));
+        assert_eq!(colour("uv"), [8.0, 9.0, 0.0]);
+        assert!(image.layer("n").is_none() && image.layer("").is_none());
+    }
 
     #[test]
     fn planes_are_found_by_name_and_checked() {

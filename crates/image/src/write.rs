@@ -49,6 +49,9 @@ pub struct WriteOptions {
     pub block: BlockFormat,
     /// PNG, JPEG, PPM, and colours of DDS and KTX2: from linear radiance to display values.
     pub tone: Tone,
+    /// PNG, DDS and KTX2: whether colours are premultiplied by the channel `A`, as those of EXR files are. They are
+    /// divided by it then, since these formats have straight alpha.
+    pub premultiplied: bool,
 }
 
 impl Default for WriteOptions {
@@ -64,6 +67,7 @@ impl Default for WriteOptions {
             ppm_radiance: true,
             block: BlockFormat::Bc7,
             tone: Tone::default(),
+            premultiplied: false,
         }
     }
 }
@@ -112,7 +116,7 @@ fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dy
         FileKind::Jpeg => {
             let [w, h] = side_lengths(kind, image, 65535)?;
             let mut samples = Vec::with_capacity(3 * image.pixel_count());
-            display(image, options, |band| {
+            display(image, options, false, |band| {
                 samples.extend(band.as_flattened().iter().map(|&v| quantize8(v)));
                 Ok(())
             })?;
@@ -127,7 +131,7 @@ fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dy
             }
             let code = |v: f32| if options.sixteen_bit { quantize16(v) } else { quantize8(v).into() };
             pnm::begin(width, height, "", layout, out).map_err(io("write"))?;
-            display(image, options, |band| {
+            display(image, options, false, |band| {
                 pnm::pixels(band.iter().map(|p| p.map(code)), layout, out).map_err(io("write"))
             })
         }
@@ -147,27 +151,38 @@ fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dy
 /// Pixels that are mapped at a time.
 const BAND: usize = 1 << 18;
 
-/// Maps a picture's colours to display values and passes them on in order, some whole rows at a time.
-fn display(image: &Image, options: &WriteOptions, mut pass: impl FnMut(&[[f32; 3]]) -> Result<()>) -> Result<()> {
+/// Maps a picture's colours to display values and passes them on in order, some whole rows at a time; divided by alpha
+/// where the format keeps it straight.
+fn display(
+    image: &Image,
+    options: &WriteOptions,
+    keeps_alpha: bool,
+    mut pass: impl FnMut(&[[f32; 3]]) -> Result<()>,
+) -> Result<()> {
     let planes = image.require_rgb()?;
     let map = options.tone.mapper(Tone::maximum(planes));
+    let alpha = image.channel("A").filter(|_| options.premultiplied && keeps_alpha);
+    let straight = |i: usize| match alpha.map(|a| a[i]) {
+        Some(a) if a > 0.0 => planes.at(i).map(|v| v / a),
+        _ => planes.at(i),
+    };
     let band = BAND.next_multiple_of(image.width());
     for start in (0..image.pixel_count()).step_by(band) {
         let end = (start + band).min(image.pixel_count());
-        let values: Vec<[f32; 3]> = (start..end).into_par_iter().map(|i| map(planes.at(i))).collect();
+        let values: Vec<[f32; 3]> = (start..end).into_par_iter().map(|i| map(straight(i))).collect();
         pass(&values)?;
     }
     Ok(())
 }
 
-/// Colour and, where the picture has a channel `A`, alpha (stored as it is, not divided out).
+/// Colour and, where the picture has a channel `A`, alpha.
 fn encode_png(image: &Image, options: &WriteOptions, out: &mut dyn Write) -> Result<()> {
     let [w, h] = side_lengths(FileKind::Png, image, i32::MAX as u32)?;
     let alpha = image.channel("A");
     let form = png_file::Form { width: w, height: h, has_alpha: alpha.is_some(), is_sixteen: options.sixteen_bit };
     let mut done = 0;
     png_file::encode(&form, &image.metadata, out, |rows| {
-        display(image, options, |band| {
+        display(image, options, true, |band| {
             let mut bytes = Vec::with_capacity(band.len() * form.pixel_bytes());
             for pixel in band {
                 for &v in pixel.iter().chain(alpha.map(|a| &a[done])) {
@@ -193,7 +208,7 @@ fn block_samples(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
         codes.extend([r, g, b, a]);
     };
     if options.block.is_colour() {
-        display(image, options, |band| {
+        display(image, options, true, |band| {
             band.iter().copied().for_each(&mut add);
             Ok(())
         })?;

@@ -1,7 +1,11 @@
 //! Auxiliary layers: what a camera ray sees first.
 
-use steradian_core::{Scene, color, film::FirstHit};
-use steradian_math::{Ray, spectra::Wavelengths};
+use steradian_core::{ColorMode, Scene, bsdf::Bsdf, color, film::FirstHit};
+use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+
+/// Sets of four wavelengths at which the albedo of a spectral scene is evaluated. They are the same for all samples, so
+/// that the layer has no noise of wavelengths.
+const SETS: usize = 4;
 
 /// The first surface that scatters, along a camera ray.
 pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
@@ -12,23 +16,44 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
     for _ in 0..64 {
         let Some(hit) = scene.intersect(&ray) else { return FirstHit::default() };
         let i = scene.interaction(&ray, &hit);
-        let mut w = *lambda;
-        let Some((s, frame)) = scene.scattering(&i, 0.5, &mut w) else {
+        // Textures are evaluated at the wavelengths that are asked for.
+        let at = |lambda: &Wavelengths| scene.scattering(&i, 0.5, &mut { *lambda });
+        let Some((s, frame)) = at(lambda) else {
             ray = i.spawn(ray.direction);
             continue;
         };
-        let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
+        let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
+            let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
+            color::to_rgb(color::under_white(albedo, lambda, scene.mode), lambda, scene.mode)
+        };
+        let albedo = match scene.mode {
+            ColorMode::Rgb => albedo(&s.bsdf, lambda),
+            ColorMode::Spectral => {
+                let (mut sum, mut white) = (Vec3::ZERO, Vec3::ZERO);
+                for set in 0..SETS {
+                    let lambda =
+                        Wavelengths::sample_visible((set as f32 + 0.5) / (4 * SETS) as f32).at_time(lambda.time);
+                    let one = color::under_white(Spectrum::ONE, &lambda, scene.mode);
+                    white += color::to_rgb(one, &lambda, scene.mode);
+                    sum += at(&lambda).map_or(Vec3::ZERO, |(s, _)| albedo(&s.bsdf, &lambda));
+                }
+                sum / white
+            }
+        };
         let geometry = &scene.geometries[i.geometry as usize];
         let to = i.surface.p - eye;
+        let ng = i.surface.n;
         return FirstHit {
-            albedo: color::to_rgb(albedo, lambda, scene.mode).clamp(glam::Vec3::ZERO, glam::Vec3::ONE).to_array(),
+            albedo: albedo.to_array(),
             normal: frame.z.to_array(),
+            geometric_normal: if ng.dot(i.wo) < 0.0 { -ng } else { ng }.to_array(),
             position: i.surface.p.to_array(),
             depth: to.dot(forward),
             distance: to.length(),
             uv: i.surface.uv.to_array(),
             shape: geometry.id,
             material: geometry.material + 1,
+            coverage: 1.0,
         };
     }
     FirstHit::default()

@@ -1,7 +1,7 @@
-//! Ray casting: the colour of the first surface, as if the light were everywhere the same.
+//! Ray casting: the colour of the first surface, as if white light were everywhere the same.
 
 use crate::{Counters, Integrator, Survey, nee, walk::MAX_PASSES};
-use steradian_core::{Scene, sampler::PixelSampler};
+use steradian_core::{Scene, color, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
 /// The ray caster.
@@ -31,7 +31,7 @@ impl Integrator for Raycast {
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
                 Some((s, frame)) => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
-                    return albedo + nee::emission(scene, &i, &None, lambda);
+                    return color::under_white(albedo, lambda, scene.mode) + nee::emission(scene, &i, &None, lambda);
                 }
                 None => {
                     ray = i.spawn(ray.direction);

@@ -53,6 +53,8 @@ pub struct Plan {
     pub threads: usize,
     /// Whether first hits are gathered for auxiliary layers.
     pub features: bool,
+    /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
+    pub transparent: bool,
     /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
     pub adaptive: bool,
     /// The relative error of the picture ([`Session::error`]) at which to stop.

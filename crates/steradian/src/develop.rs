@@ -11,6 +11,8 @@ pub enum Layer {
     Albedo,
     /// Shading normal.
     Normal,
+    /// Geometric normal.
+    GeometricNormal,
     /// World position.
     Position,
     /// Distance along the camera's axis.
@@ -23,24 +25,54 @@ pub enum Layer {
     Variance,
     /// Samples taken.
     Samples,
+    /// Part of the pixel that surfaces cover.
+    Alpha,
 }
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 8] =
-        [Self::Albedo, Self::Normal, Self::Position, Self::Depth, Self::Uv, Self::Ids, Self::Variance, Self::Samples];
+    pub const ALL: [Self; 10] = [
+        Self::Albedo,
+        Self::Normal,
+        Self::GeometricNormal,
+        Self::Position,
+        Self::Depth,
+        Self::Uv,
+        Self::Ids,
+        Self::Variance,
+        Self::Samples,
+        Self::Alpha,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Albedo => "albedo",
             Self::Normal => "normal",
+            Self::GeometricNormal => "geometric_normal",
             Self::Position => "position",
             Self::Depth => "depth",
             Self::Uv => "uv",
             Self::Ids => "ids",
             Self::Variance => "variance",
             Self::Samples => "samples",
+            Self::Alpha => "alpha",
+        }
+    }
+
+    /// What its channels in a file begin with; of several the first.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Normal => "N",
+            Self::GeometricNormal => "Ng",
+            Self::Position => "P",
+            Self::Depth => "Z",
+            Self::Uv => "uv",
+            Self::Ids => "object_id",
+            Self::Variance => "variance",
+            Self::Samples => "samples",
+            Self::Alpha => "A",
         }
     }
 
@@ -49,12 +81,16 @@ impl Layer {
         match self {
             Self::Albedo => "reflectance of the first surface, linear Rec.709 in [0, 1]: albedo.R albedo.G albedo.B",
             Self::Normal => "shading normal in the world, zero where nothing is hit: N.X N.Y N.Z",
+            Self::GeometricNormal => "geometric normal in the world, towards the camera: Ng.X Ng.Y Ng.Z",
             Self::Position => "world position of the first surface: P.X P.Y P.Z",
-            Self::Depth => "distance along the camera's axis (Z) and along the ray (depth.Z)",
+            Self::Depth => {
+                "distance along the camera's axis (Z) and along the ray (depth.Z); infinite where nothing is hit"
+            }
             Self::Uv => "surface parameters: uv.U uv.V",
             Self::Ids => "numbers of shape and material from one, zero for nothing: object_id.Y material_id.Y",
             Self::Variance => "estimated variance of the pixel's mean: variance.R variance.G variance.B",
             Self::Samples => "samples taken: samples.Y",
+            Self::Alpha => "part of the pixel that surfaces cover: A; --transparent leaves out the background",
         }
     }
 
@@ -69,7 +105,7 @@ impl Layer {
     }
 }
 
-/// The picture: linear Rec.709 in `R G B`, and the layers asked for. Layers of first hits need a film on which they were gathered.
+/// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the layers asked for. Layers of first hits need a film on which they were gathered.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let (w, h) = (film.crop.width() as usize, film.crop.height() as usize);
     let mut image = Image::new(w, h);
@@ -91,6 +127,9 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
             Layer::Normal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
                 push(&mut image, &format!("N.{n}"), of(&|h| h.normal[c]));
             }),
+            Layer::GeometricNormal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("Ng.{n}"), of(&|h| h.geometric_normal[c]));
+            }),
             Layer::Position => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
                 push(&mut image, &format!("P.{n}"), of(&|h| h.position[c]));
             }),
@@ -109,6 +148,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
                 let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
                 push(&mut image, &format!("variance.{n}"), v);
             }),
+            Layer::Alpha => push(&mut image, "A", of(&|h| h.coverage)),
             Layer::Samples => {
                 push(&mut image, "samples.Y", film.pixels.iter().map(|p| p.samples as f32).collect());
             }

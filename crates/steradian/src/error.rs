@@ -25,7 +25,7 @@ pub enum Error {
         known: String,
     },
     /// An integrator cannot do what is in the scene.
-    #[error("integrator '{integrator}' cannot do {what}; 'path' and 'volpath' can")]
+    #[error("integrator '{integrator}' cannot do {what}")]
     CannotRender {
         /// Its name.
         integrator: String,

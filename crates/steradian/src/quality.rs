@@ -37,6 +37,8 @@ pub struct Quality {
     pub sampler: Option<String>,
     /// Auxiliary layers.
     pub layers: Vec<Layer>,
+    /// Whether what lies behind all surfaces is left out of the picture, for [`Layer::Alpha`].
+    pub transparent: bool,
 }
 
 impl Quality {
@@ -104,6 +106,16 @@ impl Quality {
         if let Some(what) = integrator.cannot(scene).filter(|_| matches!(integrator, IntegratorKind::Passes(_))) {
             return Err(Error::CannotRender { integrator: name.into(), what });
         }
+        if self.transparent {
+            let what = match integrator {
+                IntegratorKind::Passes(_) => Some("a transparent background"),
+                _ if scene.has_media => Some("a transparent background behind media"),
+                _ => None,
+            };
+            if let Some(what) = what {
+                return Err(Error::CannotRender { integrator: name.into(), what: what.into() });
+            }
+        }
         self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
     }
 
@@ -124,6 +136,7 @@ impl Quality {
             sampler,
             threads: self.threads,
             features: self.layers.iter().any(|l| l.needs_features()),
+            transparent: self.transparent,
             adaptive: self.adaptive,
             error: self.error,
         })

@@ -5,6 +5,7 @@
 
 mod benches;
 mod experiments;
+mod layers;
 mod lists;
 mod materials;
 mod names;

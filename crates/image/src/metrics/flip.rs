@@ -32,6 +32,25 @@ type Colour = [f32; 3];
 /// # Errors
 /// [`Error::SizeMismatch`], [`Error::MissingChannels`], [`Error::Invalid`] when `pixels_per_degree` is not in 1 to 1000.
 pub fn flip(image: &Image, reference: &Image, pixels_per_degree: f32) -> Result<f64> {
+    let mut sum = 0.0;
+    flip_bands(image, reference, pixels_per_degree, |errors| {
+        sum = errors.iter().fold(sum, |sum, &e| sum + f64::from(e));
+    })?;
+    Ok(sum / image.pixel_count() as f64)
+}
+
+/// The FLIP error of each pixel, see [`flip`].
+///
+/// # Errors
+/// As [`flip`].
+pub fn flip_map(image: &Image, reference: &Image, pixels_per_degree: f32) -> Result<Vec<f32>> {
+    let mut map = Vec::with_capacity(image.pixel_count());
+    flip_bands(image, reference, pixels_per_degree, |errors| map.extend_from_slice(errors))?;
+    Ok(map)
+}
+
+/// Passes on the errors of bands of rows, from the top.
+fn flip_bands(image: &Image, reference: &Image, pixels_per_degree: f32, mut pass: impl FnMut(&[f32])) -> Result<()> {
     if !(1.0..=1000.0).contains(&pixels_per_degree) {
         return Err(Error::Invalid(format!("pixels per degree must be in 1 to 1000, not {pixels_per_degree}")));
     }
@@ -45,7 +64,6 @@ pub fn flip(image: &Image, reference: &Image, pixels_per_degree: f32) -> Result<
     let halo = sensitivity_radius(pixels_per_degree).max(feature_radius(pixels_per_degree));
     let band = (BAND / width).max(4 * halo).min(height);
     let largest = hyab(hunt(lab(xyz([0.0, 1.0, 0.0]))), hunt(lab(xyz([0.0, 0.0, 1.0])))).powf(QC);
-    let mut sum = 0.0;
     for top in (0..height).step_by(band) {
         let rows = (height - top).min(band);
         let opponent = |planes: crate::RgbPlanes<'_>| -> Vec<Colour> {
@@ -70,9 +88,9 @@ pub fn flip(image: &Image, reference: &Image, pixels_per_degree: f32) -> Result<
             colour.powf(1.0 - feature)
         });
         let errors: Vec<f32> = errors.collect();
-        sum = errors.iter().fold(sum, |sum, &e| sum + f64::from(e));
+        pass(&errors);
     }
-    Ok(sum / count as f64)
+    Ok(())
 }
 
 /// Radius of the filters of contrast sensitivity, pixels.

@@ -57,6 +57,7 @@ fn plan(threads: usize, spp: u32) -> Plan {
         sampler: Sampler { kind: SamplerKind::Independent, spp, seed: 3 },
         threads,
         features: true,
+        transparent: false,
         adaptive: false,
         error: None,
     }

@@ -71,7 +71,7 @@ fields! {
     Cell { target, rays, samples, variance, freedom }
     Pixel { sum, sum_squares, samples }
     Half { sum, samples }
-    FirstHit { albedo, normal, position, depth, distance, uv, shape, material }
+    FirstHit { albedo, normal, geometric_normal, position, depth, distance, uv, shape, material, coverage }
     FirstHitSums { sum, samples }
 }
 

@@ -71,6 +71,7 @@ fn renders_end_where_they_are() {
             sampler: Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 },
             threads,
             features: false,
+            transparent: false,
             adaptive: false,
             error: None,
         };

@@ -20,7 +20,7 @@ use std::{
     time::Duration,
 };
 use steradian_core::{color, film::FirstHit, sampler::Sampler};
-use steradian_math::{Vec3, hash::combine64};
+use steradian_math::{Spectrum, Vec3, hash::combine64};
 
 /// Rays are counted for pixels in this part of one, so that a group's can be divided among its members.
 pub(super) const RAYS: u64 = 64;
@@ -258,9 +258,14 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                         l *= film.max_component / m;
                     }
                 }
+                let hit =
+                    (plan.features || plan.transparent).then(|| features::first_hit(scene, seat.ray, &seat.lambda));
+                if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
+                    l = Spectrum::ZERO;
+                }
                 members[*number].sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
-                if plan.features && members[*number].kept.is_some() {
-                    hits.push((*number, features::first_hit(scene, seat.ray, &seat.lambda)));
+                if let Some(hit) = hit.filter(|_| plan.features && members[*number].kept.is_some()) {
+                    hits.push((*number, hit));
                 }
             }
         }

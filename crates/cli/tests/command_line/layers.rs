@@ -1,0 +1,114 @@
+//! Layers of pictures: `--aov`, `--transparent`, `convert --layer`, `compare -o`.
+
+use crate::Place;
+
+/// A grey card of reflectance one half that fills the right half of the picture, one unit before the camera, under a
+/// coloured sky.
+const CARD: &str = "LookAt 0 0 0  0 0 1  0 1 0\nCamera \"perspective\" \"float fov\" 90\n\
+    Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nWorldBegin\n\
+    LightSource \"infinite\" \"rgb L\" [ .5 .6 .9 ]\n\
+    Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n\
+    Shape \"bilinearmesh\" \"point3 P\" [ 0 -2 1  4 -2 1  0 2 1  4 2 1 ]\n";
+
+/// Every layer of a grey card is what denoisers and compositors expect, with either colour arithmetic.
+#[test]
+fn a_grey_card_has_the_layers_that_it_should() {
+    let place = Place::new();
+    place.file("card.pbrt", CARD);
+    for color in ["rgb", "spectral"] {
+        let command = ["render", "card.pbrt", "--spp", "16", "--aov", "all", "--color", color, "-q", "-o", "card.exr"];
+        place.succeed(&command);
+        let picture = place.picture("card.exr");
+        let at = |channel: &str, x: usize, y: usize| picture.channel(channel).unwrap()[y * 16 + x];
+        for (x, y) in [(9, 2), (12, 8), (15, 15)] {
+            let close = |channel: &str, value: f32, within: f32| {
+                let found = at(channel, x, y);
+                assert!((found - value).abs() <= within, "{color}: {channel} at {x}, {y} is {found}, not {value}");
+            };
+            let [px, py] = [(x as f32 + 0.5) / 8.0 - 1.0, 1.0 - (y as f32 + 0.5) / 8.0];
+            // The plane at distance one; the picture is two units wide there.
+            for (channel, value, within) in [
+                ("albedo.R", 0.5, 2e-4),
+                ("albedo.G", 0.5, 2e-4),
+                ("albedo.B", 0.5, 2e-4),
+                ("N.X", 0.0, 1e-6),
+                ("N.Y", 0.0, 1e-6),
+                ("N.Z", -1.0, 1e-6),
+                ("Ng.X", 0.0, 1e-6),
+                ("Ng.Y", 0.0, 1e-6),
+                ("Ng.Z", -1.0, 1e-6),
+                ("P.X", px, 0.07),
+                ("P.Y", py, 0.07),
+                ("P.Z", 1.0, 1e-5),
+                ("Z", 1.0, 1e-5),
+                ("A", 1.0, 0.0),
+                ("samples.Y", 16.0, 0.0),
+            ] {
+                close(channel, value, within);
+            }
+            close("depth.Z", (1.0 + px * px + py * py).sqrt(), 0.07);
+            close("uv.U", at("P.X", x, y) / 4.0, 1e-4);
+            assert!(at("object_id.Y", x, y) > 0.0 && at("material_id.Y", x, y) > 0.0);
+            assert!(at("variance.R", x, y) >= 0.0);
+        }
+        for channel in ["albedo.R", "N.Z", "Ng.Z", "P.Z", "uv.U", "object_id.Y", "material_id.Y", "A"] {
+            assert_eq!(at(channel, 3, 8), 0.0, "{color}: {channel}");
+        }
+        assert_eq!((at("Z", 3, 8), at("depth.Z", 3, 8)), (f32::INFINITY, f32::INFINITY));
+        assert!(at("R", 3, 8) > 0.4, "the sky is in the picture");
+    }
+}
+
+/// The background is left out, premultiplied in .exr and straight in .png.
+#[test]
+fn transparent_pictures_have_no_background() {
+    let place = Place::new();
+    // The card's edge runs through the middle of a column.
+    place.file("card.pbrt", &CARD.replace(" 0 -2 1 ", " .0625 -2 1 ").replace(" 0 2 1 ", " .0625 2 1 "));
+    let common = ["render", "card.pbrt", "--spp", "256", "--color", "rgb", "-q", "-o", "card.exr"];
+    place.succeed(&[&common[..], &["-o", "card.png", "--transparent"]].concat());
+    let (exr, png) = (place.picture("card.exr"), place.picture("card.png"));
+    let at = |picture: &steradian::image::Image, channel: &str, x: usize| picture.channel(channel).unwrap()[8 * 16 + x];
+    assert_eq!((at(&exr, "A", 3), at(&exr, "R", 3), at(&png, "A", 3)), (0.0, 0.0, 0.0));
+    let (a, full) = (at(&exr, "A", 8), at(&exr, "B", 12));
+    assert!((a - 0.5).abs() < 0.1 && at(&exr, "A", 12) == 1.0, "{a}");
+    assert!((at(&exr, "B", 8) / (a * full) - 1.0).abs() < 0.1, "premultiplied");
+    assert!((at(&png, "B", 8) / at(&png, "B", 12) - 1.0).abs() < 0.1, "straight");
+    for integrator in ["bdpt", "raster"] {
+        place.refuse(2, &["render", "card.pbrt", "--transparent", "--integrator", integrator], &["transparent"]);
+    }
+}
+
+#[test]
+fn layers_and_differences_become_pictures() {
+    let place = Place::new();
+    place.file("card.pbrt", CARD);
+    for (seed, name) in [("1", "a.exr"), ("2", "b.exr")] {
+        place.succeed(&[
+            "render",
+            "card.pbrt",
+            "--spp",
+            "4",
+            "--aov",
+            "normal,depth",
+            "--seed",
+            seed,
+            "-q",
+            "-o",
+            name,
+        ]);
+    }
+    for (layer, output) in [("normal", "n.pfm"), ("N", "n.exr"), ("Z", "z.pfm"), ("depth", "depth.png")] {
+        place.succeed(&["convert", "a.exr", output, "--layer", layer]);
+    }
+    assert_eq!(place.picture("n.pfm").rgb().unwrap().at(8 * 16 + 12), [0.0, 0.0, -1.0]);
+    assert_eq!(place.picture("n.exr").channel_names(), "B, G, R");
+    place.refuse(2, &["convert", "a.exr", "x.exr", "--layer", "nromal"], &["no layer 'nromal'", "N.X"]);
+    for output in ["difference.png", "difference.exr"] {
+        place.succeed(&["compare", "a.exr", "b.exr", "-o", output]);
+        let picture = place.picture(output);
+        assert!(picture.rgb().unwrap().r.iter().all(|v| v.is_finite()) && picture.width() == 16, "{output}");
+    }
+    place.refuse(2, &["compare", "a.exr", "b.exr", "-o", "a.exr"], &["would be overwritten"]);
+    place.refuse(2, &["compare", "a.exr", "-r", "a.exr", "-r", "b.exr", "-o", "d.png"], &["one pair"]);
+}
