@@ -70,7 +70,10 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
     session.step(2, &Control::default());
     let picture = develop(&scene, &session.film(), &layers);
     for channel in picture.channels() {
-        if let Some(i) = channel.data.iter().position(|v| !v.is_finite()) {
+        // Where nothing is hit, distances are infinite.
+        let is_distance = matches!(channel.name.as_str(), "Z" | "depth.Z");
+        let is_sound = |v: &f32| v.is_finite() || is_distance && *v == f32::INFINITY;
+        if let Some(i) = channel.data.iter().position(|v| !is_sound(v)) {
             return Err(format!("pixel {i} of {} is {}", channel.name, channel.data[i]));
         }
     }
