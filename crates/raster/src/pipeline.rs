@@ -13,7 +13,7 @@ use crate::{
     primitive::{Chunk, Setup, Window},
     stages::{FragmentShader, GeometryShader, Program, Tessellation, Vertex, VertexShader},
     state::{Compare, Multisample, PolygonMode, State, Topology},
-    target::{Framebuffer, Layout},
+    target::{Extent, Framebuffer, Layout},
     tile::{ColorPlan, DepthPlan, HiddenBy, Plan, TileDrawer},
     varyings::{Mode, Varyings, any_per_sample},
 };
@@ -98,6 +98,22 @@ where
             start = end;
         }
         Ok(counters)
+    }
+
+    /// How many primitives each tile of 64² pixels of a framebuffer of this size would list, layer by layer and row by row. Nothing is drawn.
+    pub fn tile_counts(&self, extent: Extent, draw: &Draw) -> Vec<u64> {
+        let source = self.source(draw);
+        let window = Window::new(&self.state, extent, self.layout.depth);
+        let (total, job) = (source.primitives(), self.job_size());
+        let of_job = |i: u64| {
+            let chunk = self.job(&source, &window, i * job..((i + 1) * job).min(total));
+            chunk.starts.windows(2).map(|w| u64::from(w[1]) - u64::from(w[0])).collect::<Vec<_>>()
+        };
+        let add = |mut a: Vec<u64>, b: Vec<u64>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            a
+        };
+        (0..total.div_ceil(job)).into_par_iter().map(of_job).reduce(|| vec![0; extent.tiles()], add)
     }
 
     /// Draws several, one after the other; [`VertexInput::draw`](crate::VertexInput::draw) counts them.

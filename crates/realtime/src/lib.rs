@@ -9,6 +9,7 @@
 //! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected shadows, or always.
 
 pub mod draw_list;
+pub mod lesson;
 mod options;
 mod order;
 mod projection;
@@ -82,13 +83,26 @@ pub fn render(scene: &Scene, spp: u32, options: &Options) -> Result<Picture, Err
             made = Some(shadow::Shadowing::new(scene, &list, options, &eye)?);
         }
         let Some(shadows) = &made else { continue };
+        let eye = shadow::Eye { projected: &projected, visibility: &visibility };
+        let lesson = lesson::picture(scene, &list, &eye, options, shadows)?;
         let shader = shading::Shader { scene, shadows, options, pass };
         let width = crop.width() as usize;
         let row_of = |(row, pixels): (usize, &mut [Pixel])| {
             let (mut traced, mut dropped) = (0, 0);
             for (column, pixel) in pixels.iter_mut().enumerate() {
                 let at = [column as u32, row as u32];
+                if let Some(lesson) = &lesson {
+                    pixel.add(lesson[row * width + column]);
+                    continue;
+                }
                 let seen = visibility.seen(scene, &list, &projected, at);
+                if options.show == Show::Clip {
+                    let item = visibility.item(row * width + column);
+                    let shown =
+                        item.zip(seen).map(|(item, seen)| lesson::clipping(scene, &list, &projected, item, &seen));
+                    pixel.add(shown.unwrap_or(Vec3::ZERO));
+                    continue;
+                }
                 let (radiance, lambda) = shader.radiance(&projected.ray(scene, at), seen, at, &mut traced);
                 let mut l = radiance * scene.film.imaging_ratio;
                 if scene.film.max_component.is_finite() && l.max_element() > scene.film.max_component {

@@ -117,11 +117,33 @@ pub enum Show {
     Primitives,
     /// The shading normal, each axis from −1…1 to 0…1.
     Normal,
+    /// How many triangles of meshes cover a pixel: black 0, red 4, yellow 8, white 12.
+    Overdraw,
+    /// The edges of triangles.
+    Wireframe,
+    /// Triangles that reach beyond the view: red the near plane, green the sides, yellow both.
+    Clip,
+    /// How many triangles each tile of the pipeline lists, on a logarithmic scale up to 2¹⁴.
+    Tiles,
+    /// How many shadow volumes of the first light a pixel is in: black 0, white 8.
+    Stencil,
+    /// The shadow maps of the first light that has some.
+    ShadowMap,
 }
 
 /// The names of what can be shown.
-const SHOWN: [(&str, Show); 4] =
-    [("picture", Show::Picture), ("depth", Show::Depth), ("primitives", Show::Primitives), ("normal", Show::Normal)];
+const SHOWN: [(&str, Show); 10] = [
+    ("picture", Show::Picture),
+    ("depth", Show::Depth),
+    ("primitives", Show::Primitives),
+    ("normal", Show::Normal),
+    ("overdraw", Show::Overdraw),
+    ("wireframe", Show::Wireframe),
+    ("clip", Show::Clip),
+    ("tiles", Show::Tiles),
+    ("stencil", Show::Stencil),
+    ("shadow-map", Show::ShadowMap),
+];
 
 /// The options.
 #[derive(Clone, Copy, Debug, PartialEq)]

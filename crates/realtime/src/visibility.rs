@@ -1,5 +1,6 @@
 //! Which primitive each pixel sees.
 
+use rayon::prelude::*;
 use steradian_accel::{PrimId, WORLD};
 use steradian_core::{
     Scene,
@@ -117,7 +118,7 @@ impl Visibility {
         stage.boxes(true)?;
         stage.planes()?;
         let bytes = stage.target.color(0).to_bytes(0);
-        let numbers = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let numbers = bytes.par_chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         let depths = stage.target.depth().map_or(Vec::new(), |depth| depth.to_rows(0));
         Ok(Self { numbers, depths, width: extent.width, parts: stage.parts, counters: stage.counters })
     }
@@ -139,6 +140,22 @@ impl Visibility {
         let hit = meet(scene, &list.items[item as usize], part, &projected.ray(scene, at), Border::Included)?;
         Some(Seen { hit, number })
     }
+}
+
+/// Draws these reversed depths, by rows, into a framebuffer of their size.
+pub(crate) fn fill_depths(target: &mut Framebuffer, depths: &[f32]) -> Result<(), Error> {
+    let width = target.extent().width;
+    let vertex = |input: VertexInput| {
+        let [x, y] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]][(input.vertex % 3) as usize];
+        Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
+    };
+    let shader = fragment(|f: &Fragment<()>| {
+        let [x, y] = f.pixel();
+        WithDepth::<()> { output: (), depth: depths.get((y * width + x) as usize).copied().unwrap_or(0.0) }
+    });
+    let state = State { depth: Some(DepthState { compare: Compare::Always, write: true }), ..State::default() };
+    Pipeline::new(Program::new(vertex, shader), state, target.layout())?.draw(target, &Draw::vertices(0..3))?;
+    Ok(())
 }
 
 /// Whether a ray that misses a triangle narrowly is said to meet it at its border: the pipeline rounds corners to 1/256 pixel.

@@ -8,7 +8,7 @@ use steradian::{
     raster::{self, Options},
 };
 use steradian_core::sampler::Sampler;
-use steradian_realtime::{Method, Projected, Visibility, draw_list::DrawList};
+use steradian_realtime::{Method, Projected, Visibility, draw_list::DrawList, lesson};
 
 /// Every shape, a group placed twice (once mirrored), a mask, a mirror; a point, a spot and parallel light.
 const SCENE: &str = r#"
@@ -458,5 +458,48 @@ fn every_order_shows_what_the_depth_buffer_shows() {
             Some(false) => assert!(painter > 10, "case {case}: {painter}"),
             None => {}
         }
+    }
+}
+
+/// Overdraw counts the triangles that the ray of a pixel meets, and tiles list as many primitives as the pipeline bins (M46, M47).
+#[test]
+fn lesson_views_count_what_they_show() {
+    let scene = scene_of(TABLE);
+    let (list, projected) = (DrawList::new(&scene), Projected::new(&scene, Vec2::splat(0.5)).unwrap());
+    let counts = lesson::overdraw(&scene, &list, &projected).unwrap();
+    let met = |x: u32, y: u32, at: Vec2| {
+        let mut ray = ray(&scene, x, y, at);
+        let mut met = 0.0;
+        while let Some(hit) = scene.intersect(&ray) {
+            met += 1.0;
+            let i = scene.interaction(&ray, &hit);
+            ray = i.spawn(ray.direction);
+        }
+        met
+    };
+    let mut most = 0f32;
+    for (x, y) in (0..480).step_by(7).flat_map(|x| (0..270).step_by(5).map(move |y| (x, y))) {
+        let count = counts[(y * 480 + x) as usize];
+        most = most.max(count);
+        let beside = |i: i32| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) / 100.0 + 0.5;
+        // Through the centre, or beside it where it is within rounding of an edge.
+        assert!([4, 0, 1, 2, 3, 5, 6, 7, 8].into_iter().any(|i| met(x, y, beside(i)) == count), "{x} {y}: {count}");
+    }
+    assert!(most >= 5.0);
+    let (extent, tiles) = lesson::tiles(&scene, &list, &projected).unwrap();
+    assert_eq!((extent.width, tiles.len()), (480, 8 * 5));
+    let drawn = Visibility::draw(&scene, &list, &projected).unwrap();
+    assert_eq!(tiles.iter().sum::<u64>(), drawn.counters.binned);
+    // Views that need a light say so.
+    let dark = scene_of(&TABLE.replace(PARALLEL, ""));
+    for (show, part) in [("stencil", "parallel light"), ("shadow-map", "shadows=map")] {
+        let options = Options::parse(&format!("show={show}")).unwrap();
+        let error = raster::render(&dark, &Quality::default(), &options).unwrap_err();
+        assert!(error.to_string().contains(part), "{error}");
+    }
+    for show in ["wireframe", "clip", "stencil", "shadow-map,shadows=cascades"] {
+        let found = radiances(&scene, &format!("show={show}"));
+        let colors: std::collections::HashSet<_> = found.iter().map(|p| p.map(f64::to_bits)).collect();
+        assert!(colors.len() > 1, "{show}");
     }
 }

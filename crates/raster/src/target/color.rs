@@ -1,6 +1,7 @@
 //! A colour target.
 
 use glam::Vec4;
+use rayon::prelude::*;
 use steradian_image::Image;
 
 use super::{Extent, TILE_PIXELS};
@@ -53,7 +54,8 @@ impl ColorTarget {
         let mut texel = [0; 16];
         self.format.write(color, &mut texel);
         let bytes = self.format.bytes();
-        self.texels.chunks_exact_mut(bytes).for_each(|t| t.copy_from_slice(&texel[..bytes]));
+        let fill = |part: &mut [u8]| part.chunks_exact_mut(bytes).for_each(|t| t.copy_from_slice(&texel[..bytes]));
+        self.texels.par_chunks_mut(bytes * TILE_PIXELS).for_each(fill);
     }
 
     /// The colour of a sample; `None` outside.
@@ -69,16 +71,7 @@ impl ColorTarget {
 
     /// The bytes of a layer's first samples, row by row without gaps.
     pub fn to_bytes(&self, layer: u32) -> Vec<u8> {
-        let bytes = self.format.bytes();
-        let mut out = Vec::with_capacity(self.extent.width as usize * self.extent.height as usize * bytes);
-        for y in 0..self.extent.height {
-            for x in 0..self.extent.width {
-                if let Some(place) = self.extent.place([x, y], layer, 0) {
-                    out.extend_from_slice(&self.texels[place * bytes..][..bytes]);
-                }
-            }
-        }
-        out
+        self.extent.untile(&self.texels, self.format.bytes(), layer)
     }
 
     /// Means of the samples as a target with one sample. Integer formats keep sample 0.

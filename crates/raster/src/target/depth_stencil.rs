@@ -89,8 +89,7 @@ impl DepthTarget {
 
     /// The depths of a layer's first samples, row by row.
     pub fn to_rows(&self, layer: u32) -> Vec<f32> {
-        let rows = (0..self.extent.height).flat_map(|y| (0..self.extent.width).map(move |x| [x, y]));
-        rows.filter_map(|pixel| self.sample(pixel, layer, 0)).collect()
+        self.extent.untile(&self.depths, 1, layer)
     }
 
     /// Bounds of the depths of the 8×8 block with this pixel, which hold but need not be tight: a hierarchical depth buffer.
@@ -133,5 +132,10 @@ impl StencilTarget {
     /// The value of a sample; `None` outside.
     pub fn sample(&self, pixel: [u32; 2], layer: u32, sample: u32) -> Option<u8> {
         self.extent.place(pixel, layer, sample).map(|place| self.values[place])
+    }
+
+    /// The values of a layer's first samples, row by row.
+    pub fn to_rows(&self, layer: u32) -> Vec<u8> {
+        self.extent.untile(&self.values, 1, layer)
     }
 }

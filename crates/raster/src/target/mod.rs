@@ -9,6 +9,8 @@ pub use depth_stencil::{DepthFormat, DepthTarget, StencilTarget};
 pub(crate) use framebuffer::Tile;
 pub use framebuffer::{Framebuffer, Layout};
 
+use rayon::prelude::*;
+
 use crate::{
     error::{Result, refuse},
     state::{MAX_SIZE, Multisample},
@@ -83,6 +85,20 @@ impl Extent {
 
     pub(crate) const fn tiles(self) -> usize {
         self.tile_columns() as usize * self.tile_rows() as usize * self.layers as usize
+    }
+
+    /// Puts a layer's first samples, of `size` values each, into rows without gaps.
+    pub(crate) fn untile<T: Copy + Default + Send + Sync>(self, tiled: &[T], size: usize, layer: u32) -> Vec<T> {
+        let mut rows = vec![T::default(); self.width as usize * self.height as usize * size];
+        rows.par_chunks_mut(self.width as usize * size).enumerate().for_each(|(y, row)| {
+            // The pixels of a block's row lie one after the other.
+            for (block, run) in row.chunks_mut(BLOCK as usize * size).enumerate() {
+                if let Some(place) = self.place([block as u32 * BLOCK, y as u32], layer, 0) {
+                    run.copy_from_slice(&tiled[place * size..][..run.len()]);
+                }
+            }
+        });
+        rows
     }
 
     /// The place of a sample among those of the target: tiles, in each samples, in each blocks, in each pixels.

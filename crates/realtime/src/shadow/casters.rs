@@ -22,10 +22,15 @@ impl Casters {
     /// # Errors
     /// More than 119 million triangles.
     pub fn new(scene: &Scene, list: &DrawList, kind: Shadows) -> Result<Self, Error> {
+        if kind.is_of_pixels() || kind == Shadows::Cube { Self::all(scene, list) } else { Ok(Self::default()) }
+    }
+
+    /// Those of a scene.
+    ///
+    /// # Errors
+    /// More than 119 million triangles.
+    pub fn all(scene: &Scene, list: &DrawList) -> Result<Self, Error> {
         let mut casters = Self::default();
-        if !(kind.is_of_pixels() || kind == Shadows::Cube) {
-            return Ok(casters);
-        }
         for (number, item) in list.items.iter().enumerate() {
             let geometry = list.geometry(scene, item);
             let Shape::Mesh(mesh) = &geometry.shape else {

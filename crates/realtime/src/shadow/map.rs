@@ -1,5 +1,6 @@
 //! One shadow map: distances along the axis of a light's view (Williams 1978, "Casting Curved Shadows on Curved Surfaces").
 
+use rayon::prelude::*;
 use steradian_core::Scene;
 use steradian_math::{Vec2, Vec3};
 
@@ -50,11 +51,11 @@ impl Map {
     /// Of a picture of reversed depths.
     pub fn of_depths(view: Projected, depths: &[f32], size: u32) -> Self {
         let mut map = Self { view, distances: Vec::new(), size };
-        let distance = |(i, depth): (usize, &f32)| {
+        let distance = |(i, depth): (usize, &f32)| -> f32 {
             let center = map.center(i as u32 % size, i as u32 / size);
             view.distance_of(depth * view.unwarped(center.x, center.y).1)
         };
-        map.distances = depths.iter().enumerate().map(distance).collect();
+        map.distances = depths.par_iter().enumerate().map(distance).collect();
         map
     }
 

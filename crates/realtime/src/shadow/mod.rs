@@ -25,7 +25,7 @@ use crate::{
     shading::Trace,
     visibility::Visibility,
 };
-use casters::Casters;
+pub use casters::Casters;
 use map::{Filter, Map};
 use moments::Moments;
 use planar::Planar;
@@ -130,6 +130,25 @@ impl Shadowing {
         }
     }
 
+    /// The maps of the first light that has some, side by side in rows of three in a picture of this size: near white, far black.
+    pub fn maps_side_by_side(&self, [width, height]: [u32; 2]) -> Option<Vec<Vec3>> {
+        let maps = self.lights.iter().find_map(|means| match means {
+            Means::Maps(maps) | Means::Cascades(maps) => Some(maps.as_slice()),
+            Means::Soft(soft) => Some(soft.maps()),
+            _ => None,
+        })?;
+        let columns = (maps.len() as u32).min(3);
+        let side = (width / columns).min(height / (maps.len() as u32).div_ceil(columns)).max(1);
+        let pixel = |x: u32, y: u32| {
+            let number = if x / side < columns { y / side * columns + x / side } else { u32::MAX };
+            let Some(map) = maps.get(number as usize) else { return Vec3::new(0.0, 0.0, 0.15) };
+            let texel = |i: u32| (u64::from(i % side) * u64::from(map.size) / u64::from(side)) as u32;
+            let distance = map.distances[(texel(y) * map.size + texel(x)) as usize];
+            Vec3::splat(1.0 - map.view.share_of(distance))
+        };
+        Some((0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y))).collect())
+    }
+
     /// Whether nothing lies on the way of a ray to the sky.
     pub fn is_open(&self, scene: &Scene, ray: &Ray, trace: &mut Trace) -> bool {
         if self.kind == Shadows::None {
@@ -138,6 +157,12 @@ impl Shadowing {
         trace.rays += 1;
         !scene.occluded(ray)
     }
+}
+
+/// How many shadow volumes of the first light without extent each pixel is in; `None` where there is no such light.
+pub fn stencil_counts(scene: &Scene, casters: &Casters, eye: &Eye) -> Result<Option<Vec<u8>>, Error> {
+    let Some(source) = scene.lights.lights.iter().find_map(Source::of) else { return Ok(None) };
+    Ok(Some(Volumes::new(scene, casters, source, eye, true)?.into_counts()))
 }
 
 /// Which of so many maps a light looks through at a point that sees it in direction `wi`: along −wi.

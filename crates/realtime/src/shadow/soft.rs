@@ -79,6 +79,11 @@ impl Soft {
         Ok(Some(Self { center: place, outline, maps, least }))
     }
 
+    /// Those of +x, −x, +y, −y, +z, −z.
+    pub fn maps(&self) -> &[Map] {
+        &self.maps
+    }
+
     /// The share of the light that a point sees.
     pub fn lit(&self, p: Vec3, n: Vec3, filter: &Filter) -> f32 {
         let d = p - self.center;

@@ -14,15 +14,13 @@ use steradian_core::{
 };
 use steradian_math::{Vec3, Vec4};
 use steradian_raster::{
-    DepthFormat, DepthTarget, Draw, Extent, Framebuffer, Pipeline, Program, State, StencilTarget, Vertex, VertexInput,
-    fragment,
-    output::WithDepth,
+    DepthFormat, DepthTarget, Draw, Framebuffer, Pipeline, Program, State, StencilTarget, Vertex, VertexInput,
     stages::DepthOnly,
-    state::{Compare, DepthState, FrontFace, RasterState, StencilFace, StencilOp, StencilState},
+    state::{DepthState, FrontFace, RasterState, StencilFace, StencilOp, StencilState},
 };
 
 use super::{Eye, Source, casters::Casters};
-use crate::Error;
+use crate::{Error, visibility::fill_depths};
 
 /// How many volumes the pixels are in.
 #[derive(Debug)]
@@ -122,6 +120,11 @@ impl Volumes {
         Ok(Self { counts: counting.counts(), others: casters.others })
     }
 
+    /// How many volumes each pixel is in, modulo 256.
+    pub fn into_counts(self) -> Vec<u8> {
+        self.counts
+    }
+
     /// Whether the point that a pixel sees is lit from `wi`; `None` where rays must tell.
     pub fn lit(&self, scene: &Scene, i: &Interaction, wi: Vec3, pixel: usize) -> Option<f32> {
         // The far side of a triangle is in the volume of the triangle itself, which casts no shadow on it.
@@ -140,7 +143,6 @@ struct Counting {
     state: State,
     mirrored: bool,
     behind: bool,
-    extent: Extent,
 }
 
 impl Counting {
@@ -148,23 +150,10 @@ impl Counting {
         let (extent, viewport) = eye.projected.frame(scene);
         let depth = DepthTarget::new(extent, DepthFormat::Float32)?;
         let mut target = Framebuffer::new(Vec::new(), Some(depth), Some(StencilTarget::new(extent)?))?;
-        let vertex = |input: VertexInput| {
-            let [x, y] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]][(input.vertex % 3) as usize];
-            Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
-        };
-        let depths = &eye.visibility.depths;
-        let shader = fragment(|f: &steradian_raster::Fragment<()>| {
-            let [x, y] = f.pixel();
-            let depth = depths.get((y * extent.width + x) as usize).copied().unwrap_or(0.0);
-            WithDepth::<()> { output: (), depth }
-        });
-        let always = Some(DepthState { compare: Compare::Always, write: true });
-        let fill = State { depth: always, ..State::default() };
-        let pipeline = Pipeline::new(Program::new(vertex, shader), fill, target.layout())?;
-        pipeline.draw(&mut target, &Draw::vertices(0..3))?;
+        fill_depths(&mut target, &eye.visibility.depths)?;
         let depth = Some(DepthState { write: false, ..DepthState::GREATER });
         let state = State { depth, viewports: vec![viewport], ..State::default() };
-        Ok(Self { target, state, mirrored: eye.projected.is_mirrored(), behind, extent })
+        Ok(Self { target, state, mirrored: eye.projected.is_mirrored(), behind })
     }
 
     /// Counts triangles whose corners are counter-clockwise from outside the volumes, or clockwise if `turned`. `seen`: they are among what the
@@ -198,10 +187,7 @@ impl Counting {
     }
 
     fn counts(&self) -> Vec<u8> {
-        let Extent { width, height, .. } = self.extent;
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-        let stencil = self.target.stencil();
-        pixels.map(|pixel| stencil.and_then(|s| s.sample(pixel, 0, 0)).unwrap_or(0)).collect()
+        self.target.stencil().map_or(Vec::new(), |stencil| stencil.to_rows(0))
     }
 }
 
