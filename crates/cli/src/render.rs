@@ -90,7 +90,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
-    check_memory(&scene, quality.layers.len())?;
+    // Mattes are counted apart from other layers, and have eight times as many planes.
+    let mattes = if plan.mattes { 16 } else { 0 };
+    check_memory(&scene, quality.layers.len() + mattes)?;
 
     let integrator = quality.integrator_name(&scene);
     if let Some(what) = quality.cannot(&scene) {

@@ -159,6 +159,9 @@ impl FromStr for Layers {
         let mut layers = Vec::new();
         let known = Layer::ALL.iter().map(|l| l.name()).chain(["all"]);
         for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
+            if ["motion", "motionvector", "vector"].contains(&name) {
+                return Err("there is no layer of motion, since nothing moves during the exposure".into());
+            }
             match known_name(name, "layer", known.clone())? {
                 "all" => layers.extend(Layer::ALL),
                 name => layers.extend(Layer::named(name)),
@@ -236,6 +239,7 @@ mod tests {
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
         assert_eq!("all".parse(), Ok(Layers(Layer::ALL.to_vec())));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
+        assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("nothing moves")));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
         assert!("relmse=x".parse::<Threshold>().is_err() && "relms=1".parse::<Threshold>().is_err());
         assert!(definition("=x").is_err() && definition("x").is_err());

@@ -12,7 +12,7 @@ use crate::{
     shape::{Curves, Field, PatchMesh, Plane, Quadric, SdfGrid, SurfacePoint, TriMesh},
     texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
 use steradian_math::{
@@ -149,6 +149,8 @@ pub struct Scene {
     pub film: FilmSpec,
     /// What the scene asks for.
     pub settings: Settings,
+    /// Names of objects, by [`Geometry::id`]; those that the file gives none are numbered.
+    pub object_names: BTreeMap<u32, String>,
     /// Names of materials, by index, for reports.
     pub material_names: Vec<String>,
     /// Where textures wait that are not in memory, where these are limited.

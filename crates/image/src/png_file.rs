@@ -122,7 +122,8 @@ pub(crate) fn encode(
     encoder.set_depth(if form.is_sixteen { BitDepth::Sixteen } else { BitDepth::Eight });
     encoder.set_compression(png::Compression::Balanced);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-    for (name, value) in &metadata.entries {
+    // What tells of layers has no place where there are none.
+    for (name, value) in metadata.entries.iter().filter(|(name, _)| !name.starts_with("cryptomatte/")) {
         let text = match value {
             Value::Text(text) => text.clone(),
             Value::Float(x) => x.to_string(),

@@ -30,7 +30,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Crop, FirstHitSums, Pixel},
+    film::{Crop, FirstHitSums, MatteSums, Pixel},
     sampler::Sampler,
 };
 use tile::Tile;
@@ -53,6 +53,8 @@ pub struct Plan {
     pub threads: usize,
     /// Whether first hits are gathered for auxiliary layers.
     pub features: bool,
+    /// Whether the things that cover pixels are counted for mattes.
+    pub mattes: bool,
     /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
     pub transparent: bool,
     /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
@@ -83,6 +85,8 @@ pub struct Film {
     pub pixels: Vec<Pixel>,
     /// First hits by rows; empty where they were not gathered.
     pub features: Vec<FirstHitSums>,
+    /// What covers pixels, by rows; empty where it was not counted.
+    pub mattes: Vec<MatteSums>,
 }
 
 /// A render in progress.
@@ -141,7 +145,7 @@ impl<'s> Session<'s> {
                     x1: (x + TILE).min(crop.x1),
                     y1: (y + TILE).min(crop.y1),
                 };
-                tiles.push(Mutex::new(Tile::new(area, plan.features, round.length())));
+                tiles.push(Mutex::new(Tile::new(area, &plan, round.length())));
             }
         }
         let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
@@ -368,6 +372,7 @@ impl<'s> Session<'s> {
             crop,
             pixels: vec![Pixel::default(); n],
             features: vec![FirstHitSums::default(); if self.plan.features { n } else { 0 }],
+            mattes: vec![MatteSums::default(); if self.plan.mattes { n } else { 0 }],
         };
         for tile in &self.tiles {
             let tile = lock(tile);
@@ -376,8 +381,12 @@ impl<'s> Session<'s> {
             for (row, y) in (tile.area.y0..tile.area.y1).enumerate() {
                 let to = (y - crop.y0) as usize * crop.width() as usize + (tile.area.x0 - crop.x0) as usize;
                 film.pixels[to..to + w].copy_from_slice(&pixels[row * w..(row + 1) * w]);
+                let row = row * w..(row + 1) * w;
                 if self.plan.features {
-                    film.features[to..to + w].copy_from_slice(&tile.features[row * w..(row + 1) * w]);
+                    film.features[to..to + w].copy_from_slice(&tile.features[row.clone()]);
+                }
+                if self.plan.mattes {
+                    film.mattes[to..to + w].copy_from_slice(&tile.mattes[row]);
                 }
             }
         }

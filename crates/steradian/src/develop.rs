@@ -1,5 +1,6 @@
 //! From the sums on a film to a picture with layers.
 
+use crate::cryptomatte;
 use steradian_core::{Scene, film::FirstHit};
 use steradian_image::{Image, Value};
 use steradian_integrators::Film;
@@ -27,11 +28,13 @@ pub enum Layer {
     Samples,
     /// Part of the pixel that surfaces cover.
     Alpha,
+    /// Named objects and materials, and the part of the pixel that each covers.
+    Cryptomatte,
 }
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Albedo,
         Self::Normal,
         Self::GeometricNormal,
@@ -42,6 +45,7 @@ impl Layer {
         Self::Variance,
         Self::Samples,
         Self::Alpha,
+        Self::Cryptomatte,
     ];
 
     /// Its name on the command line.
@@ -57,6 +61,7 @@ impl Layer {
             Self::Variance => "variance",
             Self::Samples => "samples",
             Self::Alpha => "alpha",
+            Self::Cryptomatte => "cryptomatte",
         }
     }
 
@@ -73,6 +78,7 @@ impl Layer {
             Self::Variance => "variance",
             Self::Samples => "samples",
             Self::Alpha => "A",
+            Self::Cryptomatte => "crypto_object00",
         }
     }
 
@@ -91,6 +97,9 @@ impl Layer {
             Self::Variance => "estimated variance of the pixel's mean: variance.R variance.G variance.B",
             Self::Samples => "samples taken: samples.Y",
             Self::Alpha => "part of the pixel that surfaces cover: A; --transparent leaves out the background",
+            Self::Cryptomatte => {
+                "Cryptomatte 1.2, six ranks: crypto_object00..02.rgba crypto_material00..02.rgba, with manifests"
+            }
         }
     }
 
@@ -101,7 +110,7 @@ impl Layer {
 
     /// Whether it comes from the first hits of camera rays.
     pub fn needs_features(self) -> bool {
-        !matches!(self, Self::Variance | Self::Samples)
+        !matches!(self, Self::Variance | Self::Samples | Self::Cryptomatte)
     }
 }
 
@@ -148,6 +157,8 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
                 let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
                 push(&mut image, &format!("variance.{n}"), v);
             }),
+            Layer::Cryptomatte if film.mattes.is_empty() => {}
+            Layer::Cryptomatte => cryptomatte::push(&mut image, scene, &film.mattes),
             Layer::Alpha => push(&mut image, "A", of(&|h| h.coverage)),
             Layer::Samples => {
                 push(&mut image, "samples.Y", film.pixels.iter().map(|p| p.samples as f32).collect());
@@ -165,7 +176,7 @@ fn held(v: f64) -> f32 {
 }
 
 /// Layers have distinct names and the length of the picture, so this adds them.
-fn push(image: &mut Image, name: &str, data: Vec<f32>) {
+pub(crate) fn push(image: &mut Image, name: &str, data: Vec<f32>) {
     let added = image.push(name, data);
     debug_assert!(added.is_ok(), "{name}: {added:?}");
 }

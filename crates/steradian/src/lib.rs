@@ -14,6 +14,7 @@
 
 pub mod bench;
 pub mod cornell;
+mod cryptomatte;
 pub mod develop;
 mod error;
 pub mod inputs;

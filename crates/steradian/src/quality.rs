@@ -136,6 +136,7 @@ impl Quality {
             sampler,
             threads: self.threads,
             features: self.layers.iter().any(|l| l.needs_features()),
+            mattes: self.layers.contains(&Layer::Cryptomatte),
             transparent: self.transparent,
             adaptive: self.adaptive,
             error: self.error,

@@ -96,6 +96,7 @@ impl Recipe {
             ("samples per pixel", plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),
             ("layers", plan.features.to_string()),
+            ("mattes", plan.mattes.to_string()),
             ("transparent background", plan.transparent.to_string()),
             ("adaptive", plan.adaptive.to_string()),
             ("error", format!("{:?}", plan.error)),

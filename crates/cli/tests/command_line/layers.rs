@@ -112,3 +112,60 @@ fn layers_and_differences_become_pictures() {
     place.refuse(2, &["compare", "a.exr", "b.exr", "-o", "a.exr"], &["would be overwritten"]);
     place.refuse(2, &["compare", "a.exr", "-r", "a.exr", "-r", "b.exr", "-o", "d.png"], &["one pair"]);
 }
+
+/// Cryptomattes name what covers each pixel, as the specification has it.
+#[test]
+fn cryptomattes_name_what_covers_pixels() {
+    let place = Place::new();
+    let shape = "<shape type='rectangle' id='Wall'><ref id='Paint'/></shape>\
+        <shape type='rectangle'><transform name='to_world'><scale value='.5'/><translate x='1' z='.5'/></transform>\
+        <bsdf type='diffuse'/></shape>";
+    place.file(
+        "mattes.xml",
+        &format!(
+            "<scene version='3.0.0'><integrator type='path'/><sensor type='orthographic'><transform name='to_world'>\
+             <scale value='2'/><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform><film type='hdrfilm'>\
+             <integer name='width' value='15'/><integer name='height' value='15'/><rfilter type='box'/></film></sensor>\
+             <emitter type='constant'/><bsdf type='diffuse' id='Paint'/>{shape}</scene>"
+        ),
+    );
+    let command = ["render", "mattes.xml", "--spp", "64", "--aov", "cryptomatte", "--exr", "half", "-q"];
+    place.succeed(&[&command[..], &["-o", "mattes.exr", "-o", "mattes.png"]].concat());
+    let picture = place.picture("mattes.exr");
+    let at = |channel: &str, x: usize, y: usize| picture.channel(channel).unwrap()[y * 15 + x];
+    for layer in ["crypto_object", "crypto_material"] {
+        let keys: Vec<&str> = picture
+            .metadata
+            .entries
+            .iter()
+            .filter(|(_, v)| *v == steradian::image::Value::Text(layer.into()))
+            .filter_map(|(n, _)| n.strip_suffix("/name"))
+            .collect();
+        assert_eq!(keys.len(), 1, "one key names {layer}");
+        let text = |what: &str| match picture.metadata.get(&format!("{}/{what}", keys[0])) {
+            Some(steradian::image::Value::Text(text)) => text.clone(),
+            other => panic!("{what}: {other:?}"),
+        };
+        assert_eq!((text("hash"), text("conversion")), ("MurmurHash3_32".into(), "uint32_to_float32".into()));
+        let manifest: serde_json::Value = serde_json::from_str(&text("manifest")).unwrap();
+        let id = |name: &str| f32::from_bits(u32::from_str_radix(manifest[name].as_str().unwrap(), 16).unwrap());
+        let wall = if layer == "crypto_object" { "Wall" } else { "Paint" };
+        let first = |x, y| [at(&format!("{layer}00.r"), x, y), at(&format!("{layer}00.g"), x, y)];
+        let second = |x, y| [at(&format!("{layer}00.b"), x, y), at(&format!("{layer}00.a"), x, y)];
+        // The wall spans the middle half of the picture, 3.75 pixels from its edges.
+        assert_eq!(first(7, 7), [id(wall), 1.0], "{layer}");
+        assert_eq!((first(0, 0), second(7, 7)), ([0.0; 2], [0.0; 2]), "{layer}");
+        let [edge, part] = first(7, 3);
+        assert!(edge == id(wall) && (0.1..0.45).contains(&part), "{layer}: {part} of the pixel is covered");
+        // The smaller one hides it, and has a name of its own in the manifest.
+        let other = (0..15).map(|x| first(x, 7)).find(|r| r[1] == 1.0 && r[0] != id(wall)).expect("another thing");
+        assert!(manifest.as_object().unwrap().keys().any(|name| id(name) == other[0]), "{layer}");
+        // Between them both share a pixel, the one that covers more before the other.
+        let shared = (0..15).map(|x| (first(x, 7), second(x, 7))).find(|(a, b)| a[1] > 0.0 && b[1] > 0.0);
+        let ([_, more], [_, less]) = shared.expect("an edge of the smaller one over the larger");
+        assert!(more >= less && more + less == 1.0, "{layer}: {more} and {less}");
+    }
+    // A .png has no layers, and so nothing that tells of them.
+    let flat = place.picture("mattes.png");
+    assert!(flat.metadata.entries.iter().all(|(name, _)| !name.starts_with("cryptomatte/")));
+}

@@ -35,7 +35,7 @@ use crate::{
     },
 };
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeMap, HashMap, HashSet},
     path::PathBuf,
     sync::Arc,
     time::{Duration, Instant},
@@ -240,6 +240,7 @@ impl Compiler<'_> {
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
             is_timed: textures.is_timed(),
             has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
+            object_names: self.object_names(),
             geometries: std::mem::take(&mut self.geometries),
             accel,
             placements,
@@ -255,6 +256,23 @@ impl Compiler<'_> {
             settings,
         };
         (Some(scene), build_time)
+    }
+
+    /// Names of objects, those of the file, or their kind with a number.
+    fn object_names(&self) -> BTreeMap<u32, String> {
+        let mut names = BTreeMap::new();
+        let mut unnamed: HashMap<&str, u32> = HashMap::new();
+        for geometry in &self.geometries {
+            names.entry(geometry.id).or_insert_with(|| {
+                let node = self.desc.node(NodeId(geometry.id - 1));
+                node.name.clone().unwrap_or_else(|| {
+                    let count = unnamed.entry(&node.kind).or_default();
+                    *count += 1;
+                    format!("{}_{count}", node.kind)
+                })
+            });
+        }
+        names
     }
 
     fn instances(&mut self, groups: &[(u32, shapes::Boxes)]) -> Vec<steradian_accel::Instance> {

@@ -1,8 +1,10 @@
 //! The film: per-pixel sums of samples, and the pixel filter.
 
 pub mod filter;
+pub mod matte;
 
 pub use filter::{Filter, FilterKind};
+pub use matte::{Hits, MatteSums};
 
 use steradian_math::Vec3;
 

@@ -120,12 +120,13 @@ impl SamplesWriter for Plane<'_> {
     }
 }
 
-/// Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only.
+/// Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only. The ids of Cryptomatte are bits of floats.
 fn needs_float(name: &str) -> bool {
     name == "Z"
         || ["Z", "P", "depth", "samples", "object_id", "variance"]
             .iter()
             .any(|layer| name.split('.').next() == Some(layer))
+        || name.starts_with("crypto_")
 }
 
 /// The nearest half; finite values stay finite.

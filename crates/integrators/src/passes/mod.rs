@@ -44,7 +44,7 @@ use steradian_core::{
     Scene,
     bsdf::TransportMode,
     color,
-    film::{FirstHitSums, Pixel},
+    film::{FirstHitSums, MatteSums, Pixel},
     light::Light,
     sampler::{PixelSampler, Sampler},
 };
@@ -211,6 +211,7 @@ pub struct Passes<'s> {
     is_prepared: bool,
     pixels: Vec<Pixel>,
     features: Vec<FirstHitSums>,
+    mattes: Vec<MatteSums>,
     /// Passes that are in the film.
     passes: u32,
     /// Passes at which the error is looked at next.
@@ -231,6 +232,7 @@ impl<'s> Passes<'s> {
             is_prepared: false,
             pixels: vec![Pixel::default(); n],
             features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
+            mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
             passes: 0,
             look: FIRST_LOOK,
             is_good_enough: false,
@@ -268,7 +270,7 @@ impl<'s> Passes<'s> {
 
     /// Adds what the pass's camera rays see first.
     fn first_hits(&mut self, run: &Run<'_>) -> Option<()> {
-        if self.features.is_empty() {
+        if self.features.is_empty() && self.mattes.is_empty() {
             return Some(());
         }
         let crop = self.scene.film.crop;
@@ -280,6 +282,7 @@ impl<'s> Passes<'s> {
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;
         self.features.iter_mut().zip(rows.iter().flatten()).for_each(|(sum, hit)| sum.add(hit));
+        self.mattes.iter_mut().zip(rows.iter().flatten()).for_each(|(sum, hit)| sum.add(hit));
         Some(())
     }
 
@@ -290,7 +293,8 @@ impl<'s> Passes<'s> {
         self.counters.pass(way)?;
         self.time.pass(way)?;
         self.pixels.pass(way)?;
-        self.features.pass(way)
+        self.features.pass(way)?;
+        self.mattes.pass(way)
     }
 }
 
@@ -344,7 +348,12 @@ impl Method for Passes<'_> {
     }
 
     fn film(&self) -> Film {
-        Film { crop: self.scene.film.crop, pixels: self.pixels.clone(), features: self.features.clone() }
+        Film {
+            crop: self.scene.film.crop,
+            pixels: self.pixels.clone(),
+            features: self.features.clone(),
+            mattes: self.mattes.clone(),
+        }
     }
 
     fn save(&mut self, out: &mut dyn Write) -> io::Result<()> {

@@ -58,6 +58,7 @@ fn plan(threads: usize, spp: u32) -> Plan {
         threads,
         features: true,
         transparent: false,
+        mattes: false,
         adaptive: false,
         error: None,
     }

@@ -58,7 +58,16 @@ fn plan(name: &str, tactics: Tactics, spp: u32) -> Plan {
     let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
     let integrator = IntegratorKind::named(name, depth, tactics).unwrap();
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
-    Plan { integrator, sampler, threads: 1, features: true, transparent: false, adaptive: false, error: None }
+    Plan {
+        integrator,
+        sampler,
+        threads: 1,
+        features: true,
+        transparent: false,
+        mattes: false,
+        adaptive: false,
+        error: None,
+    }
 }
 
 /// All samples of a plan, with more paths in squares of an edge than elsewhere.

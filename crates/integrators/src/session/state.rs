@@ -11,7 +11,7 @@ use std::{
     sync::atomic::Ordering,
     time::Duration,
 };
-use steradian_core::film::{FirstHit, FirstHitSums, Pixel};
+use steradian_core::film::{FirstHit, FirstHitSums, Hits, MatteSums, Pixel};
 
 /// Turns bytes of values into bytes of a file, or those of a file into those of values.
 pub(crate) trait Way {
@@ -73,6 +73,8 @@ fields! {
     Half { sum, samples }
     FirstHit { albedo, normal, geometric_normal, position, depth, distance, uv, shape, material, coverage }
     FirstHitSums { sum, samples }
+    Hits { ids, counts }
+    MatteSums { objects, materials, samples }
 }
 
 impl State for bool {
@@ -161,6 +163,7 @@ impl Session<'_> {
                 tile.even.pass(way)?;
             }
             tile.features.pass(way)?;
+            tile.mattes.pass(way)?;
         }
         Ok(())
     }

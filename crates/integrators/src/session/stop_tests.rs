@@ -72,6 +72,7 @@ fn renders_end_where_they_are() {
             threads,
             features: false,
             transparent: false,
+            mattes: false,
             adaptive: false,
             error: None,
         };

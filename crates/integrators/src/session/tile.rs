@@ -1,11 +1,11 @@
 //! A tile of the film: sums of the pixels over the round under way, and what the rounds before it came to.
 
-use super::{scales::Half, work::RAYS};
+use super::{Plan, scales::Half, work::RAYS};
 use crate::{
     adaptive::{FLOOR, Need, Round},
     partition::{CELLS, cell_of},
 };
-use steradian_core::film::{Crop, FirstHitSums, Pixel};
+use steradian_core::film::{Crop, FirstHit, FirstHitSums, MatteSums, Pixel};
 use steradian_math::Vec3;
 
 /// A square of a tile that gets a number of samples of its own.
@@ -54,20 +54,23 @@ pub struct Tile {
     pub(super) even: Vec<Half>,
     /// First hits, of all rounds.
     pub features: Vec<FirstHitSums>,
+    /// What covers pixels, of all rounds.
+    pub mattes: Vec<MatteSums>,
     /// By rows.
     pub cells: [Cell; (CELLS * CELLS) as usize],
 }
 
 impl Tile {
     /// Without samples; each pixel shall get `target` in the first round.
-    pub fn new(area: Crop, features: bool, target: u32) -> Self {
+    pub fn new(area: Crop, plan: &Plan, target: u32) -> Self {
         let n = (area.width() * area.height()) as usize;
         Self {
             area,
             pixels: vec![Pixel::default(); n],
             past: Vec::new(),
             even: Vec::new(),
-            features: if features { vec![FirstHitSums::default(); n] } else { Vec::new() },
+            features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
+            mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
         }
     }
@@ -79,6 +82,16 @@ impl Tile {
             even.add(value);
         }
         is_finite
+    }
+
+    /// Adds what a sample of a pixel hits first to the layers that are gathered.
+    pub fn add_hit(&mut self, at: usize, hit: &FirstHit) {
+        if let Some(features) = self.features.get_mut(at) {
+            features.add(hit);
+        }
+        if let Some(mattes) = self.mattes.get_mut(at) {
+            mattes.add(hit);
+        }
     }
 
     /// The pixels with all that is known of them, by rows.

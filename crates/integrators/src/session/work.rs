@@ -229,6 +229,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             return;
         }
         let begin = hits.len();
+        let gathers = plan.features || plan.mattes;
         let before = counters.rays;
         for path in 0..members.iter().map(|m| m.paths).max().unwrap_or(0) {
             seats.clear();
@@ -258,18 +259,17 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                         l *= film.max_component / m;
                     }
                 }
-                let hit =
-                    (plan.features || plan.transparent).then(|| features::first_hit(scene, seat.ray, &seat.lambda));
+                let hit = (gathers || plan.transparent).then(|| features::first_hit(scene, seat.ray, &seat.lambda));
                 if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
                     l = Spectrum::ZERO;
                 }
                 members[*number].sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
-                if let Some(hit) = hit.filter(|_| plan.features && members[*number].kept.is_some()) {
+                if let Some(hit) = hit.filter(|_| gathers && members[*number].kept.is_some()) {
                     hits.push((*number, hit));
                 }
             }
         }
-        if plan.features {
+        if gathers {
             hits[begin..].sort_by_key(|(number, _)| *number);
         }
         let rays = (counters.rays - before) * RAYS / members.len() as u64;
@@ -295,7 +295,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 cell.rays += f.rays;
                 cell.samples += 1;
                 for (_, hit) in &desk.hits[f.hits.0..f.hits.0 + f.hits.1] {
-                    tile.features[f.at as usize].add(hit);
+                    tile.add_hit(f.at as usize, hit);
                 }
             }
         }

@@ -294,8 +294,16 @@ fn crops_are_parts_of_the_whole() {
 impl Shot {
     fn film_of(self, scene: &Scene, integrator: steradian_integrators::IntegratorKind) -> Film {
         let sampler = steradian_core::sampler::Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
-        let plan =
-            Plan { integrator, sampler, threads: 2, features: false, transparent: false, adaptive: false, error: None };
+        let plan = Plan {
+            integrator,
+            sampler,
+            threads: 2,
+            features: false,
+            transparent: false,
+            mattes: false,
+            adaptive: false,
+            error: None,
+        };
         let mut session = Session::new(scene, plan);
         session.step(u32::MAX, &Control::default());
         session.film()

@@ -89,7 +89,10 @@ impl Shot {
         let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
-        Session::new(scene, Plan { integrator, sampler, threads, features: false, transparent: false, adaptive, error })
+        Session::new(
+            scene,
+            Plan { integrator, sampler, threads, features: false, transparent: false, mattes: false, adaptive, error },
+        )
     }
 
     /// The finished film; every sample must have been finite.

@@ -131,7 +131,7 @@ impl Opener<'_> {
         }
         let mut mesh = file.mesh;
         let look = self.painted(&mut mesh);
-        self.shape(mesh, look);
+        self.shape(mesh, look, None);
     }
 
     fn obj(&mut self, bytes: Vec<u8>) {
@@ -170,7 +170,8 @@ impl Opener<'_> {
                     self.painted(&mut mesh)
                 }
             };
-            self.shape(mesh, look);
+            let name = [&part.object, &part.group].into_iter().find(|name| !name.is_empty());
+            self.shape(mesh, look, name.cloned());
         }
     }
 
@@ -248,13 +249,13 @@ impl Opener<'_> {
         Look { material: Some(both), emission: None }
     }
 
-    fn shape(&mut self, mut mesh: Mesh, look: Look) {
+    fn shape(&mut self, mut mesh: Mesh, look: Look, name: Option<String>) {
         if mesh.triangles.is_empty() && mesh.patches.is_empty() {
             return;
         }
         smooth::smooth(&mut mesh);
         let desc = &mut self.import.desc;
-        let node = desc.add(Node::new(Family::Shape, "mesh", None));
+        let node = desc.add(Node { name, ..Node::new(Family::Shape, "mesh", None) });
         let mesh = desc.add_mesh(mesh);
         desc.shapes.push(Shape {
             mesh: Some(mesh),

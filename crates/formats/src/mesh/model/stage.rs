@@ -83,7 +83,9 @@ fn add_ground(desc: &mut SceneDesc, [low, high]: [DVec3; 2]) {
     // The disk's +z is the world's +y.
     let axes = [DVec3::X, DVec3::NEG_Z, DVec3::Y].map(|axis| axis.extend(0.0));
     let to_world = Transform { matrix: DMat4::from_cols(axes[0], axes[1], axes[2], origin.extend(1.0)) };
-    let disk = desc.add(Node::new(Family::Shape, "disk", None).with("radius", GROUND_RADIUS * diagonal));
+    let mut disk = Node::new(Family::Shape, "disk", None).with("radius", GROUND_RADIUS * diagonal);
+    disk.name = Some("ground".into());
+    let disk = desc.add(disk);
     let material = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", GROUND));
     desc.shapes.push(Shape { world_from_object: to_world, material: Some(material), ..Shape::new(disk) });
 }
