@@ -92,7 +92,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
     // Mattes are counted apart from other layers, and have eight times as many planes.
     let mattes = if plan.mattes { 16 } else { 0 };
-    check_memory(&scene, quality.layers.len() + mattes)?;
+    let groups = if plan.by_light { 3 * scene.light_groups.names.len() } else { 0 };
+    check_memory(&scene, quality.layers.len() + mattes + groups)?;
 
     let integrator = quality.integrator_name(&scene);
     if let Some(what) = quality.cannot(&scene) {

@@ -148,7 +148,7 @@ pub fn tone(text: &str) -> Result<Tone, String> {
     Tone::parse(text).map_err(|e| e.to_string())
 }
 
-/// Layers by name, `all` for every one.
+/// Layers by name, `all` for every one but the light of groups of lights, which changes how paths are made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layers(pub Vec<Layer>);
 
@@ -163,7 +163,7 @@ impl FromStr for Layers {
                 return Err("there is no layer of motion, since nothing moves during the exposure".into());
             }
             match known_name(name, "layer", known.clone())? {
-                "all" => layers.extend(Layer::ALL),
+                "all" => layers.extend(Layer::ALL.into_iter().filter(|l| *l != Layer::LightGroups)),
                 name => layers.extend(Layer::named(name)),
             }
         }
@@ -237,7 +237,8 @@ mod tests {
         assert!(integrator("rastre").is_err_and(|e| e.contains("did you mean 'raster'?")));
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
-        assert_eq!("all".parse(), Ok(Layers(Layer::ALL.to_vec())));
+        let all: Layers = "all".parse().unwrap();
+        assert!(all.0.len() + 1 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
         assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("nothing moves")));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));

@@ -5,7 +5,7 @@ use crate::{
     color::ColorMode,
     film::FilmSpec,
     footprint::RayDifferential,
-    light::Lights,
+    light::{LightGroups, Lights},
     material::{self, Material, Model, Needs, Scattering, detail::Base},
     medium::Medium,
     sampler::SamplerKind,
@@ -149,6 +149,8 @@ pub struct Scene {
     pub film: FilmSpec,
     /// What the scene asks for.
     pub settings: Settings,
+    /// Groups of lights.
+    pub light_groups: LightGroups,
     /// Names of objects, by [`Geometry::id`]; those that the file gives none are numbered.
     pub object_names: BTreeMap<u32, String>,
     /// Names of materials, by index, for reports.

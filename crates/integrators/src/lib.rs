@@ -69,12 +69,24 @@ pub struct Counters {
     pub nonfinite: u64,
     /// Whether what is counted is to end.
     pub stop: Stop,
+    /// The light of each group that the path under way brings; empty where nobody asks.
+    pub by_group: Vec<Spectrum>,
 }
 
 impl Counters {
     /// None yet, of what is to end when somebody wishes.
     pub fn until(stop: &Stop) -> Self {
         Self { stop: stop.clone(), ..Self::default() }
+    }
+
+    /// Adds what a path brings to the sum of its light's group.
+    #[inline]
+    pub(crate) fn note(&mut self, group: impl FnOnce() -> Option<u32>, light: Spectrum) {
+        if !self.by_group.is_empty()
+            && let Some(sum) = group().and_then(|g| self.by_group.get_mut(g as usize))
+        {
+            *sum += light;
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::{dimension, power_heuristic};
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, TransportMode},
-    light::{LightContext, LightSample},
+    light::{Light, LightContext, LightSample},
     material::Scattering,
     sampler::PixelSampler,
     scene::Interaction,
@@ -17,6 +17,13 @@ pub fn context(i: &Interaction, frame: &Frame, bsdf: &Bsdf) -> LightContext {
     LightContext { p: i.surface.p, n: if bsdf.has_transmission() { Vec3::ZERO } else { frame.z } }
 }
 
+/// The light that is asked for at an event, and the probability of that.
+#[inline]
+pub fn choose(scene: &Scene, ctx: &LightContext, event: u32, sampler: &PixelSampler) -> Option<(u32, f32)> {
+    let u = sampler.get_1d_lazily(dimension::at(event, dimension::LIGHT), scene.lights.are_many());
+    scene.lights.choose(ctx, u)
+}
+
 /// A light chosen for the context and a point on it, with the density of both.
 #[inline]
 pub fn sample_light(
@@ -26,8 +33,7 @@ pub fn sample_light(
     sampler: &PixelSampler,
     lambda: &Wavelengths,
 ) -> Option<LightSample> {
-    let u = sampler.get_1d_lazily(dimension::at(event, dimension::LIGHT), scene.lights.are_many());
-    let (light, p) = scene.lights.choose(ctx, u)?;
+    let (light, p) = choose(scene, ctx, event, sampler)?;
     let u = sampler.get_2d(dimension::at(event, dimension::LIGHT_POINT));
     let mut s = scene.lights.sample(light, ctx, u, lambda, &scene.textures)?;
     s.pdf *= p;
@@ -73,18 +79,19 @@ pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavele
 /// Light of the environments in a direction, weighted.
 #[inline]
 pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
-    let mut sum = Spectrum::ZERO;
-    for &light in &scene.lights.environments {
-        let steradian_core::light::Light::Environment(e) = &scene.lights.lights[light as usize] else { continue };
-        let radiance = e.radiance(p, w, lambda);
-        if radiance.is_black() {
-            continue;
-        }
-        let weight = match origin {
-            None => 1.0,
-            Some((ctx, pdf)) => power_heuristic(*pdf, scene.lights.environment_pdf(light, ctx, w)),
-        };
-        sum += radiance * weight;
+    scene.lights.environments.iter().fold(Spectrum::ZERO, |sum, &e| sum + environment(scene, e, p, w, origin, lambda))
+}
+
+/// Light of one of the environments in a direction, weighted.
+#[inline]
+pub fn environment(scene: &Scene, light: u32, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
+    let Light::Environment(e) = &scene.lights.lights[light as usize] else { return Spectrum::ZERO };
+    let radiance = e.radiance(p, w, lambda);
+    if radiance.is_black() {
+        return Spectrum::ZERO;
     }
-    sum
+    match origin {
+        None => radiance,
+        Some((ctx, pdf)) => radiance * power_heuristic(*pdf, scene.lights.environment_pdf(light, ctx, w)),
+    }
 }

@@ -5,7 +5,7 @@
 use crate::{
     Counters, Depth, Integrator, Survey, Tactics,
     reuse::{self, Room, Seat, Suffix, whole},
-    walk::{Arrival, Leg, Vertex, arrive, escape},
+    walk::{Arrival, Leg, Vertex, arrive, escape, escape_by_group},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -26,6 +26,15 @@ pub type Path = PathTracer<false>;
 pub type VolPath = PathTracer<true>;
 
 impl<const MEDIA: bool> PathTracer<MEDIA> {
+    /// Adds what a leg that meets nothing brings.
+    #[inline]
+    fn escape(&self, scene: &Scene, leg: &Leg, sum: &mut Spectrum, lambda: &Wavelengths, counters: &mut Counters) {
+        if !counters.by_group.is_empty() {
+            escape_by_group(scene, leg, &self.depth, lambda, counters);
+        }
+        escape(scene, leg, sum, &self.depth, lambda);
+    }
+
     /// What a leg that arrived at a vertex brings from there; of a `branch` it is decided that it goes on.
     #[inline]
     #[allow(clippy::too_many_arguments)]
@@ -67,7 +76,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
                 Arrival::Vertex(v) => vertex = v,
                 Arrival::End => return sum,
                 Arrival::Escaped => {
-                    escape(scene, &leg, &mut sum, &self.depth, lambda);
+                    self.escape(scene, &leg, &mut sum, lambda, counters);
                     return sum;
                 }
             }
@@ -143,7 +152,7 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
             }
             Arrival::End => sum,
             Arrival::Escaped => {
-                escape(scene, &leg, &mut sum, &self.depth, lambda);
+                self.escape(scene, &leg, &mut sum, lambda, counters);
                 sum
             }
         }

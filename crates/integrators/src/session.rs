@@ -55,6 +55,8 @@ pub struct Plan {
     pub features: bool,
     /// Whether the things that cover pixels are counted for mattes.
     pub mattes: bool,
+    /// Whether the light of each group of lights is kept for itself; by path tracers whose paths share nothing.
+    pub by_light: bool,
     /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
     pub transparent: bool,
     /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
@@ -87,6 +89,8 @@ pub struct Film {
     pub features: Vec<FirstHitSums>,
     /// What covers pixels, by rows; empty where it was not counted.
     pub mattes: Vec<MatteSums>,
+    /// Sums of linear Rec.709 radiance of each group of lights, pixel by pixel; empty where they were not kept.
+    pub by_light: Vec<[f64; 3]>,
 }
 
 /// A render in progress.
@@ -145,7 +149,7 @@ impl<'s> Session<'s> {
                     x1: (x + TILE).min(crop.x1),
                     y1: (y + TILE).min(crop.y1),
                 };
-                tiles.push(Mutex::new(Tile::new(area, &plan, round.length())));
+                tiles.push(Mutex::new(Tile::new(area, &plan, scene.light_groups.names.len(), round.length())));
             }
         }
         let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
@@ -364,6 +368,11 @@ impl<'s> Session<'s> {
         self.cpu
     }
 
+    /// Groups of lights that are kept apart.
+    fn light_groups(&self) -> usize {
+        if self.plan.by_light { self.scene.light_groups.names.len() } else { 0 }
+    }
+
     /// The film as it is.
     pub fn film(&self) -> Film {
         let crop = self.scene.film.crop;
@@ -373,6 +382,7 @@ impl<'s> Session<'s> {
             pixels: vec![Pixel::default(); n],
             features: vec![FirstHitSums::default(); if self.plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if self.plan.mattes { n } else { 0 }],
+            by_light: vec![[0.0; 3]; n * self.light_groups()],
         };
         for tile in &self.tiles {
             let tile = lock(tile);
@@ -381,6 +391,9 @@ impl<'s> Session<'s> {
             for (row, y) in (tile.area.y0..tile.area.y1).enumerate() {
                 let to = (y - crop.y0) as usize * crop.width() as usize + (tile.area.x0 - crop.x0) as usize;
                 film.pixels[to..to + w].copy_from_slice(&pixels[row * w..(row + 1) * w]);
+                let groups = self.light_groups();
+                let by_light = &tile.by_light[row * w * groups..(row + 1) * w * groups];
+                film.by_light[to * groups..(to + w) * groups].copy_from_slice(by_light);
                 let row = row * w..(row + 1) * w;
                 if self.plan.features {
                     film.features[to..to + w].copy_from_slice(&tile.features[row.clone()]);

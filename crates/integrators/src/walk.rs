@@ -134,7 +134,11 @@ impl Leg {
         let mut sample = |k| v.direct::<MEDIA>(scene, self.event_of_light(k), sampler, lambda, counters);
         let first = sample(0);
         if self.lights == 1 {
-            return self.beta * first;
+            let light = self.beta * first;
+            let event = self.event_of_light(0);
+            let chosen = || nee::choose(scene, &v.context(), event, sampler);
+            counters.note(|| chosen().map(|(light, _)| scene.light_groups.of_lights[light as usize]), light);
+            return light;
         }
         self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
     }
@@ -498,7 +502,10 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
         };
         let i = scene.interaction_of_light(&leg.ray, &met);
         if !(leg.events == 0 && depth.hide_emitters) {
-            *sum += leg.beta * nee::emission(scene, &i, &leg.origin, lambda);
+            let light = leg.beta * nee::emission(scene, &i, &leg.origin, lambda);
+            let emitter = || scene.geometries[i.geometry as usize].emitter;
+            counters.note(|| emitter().map(|e| scene.light_groups.of_emitters[e as usize]), light);
+            *sum += light;
         }
         let is_last = leg.events >= depth.max;
         if is_last && !scene.is_see_through {
@@ -522,6 +529,18 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
         }
         counters.rays += 1;
         hit = scene.intersect(&leg.ray);
+    }
+}
+
+/// As [`escape`], by groups of lights.
+#[cold]
+pub(crate) fn escape_by_group(scene: &Scene, leg: &Leg, depth: &Depth, lambda: &Wavelengths, counters: &mut Counters) {
+    if leg.events == 0 && depth.hide_emitters {
+        return;
+    }
+    for &light in &scene.lights.environments {
+        let found = nee::environment(scene, light, leg.ray.origin, leg.ray.direction, &leg.origin, lambda);
+        counters.note(|| Some(scene.light_groups.of_lights[light as usize]), leg.beta * found);
     }
 }
 

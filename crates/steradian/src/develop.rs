@@ -30,11 +30,13 @@ pub enum Layer {
     Alpha,
     /// Named objects and materials, and the part of the pixel that each covers.
     Cryptomatte,
+    /// The picture by the light of each group of lights alone.
+    LightGroups,
 }
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Albedo,
         Self::Normal,
         Self::GeometricNormal,
@@ -46,6 +48,7 @@ impl Layer {
         Self::Samples,
         Self::Alpha,
         Self::Cryptomatte,
+        Self::LightGroups,
     ];
 
     /// Its name on the command line.
@@ -62,6 +65,7 @@ impl Layer {
             Self::Samples => "samples",
             Self::Alpha => "alpha",
             Self::Cryptomatte => "cryptomatte",
+            Self::LightGroups => "light_groups",
         }
     }
 
@@ -79,6 +83,7 @@ impl Layer {
             Self::Samples => "samples",
             Self::Alpha => "A",
             Self::Cryptomatte => "crypto_object00",
+            Self::LightGroups => "RGBA",
         }
     }
 
@@ -97,6 +102,9 @@ impl Layer {
             Self::Variance => "estimated variance of the pixel's mean: variance.R variance.G variance.B",
             Self::Samples => "samples taken: samples.Y",
             Self::Alpha => "part of the pixel that surfaces cover: A; --transparent leaves out the background",
+            Self::LightGroups => {
+                "the light of each light or named group of them, whose sum is the picture: RGBA_NAME.R .G .B; not among 'all'"
+            }
             Self::Cryptomatte => {
                 "Cryptomatte 1.2, six ranks: crypto_object00..02.rgba crypto_material00..02.rgba, with manifests"
             }
@@ -110,7 +118,7 @@ impl Layer {
 
     /// Whether it comes from the first hits of camera rays.
     pub fn needs_features(self) -> bool {
-        !matches!(self, Self::Variance | Self::Samples | Self::Cryptomatte)
+        !matches!(self, Self::Variance | Self::Samples | Self::Cryptomatte | Self::LightGroups)
     }
 }
 
@@ -157,6 +165,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
                 let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
                 push(&mut image, &format!("variance.{n}"), v);
             }),
+            Layer::LightGroups => light_groups(&mut image, scene, film),
             Layer::Cryptomatte if film.mattes.is_empty() => {}
             Layer::Cryptomatte => cryptomatte::push(&mut image, scene, &film.mattes),
             Layer::Alpha => push(&mut image, "A", of(&|h| h.coverage)),
@@ -168,6 +177,26 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let world_from_camera = scene.camera.world_from_camera;
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
+}
+
+/// Adds the light of each group of lights. Dots part layers in names of channels, so that groups lose theirs.
+fn light_groups(image: &mut Image, scene: &Scene, film: &Film) {
+    let names = &scene.light_groups.names;
+    if film.by_light.is_empty() {
+        return;
+    }
+    for (group, name) in names.iter().enumerate() {
+        let mut name = format!("RGBA_{}", name.replace(['.', '\0'], "_"));
+        name.truncate(name.floor_char_boundary(200));
+        while image.channel(&format!("{name}.R")).is_some() {
+            name.push('_');
+        }
+        for (c, n) in ["R", "G", "B"].iter().enumerate() {
+            let sums = film.by_light.iter().skip(group).step_by(names.len()).zip(&film.pixels);
+            let plane = sums.map(|(sum, p)| held(sum[c] / f64::from(p.samples.max(1)))).collect();
+            push(image, &format!("{name}.{n}"), plane);
+        }
+    }
 }
 
 /// A number as `f32`, held at the ends of its range: the squares of large radiances are beyond it.

@@ -13,6 +13,9 @@ use steradian_integrators::{
 };
 use steradian_scene::names::did_you_mean;
 
+/// Most groups of lights that layers are made of: each takes memory for a picture.
+const MOST_LIGHT_GROUPS: usize = 64;
+
 /// Integrator, samples, depth, threads and layers.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
@@ -119,8 +122,32 @@ impl Quality {
         self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
     }
 
+    /// Makes paths fit for layers of groups of lights, which share nothing and take one light sample each.
+    fn keep_lights_apart(&self, scene: &Scene, integrator: &mut IntegratorKind) -> Result<(), String> {
+        let groups = scene.light_groups.names.len();
+        if groups > MOST_LIGHT_GROUPS {
+            return Err(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)"));
+        }
+        if self.adaptive {
+            return Err("layers of groups of lights with --adaptive".into());
+        }
+        let plain = |tactics: &mut Tactics| {
+            *tactics = Tactics { reuse: Some(1), effort: Some(Effort::default()), by_vertex: false, ..*tactics };
+        };
+        match integrator {
+            IntegratorKind::Path(i) => plain(&mut i.tactics),
+            IntegratorKind::VolPath(i) => plain(&mut i.tactics),
+            _ => return Err("layers of groups of lights; 'path' and 'volpath' can".into()),
+        }
+        Ok(())
+    }
+
     /// The plan with an integrator and so many samples per pixel.
-    fn plan_of(&self, scene: &Scene, integrator: IntegratorKind, spp: u32) -> Result<Plan, Error> {
+    fn plan_of(&self, scene: &Scene, mut integrator: IntegratorKind, spp: u32) -> Result<Plan, Error> {
+        if self.layers.contains(&Layer::LightGroups) {
+            let kept = self.keep_lights_apart(scene, &mut integrator);
+            kept.map_err(|what| Error::CannotRender { integrator: self.integrator_name(scene).into(), what })?;
+        }
         let kind = match self.sampler.as_deref() {
             None => scene.settings.sampler,
             Some("scene") => scene.settings.named_sampler,
@@ -137,6 +164,7 @@ impl Quality {
             threads: self.threads,
             features: self.layers.iter().any(|l| l.needs_features()),
             mattes: self.layers.contains(&Layer::Cryptomatte),
+            by_light: self.layers.contains(&Layer::LightGroups),
             transparent: self.transparent,
             adaptive: self.adaptive,
             error: self.error,

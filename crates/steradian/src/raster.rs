@@ -49,7 +49,13 @@ pub fn render(scene: &Scene, quality: &Quality, options: &Options) -> Result<Ren
     let (start, cpu) = (Instant::now(), cpu_time());
     let spp = quality.spp.unwrap_or(1).max(1);
     let picture = steradian_realtime::render(scene, spp, options)?;
-    let film = Film { crop: scene.film.crop, pixels: picture.pixels, features: Vec::new(), mattes: Vec::new() };
+    let film = Film {
+        crop: scene.film.crop,
+        pixels: picture.pixels,
+        features: Vec::new(),
+        mattes: Vec::new(),
+        by_light: Vec::new(),
+    };
     let (rays, nonfinite, notes) = (picture.rays, picture.nonfinite, picture.notes);
     Ok(Rendered { film, spp, rays, nonfinite, notes, wall: start.elapsed(), cpu: cpu_time().saturating_sub(cpu) })
 }

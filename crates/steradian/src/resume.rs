@@ -97,6 +97,7 @@ impl Recipe {
             ("seed", plan.sampler.seed.to_string()),
             ("layers", plan.features.to_string()),
             ("mattes", plan.mattes.to_string()),
+            ("light groups", plan.by_light.to_string()),
             ("transparent background", plan.transparent.to_string()),
             ("adaptive", plan.adaptive.to_string()),
             ("error", format!("{:?}", plan.error)),

@@ -169,3 +169,74 @@ fn cryptomattes_name_what_covers_pixels() {
     let flat = place.picture("mattes.png");
     assert!(flat.metadata.entries.iter().all(|(name, _)| !name.starts_with("cryptomatte/")));
 }
+
+/// A room corner with a lamp of each sort: a named panel, a point, and a sky, seen past a sheet of glass.
+fn lamps(chosen: &[&str]) -> String {
+    let all = [
+        (
+            "Panel",
+            "AttributeBegin\n AreaLightSource \"diffuse\" \"rgb L\" [ 9 6 3 ]\n Shape \"bilinearmesh\" \
+            \"point3 P\" [ -1 3 6  1 3 6  -1 3 4  1 3 4 ] \nAttributeEnd\n",
+        ),
+        ("point", "LightSource \"point\" \"rgb I\" [ 2 4 6 ] \"point3 from\" [ 1 2 2 ]\n"),
+        ("environment", "LightSource \"infinite\" \"rgb L\" [ .1 .2 .1 ]\n"),
+    ];
+    let lights: String = all.iter().filter(|(name, _)| chosen.contains(name)).map(|(_, text)| *text).collect();
+    format!(
+        "LookAt 0 1 -2  0 1 4  0 1 0\nCamera \"perspective\" \"float fov\" 70\nFilm \"rgb\" \"integer xresolution\" 16 \
+         \"integer yresolution\" 16 \"float maxcomponentvalue\" 2\nWorldBegin\n{lights}\
+         Material \"diffuse\" \"rgb reflectance\" [ .6 .6 .5 ]\n\
+         Shape \"bilinearmesh\" \"point3 P\" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]\n\
+         Material \"dielectric\"\nShape \"sphere\" \"float radius\" .5\n\
+         Material \"conductor\"\nAttributeBegin\nTranslate -1 .6 3\nShape \"sphere\" \"float radius\" .6\nAttributeEnd\n"
+    )
+}
+
+/// The light of groups adds up to the picture, and that of one group is the picture of a scene with that light alone.
+#[test]
+fn the_light_of_groups_adds_up_to_the_picture() {
+    let place = Place::new();
+    let every = ["Panel", "point", "environment"];
+    place.file("lamps.pbrt", &lamps(&every));
+    for light in every {
+        place.file(&format!("{light}.pbrt"), &lamps(&[light]));
+    }
+    for color in ["rgb", "spectral"] {
+        let render = |scene: &str, layers: &[&str]| {
+            let command = ["render", scene, "--spp", "256", "--color", color, "-q", "-o", "out.exr"];
+            place.succeed(&[&command[..], layers].concat());
+            place.picture("out.exr")
+        };
+        let picture = render("lamps.pbrt", &["--aov", "light_groups"]);
+        let groups: Vec<String> = picture
+            .channels()
+            .iter()
+            .filter_map(|c| c.name.strip_suffix(".R").filter(|name| name.starts_with("RGBA_")))
+            .map(String::from)
+            .collect();
+        assert_eq!(groups.len(), 3, "{groups:?}");
+        for channel in ["R", "G", "B"] {
+            let whole = picture.channel(channel).unwrap();
+            for (at, &value) in whole.iter().enumerate() {
+                let sum: f32 = groups.iter().map(|g| picture.channel(&format!("{g}.{channel}")).unwrap()[at]).sum();
+                assert!((sum - value).abs() <= 1e-5 * value.max(1.0), "{color}: {channel} of {at}: {sum} and {value}");
+            }
+        }
+        // The clamp at two scales all light of a sample alike, so lights alone are compared where nothing reaches it: on the floor.
+        let mean = |image: &steradian::image::Image, name: &str| {
+            let plane = image.channel(name).unwrap();
+            (192..256).map(|at| f64::from(plane[at])).sum::<f64>() / 64.0
+        };
+        for light in every {
+            let kind = if light == "Panel" { "area" } else { light };
+            let group = groups.iter().find(|g| g.starts_with(&format!("RGBA_{kind}"))).expect(light);
+            let alone = render(&format!("{light}.pbrt"), &[]);
+            for channel in ["R", "G", "B"] {
+                let (a, b) = (mean(&picture, &format!("{group}.{channel}")), mean(&alone, channel));
+                assert!(b > 0.0 && (a / b - 1.0).abs() < 0.03, "{color}: {light} {channel} is {a}, alone {b}");
+            }
+        }
+    }
+    place.refuse(2, &["render", "lamps.pbrt", "--integrator", "bdpt", "--aov", "light_groups"], &["'bdpt'", "groups"]);
+    place.refuse(2, &["render", "lamps.pbrt", "--adaptive", "--aov", "light_groups"], &["--adaptive"]);
+}

@@ -111,7 +111,21 @@ impl Compiler<'_> {
                 None
             }
         };
-        self.lights.extend(light);
+        if let Some(light) = light {
+            let group = self.light_group(node.name.as_deref(), id);
+            self.grouped.push((self.lights.len() as u32, group));
+            self.lights.push(light);
+        }
+    }
+
+    /// The group of a light by its name, or one of its own where it has none, called after its kind.
+    pub(super) fn light_group(&mut self, name: Option<&str>, light: NodeId) -> u32 {
+        if let Some(name) = name {
+            return self.light_groups.number(name);
+        }
+        let count = self.unnamed_lights.len() + 1;
+        let number = *self.unnamed_lights.entry(light).or_insert(count);
+        self.light_groups.number(&format!("{}_{number}", self.node(light).kind))
     }
 
     fn point(&mut self, node: &Node) -> Option<Light> {

@@ -24,7 +24,7 @@ mod view;
 
 use crate::{
     color::ColorMode,
-    light::{Emitter, Light, Lights},
+    light::{Emitter, Light, LightGroups, Lights},
     material::{Material, Model, Needs, SurfaceDetail},
     medium::Medium,
     scene::{Geometry, Placement, Scene},
@@ -123,6 +123,11 @@ struct Compiler<'a> {
     eye: Option<(steradian_math::Vec3, f32)>,
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
+    light_groups: LightGroups,
+    /// Numbers of lights without a name.
+    unnamed_lights: HashMap<NodeId, usize>,
+    /// Lights that are no part of shapes, with their groups.
+    grouped: Vec<(u32, u32)>,
     geometries: Vec<Geometry>,
 }
 
@@ -155,6 +160,9 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         eye: None,
         emitters: Vec::new(),
         lights: Vec::new(),
+        light_groups: LightGroups::default(),
+        unnamed_lights: HashMap::new(),
+        grouped: Vec::new(),
         geometries: Vec::new(),
     };
     let (scene, build_time) = c.run();
@@ -207,6 +215,8 @@ impl Compiler<'_> {
         let textures = std::mem::take(&mut self.textures);
         let lights =
             Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode, &textures);
+        let mut light_groups = std::mem::take(&mut self.light_groups);
+        light_groups.assign(&lights, &self.grouped);
         if lights.lights.is_empty() && lights.emitters.is_empty() {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
@@ -241,6 +251,7 @@ impl Compiler<'_> {
             is_timed: textures.is_timed(),
             has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
             object_names: self.object_names(),
+            light_groups,
             geometries: std::mem::take(&mut self.geometries),
             accel,
             placements,

@@ -104,7 +104,12 @@ impl Compiler<'_> {
             };
             if let Some(light) = emission {
                 if world {
+                    let before = self.emitters.len();
                     self.emission(light, &mut geometry);
+                    if let (true, Some(id)) = (self.emitters.len() > before, shape.emission) {
+                        let group = self.light_group(light.name.as_deref().or(node.name.as_deref()), id);
+                        self.light_groups.of_emitters.resize(self.emitters.len(), group);
+                    }
                 } else {
                     let what = "lights on instanced shapes are not supported; this one is left out";
                     self.diagnostics.dropped(&self.desc.sources, light.span, what);

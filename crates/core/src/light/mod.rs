@@ -3,11 +3,13 @@
 pub mod area;
 pub mod emission;
 pub mod environment;
+pub mod groups;
 pub mod punctual;
 pub mod tree;
 
 pub use area::{AreaLight, AreaShape, Emitter};
 pub use environment::Environment;
+pub use groups::LightGroups;
 pub use punctual::{Goniometric, Projection, Spot};
 
 use crate::{

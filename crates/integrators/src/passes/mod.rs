@@ -353,6 +353,7 @@ impl Method for Passes<'_> {
             pixels: self.pixels.clone(),
             features: self.features.clone(),
             mattes: self.mattes.clone(),
+            by_light: Vec::new(),
         }
     }
 

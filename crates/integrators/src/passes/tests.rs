@@ -59,6 +59,7 @@ fn plan(threads: usize, spp: u32) -> Plan {
         features: true,
         transparent: false,
         mattes: false,
+        by_light: false,
         adaptive: false,
         error: None,
     }

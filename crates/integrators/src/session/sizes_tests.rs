@@ -65,6 +65,7 @@ fn plan(name: &str, tactics: Tactics, spp: u32) -> Plan {
         features: true,
         transparent: false,
         mattes: false,
+        by_light: false,
         adaptive: false,
         error: None,
     }

@@ -164,6 +164,7 @@ impl Session<'_> {
             }
             tile.features.pass(way)?;
             tile.mattes.pass(way)?;
+            tile.by_light.pass(way)?;
         }
         Ok(())
     }

@@ -73,6 +73,7 @@ fn renders_end_where_they_are() {
             features: false,
             transparent: false,
             mattes: false,
+            by_light: false,
             adaptive: false,
             error: None,
         };

@@ -56,13 +56,15 @@ pub struct Tile {
     pub features: Vec<FirstHitSums>,
     /// What covers pixels, of all rounds.
     pub mattes: Vec<MatteSums>,
+    /// Sums of each group of lights, pixel by pixel.
+    pub by_light: Vec<[f64; 3]>,
     /// By rows.
     pub cells: [Cell; (CELLS * CELLS) as usize],
 }
 
 impl Tile {
     /// Without samples; each pixel shall get `target` in the first round.
-    pub fn new(area: Crop, plan: &Plan, target: u32) -> Self {
+    pub fn new(area: Crop, plan: &Plan, light_groups: usize, target: u32) -> Self {
         let n = (area.width() * area.height()) as usize;
         Self {
             area,
@@ -71,6 +73,7 @@ impl Tile {
             even: Vec::new(),
             features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
+            by_light: vec![[0.0; 3]; if plan.by_light { n * light_groups } else { 0 }],
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
         }
     }
@@ -82,6 +85,13 @@ impl Tile {
             even.add(value);
         }
         is_finite
+    }
+
+    /// Adds what a sample of a pixel has of each group of lights.
+    pub fn add_lights(&mut self, at: usize, lights: &[Vec3]) {
+        for (sum, light) in self.by_light[at * lights.len()..].iter_mut().zip(lights) {
+            *sum = std::array::from_fn(|c| sum[c] + f64::from(light[c]));
+        }
     }
 
     /// Adds what a sample of a pixel hits first to the layers that are gathered.

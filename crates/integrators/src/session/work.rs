@@ -49,6 +49,8 @@ struct Found {
     rays: u64,
     /// First hits of its paths: where they begin among those of the piece, and how many.
     hits: (usize, usize),
+    /// Where its light by groups begins among that of the piece.
+    lights: usize,
 }
 
 /// What a thread works with; kept, so that nothing is allocated per sample.
@@ -61,6 +63,8 @@ struct Desk<'s> {
     room: Room<'s>,
     found: Vec<Found>,
     hits: Vec<(usize, FirstHit)>,
+    /// The light of each group of lights that samples bring, one after the other.
+    lights: Vec<Vec3>,
 }
 
 /// A step under way.
@@ -135,8 +139,10 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             return true;
         }
         let mut mine = Counters::until(&self.stop);
+        mine.by_group.resize(self.session.light_groups(), Spectrum::ZERO);
         desk.found.clear();
         desk.hits.clear();
+        desk.lights.clear();
         let place = [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1];
         let crop = self.session.scene.film.crop;
         let first = [crop.x0 / TILE, crop.y0 / TILE].map(|v| v as i32);
@@ -224,11 +230,14 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
         let Session { scene, survey, plan, round, .. } = self.session;
         let film = &scene.film;
         self.gather(window, tick, &mut desk.members);
-        let Desk { members, taking, seats, room, found, hits } = desk;
+        let Desk { members, taking, seats, room, found, hits, lights } = desk;
         if !members.iter().any(|m| m.kept.is_some()) {
             return;
         }
         let begin = hits.len();
+        let groups = counters.by_group.len();
+        let begin_of_lights = lights.len();
+        lights.resize(begin_of_lights + groups, Vec3::ZERO);
         let gathers = plan.features || plan.mattes;
         let before = counters.rays;
         for path in 0..members.iter().map(|m| m.paths).max().unwrap_or(0) {
@@ -263,6 +272,12 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
                     l = Spectrum::ZERO;
                 }
+                // Paths that share nothing: the group has one member.
+                for (sum, light) in lights[begin_of_lights..].iter_mut().zip(&mut counters.by_group) {
+                    let scale = if l.is_black() { 0.0 } else { l.max_element() / seat.radiance.max_element() };
+                    let light = std::mem::replace(light, Spectrum::ZERO) * scale;
+                    *sum += color::to_rgb(light, &seat.lambda, scene.mode) * (*weight / members[*number].paths as f32);
+                }
                 members[*number].sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
                 if let Some(hit) = hit.filter(|_| gathers && members[*number].kept.is_some()) {
                     hits.push((*number, hit));
@@ -278,7 +293,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             let Some((tile, at)) = m.kept else { continue };
             let count = hits[at_hit..].iter().take_while(|(n, _)| *n == number).count();
             let (value, cell) = (m.sum / m.paths as f32, cell_of(m.place.x, m.place.y) as u32);
-            found.push(Found { tile, at, cell, value, rays, hits: (at_hit, count) });
+            found.push(Found { tile, at, cell, value, rays, hits: (at_hit, count), lights: begin_of_lights });
             at_hit += count;
         }
     }
@@ -286,6 +301,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
     /// Adds what was found to the film.
     fn add(&self, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) {
         desk.found.sort_unstable_by_key(|f| (f.tile, f.at));
+        let groups = counters.by_group.len();
         for found in desk.found.chunk_by(|a, b| a.tile == b.tile) {
             let mut tile = lock(&self.session.tiles[found[0].tile as usize]);
             for f in found {
@@ -294,6 +310,9 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 let cell = &mut tile.cells[f.cell as usize];
                 cell.rays += f.rays;
                 cell.samples += 1;
+                if groups > 0 && f.value.is_finite() {
+                    tile.add_lights(f.at as usize, &desk.lights[f.lights..f.lights + groups]);
+                }
                 for (_, hit) in &desk.hits[f.hits.0..f.hits.0 + f.hits.1] {
                     tile.add_hit(f.at as usize, hit);
                 }

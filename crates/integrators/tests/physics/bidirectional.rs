@@ -301,6 +301,7 @@ impl Shot {
             features: false,
             transparent: false,
             mattes: false,
+            by_light: false,
             adaptive: false,
             error: None,
         };

@@ -91,7 +91,17 @@ impl Shot {
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
         Session::new(
             scene,
-            Plan { integrator, sampler, threads, features: false, transparent: false, mattes: false, adaptive, error },
+            Plan {
+                integrator,
+                sampler,
+                threads,
+                features: false,
+                transparent: false,
+                mattes: false,
+                by_light: false,
+                adaptive,
+                error,
+            },
         )
     }
 
