@@ -19,8 +19,6 @@ const WORTH: f64 = 1.8;
 const FEWEST: u64 = 1 << 20;
 /// The same of sharing: nothing is shared where the trial would take a good part of the time.
 const FEWEST_SHARING: u64 = 1 << 18;
-/// Nothing is shared at up to so many samples per pixel where the guides of a denoiser are asked for.
-const DENOISED: u32 = 16;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,12 +73,10 @@ impl Survey {
             survey.caustics = None;
         }
         let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(plan.sampler.spp);
-        // Denoisers take errors that neighbours share for detail, so they get plain paths where these are few.
-        let is_for_denoising = plan.features && plan.sampler.spp <= DENOISED;
         let is_open = !(MEDIA && scene.has_media) && is_open(scene);
         survey.group = match tactics.reuse {
             Some(group) => group,
-            None if samples < FEWEST_SHARING || is_for_denoising => 1,
+            None if samples < FEWEST_SHARING => 1,
             None => reuse::trial::trial(paths, scene, &Self { is_open, ..survey.clone() }, samples),
         };
         survey.is_open = is_open && survey.group > 1;

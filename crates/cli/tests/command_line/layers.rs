@@ -240,3 +240,18 @@ fn the_light_of_groups_adds_up_to_the_picture() {
     place.refuse(2, &["render", "lamps.pbrt", "--integrator", "bdpt", "--aov", "light_groups"], &["'bdpt'", "groups"]);
     place.refuse(2, &["render", "lamps.pbrt", "--adaptive", "--aov", "light_groups"], &["--adaptive"]);
 }
+
+/// Layers change no bit of the picture, also where paths share: these are the guides that denoisers ask for at few samples.
+#[test]
+fn layers_change_no_bit_of_the_picture() {
+    let place = Place::new();
+    let command = ["render", "--size", "256x256", "--spp", "4", "-q"];
+    place.succeed(&[&command[..], &["-o", "plain.exr"]].concat());
+    place.succeed(&[&command[..], &["--aov", "albedo,normal,cryptomatte", "-o", "layers.exr"]].concat());
+    let (plain, layers) = (place.picture("plain.exr"), place.picture("layers.exr"));
+    for channel in ["R", "G", "B"] {
+        assert!(plain.channel(channel) == layers.channel(channel), "{channel} differs");
+    }
+    let sharing = layers.metadata.get("steradian:sharing");
+    assert!(matches!(sharing, Some(steradian::image::Value::Int(2..))), "{sharing:?}");
+}

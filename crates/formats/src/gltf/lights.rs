@@ -52,7 +52,7 @@ impl Reader<'_> {
         };
         self.uses_lights = true;
         let desc = &mut self.import.desc;
-        let id = desc.add(node);
+        let id = desc.add(Node { name: light.label(), ..node });
         desc.lights.push(id);
     }
 }

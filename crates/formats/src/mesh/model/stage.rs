@@ -66,7 +66,8 @@ fn add_camera(desc: &mut SceneDesc, corners: [DVec3; 2]) {
 fn add_sky(desc: &mut SceneDesc) {
     let file = PathBuf::from("sky of the viewer");
     desc.embedded.insert(file.clone(), sky::pfm().into());
-    let sky = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
+    let mut sky = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
+    sky.name = Some("sky".into());
     let sky = desc.add(sky);
     desc.lights.push(sky);
 }
