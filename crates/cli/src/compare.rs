@@ -14,12 +14,26 @@ use steradian::{
     Inputs,
     image::{
         self, FileKind, Image, Limits, Value, WriteOptions,
-        metrics::{self, Comparison, ZTest},
+        metrics::{self, Comparison, DeltaE, ZTest},
     },
 };
 
 /// Metrics that `--fail-above` knows. `z_rejected` is the share of components that the z-test rejects.
-pub const METRICS: &[&str] = &["mse", "rmse", "relmse", "psnr", "flip", "max_abs", "mean_ratio_error", "z_rejected"];
+/// ΔE are means over pixels but for `delta_e_max`, the largest ΔE00.
+pub const METRICS: &[&str] = &[
+    "mse",
+    "rmse",
+    "relmse",
+    "psnr",
+    "flip",
+    "delta_e_76",
+    "delta_e_94",
+    "delta_e_2000",
+    "delta_e_max",
+    "max_abs",
+    "mean_ratio_error",
+    "z_rejected",
+];
 
 /// The figures of one picture against another.
 #[derive(Debug, Serialize)]
@@ -33,6 +47,10 @@ struct Pair {
     relmse: f64,
     psnr: f64,
     flip: f64,
+    delta_e_76: f64,
+    delta_e_94: f64,
+    delta_e_2000: f64,
+    delta_e_max: f64,
     max_abs: f64,
     mean: [f64; 3],
     reference_mean: [f64; 3],
@@ -139,6 +157,7 @@ fn compare(
     let Comparison { mse, rmse, rel_mse, psnr, max_abs, mean, reference_mean, ratio, non_finite } =
         metrics::compare(picture, reference).map_err(about)?;
     let flip = metrics::flip(picture, reference, metrics::DEFAULT_PIXELS_PER_DEGREE).map_err(about)?;
+    let DeltaE { cie76, cie94, ciede2000, max_ciede2000 } = metrics::delta_e(picture, reference).map_err(about)?;
     let z_test = match variance {
         Some(variance) => {
             let samples = samples.or_else(|| samples_per_pixel(picture)).ok_or_else(|| {
@@ -159,6 +178,10 @@ fn compare(
         relmse: rel_mse,
         psnr,
         flip,
+        delta_e_76: cie76,
+        delta_e_94: cie94,
+        delta_e_2000: ciede2000,
+        delta_e_max: max_ciede2000,
         max_abs,
         mean,
         reference_mean,
@@ -207,6 +230,10 @@ impl Pair {
             "relmse" => self.relmse,
             "psnr" => self.psnr,
             "flip" => self.flip,
+            "delta_e_76" => self.delta_e_76,
+            "delta_e_94" => self.delta_e_94,
+            "delta_e_2000" => self.delta_e_2000,
+            "delta_e_max" => self.delta_e_max,
             "max_abs" => self.max_abs,
             "mean_ratio_error" => self.mean_ratio_error(),
             _ => 1.0 - self.z_test.as_ref()?.accepted,
@@ -235,6 +262,8 @@ impl Pair {
         let _ = writeln!(out, "  relMSE    {:.6e}", self.relmse);
         let _ = writeln!(out, "  PSNR      {:.2} dB of the display values", self.psnr);
         let _ = writeln!(out, "  FLIP      {:.6}", self.flip);
+        let [e76, e94, e00, most] = [self.delta_e_76, self.delta_e_94, self.delta_e_2000, self.delta_e_max];
+        let _ = writeln!(out, "  ΔE        {e76:.4} (1976), {e94:.4} (94), {e00:.4} (2000, at most {most:.4})");
         let _ = writeln!(out, "  max |Δ|   {:.6e}", self.max_abs);
         let _ = writeln!(out, "  means     {}", three(self.mean).trim_end());
         let _ = writeln!(out, "  reference {}", three(self.reference_mean).trim_end());

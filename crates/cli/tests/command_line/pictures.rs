@@ -61,6 +61,8 @@ fn comparison_has_the_known_figures() {
     let ratio = pair["ratio"][2].as_f64().unwrap();
     assert!((ratio - 0.375 / 0.35).abs() < 1e-5, "{ratio}");
     assert!((pair["rmse"].as_f64().unwrap().powi(2) / pair["mse"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    let [mean, most] = ["delta_e_2000", "delta_e_max"].map(|name| pair[name].as_f64().unwrap());
+    assert!(mean > 0.0 && mean <= most && most < 100.0, "{mean} {most}");
     assert!(pair["flip"].as_f64().unwrap() > 0.0 && pair["psnr"].as_f64().unwrap() > 20.0 && pair["z_test"].is_null());
     let same = place.succeed(&["compare", "a.exr", "a.exr"]);
     assert!(same.stdout.contains("MSE       0.0") && same.stdout.contains("inf dB"), "{}", same.stdout);

@@ -1,9 +1,11 @@
 //! How far two pictures are apart.
 
+mod delta_e;
 mod difference;
 mod flip;
 mod ztest;
 
+pub use delta_e::{DeltaE, delta_e};
 pub use difference::{absolute_difference, flip_picture};
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip, flip_map};
 pub use ztest::{ZTest, z_test, z_test_with};

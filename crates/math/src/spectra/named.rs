@@ -1,9 +1,10 @@
 //! Spectra that have a name in scene files: standard illuminants, metals and glasses, under the names of pbrt-v4.
+//! Illuminants that pbrt-v4 lacks continue its pattern: `stdillum-C`, `stdillum-LED-B1`, `stdillum-HP1`.
 //!
 //! As in pbrt-v4, every curve holds its end values over the visible range, and illuminants are scaled to luminance Y = 1.
 
 use super::data::cie1931::CMF;
-use super::data::{glasses, illuminants, metals};
+use super::data::{glasses, illuminants, lamps, metals};
 use super::{Curve, Dense, ior};
 use std::sync::LazyLock;
 
@@ -63,6 +64,23 @@ static ENTRIES: &[Entry] = &[
     light("stdillum-F10", illuminants::F10),
     light("stdillum-F11", illuminants::F11),
     light("stdillum-F12", illuminants::F12),
+    light("stdillum-C", lamps::C),
+    light("stdillum-D55", lamps::D55),
+    light("stdillum-D75", lamps::D75),
+    light("stdillum-LED-B1", lamps::LED_B1),
+    light("stdillum-LED-B2", lamps::LED_B2),
+    light("stdillum-LED-B3", lamps::LED_B3),
+    light("stdillum-LED-B4", lamps::LED_B4),
+    light("stdillum-LED-B5", lamps::LED_B5),
+    light("stdillum-LED-BH1", lamps::LED_BH1),
+    light("stdillum-LED-RGB1", lamps::LED_RGB1),
+    light("stdillum-LED-V1", lamps::LED_V1),
+    light("stdillum-LED-V2", lamps::LED_V2),
+    light("stdillum-HP1", lamps::HP1),
+    light("stdillum-HP2", lamps::HP2),
+    light("stdillum-HP3", lamps::HP3),
+    light("stdillum-HP4", lamps::HP4),
+    light("stdillum-HP5", lamps::HP5),
     light("illum-acesD60", illuminants::ACES_D60),
 ];
 
@@ -144,13 +162,30 @@ mod tests {
 
     #[test]
     fn illuminants_have_luminance_one_and_their_published_chromaticity() {
-        // CIE 15:2004, tables T.3 and T.8.
+        // CIE 15:2018; for A to F11 also CIE 15:2004, tables T.3 and T.8.
         for (name, x, y) in [
             ("stdillum-A", 0.44758, 0.40745),
             ("stdillum-D65", 0.31272, 0.32903),
             ("stdillum-F2", 0.3721, 0.3751),
             ("stdillum-F7", 0.3129, 0.3292),
             ("stdillum-F11", 0.3805, 0.3769),
+            ("stdillum-C", 0.3101, 0.3162),
+            ("stdillum-D55", 0.3324, 0.3474),
+            ("stdillum-D75", 0.2990, 0.3149),
+            ("stdillum-LED-B1", 0.4560, 0.4078),
+            ("stdillum-LED-B2", 0.4357, 0.4012),
+            ("stdillum-LED-B3", 0.3756, 0.3723),
+            ("stdillum-LED-B4", 0.3422, 0.3502),
+            ("stdillum-LED-B5", 0.3118, 0.3236),
+            ("stdillum-LED-BH1", 0.4474, 0.4066),
+            ("stdillum-LED-RGB1", 0.4557, 0.4211),
+            ("stdillum-LED-V1", 0.4548, 0.4044),
+            ("stdillum-LED-V2", 0.3781, 0.3775),
+            ("stdillum-HP1", 0.5330, 0.4150),
+            ("stdillum-HP2", 0.4778, 0.4158),
+            ("stdillum-HP3", 0.4302, 0.4075),
+            ("stdillum-HP4", 0.3812, 0.3797),
+            ("stdillum-HP5", 0.3776, 0.3713),
         ] {
             let c = named(name).unwrap();
             let xyz = to_xyz(|l| c.eval(l));

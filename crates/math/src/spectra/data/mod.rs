@@ -6,4 +6,5 @@ pub(crate) mod conductors;
 pub(crate) mod daylight;
 pub(crate) mod glasses;
 pub(crate) mod illuminants;
+pub(crate) mod lamps;
 pub(crate) mod metals;
