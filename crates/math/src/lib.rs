@@ -18,6 +18,7 @@ pub mod geometry;
 pub mod harmonics;
 pub mod hash;
 pub mod intersect;
+pub mod minimum;
 pub mod polarization;
 pub mod quadrature;
 pub mod ray;

@@ -6,6 +6,7 @@ use crate::experiment::{
 use std::f64::consts::PI;
 use steradian_math::{
     color::xyz::xyy_from_xyz,
+    minimum::golden_section,
     quadrature::gauss_legendre,
     spectra::{
         blackbody::{BOLTZMANN, PLANCK, SPEED_OF_LIGHT, STEFAN_BOLTZMANN, planck_wavelength},
@@ -42,13 +43,7 @@ fn radiance(kelvin: f64) -> f64 {
 
 /// The wavelength where B_λ is largest, by golden section over the logarithm of the wavelength.
 fn peak(kelvin: f64) -> f64 {
-    let (mut a, mut b) = ((1e-4 / kelvin).ln(), (1e-1 / kelvin).ln());
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..100 {
-        let (l, r) = (b - golden * (b - a), a + golden * (b - a));
-        if planck_wavelength(l.exp(), kelvin) > planck_wavelength(r.exp(), kelvin) { b = r } else { a = l }
-    }
-    (0.5 * (a + b)).exp()
+    golden_section(|l| -planck_wavelength(l.exp(), kelvin), (1e-4 / kelvin).ln(), (1e-1 / kelvin).ln()).exp()
 }
 
 /// XYZ of a black body's light at luminance 1.

@@ -3,6 +3,7 @@
 //! (Born, Wolf, *Principles of Optics*, §1.5).
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use steradian_math::minimum::golden_section;
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "polarization",
@@ -37,13 +38,7 @@ fn run(values: &Values) -> Result<Report, Error> {
     };
     // The angle where p is least, found on the curve itself.
     let limit = if n1 > n2 { (n2 / n1).asin().to_degrees() } else { 90.0 };
-    let (mut a, mut b) = (0.0, limit);
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..80 {
-        let (l, r) = (b - golden * (b - a), a + golden * (b - a));
-        if at(l).1 < at(r).1 { b = r } else { a = l }
-    }
-    let brewster = 0.5 * (a + b);
+    let brewster = golden_section(|degrees| at(degrees).1, 0.0, limit);
     let mut report = Report::default();
     report.quantity("reflectance at 0°", at(0.0).0, "");
     report.quantity("angle without p (Brewster)", brewster, "°");

@@ -6,7 +6,10 @@ use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;
-use steradian_math::spectra::{cie, dispersion::FRAUNHOFER, named};
+use steradian_math::{
+    minimum::golden_section,
+    spectra::{cie, dispersion::FRAUNHOFER, named},
+};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "prism",
@@ -34,13 +37,7 @@ fn minimum(n: f64, apex: f64) -> Option<(f64, f64)> {
     let at = |i: f64| deviation(n, apex, i).unwrap_or(f64::INFINITY);
     let samples = (0..=1800).map(|k| (f64::from(k) / 10.0 - 90.0).to_radians());
     let best = samples.min_by(|a, b| at(*a).total_cmp(&at(*b)))?;
-    let (mut a, mut b) = (best - 0.2_f64.to_radians(), best + 0.2_f64.to_radians());
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..60 {
-        let (l, r) = (b - golden * (b - a), a + golden * (b - a));
-        if at(l) < at(r) { b = r } else { a = l }
-    }
-    let incidence = 0.5 * (a + b);
+    let incidence = golden_section(at, best - 0.2_f64.to_radians(), best + 0.2_f64.to_radians());
     deviation(n, apex, incidence).map(|d| (incidence, d))
 }
 

@@ -11,7 +11,10 @@ use crate::experiment::{
 };
 use glam::DVec3;
 use std::f64::consts::PI;
-use steradian_math::spectra::{cie, named};
+use steradian_math::{
+    minimum::golden_section,
+    spectra::{cie, named},
+};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "rainbow",
@@ -49,13 +52,8 @@ fn share(b: f64, n: f64, k: u32) -> f64 {
 /// Angle in degrees from the point opposite to the sun under which the bow of order `k` appears: the stationary deviation, found by golden
 /// section.
 pub(super) fn bow(n: f64, k: u32) -> f64 {
-    let (mut a, mut b) = (0.0, 1.0);
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..80 {
-        let (l, r) = (b - golden * (b - a), a + golden * (b - a));
-        if deviation(l, n, k) < deviation(r, n, k) { b = r } else { a = l }
-    }
-    antisolar(deviation(0.5 * (a + b), n, k)).to_degrees()
+    let stationary = golden_section(|offset| deviation(offset, n, k), 0.0, 1.0);
+    antisolar(deviation(stationary, n, k)).to_degrees()
 }
 
 /// Angle from the direction opposite to the sun, in [0, π].

@@ -11,6 +11,7 @@ use steradian_math::{
         RgbSpace,
         xyz::{xyy_from_xyz, xyz_from_xyy},
     },
+    minimum::golden_section,
     spectra::{blackbody::planck_wavelength, cie},
 };
 
@@ -85,13 +86,7 @@ fn correlated_temperature(at: (f64, f64)) -> (f64, f64) {
     };
     let coarse =
         (4..=200).map(|k| f64::from(k) * 5.0).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(150.0);
-    let (mut a, mut b) = (coarse - 5.0, coarse + 5.0);
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..50 {
-        let (l, r) = (b - golden * (b - a), a + golden * (b - a));
-        if distance(l) < distance(r) { b = r } else { a = l }
-    }
-    let mired = 0.5 * (a + b);
+    let mired = golden_section(distance, coarse - 5.0, coarse + 5.0);
     (1e6 / mired, distance(mired))
 }
 
