@@ -2,7 +2,7 @@
 
 use crate::bench::BenchArgs;
 use crate::experiment::ExperimentArgs;
-use crate::values::{self, Layers, MAX_SPP, Rectangle, Size, Threshold};
+use crate::values::{self, Frames, Layers, MAX_SPP, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
 use steradian::image::{
@@ -46,7 +46,7 @@ pub enum Command {
     Material(Box<MaterialArgs>),
     /// Measure how far pictures are apart
     Compare(CompareArgs),
-    /// Convert a picture to another format
+    /// Convert a picture to another format, or a scene to Steradian's own
     Convert(ConvertArgs),
     /// Measure the speed of single parts
     Bench(BenchArgs),
@@ -124,7 +124,7 @@ pub enum Color {
 }
 
 /// `steradian render`.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
 )]
@@ -163,6 +163,12 @@ pub struct RenderArgs {
     /// that was never stopped
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
+    /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on
+    #[arg(long, value_name = "A..B", value_parser = values::frames)]
+    pub frames: Option<Frames>,
+    /// Frames per second of --frames
+    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate)]
+    pub fps: f64,
     /// Leave what lies behind all surfaces out of the picture; write coverage as alpha (premultiplied in .exr, straight
     /// in .png)
     #[arg(long)]
@@ -283,6 +289,9 @@ pub struct InfoArgs {
     /// Print one line of JSON to stdout
     #[arg(long)]
     pub json: bool,
+    /// Render a small picture of the scene into this file, its format by extension
+    #[arg(long, value_name = "OUT.png")]
+    pub thumbnail: Option<PathBuf>,
 }
 
 /// `steradian list`.
@@ -431,13 +440,19 @@ pub struct CompareArgs {
 /// `steradian convert`.
 #[derive(Args, Debug)]
 pub struct ConvertArgs {
-    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2
+    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2; or a scene
     pub input: PathBuf,
-    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2
+    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian
     pub output: PathBuf,
     /// Layer of the picture to write: a name of `steradian list layers`, or of channels in the file (N, diffuse, Z, …)
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
+    /// Scenes: what was exact, approximated and dropped, as Markdown
+    #[arg(long, value_name = "FILE.md")]
+    pub report: Option<PathBuf>,
+    /// Scenes: render both sides small, and tell the difference in numbers
+    #[arg(long)]
+    pub check: bool,
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,

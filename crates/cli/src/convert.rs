@@ -1,11 +1,12 @@
-//! `steradian convert`: a picture in another format.
+//! `steradian convert`: a picture in another format; scenes are converted in `convert_scene`.
 
 use crate::{
     args::ConvertArgs,
+    convert_scene,
     failure::{self, Failure, Outcome},
     output,
+    terminal::Terminal,
 };
-use std::path::Path;
 use steradian::{
     Inputs, Layer,
     image::{self, FileKind, Image, Limits, WriteOptions},
@@ -13,15 +14,12 @@ use steradian::{
 };
 
 /// Reads, maps, writes.
-pub fn run(args: &ConvertArgs) -> Outcome {
-    for path in [&args.input, &args.output] {
-        if is_scene(path) {
-            let what = format!(
-                "'{}' is a scene, and converting scenes is not implemented; convert takes pictures",
-                path.display()
-            );
-            return Err(Failure::bad_input(what));
-        }
+pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
+    if convert_scene::is_scene(&args.input) || convert_scene::is_scene(&args.output) {
+        return convert_scene::run(args, terminal);
+    }
+    if args.check || args.report.is_some() {
+        return Err(Failure::bad_input("--check and --report are for scenes; 'steradian compare' compares pictures"));
     }
     output::kind(&args.output)?;
     output::keep_inputs([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
@@ -46,11 +44,4 @@ fn layer(picture: &Image, name: &str) -> Result<Image, Failure> {
         let hint = did_you_mean(name, names.iter().copied()).map(|h| format!("; {h}")).unwrap_or_default();
         Failure::bad_input(format!("there is no layer '{name}'{hint} (channels: {})", picture.channel_names()))
     })
-}
-
-fn is_scene(path: &Path) -> bool {
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
-    let extension = Path::new(name).extension().and_then(|e| e.to_str());
-    extension.is_some_and(|e| steradian::load::EXTENSIONS.iter().any(|known| known.0 == e))
 }

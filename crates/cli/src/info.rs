@@ -6,6 +6,7 @@ use crate::{
     failure::{self, Failure, Outcome},
     memory,
     open::{self, Opened},
+    output,
     terminal::{self, Terminal},
 };
 use serde::Serialize;
@@ -15,9 +16,12 @@ use std::{
     path::{Path, PathBuf},
 };
 use steradian::{
-    ColorMode, Scene,
-    scene::{Diagnostic, Format, NodeId, SceneDesc},
+    ColorMode, CompileOptions, Inputs, Quality, Scene, image,
+    scene::{Diagnostic, Family, Format, NodeId, SceneDesc, Value},
 };
+
+/// Pixels of the longer side of a thumbnail.
+const THUMBNAIL: u32 = 256;
 
 /// What is told about a scene.
 #[derive(Debug, Serialize)]
@@ -53,6 +57,9 @@ struct Counted {
     faces_placed: u64,
     lights: usize,
     emitting_shapes: usize,
+    /// Files that textures and lights are made of, each once, and their bytes as they are stored.
+    pictures: usize,
+    picture_bytes: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -93,11 +100,18 @@ struct Memory {
 
 /// Opens a scene and tells about it, whether it can be rendered or not.
 pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
+    if let Some(path) = &args.thumbnail {
+        output::kind(path)?;
+        output::check_writable(path)?;
+    }
     open::limit_threads(args.scene_options.threads);
     let name = open::shown(&args.scene);
     let mut opened = open::open(&args.scene, &args.scene_options, None);
     if args.scene_options.strict {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
+    }
+    if let Some(path) = &args.thumbnail {
+        output::keep_inputs([path.as_path()], &Inputs::of(opened.desc.files()))?;
     }
     let info = Info::of(&name, &opened);
     if args.json {
@@ -110,9 +124,25 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
         diagnostics::tell(&opened.diagnostics, terminal);
     }
     match info.diagnostics.errors {
-        0 => Ok(failure::DONE),
+        0 => args.thumbnail.as_deref().map_or(Ok(failure::DONE), |path| thumbnail(path, args, &opened, terminal)),
         n => Err(Failure::bad_input(format!("'{name}' has {n} error{}", if n == 1 { "" } else { "s" }))),
     }
+}
+
+/// A small picture of the scene.
+fn thumbnail(path: &Path, args: &InfoArgs, opened: &Opened, terminal: Terminal) -> Outcome {
+    let Some(film) = opened.scene.as_ref().map(|s| &s.film) else { return Ok(failure::DONE) };
+    let scale = f64::from(THUMBNAIL) / f64::from(film.width.max(film.height)).max(1.0);
+    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
+    let size = Some((side(film.width), side(film.height)));
+    let options = CompileOptions { size, crop: None, ..open::compile_options(&args.scene_options, None) };
+    let scene = steradian::compile(&opened.desc, &options).scene;
+    let scene = scene.ok_or_else(|| Failure::failed("the scene cannot be compiled for a small picture"))?;
+    let quality = Quality { spp: Some(32), threads: usize::from(args.scene_options.threads), ..Quality::default() };
+    let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
+    image::write(path, &picture, &image::WriteOptions::default()).map_err(|e| Failure::failed(e.to_string()))?;
+    terminal.say(&format!("wrote {}", path.display()));
+    Ok(failure::DONE)
 }
 
 impl Info {
@@ -166,7 +196,7 @@ impl Info {
             let _ = writeln!(out, "{name:<14} {value}");
         };
         let format = match self.format {
-            Format::Native => "built in",
+            Format::Native => "Steradian",
             Format::Pbrt => "pbrt-v4",
             Format::Mitsuba => "Mitsuba",
             Format::Model => "model",
@@ -197,6 +227,12 @@ impl Info {
             row("instances", format!("{} of {} groups", c.instances, c.groups));
         }
         row("lights", format!("{} besides emitting shapes", c.lights));
+        if c.pictures > 0 {
+            row(
+                "pictures",
+                format!("{} file{}, {}", c.pictures, plural(c.pictures), memory::readable(c.picture_bytes)),
+            );
+        }
         for (family, kinds) in &c.models {
             let kinds: Vec<String> = kinds.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
             row(&format!("  {family}"), kinds.join(", "));
@@ -237,6 +273,18 @@ impl Counted {
         let shapes = || desc.shapes.iter().chain(desc.groups.iter().flat_map(|g| &g.shapes));
         // A mesh that many shapes share is stored once.
         let used: HashSet<usize> = shapes().filter_map(|s| s.mesh).collect();
+        let with_files = desc.nodes.iter().filter(|n| matches!(n.family, Family::Texture | Family::Light));
+        let files: HashSet<&Path> = with_files
+            .flat_map(|n| &n.params)
+            .filter_map(|p| match &p.value {
+                Value::Path(path) => Some(path.as_path()),
+                _ => None,
+            })
+            .collect();
+        let bytes = |path: &&Path| match desc.embedded.get(*path) {
+            Some(bytes) => bytes.len() as u64,
+            None => std::fs::metadata(path).map_or(0, |m| m.len()),
+        };
         let meshes = || used.iter().filter_map(|m| desc.meshes.get(*m));
         Self {
             models,
@@ -248,6 +296,8 @@ impl Counted {
             faces_placed: desc.face_count(),
             lights: desc.lights.len(),
             emitting_shapes: shapes().filter(|s| s.emission.is_some()).count(),
+            pictures: files.len(),
+            picture_bytes: files.iter().map(bytes).sum(),
         }
     }
 }

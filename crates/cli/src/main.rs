@@ -7,9 +7,11 @@ mod args;
 mod bench;
 mod compare;
 mod convert;
+mod convert_scene;
 mod diagnostics;
 mod experiment;
 mod failure;
+mod frames;
 mod info;
 mod list;
 mod material;
@@ -61,7 +63,10 @@ fn main() -> ExitCode {
 
 fn run(command: &Command, terminal: Terminal) -> Outcome {
     match command {
-        Command::Render(args) => render::run(args, terminal),
+        Command::Render(args) => match args.frames {
+            Some(range) => frames::run(args, range, terminal),
+            None => render::run(args, terminal),
+        },
         Command::Optics(args) => experiment::run("optics", args, terminal),
         Command::Vision(args) => experiment::run("vision", args, terminal),
         Command::Estimate(args) => experiment::run("estimate", args, terminal),
@@ -70,7 +75,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::List(args) => list::run(args),
         Command::Material(args) => material::run(args, terminal),
         Command::Compare(args) => compare::run(args),
-        Command::Convert(args) => convert::run(args),
+        Command::Convert(args) => convert::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),
         Command::Signal(args) => signal::run(args, terminal),
         Command::Completions { shell } => {

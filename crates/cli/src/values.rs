@@ -201,6 +201,32 @@ pub fn known_name<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a st
     })
 }
 
+/// Frames of an animation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frames {
+    /// The first one.
+    pub first: u32,
+    /// The last one.
+    pub last: u32,
+}
+
+/// `A..B`, both included.
+pub fn frames(text: &str) -> Result<Frames, String> {
+    let pair = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    match pair {
+        Some((first, last)) if first <= last => Ok(Frames { first, last }),
+        _ => Err("frames are written A..B, such as 0..47, the first one no later than the last".into()),
+    }
+}
+
+/// Frames per second.
+pub fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if (0.001..=100_000.0).contains(&rate) => Ok(rate),
+        _ => Err("frames per second are a number from 0.001 to 100000".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,6 +5,7 @@ pub mod gltf;
 mod limits;
 pub mod mesh;
 pub mod mitsuba;
+pub mod native;
 pub mod pbrt;
 
 pub use limits::Limits;

@@ -2,8 +2,9 @@
 
 use crate::cornell;
 use std::{path::Path, time::Duration, time::Instant};
+use steradian_core::material::catalog;
 use steradian_formats::{Import, Options};
-use steradian_scene::{Diagnostic, Diagnostics, SceneDesc, Severity};
+use steradian_scene::{Diagnostic, Diagnostics, Family, SceneDesc, Severity, names::did_you_mean};
 
 /// A scene as it was read.
 #[derive(Debug)]
@@ -20,6 +21,7 @@ pub struct Loaded {
 pub const EXTENSIONS: &[(&str, &str)] = &[
     ("pbrt", "pbrt-v4 scene, also gzip-compressed (.pbrt.gz)"),
     ("xml", "Mitsuba scene: version 3, 2, or 0.6"),
+    ("steradian", "scene in Steradian's own language"),
     ("obj", "Wavefront model with materials"),
     ("ply", "polygon model"),
     ("gltf", "glTF 2.0 scene, also in binary form (.glb)"),
@@ -47,6 +49,7 @@ pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Op
                 "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
                 "obj" | "ply" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
                 "gltf" | "glb" => steradian_formats::gltf::import_bytes(path, bytes, options),
+                "steradian" => checked(steradian_formats::native::import_bytes(path, bytes, options)),
                 _ => unknown(name),
             }
         }
@@ -62,6 +65,10 @@ fn sniffed(bytes: &[u8]) -> &'static str {
     }
     if bytes.starts_with(b"glTF") {
         return "glb";
+    }
+    // Its own documents begin with their version.
+    if bytes.trim_ascii_start().starts_with(b"steradian") {
+        return "steradian";
     }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
@@ -97,8 +104,23 @@ fn read(path: &Path, options: &Options) -> Import {
         Some("xml") => steradian_formats::mitsuba::import(path, options),
         Some("obj" | "ply") => steradian_formats::mesh::model::import(path, options),
         Some("gltf" | "glb") => steradian_formats::gltf::import(path, options),
+        Some("steradian") => checked(steradian_formats::native::import(path, options)),
         _ => unknown(&name),
     }
+}
+
+/// Tells the parameters that materials do not have: unlike other readers, that of Steradian's own language has no names
+/// but those of the catalog.
+fn checked(mut import: Import) -> Import {
+    for node in import.desc.nodes.iter().filter(|n| n.family == Family::Material) {
+        let Some(entry) = catalog::entry(&node.kind) else { continue };
+        let known = || entry.parameters.iter().chain(catalog::DETAIL.parameters).map(|p| p.name);
+        for param in node.params.iter().filter(|param| !known().any(|name| name == param.name)) {
+            let message = format!("material '{}' has no parameter '{}'", node.kind, param.name);
+            import.diagnostics.unused(&import.desc.sources, param.span, message, did_you_mean(&param.name, known()));
+        }
+    }
+    import
 }
 
 fn unknown(name: &str) -> Import {
@@ -127,6 +149,7 @@ mod tests {
             ("v 0 0 0\n", "obj"),
             ("glTF\u{2}", "glb"),
             ("{ \"asset\": {} }", "gltf"),
+            ("steradian: 1", "steradian"),
             ("", "pbrt"),
         ] {
             assert_eq!(sniffed(text.as_bytes()), format, "{text:?}");

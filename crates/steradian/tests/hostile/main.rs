@@ -9,6 +9,7 @@ mod bombs;
 mod bounded;
 mod case;
 mod endless;
+mod exchange;
 mod images;
 mod meshes;
 mod mitsuba;
@@ -31,6 +32,8 @@ const TABLES: &[Table] = &[
     ("mitsuba-syntax", || Box::new(mitsuba::syntax().into_iter())),
     ("mitsuba-numbers", || Box::new(mitsuba::numbers().into_iter())),
     ("mitsuba-models", || Box::new(models::mitsuba().into_iter())),
+    ("gltf", || Box::new(exchange::gltf())),
+    ("own language", || Box::new(exchange::own())),
     ("meshes", || Box::new(meshes::table().into_iter())),
     ("images", || Box::new(images::table().into_iter())),
     ("endless", || Box::new(endless::table().into_iter())),
@@ -63,6 +66,8 @@ bounded_tables! {
     mitsuba_syntax: "mitsuba-syntax",
     mitsuba_numbers: "mitsuba-numbers",
     mitsuba_models: "mitsuba-models",
+    gltf_documents: "gltf",
+    scenes_in_our_own_language: "own language",
     mesh_files: "meshes",
     image_files: "images",
     light_that_is_never_lost: "endless",

@@ -64,7 +64,7 @@ fn as_texture(name: &str) -> Case {
     Case::pbrt("", world, Either)
 }
 
-const SEEDS: [Seed; 33] = [
+const SEEDS: [Seed; 37] = [
     scene("pbrt/cornell-box/scene-v4.pbrt"),
     scene("pbrt/veach-mis/scene-v4.pbrt"),
     scene("pbrt/volumetric-caustic/scene-v4.pbrt"),
@@ -84,6 +84,10 @@ const SEEDS: [Seed; 33] = [
         scene: Some(as_ply),
     },
     scene("ply/magnum/custom-components-be.ply"),
+    scene("gltf/BoxVertexColors/BoxVertexColors.glb"),
+    scene("gltf/SimpleMorph/SimpleMorph.gltf"),
+    scene("gltf/magnum/mesh-sparse.gltf"),
+    scene("gltf/Cubes-lights/Cubes.glb"),
     scene("obj/assimp/multiple_spaces.obj"),
     scene("obj/assimp/concave_polygon.obj"),
     Seed { file: "obj/assimp/cube_usemtl.obj", scene: Some(as_obj) },

@@ -1,0 +1,132 @@
+//! `steradian convert` for scenes: any format that is read into Steradian's own language.
+
+use crate::{
+    args::ConvertArgs,
+    diagnostics,
+    failure::{self, Failure, Outcome},
+    output,
+    terminal::Terminal,
+};
+use std::{
+    collections::BTreeMap,
+    fmt::Write,
+    path::{Path, PathBuf},
+};
+use steradian::{
+    CompileOptions, Inputs, Loaded, Quality,
+    formats::{Options, native},
+    image::{self, Image, metrics},
+    scene::{Diagnostic, Fidelity, SceneDesc},
+};
+
+/// Size of the pictures that are compared, and their samples per pixel.
+const CHECKED: ((u32, u32), u32) = ((96, 64), 16);
+
+/// Whether a file is a scene, by its extension.
+pub fn is_scene(path: &Path) -> bool {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let extension = Path::new(name).extension().and_then(|e| e.to_str());
+    extension.is_some_and(|e| steradian::load::EXTENSIONS.iter().any(|known| known.0 == e))
+}
+
+/// Reads, writes, reports, compares.
+pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
+    if args.output.extension().is_none_or(|e| e != "steradian") {
+        return Err(Failure::bad_input(format!(
+            "'{}': scenes are written in Steradian's own language, as .steradian; other formats are read only",
+            args.output.display()
+        )));
+    }
+    let outputs = || [args.output.as_path()].into_iter().chain(args.report.as_deref());
+    outputs().try_for_each(output::check_writable)?;
+    let Loaded { desc, diagnostics, .. } = steradian::load(&args.input, &Options::default());
+    diagnostics::tell(&diagnostics, terminal);
+    if diagnostics.has_errors() {
+        return Err(Failure::bad_input(format!("'{}' has errors; nothing is written", args.input.display())));
+    }
+    let written = native::write(&desc, &args.output).map_err(Failure::failed)?;
+    let folder = args.output.parent().unwrap_or(Path::new(""));
+    let beside: Vec<PathBuf> = written.files.iter().map(|(name, _)| folder.join(name)).collect();
+    let inputs = Inputs::of(desc.files());
+    output::keep_inputs(outputs().chain(beside.iter().map(PathBuf::as_path)), &inputs)?;
+    for (path, (_, bytes)) in beside.iter().zip(&written.files) {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Failure::failed(format!("cannot make the folder '{}': {e}", folder.display())))?;
+        image::write_whole(path, bytes).map_err(|e| Failure::failed(e.to_string()))?;
+    }
+    image::write_whole(&args.output, written.text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
+    let beside = if beside.is_empty() { String::new() } else { format!(" and {} files beside it", beside.len()) };
+    terminal.say(&format!("wrote {}{beside}", args.output.display()));
+    let check = if args.check { Some(check(&desc, &args.output)?) } else { None };
+    if let Some(check) = &check {
+        terminal.say(check);
+    }
+    if let Some(path) = &args.report {
+        let messages: Vec<&Diagnostic> = diagnostics.iter().collect();
+        let text = report(args, &desc, &messages, check.as_deref());
+        image::write_whole(path, text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
+        terminal.say(&format!("wrote {}", path.display()));
+    }
+    Ok(failure::DONE)
+}
+
+/// Renders both small, and says how far they are apart.
+fn check(desc: &SceneDesc, output: &Path) -> Result<String, Failure> {
+    let again = steradian::load(output, &Options::default());
+    if let Some(fault) = again.diagnostics.iter().next().filter(|_| again.diagnostics.has_errors()) {
+        return Err(Failure::failed(format!("what was written cannot be read: {fault}")));
+    }
+    let (before, after) = (picture(desc)?, picture(&again.desc)?);
+    let c = metrics::compare(&after, &before).map_err(|e| Failure::failed(e.to_string()))?;
+    let ((width, height), spp) = CHECKED;
+    let ratio = c.ratio.map(|r| format!("{r:.6}")).join(" ");
+    Ok(format!(
+        "check at {width} x {height}, {spp} spp: ratio of means (R G B) {ratio}, relMSE {:.3e}, largest difference {:.3e}",
+        c.rel_mse, c.max_abs
+    ))
+}
+
+fn picture(desc: &SceneDesc) -> Result<Image, Failure> {
+    let options = CompileOptions { size: Some(CHECKED.0), ..CompileOptions::default() };
+    let scene = steradian::compile(desc, &options).scene;
+    let scene = scene.ok_or_else(|| Failure::bad_input("the scene cannot be rendered, so it is not compared"))?;
+    let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };
+    steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))
+}
+
+/// What became of each construct.
+fn report(args: &ConvertArgs, desc: &SceneDesc, messages: &[&Diagnostic], check: Option<&str>) -> String {
+    let mut out = format!("# {} → {}\n", args.input.display(), args.output.display());
+    let of = |fidelity| messages.iter().filter(move |d| d.fidelity == Some(fidelity));
+    for (title, fidelity) in
+        [("Approximated", Fidelity::Approximated), ("Dropped", Fidelity::Dropped), ("Without effect", Fidelity::Unused)]
+    {
+        let _ = writeln!(out, "\n## {title}\n");
+        if of(fidelity).next().is_none() {
+            out.push_str("Nothing.\n");
+        }
+        for d in of(fidelity) {
+            let place = d.location.as_ref().map(|l| format!(" ({}:{}:{})", l.path, l.line, l.column));
+            let _ = writeln!(out, "- {}{}", d.message, place.unwrap_or_default());
+        }
+    }
+    let mut kinds: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for node in &desc.nodes {
+        *kinds.entry((node.family.noun(), node.kind.as_str())).or_default() += 1;
+    }
+    let triangles: usize = desc.meshes.iter().map(|m| m.triangles.len() + m.patches.len()).sum();
+    out.push_str(
+        "\n## Exact\n\nEverything that was read is written as it is.\n\n| what | kind | how many |\n|---|---|---|\n",
+    );
+    for ((family, kind), n) in kinds {
+        let _ = writeln!(out, "| {family} | `{kind}` | {n} |");
+    }
+    let _ = writeln!(out, "| meshes | {triangles} faces | {} |", desc.meshes.len());
+    let _ = writeln!(out, "| instances | of {} groups | {} |", desc.groups.len(), desc.instances.len());
+    if let Some(check) = check {
+        let _ = writeln!(out, "\n## Compared\n\n{check}");
+    }
+    out
+}
