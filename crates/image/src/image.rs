@@ -135,6 +135,11 @@ impl Image {
         &self.channels
     }
 
+    /// The channels themselves, whoever takes them keeps their memory.
+    pub fn into_channels(self) -> Vec<Channel> {
+        self.channels
+    }
+
     /// The plane with this name.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|c| c.name == name).map(|c| &c.data[..])

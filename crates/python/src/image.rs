@@ -1,0 +1,233 @@
+//! Pictures: named planes that are NumPy arrays.
+
+use numpy::{
+    IntoPyArray, PyArray2, PyArray3, PyArrayMethods,
+    ndarray::{Array2, Array3},
+};
+use pyo3::{
+    exceptions::{PyIOError, PyKeyError, PyValueError},
+    prelude::*,
+    types::PyBytes,
+};
+use std::path::PathBuf;
+use steradian::{
+    Layer,
+    image::{self, FileKind, WriteOptions, tone::Tone},
+};
+
+/// A plane of a picture.
+struct Plane {
+    name: String,
+    array: Py<PyArray2<f32>>,
+}
+
+/// A rendered picture: planes of linear values by name, rows from the top.
+#[pyclass(frozen, module = "steradian")]
+pub struct Image {
+    planes: Vec<Plane>,
+    /// Without planes: size, metadata, where it lies in the frame.
+    rest: image::Image,
+    /// Pixels from left to right.
+    #[pyo3(get)]
+    width: usize,
+    /// Pixels from top to bottom.
+    #[pyo3(get)]
+    height: usize,
+    /// Samples per pixel that were taken.
+    #[pyo3(get)]
+    spp: f64,
+    /// Seconds of rendering.
+    #[pyo3(get)]
+    seconds: f64,
+    /// Estimated relative error, if it is known.
+    #[pyo3(get)]
+    error: Option<f64>,
+    /// Why the render ended early, if it did: `interrupt`, `time`, `error` or `progress`.
+    #[pyo3(get)]
+    stopped: Option<&'static str>,
+}
+
+/// What is known of a render beside its picture.
+#[derive(Default)]
+pub struct Facts {
+    pub spp: f64,
+    pub seconds: f64,
+    pub error: Option<f64>,
+    pub stopped: Option<&'static str>,
+}
+
+impl Image {
+    /// Gives the planes to NumPy, which keeps their memory.
+    pub fn new(py: Python<'_>, picture: image::Image, facts: Facts) -> PyResult<Self> {
+        let (width, height) = (picture.width(), picture.height());
+        let mut rest = image::Image::new(width, height);
+        (rest.metadata, rest.offset, rest.frame) = (picture.metadata.clone(), picture.offset, picture.frame);
+        let plane = |channel: image::Channel| {
+            let array = Array2::from_shape_vec((height, width), channel.data)
+                .map_err(|e| PyValueError::new_err(format!("channel '{}': {e}", channel.name)))?;
+            Ok(Plane { name: channel.name, array: array.into_pyarray(py).unbind() })
+        };
+        let planes = picture.into_channels().into_iter().map(plane).collect::<PyResult<_>>()?;
+        let Facts { spp, seconds, error, stopped } = facts;
+        Ok(Self { planes, rest, width, height, spp, seconds, error, stopped })
+    }
+
+    /// The planes whose names these are.
+    fn picture(&self, py: Python<'_>, wanted: impl Fn(&str) -> bool) -> PyResult<image::Image> {
+        let mut picture = self.rest.clone();
+        for plane in self.planes.iter().filter(|p| wanted(&p.name)) {
+            let array = plane.array.bind(py).try_readonly()?;
+            let data: Vec<f32> = array.as_array().iter().copied().collect();
+            picture.push(plane.name.as_str(), data).map_err(|e| PyValueError::new_err(e.to_string()))?;
+        }
+        Ok(picture)
+    }
+
+    /// The planes of a layer: the channel of that name, or all that are called by it, a dot and something.
+    fn of_layer(&self, name: &str) -> Vec<&Plane> {
+        let prefix = match Layer::named(name) {
+            Some(layer) => layer.prefix(),
+            None => name,
+        };
+        if name.is_empty() {
+            return self.planes.iter().filter(|p| matches!(p.name.as_str(), "R" | "G" | "B" | "A")).collect();
+        }
+        let exact: Vec<&Plane> = self.planes.iter().filter(|p| p.name == prefix).collect();
+        if !exact.is_empty() {
+            return exact;
+        }
+        self.planes.iter().filter(|p| p.name.strip_prefix(prefix).is_some_and(|rest| rest.starts_with('.'))).collect()
+    }
+
+    fn layer_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = vec![""];
+        for plane in &self.planes {
+            let layer = plane.name.split('.').next().unwrap_or_default();
+            if !matches!(layer, "R" | "G" | "B" | "A") && !names.contains(&layer) {
+                names.push(layer);
+            }
+        }
+        names
+    }
+}
+
+fn write_options(tonemap: Option<&str>, exposure: Option<f32>, half: bool) -> PyResult<WriteOptions> {
+    let fault = |e: image::Error| PyValueError::new_err(e.to_string());
+    let mut tone = tonemap.map_or(Ok(Tone::default()), Tone::parse).map_err(fault)?;
+    if let Some(ev) = exposure {
+        tone = tone.with_exposure(ev).map_err(fault)?;
+    }
+    let exr_precision = if half { image::Precision::Half } else { image::Precision::Float };
+    let ppm_radiance = tonemap.is_none() && exposure.is_none();
+    Ok(WriteOptions { tone, exr_precision, ppm_radiance, ..WriteOptions::default() })
+}
+
+#[pymethods]
+impl Image {
+    /// Names of the planes, such as R, G, B, albedo.R, N.X, Z.
+    #[getter]
+    fn channels(&self) -> Vec<&str> {
+        self.planes.iter().map(|p| p.name.as_str()).collect()
+    }
+
+    /// Names of the layers; the picture itself is "".
+    #[getter]
+    fn layers(&self) -> Vec<&str> {
+        self.layer_names()
+    }
+
+    /// Height, width, and 3 for the colours of the picture.
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        (self.height, self.width, 3)
+    }
+
+    /// A plane by its name, without copying: what is written into it is saved.
+    fn __getitem__(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyArray2<f32>>> {
+        let plane = self.planes.iter().find(|p| p.name == name);
+        plane.map(|p| p.array.clone_ref(py)).ok_or_else(|| {
+            PyKeyError::new_err(format!("there is no channel '{name}'; there are {}", self.channels().join(", ")))
+        })
+    }
+
+    /// All planes of a layer, by the name it is rendered with or that of its channels, in one array of height × width × channels, a copy.
+    #[pyo3(signature = (name = ""))]
+    fn layer<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let planes = self.of_layer(name);
+        if planes.is_empty() {
+            let known = self.layer_names().iter().map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
+            return Err(PyKeyError::new_err(format!("there is no layer '{name}'; there are {known}")));
+        }
+        let mut all = Array3::zeros((self.height, self.width, planes.len()));
+        for (c, plane) in planes.iter().enumerate() {
+            let array = plane.array.bind(py).try_readonly()?;
+            all.slice_mut(numpy::ndarray::s![.., .., c]).assign(&array.as_array());
+        }
+        Ok(all.into_pyarray(py))
+    }
+
+    /// The picture's colours, as NumPy asks for them.
+    #[pyo3(signature = (dtype = None, copy = None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if copy == Some(false) {
+            return Err(PyValueError::new_err("planes lie one after the other: an array of colours is a copy"));
+        }
+        let colors: Vec<_> = ["R", "G", "B"].iter().map(|n| self.__getitem__(py, n)).collect::<PyResult<_>>()?;
+        let mut all = Array3::zeros((self.height, self.width, 3));
+        for (c, plane) in colors.iter().enumerate() {
+            all.slice_mut(numpy::ndarray::s![.., .., c]).assign(&plane.bind(py).try_readonly()?.as_array());
+        }
+        let array = all.into_pyarray(py).into_any();
+        match dtype {
+            Some(dtype) => array.call_method1("astype", (dtype,)),
+            None => Ok(array),
+        }
+    }
+
+    /// Writes a file, its format by extension; the file appears whole or not at all.
+    #[pyo3(signature = (path, *, tonemap = None, exposure = None, half = false))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        tonemap: Option<&str>,
+        exposure: Option<f32>,
+        half: bool,
+    ) -> PyResult<()> {
+        let options = write_options(tonemap, exposure, half)?;
+        let picture = self.picture(py, |_| true)?;
+        py.detach(|| image::write(&path, &picture, &options)).map_err(|e| match e {
+            image::Error::Io { .. } => PyIOError::new_err(e.to_string()),
+            e => PyValueError::new_err(e.to_string()),
+        })
+    }
+
+    /// The bytes of a PNG file.
+    #[pyo3(signature = (*, tonemap = None, exposure = None))]
+    fn png<'py>(&self, py: Python<'py>, tonemap: Option<&str>, exposure: Option<f32>) -> PyResult<Bound<'py, PyBytes>> {
+        let options = write_options(tonemap, exposure, false)?;
+        let picture = self.picture(py, |name| !name.contains('.') && matches!(name, "R" | "G" | "B" | "A"))?;
+        let bytes = py.detach(|| image::encode(FileKind::Png, &picture, &options));
+        Ok(PyBytes::new(py, &bytes.map_err(|e| PyValueError::new_err(e.to_string()))?))
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.png(py, None, None)
+    }
+
+    fn __repr__(&self) -> String {
+        let stopped = self.stopped.map(|s| format!(", stopped by {s}")).unwrap_or_default();
+        format!(
+            "<steradian.Image {} x {}, {:.4} spp{stopped}: {}>",
+            self.width,
+            self.height,
+            self.spp,
+            self.channels().join(" ")
+        )
+    }
+}

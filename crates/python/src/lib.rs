@@ -1,0 +1,40 @@
+//! Python bindings of Steradian: scenes are loaded, edited and rendered, pictures are arrays.
+//! `python/steradian` is the package around
+//! this module, `docs/python.md` its guide.
+//!
+//! Planes of pictures belong to NumPy from the moment a render is developed, so that looking at them copies
+//! nothing. The interpreter's
+//! lock is released while anything takes long.
+
+mod convert;
+mod image;
+mod material;
+mod render;
+mod scene;
+
+use pyo3::prelude::*;
+
+pyo3::create_exception!(steradian, SceneError, pyo3::exceptions::PyValueError, "A scene that has errors.");
+
+/// The native part of the package `steradian`.
+#[pymodule]
+mod _steradian {
+    #[pymodule_export]
+    use super::SceneError;
+    #[pymodule_export]
+    use super::image::Image;
+    #[pymodule_export]
+    use super::material::{Material, spectrum};
+    #[pymodule_export]
+    use super::registry;
+    #[pymodule_export]
+    use super::render::Progress;
+    #[pymodule_export]
+    use super::scene::{Message, Scene};
+}
+
+/// The names of what there is, family by family, each with its description.
+#[pyfunction]
+fn registry() -> std::collections::BTreeMap<&'static str, std::collections::BTreeMap<&'static str, &'static str>> {
+    steradian::registry().into_iter().map(|(family, models)| (family, models.into_iter().collect())).collect()
+}

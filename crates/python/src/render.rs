@@ -1,0 +1,158 @@
+//! Rendering under watch: a thread takes the samples, while the calling one looks at signals and tells how far it is.
+
+use crate::image::{Facts, Image};
+use pyo3::{
+    exceptions::{PyKeyboardInterrupt, PyValueError},
+    prelude::*,
+};
+use std::{
+    sync::atomic::{AtomicBool, Ordering},
+    thread,
+    time::{Duration, Instant},
+};
+use steradian::{Control, Quality, Scene, Session};
+
+/// How often the watcher looks.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// How far a render is.
+#[pyclass(frozen, get_all, module = "steradian")]
+pub struct Progress {
+    /// Of all samples, from 0 to 1.
+    fraction: f64,
+    /// Samples per pixel so far.
+    spp: f64,
+    /// Seconds so far.
+    seconds: f64,
+}
+
+/// What to render, and how.
+pub struct Request<'a> {
+    pub scene: &'a Scene,
+    pub quality: &'a Quality,
+    /// Seconds after which to stop.
+    pub time: Option<f64>,
+    /// Called with a [`Progress`]; `False` stops the render.
+    pub progress: Option<&'a Py<PyAny>>,
+}
+
+fn fault(e: steradian::Error) -> PyErr {
+    PyValueError::new_err(e.to_string())
+}
+
+/// Renders until all samples are taken, or something ends it.
+pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
+    let Request { scene, quality, .. } = request;
+    if let Some(options) = steradian::raster::options(quality, scene).map_err(fault)? {
+        let rendered = py.detach(|| steradian::raster::render(scene, quality, &options)).map_err(fault)?;
+        let picture = steradian::develop(scene, &rendered.film, &[]);
+        return Image::new(py, picture, Facts { spp: f64::from(quality.spp.unwrap_or(1)), ..Facts::default() });
+    }
+    let plan = quality.plan(scene).map_err(fault)?;
+    let crop = scene.film.crop;
+    let pixels = f64::from(crop.width()) * f64::from(crop.height());
+    let planned = pixels * f64::from(plan.sampler.spp);
+    let ended = py.detach(|| {
+        let mut session = Session::new(scene, plan);
+        let control = Control::default();
+        let end = watch(&mut session, &control, request, pixels, planned);
+        let facts = Facts {
+            spp: session.counters().samples as f64 / pixels,
+            seconds: session.wall().as_secs_f64(),
+            error: session.error(),
+            stopped: match &end {
+                _ if session.is_good_enough() => Some("error"),
+                _ if session.is_done() => None,
+                Some(End::Time) => Some("time"),
+                Some(End::Asked) => Some("progress"),
+                _ => Some("interrupt"),
+            },
+        };
+        let picture = (facts.spp > 0.0).then(|| steradian::develop(scene, &session.film(), &quality.layers));
+        (end, facts, picture)
+    });
+    match ended {
+        // Ctrl-C keeps the picture; what a callback raised goes on.
+        (Some(End::Raised(e)), _, Some(_)) if !e.is_instance_of::<PyKeyboardInterrupt>(py) => Err(e),
+        (_, facts, Some(picture)) => Image::new(py, picture, facts),
+        (Some(End::Raised(e)), _, None) => Err(e),
+        (_, _, None) => Err(PyValueError::new_err("the render ended before its first sample")),
+    }
+}
+
+/// Why a render ended before all samples were taken.
+enum End {
+    Time,
+    Asked,
+    Raised(PyErr),
+}
+
+fn watch(
+    session: &mut Session<'_>,
+    control: &Control,
+    request: &Request<'_>,
+    pixels: f64,
+    planned: f64,
+) -> Option<End> {
+    let start = Instant::now();
+    let done = AtomicBool::new(false);
+    let watcher = thread::current();
+    let mut end = None;
+    thread::scope(|scope| {
+        let done = &done;
+        scope.spawn(move || {
+            // Also when rendering panics the watcher must learn of it.
+            let _done = Done(done, watcher);
+            passes(session, control);
+        });
+        while !done.load(Ordering::Acquire) {
+            thread::park_timeout(LOOK_EVERY);
+            if end.is_some() {
+                continue;
+            }
+            let seconds = start.elapsed().as_secs_f64();
+            let samples = control.samples.load(Ordering::Relaxed) as f64;
+            let progress = Progress { fraction: samples / planned, spp: samples / pixels, seconds };
+            end = look(request, progress);
+            if end.is_some() {
+                control.cancel.store(true, Ordering::Relaxed);
+            }
+        }
+    });
+    end
+}
+
+fn look(request: &Request<'_>, progress: Progress) -> Option<End> {
+    if request.time.is_some_and(|t| progress.seconds >= t) {
+        return Some(End::Time);
+    }
+    Python::attach(|py| {
+        if let Err(e) = py.check_signals() {
+            return Some(End::Raised(e));
+        }
+        match request.progress?.bind(py).call1((progress,)) {
+            Ok(answer) if answer.extract::<bool>().is_ok_and(|goes_on| !goes_on) => Some(End::Asked),
+            Ok(_) => None,
+            Err(e) => Some(End::Raised(e)),
+        }
+    })
+}
+
+/// Passes of growing size, small enough that a stop is answered soon.
+fn passes(session: &mut Session<'_>, control: &Control) {
+    let mut samples = 1;
+    while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
+        session.step(samples, control);
+        samples = (2 * samples).min(1024);
+    }
+}
+
+/// Tells the watcher, when it goes away, that there is nothing more to watch.
+struct Done<'a>(&'a AtomicBool, thread::Thread);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+        self.1.unpark();
+    }
+}

@@ -1,0 +1,303 @@
+//! Scenes: read, edited, rendered.
+
+use crate::{
+    SceneError,
+    convert::to_python,
+    image::Image,
+    material::Material,
+    render::{self, Request},
+};
+use pyo3::{
+    exceptions::{PyKeyError, PyValueError},
+    prelude::*,
+};
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
+use steradian::{
+    ColorMode, CompileOptions, Layer, Loaded, Quality,
+    formats::{Options, native},
+    scene::{Diagnostic, Diagnostics, Fidelity, NodeId, SceneDesc, Severity},
+};
+
+/// What reading or compiling had to say.
+#[pyclass(frozen, get_all, module = "steradian")]
+#[derive(Clone)]
+pub struct Message {
+    /// `error`, `warning`, `note`, or what was lost: `approximated`, `dropped`, `unused`.
+    kind: &'static str,
+    /// One sentence.
+    message: String,
+    /// The file, if it has a place in one.
+    path: Option<String>,
+    /// From 1.
+    line: Option<u32>,
+    /// From 1, in characters.
+    column: Option<u32>,
+    /// What to do about it.
+    help: Option<String>,
+    /// All of it, with the line and carets.
+    text: String,
+}
+
+#[pymethods]
+impl Message {
+    fn __str__(&self) -> &str {
+        &self.text
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<steradian.Message {}: {}>", self.kind, self.message)
+    }
+}
+
+impl From<&Diagnostic> for Message {
+    fn from(d: &Diagnostic) -> Self {
+        let kind = match (d.severity, d.fidelity) {
+            (Severity::Error, _) => "error",
+            (_, Some(Fidelity::Approximated)) => "approximated",
+            (_, Some(Fidelity::Dropped)) => "dropped",
+            (_, Some(Fidelity::Unused)) => "unused",
+            (Severity::Warning, None) => "warning",
+            (Severity::Note, None) => "note",
+        };
+        let at = d.location.as_ref();
+        Self {
+            kind,
+            message: d.message.clone(),
+            path: at.map(|l| l.path.clone()),
+            line: at.map(|l| l.line),
+            column: at.map(|l| l.column),
+            help: d.help.clone(),
+            text: d.to_string(),
+        }
+    }
+}
+
+/// The exception for messages among which are errors.
+pub fn error(diagnostics: &Diagnostics) -> PyErr {
+    let texts: Vec<String> =
+        diagnostics.iter().filter(|d| d.severity == Severity::Error).map(ToString::to_string).collect();
+    SceneError::new_err(texts.join("\n"))
+}
+
+/// Files by their names.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+/// A scene as it is rendered, and what it was asked for with.
+struct Ready {
+    key: String,
+    scene: Arc<steradian::Scene>,
+}
+
+/// A scene: nodes with parameters, which may be read and set, and rendered again without reading files of
+/// scenes and meshes anew.
+#[pyclass(module = "steradian")]
+pub struct Scene {
+    desc: Arc<SceneDesc>,
+    options: Options,
+    diagnostics: Diagnostics,
+    ready: Option<Ready>,
+}
+
+impl Scene {
+    fn new(loaded: Loaded, options: Options, strict: bool) -> PyResult<Self> {
+        if loaded.diagnostics.has_errors() {
+            return Err(error(&loaded.diagnostics));
+        }
+        if strict && loaded.diagnostics.is_lossy() {
+            let lost = loaded.diagnostics.iter().filter(|d| d.fidelity.is_some());
+            return Err(SceneError::new_err(lost.map(ToString::to_string).collect::<Vec<_>>().join("\n")));
+        }
+        Ok(Self { desc: Arc::new(loaded.desc), options, diagnostics: loaded.diagnostics, ready: None })
+    }
+
+    fn find(&self, node: &str) -> PyResult<NodeId> {
+        let ids = native::ids(&self.desc);
+        let found = ids.iter().position(|id| id == node);
+        found.map(|i| NodeId(i as u32)).ok_or_else(|| {
+            let hint = steradian::scene::names::did_you_mean(node, ids.iter().map(String::as_str));
+            let hint = hint.map(|h| format!("; {h}")).unwrap_or_default();
+            PyKeyError::new_err(format!("there is no node '{node}'{hint}"))
+        })
+    }
+
+    /// The scene as it is rendered, compiled anew only where something changed.
+    pub fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Arc<steradian::Scene>> {
+        let key = format!("{options:?}");
+        if let Some(ready) = self.ready.as_ref().filter(|r| r.key == key) {
+            return Ok(ready.scene.clone());
+        }
+        self.ready = None;
+        let desc = self.desc.clone();
+        let compiled = py.detach(|| steradian::compile(&desc, options));
+        let Some(scene) = compiled.scene else { return Err(error(&compiled.diagnostics)) };
+        // Those of a repeated compilation are kept once.
+        self.diagnostics.extend(compiled.diagnostics);
+        let scene = Arc::new(scene);
+        self.ready = Some(Ready { key, scene: scene.clone() });
+        Ok(scene)
+    }
+}
+
+fn color(name: &str) -> PyResult<Option<ColorMode>> {
+    match name {
+        "auto" => Ok(None),
+        "rgb" => Ok(Some(ColorMode::Rgb)),
+        "spectral" => Ok(Some(ColorMode::Spectral)),
+        other => Err(PyValueError::new_err(format!("there is no color mode '{other}'; known are auto, rgb, spectral"))),
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// Reads a file, or `builtin:NAME`.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, defines = BTreeMap::new(), search = Vec::new(), strict = false))]
+    fn load(
+        py: Python<'_>,
+        path: PathBuf,
+        defines: BTreeMap<String, String>,
+        search: Vec<PathBuf>,
+        strict: bool,
+    ) -> PyResult<Self> {
+        let options = Options { defines, search, ..Options::default() };
+        let loaded = py.detach(|| steradian::load(&path, &options));
+        Self::new(loaded, options, strict)
+    }
+
+    /// Reads a text in a format (`pbrt`, `xml`, `obj`, `ply`, `gltf`, `steradian`), by default what it looks like.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, format = None, name = "text", search = Vec::new(), strict = false))]
+    fn parse(
+        py: Python<'_>,
+        text: &str,
+        format: Option<&str>,
+        name: &str,
+        search: Vec<PathBuf>,
+        strict: bool,
+    ) -> PyResult<Self> {
+        let options = Options { search, ..Options::default() };
+        let bytes = text.as_bytes().to_vec();
+        let loaded = py.detach(|| steradian::load_bytes(name, bytes, format, &options));
+        Self::new(loaded, options, strict)
+    }
+
+    /// Everything that reading and compiling had to say so far.
+    #[getter]
+    fn messages(&self) -> Vec<Message> {
+        self.diagnostics.iter().map(Message::from).collect()
+    }
+
+    /// Families and kinds of all nodes by their names; a node without a name of its own has one that begins with '#'.
+    #[getter]
+    fn nodes(&self) -> Vec<(String, (String, String))> {
+        let ids = native::ids(&self.desc);
+        let family = |n: &steradian::scene::Node| n.family.noun().split(' ').next().unwrap_or_default().to_owned();
+        ids.into_iter().zip(&self.desc.nodes).map(|(id, n)| (id, (family(n), n.kind.clone()))).collect()
+    }
+
+    /// The names of the cameras.
+    #[getter]
+    fn cameras(&self) -> Vec<String> {
+        let ids = native::ids(&self.desc);
+        self.desc.cameras.iter().map(|id| ids[id.0 as usize].clone()).collect()
+    }
+
+    /// The names of the parameters that a node sets.
+    fn parameters(&self, node: &str) -> PyResult<Vec<String>> {
+        let id = self.find(node)?;
+        Ok(self.desc.node(id).params.iter().map(|p| p.name.clone()).collect())
+    }
+
+    /// The value of a node's parameter; `None` where it is not set.
+    fn get<'py>(&self, py: Python<'py>, node: &str, parameter: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let id = self.find(node)?;
+        let ids = native::ids(&self.desc);
+        self.desc.node(id).get(parameter).map(|value| to_python(py, value, &ids)).transpose()
+    }
+
+    /// Sets a parameter to a value in Steradian's own language; `null` takes it away.
+    fn set_text(&mut self, node: &str, parameter: &str, value: &str) -> PyResult<()> {
+        let id = self.find(node)?;
+        let desc = Arc::make_mut(&mut self.desc);
+        native::set(desc, id, parameter, value, &self.options).map_err(|diagnostics| error(&diagnostics))?;
+        self.ready = None;
+        Ok(())
+    }
+
+    /// The scene in Steradian's own language, for a file at `path`; with what goes beside it by name.
+    fn text(&self, path: PathBuf) -> PyResult<(String, Files)> {
+        let written = native::write(&self.desc, &path).map_err(PyValueError::new_err)?;
+        Ok((written.text, written.files))
+    }
+
+    /// A material by its name, to be evaluated.
+    #[pyo3(signature = (name, *, color = "auto"))]
+    fn material(&mut self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
+        let mode = self::color(color)?;
+        let scene = self.ready(py, &CompileOptions { mode, ..CompileOptions::default() })?;
+        Material::named(scene, name)
+    }
+
+    /// Renders the scene. Ctrl-C ends it, and the picture of the samples that there are is returned.
+    #[pyo3(signature = (*, spp = None, size = None, crop = None, camera = None, integrator = None, sampler = None, max_depth = None,
+        seed = None, threads = 0, color = "auto", adaptive = false, error = None, time = None, layers = Vec::new(), transparent = false, progress = None))]
+    #[allow(clippy::too_many_arguments)]
+    fn render(
+        &mut self,
+        py: Python<'_>,
+        spp: Option<u32>,
+        size: Option<(u32, u32)>,
+        crop: Option<[u32; 4]>,
+        camera: Option<String>,
+        integrator: Option<String>,
+        sampler: Option<String>,
+        max_depth: Option<u32>,
+        seed: Option<u64>,
+        threads: usize,
+        color: &str,
+        adaptive: bool,
+        error: Option<f64>,
+        time: Option<f64>,
+        layers: Vec<String>,
+        transparent: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Image> {
+        let known = || Layer::ALL.iter().map(|l| l.name());
+        let layer = |name: &String| {
+            Layer::named(name).ok_or_else(|| {
+                let known = known().collect::<Vec<_>>().join(", ");
+                PyValueError::new_err(format!("there is no layer '{name}'; known are {known}"))
+            })
+        };
+        let layers = layers.iter().map(layer).collect::<PyResult<Vec<_>>>()?;
+        if spp == Some(0) || size.is_some_and(|(w, h)| w == 0 || h == 0) {
+            return Err(PyValueError::new_err("spp and size are whole numbers above 0"));
+        }
+        if [error, time].into_iter().flatten().any(|v| !(v > 0.0 && v < 1e9)) {
+            return Err(PyValueError::new_err("error and time are numbers above 0"));
+        }
+        let endless = spp.is_none() && (error.is_some() || time.is_some());
+        let options =
+            CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
+        let scene = self.ready(py, &options)?;
+        let quality = Quality {
+            integrator,
+            spp: if endless { Some(1 << 20) } else { spp },
+            adaptive,
+            error,
+            seed,
+            threads,
+            max_depth,
+            sampler,
+            layers,
+            transparent,
+        };
+        render::run(py, &Request { scene: &scene, quality: &quality, time, progress: progress.as_ref() })
+    }
+
+    fn __repr__(&self) -> String {
+        let d = &self.desc;
+        let (shapes, nodes, lights) = (d.shapes.len(), d.nodes.len(), d.lights.len());
+        format!("<steradian.Scene: {nodes} nodes, {shapes} shapes, {} faces, {lights} lights>", d.face_count())
+    }
+}
