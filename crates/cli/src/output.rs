@@ -8,6 +8,7 @@ use std::{
 use steradian::{
     Inputs, Scene,
     image::{self, FileKind, Image, Value, Window, WriteOptions},
+    integrators::Doubt,
 };
 
 /// Extensions of pictures that can be written.
@@ -135,6 +136,8 @@ pub struct Provenance<'a> {
     pub color: &'a str,
     /// Estimated relative error.
     pub error: Option<f64>,
+    /// Why that is not to be trusted.
+    pub doubt: Option<Doubt>,
     /// Whether parts of the picture that err more got more samples.
     pub adaptive: bool,
     /// Whether photons told where light comes from behind mirrors and glass.
@@ -168,6 +171,9 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
     m.set_text("steradian:caustics", if provenance.caustics { "photons" } else { "chance" });
     if let Some(error) = provenance.error {
         m.set("steradian:relative_error", Value::Float(error as f32));
+    }
+    if let Some(doubt) = provenance.doubt {
+        m.set_text("steradian:unreliable", doubt.to_string());
     }
     m.set("steradian:sharing", integer(provenance.sharing.into()));
     // What a mean over n x n pixels errs, over what it would if pixels erred independently: the root of its variance is that of the mean of the

@@ -147,6 +147,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     let spp = done.samples as f64 / pixels as f64;
     let error = session.error();
+    let doubt = session.doubt();
     let of_means = session.errors_of_means().map(|errors| SCALES.into_iter().zip(errors).collect::<BTreeMap<_, _>>());
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
     let film = session.film();
@@ -162,6 +163,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         nonfinite: done.nonfinite,
         color,
         error,
+        doubt,
         adaptive: session.is_uneven(),
         caustics: session.asks_photons(),
         sharing: session.sharing(),
@@ -188,6 +190,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         caustics: session.asks_photons(),
         sharing: session.sharing(),
         relative_error: error,
+        unreliable: doubt.map(|d| d.to_string()),
         relative_error_of_means: of_means.clone(),
         width,
         height,
@@ -329,6 +332,9 @@ pub fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
             terminal.say(&format!("stopped at an estimated relative error of {:.3} %", 100.0 * error))
         }
         None => {}
+    }
+    if let Some(doubt) = &report.unreliable {
+        terminal.warn(&format!("the estimated error is unreliable: {doubt}"));
     }
     if report.empty_pixels > 0 {
         terminal.warn(&format!("{} pixels have no sample yet and are black", report.empty_pixels));

@@ -31,7 +31,7 @@ mod differential_tests;
 pub use effort::Effort;
 pub use method::{Method, Session};
 pub use registry::{INTEGRATORS, IntegratorKind};
-pub use session::{Control, Film, Plan, SCALES};
+pub use session::{Control, Doubt, Film, Plan, SCALES};
 pub use survey::{Survey, Tactics};
 
 use std::sync::{

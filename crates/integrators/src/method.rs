@@ -1,6 +1,8 @@
 //! The boundary of sessions: what a session runs, whatever computes the picture.
 
-use crate::{Control, Counters, Film, IntegratorKind, Plan, SCALES, Survey, passes::Passes, session::Session as Tiles};
+use crate::{
+    Control, Counters, Doubt, Film, IntegratorKind, Plan, SCALES, Survey, passes::Passes, session::Session as Tiles,
+};
 use std::{
     fmt::Debug,
     io::{self, Read, Write},
@@ -43,6 +45,11 @@ pub trait Method: Debug + Send {
 
     /// The estimated relative error of the picture ([`Session::error`]).
     fn error(&self) -> Option<f64>;
+
+    /// Why that error is not to be trusted ([`Session::doubt`]), if so.
+    fn doubt(&self) -> Option<Doubt> {
+        None
+    }
 
     /// Errors of means over pixels ([`Session::errors_of_means`]), where they are watched.
     fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
@@ -106,6 +113,10 @@ impl Method for Tiles<'_> {
 
     fn error(&self) -> Option<f64> {
         self.error()
+    }
+
+    fn doubt(&self) -> Option<Doubt> {
+        self.doubt()
     }
 
     fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
@@ -200,6 +211,11 @@ impl<'s> Session<'s> {
     /// spreads them well the true error is smaller. `None` before all pixels have two samples.
     pub fn error(&self) -> Option<f64> {
         self.0.error()
+    }
+
+    /// Why [`Self::error`] is not to be trusted, if so: light arrives by paths that are hardly ever found.
+    pub fn doubt(&self) -> Option<Doubt> {
+        self.0.doubt()
     }
 
     /// How many paths of neighbouring pixels share what they find.

@@ -5,6 +5,7 @@
 //! tile in which groups begin, and is added to the film when all about it has come as far. What depends on the picture so far, namely how many samples
 //! a cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
 
+pub(crate) mod estimate;
 mod scales;
 #[cfg(test)]
 mod sizes_tests;
@@ -20,6 +21,7 @@ use crate::{
     partition::{CELLS, TILE},
     survey::Survey,
 };
+pub use estimate::Doubt;
 pub use scales::SCALES;
 use std::{
     sync::{
@@ -61,7 +63,7 @@ pub struct Plan {
     pub transparent: bool,
     /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
     pub adaptive: bool,
-    /// The relative error of the picture ([`Session::error`]) at which to stop.
+    /// The relative error of the picture ([`Session::error`]) at which to stop, unless it is in doubt.
     pub error: Option<f64>,
 }
 
@@ -257,7 +259,7 @@ impl<'s> Session<'s> {
     /// What the picture decides, when all tiles are where the steps are.
     fn decide(&mut self) {
         if let Some(error) = self.plan.error.filter(|_| self.next >= self.look) {
-            self.is_good_enough = self.error().is_some_and(|e| e <= error);
+            self.is_good_enough = self.error().is_some_and(|e| e <= error) && self.doubt().is_none();
             self.look = self.look.saturating_add(self.look / 4);
         }
         if self.next == self.round.end && self.next < self.plan.sampler.spp && !self.is_good_enough {
@@ -340,17 +342,6 @@ impl<'s> Session<'s> {
     /// How many paths of pixels near each other share what they find; 1 where none do, and before the first step.
     pub fn sharing(&self) -> u32 {
         self.survey.reuse()
-    }
-
-    /// The estimated relative error of the picture's pixels: the square root of the mean, over pixels and channels, of the variance of the pixel
-    /// over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those of independent samples: with a sampler that
-    /// spreads them well the true error is smaller. Means over pixels that share paths err more than
-    /// this suggests: [`Self::errors_of_means`]. `None` before all pixels have two samples.
-    pub fn error(&self) -> Option<f64> {
-        let crop = self.scene.film.crop;
-        let values = 3.0 * f64::from(crop.width()) * f64::from(crop.height());
-        let sum: Option<f64> = self.tiles.iter().map(|t| lock(t).squared_errors(self.round)).sum();
-        sum.map(|s| (s / values).sqrt())
     }
 
     /// What was done so far.

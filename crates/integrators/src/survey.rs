@@ -12,7 +12,7 @@ use std::sync::Arc;
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
 
-/// Photons are asked from this [`trial::gain`] on: they cost time, and paths that are shared err less than those of the trial.
+/// Photons are asked from this [`trial::Outcome::gain`] on: they cost time, and paths that are shared err less than those of the trial.
 const WORTH: f64 = 1.8;
 
 /// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
@@ -43,6 +43,9 @@ pub struct Survey {
     pub is_open: bool,
     /// Where light lands that mirrors and glass focused.
     pub caustics: Option<Caustics>,
+    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far as a trial showed
+    /// ([`trial::Outcome::rarest`]).
+    pub rarest: Option<f64>,
     /// How much is spent on what.
     pub effort: Effort,
     /// How much is spent on paths by their vertices.
@@ -64,13 +67,14 @@ impl Survey {
     /// Of a scene, for paths of a depth, and the pictures of a plan.
     pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, plan: &Plan, stop: &Stop) -> Self {
         let (depth, tactics) = (paths.depth(), paths.tactics());
-        let caustics = if tactics.caustics == Some(false) { None } else { Caustics::new(scene, stop) };
-        let mut survey = Self { caustics, stop: stop.clone(), ..Self::default() };
-        if survey.caustics.is_some()
-            && tactics.caustics.is_none()
-            && trial::gain::<MEDIA>(scene, &survey, depth) < WORTH
-        {
-            survey.caustics = None;
+        let mut survey = Self { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Self::default() };
+        // Where they are not wanted they still tell what the picture lacks.
+        if survey.caustics.is_some() && tactics.caustics != Some(true) {
+            let outcome = trial::trial::<MEDIA>(scene, &survey, depth);
+            if tactics.caustics == Some(false) || outcome.gain < WORTH {
+                survey.caustics = None;
+                survey.rarest = outcome.rarest;
+            }
         }
         let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(plan.sampler.spp);
         let is_open = !(MEDIA && scene.has_media) && is_open(scene);

@@ -1,7 +1,8 @@
 //! Whether photons pay: a few paths whose directions they helped to draw tell how much pixels vary, and how much they would without.
 //!
 //! Where a path brings contributions `c_k` by directions of which the surfaces alone have the share `r_k` of the density so far, it would bring
-//! `c_k / r_k` without photons, `r_k` times as often. So its square would be `Σ_k c_k (c_k / r_k + 2 Σ_{j<k} c_j / r_j)` in the mean.
+//! `c_k / r_k` without photons, `r_k` times as often. So its square would be `Σ_k c_k (c_k / r_k + 2 Σ_{j<k} c_j / r_j)` in the mean. All of it counts, also
+//! what is so bright and rare that a picture of usual length does not find it: this is what photons are for.
 
 use crate::{
     Counters, Depth, Survey, dimension,
@@ -17,53 +18,85 @@ use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
 /// Edge of a cell of the picture, pixels, where it is small; otherwise there are at most so many to an edge.
 const CELL: u32 = 8;
 const MOST_CELLS: u32 = 48;
-/// Paths of a cell.
+/// Paths of a cell, or more where there are few cells, for so many in all.
 const PATHS: u32 = 16;
-/// What is brighter than this many times its pixel counts as just so bright: without photons it is met so seldom that a picture of
-/// usual length has little noise from it.
-const BRIGHTEST: f64 = 100.0;
+const FEWEST_PATHS: u32 = 1 << 13;
+/// The share of the light by which the rarest paths are asked for: a picture that lacks it is wrong.
+const MISSED: f64 = 0.02;
 /// Added to squares of pixels, to which errors are relative.
 const FLOOR: f64 = crate::adaptive::FLOOR;
 
 /// What a path brought: luminances, each with the density of the directions before it by surfaces alone over that with photons.
 type Contributions = Vec<(f64, f64)>;
 
-/// By how much the photons of `survey` lower the variance of the picture's samples.
-pub(crate) fn gain<const MEDIA: bool>(scene: &Scene, survey: &Survey, depth: &Depth) -> f64 {
-    let sampler = Sampler { kind: SamplerKind::Sobol, spp: PATHS, seed: 1 };
+/// What the trial came to.
+pub(crate) struct Outcome {
+    /// By how much the photons lower the variance of the picture's samples.
+    pub gain: f64,
+    /// How often one path without photons brings one of the brightest contributions, so many of which are taken together that they carry a
+    /// fiftieth of the light; `None` where photons do not lead to these.
+    pub rarest: Option<f64>,
+}
+
+/// What the photons of `survey` are good for.
+pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, survey: &Survey, depth: &Depth) -> Outcome {
     let cells = [scene.film.width, scene.film.height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
-    let variances: Vec<[f64; 2]> = (0..cells[0] * cells[1])
+    let count = PATHS.max(FEWEST_PATHS / (cells[0] * cells[1])).next_power_of_two();
+    let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 1 };
+    let paths: Vec<Vec<Contributions>> = (0..cells[0] * cells[1])
         .into_par_iter()
         .map(|cell| {
             let at = [cell % cells[0], cell / cells[0]];
-            let paths: Vec<Contributions> = (0..PATHS)
-                .map(|index| trace::<MEDIA>(scene, survey, depth, at, cells, &sampler.pixel(at[0], at[1], index)))
-                .collect();
-            variances(&paths)
+            let path = |index| trace::<MEDIA>(scene, survey, depth, at, cells, &sampler.pixel(at[0], at[1], index));
+            (0..count).map(path).collect()
         })
         .collect();
-    let sum = |which: usize| variances.iter().map(|v| v[which]).sum::<f64>();
-    let (with, without) = (sum(0), sum(1));
-    if with > 0.0 { without / with } else { 1.0 }
+    let [with, without] = paths.iter().map(|cell| variances(cell)).fold([0.0; 2], |s, v| [s[0] + v[0], s[1] + v[1]]);
+    Outcome { gain: if with > 0.0 { without / with } else { 1.0 }, rarest: rarest(&paths) }
+}
+
+/// The brightness to which the errors of the pixels of a cell are relative, and their mean.
+fn level(paths: &[Contributions]) -> (f64, f64) {
+    let mean = paths.iter().flatten().map(|c| c.0).sum::<f64>() / paths.len() as f64;
+    ((mean * mean + FLOOR).sqrt(), mean)
 }
 
 /// The relative variance of paths to the same cell, with photons and without.
 fn variances(paths: &[Contributions]) -> [f64; 2] {
-    let n = paths.len() as f64;
-    let mean = paths.iter().flatten().map(|c| c.0).sum::<f64>() / n;
-    let pixel = (mean * mean + FLOOR).sqrt();
-    let most = BRIGHTEST * pixel;
+    let (pixel, mean) = level(paths);
     let (mut with, mut without) = (0.0, 0.0);
     for path in paths {
-        with += path.iter().map(|c| c.0).sum::<f64>().min(most).powi(2);
+        with += path.iter().map(|c| c.0).sum::<f64>().powi(2);
         let mut before = 0.0;
         for (light, ratio) in path {
-            let alone = (light / ratio).min(most);
-            without += alone * ratio * (alone + 2.0 * before);
+            let alone = light / ratio;
+            without += light * (alone + 2.0 * before);
             before += alone;
         }
     }
-    [with, without].map(|squares| (squares / n - mean * mean) / (pixel * pixel))
+    [with, without].map(|squares| (squares / paths.len() as f64 - mean * mean) / (pixel * pixel))
+}
+
+/// [`Outcome::rarest`], by the paths to each cell.
+fn rarest(cells: &[Vec<Contributions>]) -> Option<f64> {
+    let mut found: Vec<(f64, f64, f64)> = Vec::new();
+    for paths in cells {
+        let (pixel, _) = level(paths);
+        found.extend(paths.iter().flatten().map(|(light, ratio)| (light / (ratio * pixel), light / pixel, *ratio)));
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let enough = MISSED * found.iter().map(|f| f.1).sum::<f64>();
+    let (mut light, mut often, mut by_photons) = (0.0, 0.0, 0.0);
+    for (_, bright, ratio) in &found {
+        light += bright;
+        often += ratio;
+        by_photons += if *ratio < 0.1 { *bright } else { 0.0 };
+        if light >= enough {
+            break;
+        }
+    }
+    let paths: usize = cells.iter().map(Vec::len).sum();
+    (by_photons > 0.5 * light).then(|| often / paths as f64)
 }
 
 /// Follows a path from the camera.

@@ -25,9 +25,10 @@ pub use registry::PassKind;
 pub use sppm::Sppm;
 
 use crate::{
-    Control, Counters, Film, Method, Plan, dimension, features,
+    Control, Counters, Doubt, Film, Method, Plan, dimension, features,
     session::{
         FIRST_LOOK, cpu_time,
+        estimate::Sum,
         state::{In, Out, State, Way},
     },
 };
@@ -261,7 +262,7 @@ impl<'s> Passes<'s> {
             }
             self.passes += 1;
             if let Some(error) = self.plan.error.filter(|_| self.passes >= self.look) {
-                self.is_good_enough = self.error().is_some_and(|e| e <= error);
+                self.is_good_enough = self.error().is_some_and(|e| e <= error) && self.doubt().is_none();
                 self.look = self.look.saturating_add(self.look / 4);
             }
         }
@@ -298,6 +299,13 @@ impl<'s> Passes<'s> {
     }
 }
 
+impl Passes<'_> {
+    fn squared_errors(&self) -> Option<Sum> {
+        let width = self.scene.film.crop.width() as usize;
+        if self.passes < 2 { None } else { Sum::of_rows(&self.pixels, width) }
+    }
+}
+
 impl Method for Passes<'_> {
     fn step(&mut self, samples: u32, control: &Control) {
         let (start, cpu) = (Instant::now(), cpu_time());
@@ -328,13 +336,11 @@ impl Method for Passes<'_> {
     }
 
     fn error(&self) -> Option<f64> {
-        (self.passes >= 2).then(|| {
-            let squared = |p: &Pixel| {
-                let (v, m) = (p.variance_of_mean(), p.mean());
-                (0..3).map(|c| v[c] / (m[c] * m[c] + crate::adaptive::FLOOR)).sum::<f64>()
-            };
-            (self.pixels.iter().map(squared).sum::<f64>() / (3.0 * self.pixels.len() as f64)).sqrt()
-        })
+        self.squared_errors().map(|sum| sum.relative(self.pixels.len()))
+    }
+
+    fn doubt(&self) -> Option<Doubt> {
+        self.squared_errors().and_then(|sum| sum.doubt())
     }
 
     fn counters(&self) -> Counters {

@@ -28,6 +28,25 @@ pub struct System {
     pub bands: usize,
 }
 
+/// Sweeps over which the loss of light is told.
+const SWEEPS: usize = 8;
+/// Iteration ends where all sweeps that are allowed would lose less than this part of the light that is under way: the solution is out of
+/// reach, or does not exist.
+const LEAST_LOSS: f64 = 0.2;
+
+/// Light that sweeps moved, W. Where none is lost, each moves as much as the one before, for ever.
+#[derive(Debug, Default)]
+struct Moved([f64; SWEEPS]);
+
+impl Moved {
+    /// Notes what a sweep moved; whether `most` of them would come nowhere.
+    fn is_hopeless(&mut self, sweep: usize, light: f64, most: usize) -> bool {
+        let before = std::mem::replace(&mut self.0[sweep % SWEEPS], light);
+        let loss = (1.0 - light / before) / SWEEPS as f64;
+        sweep >= SWEEPS && loss * (most as f64) < LEAST_LOSS
+    }
+}
+
 /// What an iteration came to.
 #[derive(Clone, Debug, Default)]
 pub struct Solved {
@@ -69,18 +88,22 @@ impl System {
         self.sources[k] + self.reflectance[k] * irradiance[k] + through
     }
 
-    /// Jacobi's method: all irradiances from the radiosities before. Ends when no radiosity changes by more than `tolerance` of the largest.
+    /// Jacobi's method: all irradiances from the radiosities before. Ends when no radiosity changes by more than `tolerance` of the largest, and
+    /// where light is not lost.
     pub fn jacobi(&self, tolerance: f64, most: usize, tell: &dyn Fn(usize) -> bool) -> Solved {
         let mut radiosity = self.sources.clone();
         let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
         let mut solved = Solved { residual: f64::INFINITY, ..Solved::default() };
-        while solved.steps < most && solved.residual > tolerance && tell(solved.steps) {
+        let (mut light, mut is_hopeless) = (Moved::default(), false);
+        while solved.steps < most && solved.residual > tolerance && !is_hopeless && tell(solved.steps) {
             irradiance
                 .par_chunks_mut(self.bands.max(1))
                 .enumerate()
                 .for_each(|(i, into)| self.gather(i, &radiosity, into));
             let next = self.radiosity(&irradiance);
             solved.residual = change(&radiosity, &next);
+            let moved = radiosity.iter().zip(&next).enumerate().map(|(k, (a, b))| self.power(k, *b - *a)).sum();
+            is_hopeless = light.is_hopeless(solved.steps, moved, most);
             radiosity = next;
             solved.steps += 1;
         }
@@ -94,8 +117,9 @@ impl System {
         let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
         let mut into = vec![DVec4::ZERO; self.bands];
         let mut solved = Solved { residual: f64::INFINITY, ..Solved::default() };
-        while solved.steps < most && solved.residual > tolerance && tell(solved.steps) {
-            let (mut largest, mut moved) = (0.0_f64, 0.0_f64);
+        let (mut light, mut is_hopeless) = (Moved::default(), false);
+        while solved.steps < most && solved.residual > tolerance && !is_hopeless && tell(solved.steps) {
+            let (mut largest, mut moved, mut power) = (0.0_f64, 0.0_f64, 0.0);
             for k in 0..n {
                 let i = if solved.steps.is_multiple_of(2) { k } else { n - 1 - k };
                 self.gather(i, &radiosity, &mut into);
@@ -105,15 +129,22 @@ impl System {
                         let next = self.radiosity_at(i as usize, b, &irradiance);
                         let k = i as usize * self.bands + b;
                         moved = moved.max((next - radiosity[k]).abs().max_element());
+                        power += self.power(k, next - radiosity[k]);
                         largest = largest.max(next.abs().max_element());
                         radiosity[k] = next;
                     }
                 }
             }
             solved.residual = if largest > 0.0 { moved / largest } else { 0.0 };
+            is_hopeless = light.is_hopeless(solved.steps, power, most);
             solved.steps += 1;
         }
         Solved { irradiance, ..solved }
+    }
+
+    /// The size of a change of radiosity over its patch, W.
+    fn power(&self, k: usize, change: DVec4) -> f64 {
+        self.areas[k / self.bands] * change.abs().element_sum()
     }
 
     /// The largest difference between the two sides of the equation, relative to the largest radiosity.

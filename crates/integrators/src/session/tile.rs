@@ -176,14 +176,13 @@ impl Tile {
         Some(std::array::from_fn(|k| (before[k] - 2.0 * here[k] + after[k]).powi(2) / 6.0))
     }
 
-    /// Sum over pixels and channels of the estimated relative squared errors; `None` where a pixel has not the two samples that it takes.
-    pub fn squared_errors(&self, round: Round) -> Option<f64> {
-        self.film(round)
-            .map(|p| {
-                let (v, m) = (p.variance_of_mean(), p.mean());
-                (p.samples >= 2).then(|| (0..3).map(|c| v[c] / (m[c] * m[c] + FLOOR)).sum::<f64>())
-            })
-            .sum()
+    /// The pixels of each cell, with all that is known of them.
+    pub fn by_cells(&self, round: Round) -> Vec<Vec<Pixel>> {
+        let mut cells = vec![Vec::new(); (CELLS * CELLS) as usize];
+        for (at, pixel) in self.film(round).enumerate() {
+            cells[self.cell_at(at)].push(pixel);
+        }
+        cells
     }
 }
 
