@@ -132,8 +132,26 @@ fn pbrt_scenes_in_rgb_are_near() {
     }
 }
 
-/// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: its median over blocks and its
-/// mean without the brightest blocks are compared.
+/// The ratio of the means of two pictures over the pixels that are among the `count` brightest of neither. These are the same in both, so
+/// what is left out favours none.
+fn ratio_without_brightest(a: &[[f32; 3]], b: &[[f32; 3]], count: usize, channel: usize) -> f64 {
+    let brightest = |pixels: &[[f32; 3]]| -> Vec<usize> {
+        let mut order: Vec<usize> = (0..pixels.len()).collect();
+        order.sort_by(|i, j| pixels[*j].iter().sum::<f32>().total_cmp(&pixels[*i].iter().sum()));
+        order.truncate(count);
+        order
+    };
+    let left_out = [brightest(a), brightest(b)].concat();
+    let mean = |pixels: &[[f32; 3]]| -> f64 {
+        let kept = pixels.iter().enumerate().filter(|(k, _)| !left_out.contains(k));
+        kept.map(|(_, p)| f64::from(p[channel])).sum()
+    };
+    mean(a) / mean(b)
+}
+
+/// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: ten of its 36 864 carry a quarter of its energy. So
+/// its mean is one of chance, .75 to .99 of the reference's. Without the twenty brightest pixels of either picture it is .999 at 256 samples and .997 at 1024,
+/// in all channels; at the 64 samples here, .984: the rest still comes in single bright samples, which are left out.
 #[test]
 fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
     let Some(assets) = assets() else { return };
@@ -151,11 +169,17 @@ fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
         let (a, b) = (trimmed(&picture), trimmed(&reference));
         println!("volumetric-caustic channel {c}: {a:.5} against {b:.5}");
         assert!((a / b - 1.0).abs() < 0.06, "channel {c}: {a} against {b}");
+        let [a, b] = [&picture, &reference].map(|i| i.to_rgb().expect("colour"));
+        let ratio = ratio_without_brightest(&a, &b, 20, c);
+        println!("volumetric-caustic channel {c}: {ratio:.4} without the brightest pixels");
+        assert!((0.975..1.01).contains(&ratio), "channel {c}: {ratio}");
     }
 }
 
 /// One hair, in spectral mode: its pixels are where pbrt's are, and the mean of each channel is within 1.5 % and three times the noise of the
-/// reference, whose 96 samples leave 1.7 % (the spread of our own means at as many samples).
+/// reference, whose 96 samples leave 1.7 % (the spread of our own means at as many samples). It is 2 to 3 % below, by two pixels side by side,
+/// (158, 82) and (159, 82), which are two and five times as bright in the reference: 2 % of all energy. Without the ten brightest pixels of either picture
+/// means agree to 1 %.
 #[test]
 fn the_hair_scene_matches_pbrt() {
     let Some(assets) = assets() else { return };
@@ -173,6 +197,9 @@ fn the_hair_scene_matches_pbrt() {
         let ratio = mean(&a) / mean(&b);
         println!("hair-curl channel {c}: {ratio:.4} of the reference");
         assert!((ratio - 1.0).abs() < 0.015 + 3.0 * 0.017, "channel {c}: {ratio}");
+        let ratio = ratio_without_brightest(&a, &b, 10, c);
+        println!("hair-curl channel {c}: {ratio:.4} without the brightest pixels");
+        assert!((ratio - 1.0).abs() < 0.02, "channel {c}: {ratio}");
     }
 }
 
