@@ -33,7 +33,7 @@ fn true_error(film: &Film, reference: &Film) -> f64 {
 #[test]
 fn light_through_water_is_not_thought_to_be_found() {
     let scene = scene("water");
-    for seed in 0..4 {
+    for seed in 0..3 {
         for spp in [16, 64] {
             let by_chance = session(&scene, "path:reuse=1,caustics=false", spp, seed, Some(10.0));
             assert_eq!(by_chance.doubt(), Some(Doubt::HardlyFound), "seed {seed}, {spp} samples");
@@ -51,7 +51,7 @@ fn errors_are_what_is_estimated_or_in_doubt() {
         let reference = session(&scene, "vcm", 128, 1000, None).film();
         for integrator in ["path:reuse=1,caustics=false", "path:reuse=1", "bdpt"] {
             let mut trusted = 0;
-            for seed in 0..4 {
+            for seed in 0..3 {
                 let session = session(&scene, integrator, 32, seed, None);
                 let (told, found) = (session.error().expect("32 samples"), true_error(&session.film(), &reference));
                 println!("{name}, {integrator}, seed {seed}: {told:.4} for {found:.4}, {:?}", session.doubt());
@@ -61,12 +61,12 @@ fn errors_are_what_is_estimated_or_in_doubt() {
                     assert!((0.5..2.0).contains(&ratio), "{name}, {integrator}, seed {seed}: {told} for {found}");
                 }
             }
-            println!("{name}, {integrator}: {trusted} of 4 trusted");
+            println!("{name}, {integrator}: {trusted} of 3 trusted");
         }
     }
 }
 
-/// Under a spot lamp a glass egg's light rules the error, and photons are asked; not where it does not.
+/// Under a spot lamp a glass egg's light rules the error, and photons are asked: a cap on what one path may bring would hide it.
 #[test]
 fn photons_are_asked_for_an_egg_under_a_lamp() {
     let egg = scene("egg");
