@@ -36,14 +36,20 @@ const LEAST_LOSS: f64 = 0.2;
 
 /// Light that sweeps moved, W. Where none is lost, each moves as much as the one before, for ever.
 #[derive(Debug, Default)]
-struct Moved([f64; SWEEPS]);
+struct Moved {
+    light: [f64; SWEEPS],
+    /// For how many sweeps it was so: the first ones may move more and more.
+    hopeless: usize,
+}
 
 impl Moved {
     /// Notes what a sweep moved; whether `most` of them would come nowhere.
     fn is_hopeless(&mut self, sweep: usize, light: f64, most: usize) -> bool {
-        let before = std::mem::replace(&mut self.0[sweep % SWEEPS], light);
+        let before = std::mem::replace(&mut self.light[sweep % SWEEPS], light);
         let loss = (1.0 - light / before) / SWEEPS as f64;
-        sweep >= SWEEPS && loss * (most as f64) < LEAST_LOSS
+        let is_lost = sweep < SWEEPS || loss * most as f64 >= LEAST_LOSS;
+        self.hopeless = if is_lost { 0 } else { self.hopeless + 1 };
+        self.hopeless == SWEEPS
     }
 }
 

@@ -178,7 +178,7 @@ fn sweeps_end_where_no_light_is_lost() {
         bands: 1,
     };
     for solved in [system(1.0).jacobi(1e-4, 10_000, GO_ON), system(1.0).gauss_seidel(1e-4, 10_000, GO_ON)] {
-        assert!(solved.steps < 16 && solved.residual > 1e-4, "{} {}", solved.steps, solved.residual);
+        assert!(solved.steps < 3 * 8 && solved.residual > 1e-4, "{} {}", solved.steps, solved.residual);
     }
     for solved in [system(0.999).jacobi(1e-11, 100_000, GO_ON), system(0.999).gauss_seidel(1e-11, 100_000, GO_ON)] {
         assert!(far(&of(&system(0.999), &solved), &vec![DVec4::splat(1000.0); n as usize]) < 1e-3);
