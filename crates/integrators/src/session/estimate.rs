@@ -41,8 +41,8 @@ impl fmt::Display for Doubt {
 
 /// A squared error over the squared level of what errs, `I² + 0.01`. The square of a mean exceeds that level by the squared error, in the mean, which is
 /// taken out. A pixel that a rare bright sample hit is no measure of its level at all, and would seem to err by no more than itself. Such
-/// pixels are held against those [around].
-pub(super) fn relative(error: f64, mean: f64, around: f64) -> f64 {
+/// pixels are held against those around.
+fn relative(error: f64, mean: f64, around: f64) -> f64 {
     let square = mean * mean;
     let level = if error < FEW_SAMPLES * square { square - error } else { around.min(square) };
     error / (level + FLOOR)
@@ -50,7 +50,7 @@ pub(super) fn relative(error: f64, mean: f64, around: f64) -> f64 {
 
 /// The mean of squared levels, each of which is a square of a mean less its squared error. An eighth of them, the brightest, are left out: those that a rare
 /// bright sample hit.
-pub(super) fn around(mut levels: Vec<f64>) -> f64 {
+fn around(mut levels: Vec<f64>) -> f64 {
     levels.sort_by(f64::total_cmp);
     levels.truncate(levels.len() - levels.len() / 8);
     levels.iter().sum::<f64>().max(0.0) / levels.len().max(1) as f64

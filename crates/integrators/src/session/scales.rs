@@ -4,12 +4,8 @@
 //! does, whatever the pixels have in common and however well samples are spread, so with `a` and `b` samples the mean over a square has the
 //! squared error `(A − B)² ab/(a + b)²`, in the mean over squares.
 
-use super::{
-    Session,
-    estimate::{around, relative},
-    lock,
-};
-use crate::partition::TILE;
+use super::{Session, lock};
+use crate::{adaptive::FLOOR, partition::TILE};
 
 /// Edges of the squares, pixels.
 pub const SCALES: [u32; 4] = [1, 4, 8, TILE];
@@ -59,7 +55,7 @@ impl Session<'_> {
             }
             for (sum, edge) in sums.iter_mut().zip(SCALES) {
                 let of = TILE / edge;
-                let mut found = Vec::with_capacity((of * of) as usize);
+                let mut squares = 0.0;
                 for square in 0..of * of {
                     let (mut level, mut error) = ([0.0; 3], [0.0; 3]);
                     for pixel in 0..edge * edge {
@@ -77,12 +73,9 @@ impl Session<'_> {
                         }
                     }
                     let n = f64::from(edge * edge);
-                    found.push((level.map(|l| l / n), error.map(|e| (e / n).powi(2))));
+                    squares += (0..3).map(|c| (error[c] / n).powi(2) / ((level[c] / n).powi(2) + FLOOR)).sum::<f64>();
                 }
-                let count = f64::from(3 * of * of);
-                let each = || found.iter().flat_map(|(level, error)| level.iter().zip(error));
-                let around = around(each().map(|(l, e)| l * l - e).collect());
-                *sum += each().map(|(l, e)| relative(*e, *l, around)).sum::<f64>() / count;
+                *sum += squares / f64::from(3 * of * of);
             }
             count += 1;
         }
