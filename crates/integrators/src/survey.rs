@@ -43,8 +43,8 @@ pub struct Survey {
     pub is_open: bool,
     /// Where light lands that mirrors and glass focused.
     pub caustics: Option<Caustics>,
-    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far as a trial showed
-    /// ([`trial::Outcome::rarest`]).
+    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far as a trial of photons
+    /// showed.
     pub rarest: Option<f64>,
     /// How much is spent on what.
     pub effort: Effort,
