@@ -11,7 +11,7 @@ use std::{fmt::Write, path::Path};
 use steradian::{
     Control, Film, Layer, Quality, Scene,
     image::WriteOptions,
-    verify::{self, Comparison},
+    verify::{self, Comparison, Verdict},
 };
 
 #[derive(Debug, Serialize)]
@@ -28,8 +28,12 @@ struct Row<'a> {
     integrator: &'a str,
     /// What of the scene it cannot do; nothing else is known then.
     cannot: Option<&'a str>,
-    agrees: Option<bool>,
+    /// `agrees`, `converges` (biased, by less with a smaller radius or smaller patches), `undecided` or `differs`.
+    verdict: Option<&'static str>,
     mean_ratio: Option<f64>,
+    mean_z: Option<f64>,
+    /// The smallest difference of `mean_ratio` from 1 that is told from noise.
+    detectable_difference: Option<f64>,
     difference: Option<f64>,
     noise: Option<f64>,
     coarser_difference: Option<f64>,
@@ -43,7 +47,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
     let opened = open::open(&args.scene, &args.scene_options, Some(args.spp));
     let ready = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?;
-    let scene = ready.scene;
+    let mut scene = ready.scene;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::failed(format!("cannot make the folder {}: {e}", folder.display())))?;
@@ -55,7 +59,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
         ..Quality::default()
     };
     let told = |name: &str| terminal.say(&format!("rendering with {name}"));
-    let report = verify::verify(&scene, &quality, &args.integrator, &Control::default(), told)
+    let report = verify::verify(&mut scene, &quality, &args.integrator, &Control::default(), told)
         .map_err(|e| Failure::bad_input(e.to_string()))?;
     if let Some(folder) = &args.output {
         save(&scene, &report, folder)?;
@@ -63,22 +67,39 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     let rows: Vec<Row<'_>> = report.verified.iter().map(row).collect();
     if args.json {
         let (scene, reference) = (args.scene.as_path(), report.reference.as_str());
-        terminal::json(&Answer { schema: 1, scene, reference, integrators: rows, agrees: report.agrees() })?;
+        terminal::json(&Answer {
+            schema: 1,
+            scene,
+            reference,
+            integrators: rows,
+            agrees: report.with(Verdict::Differs).is_empty(),
+        })?;
     } else {
         terminal::data(table(&report.reference, &rows).as_bytes())?;
     }
-    if report.agrees() {
+    let unsure = report.with(Verdict::Undecided);
+    if !unsure.is_empty() {
+        let percent = 100.0 * verify::POWER;
+        let names = unsure.join(", ");
+        terminal.warn(&format!(
+            "not decided for {names}: noise may hide differences of {percent} % and more of the mean; a higher --spp tells"
+        ));
+    }
+    let wrong = report.with(Verdict::Differs);
+    if wrong.is_empty() {
         return Ok(failure::DONE);
     }
-    let wrong: Vec<&str> = report.verified.iter().filter(|v| !agrees(v)).map(|v| v.integrator.as_str()).collect();
     let message = format!("{} and {} do not agree on {}", report.reference, wrong.join(", "), args.scene.display());
     Err(Failure { code: failure::DIFFERENT, message })
 }
 
-fn agrees(v: &verify::Verified) -> bool {
-    match &v.outcome {
-        verify::Outcome::Compared(c) => c.agrees,
-        verify::Outcome::Cannot(_) => true,
+/// A verdict in JSON.
+fn named(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Agrees => "agrees",
+        Verdict::Converges => "converges",
+        Verdict::Undecided => "undecided",
+        Verdict::Differs => "differs",
     }
 }
 
@@ -91,8 +112,10 @@ fn row(v: &verify::Verified) -> Row<'_> {
     Row {
         integrator: &v.integrator,
         cannot,
-        agrees: c.map(|c| c.agrees),
+        verdict: c.map(|c| named(c.verdict)),
         mean_ratio: of(|c| c.ratio),
+        mean_z: of(|c| c.mean_z),
+        detectable_difference: of(|c| c.detects),
         difference: of(|c| c.difference),
         noise: of(|c| c.noise),
         coarser_difference: c.and_then(|c| c.wider),
@@ -105,21 +128,29 @@ fn row(v: &verify::Verified) -> Row<'_> {
 /// Differences are root mean squares over blocks, as parts of the picture's mean.
 fn table(reference: &str, rows: &[Row<'_>]) -> String {
     let mut out = format!(
-        "{:<14} {:>9} {:>12} {:>9} {:>13} {:>9} {:>8}  agrees with {reference}\n",
-        "integrator", "mean", "difference", "noise", "coarser", "largest z", "CPU s"
+        "{:<14} {:>9} {:>9} {:>12} {:>9} {:>10} {:>9} {:>8}  agrees with {reference}\n",
+        "integrator", "mean", "detects", "difference", "noise", "coarser", "largest z", "CPU s"
     );
     for r in rows {
-        let line = match (r.cannot, r.mean_ratio, r.difference, r.noise, r.largest_z, r.cpu_seconds) {
-            (None, Some(mean), Some(difference), Some(noise), Some(z), Some(seconds)) => {
-                let wider = r.coarser_difference.map_or("-".into(), |w| format!("{:.3} %", 100.0 * w));
-                let verdict = if r.agrees == Some(true) { "yes" } else { "NO" };
-                format!(
-                    "{mean:>9.4} {:>10.3} % {:>7.3} % {wider:>13} {z:>9.2} {seconds:>8.2}  {verdict}",
-                    100.0 * difference,
-                    100.0 * noise
-                )
-            }
-            (what, ..) => format!("cannot do {}", what.unwrap_or_default()),
+        let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.3} %", 100.0 * v));
+        let line = match (r.cannot, r.verdict) {
+            (None, Some(verdict)) => format!(
+                "{:>9.4} {:>9} {:>12} {:>9} {:>10} {:>9.2} {:>8.2}  {}",
+                r.mean_ratio.unwrap_or(f64::NAN),
+                percent(r.detectable_difference),
+                percent(r.difference),
+                percent(r.noise),
+                percent(r.coarser_difference),
+                r.largest_z.unwrap_or(f64::NAN),
+                r.cpu_seconds.unwrap_or(f64::NAN),
+                match verdict {
+                    "agrees" => "yes",
+                    "converges" => "yes, its bias shrinks",
+                    "undecided" => "not decided",
+                    _ => "NO",
+                }
+            ),
+            (what, _) => format!("cannot do {}", what.unwrap_or_default()),
         };
         let _ = writeln!(out, "{:<14} {line}", r.integrator);
     }

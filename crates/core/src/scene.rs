@@ -110,6 +110,8 @@ pub struct Settings {
     pub rr_depth: u32,
     /// Whether lights are invisible to the camera.
     pub hide_emitters: bool,
+    /// Options of that integrator that are its own, as `NAME:key=value` has them.
+    pub options: Vec<(String, String)>,
     /// Samples per pixel.
     pub spp: u32,
     /// The point set.

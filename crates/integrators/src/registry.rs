@@ -55,11 +55,11 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
     ),
     (
         "photon",
-        "photon mapping with a map of caustics and a final gather; max_depth, rr_depth, hide_emitters, radius or pixels (3), photons (one for a pixel), nearest (all), gather (true)",
+        "photon mapping with a map of caustics and a final gather; max_depth, rr_depth, hide_emitters, radius or pixels (1), photons (one for a pixel), nearest (all), gather (true)",
     ),
     (
         "pssmlt",
-        "Metropolis light transport over the random numbers of bidirectional paths; max_depth, rr_depth, hide_emitters",
+        "Metropolis light transport over the random numbers of bidirectional paths; max_depth, rr_depth, hide_emitters, large_step (0.3)",
     ),
     ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
     ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
@@ -112,6 +112,11 @@ impl IntegratorKind {
         })
     }
 
+    /// Whether it has the options `reuse`, `caustics` and `effort`.
+    pub fn has_tactics(&self) -> bool {
+        matches!(self, Self::Path(_) | Self::VolPath(_) | Self::PathRecursive(_))
+    }
+
     /// Changes an option that is the integrator's own; whether there is such an option and value.
     pub fn set(&mut self, key: &str, value: &str) -> bool {
         match self {
@@ -120,11 +125,16 @@ impl IntegratorKind {
         }
     }
 
-    /// What of a scene it cannot do; `None` where it can do all.
+    /// What of a scene it cannot do, or only in part; `None` where it can do all.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Passes(kind) => kind.cannot(scene),
             Self::Path(_) | Self::PathRecursive(_) if scene.has_media => Some("participating media".into()),
+            Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {
+                Ok(names) if names.is_empty() => None,
+                Ok(names) => Some(format!("materials that are not Lambertian: '{}'", names.join("', '"))),
+                Err(refusal) => Some(refusal.to_string()),
+            },
             _ => None,
         }
     }

@@ -34,9 +34,21 @@ pub enum Error {
     },
     /// An integrator option that does not exist or has no such value.
     #[error(
-        "integrator option '{0}' is not understood; options are written NAME:key=value,key=value with keys max_depth, rr_depth, hide_emitters, reuse (1, 4, 16), caustics (auto, true, false), effort (auto, even, vertex)"
+        "option '{option}' of integrator '{integrator}' is not understood; options are written NAME:key=value,key=value, and its keys are {keys}"
     )]
-    IntegratorOption(String),
+    IntegratorOption {
+        /// What was asked for.
+        option: String,
+        /// The integrator.
+        integrator: String,
+        /// The options that it has, with their defaults.
+        keys: String,
+    },
+    /// A method that has no samples for single pixels.
+    #[error(
+        "integrator '{0}' makes whole pictures pass by pass and cannot sample parts of one more than others: leave out --adaptive, or use 'path' or 'volpath'"
+    )]
+    NotAdaptive(String),
     /// What the graphics pipeline refused.
     #[error(transparent)]
     Raster(#[from] steradian_realtime::Error),

@@ -57,7 +57,7 @@ impl Quality {
             roulette_after: scene.settings.rr_depth,
             hide_emitters: scene.settings.hide_emitters,
         };
-        let (mut tactics, mut own) = (Tactics::default(), Vec::new());
+        let (mut tactics, mut own, mut tactical) = (Tactics::default(), Vec::new(), None);
         if name == "radiosity" {
             let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
             let asked = radiosity::options(options, depth)?;
@@ -73,8 +73,11 @@ impl Quality {
             return self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
         }
         for option in options.split(',').filter(|o| !o.is_empty()) {
-            let fault = || Error::IntegratorOption(option.into());
+            let fault = || unknown_option(name, option);
             let (key, value) = option.split_once('=').ok_or_else(fault)?;
+            if ["reuse", "caustics", "effort"].contains(&key.trim()) {
+                tactical = Some(option);
+            }
             match key.trim() {
                 "max_depth" if value == "-1" => depth.max = u32::MAX,
                 "max_depth" => depth.max = value.parse().map_err(|_| fault())?,
@@ -101,10 +104,22 @@ impl Quality {
             hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
             known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
         })?;
+        if let Some(option) = tactical.filter(|_| !integrator.has_tactics() && name != "direct") {
+            return Err(unknown_option(name, option));
+        }
+        if name == scene.settings.integrator {
+            for (key, value) in &scene.settings.options {
+                // What the file's format allows, and the integrator does not, is of no effect.
+                integrator.set(key, value);
+            }
+        }
         for (key, value, option) in own {
             if !integrator.set(key, value) {
-                return Err(Error::IntegratorOption(option.into()));
+                return Err(unknown_option(name, option));
             }
+        }
+        if self.adaptive && matches!(integrator, IntegratorKind::Passes(_)) {
+            return Err(Error::NotAdaptive(name.into()));
         }
         if let Some(what) = integrator.cannot(scene).filter(|_| matches!(integrator, IntegratorKind::Passes(_))) {
             return Err(Error::CannotRender { integrator: name.into(), what });
@@ -209,6 +224,13 @@ impl Quality {
     }
 }
 
+/// An option that an integrator does not have, or not with that value.
+fn unknown_option(integrator: &str, option: &str) -> Error {
+    let described = INTEGRATORS.iter().find(|i| i.0 == integrator).and_then(|i| i.1.rsplit_once("; "));
+    let keys = described.map_or_else(|| "none".into(), |d| d.1.into());
+    Error::IntegratorOption { option: option.into(), integrator: integrator.into(), keys }
+}
+
 /// The options of ambient occlusion.
 fn ambient_occlusion(options: &str) -> Result<AmbientOcclusion, Error> {
     let mut asked = AmbientOcclusion { distance: f32::INFINITY };
@@ -217,4 +239,52 @@ fn ambient_occlusion(options: &str) -> Result<AmbientOcclusion, Error> {
         asked.distance = distance.filter(|d| *d > 0.0).ok_or_else(|| Error::AmbientOcclusionOption(option.into()))?;
     }
     Ok(asked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_core::compile::{Options, compile};
+    use steradian_scene::{Family, Node, SceneDesc};
+
+    fn scene(integrator: Node) -> Scene {
+        let mut desc = SceneDesc::default();
+        desc.cameras = vec![desc.add(Node::new(Family::Camera, "perspective", None))];
+        desc.integrator = Some(desc.add(integrator));
+        compile(&desc, &Options::default()).scene.unwrap_or_else(|| panic!("no scene"))
+    }
+
+    fn plan(scene: &Scene, integrator: Option<&str>, adaptive: bool) -> Result<String, String> {
+        let quality = Quality { integrator: integrator.map(Into::into), adaptive, ..Quality::default() };
+        quality.plan(scene).map(|p| format!("{:?} {}", p.integrator, p.sampler.spp)).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn options_of_files_are_used_and_can_be_overridden() {
+        let of_file = scene(
+            Node::new(Family::Integrator, "sppm", None)
+                .with("photons", 700i64)
+                .with("radius", 0.5)
+                .with("samples", 9i64),
+        );
+        let said = plan(&of_file, None, false).unwrap();
+        assert!(said.contains("photons: 700") && said.contains("Fixed(0.5)") && said.ends_with(" 9"), "{said}");
+        let said = plan(&of_file, Some("sppm:radius=0.25"), false).unwrap();
+        assert!(said.contains("photons: 700") && said.contains("Fixed(0.25)"), "{said}");
+        assert!(plan(&of_file, Some("vcm"), false).unwrap().contains("Pixels"));
+    }
+
+    #[test]
+    fn options_that_an_integrator_lacks_are_refused() {
+        let scene = scene(Node::new(Family::Integrator, "path", None));
+        for wrong in
+            ["bdpt:reuse=4", "whitted:caustics=true", "sppm:nearest=3", "pssmlt:large_step=2", "stokes:effort=auto"]
+        {
+            let said = plan(&scene, Some(wrong), false).unwrap_err();
+            let (name, option) = wrong.split_once(':').unwrap();
+            assert!(said.contains(name) && said.contains(option) && said.contains("max_depth"), "{said}");
+        }
+        assert!(plan(&scene, Some("vcm"), true).unwrap_err().contains("--adaptive"));
+        assert!(plan(&scene, Some("path:reuse=4"), true).is_ok());
+    }
 }

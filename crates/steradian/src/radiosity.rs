@@ -52,7 +52,7 @@ pub enum KeptError {
 /// Reads the options `key=value,…` of radiosity.
 ///
 /// # Errors
-/// [`Error::IntegratorOption`] for what is not understood.
+/// [`Error::RadiosityOption`] for what is not understood.
 pub fn options(text: &str, mut depth: Depth) -> Result<Asked, Error> {
     let mut settings = Settings::default();
     let (mut gather, mut smooth, mut file) = (0, true, None);

@@ -231,6 +231,7 @@ impl Compiler<'_> {
             max_depth: u32::MAX,
             rr_depth: 2,
             hide_emitters: false,
+            options: Vec::new(),
             spp: 16,
             sampler: SamplerKind::default(),
             named_sampler: SamplerKind::default(),
@@ -243,6 +244,9 @@ impl Compiler<'_> {
                 _ => u32::MAX,
             };
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
+            let own = ["photons", "radius", "large_step"];
+            settings.options =
+                own.into_iter().filter_map(|name| Some((name.to_owned(), node.float(name)?.to_string()))).collect();
         }
         if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
             match SamplerKind::named(&node.kind) {
@@ -271,6 +275,10 @@ impl Compiler<'_> {
                 }
                 None => {}
             }
+        }
+        // Metropolis counts its own.
+        if let Some(n) = self.desc.integrator.and_then(|i| self.desc.node(i).int("samples")) {
+            settings.spp = n.clamp(1, 1 << 24) as u32;
         }
         settings
     }

@@ -86,11 +86,38 @@ impl Reader<'_> {
                 "strict_normals",
             ],
         );
+        match kind {
+            "sppm" => {
+                if let Some(n) = self.int(object, "photon_count").filter(|n| *n > 0) {
+                    node.set("photons", n, None);
+                }
+                if let Some(r) = self.float(object, "initial_radius").filter(|r| *r > 0.0) {
+                    node.set("radius", r, None);
+                }
+            }
+            "pssmlt" => {
+                if let Some(p) = self.float(object, "p_large").filter(|p| *p > 0.0 && *p <= 1.0) {
+                    node.set("large_step", p, None);
+                }
+            }
+            _ => {}
+        }
         if kind != plugin {
-            // Settings of another estimator change nothing here.
-            self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
+            self.settings_of_another(object, kind);
         }
         Some(self.desc.add(node))
+    }
+
+    /// Says which settings of another estimator of the same picture change nothing here.
+    fn settings_of_another(&mut self, object: ObjectId, kind: &str) {
+        let span = self.span(object);
+        let object = &mut self.graph.objects[object];
+        let unused: Vec<String> = object.props.iter().filter(|p| !p.used).map(|p| format!("'{}'", p.name)).collect();
+        object.props.iter_mut().for_each(|p| p.used = true);
+        if !unused.is_empty() {
+            let message = format!("{} of '{}' has no effect on '{kind}'", unused.join(", "), object.plugin);
+            self.note(span, message);
+        }
     }
 
     /// Says so where the file asks for an integrator that sees no media.

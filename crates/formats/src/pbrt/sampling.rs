@@ -58,17 +58,8 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
         "randomwalk" => ("path", &[]),
         "lightpath" => ("light", &[]),
         "bdpt" => ("bdpt", &[("visualizestrategies", Type::Bool), ("visualizeweights", Type::Bool)]),
-        "mlt" => (
-            "pssmlt",
-            &[
-                ("bootstrapsamples", Type::Integer),
-                ("chains", Type::Integer),
-                ("mutationsperpixel", Type::Integer),
-                ("largestepprobability", Type::Float),
-                ("sigma", Type::Float),
-            ],
-        ),
-        "sppm" => ("sppm", &[("photonsperiteration", Type::Integer), ("radius", Type::Float), ("seed", Type::Integer)]),
+        "mlt" => ("pssmlt", &[("bootstrapsamples", Type::Integer), ("chains", Type::Integer), ("sigma", Type::Float)]),
+        "sppm" => ("sppm", &[("seed", Type::Integer)]),
         "ambientocclusion" => ("path", &[("cossample", Type::Bool), ("maxdistance", Type::Float)]),
         "function" => (
             "path",
@@ -111,7 +102,42 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
     if b.node.int("max_depth").is_some_and(|n| n < 0) {
         b.error("maxdepth", "parameter 'maxdepth' must not be below 0");
     }
+    match kind {
+        "sppm" => {
+            b.int("photonsperiteration", "photons", 0);
+            if b.node.int("photons").is_some_and(|n| n <= 0) {
+                // As many as pixels.
+                b.set("photons", 0_i64);
+            }
+            b.positive("radius", "radius", 1.0);
+        }
+        "pssmlt" => {
+            b.int("mutationsperpixel", "samples", 100);
+            if b.node.int("samples").is_some_and(|n| n <= 0) {
+                b.error("mutationsperpixel", "the number of mutations must be above 0");
+            }
+            b.float("largestepprobability", "large_step", 0.3);
+            if b.node.float("large_step").is_some_and(|p| !(p > 0.0 && p <= 1.0)) {
+                b.error("largestepprobability", "a probability above 0 and up to 1 was expected");
+            }
+        }
+        _ => {}
+    }
     for &(name, ty) in others {
+        if same_light && b.dict.has(name, &[ty]) {
+            let message = format!("'{name}' of integrator '{given}' has no effect: it changes the noise only");
+            let span = b.dict.span_of(name);
+            let is_picture = name.starts_with("visualize") && b.dict.bool(&mut b.scene.report, name) == Some(true);
+            if is_picture {
+                b.scene.report.unused(
+                    span,
+                    format!("pictures of single strategies ('{name}') are not written"),
+                    || None,
+                );
+            } else if !name.starts_with("visualize") {
+                b.scene.report.note(span, message);
+            }
+        }
         b.dict.find(&mut b.scene.report, name, &[ty]);
     }
     if b.dict.bool(&mut b.scene.report, "regularize") == Some(true) {

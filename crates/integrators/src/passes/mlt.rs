@@ -24,8 +24,7 @@ const SAMPLES: u32 = 4;
 /// Mutations of a chain, and independent samples from which a chain's beginning is chosen.
 const MUTATIONS: usize = 512;
 const BEGINNINGS: usize = 64;
-/// Probability of a sample that does not depend on the last one, and the range of small changes.
-const LARGE_STEP: f32 = 0.3;
+/// The range of small changes.
 const SMALLEST: f32 = 1.0 / 1024.0;
 const LARGEST: f32 = 1.0 / 64.0;
 
@@ -34,6 +33,8 @@ const LARGEST: f32 = 1.0 / 64.0;
 pub struct Metropolis {
     /// How far paths are followed: events of both subpaths count.
     pub depth: Depth,
+    /// Probability of a sample that does not depend on the last one, above 0 and up to 1.
+    pub large_step: f32,
 }
 
 impl Metropolis {
@@ -51,11 +52,12 @@ impl Metropolis {
 #[derive(Debug)]
 pub(super) struct Chains {
     tracer: Tracer,
+    large_step: f32,
 }
 
 impl Chains {
     pub fn new(settings: Metropolis) -> Self {
-        Self { tracer: Tracer::new(settings.paths()) }
+        Self { tracer: Tracer::new(settings.paths()), large_step: settings.large_step }
     }
 }
 
@@ -225,7 +227,7 @@ impl Chains {
         // What a state brings is added when it is left.
         let mut stayed = 0.0;
         for _ in 0..mutations {
-            let is_large = numbers.uniform() < LARGE_STEP;
+            let is_large = numbers.uniform() < self.large_step;
             numbers.mutate(is_large);
             let proposed = self.sample(run, &numbers, counters);
             let accept = (proposed.importance / state.importance).min(1.0);

@@ -1,10 +1,11 @@
 //! Photon mapping with two maps and a final gather (Jensen 1996, "Global Illumination using Photon Maps"): direct light by light samples, light that
-//! mirrors and glass focused by the map of caustics, all other by one bounce on to the global map.
+//! mirrors and glass focused by the map of caustics, all other by one bounce on to the global map. Maps are made anew for each pass, with radii that
+//! shrink from pass to pass, so that the mean over passes converges (Knaus, Zwicker 2011).
 
 use super::{
     PassFilm, PassIntegrator, Run,
     photons::{Grid, Photon},
-    radius::Radius,
+    radius::{self, Radius},
     sppm::{brought, direct, gathered, land, next, paths},
     subpath::{Subpath, Vertex, Ways},
 };
@@ -18,7 +19,7 @@ use steradian_math::Vec3;
 pub struct PhotonMap {
     /// How far paths are followed: events of both subpaths count.
     pub depth: Depth,
-    /// The largest distance of a photon that counts in the map of caustics; four times as much in the global map.
+    /// The largest distance of a photon that counts, in the first pass.
     pub radius: Radius,
     /// Light paths of a pass; 0 for one for each pixel, up to a million.
     pub photons: u32,
@@ -35,9 +36,6 @@ impl PhotonMap {
     }
 }
 
-/// How much wider photons are gathered from the global map.
-const GLOBAL: f32 = 4.0;
-
 /// The method with what it prepared.
 #[derive(Debug)]
 pub(super) struct Mapped {
@@ -50,6 +48,8 @@ pub(super) struct Mapped {
 struct Maps {
     caustics: Grid,
     global: Grid,
+    radius: f32,
+    number: u32,
 }
 
 impl Mapped {
@@ -70,10 +70,9 @@ impl Mapped {
         // Where photons are not gathered over a bounce, direct and focused light is not read from the global map.
         let counts = |p: &&Photon| self.settings.gather || (p.events > 0 && !p.is_focused);
         let global = photons.iter().filter(counts).copied().collect();
-        Some((
-            Maps { caustics: Grid::new(focused, self.radius), global: Grid::new(global, self.radius * GLOBAL) },
-            counters,
-        ))
+        let radius = radius::of_pass(self.radius, number);
+        let (caustics, global) = (Grid::new(focused, radius), Grid::new(global, radius));
+        Some((Maps { caustics, global, radius, number }, counters))
     }
 
     /// Radiance by a map.
@@ -101,11 +100,11 @@ impl Mapped {
         near.iter().map(|(_, photon)| brought(v, photon, scale, run)).sum()
     }
 
-    fn pixel(&self, run: &Run<'_>, maps: &Maps, x: u32, y: u32, number: u32, counters: &mut Counters) -> Vec3 {
+    fn pixel(&self, run: &Run<'_>, maps: &Maps, x: u32, y: u32, counters: &mut Counters) -> Vec3 {
         let (scene, depth) = (run.scene, &self.settings.depth);
-        let sample = run.camera_sample(x, y, number);
+        let sample = run.camera_sample(x, y, maps.number);
         let (ways, sampler) = (Ways::connections(1.0, false), &sample.sampler);
-        let mut path = Subpath::from_camera(scene, sample.ray, super::pass_wavelengths(run, number), &ways);
+        let mut path = Subpath::from_camera(scene, sample.ray, super::pass_wavelengths(run, maps.number), &ways);
         let mut sum = Vec3::ZERO;
         loop {
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);
@@ -118,9 +117,9 @@ impl Mapped {
                 break;
             }
             sum += direct(run, &v, sampler, counters);
-            sum += self.estimate(&v, &maps.caustics, self.radius, run);
+            sum += self.estimate(&v, &maps.caustics, maps.radius, run);
             if !self.settings.gather {
-                sum += self.estimate(&v, &maps.global, self.radius * GLOBAL, run);
+                sum += self.estimate(&v, &maps.global, maps.radius, run);
             }
             if !path.scatter(&v, sampler, &ways, depth) {
                 break;
@@ -150,7 +149,7 @@ impl Mapped {
             // Lights that are met count in what is seen from where the bounce began.
             let (Some(v), _) = next(run.scene, &mut path, sampler, depth, counters) else { return Vec3::ZERO };
             if !v.scattering.bsdf.is_specular() {
-                return self.estimate(&v, &maps.global, self.radius * GLOBAL, run);
+                return self.estimate(&v, &maps.global, maps.radius, run);
             }
             if !path.scatter(&v, sampler, &ways, depth) || path.context.is_some() {
                 return Vec3::ZERO;
@@ -172,7 +171,7 @@ impl PassIntegrator for Mapped {
         let (rows, counters) = run.in_order(crop.height() as usize, |row, counters| {
             let pixel = |x| {
                 counters.samples += 1;
-                self.pixel(run, &maps, x, crop.y0 + row as u32, number, counters)
+                self.pixel(run, &maps, x, crop.y0 + row as u32, counters)
             };
             (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
         })?;

@@ -19,6 +19,14 @@ impl Default for Radius {
 }
 
 impl Radius {
+    /// Twice as far.
+    pub(super) fn twice(self) -> Self {
+        match self {
+            Self::Fixed(r) => Self::Fixed(2.0 * r),
+            Self::Pixels(r) => Self::Pixels(2.0 * r),
+        }
+    }
+
     /// In a scene.
     pub(super) fn of_scene(self, scene: &Scene) -> f32 {
         match self {

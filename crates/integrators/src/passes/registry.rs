@@ -34,8 +34,10 @@ impl PassKind {
             "bdpt" => paths(Strategy::Connections),
             "vcm" => paths(Strategy::Merging),
             "sppm" => Self::Sppm(Sppm { depth, radius, photons: 0 }),
-            "photon" => Self::PhotonMap(PhotonMap { depth, radius, photons: 0, nearest: 0, gather: true }),
-            "pssmlt" => Self::Metropolis(Metropolis { depth }),
+            "photon" => {
+                Self::PhotonMap(PhotonMap { depth, radius: Radius::Pixels(1.0), photons: 0, nearest: 0, gather: true })
+            }
+            "pssmlt" => Self::Metropolis(Metropolis { depth, large_step: 0.3 }),
             _ => return None,
         })
     }
@@ -57,6 +59,9 @@ impl PassKind {
             (Self::PhotonMap(p), "photons") => count().map(|n| p.photons = n),
             (Self::PhotonMap(p), "nearest") => count().map(|n| p.nearest = n),
             (Self::PhotonMap(p), "gather") => value.parse().ok().map(|g| p.gather = g),
+            (Self::Metropolis(m), "large_step") => {
+                value.parse().ok().filter(|p| *p > 0.0 && *p <= 1.0).map(|p| m.large_step = p)
+            }
             _ => None,
         };
         done.is_some()
@@ -72,13 +77,16 @@ impl PassKind {
         }
     }
 
-    /// Whether its mean differs from the true picture, by less the smaller its radius is.
-    pub fn is_biased(&self) -> bool {
-        match self {
-            Self::Bidirectional(b) => b.strategy == Strategy::Merging,
-            Self::Sppm(_) | Self::PhotonMap(_) => true,
-            Self::Metropolis(_) => false,
+    /// Where its mean differs from the true picture, by less the smaller its radius is: the same with twice the radius.
+    pub fn coarser(&self) -> Option<Self> {
+        let mut coarser = *self;
+        match &mut coarser {
+            Self::Bidirectional(b) if b.strategy == Strategy::Merging => b.radius = b.radius.twice(),
+            Self::Sppm(s) => s.radius = s.radius.twice(),
+            Self::PhotonMap(p) => p.radius = p.radius.twice(),
+            Self::Bidirectional(_) | Self::Metropolis(_) => return None,
         }
+        Some(coarser)
     }
 
     /// What a session runs.

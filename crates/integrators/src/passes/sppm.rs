@@ -159,7 +159,6 @@ impl PassIntegrator for Progressive {
         let lambda = super::pass_wavelengths(run, number);
         let (width, count) = (scene.film.width, paths(self.settings.photons, run));
         let mut total = Counters::default();
-        let radius = radius::of_pass(self.radius, number);
         let photons = match &self.emission {
             None => Vec::new(),
             Some(emission) => {
@@ -169,12 +168,13 @@ impl PassIntegrator for Progressive {
                 photons
             }
         };
-        let grid = Grid::new(photons, radius);
+        let radius = radius::of_pass(self.radius, number);
+        let landed = Landed { number, lambda, photons: Grid::new(photons, radius), radius, paths: count as f32 };
         let crop = film.crop();
         let (rows, counters) = run.in_order(crop.height() as usize, |row, counters| {
             let pixel = |x| {
                 counters.samples += 1;
-                self.pixel(run, x, crop.y0 + row as u32, number, lambda, &grid, radius, count as f32, counters)
+                self.pixel(run, x, crop.y0 + row as u32, &landed, counters)
             };
             (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
         })?;
@@ -184,25 +184,24 @@ impl PassIntegrator for Progressive {
     }
 }
 
+/// The photons of a pass.
+struct Landed {
+    /// Number of the pass.
+    number: u32,
+    lambda: Wavelengths,
+    photons: Grid,
+    radius: f32,
+    /// Light paths that were sent.
+    paths: f32,
+}
+
 impl Progressive {
     /// A camera path: through what is specular to the first surface that is not, where photons are gathered.
-    #[allow(clippy::too_many_arguments)]
-    fn pixel(
-        &self,
-        run: &Run<'_>,
-        x: u32,
-        y: u32,
-        number: u32,
-        lambda: Wavelengths,
-        photons: &Grid,
-        radius: f32,
-        paths: f32,
-        counters: &mut Counters,
-    ) -> Vec3 {
+    fn pixel(&self, run: &Run<'_>, x: u32, y: u32, landed: &Landed, counters: &mut Counters) -> Vec3 {
         let (scene, depth) = (run.scene, &self.settings.depth);
-        let sample = run.camera_sample(x, y, number);
-        let (ways, sampler) = (Ways::connections(paths, false), &sample.sampler);
-        let mut path = Subpath::from_camera(scene, sample.ray, lambda, &ways);
+        let sample = run.camera_sample(x, y, landed.number);
+        let (ways, sampler) = (Ways::connections(landed.paths, false), &sample.sampler);
+        let mut path = Subpath::from_camera(scene, sample.ray, landed.lambda, &ways);
         let mut sum = Vec3::ZERO;
         loop {
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);
@@ -210,7 +209,7 @@ impl Progressive {
             let Some(v) = v else { break };
             if !v.scattering.bsdf.is_specular() {
                 sum += direct(run, &v, sampler, counters);
-                sum += gathered(&v, photons, radius, paths, depth, run);
+                sum += gathered(&v, &landed.photons, landed.radius, landed.paths, depth, run);
                 // Of surfaces that have a specular lobe too, that lobe goes on.
                 if !path.scatter(&v, sampler, &ways, depth) || path.context.is_some() {
                     break;

@@ -142,7 +142,8 @@ impl Hierarchy<'_> {
     }
 
     fn node(&self, k: u32) -> Option<Box<Node>> {
-        let (patch, matter, _) = make(self.scene, self.surfaces, &self.cells, self.bands, k / 2, k.is_multiple_of(2))?;
+        let made = make(self.scene, self.surfaces, &self.cells, self.bands, k / 2, k.is_multiple_of(2));
+        let (patch, matter) = made.patch?;
         let of = |sharp: bool| direct::irradiance(self.scene, std::slice::from_ref(&patch), self.bands, sharp);
         let direct = of(true).into_iter().zip(of(false)).map(|(a, b)| a + b).collect();
         let none = vec![DVec4::ZERO; matter.len()];

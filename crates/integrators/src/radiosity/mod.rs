@@ -163,6 +163,16 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
     }
 }
 
+/// Names of the materials that scatter otherwise than Lambert: of these only the Lambertian part exchanges light.
+///
+/// # Errors
+/// [`Refusal`] for scenes that cannot be cut into patches.
+pub fn beyond_lambert(scene: &Scene) -> Result<Vec<String>, Refusal> {
+    let surfaces = Surfaces::new(scene)?;
+    let patches = Patches::new(scene, &surfaces, &Cells::new(&surfaces), &Bands::new(scene.mode, 1));
+    Ok(patches.impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect())
+}
+
 fn within(what: &'static str, count: usize, limit: usize) -> Result<(), Refusal> {
     match count > limit {
         true => Err(Refusal::TooManyPatches { what, count, limit, instead: "stochastic" }),

@@ -77,7 +77,7 @@ impl Patches {
     /// The patches of the leaves.
     pub fn new(scene: &Scene, surfaces: &Surfaces, cells: &Cells, bands: &Bands) -> Self {
         let leaves: Vec<u32> = cells.leaves().collect();
-        let sides: Vec<[Option<Made>; 2]> = leaves
+        let sides: Vec<[Made; 2]> = leaves
             .par_iter()
             .map(|&k| [true, false].map(|front| make(scene, surfaces, cells, bands, k, front)))
             .collect();
@@ -85,13 +85,13 @@ impl Patches {
         for (leaf, sides) in leaves.iter().zip(sides) {
             let mut twins = [NONE; 2];
             for (side, made) in sides.into_iter().enumerate() {
-                let Some((patch, matter, is_pure)) = made else { continue };
-                let index = all.list.len() as u32;
-                twins[side] = index;
-                if !is_pure {
+                if !made.is_pure {
                     let piece = &surfaces.pieces[cells.cells[*leaf as usize].piece as usize];
                     all.impure.push(scene.geometries[piece.geometry as usize].material);
                 }
+                let Some((patch, matter)) = made.patch else { continue };
+                let index = all.list.len() as u32;
+                twins[side] = index;
                 all.list.push(patch);
                 for m in matter {
                     all.reflectance.push(lanes(m.reflectance));
@@ -140,23 +140,28 @@ impl Patches {
     }
 }
 
-/// A patch, what it is made of by band, and whether it is Lambertian.
-pub type Made = (Patch, Vec<Matter>, bool);
+/// A side of a cell.
+pub struct Made {
+    /// The patch, and what it is made of by band; `None` for sides that neither scatter nor emit as Lambert has it, and those without area.
+    pub patch: Option<(Patch, Vec<Matter>)>,
+    /// Whether it scatters as Lambert has it and in no other way.
+    pub is_pure: bool,
+}
 
-/// A side of a cell, with what it is made of and whether it is Lambertian; `None` for sides that neither scatter nor emit, and those without area.
-pub fn make(scene: &Scene, surfaces: &Surfaces, cells: &Cells, bands: &Bands, k: u32, front: bool) -> Option<Made> {
+/// A side of a cell, with what it is made of.
+pub fn make(scene: &Scene, surfaces: &Surfaces, cells: &Cells, bands: &Bands, k: u32, front: bool) -> Made {
     let cell = &cells.cells[k as usize];
     let piece = &surfaces.pieces[cell.piece as usize];
     let (matter, is_pure) = matter::of_cell(scene, piece, cell, front, bands);
     let is_black = |m: &Matter| m.reflectance.is_black() && m.transmittance.is_black() && m.emission.is_black();
     if matter.iter().all(is_black) {
-        return None;
+        return Made { patch: None, is_pure };
     }
     let polygon = cell.polygon(&surfaces.pieces);
     let polygon = if front { polygon } else { polygon.reversed() };
     let area = polygon.area();
     if !(area > 0.0 && area.is_finite()) {
-        return None;
+        return Made { patch: None, is_pure };
     }
     let points = (0..POINTS as u32)
         .map(|j| {
@@ -165,5 +170,5 @@ pub fn make(scene: &Scene, surfaces: &Surfaces, cells: &Cells, bands: &Bands, k:
             Point { p: s.surface.p, error: s.surface.error, n: s.wo }
         })
         .collect();
-    Some((Patch { cell: k, front, polygon, area, twin: NONE, points }, matter, is_pure))
+    Made { patch: Some((Patch { cell: k, front, polygon, area, twin: NONE, points }, matter)), is_pure }
 }

@@ -331,6 +331,10 @@ fn integrators() {
     assert_eq!((i.int("max_depth"), i.int("rr_depth"), i.bool("hide_emitters")), (Some(5), Some(5), Some(true)));
     assert_eq!(integrator("<integrator type=\"volpathmis\"/>").int("max_depth"), Some(-1));
     assert_eq!(integrator("<integrator type=\"ptracer\"/>").kind, "path");
+    let i = integrator(
+        "<integrator type=\"sppm\"><integer name=\"photon_count\" value=\"900\"/><float name=\"initial_radius\" value=\"0.5\"/></integrator>",
+    );
+    assert_eq!((i.kind.as_str(), i.int("photons"), i.float("radius")), ("sppm", Some(900), Some(0.5)));
     assert_eq!(integrator("<integrator type=\"ptracer\"/><medium type=\"homogeneous\" id=\"m\"/>").kind, "volpath");
     assert_eq!(integrator("<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/><integrator type=\"direct\"/></integrator>").kind, "direct");
 }

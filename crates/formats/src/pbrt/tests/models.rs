@@ -176,6 +176,20 @@ fn samplers_and_integrators() {
         assert_eq!((i.diagnostics.is_lossy(), i.diagnostics.has_errors()), (lossy, false), "{given}");
         check(i.desc.node(i.desc.integrator.unwrap()), kind, &[("max_depth", some(9))]);
     }
+    let i = load("Integrator \"sppm\" \"integer photonsperiteration\" 5000 \"float radius\" 0.25 WorldBegin");
+    check(i.desc.node(i.desc.integrator.unwrap()), "sppm", &[("photons", some(5000)), ("radius", some(0.25))]);
+    let i = load(
+        "Integrator \"mlt\" \"integer mutationsperpixel\" 200 \"float largestepprobability\" 0.5 \"integer chains\" 7 WorldBegin",
+    );
+    check(i.desc.node(i.desc.integrator.unwrap()), "pssmlt", &[("samples", some(200)), ("large_step", some(0.5))]);
+    assert!(i.diagnostics.iter().any(|d| d.message.contains("'chains'")), "what has no effect is told");
+    for wrong in [
+        "\"sppm\" \"float radius\" 0",
+        "\"mlt\" \"integer mutationsperpixel\" 0",
+        "\"mlt\" \"float largestepprobability\" 2",
+    ] {
+        assert!(load(&format!("Integrator {wrong} WorldBegin")).diagnostics.has_errors(), "{wrong}");
+    }
 }
 
 fn one_light(text: &str) -> Node {
