@@ -202,7 +202,7 @@ pub fn verify(
             verified.push(cannot(what));
             continue;
         }
-        let mut comparison = compare(&truth, Picture::render(scene, plan.clone(), control));
+        let mut comparison = compare(&truth, Picture::render(scene, plan, control));
         if let Some(integrator) = coarser(&plan.integrator) {
             let wider = compare(&truth, Picture::render(scene, Plan { integrator, ..plan }, control));
             // Squares of differences that noise does not explain.
@@ -344,7 +344,13 @@ mod tests {
         use steradian_core::film::{Crop, Pixel};
         let mut pixel = Pixel::default();
         parts.iter().for_each(|p| pixel.add_value([*p; 3]));
-        let film = Film { crop: Crop { x0: 0, y0: 0, x1: 4, y1: 4 }, pixels: vec![pixel; 16], features: Vec::new() };
+        let film = Film {
+            crop: Crop { x0: 0, y0: 0, x1: 4, y1: 4 },
+            pixels: vec![pixel; 16],
+            features: Vec::new(),
+            by_light: Vec::new(),
+            mattes: Vec::new(),
+        };
         let mut picture = Picture { film, means: Vec::new(), squares: Vec::new(), parts: 0, seconds: 0.0 };
         parts.iter().for_each(|p| picture.add(&[*p; 4]));
         picture
