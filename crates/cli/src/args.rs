@@ -103,7 +103,7 @@ pub struct SceneOptions {
     /// `ground=false` of a model; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
-    /// Refuse scenes of which something would be approximated or dropped
+    /// Refuse scenes of which something would be approximated, dropped, or not used (a mistyped parameter)
     #[arg(long, help_heading = "Scene")]
     pub strict: bool,
     /// Threads; 0 for one per processor. The picture has the same bits for any number
@@ -138,8 +138,8 @@ pub struct RenderArgs {
     /// How light is followed, instead of the scene's way
     #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator, help_heading = "Quality")]
     pub integrator: Option<String>,
-    /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)), help_heading = "Quality")]
+    /// Samples per pixel; 1k is 1000
+    #[arg(long, value_name = "N", value_parser = values::spp, allow_hyphen_values = true, help_heading = "Quality")]
     pub spp: Option<u32>,
     /// Time of rendering (10s, 2m, 1h30m) after which to stop; without --spp as many samples are taken as it allows
     #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = "Quality")]

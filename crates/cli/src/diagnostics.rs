@@ -44,16 +44,20 @@ impl Counts {
 
 /// Whether `--strict` refuses what this message is about.
 fn is_lossy(d: &Diagnostic) -> bool {
-    matches!(d.fidelity, Some(Fidelity::Approximated | Fidelity::Dropped))
+    d.fidelity.is_some()
 }
 
-/// Turns what was approximated or dropped into errors.
+/// Turns what was approximated, dropped or not used into errors.
 pub fn refuse_losses(diagnostics: &Diagnostics) -> Diagnostics {
     let mut refused = Diagnostics::default();
     for d in diagnostics.iter() {
         let mut d = d.clone();
         if is_lossy(&d) && d.severity != Severity::Error {
-            let how = if d.fidelity == Some(Fidelity::Dropped) { "dropped" } else { "approximated" };
+            let how = match d.fidelity {
+                Some(Fidelity::Unused) => "unused",
+                Some(Fidelity::Dropped) => "dropped",
+                _ => "approximated",
+            };
             d.message = format!("{} ({how}, which --strict refuses)", d.message);
             d.severity = Severity::Error;
         }

@@ -53,7 +53,9 @@ fn main() -> ExitCode {
     let code = match panics::contain(|| run(&cli.command, terminal)) {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => {
-            terminal.error(&failure.message);
+            if !failure.message.is_empty() {
+                terminal.error(&failure.message);
+            }
             failure.code
         }
         Err(panics::Contained) => failure::FAILED,

@@ -180,9 +180,9 @@ struct Glass {
 
 /// The material of a scene file, or of a kind with the parameters given.
 fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure> {
-    if let Some((file, name)) =
-        args.material.rsplit_once(':').filter(|(file, _)| file.starts_with("builtin:") || Path::new(file).exists())
-    {
+    // What has an extension is a file, whether it is there or not.
+    let is_scene = |file: &str| file.starts_with("builtin:") || Path::new(file).extension().is_some();
+    if let Some((file, name)) = args.material.rsplit_once(':').filter(|(file, _)| is_scene(file)) {
         if !args.params.is_empty() {
             return Err(Failure::bad_input("--params sets parameters of a material by kind, not of one in a scene"));
         }

@@ -17,7 +17,7 @@ use steradian::{
     Accelerator, ColorMode, CompileOptions, Inputs, Loaded, Scene,
     formats::Options,
     image::tone::Tone,
-    scene::{Diagnostics, Format, SceneDesc},
+    scene::{Diagnostic, Diagnostics, Format, SceneDesc, Severity},
 };
 
 /// What standard input is called.
@@ -66,7 +66,7 @@ pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
     let (desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
     if !options.define.is_empty() && !matches!(desc.format, Format::Mitsuba | Format::Gltf | Format::Model) {
         let message = "-D sets parameters of Mitsuba and glTF scenes and models; it has no effect on this one";
-        diagnostics.warn(&desc.sources, None, message);
+        diagnostics.unused(&desc.sources, None, message, None);
     }
     let (files, load) = (Vec::new(), loaded.time);
     let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
@@ -131,9 +131,15 @@ impl Opened {
                 Ok(Ready { scene, inputs, counts, load: self.load, build: self.build })
             }
             _ => {
-                let n = self.diagnostics.error_count();
+                let is_located = |d: &Diagnostic| d.severity == Severity::Error && d.location.is_some();
                 let name = shown(name);
-                Err(Failure::bad_input(format!("'{name}' has {n} error{}", if n == 1 { "" } else { "s" })))
+                let message = match self.diagnostics.error_count() {
+                    // A single error with its place has said everything.
+                    1 if self.diagnostics.iter().any(is_located) => String::new(),
+                    1 => format!("'{name}' has 1 error"),
+                    n => format!("'{name}' has {n} errors"),
+                };
+                Err(Failure::bad_input(message))
             }
         }
     }

@@ -9,6 +9,7 @@ use steradian::{
     Inputs, Scene,
     image::{self, FileKind, Image, Value, Window, WriteOptions},
     integrators::Doubt,
+    scene::names,
 };
 
 /// Extensions of pictures that can be written.
@@ -23,7 +24,12 @@ pub fn kind(path: &Path) -> Result<FileKind, Failure> {
     match FileKind::from_extension(path) {
         Some(FileKind::Tga | FileKind::Bmp) => Err(refuse("is of a kind that can be read, but not written".into())),
         Some(kind) => Ok(kind),
-        None => Err(refuse("has no extension that names a kind of picture".into())),
+        None => {
+            let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+            let known = WRITTEN.split(' ').map(|e| e.trim_start_matches('.'));
+            let hint = names::did_you_mean(&extension, known).map(|h| format!(" ({h})")).unwrap_or_default();
+            Err(refuse(format!("has no extension that names a kind of picture{hint}")))
+        }
     }
 }
 

@@ -45,6 +45,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
     args.files.write_options().map_err(Failure::bad_input)?;
+    if (args.files.tonemap.is_some() || args.files.exposure.is_some()) && !kinds.iter().any(|kind| kind.is_display()) {
+        terminal
+            .warn("--tonemap and --exposure have no effect: no output (-o) has display values, as .png and .jpg have");
+    }
     outputs.iter().chain(&args.resume).chain(&quality.solution()).try_for_each(|o| output::check_writable(o))?;
     if let Some(state) = &args.resume {
         check_state(state, &outputs)?;
@@ -119,11 +123,18 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if let Some(keeper) = &keeper {
         keeper.restore(&mut session, pixels)?;
     }
-    let stop = watch::render(&mut session, pixels, planned, args.time, &signals, Progress::new(terminal), |session| {
-        if let Some(keeper) = &keeper {
-            keeper.keep(session);
-        }
-    });
+    let stop = watch::render(
+        &mut session,
+        (pixels, planned),
+        args.time,
+        &signals,
+        || Progress::new(terminal),
+        |session| {
+            if let Some(keeper) = &keeper {
+                keeper.keep(session);
+            }
+        },
+    );
 
     // Before the picture, which may fail to be saved for reasons of its own.
     let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut session));

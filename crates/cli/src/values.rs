@@ -143,6 +143,18 @@ pub fn integrator(text: &str) -> Result<String, String> {
     known_name(name, "integrator", steradian::INTEGRATORS.iter().chain([&raster]).map(|i| i.0)).map(|_| text.to_owned())
 }
 
+/// Samples per pixel: a whole number from 1 to [`MAX_SPP`], perhaps with a `k` for thousands.
+pub fn spp(text: &str) -> Result<u32, String> {
+    let (digits, factor) = match text.strip_suffix(['k', 'K']) {
+        Some(digits) => (digits, 1000),
+        None => (text, 1),
+    };
+    let value = digits.parse::<u32>().ok().and_then(|n| n.checked_mul(factor));
+    value
+        .filter(|n| (1..=MAX_SPP).contains(n))
+        .ok_or_else(|| format!("a number of samples is a whole number from 1 to {MAX_SPP}"))
+}
+
 /// A tone curve with its parameters.
 pub fn tone(text: &str) -> Result<Tone, String> {
     Tone::parse(text).map_err(|e| e.to_string())

@@ -34,15 +34,34 @@ pub enum Stop {
     Signal(u8),
 }
 
-/// Takes all samples of the plan, or those that the time and the user allow; lets it be kept on the way.
+/// Time beyond the budget for a picture without trials, where these took all of it.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// Takes all samples of the plan, or those that the time and the user allow; lets it be kept on the way. Where the time
+/// is up before the first sample, there is some more for a picture without trials.
 pub fn render(
     session: &mut Session<'_>,
-    pixels: u64,
-    planned: u64,
+    (pixels, planned): (u64, u64),
+    budget: Option<Duration>,
+    signals: &Signals,
+    progress: impl Fn() -> Progress,
+    mut keep: impl FnMut(&mut Session<'_>),
+) -> Option<Stop> {
+    let stop = samples(session, (pixels, planned), budget, signals, progress(), &mut keep);
+    let is_empty = session.counters().samples == 0;
+    if !(is_empty && matches!(stop, Some(Stop::Time)) && session.skip_trials()) {
+        return stop;
+    }
+    samples(session, (pixels, planned), Some(GRACE), signals, progress(), &mut keep)
+}
+
+fn samples(
+    session: &mut Session<'_>,
+    (pixels, planned): (u64, u64),
     budget: Option<Duration>,
     signals: &Signals,
     progress: Progress,
-    keep: impl FnMut(&mut Session<'_>),
+    keep: &mut impl FnMut(&mut Session<'_>),
 ) -> Option<Stop> {
     let before = session.counters().samples;
     let control = Control::default();
@@ -83,7 +102,7 @@ pub fn render(
 }
 
 /// Passes of growing size, small enough that a tile does not take long.
-fn passes(session: &mut Session<'_>, control: &Control, mut keep: impl FnMut(&mut Session<'_>)) {
+fn passes(session: &mut Session<'_>, control: &Control, keep: &mut impl FnMut(&mut Session<'_>)) {
     let mut samples = 1;
     let mut kept = Instant::now();
     while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {

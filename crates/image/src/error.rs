@@ -101,7 +101,11 @@ pub enum Error {
     #[error("channel `{0}` exists already")]
     DuplicateChannel(String),
     /// No tone curve has this name.
-    #[error("unknown tone curve `{name}`{}", suggestion.map(|s| format!("; did you mean `{s}`?")).unwrap_or_default())]
+    #[error(
+        "unknown tone curve `{name}`{} (known: {})",
+        suggestion.map(|s| format!("; did you mean `{s}`?")).unwrap_or_default(),
+        crate::tone::CURVES.iter().map(|c| c.name).collect::<Vec<_>>().join(", ")
+    )]
     UnknownTone {
         /// The name asked for.
         name: String,

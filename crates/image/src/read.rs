@@ -48,6 +48,11 @@ impl std::fmt::Display for FileKind {
 }
 
 impl FileKind {
+    /// Whether the format holds display values, to which a tone curve leads, and not radiance.
+    pub fn is_display(self) -> bool {
+        matches!(self, Self::Png | Self::Jpeg | Self::Pnm | Self::Dds | Self::Ktx2 | Self::Tga | Self::Bmp)
+    }
+
     /// The kind that the first bytes tell. TGA has no signature and is never found this way, unless by its footer.
     pub fn from_content(bytes: &[u8]) -> Option<Self> {
         match bytes {

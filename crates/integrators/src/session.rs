@@ -210,6 +210,14 @@ impl<'s> Session<'s> {
         self.is_surveyed
     }
 
+    /// Does without trials that did not come to an end: paths then share nothing and follow the same rules everywhere.
+    /// `false`, and nothing is changed, where the integrator needs what they compute.
+    pub fn skip_trials(&mut self) -> bool {
+        let can_do_without = !matches!(self.plan.integrator, IntegratorKind::Radiosity(_));
+        self.is_surveyed |= can_do_without;
+        can_do_without
+    }
+
     /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a cancelled step
     /// did not reach is caught up by the next one.
     pub fn step(&mut self, samples: u32, control: &Control) {

@@ -88,3 +88,45 @@ fn a_crop_of_a_vast_frame_renders() {
     place.refuse(2, &[&vast[..], &["20000x20000"]].concat(), &["20000 x 20000", "crop"]);
     place.refuse(2, &[&vast[..], &["20000x20000", "--crop", "0,0,19999,19999"]].concat(), &["19999 x 19999"]);
 }
+
+/// Slips on the command line are answered with what is right, in words of this program.
+#[test]
+fn slips_are_answered_plainly() {
+    let place = Place::new();
+    place.file("ball.pbrt", "WorldBegin\nShape \"sphere\"\n");
+    for (arguments, about) in [
+        (&["--spp", "-4"][..], &["a number of samples is a whole number from 1 to"][..]),
+        (&["--spp", "many"], &["a number of samples"]),
+        (&["--tonemap", "filmic"], &["unknown tone curve `filmic` (known: none, "]),
+        (&["-o", "out.pnh"], &["did you mean 'png'?", ".exr"]),
+    ] {
+        place.refuse(2, &[&["render", "ball.pbrt"][..], arguments].concat(), about);
+    }
+    let small = ["render", "ball.pbrt", "--size", "4x4", "-o", "a.exr"];
+    let run = place.succeed(&[&small[..], &["--spp", "1k", "--tonemap", "agx", "--json"]].concat());
+    assert!(run.stderr.contains("--tonemap and --exposure have no effect"), "{}", run.stderr);
+    assert_eq!(run.json()["spp"].as_f64(), Some(1000.0));
+    place.refuse(2, &["material", "none.xml:gold", "--albedo"], &["none.xml"]);
+}
+
+/// A mistyped parameter is told, and refused with `--strict`.
+#[test]
+fn strict_refuses_what_is_not_used() {
+    let place = Place::new();
+    place.file("slip.pbrt", "Camera \"perspective\" \"float fovv\" 40\nWorldBegin\nShape \"sphere\"\n");
+    place.file(
+        "slip.xml",
+        "<scene version=\"3.0.0\"><sensor type=\"perspective\"><float name=\"fovv\" value=\"40\"/></sensor>\
+        <shape type=\"sphere\"/></scene>",
+    );
+    place.file("ball.pbrt", "WorldBegin\nShape \"sphere\"\n");
+    for (scene, more, about) in [
+        ("slip.pbrt", "-q", "did you mean 'fov'?"),
+        ("slip.xml", "-q", "fovv"),
+        ("ball.pbrt", "-Dsp=4", "it has no effect on this one"),
+    ] {
+        let small = ["render", scene, "--size", "4x4", "--spp", "1", "-o", "a.exr", more];
+        place.succeed(&small);
+        place.refuse(2, &[&small[..], &["--strict"]].concat(), &[about, "unused, which --strict refuses"]);
+    }
+}

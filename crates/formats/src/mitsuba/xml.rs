@@ -23,12 +23,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
 /// Most attributes of one element. Real ones have five; the parser's time grows with the square of their number.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// Refuses what would make parsing costly: elements nested deeper than `limit` or with attributes without end, and document type
+/// Finds elements that are not closed, and refuses what would make parsing costly: elements nested deeper than `limit` or with attributes without end, and document type
 /// declarations (whose entities can grow without bound). One pass over the bytes; anything else that is malformed is left to the parser.
 pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
     let bytes = text.as_bytes();
     let find = |from: usize, what: &str| text.get(from..).and_then(|t| t.find(what)).map(|i| from + i + what.len());
-    let (mut at, mut depth) = (0, 0usize);
+    let mut at = 0;
+    // The tags of the elements that are open.
+    let mut elements: Vec<Range<usize>> = Vec::new();
     while let Some(open) = bytes[at..].iter().position(|&b| b == b'<').map(|i| at + i) {
         let rest = &bytes[open + 1..];
         let end = if rest.starts_with(b"!--") {
@@ -47,21 +49,33 @@ pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
                     format!("an element with {attributes} attributes is not read; at most {MOST_ATTRIBUTES} are");
                 return Err(Fault { at: open..open + 1, message });
             }
-            Some(end).inspect(|&end| {
-                if rest.starts_with(b"/") {
-                    depth = depth.saturating_sub(1);
-                } else if bytes[end - 2] != b'/' {
-                    depth += 1;
+            if rest.starts_with(b"/") {
+                if let Some(element) = elements.pop() {
+                    let name = |tag: &Range<usize>, skip: usize| {
+                        let text = text.get(tag.start + skip..tag.end).unwrap_or_default();
+                        text.split(|c: char| c.is_whitespace() || c == '>').next().unwrap_or_default().to_owned()
+                    };
+                    let (opened, closed) = (name(&element, 1), name(&(open..end), 2));
+                    if opened != closed {
+                        let message = format!("<{opened}> is not closed: </{closed}> is found first");
+                        return Err(Fault { at: element, message });
+                    }
                 }
-            })
+            } else if bytes[end - 2] != b'/' {
+                elements.push(open..end);
+            }
+            Some(end)
         };
-        if depth > limit {
+        if elements.len() > limit {
             return Err(Fault { at: open..open + 1, message: format!("elements nest deeper than {limit} levels") });
         }
         let Some(end) = end else { return Ok(()) };
         at = end;
     }
-    Ok(())
+    match elements.pop() {
+        Some(element) => Err(Fault { at: element, message: "this element is not closed".into() }),
+        None => Ok(()),
+    }
 }
 
 /// One past the `>` that closes a tag, skipping quoted attribute values, and how many of these there are.
@@ -118,7 +132,7 @@ mod tests {
 
     #[test]
     fn attributes_are_counted_and_bounded() {
-        let with = |n: usize| format!("<a {}>", (0..n).map(|i| format!("b{i}='>' ")).collect::<String>());
+        let with = |n: usize| format!("<a {}>", (0..n).map(|i| format!("b{i}='>' ")).collect::<String>()) + "</a>";
         assert_eq!(precheck(&with(MOST_ATTRIBUTES), 9), Ok(()));
         assert!(precheck(&with(MOST_ATTRIBUTES + 1), 9).unwrap_err().message.contains("1001 attributes"));
     }

@@ -139,10 +139,7 @@ impl Reader<'_> {
             "Include" => self.include(false),
             "Import" => self.include(true),
             "WorldBegin" => {
-                self.in_world = true;
-                self.state.ctm = [Transform::IDENTITY; 2];
-                self.state.active = Active::All;
-                self.coordinate_systems.insert("world".into(), self.state.ctm);
+                self.begin_world();
                 Ok(())
             }
             "WorldEnd" => {
@@ -183,10 +180,21 @@ impl Reader<'_> {
                     }
                     _ => (format!("expected a directive, found '{found}'"), None),
                 };
+                // What follows is not wrong because of a slip here.
+                if !self.in_world && help.as_deref().is_some_and(|h| h.contains("'WorldBegin'")) {
+                    self.begin_world();
+                }
                 self.scene.report.error_help(span, message, help);
                 Err(Given)
             }
         }
+    }
+
+    fn begin_world(&mut self) {
+        self.in_world = true;
+        self.state.ctm = [Transform::IDENTITY; 2];
+        self.state.active = Active::All;
+        self.coordinate_systems.insert("world".into(), self.state.ctm);
     }
 
     /// Reports directives on the wrong side of `WorldBegin`, each kind once, and lets them be carried out all the same.

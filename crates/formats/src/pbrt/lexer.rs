@@ -37,7 +37,7 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    fn new(range: Range<usize>, message: impl Into<String>) -> Self {
+    pub fn new(range: Range<usize>, message: impl Into<String>) -> Self {
         Self { range, message: message.into() }
     }
 }
@@ -281,13 +281,18 @@ impl Lexer {
         }
     }
 
-    /// After a fault inside a bracketed list: moves behind its end, or to where a statement seems to start.
-    pub fn skip_list(&mut self) {
+    /// After a fault inside a bracketed list: moves behind its end, or to where a statement seems to start. Whether the
+    /// list has an end.
+    pub fn skip_list(&mut self) -> bool {
         loop {
             match self.next() {
-                Ok(t) if t.kind == Kind::Close || t.kind == Kind::End => return,
+                Ok(t) if t.kind == Kind::Close => return true,
+                Ok(t) if t.kind == Kind::End => return false,
                 // A directive cannot stand in a list: the bracket was forgotten.
-                Ok(t) if self.starts_statement(t) => return self.back(t),
+                Ok(t) if self.starts_statement(t) => {
+                    self.back(t);
+                    return false;
+                }
                 _ => {}
             }
         }

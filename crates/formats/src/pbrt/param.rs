@@ -171,7 +171,12 @@ fn read_one(lexer: &mut Lexer, space: ColorSpace) -> Result<Option<Param>, Failu
         Ok(values) => values,
         Err(mut fault) => {
             if first.kind == Kind::Open {
-                lexer.skip_list();
+                let found = fault.range.start;
+                let is_closed = lexer.skip_list();
+                // Nothing is wrong but the bracket that lacks.
+                if !is_closed && found >= lexer.position() {
+                    fault = Fault::new(first.start..first.end, "this list is not closed by ']'");
+                }
             }
             fault.message = format!("parameter '{name}': {}", fault.message);
             return Err(fault.into());
@@ -255,7 +260,9 @@ fn read_tokens<T>(
 /// Moves over the value of a declaration that could not be understood.
 fn skip_value(lexer: &mut Lexer) {
     match lexer.next() {
-        Ok(t) if t.kind == Kind::Open => lexer.skip_list(),
+        Ok(t) if t.kind == Kind::Open => {
+            lexer.skip_list();
+        }
         Ok(t) if lexer.starts_statement(t) => lexer.back(t),
         _ => {}
     }
@@ -306,7 +313,7 @@ mod tests {
             (r#""bool a" "yes" "float b" 2"#, 10, "expected true or false", 1),
             (r#""float a" [] "float b" 2"#, 11, "has no value", 1),
             (r#""float a" Shape"#, 1, "has no value", 0),
-            (r#""float a" [ 1 2 Shape"#, 17, "expected a number, found 'Shape'", 0),
+            (r#""float a" [ 1 2 Shape"#, 11, "this list is not closed by ']'", 0),
             (r#""string a" [ "b" Shape"#, 12, "not closed", 0),
             (r#""string a" [ "b""#, 12, "not closed", 0),
             (r#""float a" 1 "float a" 2"#, 13, "given twice", 2),

@@ -178,7 +178,7 @@ fn faults_of_the_file_as_a_whole() {
     assert_eq!(first("<scene>\n</scene>").0, Some((1, 2)));
     assert_eq!(first("<scene version=\"three\"/>").0, Some((1, 17)));
     assert_eq!(first("<bsdf version=\"3.0.0\" type=\"diffuse\"/>").0, Some((1, 2)));
-    assert_eq!(first("<scene version=\"3.0.0\">\n  <shape></shap>\n</scene>").0, Some((2, 10)));
+    assert_eq!(first("<scene version=\"3.0.0\">\n  <shape></shap>\n</scene>").0, Some((2, 3)));
     assert_eq!(first("<scene version=\"3.0.0\">\n <scene/></scene>").0, Some((2, 3)));
     assert!(first("").1.contains("not well-formed"));
     let (place, message) = first("<scene version=\"3.0.0\">\n<default name=\"a\" value=\"$b\"/></scene>");

@@ -16,7 +16,7 @@ const CASES: &[Case] = &[
     ("WorldBegin\nShape sphere", 2, 7, "expected a quoted string, found 'sphere'"),
     ("WorldBegin\nShape", 2, 6, "the file ends where a quoted string is expected"),
     ("WorldBegin\nShape \"sphere\" \"float radius\" [1", 2, 31, "the bracket is not closed"),
-    ("WorldBegin\nShape \"sphere\" \"float radius\" [1 Shape \"disk\"", 2, 34, "expected a number, found 'Shape'"),
+    ("WorldBegin\nShape \"sphere\" \"float radius\" [1 Shape \"disk\"", 2, 31, "this list is not closed"),
     ("WorldBegin\nShape \"sphere\" \"float radius\" nan", 2, 31, "not a finite number"),
     ("WorldBegin\nShape \"sphere\" \"float radius\" inf", 2, 31, "not a finite number"),
     ("WorldBegin\nShape \"sphere\" \"float radius\" 1e400", 2, 31, "not a finite number"),
