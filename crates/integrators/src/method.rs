@@ -16,6 +16,12 @@ pub trait Method: Debug + Send {
     /// Takes further samples of every pixel, up to those of the plan; fewer where `control` cancels.
     fn step(&mut self, samples: u32, control: &Control);
 
+    /// Does without trials that did not come to an end. `false`, and nothing is changed, where there are none, or none
+    /// that can be left out.
+    fn skip_trials(&mut self) -> bool {
+        false
+    }
+
     /// Threads that a step uses.
     fn threads(&self) -> usize;
 
@@ -81,6 +87,10 @@ pub trait Method: Debug + Send {
 impl Method for Tiles<'_> {
     fn step(&mut self, samples: u32, control: &Control) {
         self.step(samples, control);
+    }
+
+    fn skip_trials(&mut self) -> bool {
+        self.skip_trials()
     }
 
     fn threads(&self) -> usize {
@@ -179,6 +189,12 @@ impl<'s> Session<'s> {
     /// reach is caught up by the next one.
     pub fn step(&mut self, samples: u32, control: &Control) {
         self.0.step(samples, control);
+    }
+
+    /// Does without trials that a cancelled step did not finish, so that the next one takes samples at once; they may
+    /// be noisier. `false`, and nothing is changed, where there are none that can be left out.
+    pub fn skip_trials(&mut self) -> bool {
+        self.0.skip_trials()
     }
 
     /// Samples that a pixel has, in the mean, when the steps so far are complete.
