@@ -99,8 +99,8 @@ pub struct SceneOptions {
     /// Look pictures up by one texel drawn at random, whose mean is the value of the filter
     #[arg(long, help_heading = "Scene")]
     pub stochastic_textures: bool,
-    /// Set a parameter ($NAME) of a Mitsuba scene, or `at` (seconds), `animation`, `variant`, `scene` of a glTF scene, or
-    /// `ground=false` of a model; may be repeated
+    /// Set a parameter ($NAME) of a Mitsuba scene, or `at` (seconds), `animation`, `variant`, `scene` of a glTF scene,
+    /// or `ground=false` of a model; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
     /// Refuse scenes of which something would be approximated, dropped, or not used (a mistyped parameter)
@@ -129,10 +129,11 @@ pub enum Color {
     after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
 )]
 pub struct RenderArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply), - for standard input, or builtin:NAME (see `steradian list scenes`)
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply), - for standard input, or builtin:NAME (see
+    /// `steradian list scenes`)
     pub scene: Option<PathBuf>,
-    /// Output file, its format by extension: .exr .png .hdr .pfm .ppm .jpg; may be repeated. Without it SCENE's name with .exr and
-    /// .png in the current folder
+    /// Output file, its format by extension: .exr .png .hdr .pfm .ppm .jpg; may be repeated. Without it SCENE's name
+    /// with .exr and .png in the current folder
     #[arg(short, long = "output", alias = "outfile", value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// How light is followed, instead of the scene's way
@@ -144,7 +145,8 @@ pub struct RenderArgs {
     /// Time of rendering (10s, 2m, 1h30m) after which to stop; without --spp as many samples are taken as it allows
     #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = "Quality")]
     pub time: Option<Duration>,
-    /// Estimated relative error of the picture (0.05, or 5%) at which to stop; without --spp as many samples are taken as it needs
+    /// Estimated relative error of the picture (0.05, or 5%) at which to stop; without --spp as many samples are taken
+    /// as it needs
     #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Quality")]
     pub error: Option<f64>,
     /// Give parts of the picture that err more more of the samples, where that pays; --spp is the mean then
@@ -159,8 +161,8 @@ pub struct RenderArgs {
     /// Random numbers (see `steradian list samplers`); `scene` for those that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
-    /// Keep the render in FILE, every half minute and at its end, and go on from it if it is there: the picture has the bits of a render
-    /// that was never stopped
+    /// Keep the render in FILE, every half minute and at its end, and go on from it if it is there: the picture has the
+    /// bits of a render that was never stopped
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
     /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on
@@ -215,7 +217,8 @@ pub struct FileOptions {
     /// Compression of .exr; all are lossless
     #[arg(long, value_enum, default_value_t, help_heading = "Files")]
     pub compression: ExrCompression,
-    /// Block compression of .dds and .ktx2: bc1 and bc3 without and with alpha, bc4 one channel, bc5 two, bc7 colour and alpha
+    /// Block compression of .dds and .ktx2: bc1 and bc3 without and with alpha, bc4 one channel, bc5 two, bc7 colour
+    /// and alpha
     #[arg(long, value_name = "NAME", default_value = "bc7", value_parser = PossibleValuesParser::new(WRITABLE.map(|w| w.0)), help_heading = "Files")]
     pub block: String,
 }
@@ -341,8 +344,8 @@ pub struct MaterialArgs {
     /// Write a table of angles that the material 'measured' reads (isotropic, every 5° and 10° of azimuth)
     #[arg(long, value_name = "OUT.txt")]
     pub table: Option<PathBuf>,
-    /// Measure a piece of geometry (up is +z) made of the kind, as if it were a material: --albedo and --table count the rays that its middle
-    /// sends back
+    /// Measure a piece of geometry (up is +z) made of the kind, as if it were a material: --albedo and --table count
+    /// the rays that its middle sends back
     #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval", "microsurface"])]
     pub geometry: Option<String>,
     /// The same for a random Gaussian surface of this roughness α (Beckmann's), made of the kind
@@ -425,8 +428,8 @@ pub struct CompareArgs {
     /// Samples per pixel of the tested pictures, for the z-test; by default what their metadata say
     #[arg(long, value_name = "N", requires = "variance")]
     pub samples: Option<f64>,
-    /// Write a picture of the differences: of .png and .jpg the FLIP error of each pixel in colours from black (none) to
-    /// light yellow (1), of .exr, .hdr and .pfm the absolute differences
+    /// Write a picture of the differences: of .png and .jpg the FLIP error of each pixel in colours from black (none)
+    /// to light yellow (1), of .exr, .hdr and .pfm the absolute differences
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Exit with code 4 when a metric of any pair is above a value (or not a number); may be repeated
@@ -472,8 +475,8 @@ pub struct SignalArgs {
     /// How many of the strongest waves to tell
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub waves: u32,
-    /// What to draw; may be repeated. A picture: the signal, its spectrum, the spectrum after sampling, the samples, and the samples
-    /// after the prefilter. A .svg: a plot of the spectrum
+    /// What to draw; may be repeated. A picture: the signal, its spectrum, the spectrum after sampling, the samples,
+    /// and the samples after the prefilter. A .svg: a plot of the spectrum
     #[arg(short, long, value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// Print one line of JSON to stdout

@@ -191,7 +191,8 @@ fn compare(
     })
 }
 
-/// The z-test by the variance layers of the pictures themselves, where the first has them. A reference without them counts as exact.
+/// The z-test by the variance layers of the pictures themselves, where the first has them. A reference without them
+/// counts as exact.
 fn own_z_test(picture: &Image, reference: &Image) -> Option<image::Result<Z>> {
     let samples = samples_per_pixel(picture)?;
     let own = picture.layer_rgb("variance")?;

@@ -1,7 +1,7 @@
 //! `steradian`, the command line: a thin shell over the library. Data goes to stdout, talk to stderr.
 //!
-//! Exit codes: 0 done; 1 the work failed (an output cannot be written); 2 bad command line or scene; 4 `compare --fail-above` says
-//! the pictures differ; 130 and 143 stopped by SIGINT and SIGTERM.
+//! Exit codes: 0 done; 1 the work failed (an output cannot be written); 2 bad command line or scene; 4
+//! `compare --fail-above` says the pictures differ; 130 and 143 stopped by SIGINT and SIGTERM.
 
 mod args;
 mod bench;

@@ -5,8 +5,8 @@ pub fn peak() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes that can still be had without swapping: of the machine, of the control group, and of the address space (`ulimit -v`); `None`
-/// where the system does not tell.
+/// Bytes that can still be had without swapping: of the machine, of the control group, and of the address space
+/// (`ulimit -v`); `None` where the system does not tell.
 pub fn available() -> Option<u64> {
     let machine = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
@@ -37,8 +37,8 @@ fn kilobytes(table: &str, name: &str) -> Option<u64> {
 
 /// Bytes per pixel of a film while it is rendered, copied, developed and encoded, for `layers` auxiliary layers.
 ///
-/// A pixel's sums take 56 bytes and those of its first hits 64, both twice while the film is copied; a layer has up to three planes
-/// of four bytes, that are there again in the encoded file.
+/// A pixel's sums take 56 bytes and those of its first hits 64, both twice while the film is copied; a layer has up to
+/// three planes of four bytes, that are there again in the encoded file.
 pub fn film_bytes_per_pixel(layers: usize) -> u64 {
     let sums = 56 + if layers > 0 { 64 } else { 0 };
     2 * sums + 2 * 12 * (1 + layers as u64)

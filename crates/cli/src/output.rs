@@ -182,8 +182,8 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
         m.set_text("steradian:unreliable", doubt.to_string());
     }
     m.set("steradian:sharing", integer(provenance.sharing.into()));
-    // What a mean over n x n pixels errs, over what it would if pixels erred independently: the root of its variance is that of the mean of the
-    // `variance` layer over n², times this.
+    // What a mean over n x n pixels errs, over what it would if pixels erred independently: the root of its variance is
+    // that of the mean of the `variance` layer over n², times this.
     if let Some((errors, alone)) = provenance.of_means.and_then(|e| Some((e, e.get(&1).filter(|e| **e > 0.0)?))) {
         for (edge, error) in errors.iter().filter(|(edge, _)| **edge > 1) {
             let name = format!("steradian:error_scale_{edge}x{edge}");
@@ -195,8 +195,8 @@ pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
     m.set("steradian:nonfinite_dropped", integer(provenance.nonfinite));
 }
 
-/// Writes all files, those after one that fails too; gives the names they have. A picture that is not whole, since some pixels have no
-/// sample, leaves older files alone and is written beside them.
+/// Writes all files, those after one that fails too; gives the names they have. A picture that is not whole, since some
+/// pixels have no sample, leaves older files alone and is written beside them.
 ///
 /// # Errors
 /// [`Failure`] that lists the files that could not be written, and says where the picture was kept instead.

@@ -10,7 +10,8 @@ use std::{
 #[derive(Debug)]
 pub struct Contained;
 
-/// From now on a panic on any thread says what happened and whose fault it is. Those that follow from the first are not repeated.
+/// From now on a panic on any thread says what happened and whose fault it is. Those that follow from the first are not
+/// repeated.
 pub fn explain(terminal: Terminal) {
     static TOLD: AtomicBool = AtomicBool::new(false);
     set_hook(Box::new(move |info| {

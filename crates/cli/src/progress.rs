@@ -51,7 +51,8 @@ impl Snapshot {
         by_samples.into_iter().chain(by_time).min()
     }
 
-    /// `42 % · 108/256 spp · 3.10 Msamples/s · 12.10 Mray/s · 0:16 left · 0:12`: what matters least is where a narrow terminal cuts.
+    /// `42 % · 108/256 spp · 3.10 Msamples/s · 12.10 Mray/s · 0:16 left · 0:12`: what matters least is where a narrow
+    /// terminal cuts.
     pub fn line(&self) -> String {
         if self.is_trying {
             return format!("trying which paths pay · {}", clock(self.elapsed));

@@ -111,9 +111,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let signals = Signals::watch().map_err(|e| Failure::failed(format!("cannot watch for signals: {e}")))?;
-    let survey = solving::survey(&scene, &plan, solution.as_deref().zip(lit), &signals, terminal)?;
-    let mut session = match survey {
-        Some(survey) => Session::with_survey(&scene, plan, survey),
+    let precomputed = solving::precomputed(&scene, &plan, solution.as_deref().zip(lit), &signals, terminal)?;
+    let mut session = match precomputed {
+        Some(precomputed) => Session::with_precomputed(&scene, plan, precomputed),
         None => Session::new(&scene, plan),
     };
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {

@@ -28,13 +28,13 @@ pub struct Report<'a> {
     pub caustics: bool,
     /// How many paths of pixels near each other shared what they found: 1 where none did.
     pub sharing: u32,
-    /// The estimated relative error of the picture's pixels: the root of the expected relMSE if samples were independent; null
-    /// where pixels have fewer than two.
+    /// The estimated relative error of the picture's pixels: the root of the expected relMSE if samples were
+    /// independent; null where pixels have fewer than two.
     pub relative_error: Option<f64>,
     /// Why that error is not to be trusted: null where it is.
     pub unreliable: Option<String>,
-    /// The same of means over squares of pixels, by their edge, as it was measured: pixels that share paths err alike, so it may be more
-    /// than that of a pixel over the edge.
+    /// The same of means over squares of pixels, by their edge, as it was measured: pixels that share paths err alike,
+    /// so it may be more than that of a pixel over the edge.
     pub relative_error_of_means: Option<BTreeMap<u32, f64>>,
     /// Pixels of the picture.
     pub width: u32,

@@ -39,7 +39,8 @@ impl Signals {
     }
 }
 
-/// Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end the process.
+/// Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end the
+/// process.
 pub fn answer_limits() {
     #[cfg(unix)]
     let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());

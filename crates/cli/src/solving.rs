@@ -4,7 +4,7 @@ use crate::{failure::Failure, signals::Signals, terminal::Terminal};
 use std::{path::Path, sync::Arc, time::Instant};
 use steradian::{
     Plan, Scene,
-    integrators::{IntegratorKind, Survey},
+    integrators::{IntegratorKind, Precomputed},
     radiosity::{self, Report, Watcher},
 };
 
@@ -12,19 +12,19 @@ use steradian::{
 ///
 /// # Errors
 /// Where the file is of no use or cannot be written, or a signal came.
-pub fn survey(
+pub fn precomputed(
     scene: &Scene,
     plan: &Plan,
     file: Option<(&Path, [u8; 32])>,
     signals: &Signals,
     terminal: Terminal,
-) -> Result<Option<Survey>, Failure> {
+) -> Result<Option<Precomputed>, Failure> {
     let IntegratorKind::Radiosity(view) = &plan.integrator else { return Ok(None) };
     if let Some((path, fingerprint)) = file.filter(|f| f.0.exists()) {
         let solution = radiosity::load(scene, &fingerprint, &view.settings, path)
             .map_err(|e| Failure::bad_input(format!("'{}' {e}", path.display())))?;
         terminal.say(&format!("light of {} patches from {}", solution.report.patches, path.display()));
-        return Ok(Some(Survey::of_radiosity(Arc::new(solution))));
+        return Ok(Some(Precomputed::of_radiosity(Arc::new(solution))));
     }
     let start = Instant::now();
     let solved = radiosity::solve(scene, &view.settings, &Watch { signals, terminal })
@@ -39,7 +39,7 @@ pub fn survey(
             .map_err(|e| Failure::failed(e.to_string()))?;
         terminal.say(&format!("kept the light in {}", path.display()));
     }
-    Ok(Some(Survey::of_radiosity(Arc::new(solution))))
+    Ok(Some(Precomputed::of_radiosity(Arc::new(solution))))
 }
 
 /// What was solved, and what takes no part or in part only.

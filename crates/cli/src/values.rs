@@ -66,7 +66,8 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// An amount of memory such as `512MiB`, `2G`, `1500000`: binary units with `KiB` or `K`, decimal ones with `KB`. At least a mebibyte.
+/// An amount of memory such as `512MiB`, `2G`, `1500000`: binary units with `KiB` or `K`, decimal ones with `KB`. At
+/// least a mebibyte.
 pub fn bytes(text: &str) -> Result<usize, String> {
     let text = text.trim();
     let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());

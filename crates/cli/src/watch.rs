@@ -83,7 +83,7 @@ fn samples(
                     control.cancel.store(true, Ordering::Relaxed);
                 }
                 let (samples, rays) = (control.samples.load(Ordering::Relaxed), control.rays.load(Ordering::Relaxed));
-                let is_trying = control.surveys.load(Ordering::Relaxed);
+                let is_trying = control.trials.load(Ordering::Relaxed);
                 progress.show(&Snapshot { is_trying, before, samples, rays, planned, pixels, elapsed, budget });
                 let until_budget = budget.map_or(LOOK_EVERY, |b| b.saturating_sub(elapsed));
                 thread::park_timeout(LOOK_EVERY.min(until_budget.max(Duration::from_millis(1))));

@@ -1,8 +1,10 @@
-//! The cost of scattering: nanoseconds for one sample, one evaluation and one density of each registered model, and of all shuffled.
+//! The cost of scattering: nanoseconds for one sample, one evaluation and one density of each registered model, and of
+//! all shuffled.
 //!
-//! `cargo bench -p steradian-core --bench bsdf [-- NAME [CASE]]`, with parts of the names; the cases are listed where a name is given. Each figure is the median over repetitions, that in brackets the least, which a
-//! busy machine disturbs less. Values are drawn from all cases of the
-//! registry; in the shuffled run, of the first case of each, neighbours are of different models, as in a scene.
+//! `cargo bench -p steradian-core --bench bsdf [-- NAME [CASE]]`, with parts of the names; the cases are listed where a
+//! name is given. Each figure is the median over repetitions, that in brackets the least, which a busy machine disturbs
+//! less. Values are drawn from all cases of the registry; in the shuffled run, of the first case of each, neighbours
+//! are of different models, as in a scene.
 #![allow(clippy::print_stdout, reason = "a benchmark's output")]
 
 use std::{hint::black_box, time::Instant};
@@ -67,8 +69,9 @@ fn mean_of_middle(mut times: Vec<f64>) -> f64 {
     middle.iter().sum::<f64>() / middle.len() as f64
 }
 
-/// Nanoseconds of one event of each value where all take turns and each event is timed by itself, less those of timing nothing. What a processor does
-/// of one event during the next is left out, so that these times are longer than those of many events alike.
+/// Nanoseconds of one event of each value where all take turns and each event is timed by itself, less those of timing
+/// nothing. What a processor does of one event during the next is left out, so that these times are longer than those
+/// of many events alike.
 fn measure_each(values: &[Bsdf<'_>], events: &[Event]) -> Vec<f64> {
     let time = |work: &dyn Fn()| {
         let start = Instant::now();
@@ -87,8 +90,8 @@ fn measure_each(values: &[Bsdf<'_>], events: &[Event]) -> Vec<f64> {
     times.into_iter().map(|t| mean_of_middle(t) - nothing).collect()
 }
 
-/// All cases of all models, shuffled, are handed to `done`. Values borrow from their visitors, so visits are nested: those of the
-/// next model inside the last case of this one.
+/// All cases of all models, shuffled, are handed to `done`. Values borrow from their visitors, so visits are nested:
+/// those of the next model inside the last case of this one.
 fn shuffled(models: &[Model], values: &[Bsdf<'_>], done: &mut dyn FnMut(&[Bsdf<'_>])) {
     let Some((model, rest)) = models.split_first() else {
         // A fixed shuffle.

@@ -1,5 +1,5 @@
-//! Nanoseconds that texture lookups take: the median over batches of random places, for a picture of 1024² that is in the caches for the most
-//! part. `cargo bench -p steradian-core --bench textures [-- FILTER… KIND…]`.
+//! Nanoseconds that texture lookups take: the median over batches of random places, for a picture of 1024² that is in
+//! the caches for the most part. `cargo bench -p steradian-core --bench textures [-- FILTER… KIND…]`.
 #![allow(clippy::print_stdout, reason = "it is what benchmarks are for")]
 
 use std::{hint::black_box, sync::Arc, time::Instant};

@@ -1,5 +1,6 @@
-//! Makes the pictures of `docs/textures-gallery.md`: `cargo run -p steradian-core --example texture_gallery -- [FOLDER [NAME…]]`.
-//! Without names it makes all of them, and the page.
+//! Makes the pictures of `docs/textures-gallery.md`:
+//! `cargo run -p steradian-core --example texture_gallery -- [FOLDER [NAME…]]`. Without names it makes all of them, and
+//! the page.
 
 #[path = "../tests/one_shape/mod.rs"]
 mod one_shape;

@@ -87,8 +87,8 @@ impl Color {
         }
     }
 
-    /// A curve over wavelength in a role. In RGB mode emission becomes its tristimulus (luminance `∫sȳ/∫ȳ`); other quantities
-    /// become the colour they have under D65.
+    /// A curve over wavelength in a role. In RGB mode emission becomes its tristimulus (luminance `∫sȳ/∫ȳ`); other
+    /// quantities become the colour they have under D65.
     pub fn curve(curve: &Spd, role: Role, mode: ColorMode) -> Self {
         let dense = Dense::new(|l| curve.eval(l));
         let flat = dense.values().windows(2).all(|w| w[0] == w[1]).then(|| dense.values()[0]);

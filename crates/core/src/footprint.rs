@@ -1,9 +1,11 @@
-//! Footprints: how far the point that a pixel sees moves when the sample moves by a pixel. Texture filters average over them.
+//! Footprints: how far the point that a pixel sees moves when the sample moves by a pixel. Texture filters average over
+//! them.
 //!
-//! Ray differentials follow Igehy, "Tracing Ray Differentials", SIGGRAPH 1999: transfer (eq. 10 to 12), reflection (14, 15) and
-//! refraction (16, 17). A rough surface is taken for the mirror of the facet that the sample drew, curved as the surface is: its own
-//! spread of directions is left to the samples. Where nothing was carried along, the footprint is that which the camera would have if it saw
-//! the point directly, as in Pharr, Jakob, Humphreys, *Physically Based Rendering* 4th ed., § 10.1.3.
+//! Ray differentials follow Igehy, "Tracing Ray Differentials", SIGGRAPH 1999: transfer (eq. 10 to 12), reflection (14,
+//! 15) and refraction (16, 17). A rough surface is taken for the mirror of the facet that the sample drew, curved as
+//! the surface is: its own spread of directions is left to the samples. Where nothing was carried along, the footprint
+//! is that which the camera would have if it saw the point directly, as in Pharr, Jakob, Humphreys, *Physically Based
+//! Rendering* 4th ed., § 10.1.3.
 
 use crate::{
     bsdf::BsdfSample,
@@ -18,8 +20,8 @@ impl Footprint {
     /// A point without extent.
     pub const POINT: Self = Self { dpdx: Vec3::ZERO, dpdy: Vec3::ZERO, duvdx: Vec2::ZERO, duvdy: Vec2::ZERO };
 
-    /// The footprint of two displacements in the tangent plane; the parameters change by least squares. Parametrisations that are
-    /// degenerate, and displacements out of range, give none.
+    /// The footprint of two displacements in the tangent plane; the parameters change by least squares.
+    /// Parametrisations that are degenerate, and displacements out of range, give none.
     pub fn new(dpdx: Vec3, dpdy: Vec3, dpdu: Vec3, dpdv: Vec3) -> Self {
         // A change of a million periods averages over everything.
         const MOST: f32 = 1e6;
@@ -46,7 +48,8 @@ pub struct RayDifferential {
     pub direction: [Vec3; 2],
 }
 
-/// What a facet does to a ray: a reflection, or a refraction with the ratio of the indices on the far side and on this one.
+/// What a facet does to a ray: a reflection, or a refraction with the ratio of the indices on the far side and on this
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bounce {
     /// Mirror reflection.
@@ -55,12 +58,13 @@ pub enum Bounce {
     Refraction(f32),
 }
 
-/// Samples of rough lobes denser than this per steradian carry differentials on: those of lobes within about 10° of their middle.
+/// Samples of rough lobes denser than this per steradian carry differentials on: those of lobes within about 10° of
+/// their middle.
 const NARROW: f32 = 10.0;
 
 impl Bounce {
-    /// Of a sample that differentials follow: a specular one, or one of a narrow lobe. Elsewhere they lose their meaning, since what is
-    /// seen there is blurred far beyond them.
+    /// Of a sample that differentials follow: a specular one, or one of a narrow lobe. Elsewhere they lose their
+    /// meaning, since what is seen there is blurred far beyond them.
     #[inline]
     pub fn of(s: &BsdfSample) -> Option<Self> {
         let is_narrow = s.lobe.is_glossy() && s.pdf > NARROW;
@@ -70,7 +74,8 @@ impl Bounce {
         Some(if s.lobe.is_transmission() { Self::Refraction(s.eta) } else { Self::Reflection })
     }
 
-    /// The normal, on the side of `n`, of the facet that turns a ray from `d` to `wi`; `n` where it goes straight on, as at any facet.
+    /// The normal, on the side of `n`, of the facet that turns a ray from `d` to `wi`; `n` where it goes straight on,
+    /// as at any facet.
     fn facet(self, d: Vec3, wi: Vec3, n: Vec3) -> Vec3 {
         let across = match self {
             Self::Reflection => d - wi,
@@ -96,8 +101,8 @@ impl RayDifferential {
         Self { origin: std::array::from_fn(|k| self.origin[k] + self.direction[k] * t), direction: self.direction }
     }
 
-    /// The differential of the ray that leaves towards `wi` after an event at a facet; `dn` are the derivatives of its unit normal `n`
-    /// for the displacements `dp`.
+    /// The differential of the ray that leaves towards `wi` after an event at a facet; `dn` are the derivatives of its
+    /// unit normal `n` for the displacements `dp`.
     pub fn scatter(&self, d: Vec3, wi: Vec3, n: Vec3, dp: [Vec3; 2], dn: [Vec3; 2], bounce: Bounce) -> Self {
         // The normal is taken against the ray.
         let side = if d.dot(n) > 0.0 { -1.0 } else { 1.0 };
@@ -183,8 +188,8 @@ impl Scene {
         }
     }
 
-    /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches, curves and
-    /// height fields is left out.
+    /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches,
+    /// curves and height fields is left out.
     fn normal_derivative(&self, i: &Interaction, dp: Vec3) -> Vec3 {
         match &self.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) if !m.normals.is_empty() => {

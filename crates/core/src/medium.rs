@@ -29,7 +29,8 @@ impl Medium {
         (self.sigma_a.eval(lambda) * self.scale, self.sigma_s.eval(lambda) * self.scale)
     }
 
-    /// Beer–Lambert transmittance over a distance; 1 over no distance, 0 over an infinite one where there is any extinction.
+    /// Beer–Lambert transmittance over a distance; 1 over no distance, 0 over an infinite one where there is any
+    /// extinction.
     #[inline]
     pub fn transmittance(&self, distance: f32, lambda: &Wavelengths) -> Spectrum {
         let (a, s) = self.coefficients(lambda);

@@ -263,8 +263,8 @@ impl Scene {
         if id.instance == WORLD { id.geom } else { self.placements[id.instance as usize].base + id.geom }
     }
 
-    /// Whether a hit counts that was found otherwise than by [`Scene::intersect`]: not where the opacity of its shape lets the ray
-    /// through. The ray is in the space of the shape's group.
+    /// Whether a hit counts that was found otherwise than by [`Scene::intersect`]: not where the opacity of its shape
+    /// lets the ray through. The ray is in the space of the shape's group.
     #[inline]
     pub fn counts(&self, hit: &Hit, ray: &Ray) -> bool {
         Query::<false>(self).passes(self.geometry(hit.id), hit, ray)
@@ -377,7 +377,8 @@ impl Scene {
         self.interaction_by(ray, hit, |geometry, ray| surface(&geometry.shape, hit, ray))
     }
 
-    /// As [`Scene::interaction`], with the parametrisation left zero where nothing that scatters or emits light asks for it.
+    /// As [`Scene::interaction`], with the parametrisation left zero where nothing that scatters or emits light asks
+    /// for it.
     #[inline]
     pub fn interaction_of_light(&self, ray: &Ray, hit: &Hit) -> Interaction {
         self.interaction_by(ray, hit, |geometry, ray| match &geometry.shape {
@@ -438,8 +439,8 @@ impl Scene {
         TextureContext { n: i.surface.ns, wo: i.wo, footprint, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
     }
 
-    /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only reflect.
-    /// `None` where nothing scatters.
+    /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only
+    /// reflect. `None` where nothing scatters.
     #[inline]
     pub fn scattering<'a>(
         &'a self,

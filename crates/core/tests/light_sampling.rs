@@ -1,5 +1,5 @@
-//! Every light's sampler against its own density: χ² over the sphere of directions, at one percent over all cases together (Šidák), and `∫ pdf = 1`
-//! (M72, M74, M78).
+//! Every light's sampler against its own density: χ² over the sphere of directions, at one percent over all cases
+//! together (Šidák), and `∫ pdf = 1` (M72, M74, M78).
 
 use std::{f64::consts::TAU, sync::Arc};
 use steradian_core::{
@@ -51,7 +51,8 @@ fn lamp(node: Node, mesh: Option<Mesh>, place: Transform, two_sided: bool, rever
     compiled.scene.unwrap_or_else(|| panic!("{said:?}"))
 }
 
-/// The light of a lamp from a point: drawn by choice of one of its lights, held against the sum over all its surfaces in a direction.
+/// The light of a lamp from a point: drawn by choice of one of its lights, held against the sum over all its surfaces
+/// in a direction.
 fn seen_from(name: &str, scene: Scene, p: Vec3, complete: bool) -> Case {
     let ctx = LightContext { p, n: Vec3::ZERO };
     let scene = Arc::new(scene);
@@ -266,7 +267,8 @@ impl Cone {
         self.frame.to_world(DVec3::new(sin * c, sin * s, 1.0 - away).as_vec3()).normalize()
     }
 
-    /// The integral of a density over each cell, by jittered points: edges that cut through cells leave a random error far below that of the samples.
+    /// The integral of a density over each cell, by jittered points: edges that cut through cells leave a random error
+    /// far below that of the samples.
     fn integrate(&self, density: impl Fn(Vec3) -> f64) -> Vec<f64> {
         let mut rng = HashRng::new(7);
         let measure = self.extent * TAU / (Self::RINGS * Self::SECTORS * Self::POINTS * Self::POINTS) as f64;
@@ -300,7 +302,8 @@ fn follow_their_densities(cases: &[Case]) {
         for (w, pdf) in &draws {
             assert!((w.length() - 1.0).abs() < 1e-4 && *pdf > 0.0, "{}: {w} with {pdf}", case.name);
             counts[cone.cell(*w).expect("the cone holds all")] += 1;
-            // Where a direction meets several surfaces, the sample's density is a part of the whole; at edges rounding decides.
+            // Where a direction meets several surfaces, the sample's density is a part of the whole; at edges rounding
+            // decides.
             if f64::from(*pdf) > (case.density)(*w) * 1.02 + 1e-6 {
                 disagreeing += 1;
             }
@@ -334,8 +337,8 @@ fn environments_follow_their_densities() {
     follow_their_densities(&environments());
 }
 
-/// M75: lights are chosen with the probability that is said, at points among them, before surfaces of any orientation and in volumes: χ² over the
-/// lights, and the probabilities of all with what is left for none add up to one.
+/// M75: lights are chosen with the probability that is said, at points among them, before surfaces of any orientation
+/// and in volumes: χ² over the lights, and the probabilities of all with what is left for none add up to one.
 #[test]
 fn lights_are_chosen_with_their_probability() {
     use steradian_core::light::{Light, Lights};

@@ -1,5 +1,5 @@
-//! Test cards: an orientation card under every wrap, transform and projector, and tangent frames, against what must be seen. The
-//! gallery (`examples/texture_gallery.rs`) has the same as pictures.
+//! Test cards: an orientation card under every wrap, transform and projector, and tangent frames, against what must be
+//! seen. The gallery (`examples/texture_gallery.rs`) has the same as pictures.
 
 #![allow(clippy::type_complexity)]
 
@@ -88,7 +88,8 @@ fn shows(x: f32, y: f32) -> Vec3 {
 /// Places of the card that tell its symmetries apart, away from texels' edges.
 const PLACES: [(f32, f32); 6] = [(0.05, 0.04), (0.76, 0.06), (0.07, 0.71), (0.9, 0.87), (0.33, 0.58), (0.61, 0.12)];
 
-/// Holds a scene against the card at (x, y) of the unit square; `to` gives where on the card it must be (x right, y down).
+/// Holds a scene against the card at (x, y) of the unit square; `to` gives where on the card it must be (x right, y
+/// down).
 fn holds(name: &str, scene: &Scene, to: impl Fn(f32, f32) -> Option<(f32, f32)>) {
     for (x, y) in PLACES {
         let expected = to(x, y).map_or(Vec3::ZERO, |(x, y)| shows(x, y));

@@ -238,8 +238,8 @@ fn detail_textures_keep_the_mean() {
     assert!((value(&c, &far) - Vec3::new(0.3, 0.4, 0.3)).length() < 2e-3, "{}", value(&c, &far));
 }
 
-/// Masks are passed by chance, with the mean opacity of the footprint: from afar as much is hit as from near, pixel by pixel, and no
-/// ray is needed for each hole.
+/// Masks are passed by chance, with the mean opacity of the footprint: from afar as much is hit as from near, pixel by
+/// pixel, and no ray is needed for each hole.
 #[test]
 fn masks_from_afar_keep_their_coverage() {
     let folder = tempfile::tempdir().unwrap();

@@ -63,8 +63,8 @@ pub struct SearchPath {
 }
 
 impl SearchPath {
-    /// Finds a file: as it is when absolute, else in each folder in turn. Backslashes count as slashes where the name as written is
-    /// not found.
+    /// Finds a file: as it is when absolute, else in each folder in turn. Backslashes count as slashes where the name
+    /// as written is not found.
     ///
     /// # Errors
     /// [`FileError::NotFound`] with every place searched.

@@ -9,9 +9,9 @@ use tempfile::NamedTempFile;
 const PREFIX: &str = ".steradian-";
 const SUFFIX: &str = ".part";
 
-/// Writes `bytes` to `path`: into a temporary file beside it, synced to the disk, then renamed over the old file, if any, whose
-/// permissions it takes. When anything fails (full disk, missing directory, no permission) the old file is untouched and no partial
-/// one is left. A path that is a device or a pipe is written to directly.
+/// Writes `bytes` to `path`: into a temporary file beside it, synced to the disk, then renamed over the old file, if
+/// any, whose permissions it takes. When anything fails (full disk, missing directory, no permission) the old file is
+/// untouched and no partial one is left. A path that is a device or a pipe is written to directly.
 ///
 /// # Errors
 /// [`Error::File`] with the path and the system's answer.
@@ -50,8 +50,8 @@ pub(crate) fn place(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()
     open(path).and_then(fill).map_err(|e| e.at(path))
 }
 
-/// Finds out, before there is anything to write, whether [`write_whole`] can: makes the temporary file and removes it again. Devices
-/// and pipes are not opened.
+/// Finds out, before there is anything to write, whether [`write_whole`] can: makes the temporary file and removes it
+/// again. Devices and pipes are not opened.
 ///
 /// # Errors
 /// As [`write_whole`].
@@ -127,7 +127,8 @@ fn draft(directory: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Removes the drafts of processes of this user that ended before they could: nobody has them locked. What cannot be looked at stays.
+/// Removes the drafts of processes of this user that ended before they could: nobody has them locked. What cannot be
+/// looked at stays.
 fn remove_dead(directory: &Path, own: &NamedTempFile) {
     let Ok(ours) = own.as_file().metadata() else { return };
     for entry in fs::read_dir(directory).into_iter().flatten().flatten() {

@@ -1,8 +1,10 @@
-//! Radiance HDR (`.hdr`, `.pic`): text header, resolution line, then RGBE pixels, flat or in one of two run-length codings.
+//! Radiance HDR (`.hdr`, `.pic`): text header, resolution line, then RGBE pixels, flat or in one of two run-length
+//! codings.
 //!
-//! Source: G. Ward, "Real Pixels", Graphics Gems II (1991), and the file format chapter of the Radiance documentation. A pixel is
-//! `mantissa · 2^(e − 136)`, zero when e = 0; the half that Radiance adds to a mantissa is left out, as in pbrt-v4 and Mitsuba 3.
-//! `EXPOSURE` lines are reported as metadata and not applied, as there. `32-bit_rle_xyze` pixels are turned into Rec.709.
+//! Source: G. Ward, "Real Pixels", Graphics Gems II (1991), and the file format chapter of the Radiance documentation.
+//! A pixel is `mantissa · 2^(e − 136)`, zero when e = 0; the half that Radiance adds to a mantissa is left out, as in
+//! pbrt-v4 and Mitsuba 3. `EXPOSURE` lines are reported as metadata and not applied, as there. `32-bit_rle_xyze` pixels
+//! are turned into Rec.709.
 
 use crate::limits::{check_metadata, zeros};
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value};
@@ -10,10 +12,12 @@ use std::io::Write;
 
 const KIND: FileKind = FileKind::Hdr;
 
-/// In the new coding four runs of 127 values are eight bytes. In the old one a scan line has a pixel of four bytes at least.
+/// In the new coding four runs of 127 values are eight bytes. In the old one a scan line has a pixel of four bytes at
+/// least.
 const MAX_PIXELS_PER_BYTE: f64 = 127.0 / 8.0;
 
-/// CIE XYZ to linear Rec.709 (IEC 61966-2-1), scaled so that equal-energy white stays as Radiance's own conversion has it.
+/// CIE XYZ to linear Rec.709 (IEC 61966-2-1), scaled so that equal-energy white stays as Radiance's own conversion has
+/// it.
 const REC709_FROM_XYZ: [[f32; 3]; 3] =
     [[3.240_97, -1.537_383, -0.498_611], [-0.969_244, 1.875_968, 0.041_555], [0.055_63, -0.203_977, 1.056_972]];
 
@@ -135,7 +139,8 @@ impl Stored<'_> {
         }
     }
 
-    /// New coding: the four components one after another, each in runs; a count above 128 repeats one byte count − 128 times.
+    /// New coding: the four components one after another, each in runs; a count above 128 repeats one byte count − 128
+    /// times.
     fn separate_runs(&mut self, out: &mut [[u8; 4]]) -> Result<()> {
         for component in 0..4 {
             let mut x = 0;
@@ -160,7 +165,8 @@ impl Stored<'_> {
         Ok(())
     }
 
-    /// Flat pixels and the old coding: a pixel (1, 1, 1, n) repeats the one before it n times; further ones count in base 256.
+    /// Flat pixels and the old coding: a pixel (1, 1, 1, n) repeats the one before it n times; further ones count in
+    /// base 256.
     fn pixel_runs(&mut self, out: &mut [[u8; 4]]) -> Result<()> {
         let (mut x, mut shift) = (0, 0u32);
         while x < out.len() {

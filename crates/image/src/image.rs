@@ -169,8 +169,8 @@ impl Image {
         Ok(())
     }
 
-    /// Adds the three planes `layer.R`, `layer.G`, `layer.B` (or any three suffixes, e.g. `["X", "Y", "Z"]`); an empty layer name
-    /// gives the suffixes alone.
+    /// Adds the three planes `layer.R`, `layer.G`, `layer.B` (or any three suffixes, e.g. `["X", "Y", "Z"]`); an empty
+    /// layer name gives the suffixes alone.
     ///
     /// # Errors
     /// As [`Image::push`].
@@ -182,8 +182,8 @@ impl Image {
         Ok(())
     }
 
-    /// The colour planes: `R`, `G`, `B`; else the grey plane `Y`, or the only channel, three times; else those of the first layer
-    /// that has all three.
+    /// The colour planes: `R`, `G`, `B`; else the grey plane `Y`, or the only channel, three times; else those of the
+    /// first layer that has all three.
     pub fn rgb(&self) -> Option<RgbPlanes<'_>> {
         let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
         let plane = |index: usize| &self.channels[index].data[..];
@@ -203,8 +203,8 @@ impl Image {
     }
 
     /// A layer as a picture of its own: the channel of that name, or all that are called `name.` and something. One
-    /// channel becomes `Y`; up to four become `R`, `G`, `B`, `A` in the order of red, green, blue, alpha, of X, Y, Z, or
-    /// of U, V, and what lacks to three is zero. Metadata are kept. `None` where there is no such channel, and where
+    /// channel becomes `Y`; up to four become `R`, `G`, `B`, `A` in the order of red, green, blue, alpha, of X, Y, Z,
+    /// or of U, V, and what lacks to three is zero. Metadata are kept. `None` where there is no such channel, and where
     /// there are more.
     pub fn layer(&self, name: &str) -> Option<Self> {
         let exact = self.channels.iter().find(|c| c.name == name);

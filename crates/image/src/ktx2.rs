@@ -1,5 +1,5 @@
-//! KTX2 (Khronos Texture 2.0): block-compressed and plain pixels, also deflated. Of a file with several levels the largest is read;
-//! Basis Universal and Zstandard are refused by name.
+//! KTX2 (Khronos Texture 2.0): block-compressed and plain pixels, also deflated. Of a file with several levels the
+//! largest is read; Basis Universal and Zstandard are refused by name.
 
 use crate::block::BlockFormat;
 use crate::container::{self, Layout, u32_at, u64_at};
@@ -147,7 +147,8 @@ pub(crate) fn encode(width: u32, height: u32, format: BlockFormat, blocks: &[u8]
     let wanted = |f: &&(u32, Layout, bool)| f.1 == Layout::Blocks(format, false) && f.2 == srgb;
     let number = FORMATS.iter().chain(&LATE).find(wanted).map_or(0, |f| f.0);
     let descriptor = descriptor(format, srgb);
-    // Header and index: 80 bytes, one entry of the level index: 24; then the descriptor, and blocks at a multiple of 16.
+    // Header and index: 80 bytes, one entry of the level index: 24; then the descriptor, and blocks at a multiple of
+    // 16.
     let start = (104 + descriptor.len()).next_multiple_of(16);
     let mut bytes = MAGIC.to_vec();
     for word in [number, 1, width, height, 0, 0, 1, 1, 0, 104, descriptor.len() as u32, 0, 0] {

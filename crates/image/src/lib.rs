@@ -1,15 +1,15 @@
-//! Pictures: pixel images with named channels, the files they live in, tone curves that bring radiance to a display, and the
-//! metrics that compare two pictures.
+//! Pictures: pixel images with named channels, the files they live in, tone curves that bring radiance to a display,
+//! and the metrics that compare two pictures.
 //!
-//! * [`Image`] holds linear `f32` planes with names (`R`, `albedo.G`, `Z`, …) and metadata; [`read`] and [`write()`] move it between
-//!   memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS and KTX2 files.
+//! * [`Image`] holds linear `f32` planes with names (`R`, `albedo.G`, `Z`, …) and metadata; [`read`] and [`write()`]
+//!   move it between memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS and KTX2 files.
 //! * [`Texels`] keeps the samples as the file stores them (8 and 16 bit, half, float), for textures.
 //! * [`tone`] maps linear Rec.709 to display values, [`encoding`] has the sRGB transfer functions.
 //! * [`metrics`] compares pictures.
 //! * [`signal`] has their Fourier transform, and what sampling does to it.
 //!
-//! Row 0 is the top row in memory, whatever the file's order is. Every size that a file declares is checked against [`Limits`] and
-//! against the bytes there really are before a pixel is allocated.
+//! Row 0 is the top row in memory, whatever the file's order is. Every size that a file declares is checked against
+//! [`Limits`] and against the bytes there really are before a pixel is allocated.
 
 mod atomic;
 pub mod block;

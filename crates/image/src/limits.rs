@@ -39,8 +39,8 @@ impl Limits {
         })
     }
 
-    /// As [`Limits::check`], and also refuses sizes that need more than the `available` bytes when each byte of the file can stand
-    /// for at most `pixels_per_byte` pixels.
+    /// As [`Limits::check`], and also refuses sizes that need more than the `available` bytes when each byte of the
+    /// file can stand for at most `pixels_per_byte` pixels.
     pub(crate) fn check_against(
         &self,
         kind: FileKind,

@@ -1,5 +1,6 @@
-//! PFM (P. Debevec's portable float map): `PF` or `Pf`, width and height, a scale whose sign tells the byte order (negative: little
-//! endian), then rows of floats from the bottom up. The scale's magnitude is applied when it is not 1, as in pbrt-v4.
+//! PFM (P. Debevec's portable float map): `PF` or `Pf`, width and height, a scale whose sign tells the byte order
+//! (negative: little endian), then rows of floats from the bottom up. The scale's magnitude is applied when it is not
+//! 1, as in pbrt-v4.
 
 use crate::limits::with_room;
 use crate::pnm::Words;
@@ -42,7 +43,8 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     Ok(Texels::new(width, height, channels, TexelData::F32(samples), Encoding::Linear))
 }
 
-/// Writes the bytes of a little-endian PFM file of one or three channels; `at` gives pixels by index, rows from the top.
+/// Writes the bytes of a little-endian PFM file of one or three channels; `at` gives pixels by index, rows from the
+/// top.
 pub(crate) fn encode<const N: usize>(
     width: usize,
     height: usize,

@@ -1,12 +1,14 @@
-//! JPEG, TGA and BMP: decoded by the `image` crate under our limits. Nothing but decoding is applied: no EXIF rotation, no profile.
+//! JPEG, TGA and BMP: decoded by the `image` crate under our limits. Nothing but decoding is applied: no EXIF rotation,
+//! no profile.
 
 use crate::limits::zeros;
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels, atomic::io};
 use image::{ColorType, ImageDecoder, ImageError};
 use std::io::{Cursor, Write};
 
-/// The largest number of pixels that a byte of such a file can stand for. Run lengths of TGA cover 128 pixels of 2 bytes, those of
-/// BMP 255 pixels in 2 bytes; a JPEG of one colour can need less than a bit per 8×8 block in its progressive form.
+/// The largest number of pixels that a byte of such a file can stand for. Run lengths of TGA cover 128 pixels of 2
+/// bytes, those of BMP 255 pixels in 2 bytes; a JPEG of one colour can need less than a bit per 8×8 block in its
+/// progressive form.
 const MAX_PIXELS_PER_BYTE: f64 = 4096.0;
 
 pub(crate) fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
@@ -53,8 +55,8 @@ fn decode_with(kind: FileKind, decoder: impl ImageDecoder, available: usize, lim
     Ok(Texels::new(width as usize, height as usize, channels, data, Encoding::Srgb))
 }
 
-/// Walks the segments up to the first scan: checks the size in the frame header (SOF0 to SOF2), refuses the lossless, hierarchical
-/// and arithmetic variants by name, and files that are cut off: those the decoder would fill up with grey.
+/// Walks the segments up to the first scan: checks the size in the frame header (SOF0 to SOF2), refuses the lossless,
+/// hierarchical and arithmetic variants by name, and files that are cut off: those the decoder would fill up with grey.
 fn check_jpeg(bytes: &[u8], limits: &Limits) -> Result<()> {
     const KIND: FileKind = FileKind::Jpeg;
     let missing = || Error::malformed(KIND, "no frame header before the first scan");

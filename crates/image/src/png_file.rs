@@ -1,7 +1,7 @@
 //! PNG files: every colour type and depth in, 8 or 16 bit RGB(A) or grey out.
 //!
-//! Stored values are taken as sRGB encoded, 16-bit ones too, as pbrt-v4 and Mitsuba 3 do. A `gAMA` chunk is not applied; it is
-//! reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
+//! Stored values are taken as sRGB encoded, 16-bit ones too, as pbrt-v4 and Mitsuba 3 do. A `gAMA` chunk is not
+//! applied; it is reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
 use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, within, zeros};
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value, atomic::io};
@@ -109,8 +109,8 @@ impl Form {
     }
 }
 
-/// Writes a PNG file with the sRGB chunk and the metadata as text chunks; `pixels` writes its interleaved display values, the most
-/// significant bytes first.
+/// Writes a PNG file with the sRGB chunk and the metadata as text chunks; `pixels` writes its interleaved display
+/// values, the most significant bytes first.
 pub(crate) fn encode(
     form: &Form,
     metadata: &Metadata,

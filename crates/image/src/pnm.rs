@@ -1,7 +1,8 @@
 //! PGM and PPM: `P2` `P3` as text, `P5` `P6` as bytes, up to 16 bits (big endian), with comments.
 //!
-//! A comment `#MAX=<real>` in the header makes the file hold linear radiance: a sample stands for `code · MAX / maximum`, where the
-//! maximum is the number after the size. Without it samples are display values, taken as sRGB encoded.
+//! A comment `#MAX=<real>` in the header makes the file hold linear radiance: a sample stands for
+//! `code · MAX / maximum`, where the maximum is the number after the size. Without it samples are display values, taken
+//! as sRGB encoded.
 
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels, Value};
 use std::io::{self, Write};
@@ -124,8 +125,8 @@ pub(crate) struct Layout {
     pub maximum: u16,
 }
 
-/// Writes a PPM file of linear values with a `#MAX=` comment: the largest value of the picture (1 for a black one). Negative values and
-/// NaN become 0. `at` gives pixels by index.
+/// Writes a PPM file of linear values with a `#MAX=` comment: the largest value of the picture (1 for a black one).
+/// Negative values and NaN become 0. `at` gives pixels by index.
 pub(crate) fn encode_radiance(
     width: usize,
     height: usize,

@@ -92,10 +92,12 @@ impl FileKind {
     }
 }
 
-/// Reads an image file as linear planes: encoded samples are decoded as the kind of file says, every channel of an EXR file is kept.
+/// Reads an image file as linear planes: encoded samples are decoded as the kind of file says, every channel of an EXR
+/// file is kept.
 ///
 /// # Errors
-/// [`Error::File`] with the path; inside, what is wrong. Damaged, oversized and unsupported files are refused, never guessed at.
+/// [`Error::File`] with the path; inside, what is wrong. Damaged, oversized and unsupported files are refused, never
+/// guessed at.
 pub fn read(path: &Path, limits: &Limits) -> Result<Image> {
     let bytes = load(path, limits)?;
     let picture = match FileKind::of(&bytes, Some(path)) {

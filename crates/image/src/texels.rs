@@ -45,7 +45,8 @@ impl TexelData {
     }
 }
 
-/// A picture in the file's own precision: 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGBA) interleaved channels, rows from the top.
+/// A picture in the file's own precision: 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGBA) interleaved channels, rows
+/// from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texels {
     /// Width in pixels.

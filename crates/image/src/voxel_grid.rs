@@ -1,7 +1,7 @@
 //! Numbers on a three-dimensional grid, and Mitsuba's file of them (`.vol`).
 //!
-//! Little-endian: "VOL", version 3, encoding 1 (`f32`), the counts along x, y, z and of channels, the box (xmin, ymin, zmin, xmax, ymax,
-//! zmax), then the values with the channels innermost and x next.
+//! Little-endian: "VOL", version 3, encoding 1 (`f32`), the counts along x, y, z and of channels, the box (xmin, ymin,
+//! zmin, xmax, ymax, zmax), then the values with the channels innermost and x next.
 
 use crate::{Error, Limits, Result, limits::within};
 use std::path::Path;

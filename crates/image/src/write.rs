@@ -11,7 +11,8 @@ use std::path::Path;
 /// Sample type of EXR files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Precision {
-    /// 16-bit floats; finite values beyond ±65504 are clamped to it. Depth, position, id, count and variance layers stay 32 bit.
+    /// 16-bit floats; finite values beyond ±65504 are clamped to it. Depth, position, id, count and variance layers
+    /// stay 32 bit.
     Half,
     /// 32-bit floats.
     #[default]
@@ -43,7 +44,8 @@ pub struct WriteOptions {
     pub jpeg_quality: u8,
     /// PPM: `P3` (text) instead of `P6` (bytes).
     pub ppm_plain: bool,
-    /// PPM: linear values scaled by the picture's maximum, with a `#MAX=` comment, instead of tone-mapped display values.
+    /// PPM: linear values scaled by the picture's maximum, with a `#MAX=` comment, instead of tone-mapped display
+    /// values.
     pub ppm_radiance: bool,
     /// DDS and KTX2: how blocks are compressed; BC1, BC3, BC4, BC5 or BC7.
     pub block: BlockFormat,
@@ -72,12 +74,13 @@ impl Default for WriteOptions {
     }
 }
 
-/// Writes a picture of linear Rec.709 values; the extension chooses the format (`.exr .png .jpg .jpeg .hdr .pfm .ppm .dds .ktx2`). EXR keeps
-/// all channels and metadata; PNG keeps colour, alpha and metadata; the others keep the colour. The file appears whole or not at all.
+/// Writes a picture of linear Rec.709 values; the extension chooses the format
+/// (`.exr .png .jpg .jpeg .hdr .pfm .ppm .dds .ktx2`). EXR keeps all channels and metadata; PNG keeps colour, alpha and
+/// metadata; the others keep the colour. The file appears whole or not at all.
 ///
 /// # Errors
-/// [`Error::UnknownExtension`]; [`Error::MissingChannels`] when there is no colour; [`Error::Unsupported`] when the format cannot
-/// hold the picture; [`Error::Io`]. All inside [`Error::File`] with the path.
+/// [`Error::UnknownExtension`]; [`Error::MissingChannels`] when there is no colour; [`Error::Unsupported`] when the
+/// format cannot hold the picture; [`Error::Io`]. All inside [`Error::File`] with the path.
 pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<()> {
     let kind = FileKind::from_extension(path).ok_or_else(|| Error::UnknownExtension.at(path))?;
     crate::atomic::place(path, |out| encode_to(kind, image, options, out))
@@ -93,7 +96,8 @@ pub fn encode(kind: FileKind, image: &Image, options: &WriteOptions) -> Result<V
     Ok(bytes)
 }
 
-/// Writes the bytes of a file, some rows at a time: beside the picture there are at most 12 bytes for each of its pixels.
+/// Writes the bytes of a file, some rows at a time: beside the picture there are at most 12 bytes for each of its
+/// pixels.
 fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dyn Write) -> Result<()> {
     let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
@@ -198,7 +202,8 @@ fn encode_png(image: &Image, options: &WriteOptions, out: &mut dyn Write) -> Res
     })
 }
 
-/// RGBA codes for blocks: display values where the format has colours, linear values where it has one or two channels of numbers.
+/// RGBA codes for blocks: display values where the format has colours, linear values where it has one or two channels
+/// of numbers.
 fn block_samples(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
     let alpha = image.channel("A");
     let mut codes = Vec::with_capacity(4 * image.pixel_count());

@@ -98,8 +98,8 @@ fn checksum(bytes: &[u8]) -> String {
     format!("{:08x}", crc.sum())
 }
 
-/// Every picture of PngSuite, the pixmaps, and what OpenEXR files keep without loss, against what the libraries of these formats
-/// read: `decoded.txt` has the checksums.
+/// Every picture of PngSuite, the pixmaps, and what OpenEXR files keep without loss, against what the libraries of
+/// these formats read: `decoded.txt` has the checksums.
 #[test]
 fn pictures_decode_to_their_truths() {
     let Some(folder) = assets("png") else { return };

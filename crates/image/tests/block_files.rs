@@ -148,8 +148,9 @@ fn files_that_declare_too_much_are_refused() {
     }
 }
 
-/// Random blocks of every format and mode against what another decoder makes of them. Pillow cuts thirds and sevenths where others round, so
-/// one code is allowed but for BC7, which has no such freedom; half floats are compared as codes.
+/// Random blocks of every format and mode against what another decoder makes of them. Pillow cuts thirds and sevenths
+/// where others round, so one code is allowed but for BC7, which has no such freedom; half floats are compared as
+/// codes.
 #[test]
 fn blocks_decode_as_with_another_decoder() {
     let bytes = |hex: &str| -> Vec<u8> {

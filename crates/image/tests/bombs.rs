@@ -110,8 +110,8 @@ fn packed_zeros(count: u64) -> Vec<u8> {
     zip.finish().unwrap()
 }
 
-/// Texts and profiles that are packed in a PNG file: short ones are read, long ones are left out, and none of them is unpacked without
-/// bound. The picture is read.
+/// Texts and profiles that are packed in a PNG file: short ones are read, long ones are left out, and none of them is
+/// unpacked without bound. The picture is read.
 #[test]
 fn packed_metadata_of_png() {
     let image = Image::from_rgb(2, 1, &[[0.5; 3]; 2]).unwrap();
@@ -185,7 +185,8 @@ fn cut_off_pictures_are_errors() {
     }
 }
 
-/// Formats that are only read, put together by hand, and those with blocks and tiles: all but the whole file is refused.
+/// Formats that are only read, put together by hand, and those with blocks and tiles: all but the whole file is
+/// refused.
 #[test]
 fn other_cut_off_pictures_are_errors() {
     let side = 20_u8;

@@ -1,7 +1,8 @@
 //! Fitting of analytic models to readings: Ward, Cook–Torrance and GGX, each over a Lambertian part.
 //!
-//! Minimised is the difference of `ln(1 + f cosθ_i)`, which keeps highlights from outweighing everything else (Löw et al., "BRDF Models for
-//! Accurate and Efficient Rendering of Glossy Surfaces", 2012). Searches start from several roughnesses; the best end counts.
+//! Minimised is the difference of `ln(1 + f cosθ_i)`, which keeps highlights from outweighing everything else (Löw et
+//! al., "BRDF Models for Accurate and Efficient Rendering of Glossy Surfaces", 2012). Searches start from several
+//! roughnesses; the best end counts.
 
 use crate::{Specimen, TransportMode, least_squares::minimise};
 use serde::Serialize;
@@ -130,7 +131,8 @@ mod tests {
     use super::*;
     use steradian_math::hash::HashRng;
 
-    /// M108: each model finds its own parameters again under 1 % of noise, and fits its own data better than the others do.
+    /// M108: each model finds its own parameters again under 1 % of noise, and fits its own data better than the others
+    /// do.
     #[test]
     fn known_parameters_are_recovered() {
         for truth in MODELS {

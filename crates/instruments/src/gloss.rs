@@ -1,8 +1,9 @@
 //! The glossmeter of ISO 2813: 20°, 60° and 85°, in gloss units.
 //!
-//! A source seen under 0.75° × 2.5° lights the specimen; a receptor of the standard's angular size around the mirror direction
-//! collects what comes back. 100 gloss units are what polished black glass of index 1.567 sends there; the index of the primary
-//! standard. Simplified: the lens system is ideal, light is unpolarised, and of its spectrum only the luminance counts.
+//! A source seen under 0.75° × 2.5° lights the specimen; a receptor of the standard's angular size around the mirror
+//! direction collects what comes back. 100 gloss units are what polished black glass of index 1.567 sends there; the
+//! index of the primary standard. Simplified: the lens system is ideal, light is unpolarised, and of its spectrum only
+//! the luminance counts.
 
 use crate::{Specimen, direction};
 use rayon::prelude::*;

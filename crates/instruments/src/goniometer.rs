@@ -1,12 +1,13 @@
-//! The virtual gonioreflectometer: a table of a material's values, and the scattering of a piece of geometry as if it were one.
+//! The virtual gonioreflectometer: a table of a material's values, and the scattering of a piece of geometry as if it
+//! were one.
 
 use crate::{Specimen, TransportMode, direction};
 use rayon::prelude::*;
 use steradian_core::{Scene, bsdf::measured::angles};
 use steradian_math::{Frame, Ray, Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
 
-/// The luminance of `f` as a table of angles that the material `measured` reads: steps of the angle from the normal and of the azimuth, and
-/// the incident azimuths, in degrees; one azimuth for isotropic materials.
+/// The luminance of `f` as a table of angles that the material `measured` reads: steps of the angle from the normal and
+/// of the azimuth, and the incident azimuths, in degrees; one azimuth for isotropic materials.
 pub fn table(specimen: &Specimen<'_>, steps: [f64; 2], azimuths: &[f64]) -> String {
     angles::write(steps, azimuths, |ti, pi, to, po| {
         // At 90° nothing arrives: the value just before stands in.
@@ -45,9 +46,9 @@ pub struct Scattered {
     pub albedo: f64,
 }
 
-/// Lights the middle of a scene's geometry (up is +z) from a direction `wi` and follows the light up to so many events, without the scene's
-/// lights. Rays enter over the middle half of the bounds, so that the rim is not seen; those that leave through the sides without meeting
-/// anything do not count, light that leaves downwards is lost.
+/// Lights the middle of a scene's geometry (up is +z) from a direction `wi` and follows the light up to so many events,
+/// without the scene's lights. Rays enter over the middle half of the bounds, so that the rim is not seen; those that
+/// leave through the sides without meeting anything do not count, light that leaves downwards is lost.
 pub fn geometry(scene: &Scene, wi: Vec3, bins: Bins, rays: u32, max_events: u32) -> Scattered {
     let bounds = scene.bounds();
     let (centre, extent) = (0.5 * (bounds.min + bounds.max), bounds.max - bounds.min);
@@ -98,7 +99,8 @@ const TABLE_BINS: Bins = Bins { rings: 16, sectors: 36 };
 /// Step of incident and outgoing angles of [`geometry_table`], degrees.
 const TABLE_STEP: f64 = 7.5;
 
-/// A table of angles, as [`table`], of what a scene's geometry scatters: for each incident direction so many rays, counted in bins.
+/// A table of angles, as [`table`], of what a scene's geometry scatters: for each incident direction so many rays,
+/// counted in bins.
 pub fn geometry_table(scene: &Scene, azimuths: &[f64], rays: u32, max_events: u32) -> String {
     let thetas = (90.0 / TABLE_STEP) as usize + 1;
     let seen: Vec<Scattered> = (0..thetas * azimuths.len())

@@ -1,7 +1,8 @@
 //! Nonlinear least squares by the Levenberg–Marquardt method, for a handful of parameters.
 //!
-//! Steps solve `(JᵀJ + λ diag JᵀJ) δ = −Jᵀr`; `λ` falls after steps that help and grows after others (Marquardt 1963; Press et al., Numerical
-//! Recipes, 15.5). Derivatives are central differences. Written out here because the libraries that have it bring a whole linear algebra.
+//! Steps solve `(JᵀJ + λ diag JᵀJ) δ = −Jᵀr`; `λ` falls after steps that help and grows after others (Marquardt 1963;
+//! Press et al., Numerical Recipes, 15.5). Derivatives are central differences. Written out here because the libraries
+//! that have it bring a whole linear algebra.
 
 /// Where a search ended.
 #[derive(Clone, Debug)]
@@ -17,7 +18,8 @@ pub struct Minimum {
 /// Largest number of steps.
 const MAX_STEPS: usize = 200;
 
-/// Finds parameters from a start that minimise the squared residuals. Residuals that are not finite count as a step that does not help.
+/// Finds parameters from a start that minimise the squared residuals. Residuals that are not finite count as a step
+/// that does not help.
 pub fn minimise(start: &[f64], residuals: impl Fn(&[f64]) -> Vec<f64>) -> Minimum {
     let cost = |r: &[f64]| 0.5 * r.iter().map(|v| v * v).sum::<f64>();
     let n = start.len();

@@ -1,9 +1,11 @@
-//! Instruments. First those that measure materials: what a goniophotometer, an integrating sphere and a glossmeter would read off a surface of a scene.
+//! Instruments. First those that measure materials: what a goniophotometer, an integrating sphere and a glossmeter
+//! would read off a surface of a scene.
 //!
-//! Every instrument looks at a [`Specimen`]: one material of a compiled scene at one point of a surface, in its shading frame (`z` is
-//! the normal, `x` the tangent).
+//! Every instrument looks at a [`Specimen`]: one material of a compiled scene at one point of a surface, in its shading
+//! frame (`z` is the normal, `x` the tangent).
 //!
-//! Beside them stand experiments of [`optics`], of [`vision`] and of Monte Carlo integration ([`estimate`]); see [`experiment`].
+//! Beside them stand experiments of [`optics`], of [`vision`] and of Monte Carlo integration ([`estimate`]); see
+//! [`experiment`].
 
 pub mod albedo;
 pub mod estimate;

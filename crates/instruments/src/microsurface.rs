@@ -1,7 +1,8 @@
 //! The random microfacet surface: a Gaussian height field, whose facets are held against the analytic distributions.
 //!
-//! Heights are a sum of plane waves with random phases and Gaussian wave vectors, so that slopes are Gaussian: the surface that Beckmann's
-//! distribution of roughness `α = √2 × slope` describes. Where `α` is small light meets it once and its reflection is `D G / (4 cosθ cosθ')`.
+//! Heights are a sum of plane waves with random phases and Gaussian wave vectors, so that slopes are Gaussian: the
+//! surface that Beckmann's distribution of roughness `α = √2 × slope` describes. Where `α` is small light meets it once
+//! and its reflection is `D G / (4 cosθ cosθ')`.
 
 use steradian_math::{Vec3, hash::HashRng};
 use steradian_scene::Mesh;
@@ -20,7 +21,8 @@ pub struct Microsurface {
 const WAVES: usize = 400;
 
 impl Microsurface {
-    /// A surface of a Beckmann roughness; the correlation length is one, the square has a side of so many of them, eight points to each.
+    /// A surface of a Beckmann roughness; the correlation length is one, the square has a side of so many of them,
+    /// eight points to each.
     pub fn new(alpha: f32, lengths: usize, seed: u64) -> Self {
         let size = lengths * 8;
         let side = lengths as f32;
@@ -29,7 +31,8 @@ impl Microsurface {
             let (u, v) = (f64::from(rng.next_f32()).max(1e-12), f64::from(rng.next_f32()));
             ((-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos(), v)
         };
-        // Wave vectors of variance 2 per axis: the correlation is exp(−r²). Slopes then have the variance α²/2 per axis for this amplitude.
+        // Wave vectors of variance 2 per axis: the correlation is exp(−r²). Slopes then have the variance α²/2 per axis
+        // for this amplitude.
         let waves: Vec<[f64; 3]> = (0..WAVES)
             .map(|_| {
                 let ((x, _), (y, phase)) = (normal(), normal());
@@ -58,7 +61,8 @@ impl Microsurface {
         }
     }
 
-    /// The normals of all facets, longer where the facet is larger: each is its area times its normal over the projected area.
+    /// The normals of all facets, longer where the facet is larger: each is its area times its normal over the
+    /// projected area.
     pub fn facets(&self) -> Vec<Vec3> {
         let mesh = self.mesh();
         let corner = |i: u32| Vec3::from(mesh.positions[i as usize]);

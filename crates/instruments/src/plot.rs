@@ -48,8 +48,8 @@ pub fn slice(specimen: &Specimen<'_>, theta_i: f64) -> Slice {
     Slice { theta_i, values, specular }
 }
 
-/// The picture: slices for light at 0°, 30°, 60° and 80°, each against a common scale; arrows where light came from, dashed lines for
-/// specular lobes as long as their power.
+/// The picture: slices for light at 0°, 30°, 60° and 80°, each against a common scale; arrows where light came from,
+/// dashed lines for specular lobes as long as their power.
 pub fn svg(specimen: &Specimen<'_>, title: &str) -> String {
     let slices: Vec<_> = SLICES.iter().map(|s| slice(specimen, s.0)).collect();
     let largest = slices.iter().flat_map(|s| &s.values).map(|v| v.1).fold(0.0, f64::max);

@@ -127,8 +127,8 @@ fn flat_geometry_is_its_material() {
     }
 }
 
-/// M97: mirrors on a Gaussian surface reflect, at first contact, as Cook and Torrance's model with Beckmann's distribution and Smith's masking;
-/// what it leaves out, light that is reflected again, grows with the slopes.
+/// M97: mirrors on a Gaussian surface reflect, at first contact, as Cook and Torrance's model with Beckmann's
+/// distribution and Smith's masking; what it leaves out, light that is reflected again, grows with the slopes.
 #[test]
 fn a_gaussian_surface_scatters_as_beckmann() {
     let single_share = |alpha: f32| {
@@ -168,7 +168,8 @@ fn slopes_are_gaussian() {
     let facets = Microsurface::new(alpha as f32, 64, 9).facets();
     let n = facets.len() as f64;
     let moment = |k: i32| facets.iter().map(|f| f64::from(f.x).powi(k)).sum::<f64>() / n;
-    // Both axes together: one alone varies with the few hundred waves. The mesh's facets cut the finest of them a little.
+    // Both axes together: one alone varies with the few hundred waves. The mesh's facets cut the finest of them a
+    // little.
     let both = facets.iter().map(|f| f64::from(f.x * f.x + f.y * f.y)).sum::<f64>() / n;
     assert!((both / (alpha * alpha) - 1.0).abs() < 0.06, "{both}");
     assert!((moment(4) / (3.0 * moment(2).powi(2)) - 1.0).abs() < 0.15, "kurtosis {}", moment(4));

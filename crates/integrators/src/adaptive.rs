@@ -1,22 +1,24 @@
 //! Adaptive sampling: more samples where the picture errs more, without bias.
 //!
-//! The picture is made in rounds, each of which takes four times the samples of all before it together, with random numbers of its own. The
-//! first spreads them evenly. Each later one gives every cell of 8 × 8 pixels a number that follows from what the rounds *before* it found, and a
-//! pixel is put together from its rounds,
+//! The picture is made in rounds, each of which takes four times the samples of all before it together, with random
+//! numbers of its own. The first spreads them evenly. Each later one gives every cell of 8 × 8 pixels a number that
+//! follows from what the rounds *before* it found, and a pixel is put together from its rounds,
 //!
 //! `I_r = (1 − a_r) I_{r−1} + a_r Ī_r`
 //!
-//! with weights `a_r` that are fixed beforehand: they follow from how many samples the rounds have in the mean over the picture, not from how
-//! many the pixel has. Given the past, the mean `Ī_r` of a round has the right expectation whatever the number of its samples, and so has `I_r`.
-//! Weights by number would not do: pixels that by chance look dark and even get few samples, so dark beginnings would count for more than
-//! bright ones (Kirk, Arvo 1991, "Unbiased Sampling Techniques for Image Synthesis").
+//! with weights `a_r` that are fixed beforehand: they follow from how many samples the rounds have in the mean over the
+//! picture, not from how many the pixel has. Given the past, the mean `Ī_r` of a round has the right expectation
+//! whatever the number of its samples, and so has `I_r`. Weights by number would not do: pixels that by chance look
+//! dark and even get few samples, so dark beginnings would count for more than bright ones (Kirk, Arvo 1991, "Unbiased
+//! Sampling Techniques for Image Synthesis").
 //!
 //! Where the first round tells that little is gained it goes on evenly to the end, as if nothing had been asked for.
 //!
-//! For a sum of squared relative errors `Σ s²/n` at the cost `Σ c n`, the best numbers are `n ∝ s/√c`; `s²` is the mean relative variance of
-//! a sample in the cell, `c` its rays.
+//! For a sum of squared relative errors `Σ s²/n` at the cost `Σ c n`, the best numbers are `n ∝ s/√c`; `s²` is the mean
+//! relative variance of a sample in the cell, `c` its rays.
 
-/// Edge of the cells that get numbers of samples of their own, pixels. Groups of pixels that share paths lie within a cell.
+/// Edge of the cells that get numbers of samples of their own, pixels. Groups of pixels that share paths lie within a
+/// cell.
 pub const CELL: u32 = 8;
 
 /// Relative errors are against `√(I² + FLOOR)`, so that black pixels have one too. That of the metric relMSE.
@@ -145,8 +147,8 @@ pub fn allocate(needs: &[Need], columns: usize, mean: u32) -> Vec<u32> {
         .collect()
 }
 
-/// By how much a second round with these numbers of samples is expected to lower variance times cost, against even numbers. It flatters, since
-/// the numbers follow from the same variances.
+/// By how much a second round with these numbers of samples is expected to lower variance times cost, against even
+/// numbers. It flatters, since the numbers follow from the same variances.
 pub fn gain(needs: &[Need], counts: &[u32], first: Round, second: Round) -> f64 {
     let (mut variance, mut rest, mut cost, mut uneven) = (0.0, 0.0, 0.0, 0.0);
     for (need, count) in needs.iter().zip(counts) {
@@ -230,7 +232,8 @@ mod tests {
         assert!(n.iter().all(|n| n.is_power_of_two()));
     }
 
-    /// Two halves of which one errs 100 times more: even numbers `v/n` against `n ∝ √v`, `2 (1 + 100) / (1 + 10)² = 1.67` times better.
+    /// Two halves of which one errs 100 times more: even numbers `v/n` against `n ∝ √v`,
+    /// `2 (1 + 100) / (1 + 10)² = 1.67` times better.
     #[test]
     fn the_gain_is_that_of_the_numbers() {
         let cells = [cell(1.0, 3.0), cell(100.0, 3.0)];

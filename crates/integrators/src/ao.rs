@@ -1,7 +1,7 @@
-//! Ambient occlusion: the part of the light of an evenly bright sky that reaches a surface past what is within a distance,
-//! `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
+//! Ambient occlusion: the part of the light of an evenly bright sky that reaches a surface past what is within a
+//! distance, `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
 
-use crate::{Counters, Integrator, Survey, dimension, walk::MAX_PASSES};
+use crate::{Counters, Integrator, Precomputed, dimension, walk::MAX_PASSES};
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Frame, Ray, Spectrum, spectra::Wavelengths, warp};
 
@@ -16,7 +16,7 @@ impl Integrator for AmbientOcclusion {
     fn radiance(
         &self,
         scene: &Scene,
-        _: &Survey,
+        _: &Precomputed,
         mut ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,

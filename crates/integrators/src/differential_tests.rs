@@ -2,8 +2,8 @@
 
 use crate::{
     Counters, Depth,
-    caustics::Draw,
-    walk::{Arrival, Leg, Vertex, arrive},
+    caustics::GuidedDirection,
+    walk::{Arrival, PathState, Vertex, arrive},
 };
 use steradian_core::{
     ColorMode, Scene,
@@ -15,8 +15,8 @@ use steradian_core::{
 use steradian_math::{DVec3, Transform, Vec2, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
 use steradian_scene::{Family, Format, Node, SceneDesc, Shape, Value};
 
-/// A camera at (0, 1, 0) that looks along z, a floor at y = 0 and a wall at z = 8 with a texture that asks for footprints, and what is
-/// placed between them.
+/// A camera at (0, 1, 0) that looks along z, a floor at y = 0 and a wall at z = 8 with a texture that asks for
+/// footprints, and what is placed between them.
 fn scene(between: &[(Node, &Node)]) -> Scene {
     let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
     let film = Node::new(Family::Film, "rgb", None).with("width", 64i64).with("height", 64i64);
@@ -38,29 +38,29 @@ fn scene(between: &[(Node, &Node)]) -> Scene {
 }
 
 /// The first diffuse point of a path that draws the same numbers everywhere, and the differential with which it is met.
-fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, Leg) {
+fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, PathState) {
     let ray = scene.camera.ray(&scene.film, pixel, Vec2::splat(0.5));
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(0, 0, 0);
     let depth = Depth { max: u32::MAX, roulette_after: u32::MAX, hide_emitters: false };
     let mut lambda = Wavelengths::RGB;
-    let (mut leg, mut sum, mut arrival) = (Leg::camera(scene, ray), Default::default(), Arrival::End);
+    let (mut path_state, mut sum, mut arrival) = (PathState::camera(scene, ray), Default::default(), Arrival::End);
     let counters = &mut Counters::default();
     loop {
-        arrive::<false>(scene, &mut leg, &mut sum, &depth, &sampler, &mut lambda, counters, &mut arrival);
+        arrive::<false>(scene, &mut path_state, &mut sum, &depth, &sampler, &mut lambda, counters, &mut arrival);
         let Arrival::Vertex(v @ Vertex::Surface { i, scattering, frame, .. }) = arrival else {
             panic!("{pixel} is lost")
         };
-        if leg.events == events {
-            return (i, leg);
+        if path_state.events == events {
+            return (i, path_state);
         }
         let u2 = Vec2::new(0.3, 0.6);
         let s = scattering.bsdf.sample(frame.to_local(i.wo), lobe, u2, TransportMode::Radiance).unwrap();
-        leg.turn::<false>(scene, &v, &Draw::by_surface(s));
+        path_state.turn::<false>(scene, &v, &GuidedDirection::by_surface(s));
     }
 }
 
-/// M65: the footprint of a point that is seen in a mirror, through a pane or a ball of glass, or in a mirror that is not quite smooth, is
-/// that of paths through neighbouring places on the film, in points and in parameters.
+/// M65: the footprint of a point that is seen in a mirror, through a pane or a ball of glass, or in a mirror that is
+/// not quite smooth, is that of paths through neighbouring places on the film, in points and in parameters.
 #[test]
 fn footprints_are_differences_of_neighbouring_paths() {
     let material = |kind: &str| Node::new(Family::Material, kind, None);
@@ -84,9 +84,9 @@ fn footprints_are_differences_of_neighbouring_paths() {
     for (name, between, events, lobe) in &cases {
         let scene = scene(between);
         for pixel in [Vec2::new(33.5, 35.5), Vec2::new(28.25, 37.0), Vec2::new(36.5, 39.75)] {
-            let (i, leg) = follow(&scene, pixel, *events, *lobe);
+            let (i, path_state) = follow(&scene, pixel, *events, *lobe);
             let footprint =
-                scene.footprint(&i, Some(leg.differential.as_ref().unwrap_or_else(|| panic!("{name} {pixel}"))));
+                scene.footprint(&i, Some(path_state.differential.as_ref().unwrap_or_else(|| panic!("{name} {pixel}"))));
             let h = 1.0 / 16.0;
             for (axis, dp, duv) in
                 [(Vec2::X, footprint.dpdx, footprint.duvdx), (Vec2::Y, footprint.dpdy, footprint.duvdy)]

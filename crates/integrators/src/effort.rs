@@ -1,13 +1,15 @@
 //! How much is spent on which part of the paths that share: roulette and splitting by efficiency, 1/(variance × cost).
 //!
-//! Let a sample have the variance `V` and the cost `C`, let light samples at x contribute the variance `D` to it at the cost `d` each, and let
-//! roulette with a threshold `b` for what follows the direct light at y add `S(b)` and leave the cost `C(b)`. With `n` light samples it has (Bolin,
-//! Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing"; Rath et al. 2022, "EARS")
+//! Let a sample have the variance `V` and the cost `C`, let light samples at x contribute the variance `D` to it at the
+//! cost `d` each, and let roulette with a threshold `b` for what follows the direct light at y add `S(b)` and leave the
+//! cost `C(b)`. With `n` light samples it has (Bolin, Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing"; Rath
+//! et al. 2022, "EARS")
 //!
 //! `V(n, b) = V − (1 − 1/n) D + S(b)`, `C(n, b) = C(b) + (n − 1) d`.
 //!
-//! A trial measures all of them over the picture, relative to its brightness, and takes what makes the product least. As roulette decides by the same
-//! random numbers whatever the threshold, `S(b)` is the mean square by which samples with and without it differ.
+//! A trial measures all of them over the picture, relative to its brightness, and takes what makes the product least.
+//! As roulette decides by the same random numbers whatever the threshold, `S(b)` is the mean square by which samples
+//! with and without it differ.
 
 mod local;
 
@@ -16,9 +18,9 @@ pub(crate) use local::Local;
 use crate::{
     adaptive::FLOOR,
     partition::{Partition, TILE},
+    precomputed::Precomputed,
     probe::Probe,
-    reuse::{MAX_GROUP, Suffix},
-    survey::Survey,
+    reuse::{MAX_GROUP, PathContinuation},
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -26,14 +28,15 @@ use steradian_math::sobol;
 
 /// How much is spent on what.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
+pub struct PathEffort {
     /// Light samples at x.
     pub lights: u32,
-    /// The throughput, from y on, below which roulette is played from the first event on; `None` for the rule of all paths.
+    /// The throughput, from y on, below which roulette is played from the first event on; `None` for the rule of all
+    /// paths.
     pub roulette_below: Option<f32>,
 }
 
-impl Default for Effort {
+impl Default for PathEffort {
     fn default() -> Self {
         Self { lights: 1, roulette_below: None }
     }
@@ -53,11 +56,11 @@ const COSTED: u32 = 128;
 const SAMPLES: u32 = 4;
 
 /// What is tried: the rule of all paths, roulette, and the last again with two light samples.
-const TRIED: [Effort; THRESHOLDS.len() + 2] = [
-    Effort { lights: 1, roulette_below: None },
-    Effort { lights: 1, roulette_below: Some(THRESHOLDS[0]) },
-    Effort { lights: 1, roulette_below: Some(THRESHOLDS[1]) },
-    Effort { lights: 2, roulette_below: Some(THRESHOLDS[1]) },
+const TRIED: [PathEffort; THRESHOLDS.len() + 2] = [
+    PathEffort { lights: 1, roulette_below: None },
+    PathEffort { lights: 1, roulette_below: Some(THRESHOLDS[0]) },
+    PathEffort { lights: 1, roulette_below: Some(THRESHOLDS[1]) },
+    PathEffort { lights: 2, roulette_below: Some(THRESHOLDS[1]) },
 ];
 const LAST: usize = TRIED.len() - 1;
 
@@ -92,21 +95,25 @@ impl Found {
     }
 
     /// What makes the product least.
-    fn best(&self) -> Effort {
+    fn best(&self) -> PathEffort {
         let all = (0..LAST).flat_map(|tried| (1..=LIGHTS).map(move |lights| (lights, tried)));
         let best = all.min_by(|a, b| self.product(a.0, a.1).total_cmp(&self.product(b.0, b.1)));
-        best.map_or_else(Effort::default, |(lights, tried)| Effort { lights, ..TRIED[tried] })
+        best.map_or_else(PathEffort::default, |(lights, tried)| PathEffort { lights, ..TRIED[tried] })
     }
 }
 
 /// What pays.
-pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Effort {
-    if survey.reuse() < 2 || !scene.lights.can_sample() {
-        return Effort::default();
+pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
+    scene: &Scene,
+    precomputed: &Precomputed,
+) -> PathEffort {
+    if precomputed.reuse() < 2 || !scene.lights.can_sample() {
+        return PathEffort::default();
     }
-    let surveys = TRIED.map(|effort| Survey { effort, ..survey.clone() });
+    let trials = TRIED.map(|effort| Precomputed { effort, ..precomputed.clone() });
     let found: Vec<Found> =
-        (0..GROUPS).into_par_iter().map(|k| of_group(suffix, scene, &surveys, tile(scene, k, 1), k)).collect();
+        (0..GROUPS).into_par_iter().map(|k| of_group(continuation, scene, &trials, tile(scene, k, 1), k)).collect();
     found.into_iter().fold(Found::default(), Found::plus).best()
 }
 
@@ -118,14 +125,14 @@ fn tile(scene: &Scene, k: u32, seed: u32) -> [i32; 2] {
 }
 
 /// Of a group of a tile.
-fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    surveys: &[Survey; TRIED.len()],
+    trials: &[Precomputed; TRIED.len()],
     tile: [i32; 2],
     k: u32,
 ) -> Found {
-    let partition = Partition::new(surveys[0].reuse(), 0);
+    let partition = Partition::new(trials[0].reuse(), 0);
     let Some(window) = partition.parts(tile, k % Partition::LAYERS, &partition).next() else { return Found::default() };
     let mut probe = Probe::new(scene, &partition, window);
     let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
@@ -134,8 +141,8 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
     for (seed, means) in (0..).zip(&mut means) {
         for index in 0..SAMPLES {
             let mut light = [[0.0; TRIED.len()]; MAX_GROUP];
-            for (tried, survey) in surveys.iter().enumerate() {
-                let (luminances, cost) = probe.sample(suffix, scene, survey, seed, (index, SAMPLES));
+            for (tried, precomputed) in trials.iter().enumerate() {
+                let (luminances, cost) = probe.sample(continuation, scene, precomputed, seed, (index, SAMPLES));
                 found.cost[tried] += cost / all;
                 light.iter_mut().zip(luminances).for_each(|(light, l)| light[tried] = l);
             }
@@ -168,11 +175,15 @@ pub(crate) struct Cost {
 }
 
 /// Of a picture's samples, by groups of pixels here and there.
-pub(crate) fn cost<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Cost {
+pub(crate) fn cost<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
+    scene: &Scene,
+    precomputed: &Precomputed,
+) -> Cost {
     let found: Vec<[f64; 3]> = (0..COSTED)
         .into_par_iter()
         .map(|k| {
-            let (large, partition) = (Partition::new(MAX_GROUP as u32, 0), Partition::new(survey.reuse(), 0));
+            let (large, partition) = (Partition::new(MAX_GROUP as u32, 0), Partition::new(precomputed.reuse(), 0));
             let (mut level, mut variance, mut rays, mut count) = (0.0, 0.0, 0.0, 0.0);
             // As many pixels whatever the size of a group.
             for window in large.parts(tile(scene, k, 5), k % Partition::LAYERS, &partition) {
@@ -180,7 +191,7 @@ pub(crate) fn cost<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scen
                 let mut means = [[0.0; MAX_GROUP]; 2];
                 for (seed, mean) in (0..).zip(&mut means) {
                     for index in 0..SAMPLES {
-                        let (light, cost) = probe.sample(suffix, scene, survey, seed, (index, SAMPLES));
+                        let (light, cost) = probe.sample(continuation, scene, precomputed, seed, (index, SAMPLES));
                         mean.iter_mut().zip(light).for_each(|(mean, l)| *mean += l / f64::from(SAMPLES));
                         rays += cost / f64::from(2 * SAMPLES);
                     }
@@ -205,13 +216,13 @@ mod tests {
 
     /// Half of the variance by light samples at a tenth of the cost, and a fifth of the cost in what adds nothing.
     #[test]
-    fn what_pays_is_done() {
+    fn the_best_product_is_chosen() {
         let found = Found { variance: 2.0, by_lights: 1.0, by_roulette: [0.0, 0.1, 2.0], cost: [10.0, 8.0, 7.0, 7.5] };
         // V C for n = 1, 2, 3, 4: 16.8, 14.0, 13.61, 13.84.
-        assert_eq!(found.best(), Effort { lights: 3, roulette_below: Some(THRESHOLDS[0]) });
+        assert_eq!(found.best(), PathEffort { lights: 3, roulette_below: Some(THRESHOLDS[0]) });
         // Where light samples cost as much as all else, and roulette adds more than it spares.
         let dear = Found { by_roulette: [0.0, 1.0, 2.0], cost: [10.0, 8.0, 7.0, 14.0], ..found };
-        assert_eq!(dear.best(), Effort::default());
-        assert_eq!(Found::default().best(), Effort::default());
+        assert_eq!(dear.best(), PathEffort::default());
+        assert_eq!(Found::default().best(), PathEffort::default());
     }
 }

@@ -1,5 +1,6 @@
-//! Flights through participating media: distances are drawn from the transmittance of one lane chosen at random and weighted by
-//! the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin pane on their way.
+//! Flights through participating media: distances are drawn from the transmittance of one lane chosen at random and
+//! weighted by the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin
+//! pane on their way.
 
 use crate::{Counters, walk::MAX_PASSES};
 use steradian_core::{
@@ -27,7 +28,14 @@ fn lanes(scene: &Scene, lambda: &Wavelengths) -> usize {
 }
 
 /// Draws a free flight over at most `distance`.
-pub(crate) fn fly(scene: &Scene, medium: &Medium, distance: f32, lane: f32, u: f32, lambda: &Wavelengths) -> Flight {
+pub(crate) fn sample_flight(
+    scene: &Scene,
+    medium: &Medium,
+    distance: f32,
+    lane: f32,
+    u: f32,
+    lambda: &Wavelengths,
+) -> Flight {
     let lanes = lanes(scene, lambda);
     let (sigma_a, sigma_s) = medium.coefficients(lambda);
     let sigma_t = sigma_a + sigma_s;
@@ -38,13 +46,14 @@ pub(crate) fn fly(scene: &Scene, medium: &Medium, distance: f32, lane: f32, u: f
     let chosen = sigma_t[((lane * lanes as f32) as usize).min(lanes - 1)];
     let t = if chosen > 0.0 { warp::exponential(u, chosen) } else { f32::INFINITY };
     let scatters = t < distance;
-    let (value, pdf) = claim(scene, medium, if scatters { t } else { distance }, scatters, lambda);
+    let (value, pdf) = member_density(scene, medium, if scatters { t } else { distance }, scatters, lambda);
     let factor = if pdf > 0.0 { value / pdf } else { Spectrum::ZERO };
     if scatters { Flight::Scattered(t, factor) } else { Flight::Passed(factor) }
 }
 
-/// What passes a distance, to scatter at its end or not, and the density (per length where it scatters) with which [`fly`] finds it.
-pub(crate) fn claim(
+/// What passes a distance, to scatter at its end or not, and the density (per length where it scatters) with which
+/// [`sample_flight`] finds it.
+pub(crate) fn member_density(
     scene: &Scene,
     medium: &Medium,
     distance: f32,

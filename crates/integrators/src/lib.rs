@@ -20,19 +20,19 @@ mod effort;
 mod flight;
 mod nee;
 mod partition;
+mod precomputed;
 mod probe;
 mod splitting;
-mod survey;
 mod walk;
 
 #[cfg(test)]
 mod differential_tests;
 
-pub use effort::Effort;
+pub use effort::PathEffort;
 pub use method::{Method, Session};
+pub use precomputed::{Precomputed, VarianceReduction};
 pub use registry::{INTEGRATORS, IntegratorKind};
 pub use session::{Control, Doubt, Film, Plan, SCALES};
-pub use survey::{Survey, Tactics};
 
 use std::sync::{
     Arc,
@@ -119,12 +119,12 @@ pub struct Depth {
 
 /// An estimator of radiance.
 pub trait Integrator: Sync {
-    /// The radiance that arrives along a camera ray. A pure function of its arguments, `counters` aside; `lambda` loses its secondary
-    /// wavelengths where the path disperses.
+    /// The radiance that arrives along a camera ray. A pure function of its arguments, `counters` aside; `lambda` loses
+    /// its secondary wavelengths where the path disperses.
     fn radiance(
         &self,
         scene: &Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
@@ -136,18 +136,26 @@ pub trait Integrator: Sync {
     fn group<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
-        seats: &mut [reuse::Seat],
-        _room: &mut reuse::Room<'s>,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [reuse::PixelSample],
+        _room: &mut reuse::GroupBuffer<'s>,
         counters: &mut Counters,
     ) {
-        for seat in seats {
-            seat.radiance = self.radiance(scene, survey, seat.ray, &seat.own, &mut seat.lambda, counters);
+        for pixel_sample in pixel_samples {
+            pixel_sample.radiance = self.radiance(
+                scene,
+                precomputed,
+                pixel_sample.ray,
+                &pixel_sample.own,
+                &mut pixel_sample.lambda,
+                counters,
+            );
         }
     }
 }
 
-/// The dimensions of a camera sample and of each scattering event. Fixed, so that every number is a function of what it is for.
+/// The dimensions of a camera sample and of each scattering event. Fixed, so that every number is a function of what it
+/// is for.
 pub(crate) mod dimension {
     /// Place on the film.
     pub const FILM: u32 = 0;

@@ -1,7 +1,8 @@
 //! The boundary of sessions: what a session runs, whatever computes the picture.
 
 use crate::{
-    Control, Counters, Doubt, Film, IntegratorKind, Plan, SCALES, Survey, passes::Passes, session::Session as Tiles,
+    Control, Counters, Doubt, Film, IntegratorKind, Plan, Precomputed, SCALES, passes::Passes,
+    session::Session as Tiles,
 };
 use std::{
     fmt::Debug,
@@ -10,8 +11,8 @@ use std::{
 };
 use steradian_core::Scene;
 
-/// A way to compute a picture, under way: it advances in steps, tells of its progress, stops when asked, and can be saved and gone on with.
-/// What it computes does not depend on the number of threads, nor on the steps.
+/// A way to compute a picture, under way: it advances in steps, tells of its progress, stops when asked, and can be
+/// saved and gone on with. What it computes does not depend on the number of threads, nor on the steps.
 pub trait Method: Debug + Send {
     /// Takes further samples of every pixel, up to those of the plan; fewer where `control` cancels.
     fn step(&mut self, samples: u32, control: &Control);
@@ -167,11 +168,12 @@ impl<'s> Session<'s> {
         }
     }
 
-    /// Starts with an empty film, and with what is known of the scene already; methods that work by passes find out for themselves.
-    pub fn with_survey(scene: &'s Scene, plan: Plan, survey: Survey) -> Self {
+    /// Starts with an empty film, and with what is known of the scene already; methods that work by passes find out for
+    /// themselves.
+    pub fn with_precomputed(scene: &'s Scene, plan: Plan, precomputed: Precomputed) -> Self {
         match &plan.integrator {
             IntegratorKind::Passes(_) => Self::new(scene, plan),
-            _ => Self::of(Tiles::with_survey(scene, plan, survey)),
+            _ => Self::of(Tiles::with_precomputed(scene, plan, precomputed)),
         }
     }
 
@@ -185,8 +187,8 @@ impl<'s> Session<'s> {
         self.0.threads()
     }
 
-    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a cancelled step did not
-    /// reach is caught up by the next one.
+    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a
+    /// cancelled step did not reach is caught up by the next one.
     pub fn step(&mut self, samples: u32, control: &Control) {
         self.0.step(samples, control);
     }
@@ -222,9 +224,10 @@ impl<'s> Session<'s> {
         self.0.asks_photons()
     }
 
-    /// The estimated relative error of the picture: the square root of the mean, over pixels and channels, of the variance of the pixel
-    /// over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those of independent samples: with a sampler that
-    /// spreads them well the true error is smaller. `None` before all pixels have two samples.
+    /// The estimated relative error of the picture: the square root of the mean, over pixels and channels, of the
+    /// variance of the pixel over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those
+    /// of independent samples: with a sampler that spreads them well the true error is smaller. `None` before all
+    /// pixels have two samples.
     pub fn error(&self) -> Option<f64> {
         self.0.error()
     }
@@ -239,7 +242,8 @@ impl<'s> Session<'s> {
         self.0.sharing()
     }
 
-    /// The estimated relative errors of means over squares of pixels, of the edges [`SCALES`]; `None` where they are not watched.
+    /// The estimated relative errors of means over squares of pixels, of the edges [`SCALES`]; `None` where they are
+    /// not watched.
     pub fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
         self.0.errors_of_means()
     }
@@ -272,11 +276,12 @@ impl<'s> Session<'s> {
         self.0.save(out)
     }
 
-    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits of one that was never
-    /// left. How many threads there are may differ.
+    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits
+    /// of one that was never left. How many threads there are may differ.
     ///
     /// # Errors
-    /// Those of the reader, and [`io::ErrorKind::InvalidData`] where no such session can have been; the session is of no use then.
+    /// Those of the reader, and [`io::ErrorKind::InvalidData`] where no such session can have been; the session is of
+    /// no use then.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.0.restore(from)
     }

@@ -40,8 +40,8 @@ pub fn sample_light(
     Some(s)
 }
 
-/// Light reflected from one light sample, without regard to visibility: `f |cos| L w / p`, with the weight `w` of multiple
-/// importance sampling against sampling by the surface.
+/// Light reflected from one light sample, without regard to visibility: `f |cos| L w / p`, with the weight `w` of
+/// multiple importance sampling against sampling by the surface.
 #[inline]
 pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, scattering: &Scattering<'_>) -> Spectrum {
     let e = scattering.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
@@ -52,8 +52,8 @@ pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, scattering: &Scatter
     e.value * s.radiance * (weight / s.pdf)
 }
 
-/// Where a path last scattered, for the weight of light that it then meets; `None` from the camera and after specular events, when no
-/// light sample could have found it.
+/// Where a path last scattered, for the weight of light that it then meets; `None` from the camera and after specular
+/// events, when no light sample could have found it.
 pub type Origin = Option<(LightContext, f32)>;
 
 /// Emission of the surface that a path met, weighted.

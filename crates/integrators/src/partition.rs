@@ -1,11 +1,13 @@
 //! Which pixels share paths: groups that move from sample to sample.
 //!
-//! The film is cut into blocks of 4 × 4 pixels, and the pixels of each block are dealt out, at random, to 16 layers. A group has the pixels of one
-//! layer in a square window of blocks. For every sample of a pixel the windows of its layer lie elsewhere, and those of different layers never lie alike:
-//! what a group finds spreads over its window, and over all samples smoothly about it, without an edge anywhere. Neighbouring pixels belong
-//! to different layers, so the errors that members share appear scattered like ordinary noise.
+//! The film is cut into blocks of 4 × 4 pixels, and the pixels of each block are dealt out, at random, to 16 layers. A
+//! group has the pixels of one layer in a square window of blocks. For every sample of a pixel the windows of its layer
+//! lie elsewhere, and those of different layers never lie alike: what a group finds spreads over its window, and over
+//! all samples smoothly about it, without an edge anywhere. Neighbouring pixels belong to different layers, so the
+//! errors that members share appear scattered like ordinary noise.
 //!
-//! A pixel keeps its layer and its rank, so its numbers can be parts of a point set over the pixels about it and all samples.
+//! A pixel keeps its layer and its rank, so its numbers can be parts of a point set over the pixels about it and all
+//! samples.
 
 use crate::{adaptive::CELL, reuse::MAX_GROUP};
 use steradian_core::sampler::{PixelSampler, Sampler};
@@ -69,8 +71,8 @@ impl Partition {
         self.edge * self.edge
     }
 
-    /// The windows that begin in a tile, given by column and row, for the samples of a number; those that begin one tile before a frame reach
-    /// into it.
+    /// The windows that begin in a tile, given by column and row, for the samples of a number; those that begin one
+    /// tile before a frame reach into it.
     pub fn windows(&self, [column, row]: [i32; 2], sample: u32) -> impl Iterator<Item = Window> + '_ {
         let windows = BLOCKS / self.edge;
         (0..Self::LAYERS * windows * windows).map(move |k| {
@@ -105,8 +107,8 @@ impl Partition {
         })
     }
 
-    /// Where the windows of a layer lie, modulo their size, for a sample: in as many samples as there are places each is met once, the first few lie
-    /// far apart, and so do those of different layers for one sample.
+    /// Where the windows of a layer lie, modulo their size, for a sample: in as many samples as there are places each
+    /// is met once, the first few lie far apart, and so do those of different layers for one sample.
     fn offset(&self, sample: u32, layer: u32) -> [u32; 2] {
         // Bits of the sample's number, from the lowest on, halve the distance, along the diagonal first.
         let bit = |v: u32, k: u32| v >> k & 1;
@@ -136,8 +138,9 @@ impl Partition {
         joint.member(row % edge * edge + column % edge)
     }
 
-    /// A number of a sample that all pixels of a layer have in common. Those of a pixel are stratified, and so are those of a block for each sample,
-    /// also modulo one quarter, since wavelengths are told from the number in steps of that.
+    /// A number of a sample that all pixels of a layer have in common. Those of a pixel are stratified, and so are
+    /// those of a block for each sample, also modulo one quarter, since wavelengths are told from the number in steps
+    /// of that.
     pub fn common(&self, sampler: &Sampler, place: &Place, sample: u32, dimension: u32) -> f32 {
         let common = sampler.group(u32::MAX, u32::MAX, 0, sample, 1).member(0).get_1d(dimension);
         let shift = (place.layer % BLOCK) as f32 / BLOCK as f32 + place.layer as f32 / (BLOCK * Self::LAYERS) as f32;
@@ -186,8 +189,9 @@ mod tests {
         }
     }
 
-    /// Pixels share the less often the farther apart they are, and no place of the film is another one's edge: how often a pixel shares with the one four
-    /// columns on is the same everywhere, for one sample of all layers as for all samples of one.
+    /// Pixels share the less often the farther apart they are, and no place of the film is another one's edge: how
+    /// often a pixel shares with the one four columns on is the same everywhere, for one sample of all layers as for
+    /// all samples of one.
     #[test]
     fn no_place_has_an_edge() {
         let partition = Partition::new(16, 3);

@@ -1,11 +1,11 @@
-//! Path tracing, iterative: next-event estimation at every event, weighted with scattering by the power heuristic; Russian roulette
-//! on the throughput, on surfaces alone or through media. Paths of neighbouring pixels share what they
+//! Path tracing, iterative: next-event estimation at every event, weighted with scattering by the power heuristic;
+//! Russian roulette on the throughput, on surfaces alone or through media. Paths of neighbouring pixels share what they
 //! find from the first bounce on ([`crate::reuse`]).
 
 use crate::{
-    Counters, Depth, Integrator, Survey, Tactics,
-    reuse::{self, Room, Seat, Suffix, whole},
-    walk::{Arrival, Leg, Vertex, arrive, escape, escape_by_group},
+    Counters, Depth, Integrator, Precomputed, VarianceReduction,
+    reuse::{self, GroupBuffer, PathContinuation, PixelSample, for_all_wavelengths},
+    walk::{Arrival, PathState, Vertex, arrive, escape, escape_by_group},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -16,7 +16,7 @@ pub struct PathTracer<const MEDIA: bool> {
     /// How far paths are followed; events in media count as those on surfaces.
     pub depth: Depth,
     /// What is done against noise.
-    pub tactics: Tactics,
+    pub variance_reduction: VarianceReduction,
 }
 
 /// The path tracer between surfaces.
@@ -26,24 +26,31 @@ pub type Path = PathTracer<false>;
 pub type VolPath = PathTracer<true>;
 
 impl<const MEDIA: bool> PathTracer<MEDIA> {
-    /// Adds what a leg that meets nothing brings.
+    /// Adds what a path that meets nothing brings.
     #[inline]
-    fn escape(&self, scene: &Scene, leg: &Leg, sum: &mut Spectrum, lambda: &Wavelengths, counters: &mut Counters) {
+    fn escape(
+        &self,
+        scene: &Scene,
+        path_state: &PathState,
+        sum: &mut Spectrum,
+        lambda: &Wavelengths,
+        counters: &mut Counters,
+    ) {
         if !counters.by_group.is_empty() {
-            escape_by_group(scene, leg, &self.depth, lambda, counters);
+            escape_by_group(scene, path_state, &self.depth, lambda, counters);
         }
-        escape(scene, leg, sum, &self.depth, lambda);
+        escape(scene, path_state, sum, &self.depth, lambda);
     }
 
-    /// What a leg that arrived at a vertex brings from there; of a `branch` it is decided that it goes on.
+    /// What a path that arrived at a vertex brings from there; of a `branch` it is decided that it goes on.
     #[inline]
     #[allow(clippy::too_many_arguments)]
     fn follow<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'s>,
-        mut leg: Leg,
+        mut path_state: PathState,
         mut is_branch: bool,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
@@ -53,30 +60,30 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         let mut next = Arrival::End;
         let mut sum = Spectrum::ZERO;
         loop {
-            let branches = if is_branch { 1 } else { leg.branches(vertex, survey, sampler, lambda) };
+            let branches = if is_branch { 1 } else { path_state.branches(vertex, precomputed, sampler, lambda) };
             is_branch = false;
             if branches != 1 {
-                return self.split(scene, survey, vertex, leg, branches, sum, sampler, lambda, counters);
+                return self.split(scene, precomputed, vertex, path_state, branches, sum, sampler, lambda, counters);
             }
             // Light that arrives straight from a light.
-            sum += leg.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
+            sum += path_state.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
             // Scatter.
-            let Some(s) = vertex.sample(&leg, sampler, survey) else { return sum };
-            leg.turn::<MEDIA>(scene, vertex, &s);
-            if !leg.beta.is_finite() {
+            let Some(s) = vertex.sample(&path_state, sampler, precomputed) else { return sum };
+            path_state.turn::<MEDIA>(scene, vertex, &s);
+            if !path_state.beta.is_finite() {
                 // Handed to the film, which counts it.
-                return leg.beta;
+                return path_state.beta;
             }
-            if !leg.goes_on(survey, &self.depth, sampler, lambda) {
+            if !path_state.goes_on(precomputed, &self.depth, sampler, lambda) {
                 return sum;
             }
             // Follow the ray to the next vertex; collect what shines there.
-            arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
+            arrive::<MEDIA>(scene, &mut path_state, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
             match &next {
                 Arrival::Vertex(v) => vertex = v,
                 Arrival::End => return sum,
                 Arrival::Escaped => {
-                    self.escape(scene, &leg, &mut sum, lambda, counters);
+                    self.escape(scene, &path_state, &mut sum, lambda, counters);
                     return sum;
                 }
             }
@@ -90,9 +97,9 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
     fn split<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'s>,
-        leg: Leg,
+        path_state: PathState,
         branches: u32,
         mut sum: Spectrum,
         sampler: &PixelSampler,
@@ -100,35 +107,35 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         counters: &mut Counters,
     ) -> Spectrum {
         for k in 0..branches {
-            let (mut left, sampler) = (*lambda, sampler.branch(leg.events, k));
-            let branch = self.follow(scene, survey, vertex, leg, true, &sampler, &mut left, counters);
-            sum += whole(branch, &left, lambda, scene.mode);
+            let (mut left, sampler) = (*lambda, sampler.branch(path_state.events, k));
+            let branch = self.follow(scene, precomputed, vertex, path_state, true, &sampler, &mut left, counters);
+            sum += for_all_wavelengths(branch, &left, lambda, scene.mode);
         }
         sum
     }
 }
 
-impl<const MEDIA: bool> Suffix<MEDIA> for PathTracer<MEDIA> {
+impl<const MEDIA: bool> PathContinuation<MEDIA> for PathTracer<MEDIA> {
     fn depth(&self) -> &Depth {
         &self.depth
     }
 
-    fn tactics(&self) -> &Tactics {
-        &self.tactics
+    fn variance_reduction(&self) -> &VarianceReduction {
+        &self.variance_reduction
     }
 
     #[inline]
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'s>,
-        leg: Leg,
+        path_state: PathState,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.follow(scene, survey, vertex, leg, false, sampler, lambda, counters)
+        self.follow(scene, precomputed, vertex, path_state, false, sampler, lambda, counters)
     }
 }
 
@@ -137,22 +144,22 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
     fn radiance(
         &self,
         scene: &Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let (mut leg, mut sum, mut first) = (Leg::camera(scene, ray), Spectrum::ZERO, Arrival::End);
-        arrive::<MEDIA>(scene, &mut leg, &mut sum, &self.depth, sampler, lambda, counters, &mut first);
+        let (mut path_state, mut sum, mut first) = (PathState::camera(scene, ray), Spectrum::ZERO, Arrival::End);
+        arrive::<MEDIA>(scene, &mut path_state, &mut sum, &self.depth, sampler, lambda, counters, &mut first);
         match &first {
             Arrival::Vertex(v) => {
-                leg.weigh(v, survey, lambda);
-                sum + self.leaving(scene, survey, v, leg, sampler, lambda, counters)
+                path_state.weigh(v, precomputed, lambda);
+                sum + self.leaving(scene, precomputed, v, path_state, sampler, lambda, counters)
             }
             Arrival::End => sum,
             Arrival::Escaped => {
-                self.escape(scene, &leg, &mut sum, lambda, counters);
+                self.escape(scene, &path_state, &mut sum, lambda, counters);
                 sum
             }
         }
@@ -161,11 +168,11 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
     fn group<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
-        seats: &mut [Seat],
-        room: &mut Room<'s>,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut GroupBuffer<'s>,
         counters: &mut Counters,
     ) {
-        reuse::group(self, scene, survey, seats, room, counters);
+        reuse::group(self, scene, precomputed, pixel_samples, buffer, counters);
     }
 }

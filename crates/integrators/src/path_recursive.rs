@@ -1,10 +1,10 @@
-//! Path tracing in the recursive form of the lab: the light that leaves a point is what it emits, what lights send it, and what
-//! one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
+//! Path tracing in the recursive form of the lab: the light that leaves a point is what it emits, what lights send it,
+//! and what one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, Survey, Tactics, dimension, nee,
-    reuse::{self, Room, Seat, Suffix, whole},
-    walk::{Leg, MAX_PASSES, Vertex},
+    Counters, Depth, Integrator, Precomputed, VarianceReduction, dimension, nee,
+    reuse::{self, GroupBuffer, PathContinuation, PixelSample, for_all_wavelengths},
+    walk::{MAX_PASSES, PathState, Vertex},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
@@ -18,7 +18,7 @@ pub struct PathRecursive {
     /// How far paths are followed.
     pub depth: Depth,
     /// What is done against noise.
-    pub tactics: Tactics,
+    pub variance_reduction: VarianceReduction,
 }
 
 impl PathRecursive {
@@ -27,8 +27,8 @@ impl PathRecursive {
     fn follow(
         &self,
         scene: &Scene,
-        survey: &Survey,
-        leg: Leg,
+        precomputed: &Precomputed,
+        path_state: PathState,
         sum: Spectrum,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
@@ -38,36 +38,43 @@ impl PathRecursive {
             return sum;
         }
         counters.rays += 1;
-        let hidden = leg.events == 0 && self.depth.hide_emitters;
+        let hidden = path_state.events == 0 && self.depth.hide_emitters;
         // (2) Nothing is hit: the background.
-        let Some(hit) = scene.intersect(&leg.ray) else {
-            let background = nee::background(scene, leg.ray.origin, leg.ray.direction, &leg.origin, lambda);
-            return if hidden { sum } else { sum + leg.beta * background };
+        let Some(hit) = scene.intersect(&path_state.ray) else {
+            let background =
+                nee::background(scene, path_state.ray.origin, path_state.ray.direction, &path_state.origin, lambda);
+            return if hidden { sum } else { sum + path_state.beta * background };
         };
         // (1) A light is hit.
-        let i = scene.interaction_of_light(&leg.ray, &hit);
-        let sum = if hidden { sum } else { sum + leg.beta * nee::emission(scene, &i, &leg.origin, lambda) };
+        let i = scene.interaction_of_light(&path_state.ray, &hit);
+        let sum =
+            if hidden { sum } else { sum + path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda) };
         // (3) The path is long enough, unless the surface lets it through.
-        let is_last = leg.events >= self.depth.max.min(DEEPEST);
+        let is_last = path_state.events >= self.depth.max.min(DEEPEST);
         if is_last && !scene.is_see_through {
             return sum;
         }
-        let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
-        match scene.scattering_along(&i, leg.differential.as_ref(), choice, lambda) {
+        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures);
+        match scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda) {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
-                let mut leg = leg;
-                if leg.events == 0 {
-                    leg.weigh(&vertex, survey, lambda);
+                let mut path_state = path_state;
+                if path_state.events == 0 {
+                    path_state.weigh(&vertex, precomputed, lambda);
                 }
-                self.scattered(scene, survey, &vertex, leg, sum, sampler, lambda, counters)
+                self.scattered(scene, precomputed, &vertex, path_state, sum, sampler, lambda, counters)
             }
-            None if leg.passes >= MAX_PASSES.min(DEEPEST) => sum,
+            None if path_state.passes >= MAX_PASSES.min(DEEPEST) => sum,
             None => {
-                let differential = leg.differential.map(|d| d.advance(i.t));
-                let leg = Leg { ray: i.spawn(leg.ray.direction), passes: leg.passes + 1, differential, ..leg };
-                self.follow(scene, survey, leg, sum, sampler, lambda, counters)
+                let differential = path_state.differential.map(|d| d.advance(i.t));
+                let path_state = PathState {
+                    ray: i.spawn(path_state.ray.direction),
+                    passes: path_state.passes + 1,
+                    differential,
+                    ..path_state
+                };
+                self.follow(scene, precomputed, path_state, sum, sampler, lambda, counters)
             }
         }
     }
@@ -77,22 +84,23 @@ impl PathRecursive {
     fn scattered(
         &self,
         scene: &Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'_>,
-        mut leg: Leg,
+        mut path_state: PathState,
         sum: Spectrum,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let branches = leg.branches(vertex, survey, sampler, lambda);
+        let branches = path_state.branches(vertex, precomputed, sampler, lambda);
         if branches == 1 {
-            return self.branch(scene, survey, vertex, leg, sum, sampler, lambda, counters);
+            return self.branch(scene, precomputed, vertex, path_state, sum, sampler, lambda, counters);
         }
         (0..branches).fold(sum, |sum, k| {
-            let (mut left, sampler) = (*lambda, sampler.branch(leg.events, k));
-            let branch = self.branch(scene, survey, vertex, leg, Spectrum::ZERO, &sampler, &mut left, counters);
-            sum + whole(branch, &left, lambda, scene.mode)
+            let (mut left, sampler) = (*lambda, sampler.branch(path_state.events, k));
+            let branch =
+                self.branch(scene, precomputed, vertex, path_state, Spectrum::ZERO, &sampler, &mut left, counters);
+            sum + for_all_wavelengths(branch, &left, lambda, scene.mode)
         })
     }
 
@@ -101,47 +109,47 @@ impl PathRecursive {
     fn branch(
         &self,
         scene: &Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'_>,
-        mut leg: Leg,
+        mut path_state: PathState,
         sum: Spectrum,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let sum = sum + leg.direct::<false>(vertex, scene, sampler, lambda, counters);
-        let Some(draw) = vertex.sample(&leg, sampler, survey) else { return sum };
-        leg.turn::<false>(scene, vertex, &draw);
-        if !leg.beta.is_finite() {
-            return leg.beta;
+        let sum = sum + path_state.direct::<false>(vertex, scene, sampler, lambda, counters);
+        let Some(draw) = vertex.sample(&path_state, sampler, precomputed) else { return sum };
+        path_state.turn::<false>(scene, vertex, &draw);
+        if !path_state.beta.is_finite() {
+            return path_state.beta;
         }
-        if !leg.goes_on(survey, &self.depth, sampler, lambda) {
+        if !path_state.goes_on(precomputed, &self.depth, sampler, lambda) {
             return sum;
         }
-        self.follow(scene, survey, leg, sum, sampler, lambda, counters)
+        self.follow(scene, precomputed, path_state, sum, sampler, lambda, counters)
     }
 }
 
-impl Suffix<false> for PathRecursive {
+impl PathContinuation<false> for PathRecursive {
     fn depth(&self) -> &Depth {
         &self.depth
     }
 
-    fn tactics(&self) -> &Tactics {
-        &self.tactics
+    fn variance_reduction(&self) -> &VarianceReduction {
+        &self.variance_reduction
     }
 
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'s>,
-        leg: Leg,
+        path_state: PathState,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.scattered(scene, survey, vertex, leg, Spectrum::ZERO, sampler, lambda, counters)
+        self.scattered(scene, precomputed, vertex, path_state, Spectrum::ZERO, sampler, lambda, counters)
     }
 }
 
@@ -149,23 +157,23 @@ impl Integrator for PathRecursive {
     fn radiance(
         &self,
         scene: &Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.follow(scene, survey, Leg::camera(scene, ray), Spectrum::ZERO, sampler, lambda, counters)
+        self.follow(scene, precomputed, PathState::camera(scene, ray), Spectrum::ZERO, sampler, lambda, counters)
     }
 
     fn group<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
-        seats: &mut [Seat],
-        room: &mut Room<'s>,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut GroupBuffer<'s>,
         counters: &mut Counters,
     ) {
-        reuse::group(self, scene, survey, seats, room, counters);
+        reuse::group(self, scene, precomputed, pixel_samples, buffer, counters);
     }
 }

@@ -3,8 +3,8 @@
 use crate::{
     Counters,
     partition::{Partition, Place, Window},
-    reuse::{MAX_GROUP, Room, Seat, Suffix},
-    survey::Survey,
+    precomputed::Precomputed,
+    reuse::{GroupBuffer, MAX_GROUP, PathContinuation, PixelSample},
 };
 use steradian_core::{
     Scene,
@@ -16,8 +16,8 @@ pub(crate) struct Probe<'a, 's> {
     /// Its pixels on the film.
     pub places: Vec<Place>,
     partition: &'a Partition,
-    seats: Vec<Seat>,
-    room: Room<'s>,
+    pixel_samples: Vec<PixelSample>,
+    buffer: GroupBuffer<'s>,
 }
 
 impl<'a, 's> Probe<'a, 's> {
@@ -25,32 +25,34 @@ impl<'a, 's> Probe<'a, 's> {
     pub fn new(scene: &Scene, partition: &'a Partition, window: Window) -> Self {
         let is_on_film = |p: &Place| p.x < scene.film.width && p.y < scene.film.height;
         let places = partition.places(window).filter(is_on_film).collect();
-        Self { places, partition, seats: Vec::new(), room: Room::default() }
+        Self { places, partition, pixel_samples: Vec::new(), buffer: GroupBuffer::default() }
     }
 
-    /// One of the `of` samples of each pixel, spread over each other as those of a picture are: its luminance, zero where it is not finite, and
-    /// the rays of all, to which the start of a path adds one.
-    pub fn sample<const MEDIA: bool, S: Suffix<MEDIA>>(
+    /// One of the `of` samples of each pixel, spread over each other as those of a picture are: its luminance, zero
+    /// where it is not finite, and the rays of all, to which the start of a path adds one.
+    pub fn sample<const MEDIA: bool, S: PathContinuation<MEDIA>>(
         &mut self,
-        suffix: &S,
+        continuation: &S,
         scene: &'s Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         seed: u64,
         (index, of): (u32, u32),
     ) -> ([f64; MAX_GROUP], f64) {
-        if survey.stop.is_asked() {
+        if precomputed.stop.is_asked() {
             return ([0.0; MAX_GROUP], 0.0);
         }
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: of, seed };
-        self.seats.clear();
-        self.seats.extend(self.places.iter().map(|p| Seat::at(scene, &sampler, self.partition, index, p).0));
-        let mut counters = Counters::until(&survey.stop);
-        suffix.group(scene, survey, &mut self.seats, &mut self.room, &mut counters);
+        self.pixel_samples.clear();
+        self.pixel_samples
+            .extend(self.places.iter().map(|p| PixelSample::at(scene, &sampler, self.partition, index, p).0));
+        let mut counters = Counters::until(&precomputed.stop);
+        continuation.group(scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
         let mut light = [0.0; MAX_GROUP];
-        for (light, seat) in light.iter_mut().zip(&self.seats) {
-            let l = f64::from(scene.mode.luminance(seat.radiance, &seat.lambda) * scene.film.imaging_ratio);
+        for (light, pixel_sample) in light.iter_mut().zip(&self.pixel_samples) {
+            let l =
+                f64::from(scene.mode.luminance(pixel_sample.radiance, &pixel_sample.lambda) * scene.film.imaging_ratio);
             *light = if l.is_finite() { l } else { 0.0 };
         }
-        (light, (self.seats.len() as u64 + counters.rays) as f64)
+        (light, (self.pixel_samples.len() as u64 + counters.rays) as f64)
     }
 }

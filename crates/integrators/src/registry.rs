@@ -1,7 +1,7 @@
 //! The integrators by name.
 
 use crate::{
-    Depth, Plan, Stop, Survey, Tactics,
+    Depth, Plan, Precomputed, Stop, VarianceReduction,
     ao::AmbientOcclusion,
     passes::PassKind,
     path::{Path, VolPath},
@@ -92,14 +92,14 @@ pub enum IntegratorKind {
 
 impl IntegratorKind {
     /// By name; `None` for names that are not in [`INTEGRATORS`].
-    pub fn named(name: &str, depth: Depth, tactics: Tactics) -> Option<Self> {
+    pub fn named(name: &str, depth: Depth, variance_reduction: VarianceReduction) -> Option<Self> {
         Some(match name {
-            "path" => Self::Path(Path { depth, tactics }),
-            "volpath" => Self::VolPath(VolPath { depth, tactics }),
-            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, tactics }),
+            "path" => Self::Path(Path { depth, variance_reduction }),
+            "volpath" => Self::VolPath(VolPath { depth, variance_reduction }),
+            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, variance_reduction }),
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
-            "path-recursive" => Self::PathRecursive(PathRecursive { depth, tactics }),
+            "path-recursive" => Self::PathRecursive(PathRecursive { depth, variance_reduction }),
             "ao" => Self::AmbientOcclusion(AmbientOcclusion { distance: f32::INFINITY }),
             "radiosity" => {
                 Self::Radiosity(View { settings: radiosity::Settings::default(), depth, gather: 0, smooth: true })
@@ -140,17 +140,17 @@ impl IntegratorKind {
     }
 
     /// What the integrator wants to know of a scene before a render; of no use where a stop was asked for meanwhile.
-    pub(crate) fn survey(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Survey {
+    pub(crate) fn precomputed(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
         match self {
-            Self::Path(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
-            Self::PathRecursive(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
-            Self::VolPath(i) if i.depth.max > 1 => Survey::new(scene, i, plan, stop),
+            Self::Path(i) if i.depth.max > 1 => Precomputed::new(scene, i, plan, stop),
+            Self::PathRecursive(i) if i.depth.max > 1 => Precomputed::new(scene, i, plan, stop),
+            Self::VolPath(i) if i.depth.max > 1 => Precomputed::new(scene, i, plan, stop),
             // What cannot be solved is refused before a session is made; it is black here.
             Self::Radiosity(i) => match radiosity::solve(scene, &i.settings, stop) {
-                Ok(Some(solution)) => Survey::of_radiosity(Arc::new(solution)),
-                _ => Survey::default(),
+                Ok(Some(solution)) => Precomputed::of_radiosity(Arc::new(solution)),
+                _ => Precomputed::default(),
             },
-            _ => Survey::default(),
+            _ => Precomputed::default(),
         }
     }
 }

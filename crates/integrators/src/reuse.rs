@@ -1,33 +1,36 @@
-//! Paths of neighbouring pixels share what they find (Bekaert, Sbert, Halton 2002, "Accelerating Path Tracing by Re-Using Paths").
+//! Paths of neighbouring pixels share what they find (Bekaert, Sbert, Halton 2002, "Accelerating Path Tracing by
+//! Re-Using Paths").
 //!
-//! The pixels of a group follow a path each to its first vertex that is not specular, x, and draw a direction there, which leads to a
-//! vertex y. What one path finds there serves all members of the group that see y: of the technique "member m drew y" there is one
-//! sample per member, and they are put together by the balance heuristic (Veach 1997, eq. 9.8 ff.),
+//! The pixels of a group follow a path each to its first vertex that is not specular, x, and draw a direction there,
+//! which leads to a vertex y. What one path finds there serves all members of the group that see y: of the technique
+//! "member m drew y" there is one sample per member, and they are put together by the balance heuristic (Veach 1997,
+//! eq. 9.8 ff.),
 //!
 //! `I_j = β_j Σ_k f_j |cos_j| G(x_j, y_k) V(x_j, y_k) L(y_k → x_j) / Σ_m p_m(y_k) G(x_m, y_k) V(x_m, y_k)`
 //!
-//! with `p_m` the density per solid angle with which m draws the direction to `y_k`, and `G = |cos_y| / d²`. Visibility is traced for all
-//! pairs, so the weights of a point sum to one, and the estimate is unbiased; samples of one pixel stay independent of each other.
-//! Where y is Lambertian, light that leaves it is the same towards everyone on its side. Elsewhere the finder's light sample and its
-//! direction at y are evaluated towards each member, and directions drawn there are weighed once more (`reuse/share.rs`): what comes to y from beyond is
-//! still the same for all.
-//! What may not be shared is decided by x alone (who is a member), or by y alone (what serves its finder only). Light that y emits, and that of
-//! environments, is the finder's own.
+//! with `p_m` the density per solid angle with which m draws the direction to `y_k`, and `G = |cos_y| / d²`. Visibility
+//! is traced for all pairs, so the weights of a point sum to one, and the estimate is unbiased; samples of one pixel
+//! stay independent of each other. Where y is Lambertian, light that leaves it is the same towards everyone on its
+//! side. Elsewhere the finder's light sample and its direction at y are evaluated towards each member, and directions
+//! drawn there are weighed once more (`reuse/share.rs`): what comes to y from beyond is still the same for all. What
+//! may not be shared is decided by x alone (who is a member), or by y alone (what serves its finder only). Light that y
+//! emits, and that of environments, is the finder's own.
 //!
-//! In open scenes most directions lead to the sky, and surfaces stand in its place where they are met. There `L` is held against the sky:
-//! the finder takes the sky in its direction whether or not something is before it, which needs no visibility, and what is shared is the
-//! difference `L − L_sky`, negative where surfaces are darker than what they hide (a control variate).
+//! In open scenes most directions lead to the sky, and surfaces stand in its place where they are met. There `L` is
+//! held against the sky: the finder takes the sky in its direction whether or not something is before it, which needs
+//! no visibility, and what is shared is the difference `L − L_sky`, negative where surfaces are darker than what they
+//! hide (a control variate).
 
 mod share;
 pub(crate) mod trial;
 
 use crate::{
-    Counters, Depth, Integrator, Survey, Tactics, dimension, live_max,
+    Counters, Depth, Integrator, Precomputed, VarianceReduction, dimension, live_max,
     partition::{Partition, Place},
-    walk::{Arrival, Leg, Vertex, arrive, escape, meet},
+    walk::{Arrival, PathState, Vertex, arrive, escape, meet},
 };
+pub(crate) use share::for_all_wavelengths;
 use share::share;
-pub(crate) use share::whole;
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
@@ -36,7 +39,7 @@ use steradian_core::{
 };
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
-const NO_RAY: Ray = Leg::NONE.ray;
+const NO_RAY: Ray = PathState::NONE.ray;
 
 /// Most paths that share.
 pub const MAX_GROUP: usize = 16;
@@ -49,7 +52,7 @@ const NARROW: f32 = 0.04;
 
 /// A pixel's part in a group: one sample of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Seat {
+pub struct PixelSample {
     /// The camera ray.
     pub ray: Ray,
     /// The pixel's own numbers, for the path up to x and light samples there.
@@ -62,7 +65,7 @@ pub struct Seat {
     pub radiance: Spectrum,
 }
 
-impl Seat {
+impl PixelSample {
     /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
     pub(crate) fn at(
         scene: &Scene,
@@ -90,21 +93,22 @@ impl Seat {
 }
 
 /// How a path tracer goes on from a vertex.
-pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
+pub(crate) trait PathContinuation<const MEDIA: bool>: Integrator {
     /// How far paths are followed.
     fn depth(&self) -> &Depth;
 
     /// What is done against noise.
-    fn tactics(&self) -> &Tactics;
+    fn variance_reduction(&self) -> &VarianceReduction;
 
-    /// What a leg that arrived at a vertex brings from there: light scattered towards where it came from, without emission.
+    /// What a path that arrived at a vertex brings from there: light scattered towards where it came from, without
+    /// emission.
     #[allow(clippy::too_many_arguments)]
     fn leaving<'s>(
         &self,
         scene: &'s Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         vertex: &Vertex<'s>,
-        leg: Leg,
+        path_state: PathState,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
@@ -114,7 +118,7 @@ pub(crate) trait Suffix<const MEDIA: bool>: Integrator {
 /// A pixel that shares.
 #[derive(Clone, Copy, Debug)]
 struct Member<'s> {
-    seat: usize,
+    pixel_sample: usize,
     /// Where its path arrived first.
     x: Arrival<'s>,
     /// What the path carries to x.
@@ -125,7 +129,7 @@ struct Member<'s> {
     sample: BsdfSample,
     /// The density by the surface over the one it was drawn with: claims are weighed by the former.
     ratio: f32,
-    leg: Leg,
+    path_state: PathState,
     /// What it met beyond x.
     y: Arrival<'s>,
     /// The wavelengths that y left.
@@ -134,9 +138,9 @@ struct Member<'s> {
 
 /// Room for the paths of a group; kept, so that nothing is allocated per sample.
 #[derive(Debug)]
-pub struct Room<'s>(Vec<Member<'s>>);
+pub struct GroupBuffer<'s>(Vec<Member<'s>>);
 
-impl Default for Room<'_> {
+impl Default for GroupBuffer<'_> {
     fn default() -> Self {
         Self(vec![Member::NONE; MAX_GROUP])
     }
@@ -144,52 +148,72 @@ impl Default for Room<'_> {
 
 impl<'s> Member<'s> {
     const NONE: Self = Self {
-        seat: 0,
+        pixel_sample: 0,
         x: Arrival::End,
         beta: Spectrum::ZERO,
         events: 0,
         sample: BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 },
         ratio: 1.0,
-        leg: Leg::NONE,
+        path_state: PathState::NONE,
         y: Arrival::End,
         lambda: Wavelengths::RGB,
     };
 
-    /// Follows a path from the camera, of which the first hit is known, to its first vertex that is not specular; whether there is one.
+    /// Follows a path from the camera, of which the first hit is known, to its first vertex that is not specular;
+    /// whether there is one.
     #[inline]
     fn reach<const MEDIA: bool>(
         &mut self,
         scene: &'s Scene,
-        survey: &Survey,
-        seat: &mut Seat,
+        precomputed: &Precomputed,
+        pixel_sample: &mut PixelSample,
         hit: Option<Hit>,
         depth: &Depth,
         counters: &mut Counters,
     ) -> bool {
-        let Self { leg, x, .. } = self;
-        *leg = Leg::camera(scene, seat.ray);
-        meet::<MEDIA>(scene, leg, hit, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
+        let Self { path_state, x, .. } = self;
+        *path_state = PathState::camera(scene, pixel_sample.ray);
+        meet::<MEDIA>(
+            scene,
+            path_state,
+            hit,
+            &mut pixel_sample.radiance,
+            depth,
+            &pixel_sample.own,
+            &mut pixel_sample.lambda,
+            counters,
+            x,
+        );
         loop {
             match x {
                 Arrival::Vertex(v) if !v.is_specular() => {
-                    leg.lights = survey.effort.lights;
+                    path_state.lights = precomputed.effort.lights;
                     return true;
                 }
                 Arrival::Vertex(v) => {
-                    let Some(draw) = v.sample(leg, &seat.own, survey) else { return false };
-                    leg.turn::<MEDIA>(scene, v, &draw);
-                    if !leg.beta.is_finite() {
-                        seat.radiance = leg.beta;
+                    let Some(draw) = v.sample(path_state, &pixel_sample.own, precomputed) else { return false };
+                    path_state.turn::<MEDIA>(scene, v, &draw);
+                    if !path_state.beta.is_finite() {
+                        pixel_sample.radiance = path_state.beta;
                         return false;
                     }
-                    if !leg.survives(depth, &seat.own, &seat.lambda) {
+                    if !path_state.survives(depth, &pixel_sample.own, &pixel_sample.lambda) {
                         return false;
                     }
-                    arrive::<MEDIA>(scene, leg, &mut seat.radiance, depth, &seat.own, &mut seat.lambda, counters, x);
+                    arrive::<MEDIA>(
+                        scene,
+                        path_state,
+                        &mut pixel_sample.radiance,
+                        depth,
+                        &pixel_sample.own,
+                        &mut pixel_sample.lambda,
+                        counters,
+                        x,
+                    );
                 }
                 Arrival::End => return false,
                 Arrival::Escaped => {
-                    escape(scene, leg, &mut seat.radiance, depth, &seat.lambda);
+                    escape(scene, path_state, &mut pixel_sample.radiance, depth, &pixel_sample.lambda);
                     return false;
                 }
             }
@@ -198,104 +222,140 @@ impl<'s> Member<'s> {
 
     /// Draws a direction at x; whether it is to be followed.
     #[inline]
-    fn turn<const MEDIA: bool>(&mut self, scene: &'s Scene, survey: &Survey, seat: &mut Seat) -> bool {
-        (self.beta, self.events, self.y) = (self.leg.beta, self.leg.events, Arrival::End);
+    fn turn<const MEDIA: bool>(
+        &mut self,
+        scene: &'s Scene,
+        precomputed: &Precomputed,
+        pixel_sample: &mut PixelSample,
+    ) -> bool {
+        (self.beta, self.events, self.y) = (self.path_state.beta, self.path_state.events, Arrival::End);
         self.sample.pdf = 0.0;
-        let Self { x, leg, .. } = self;
+        let Self { x, path_state, .. } = self;
         let Arrival::Vertex(x) = x else { return false };
-        let Some(draw) = x.sample(leg, &seat.joint, survey) else { return false };
+        let Some(draw) = x.sample(path_state, &pixel_sample.joint, precomputed) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
-        leg.turn::<MEDIA>(scene, x, &draw);
-        if !leg.beta.is_finite() {
-            seat.radiance = leg.beta;
+        path_state.turn::<MEDIA>(scene, x, &draw);
+        if !path_state.beta.is_finite() {
+            pixel_sample.radiance = path_state.beta;
             return false;
         }
-        live_max(leg.beta, &seat.lambda) > 0.0
+        live_max(path_state.beta, &pixel_sample.lambda) > 0.0
     }
 }
 
-/// Samples of all seats of a group.
-pub(crate) fn group<'s, const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+/// Samples of all samples of a group.
+pub(crate) fn group<'s, const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &'s Scene,
-    survey: &Survey,
-    seats: &mut [Seat],
-    Room(members): &mut Room<'s>,
+    precomputed: &Precomputed,
+    pixel_samples: &mut [PixelSample],
+    GroupBuffer(members): &mut GroupBuffer<'s>,
     counters: &mut Counters,
 ) {
-    let depth = suffix.depth();
+    let depth = continuation.depth();
     if MEDIA && scene.is_see_through {
         // Ways between points may lead through several media.
-        for seat in seats {
-            seat.radiance = suffix.radiance(scene, survey, seat.ray, &seat.own, &mut seat.lambda, counters);
+        for pixel_sample in pixel_samples {
+            pixel_sample.radiance = continuation.radiance(
+                scene,
+                precomputed,
+                pixel_sample.ray,
+                &pixel_sample.own,
+                &mut pixel_sample.lambda,
+                counters,
+            );
         }
         return;
     }
     let (mut rays, mut hits) = ([NO_RAY; MAX_GROUP], [None; MAX_GROUP]);
-    rays.iter_mut().zip(&*seats).for_each(|(ray, seat)| *ray = seat.ray);
-    scene.intersect_batch(&rays[..seats.len()], &mut hits[..seats.len()]);
-    counters.rays += seats.len() as u64;
+    rays.iter_mut().zip(&*pixel_samples).for_each(|(ray, pixel_sample)| *ray = pixel_sample.ray);
+    scene.intersect_batch(&rays[..pixel_samples.len()], &mut hits[..pixel_samples.len()]);
+    counters.rays += pixel_samples.len() as u64;
     let mut count = 0;
-    for (index, (seat, hit)) in seats.iter_mut().zip(hits).enumerate() {
-        let whole = seat.lambda;
-        seat.radiance = Spectrum::ZERO;
+    for (index, (pixel_sample, hit)) in pixel_samples.iter_mut().zip(hits).enumerate() {
+        let for_all_wavelengths = pixel_sample.lambda;
+        pixel_sample.radiance = Spectrum::ZERO;
         let member = &mut members[count];
-        if !member.reach::<MEDIA>(scene, survey, seat, hit, depth, counters) {
+        if !member.reach::<MEDIA>(scene, precomputed, pixel_sample, hit, depth, counters) {
             continue;
         }
         let Arrival::Vertex(x) = &member.x else { continue };
-        member.leg.weigh(x, survey, &seat.lambda);
-        if seat.lambda == whole && is_shareable(x) {
-            member.seat = index;
+        member.path_state.weigh(x, precomputed, &pixel_sample.lambda);
+        if pixel_sample.lambda == for_all_wavelengths && is_shareable(x) {
+            member.pixel_sample = index;
             count += 1;
         } else {
-            seat.radiance += suffix.leaving(scene, survey, x, member.leg, &seat.own, &mut seat.lambda, counters);
+            pixel_sample.radiance += continuation.leaving(
+                scene,
+                precomputed,
+                x,
+                member.path_state,
+                &pixel_sample.own,
+                &mut pixel_sample.lambda,
+                counters,
+            );
         }
     }
     let group = &mut members[..count];
-    if let [Member { seat, x: Arrival::Vertex(x), leg, .. }] = group {
-        let seat = &mut seats[*seat];
-        seat.radiance += suffix.leaving(scene, survey, x, *leg, &seat.own, &mut seat.lambda, counters);
+    if let [Member { pixel_sample, x: Arrival::Vertex(x), path_state, .. }] = group {
+        let pixel_sample = &mut pixel_samples[*pixel_sample];
+        pixel_sample.radiance += continuation.leaving(
+            scene,
+            precomputed,
+            x,
+            *path_state,
+            &pixel_sample.own,
+            &mut pixel_sample.lambda,
+            counters,
+        );
         return;
     }
-    for k in 0..survey.effort.lights {
-        direct::<MEDIA>(scene, k, group, seats, counters);
+    for k in 0..precomputed.effort.lights {
+        direct::<MEDIA>(scene, k, group, pixel_samples, counters);
     }
-    bounce::<MEDIA>(scene, survey, group, seats, depth, counters);
-    share(suffix, scene, survey, group, seats, counters);
+    bounce::<MEDIA>(scene, precomputed, group, pixel_samples, depth, counters);
+    share(continuation, scene, precomputed, group, pixel_samples, counters);
 }
 
 /// Light straight from lights at all x, by the `k`th of their light samples.
-fn direct<const MEDIA: bool>(scene: &Scene, k: u32, group: &[Member<'_>], seats: &mut [Seat], counters: &mut Counters) {
+fn direct<const MEDIA: bool>(
+    scene: &Scene,
+    k: u32,
+    group: &[Member<'_>],
+    pixel_samples: &mut [PixelSample],
+    counters: &mut Counters,
+) {
     let (mut rays, mut light, mut count) = ([NO_RAY; MAX_GROUP], [(0, Spectrum::ZERO); MAX_GROUP], 0);
-    for Member { seat, x, leg, .. } in group {
-        let (Arrival::Vertex(x), Seat { own, lambda, .. }) = (x, &seats[*seat]) else { continue };
-        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, leg.event_of_light(k), own, lambda) {
-            (rays[count], light[count]) = (ray, (*seat, leg.beta * value / leg.lights as f32));
+    for Member { pixel_sample, x, path_state, .. } in group {
+        let (Arrival::Vertex(x), PixelSample { own, lambda, .. }) = (x, &pixel_samples[*pixel_sample]) else {
+            continue;
+        };
+        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, path_state.event_of_light(k), own, lambda) {
+            (rays[count], light[count]) = (ray, (*pixel_sample, path_state.beta * value / path_state.lights as f32));
             count += 1;
         }
     }
     let mut occluded = [false; MAX_GROUP];
     scene.occluded_batch(&rays[..count], &mut occluded[..count]);
     counters.rays += count as u64;
-    for ((seat, light), _) in light[..count].iter().zip(occluded).filter(|(_, is_occluded)| !is_occluded) {
-        seats[*seat].radiance += *light;
+    for ((pixel_sample, light), _) in light[..count].iter().zip(occluded).filter(|(_, is_occluded)| !is_occluded) {
+        pixel_samples[*pixel_sample].radiance += *light;
     }
 }
 
 /// Follows all members on from x; emission met there is the pixel's own.
 fn bounce<'s, const MEDIA: bool>(
     scene: &'s Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     group: &mut [Member<'s>],
-    seats: &mut [Seat],
+    pixel_samples: &mut [PixelSample],
     depth: &Depth,
     counters: &mut Counters,
 ) {
     let (mut rays, mut places, mut count) = ([NO_RAY; MAX_GROUP], [0; MAX_GROUP], 0);
     for (m, member) in group.iter_mut().enumerate() {
-        if member.turn::<MEDIA>(scene, survey, &mut seats[member.seat]) {
-            (rays[count], places[count]) = (member.leg.ray, m);
+        if member.turn::<MEDIA>(scene, precomputed, &mut pixel_samples[member.pixel_sample]) {
+            (rays[count], places[count]) = (member.path_state.ray, m);
             count += 1;
         }
     }
@@ -303,15 +363,25 @@ fn bounce<'s, const MEDIA: bool>(
     scene.intersect_batch(&rays[..count], &mut hits[..count]);
     counters.rays += count as u64;
     for (m, hit) in places[..count].iter().zip(hits) {
-        let Member { seat, leg, y, lambda, .. } = &mut group[*m];
-        let seat = &mut seats[*seat];
-        *lambda = seat.lambda;
-        meet::<MEDIA>(scene, leg, hit, &mut seat.radiance, depth, &seat.joint, lambda, counters, y);
+        let Member { pixel_sample, path_state, y, lambda, .. } = &mut group[*m];
+        let pixel_sample = &mut pixel_samples[*pixel_sample];
+        *lambda = pixel_sample.lambda;
+        meet::<MEDIA>(
+            scene,
+            path_state,
+            hit,
+            &mut pixel_sample.radiance,
+            depth,
+            &pixel_sample.joint,
+            lambda,
+            counters,
+            y,
+        );
     }
 }
 
-/// Whether members may stand in for each other at a vertex: a model whose evaluation has the density of its samples, and not one that none are
-/// drawn from, nor one with a lobe so narrow that nobody else ever would.
+/// Whether members may stand in for each other at a vertex: a model whose evaluation has the density of its samples,
+/// and not one that none are drawn from, nor one with a lobe so narrow that nobody else ever would.
 fn is_shareable(v: &Vertex<'_>) -> bool {
     match v {
         Vertex::Surface { scattering, .. } => match &scattering.bsdf {

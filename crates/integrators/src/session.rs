@@ -1,9 +1,11 @@
 //! A rendering session: advances a film by samples, on any number of threads, with the same bits for any of them.
 //!
-//! The frame is cut into tiles. A pixel's samples are added in the order of their index, whatever the number of steps they come in, so sums do not
-//! depend on threads, tiles or steps. Where paths share, groups of pixels lie across tiles, otherwise for every index: what is done is cut by the
-//! tile in which groups begin, and is added to the film when all about it has come as far. What depends on the picture so far, namely how many samples
-//! a cell gets ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that are fixed.
+//! The frame is cut into tiles. A pixel's samples are added in the order of their index, whatever the number of steps
+//! they come in, so sums do not depend on threads, tiles or steps. Where paths share, groups of pixels lie across
+//! tiles, otherwise for every index: what is done is cut by the tile in which groups begin, and is added to the film
+//! when all about it has come as far. What depends on the picture so far, namely how many samples a cell gets
+//! ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that
+//! are fixed.
 
 pub(crate) mod estimate;
 mod scales;
@@ -19,7 +21,7 @@ use crate::{
     Counters, Integrator, IntegratorKind, Stop,
     adaptive::{self, Need, Round},
     partition::{CELLS, TILE},
-    survey::Survey,
+    precomputed::Precomputed,
 };
 pub use estimate::Doubt;
 pub use scales::SCALES;
@@ -75,7 +77,7 @@ pub struct Control {
     /// Rays traced so far.
     pub rays: AtomicU64,
     /// Whether trials of the scene are under way, before the first sample.
-    pub surveys: AtomicBool,
+    pub trials: AtomicBool,
     /// Set to stop, wherever paths are.
     pub cancel: Arc<AtomicBool>,
 }
@@ -100,8 +102,8 @@ pub struct Film {
 pub struct Session<'s> {
     scene: &'s Scene,
     plan: Plan,
-    survey: Survey,
-    is_surveyed: bool,
+    precomputed: Precomputed,
+    is_prepared: bool,
     tiles: Vec<Mutex<Tile>>,
     /// Cells of a row of tiles.
     columns: usize,
@@ -132,8 +134,8 @@ pub(crate) fn cpu_time() -> Duration {
 
 impl<'s> Session<'s> {
     /// Starts with an empty film, and with what is known of the scene already.
-    pub fn with_survey(scene: &'s Scene, plan: Plan, survey: Survey) -> Self {
-        Self { survey, is_surveyed: true, ..Self::new(scene, plan) }
+    pub fn with_precomputed(scene: &'s Scene, plan: Plan, precomputed: Precomputed) -> Self {
+        Self { precomputed, is_prepared: true, ..Self::new(scene, plan) }
     }
 
     /// Starts with an empty film.
@@ -158,8 +160,8 @@ impl<'s> Session<'s> {
         let mut session = Self {
             scene,
             plan,
-            survey: Survey::default(),
-            is_surveyed: false,
+            precomputed: Precomputed::default(),
+            is_prepared: false,
             tiles,
             columns: columns * CELLS as usize,
             targets: Vec::new(),
@@ -190,41 +192,41 @@ impl<'s> Session<'s> {
 
     /// What trials find out about the scene, before the first step; whether they came to an end.
     fn look_about(&mut self, control: &Control) -> bool {
-        if self.is_surveyed {
+        if self.is_prepared {
             return true;
         }
         let (start, cpu) = (Instant::now(), cpu_time());
-        control.surveys.store(true, Ordering::Relaxed);
+        control.trials.store(true, Ordering::Relaxed);
         let stop = Stop::by(&control.cancel);
-        let survey = || self.plan.integrator.survey(self.scene, &self.plan, &stop);
+        let precomputed = || self.plan.integrator.precomputed(self.scene, &self.plan, &stop);
         // On as many threads as a step has; where the system gives no more of them, on those there are.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads()).build();
-        let survey = pool.map_or_else(|_| survey(), |pool| pool.install(survey));
-        control.surveys.store(false, Ordering::Relaxed);
-        self.is_surveyed = !stop.is_asked();
-        if self.is_surveyed {
-            self.survey = survey;
+        let precomputed = pool.map_or_else(|_| precomputed(), |pool| pool.install(precomputed));
+        control.trials.store(false, Ordering::Relaxed);
+        self.is_prepared = !stop.is_asked();
+        if self.is_prepared {
+            self.precomputed = precomputed;
         }
         self.wall += start.elapsed();
         self.cpu += cpu_time().saturating_sub(cpu);
-        self.is_surveyed
+        self.is_prepared
     }
 
     /// Does without trials that did not come to an end: paths then share nothing and follow the same rules everywhere.
     /// `false`, and nothing is changed, where the integrator needs what they compute.
     pub fn skip_trials(&mut self) -> bool {
         let can_do_without = !matches!(self.plan.integrator, IntegratorKind::Radiosity(_));
-        self.is_surveyed |= can_do_without;
+        self.is_prepared |= can_do_without;
         can_do_without
     }
 
-    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a cancelled step
-    /// did not reach is caught up by the next one.
+    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a
+    /// cancelled step did not reach is caught up by the next one.
     pub fn step(&mut self, samples: u32, control: &Control) {
         if !self.look_about(control) {
             return;
         }
-        self.survey.stop = Stop::by(&control.cancel);
+        self.precomputed.stop = Stop::by(&control.cancel);
         let goal = self.next.saturating_add(samples).min(self.plan.sampler.spp);
         loop {
             if !self.is_complete {
@@ -344,12 +346,12 @@ impl<'s> Session<'s> {
 
     /// Whether photons tell where light comes from behind mirrors and glass.
     pub fn asks_photons(&self) -> bool {
-        self.survey.caustics.is_some()
+        self.precomputed.caustics.is_some()
     }
 
     /// How many paths of pixels near each other share what they find; 1 where none do, and before the first step.
     pub fn sharing(&self) -> u32 {
-        self.survey.reuse()
+        self.precomputed.reuse()
     }
 
     /// What was done so far.

@@ -1,19 +1,20 @@
 //! How much is spent where: parts of the picture in which a sample of a pixel is the mean of several paths.
 //!
-//! For a sum of squared relative errors `Σ v/s` at the cost `Σ c s`, with `v` the variance of a path in a cell of pixels and `c` its cost, the best
-//! numbers of paths are `s ∝ √(v/c)` ([`crate::adaptive`]). A pilot of few paths, which are no part of the picture, tells `v` and `c` of each cell
-//! beforehand; numbers are powers of two, which samplers spread best. No part gets less than it would without.
+//! For a sum of squared relative errors `Σ v/s` at the cost `Σ c s`, with `v` the variance of a path in a cell of
+//! pixels and `c` its cost, the best numbers of paths are `s ∝ √(v/c)` ([`crate::adaptive`]). A pilot of few paths,
+//! which are no part of the picture, tells `v` and `c` of each cell beforehand; numbers are powers of two, which
+//! samplers spread best. No part gets less than it would without.
 //!
-//! Whether that pays is asked of cells by what their neighbours found: a cell that by chance met something bright would otherwise promise
-//! what it cannot keep. What is promised has to be much, since twice the paths everywhere raise the efficiency too, with samplers that spread them
-//! well (by 1.0 to 1.2).
+//! Whether that pays is asked of cells by what their neighbours found: a cell that by chance met something bright would
+//! otherwise promise what it cannot keep. What is promised has to be much, since twice the paths everywhere raise the
+//! efficiency too, with samplers that spread them well (by 1.0 to 1.2).
 
 use crate::{
     adaptive::{CELL, FLOOR, Need, around},
     partition::Partition,
+    precomputed::Precomputed,
     probe::Probe,
-    reuse::Suffix,
-    survey::Survey,
+    reuse::PathContinuation,
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -25,8 +26,8 @@ const MOST: u32 = 4;
 const WORTH: f64 = 1.35;
 /// The same by a pilot of a quarter of the cells, from which on all of them are asked.
 const PROMISING: f64 = 1.2;
-/// Samples of the picture for each cell of the pilot, which has some 32 paths there, and most cells: those of larger pictures, or with fewer
-/// samples, stand for others beside them.
+/// Samples of the picture for each cell of the pilot, which has some 32 paths there, and most cells: those of larger
+/// pictures, or with fewer samples, stand for others beside them.
 const SAMPLES: u64 = 1024;
 const MOST_CELLS: u64 = 1 << 14;
 
@@ -59,10 +60,10 @@ impl Splitting {
 }
 
 /// What pays for a picture of so many samples in all.
-pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     samples: u64,
 ) -> Splitting {
     let film = &scene.film;
@@ -71,17 +72,17 @@ pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
     while u64::from(film.width.div_ceil(edge)) * u64::from(film.height.div_ceil(edge)) > most {
         edge *= 2;
     }
-    let fly = |edge| Pilot::fly(suffix, scene, survey, edge);
-    if fly(2 * edge).best().gain < PROMISING {
+    let measure = |edge| PilotStatistics::measure(continuation, scene, precomputed, edge);
+    if measure(2 * edge).best().gain < PROMISING {
         return Splitting::default();
     }
-    let pilot = fly(edge);
+    let pilot = measure(edge);
     let best = pilot.best();
     if best.gain < WORTH { Splitting::default() } else { pilot.splitting(best.unit) }
 }
 
 /// What was found out about the picture, by rows of squares.
-struct Pilot {
+struct PilotStatistics {
     needs: Vec<Need>,
     columns: u32,
     edge: u32,
@@ -93,11 +94,16 @@ struct Best {
     gain: f64,
 }
 
-impl Pilot {
+impl PilotStatistics {
     /// Asks one cell of each square with an edge in pixels.
-    fn fly<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey, edge: u32) -> Self {
+    fn measure<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+        continuation: &S,
+        scene: &Scene,
+        precomputed: &Precomputed,
+        edge: u32,
+    ) -> Self {
         let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
-        let need = |k| need(suffix, scene, survey, [k % columns, k / columns], edge);
+        let need = |k| need(continuation, scene, precomputed, [k % columns, k / columns], edge);
         Self { needs: (0..columns * rows).into_par_iter().map(need).collect(), columns, edge }
     }
 
@@ -144,10 +150,10 @@ fn paths(demand: f64, unit: f64) -> u8 {
 }
 
 /// What a square needs, by one of its cells.
-fn need<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+fn need<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     square: [u32; 2],
     edge: u32,
 ) -> Need {
@@ -160,11 +166,11 @@ fn need<const MEDIA: bool, S: Suffix<MEDIA>>(
         first + (hash >> (16 * axis)) % cells * CELL
     });
     // Larger groups reach far beyond the cell: small ones stand for them.
-    let partition = Partition::new(survey.reuse().min(4), 0);
+    let partition = Partition::new(precomputed.reuse().min(4), 0);
     let (mut variance, mut level, mut cost, mut count) = (0.0, 0.0, 0.0, 0);
     for window in partition.about(at, hash) {
         let mut probe = Probe::new(scene, &partition, window);
-        let [a, b] = [0, 1].map(|seed| probe.sample(suffix, scene, survey, seed, (0, 1)));
+        let [a, b] = [0, 1].map(|seed| probe.sample(continuation, scene, precomputed, seed, (0, 1)));
         count += probe.places.len() as u32;
         cost += 0.5 * (a.1 + b.1);
         for (a, b) in a.0.iter().zip(&b.0).take(probe.places.len()) {
@@ -182,16 +188,16 @@ mod tests {
     use super::*;
 
     /// A picture of 32 × 32 cells, a part of which errs and costs more.
-    fn pilot(part: impl Fn(u32, u32) -> bool, variance: f64, rays: f64) -> Pilot {
+    fn pilot(part: impl Fn(u32, u32) -> bool, variance: f64, rays: f64) -> PilotStatistics {
         let need = |k: u32| {
             let (variance, rays) = if part(k % 32, k / 32) { (variance, rays) } else { (1.0, 2.0) };
             Need { pixels: 64, variance, rays }
         };
-        Pilot { needs: (0..1024).map(need).collect(), columns: 32, edge: CELL }
+        PilotStatistics { needs: (0..1024).map(need).collect(), columns: 32, edge: CELL }
     }
 
-    /// A quarter of the picture with 200 times the variance: four paths there take 7/4 of the cost and leave 203/803 of the variance, so the
-    /// gain is 2.26; cells at its border, which go by those beside them, take a little away.
+    /// A quarter of the picture with 200 times the variance: four paths there take 7/4 of the cost and leave 203/803 of
+    /// the variance, so the gain is 2.26; cells at its border, which go by those beside them, take a little away.
     #[test]
     fn what_errs_more_gets_more() {
         let pilot = pilot(|x, y| x < 16 && y < 16, 200.0, 2.0);
@@ -202,7 +208,8 @@ mod tests {
         assert_eq!([paths(3, 3), paths(14, 0), paths(20, 3), paths(31, 31)], [4, 4, 1, 1]);
     }
 
-    /// Nothing is gained where all is alike, and nothing by what one cell met that its neighbours know nothing of, in a hundred places.
+    /// Nothing is gained where all is alike, and nothing by what one cell met that its neighbours know nothing of, in a
+    /// hundred places.
     #[test]
     fn chance_promises_nothing() {
         assert_eq!(pilot(|_, _| false, 0.0, 0.0).best().gain, 1.0);

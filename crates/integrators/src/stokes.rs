@@ -1,10 +1,11 @@
 //! Path tracing of polarised light: one component of the Stokes vector that reaches the camera.
 //!
-//! As `path`, but the throughput is a Mueller matrix: what lies between the camera and the current vertex acts on Stokes vectors
-//! from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the picture: S₁ is positive for
-//! light that swings from left to right. In scenes that nothing polarises twice, S₀ is the picture of `path`.
+//! As `path`, but the throughput is a Mueller matrix: what lies between the camera and the current vertex acts on
+//! Stokes vectors from right to left. Lights are unpolarised. The vector at the camera refers to the horizontal of the
+//! picture: S₁ is positive for light that swings from left to right. In scenes that nothing polarises twice, S₀ is the
+//! picture of `path`.
 
-use crate::{Counters, Depth, Integrator, Survey, dimension, live_max, nee, walk};
+use crate::{Counters, Depth, Integrator, Precomputed, dimension, live_max, nee, walk};
 use steradian_core::{
     Scene,
     bsdf::{TransportMode, polarized},
@@ -29,7 +30,7 @@ impl Integrator for Stokes {
     fn radiance(
         &self,
         scene: &Scene,
-        _survey: &Survey,
+        _survey: &Precomputed,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
@@ -115,7 +116,8 @@ impl Stokes {
             origin = if s.lobe.is_specular() { None } else { Some((nee::context(&i, &frame, bsdf), s.pdf)) };
             ray = i.spawn(frame.to_world(s.wi));
             events += 1;
-            // A chain may send on polarised light that it holds back from unpolarised: roulette looks at its largest row sum.
+            // A chain may send on polarised light that it holds back from unpolarised: roulette looks at its largest
+            // row sum.
             let strongest = chain.0[0].iter().fold(Spectrum::ZERO, |m, v| m + v.map(f32::abs));
             let live = live_max(strongest, lambda) * eta2;
             match walk::roulette(live, events, &self.depth, None, sampler) {

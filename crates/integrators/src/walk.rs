@@ -1,9 +1,9 @@
-//! The steps of which path tracers are made: along a ray to the next point that scatters, and on from there. `MEDIA` says whether light
-//! is scattered between surfaces, and seen through thin panes; without, media are ignored.
+//! The steps of which path tracers are made: along a ray to the next point that scatters, and on from there. `MEDIA`
+//! says whether light is scattered between surfaces, and seen through thin panes; without, media are ignored.
 
 use crate::{
-    Counters, Depth, Survey,
-    caustics::Draw,
+    Counters, Depth, Precomputed,
+    caustics::GuidedDirection,
     dimension,
     flight::{self, Flight},
     live_max, nee, power_heuristic,
@@ -26,12 +26,12 @@ pub(crate) const MAX_PASSES: u32 = 1 << 16;
 /// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
 const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 
-/// After this many events roulette is played whatever the throughput, with the survival at most the second number: between surfaces
-/// that absorb nothing, and in dense media, paths would never end.
+/// After this many events roulette is played whatever the throughput, with the survival at most the second number:
+/// between surfaces that absorb nothing, and in dense media, paths would never end.
 pub(crate) const LONG_PATH: (u32, f32) = (1000, 0.99);
 
-/// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette ([`Leg::for_roulette`]), goes on
-/// with times as much, or `None` where it ends.
+/// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette
+/// ([`PathState::for_roulette`]), goes on with times as much, or `None` where it ends.
 #[inline]
 pub(crate) fn roulette(
     live: f32,
@@ -55,13 +55,14 @@ pub(crate) fn roulette(
 
 /// A path that sets out along a ray.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leg {
+pub(crate) struct PathState {
     /// Where it goes.
     pub ray: Ray,
     /// What it carries.
     pub beta: Spectrum,
-    /// The throughput counts for this many times as much in roulette: without the compression of radiance by refraction, and as if surfaces alone
-    /// had drawn the directions. A path that photons lead to light carries little because it is one of many, not because light was lost.
+    /// The throughput counts for this many times as much in roulette: without the compression of radiance by
+    /// refraction, and as if surfaces alone had drawn the directions. A path that photons lead to light carries little
+    /// because it is one of many, not because light was lost.
     pub for_roulette: f32,
     /// Where it last scattered.
     pub origin: nee::Origin,
@@ -71,8 +72,8 @@ pub(crate) struct Leg {
     pub passes: u32,
     /// The medium that it goes through.
     pub medium: Option<u32>,
-    /// What makes textures' footprints, up to the first event that blurs; from there on they are those of the camera seeing the
-    /// point.
+    /// What makes textures' footprints, up to the first event that blurs; from there on they are those of the camera
+    /// seeing the point.
     pub differential: Option<RayDifferential>,
     /// Light samples to take where it arrives.
     pub lights: u32,
@@ -83,7 +84,7 @@ pub(crate) struct Leg {
 /// Between the dimensions of one light sample of an event and of the next.
 const LIGHT_EVENTS: u32 = 2000;
 
-impl Leg {
+impl PathState {
     /// One that leads nowhere.
     pub const NONE: Self = Self {
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_max: 0.0 },
@@ -154,13 +155,28 @@ impl Leg {
 
     /// The same where effort is spent by vertex: there roulette is left to the next one.
     #[inline]
-    pub fn goes_on(&mut self, survey: &Survey, depth: &Depth, sampler: &PixelSampler, lambda: &Wavelengths) -> bool {
-        if survey.local.is_some() { live_max(self.beta, lambda) > 0.0 } else { self.survives(depth, sampler, lambda) }
+    pub fn goes_on(
+        &mut self,
+        precomputed: &Precomputed,
+        depth: &Depth,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+    ) -> bool {
+        if precomputed.local.is_some() {
+            live_max(self.beta, lambda) > 0.0
+        } else {
+            self.survives(depth, sampler, lambda)
+        }
     }
 
     /// On from a vertex in the direction that was drawn there.
     #[inline]
-    pub fn turn<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, Draw { sample: s, ratio }: &Draw) {
+    pub fn turn<const MEDIA: bool>(
+        &mut self,
+        scene: &Scene,
+        v: &Vertex<'_>,
+        GuidedDirection { sample: s, ratio }: &GuidedDirection,
+    ) {
         self.beta *= s.weight;
         self.for_roulette *= s.eta * s.eta / ratio;
         if MEDIA && s.lobe.is_transmission() && v.passes_straight() {
@@ -195,7 +211,8 @@ impl Leg {
         }
     }
 
-    /// The dimension of a decision of the next event. Numbers are drawn anew after each surface that was passed on the way to it.
+    /// The dimension of a decision of the next event. Numbers are drawn anew after each surface that was passed on the
+    /// way to it.
     #[inline]
     pub fn dimension(&self, decision: u32) -> u32 {
         dimension::at(self.events, decision) ^ (self.passes << 16)
@@ -328,7 +345,8 @@ impl Vertex<'_> {
         }
     }
 
-    /// Light straight from a light, scattered back along the path, if nothing stands between: its value, unit direction and distance.
+    /// Light straight from a light, scattered back along the path, if nothing stands between: its value, unit direction
+    /// and distance.
     #[inline]
     fn unoccluded(
         &self,
@@ -403,23 +421,28 @@ impl Vertex<'_> {
 
     /// A direction drawn by scattering, and by the photons near.
     #[inline]
-    pub fn sample(&self, leg: &Leg, sampler: &PixelSampler, survey: &Survey) -> Option<Draw> {
-        let u2 = sampler.get_2d(dimension::at(leg.events, dimension::DIRECTION));
+    pub fn sample(
+        &self,
+        path_state: &PathState,
+        sampler: &PixelSampler,
+        precomputed: &Precomputed,
+    ) -> Option<GuidedDirection> {
+        let u2 = sampler.get_2d(dimension::at(path_state.events, dimension::DIRECTION));
         match self {
             Self::Surface { i, scattering, frame, .. } => {
                 let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
-                let is_asked = survey.caustics.is_some() || !has_one_lobe;
-                let u = sampler.get_1d_lazily(leg.dimension(dimension::LOBE), is_asked);
+                let is_asked = precomputed.caustics.is_some() || !has_one_lobe;
+                let u = sampler.get_1d_lazily(path_state.dimension(dimension::LOBE), is_asked);
                 let wo = frame.to_local(i.wo);
-                match &survey.caustics {
+                match &precomputed.caustics {
                     Some(c) => c.sample(i.surface.p, frame, wo, scattering, u, u2),
-                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(Draw::by_surface),
+                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(GuidedDirection::by_surface),
                 }
             }
             Self::Medium { wo, scattering, .. } => {
                 let (wi, pdf) = scattering.sample_phase(*wo, u2);
                 let sample = BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 };
-                Some(Draw::by_surface(sample))
+                Some(GuidedDirection::by_surface(sample))
             }
         }
     }
@@ -437,13 +460,13 @@ pub(crate) enum Arrival<'s> {
     Escaped,
 }
 
-/// Follows a leg to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sum`. The background is
-/// left to the caller. What it leads to is written where it stays, since it is large.
+/// Follows a path to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sum`.
+/// The background is left to the caller. What it leads to is written where it stays, since it is large.
 #[inline]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn arrive<'s, const MEDIA: bool>(
     scene: &'s Scene,
-    leg: &mut Leg,
+    path_state: &mut PathState,
     sum: &mut Spectrum,
     depth: &Depth,
     sampler: &PixelSampler,
@@ -452,8 +475,8 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
     arrival: &mut Arrival<'s>,
 ) {
     counters.rays += 1;
-    let hit = scene.intersect(&leg.ray);
-    meet::<MEDIA>(scene, leg, hit, sum, depth, sampler, lambda, counters, arrival);
+    let hit = scene.intersect(&path_state.ray);
+    meet::<MEDIA>(scene, path_state, hit, sum, depth, sampler, lambda, counters, arrival);
 }
 
 /// As [`arrive`], where it is known what the ray hits first.
@@ -461,7 +484,7 @@ pub(crate) fn arrive<'s, const MEDIA: bool>(
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn meet<'s, const MEDIA: bool>(
     scene: &'s Scene,
-    leg: &mut Leg,
+    path_state: &mut PathState,
     mut hit: Option<Hit>,
     sum: &mut Spectrum,
     depth: &Depth,
@@ -475,22 +498,22 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
         if counters.stop.is_asked() {
             return;
         }
-        if let (true, Some(medium)) = (MEDIA, leg.medium) {
+        if let (true, Some(medium)) = (MEDIA, path_state.medium) {
             let scattering = &scene.media[medium as usize];
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
-            let u = sampler.get_1d(leg.dimension(dimension::FLIGHT));
-            let lane = sampler.get_1d(leg.dimension(dimension::LANE));
-            let (factor, t) = match flight::fly(scene, scattering, distance, lane, u, lambda) {
+            let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
+            let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
+            let (factor, t) = match flight::sample_flight(scene, scattering, distance, lane, u, lambda) {
                 Flight::Passed(factor) => (factor, None),
                 Flight::Scattered(t, factor) => (factor, Some(t)),
             };
-            leg.beta *= factor;
-            if live_max(leg.beta, lambda) <= 0.0 {
+            path_state.beta *= factor;
+            if live_max(path_state.beta, lambda) <= 0.0 {
                 return;
             }
             if let Some(t) = t {
-                if leg.events < depth.max {
-                    let (p, wo) = (leg.ray.at(t), -leg.ray.direction);
+                if path_state.events < depth.max {
+                    let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
                     *arrival = Arrival::Vertex(Vertex::Medium { p, wo, scattering, medium });
                 }
                 return;
@@ -500,54 +523,63 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
             *arrival = Arrival::Escaped;
             return;
         };
-        let i = scene.interaction_of_light(&leg.ray, &met);
-        if !(leg.events == 0 && depth.hide_emitters) {
-            let light = leg.beta * nee::emission(scene, &i, &leg.origin, lambda);
+        let i = scene.interaction_of_light(&path_state.ray, &met);
+        if !(path_state.events == 0 && depth.hide_emitters) {
+            let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
             let emitter = || scene.geometries[i.geometry as usize].emitter;
             counters.note(|| emitter().map(|e| scene.light_groups.of_emitters[e as usize]), light);
             *sum += light;
         }
-        let is_last = leg.events >= depth.max;
+        let is_last = path_state.events >= depth.max;
         if is_last && !scene.is_see_through {
             return;
         }
-        let choice = sampler.get_1d_lazily(leg.dimension(dimension::MIXTURE), scene.has_mixtures);
-        if let Some((scattering, frame)) = scene.scattering_along(&i, leg.differential.as_ref(), choice, lambda) {
+        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures);
+        if let Some((scattering, frame)) = scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda)
+        {
             if !is_last {
-                *arrival = Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: leg.medium });
+                *arrival = Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: path_state.medium });
             }
             return;
         }
-        leg.passes += 1;
+        path_state.passes += 1;
         if MEDIA {
-            leg.medium = scene.medium_towards(&i, leg.ray.direction, leg.medium);
+            path_state.medium = scene.medium_towards(&i, path_state.ray.direction, path_state.medium);
         }
-        leg.ray = i.spawn(leg.ray.direction);
-        leg.differential = leg.differential.map(|d| d.advance(i.t));
-        if leg.passes > MAX_PASSES {
+        path_state.ray = i.spawn(path_state.ray.direction);
+        path_state.differential = path_state.differential.map(|d| d.advance(i.t));
+        if path_state.passes > MAX_PASSES {
             return;
         }
         counters.rays += 1;
-        hit = scene.intersect(&leg.ray);
+        hit = scene.intersect(&path_state.ray);
     }
 }
 
 /// As [`escape`], by groups of lights.
 #[cold]
-pub(crate) fn escape_by_group(scene: &Scene, leg: &Leg, depth: &Depth, lambda: &Wavelengths, counters: &mut Counters) {
-    if leg.events == 0 && depth.hide_emitters {
+pub(crate) fn escape_by_group(
+    scene: &Scene,
+    path_state: &PathState,
+    depth: &Depth,
+    lambda: &Wavelengths,
+    counters: &mut Counters,
+) {
+    if path_state.events == 0 && depth.hide_emitters {
         return;
     }
     for &light in &scene.lights.environments {
-        let found = nee::environment(scene, light, leg.ray.origin, leg.ray.direction, &leg.origin, lambda);
-        counters.note(|| Some(scene.light_groups.of_lights[light as usize]), leg.beta * found);
+        let found =
+            nee::environment(scene, light, path_state.ray.origin, path_state.ray.direction, &path_state.origin, lambda);
+        counters.note(|| Some(scene.light_groups.of_lights[light as usize]), path_state.beta * found);
     }
 }
 
-/// Adds the light of the environments that a leg met to `sum`.
+/// Adds the light of the environments that a path met to `sum`.
 #[inline]
-pub(crate) fn escape(scene: &Scene, leg: &Leg, sum: &mut Spectrum, depth: &Depth, lambda: &Wavelengths) {
-    if !(leg.events == 0 && depth.hide_emitters) {
-        *sum += leg.beta * nee::background(scene, leg.ray.origin, leg.ray.direction, &leg.origin, lambda);
+pub(crate) fn escape(scene: &Scene, path_state: &PathState, sum: &mut Spectrum, depth: &Depth, lambda: &Wavelengths) {
+    if !(path_state.events == 0 && depth.hide_emitters) {
+        *sum += path_state.beta
+            * nee::background(scene, path_state.ray.origin, path_state.ray.direction, &path_state.origin, lambda);
     }
 }

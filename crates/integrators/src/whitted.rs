@@ -1,7 +1,7 @@
-//! Whitted's ray tracing: mirrors and glass are followed in both directions, every light is asked once at each surface, and
-//! nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
+//! Whitted's ray tracing: mirrors and glass are followed in both directions, every light is asked once at each surface,
+//! and nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
-use crate::{Counters, Depth, Integrator, Survey, dimension, nee, walk::MAX_PASSES};
+use crate::{Counters, Depth, Integrator, Precomputed, dimension, nee, walk::MAX_PASSES};
 use steradian_core::{
     Scene,
     bsdf::TransportMode,
@@ -16,7 +16,8 @@ use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON, spectr
 /// Rays branch in two at glass, so the depth is held to this, whatever the scene asks for.
 pub const DEEPEST: u32 = 16;
 
-/// A sample that has taken more rays than this follows one of two ways, chosen by what each carries: the tree of rays stays small.
+/// A sample that has taken more rays than this follows one of two ways, chosen by what each carries: the tree of rays
+/// stays small.
 const BRANCHING_RAYS: u64 = 1000;
 
 /// A branch of the tree of rays.
@@ -156,7 +157,7 @@ impl Integrator for Whitted {
     fn radiance(
         &self,
         scene: &Scene,
-        _survey: &Survey,
+        _survey: &Precomputed,
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,

@@ -102,9 +102,9 @@ impl Bounds3 {
 
     /// Slab test of `[0, t_max]`: the interval of the ray within the box, or `None`.
     ///
-    /// The interval starts as `[0, t_max]` before the first axis (the lectures reset it per axis), and a NaN that comes from
-    /// `0·∞` (a ray within a slab plane) leaves it as it is. The far distance is widened by `1 + 2γ(3)` so that no hit is lost
-    /// to rounding (Ize 2013).
+    /// The interval starts as `[0, t_max]` before the first axis (the lectures reset it per axis), and a NaN that comes
+    /// from `0·∞` (a ray within a slab plane) leaves it as it is. The far distance is widened by `1 + 2γ(3)` so that no
+    /// hit is lost to rounding (Ize 2013).
     pub fn intersect(&self, origin: Vec3, inv_direction: Vec3, t_max: f32) -> Option<(f32, f32)> {
         const WIDEN: f32 = 1.0 + 2.0 * (3.0 * f32::EPSILON * 0.5) / (1.0 - 3.0 * f32::EPSILON * 0.5);
         let (mut t0, mut t1) = (0.0_f32, t_max);

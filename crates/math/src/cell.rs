@@ -1,8 +1,8 @@
 //! Places in tables with even steps.
 
-/// The cell `[i, i + 1]` of a table that holds `x`, and the place in it, `x = i + t`. There are `cells` of them, at most 2²², and the first and the
-/// last go on beyond the table. A whole number is at the end of one cell or at the beginning of the next. No number is converted, which would
-/// take longer than all the rest.
+/// The cell `[i, i + 1]` of a table that holds `x`, and the place in it, `x = i + t`. There are `cells` of them, at
+/// most 2²², and the first and the last go on beyond the table. A whole number is at the end of one cell or at the
+/// beginning of the next. No number is converted, which would take longer than all the rest.
 #[inline(always)]
 pub fn cell(x: f32, cells: usize) -> (usize, f32) {
     // Added and taken away again, this rounds to an integer, which the low bits of the sum hold.

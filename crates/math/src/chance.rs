@@ -1,7 +1,8 @@
 //! Decisions by uniform numbers.
 
-/// A uniform number or a probability in `[0, 1]` by its bits, which are ordered as the numbers are. A branch that chance decides is often
-/// mispredicted; compared as integers it is known to be so at once, and not only when the arithmetic before it is done.
+/// A uniform number or a probability in `[0, 1]` by its bits, which are ordered as the numbers are. A branch that
+/// chance decides is often mispredicted; compared as integers it is known to be so at once, and not only when the
+/// arithmetic before it is done.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Chance(u32);
 

@@ -9,8 +9,8 @@ pub fn random_2d(rng: &mut HashRng) -> Vec2 {
     Vec2::new(rng.next_f32(), rng.next_f32())
 }
 
-/// Fails when counts and expectations differ by more than chance: the Wilson–Hilferty score of χ² must stay below 4 (one false
-/// alarm in 30 000, and seeds are fixed). Cells that expect fewer than five are pooled.
+/// Fails when counts and expectations differ by more than chance: the Wilson–Hilferty score of χ² must stay below 4
+/// (one false alarm in 30 000, and seeds are fixed). Cells that expect fewer than five are pooled.
 pub fn assert_fits(name: &str, observed: &[f64], expected: &[f64]) {
     let (mut chi2, mut cells) = (0.0, 0.0);
     let mut pool = (0.0, 0.0);

@@ -1,9 +1,9 @@
-//! Elementary functions in single precision that the system's library is slow at, from sums, products and quotients, to be inlined; with
-//! the same bits on every machine, which that library does not promise.
+//! Elementary functions in single precision that the system's library is slow at, from sums, products and quotients, to
+//! be inlined; with the same bits on every machine, which that library does not promise.
 //!
-//! Exponentials and logarithms are computed in double precision, which needs no second word for what the reduction of the range rounds
-//! off, with few terms (Taylor's, of which the first is exact) in pairs, which wait less for each other. Sine, cosine and arctangent are
-//! those of the Cephes library (Moshier 1989). Errors are as the tests have it.
+//! Exponentials and logarithms are computed in double precision, which needs no second word for what the reduction of
+//! the range rounds off, with few terms (Taylor's, of which the first is exact) in pairs, which wait less for each
+//! other. Sine, cosine and arctangent are those of the Cephes library (Moshier 1989). Errors are as the tests have it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
@@ -50,8 +50,8 @@ const POWERS: [f64; STEPS] = [
 /// Steps of the table from 1 to e.
 const STEPS_TO_E: f64 = STEPS as f64 * LOG2_E;
 
-/// `2^(i/32)` and `2^(r/32) − 1`, of which `2^(s/32)` for `s` steps is the product, with `i` the nearest integer and the second relative
-/// to one: for `|s| < 32000`. The error of the second is below 6·10⁻⁸ of it.
+/// `2^(i/32)` and `2^(r/32) − 1`, of which `2^(s/32)` for `s` steps is the product, with `i` the nearest integer and
+/// the second relative to one: for `|s| < 32000`. The error of the second is below 6·10⁻⁸ of it.
 #[inline]
 fn power_and_rest(steps: f64) -> (f64, f64) {
     // Added and taken away again, this rounds to an integer, which the low bits of the sum hold.
@@ -151,8 +151,8 @@ pub fn pow(x: f32, y: f32) -> f32 {
     power_of((f64::from(y) * STEPS as f64) * log2_of(f64::from(x.max(f32::MIN_POSITIVE))))
 }
 
-/// An exponent of many powers. Where its double is a small integer they are products, with a root at most, which take less time than
-/// logarithms.
+/// An exponent of many powers. Where its double is a small integer they are products, with a root at most, which take
+/// less time than logarithms.
 #[derive(Clone, Copy, Debug)]
 pub struct Exponent {
     value: f32,
@@ -199,7 +199,8 @@ fn whole_power(mut x: f64, mut n: u16) -> f64 {
     power
 }
 
-/// `xʸ` for normal `x > 0`, and how much it is above one, with relative errors below 2·10⁻⁷ of each: for `|y ln x| < 690`.
+/// `xʸ` for normal `x > 0`, and how much it is above one, with relative errors below 2·10⁻⁷ of each: for
+/// `|y ln x| < 690`.
 #[inline]
 pub fn pow_and_excess(x: f32, y: f32) -> (f32, f32) {
     let (power, rest) = power_and_rest((f64::from(y) * STEPS as f64) * log2_of(f64::from(x)));
@@ -207,8 +208,8 @@ pub fn pow_and_excess(x: f32, y: f32) -> (f32, f32) {
     ((1.0 + excess) as f32, excess as f32)
 }
 
-/// Sine and cosine of `2π turns`, for up to a million turns, absolute error below 2·10⁻⁷: polynomials for a quarter turn to either side, through the
-/// roots of Chebyshev's.
+/// Sine and cosine of `2π turns`, for up to a million turns, absolute error below 2·10⁻⁷: polynomials for a quarter
+/// turn to either side, through the roots of Chebyshev's.
 #[inline]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     // Added and taken away again, this rounds to an integer, which the low bits of the sum hold.

@@ -26,8 +26,8 @@ impl Frame {
         }
     }
 
-    /// A frame whose `z` is the unit vector `z` and whose `x` is the part of `x` orthogonal to it; any frame around `z` where
-    /// there is none.
+    /// A frame whose `z` is the unit vector `z` and whose `x` is the part of `x` orthogonal to it; any frame around `z`
+    /// where there is none.
     pub fn from_zx(z: Vec3, x: Vec3) -> Self {
         let t = x - z * z.dot(x);
         let len2 = t.length_squared();

@@ -1,7 +1,8 @@
 //! Real spherical harmonics: values, projection, and convolution with zonal kernels such as the clamped cosine.
 //!
-//! `y_lm(θ, φ) = N_lm P_l^|m|(cosθ) · {√2 cos mφ, 1, √2 sin |m|φ}` for `m > 0`, `= 0`, `< 0`, orthonormal over the sphere, without the
-//! Condon–Shortley phase. (Sloan, "Stupid Spherical Harmonics Tricks", 2008; Ramamoorthi and Hanrahan 2001.)
+//! `y_lm(θ, φ) = N_lm P_l^|m|(cosθ) · {√2 cos mφ, 1, √2 sin |m|φ}` for `m > 0`, `= 0`, `< 0`, orthonormal over the
+//! sphere, without the Condon–Shortley phase. (Sloan, "Stupid Spherical Harmonics Tricks", 2008; Ramamoorthi and
+//! Hanrahan 2001.)
 
 use crate::Vec3;
 use std::f32::consts::PI;
@@ -71,7 +72,8 @@ pub fn clamped_cosine(l: usize) -> f32 {
     }
 }
 
-/// Coefficients of what is left of a function after averaging it around every direction with a kernel given by its factor per degree.
+/// Coefficients of what is left of a function after averaging it around every direction with a kernel given by its
+/// factor per degree.
 pub fn convolve(coefficients: &[f32], kernel: impl Fn(usize) -> f32) -> Vec<f32> {
     let degree = |i: usize| (i as f32 + 0.5).sqrt() as usize;
     coefficients.iter().enumerate().map(|(i, c)| c * kernel(degree(i))).collect()
@@ -111,7 +113,8 @@ mod tests {
         }
     }
 
-    /// M109: nine coefficients give the irradiance of any sky to about a hundredth of its largest value (Ramamoorthi and Hanrahan 2001).
+    /// M109: nine coefficients give the irradiance of any sky to about a hundredth of its largest value (Ramamoorthi
+    /// and Hanrahan 2001).
     #[test]
     fn nine_coefficients_are_enough_for_irradiance() {
         let sky = |w: Vec3| 1.0 + 0.8 * f64::from(w.z) + 0.5 * f64::from(w.x * w.y) + 0.3 * f64::from(w.x).powi(3);

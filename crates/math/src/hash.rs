@@ -1,4 +1,5 @@
-//! Integer hashes: the source of all randomness. Every random number is a hash of what it is for, never of when it is drawn.
+//! Integer hashes: the source of all randomness. Every random number is a hash of what it is for, never of when it is
+//! drawn.
 
 /// A bijective 32-bit mixer with low bias (Wellons, "hash prospector", constants of the `lowbias32` family).
 #[inline]
@@ -41,7 +42,8 @@ pub fn unit_f32(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// A small sequential generator seeded by a hash, for places that draw an unknown count of numbers (random walks, tests).
+/// A small sequential generator seeded by a hash, for places that draw an unknown count of numbers (random walks,
+/// tests).
 #[derive(Clone, Copy, Debug)]
 pub struct HashRng {
     state: u64,

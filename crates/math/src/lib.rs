@@ -1,8 +1,8 @@
 //! Mathematics of light transport: vectors, rays, bounds, transforms, frames, warps, distributions,
 //! low-discrepancy sequences, spectra and colour.
 //!
-//! Everything here is a pure function of its arguments. Vectors are [`glam`] `f32` vectors; import-time transforms are kept in `f64`
-//! ([`Transform`]) and rounded once.
+//! Everything here is a pure function of its arguments. Vectors are [`glam`] `f32` vectors; import-time transforms are
+//! kept in `f64` ([`Transform`]) and rounded once.
 
 pub mod bounds;
 mod cell;

@@ -1,9 +1,10 @@
 //! Polarised light: Stokes vectors, Mueller matrices, and the frames in which they hold.
 //!
-//! A Stokes vector `(S₀, S₁, S₂, S₃)` describes light that travels along `k` relative to a unit vector `x ⊥ k`, with `y = k × x`: total radiance;
-//! linear polarisation along `x` over along `y`; along the diagonal `x + y` over the other; right- over left-circular. With fields
-//! `∝ exp(i(kz − ωt))` these are `S₂ = 2 Re(E_x E_y*)` and `S₃ = −2 Im(E_x E_y*)`. Frames and signs are those of Mitsuba 3. (Collett, Field
-//! Guide to Polarization, 2005; Wilkie and Weidlich 2012 on bookkeeping.) The four lanes of each element are colours or wavelengths.
+//! A Stokes vector `(S₀, S₁, S₂, S₃)` describes light that travels along `k` relative to a unit vector `x ⊥ k`, with
+//! `y = k × x`: total radiance; linear polarisation along `x` over along `y`; along the diagonal `x + y` over the
+//! other; right- over left-circular. With fields `∝ exp(i(kz − ωt))` these are `S₂ = 2 Re(E_x E_y*)` and
+//! `S₃ = −2 Im(E_x E_y*)`. Frames and signs are those of Mitsuba 3. (Collett, Field Guide to Polarization, 2005; Wilkie
+//! and Weidlich 2012 on bookkeeping.) The four lanes of each element are colours or wavelengths.
 
 use crate::{Frame, Spectrum, Vec3};
 use std::ops::{Add, Mul};
@@ -78,8 +79,8 @@ impl Mueller {
         Self(rows.map(|r| r.map(Spectrum::splat)))
     }
 
-    /// Amplitudes `a` along `x` and `b` along `y`, complex, one of each per lane: mirrors and interfaces, with `x` perpendicular to the plane
-    /// of incidence.
+    /// Amplitudes `a` along `x` and `b` along `y`, complex, one of each per lane: mirrors and interfaces, with `x`
+    /// perpendicular to the plane of incidence.
     pub fn from_amplitudes(a: [Complex; 4], b: [Complex; 4]) -> Self {
         let lanes = |f: &dyn Fn(Complex, Complex) -> f64| Spectrum::new(std::array::from_fn(|i| f(a[i], b[i]) as f32));
         let mean = lanes(&|a, b| 0.5 * (a.norm2() + b.norm2()));
@@ -119,7 +120,8 @@ impl Mueller {
         Self::rotator(-angle) * self * Self::rotator(angle)
     }
 
-    /// The matrix for the frames of other reference directions of the light that arrives (along `k_in`) and leaves (along `k_out`).
+    /// The matrix for the frames of other reference directions of the light that arrives (along `k_in`) and leaves
+    /// (along `k_out`).
     #[must_use]
     pub fn in_bases(self, k_in: Vec3, [from_in, to_in]: [Vec3; 2], k_out: Vec3, [from_out, to_out]: [Vec3; 2]) -> Self {
         Self::change_basis(k_out, from_out, to_out) * self * Self::change_basis(k_in, to_in, from_in)
@@ -212,8 +214,8 @@ fn refracted_cosine(cos: f64, n: Complex) -> Complex {
     (Complex::new(1.0, 0.0) + sin2.over(n * n)).sqrt()
 }
 
-/// Amplitudes of reflection perpendicular (s) and parallel (p) to the plane of incidence, from vacuum onto a medium of index `n = η + ik`
-/// (relative to what is above), for the cosine of incidence in [0, 1] (E6: s is perpendicular).
+/// Amplitudes of reflection perpendicular (s) and parallel (p) to the plane of incidence, from vacuum onto a medium of
+/// index `n = η + ik` (relative to what is above), for the cosine of incidence in [0, 1] (E6: s is perpendicular).
 pub fn reflection_amplitudes(cos: f64, n: Complex) -> [Complex; 2] {
     let (c, t) = (Complex::new(cos, 0.0), refracted_cosine(cos, n));
     let minus = Complex::new(-1.0, 0.0);
@@ -221,8 +223,8 @@ pub fn reflection_amplitudes(cos: f64, n: Complex) -> [Complex; 2] {
     [(c + minus * nt).over(c + nt), (nc + minus * t).over(nc + t)]
 }
 
-/// Amplitudes of transmission into a dielectric of relative index `eta`, scaled so that their squares are parts of the power; zero under
-/// total reflection.
+/// Amplitudes of transmission into a dielectric of relative index `eta`, scaled so that their squares are parts of the
+/// power; zero under total reflection.
 pub fn transmission_amplitudes(cos: f64, eta: f64) -> [Complex; 2] {
     let n = Complex::new(eta, 0.0);
     let t = refracted_cosine(cos, n);
@@ -233,7 +235,8 @@ pub fn transmission_amplitudes(cos: f64, eta: f64) -> [Complex; 2] {
     [cos + eta * t.re, eta * cos + t.re].map(|d| Complex::new(2.0 * cos / d * power, 0.0))
 }
 
-/// The Mueller matrix of reflection in the frames whose reference is perpendicular to the plane of incidence, `n` per lane.
+/// The Mueller matrix of reflection in the frames whose reference is perpendicular to the plane of incidence, `n` per
+/// lane.
 pub fn fresnel_reflection(cos: f64, n: [Complex; 4]) -> Mueller {
     let r = n.map(|n| reflection_amplitudes(cos, n));
     Mueller::from_amplitudes(r.map(|r| r[0]), r.map(|r| r[1]))
@@ -258,7 +261,8 @@ mod tests {
         s.0.map(|v| v[0])
     }
 
-    /// The least eigenvalue of the coherency matrix of lane 0 over its trace: a matrix can occur in nature if it is not negative (Cloude 1986).
+    /// The least eigenvalue of the coherency matrix of lane 0 over its trace: a matrix can occur in nature if it is not
+    /// negative (Cloude 1986).
     fn realizability(m: &Mueller) -> f64 {
         // Pauli matrices in the order of Stokes parameters: identity, σz, σx, σy.
         let (o, l, i, ni) =

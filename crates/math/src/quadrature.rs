@@ -1,7 +1,7 @@
 //! Gauss–Legendre quadrature, for areas and solid angles without a closed form.
 
-/// Nodes and weights of the rule with `n` points on `[−1, 1]`, exact for polynomials up to degree `2n − 1`. At least one point is
-/// made.
+/// Nodes and weights of the rule with `n` points on `[−1, 1]`, exact for polynomials up to degree `2n − 1`. At least
+/// one point is made.
 ///
 /// Nodes are the roots of the Legendre polynomial, found by Newton's method from Tricomi's approximation.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {

@@ -1,8 +1,9 @@
 //! Sobol' points with hashed Owen scrambling: well-spread numbers as a pure function of (index, dimension, seed).
 //!
-//! The sequence is Sobol's (1967) with the direction numbers of Joe and Kuo (2008). Scrambling and shuffling are nested uniform
-//! (Owen 1995) by the Laine–Karras construction on bit-reversed integers (2011), with Vegdahl's constants (2021), put together as
-//! in Burley, "Practical Hash-based Owen Scrambling" (2020). Points are 32-bit binary fractions, most significant bit first.
+//! The sequence is Sobol's (1967) with the direction numbers of Joe and Kuo (2008). Scrambling and shuffling are nested
+//! uniform (Owen 1995) by the Laine–Karras construction on bit-reversed integers (2011), with Vegdahl's constants
+//! (2021), put together as in Burley, "Practical Hash-based Owen Scrambling" (2020). Points are 32-bit binary
+//! fractions, most significant bit first.
 
 use crate::hash::{combine32, mix32, unit_f32};
 
@@ -66,8 +67,8 @@ const fn matrices() -> [[u32; 32]; SOBOL_DIMENSIONS] {
     all
 }
 
-/// Dimension 1 before its final bit reversal: the product with the Pascal matrix modulo 2, which is a Kronecker power of
-/// `[1 1; 0 1]` and so takes one masked shift per level.
+/// Dimension 1 before its final bit reversal: the product with the Pascal matrix modulo 2, which is a Kronecker power
+/// of `[1 1; 0 1]` and so takes one masked shift per level.
 #[inline]
 const fn pascal(mut x: u32) -> u32 {
     x ^= (x >> 1) & 0x5555_5555;
@@ -93,8 +94,8 @@ pub const fn sobol_2d(index: u32) -> [u32; 2] {
     [index.reverse_bits(), pascal(index).reverse_bits()]
 }
 
-/// One dimension of the point `index`. Dimensions from [`SOBOL_DIMENSIONS`] on are padded: the same dimensions again, with the
-/// index Owen-shuffled by the number of the repetition.
+/// One dimension of the point `index`. Dimensions from [`SOBOL_DIMENSIONS`] on are padded: the same dimensions again,
+/// with the index Owen-shuffled by the number of the repetition.
 #[inline]
 pub fn sobol(index: u32, dimension: usize) -> u32 {
     let (block, dimension) = (dimension / SOBOL_DIMENSIONS, dimension % SOBOL_DIMENSIONS);
@@ -107,8 +108,8 @@ pub fn sobol(index: u32, dimension: usize) -> u32 {
     x
 }
 
-/// Nested uniform scramble of a 32-bit binary fraction: each bit is flipped or not as a hash of `seed` and of all bits above it, so
-/// nets stay nets. A bijection for every seed; the seed should be well mixed ([`mix32`]).
+/// Nested uniform scramble of a 32-bit binary fraction: each bit is flipped or not as a hash of `seed` and of all bits
+/// above it, so nets stay nets. A bijection for every seed; the seed should be well mixed ([`mix32`]).
 #[inline]
 pub const fn owen_scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
@@ -130,14 +131,16 @@ impl Scramble {
         Self { order: hash as u32, x: (hash >> 32) as u32, y: (hash.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32 }
     }
 
-    /// The point of the first dimension, for an index given with its bits reversed, which is where both shuffling and scrambling start.
+    /// The point of the first dimension, for an index given with its bits reversed, which is where both shuffling and
+    /// scrambling start.
     #[inline]
     pub fn point_1d(self, reversed: u32) -> f32 {
         let i = laine_karras(reversed, self.order).reverse_bits();
         unit_f32(laine_karras(i, self.x).reverse_bits())
     }
 
-    /// The point of the first two dimensions, for an index given with its bits reversed: as [`shuffled_scrambled_sobol_2d`].
+    /// The point of the first two dimensions, for an index given with its bits reversed: as
+    /// [`shuffled_scrambled_sobol_2d`].
     #[inline]
     pub fn point_2d(self, reversed: u32) -> [f32; 2] {
         let i = laine_karras(reversed, self.order).reverse_bits();
@@ -155,8 +158,9 @@ pub fn shuffled_scrambled_sobol_1d(index: u32, seed: u32) -> f32 {
     unit_f32(laine_karras(i, combine32(seed, 1)).reverse_bits())
 }
 
-/// Point `index` of the first two dimensions, shuffled and scrambled by `seed`: the points of one seed form an Owen-scrambled
-/// (0,2)-sequence, and those of different seeds are independent of each other, so dimensions can be padded in pairs.
+/// Point `index` of the first two dimensions, shuffled and scrambled by `seed`: the points of one seed form an
+/// Owen-scrambled (0,2)-sequence, and those of different seeds are independent of each other, so dimensions can be
+/// padded in pairs.
 #[inline]
 pub fn shuffled_scrambled_sobol_2d(index: u32, seed: u32) -> [f32; 2] {
     let i = owen_scramble(index, mix32(seed));
@@ -186,8 +190,8 @@ mod tests {
 
     #[test]
     fn generator_matrices_are_the_published_ones() {
-        // Column 20 of each dimension, from the matrices that Joe and Kuo's numbers define (compared in full with a published table
-        // when this was written).
+        // Column 20 of each dimension, from the matrices that Joe and Kuo's numbers define (compared in full with a
+        // published table when this was written).
         let column = [
             0x0000_0800,
             0x8800_8800,

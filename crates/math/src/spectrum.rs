@@ -3,8 +3,8 @@
 use crate::{Vec4, elementary};
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub};
 
-/// Four lanes of radiance, reflectance, density, … Arithmetic is lane by lane; what the lanes mean is known by whoever made the
-/// value (RGB mode: R, G, B and a fourth lane equal to zero or ignored; spectral mode: four wavelengths).
+/// Four lanes of radiance, reflectance, density, … Arithmetic is lane by lane; what the lanes mean is known by whoever
+/// made the value (RGB mode: R, G, B and a fourth lane equal to zero or ignored; spectral mode: four wavelengths).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(transparent)]
 pub struct Spectrum(pub Vec4);

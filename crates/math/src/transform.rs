@@ -7,7 +7,8 @@ use crate::{Bounds3, Ray, Vec3};
 use glam::{DMat4, DVec3, DVec4, Mat4};
 use serde::{Deserialize, Serialize};
 
-/// A 4×4 map in `f64`, column vectors (`p' = M p`). Scene files compose these; [`Transform::affine`] rounds once for rendering.
+/// A 4×4 map in `f64`, column vectors (`p' = M p`). Scene files compose these; [`Transform::affine`] rounds once for
+/// rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transform {
     /// The matrix.
@@ -52,7 +53,8 @@ impl Transform {
         Self { matrix: DMat4::from_scale(s) }
     }
 
-    /// Right-handed rotation by an angle in radians around an axis of any length but zero; the identity for a zero axis.
+    /// Right-handed rotation by an angle in radians around an axis of any length but zero; the identity for a zero
+    /// axis.
     pub fn rotate(axis: DVec3, angle: f64) -> Self {
         match axis.try_normalize() {
             Some(a) => Self { matrix: DMat4::from_axis_angle(a, angle) },
@@ -61,8 +63,8 @@ impl Transform {
     }
 
     /// Camera-to-world of a camera at `origin` that looks along local +z to `target` with local +y near `up`, in a
-    /// left-handed sense (`x = up × z`, the convention of pbrt and Mitsuba); `None` where `up` is parallel to the view or
-    /// `origin` equals `target`.
+    /// left-handed sense (`x = up × z`, the convention of pbrt and Mitsuba); `None` where `up` is parallel to the view
+    /// or `origin` equals `target`.
     pub fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
         let z = (target - origin).try_normalize()?;
         let x = up.try_normalize()?.cross(z).try_normalize()?;
@@ -70,8 +72,8 @@ impl Transform {
         Some(Self { matrix: DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0)) })
     }
 
-    /// The inverse, or `None` for a singular or non-finite map. An affine map is singular where the volume of the images of the
-    /// unit vectors is below rounding error, relative to their lengths.
+    /// The inverse, or `None` for a singular or non-finite map. An affine map is singular where the volume of the
+    /// images of the unit vectors is below rounding error, relative to their lengths.
     pub fn inverse(&self) -> Option<Self> {
         let m = &self.matrix;
         let det = m.determinant();

@@ -150,7 +150,8 @@ impl Image {
         })
     }
 
-    /// All planes of a layer, by the name it is rendered with or that of its channels, in one array of height × width × channels, a copy.
+    /// All planes of a layer, by the name it is rendered with or that of its channels, in one array of height × width ×
+    /// channels, a copy.
     #[pyo3(signature = (name = ""))]
     fn layer<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let planes = self.of_layer(name);

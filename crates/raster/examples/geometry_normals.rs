@@ -1,4 +1,5 @@
-//! A sphere with an arrow along the normal of each triangle, which a geometry shader makes; written to `geometry_normals.png`.
+//! A sphere with an arrow along the normal of each triangle, which a geometry shader makes; written to
+//! `geometry_normals.png`.
 
 use steradian_raster::{
     ColorTarget, Draw, Extent, Format, Fragment, Framebuffer, Pipeline, Program, Result, State, Vertex, VertexInput,

@@ -1,4 +1,5 @@
-//! Boxes on a floor with shadows by a shadow map: depths seen from the light, then compared; written to `shadow_map.png`.
+//! Boxes on a floor with shadows by a shadow map: depths seen from the light, then compared; written to
+//! `shadow_map.png`.
 
 use steradian_raster::{
     ColorTarget, Draw, Extent, Format, Fragment, Framebuffer, Pipeline, Program, Result, State, Vertex, VertexInput,

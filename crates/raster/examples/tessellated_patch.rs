@@ -1,4 +1,5 @@
-//! A bicubic Bézier patch, divided more finely towards the right, with its wireframe; written to `tessellated_patch.png`.
+//! A bicubic Bézier patch, divided more finely towards the right, with its wireframe; written to
+//! `tessellated_patch.png`.
 
 use steradian_raster::{
     ColorTarget, Draw, Extent, Format, Fragment, Framebuffer, Pipeline, Program, Result, State, Vertex, VertexInput,

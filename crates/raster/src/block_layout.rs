@@ -91,7 +91,8 @@ mod tests {
     fn the_example_of_the_specification() {
         let array = |of: BlockType, n: u32| Array(Box::new(of), n);
         let f = Struct(vec![Scalar, Vector(2), array(Scalar, 2), Vector(3), array(Matrix(2, 3), 2)]);
-        // struct { int d; bvec2 e; } f; float g; float h[2]; mat2x3 i; struct { uvec3 j; vec2 k; float l[2]; vec2 m; mat3 n[2]; } o[2];
+        // struct { int d; bvec2 e; } f; float g; float h[2]; mat2x3 i; struct { uvec3 j; vec2 k; float l[2]; vec2 m;
+        // mat3 n[2]; } o[2];
         let o = Struct(vec![Vector(3), Vector(2), array(Scalar, 2), Vector(2), array(Matrix(3, 3), 2)]);
         let members = vec![
             Scalar,

@@ -17,8 +17,9 @@ pub struct Invocation {
     pub index: u32,
 }
 
-/// A kernel. Between two phases all invocations of a group meet (GLSL: `barrier()`); what one needs from before is in its `Private`.
-/// Groups run on all threads at once: what they share beyond their own memory goes through atomics, which are fields of the shader.
+/// A kernel. Between two phases all invocations of a group meet (GLSL: `barrier()`); what one needs from before is in
+/// its `Private`. Groups run on all threads at once: what they share beyond their own memory goes through atomics,
+/// which are fields of the shader.
 pub trait ComputeShader: Sync {
     /// Memory of a group, as it is at its start.
     type Shared: Default;

@@ -1,7 +1,7 @@
 //! What the pipeline refuses.
 
-/// A refused call: which one, and the rule that it breaks. State is checked when a pipeline or an object is made, so that drawing has nothing
-/// left to check but that the framebuffer fits.
+/// A refused call: which one, and the rule that it breaks. State is checked when a pipeline or an object is made, so
+/// that drawing has nothing left to check but that the framebuffer fits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{call}: {rule}")]
 pub struct Error {

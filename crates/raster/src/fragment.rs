@@ -33,8 +33,8 @@ pub struct Quad<V> {
     pub sample: u32,
     /// Samples in each pixel.
     pub sample_count: u32,
-    /// Where in a point the fragments are, from (0, 0) at its top left to (1, 1); barycentric weights of the second and third corner
-    /// in triangles, linear in the window.
+    /// Where in a point the fragments are, from (0, 0) at its top left to (1, 1); barycentric weights of the second and
+    /// third corner in triangles, linear in the window.
     pub coordinates: [Vec2; 4],
 }
 
@@ -113,14 +113,16 @@ impl<'a, V> Fragment<'a, V> {
         Vec2::from_array(sample_position(self.quad.sample_count, self.quad.sample))
     }
 
-    /// How `f` of the varyings changes from this pixel's column to the other column of the quad, in this row. GLSL: `dFdxFine`.
+    /// How `f` of the varyings changes from this pixel's column to the other column of the quad, in this row. GLSL:
+    /// `dFdxFine`.
     #[inline(always)]
     pub fn dx<T: Sub<Output = T>>(&self, f: impl Fn(&V) -> T) -> T {
         let row = self.lane & 2;
         f(&self.quad.varyings[row + 1]) - f(&self.quad.varyings[row])
     }
 
-    /// How `f` of the varyings changes from the upper row of the quad to the lower, in this column. GLSL: `dFdyFine`, with y down.
+    /// How `f` of the varyings changes from the upper row of the quad to the lower, in this column. GLSL: `dFdyFine`,
+    /// with y down.
     #[inline(always)]
     pub fn dy<T: Sub<Output = T>>(&self, f: impl Fn(&V) -> T) -> T {
         let column = self.lane & 1;

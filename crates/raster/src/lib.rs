@@ -1,10 +1,11 @@
-//! A programmable graphics pipeline in software: what a graphics card does between vertices and pixels, as a library. It runs anywhere,
-//! gives the same bits on every machine and for every number of threads, and can be looked into.
+//! A programmable graphics pipeline in software: what a graphics card does between vertices and pixels, as a library.
+//! It runs anywhere, gives the same bits on every machine and for every number of threads, and can be looked into.
 //!
 //! # A triangle in five minutes
 //!
-//! Shaders are Rust: a vertex shader is a closure (or any type with [`VertexShader`](stages::VertexShader)) from a vertex number to a position
-//! in clip space and the values that are to be interpolated, a fragment shader one from those values to a colour.
+//! Shaders are Rust: a vertex shader is a closure (or any type with [`VertexShader`](stages::VertexShader)) from a
+//! vertex number to a position in clip space and the values that are to be interpolated, a fragment shader one from
+//! those values to a colour.
 //!
 //! ```
 //! use steradian_raster::{
@@ -47,27 +48,33 @@
 //! # }
 //! ```
 //!
-//! From here: give the shaders fields (a matrix, a texture) by writing a `struct` and implementing the traits of [`stages`]; change what is
-//! fixed in the pipeline in [`State`]; draw with indices and instances by [`Draw`]; read what happened from [`Counters`].
+//! From here: give the shaders fields (a matrix, a texture) by writing a `struct` and implementing the traits of
+//! [`stages`]; change what is fixed in the pipeline in [`State`]; draw with indices and instances by [`Draw`]; read
+//! what happened from [`Counters`].
 //!
 //! # What there is
 //!
-//! * [`stages`]: vertex, tessellation, geometry and fragment shaders, any of which a [`Program`] may have. All calls are resolved by the compiler.
-//!   Fragments run in 2×2 quads, so derivatives are there ([`Fragment::dx`]), with helpers where the primitive is not.
-//! * [`varyings!`]: values from vertices to fragments, with perspective, linear, flat, at the centroid, at samples; clip and cull distances.
-//! * [`state`]: topologies with adjacency, patches and restart; polygon modes, lines, points, depth bias, conservative rasterisation; depth
-//!   and stencil tests; blending; samples; viewports.
-//! * [`target`]: framebuffers of up to eight colour targets in any of the [`Format`]s that can be drawn to, with layers and samples.
+//! * [`stages`]: vertex, tessellation, geometry and fragment shaders, any of which a [`Program`] may have. All calls
+//!   are resolved by the compiler. Fragments run in 2×2 quads, so derivatives are there ([`Fragment::dx`]), with
+//!   helpers where the primitive is not.
+//! * [`varyings!`]: values from vertices to fragments, with perspective, linear, flat, at the centroid, at samples;
+//!   clip and cull distances.
+//! * [`state`]: topologies with adjacency, patches and restart; polygon modes, lines, points, depth bias, conservative
+//!   rasterisation; depth and stencil tests; blending; samples; viewports.
+//! * [`target`]: framebuffers of up to eight colour targets in any of the [`Format`]s that can be drawn to, with layers
+//!   and samples.
 //!
-//! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from bytes, [`BlockRules`] knows where members of
-//!   uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
+//! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from
+//!   bytes, [`BlockRules`] knows where members of uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
 //!
 //! # Rules that always hold
 //!
-//! * Positions are rounded to 1/256 pixel; of two triangles with a common edge exactly one covers a sample on it (top-left rule).
+//! * Positions are rounded to 1/256 pixel; of two triangles with a common edge exactly one covers a sample on it
+//!   (top-left rule).
 //! * Primitives take effect in their order, for any number of threads.
 //! * The window has y down, row 0 is the top row; clip space has y up.
-//! * Nothing panics on any position, index or state: primitives with positions that are not finite are dropped and counted.
+//! * Nothing panics on any position, index or state: primitives with positions that are not finite are dropped and
+//!   counted.
 
 mod block_layout;
 mod compute;

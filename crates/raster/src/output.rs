@@ -26,8 +26,9 @@ pub enum DepthOutput {
     Less,
 }
 
-/// The output of a fragment shader. `()` writes no colour, [`Vec4`] one, an array several; [`Option`] may discard; [`WithDepth`],
-/// [`WithMask`] and [`DualSource`] add to another output. [`UVec4`] and [`IVec4`] are for integer targets.
+/// The output of a fragment shader. `()` writes no colour, [`Vec4`] one, an array several; [`Option`] may discard;
+/// [`WithDepth`], [`WithMask`] and [`DualSource`] add to another output. [`UVec4`] and [`IVec4`] are for integer
+/// targets.
 pub trait FragmentOutput: Copy {
     /// How many colours.
     const COLORS: usize;
@@ -144,7 +145,8 @@ pub const DEPTH_GREATER: u8 = 1;
 /// [`DepthOutput::Less`].
 pub const DEPTH_LESS: u8 = 2;
 
-/// Colours and a depth in [0, 1], of which `LAYOUT` ([`DEPTH_ANY`], [`DEPTH_GREATER`], [`DEPTH_LESS`]) says what is known.
+/// Colours and a depth in [0, 1], of which `LAYOUT` ([`DEPTH_ANY`], [`DEPTH_GREATER`], [`DEPTH_LESS`]) says what is
+/// known.
 #[derive(Clone, Copy, Debug)]
 pub struct WithDepth<O, const LAYOUT: u8 = DEPTH_ANY> {
     /// The rest.

@@ -25,7 +25,8 @@ const JOB: u64 = 1024;
 /// Jobs whose primitives are kept before tiles are drawn.
 const BATCH: u64 = 16;
 
-/// Shaders and state, checked. What can be wrong with them is found when it is made; a draw only checks that the framebuffer fits.
+/// Shaders and state, checked. What can be wrong with them is found when it is made; a draw only checks that the
+/// framebuffer fits.
 #[derive(Clone, Debug)]
 pub struct Pipeline<V, T, G, F> {
     /// The shaders. Their fields (uniforms, textures) may be changed between draws.
@@ -100,7 +101,8 @@ where
         Ok(counters)
     }
 
-    /// How many primitives each tile of 64² pixels of a framebuffer of this size would list, layer by layer and row by row. Nothing is drawn.
+    /// How many primitives each tile of 64² pixels of a framebuffer of this size would list, layer by layer and row by
+    /// row. Nothing is drawn.
     pub fn tile_counts(&self, extent: Extent, draw: &Draw) -> Vec<u64> {
         let source = self.source(draw);
         let window = Window::new(&self.state, extent, self.layout.depth);
@@ -128,8 +130,8 @@ where
         Ok(counters)
     }
 
-    /// Transform feedback: the vertices that the last stage before the rasteriser gives, one after the other for each primitive, strips
-    /// taken apart. Nothing is drawn.
+    /// Transform feedback: the vertices that the last stage before the rasteriser gives, one after the other for each
+    /// primitive, strips taken apart. Nothing is drawn.
     pub fn capture(&self, draw: &Draw) -> (Vec<Vertex<G::Output>>, Counters) {
         let source = self.source(draw);
         let total = source.primitives();

@@ -1,4 +1,5 @@
-//! The programmable stages. A shader is a value with a method: what GLSL calls uniforms, textures and buffers are its fields.
+//! The programmable stages. A shader is a value with a method: what GLSL calls uniforms, textures and buffers are its
+//! fields.
 //!
 //! All calls are resolved by the compiler; a pipeline of these shaders is one piece of machine code.
 
@@ -11,7 +12,8 @@ use crate::{fragment::Fragment, fragment::Quad, output::FragmentOutput, varyings
 /// Which vertex a vertex shader is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VertexInput {
-    /// Number of the vertex: the index (plus base vertex) of an indexed draw, else its place in the draw plus the first vertex.
+    /// Number of the vertex: the index (plus base vertex) of an indexed draw, else its place in the draw plus the first
+    /// vertex.
     pub vertex: u32,
     /// Number of the instance, from the draw's first instance on.
     pub instance: u32,
@@ -29,7 +31,8 @@ pub struct Vertex<V> {
     pub varyings: V,
     /// Diameter of the vertex in pixels where points are drawn; 1 unless set.
     pub point_size: f32,
-    /// The layer of the framebuffer; the provoking vertex's counts. Primitives of layers that are not there are dropped.
+    /// The layer of the framebuffer; the provoking vertex's counts. Primitives of layers that are not there are
+    /// dropped.
     pub layer: u32,
     /// The viewport; the provoking vertex's counts. Primitives of viewports that are not there are dropped.
     pub viewport: u32,
@@ -174,8 +177,8 @@ pub enum GeometryOutput {
 /// The primitive that a geometry shader looks at.
 #[derive(Clone, Copy, Debug)]
 pub struct GeometryInput<'a, V> {
-    /// 1 vertex of points, 2 of lines, 3 of triangles, 4 of lines with adjacency (previous, start, end, next), 6 of triangles with
-    /// adjacency (corners at 0, 2, 4; the vertex across the edge from corner i to the next at i + 1).
+    /// 1 vertex of points, 2 of lines, 3 of triangles, 4 of lines with adjacency (previous, start, end, next), 6 of
+    /// triangles with adjacency (corners at 0, 2, 4; the vertex across the edge from corner i to the next at i + 1).
     pub vertices: &'a [Vertex<V>],
     /// Number of the primitive in the draw.
     pub primitive: u32,
@@ -275,17 +278,19 @@ impl<V: Varyings> GeometryShader for NoGeometry<V> {
 pub trait FragmentShader: Sync {
     /// Of the last stage before.
     type Varyings: Varyings;
-    /// What it writes: a colour ([`Vec4`]), several, none (`()`), with depth, with a sample mask, or perhaps nothing (`Option`).
+    /// What it writes: a colour ([`Vec4`]), several, none (`()`), with depth, with a sample mask, or perhaps nothing
+    /// (`Option`).
     type Output: FragmentOutput;
-    /// Depth and stencil are tested and written before the shader runs, whatever it does (GLSL: `early_fragment_tests`).
+    /// Depth and stencil are tested and written before the shader runs, whatever it does (GLSL:
+    /// `early_fragment_tests`).
     const EARLY_TESTS: bool = false;
     /// Runs the shader at each sample rather than once for each pixel.
     const PER_SAMPLE: bool = false;
     /// True only in [`DepthOnly`]: nothing would change if it did not run.
     #[doc(hidden)]
     const EMPTY: bool = false;
-    /// The output of one pixel. Called for the four pixels of a 2×2 quad if one is covered: those that are not are helpers
-    /// ([`Fragment::is_helper`]), and nothing of theirs is written.
+    /// The output of one pixel. Called for the four pixels of a 2×2 quad if one is covered: those that are not are
+    /// helpers ([`Fragment::is_helper`]), and nothing of theirs is written.
     fn shade(&self, fragment: &Fragment<Self::Varyings>) -> Self::Output;
     /// The outputs of a quad. By default one pixel after the other; a shader that computes in four lanes replaces it.
     #[inline(always)]

@@ -191,9 +191,9 @@ pub(crate) const fn any_is(modes: &[Mode], clip: bool) -> bool {
     false
 }
 
-/// Declares a struct of varyings: fields are written `name: type` or `name: type => mode`, where the mode is one of `perspective` (the
-/// default), `linear`, `flat`, `centroid`, `linear_centroid`, `sample`, `linear_sample`, `clip` and `cull` ([`Mode`]). See the
-/// [module](mod@crate::varyings).
+/// Declares a struct of varyings: fields are written `name: type` or `name: type => mode`, where the mode is one of
+/// `perspective` (the default), `linear`, `flat`, `centroid`, `linear_centroid`, `sample`, `linear_sample`, `clip` and
+/// `cull` ([`Mode`]). See the [module](mod@crate::varyings).
 #[macro_export]
 macro_rules! varyings {
     ($(#[$meta:meta])* $vis:vis struct $name:ident {

@@ -74,8 +74,8 @@ impl<'a> VertexArray<'a> {
         self
     }
 
-    /// The value for a vertex and an instance, the latter counted from the draw's first. Channels that are not there are 0, the last 1; so is all
-    /// that lies beyond the bytes.
+    /// The value for a vertex and an instance, the latter counted from the draw's first. Channels that are not there
+    /// are 0, the last 1; so is all that lies beyond the bytes.
     #[inline]
     pub fn fetch(&self, number: usize, vertex: u32, instance: u32) -> Vec4 {
         let Some(Some(attribute)) = self.attributes.get(number) else {

@@ -71,7 +71,8 @@ fn heat(share: f32) -> Vec3 {
     (Vec3::splat(3.0 * share) - Vec3::new(0.0, 1.0, 2.0)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// What a triangle's corners are beyond: grey if nothing, red the near plane, green the sides; of other shapes dark grey.
+/// What a triangle's corners are beyond: grey if nothing, red the near plane, green the sides; of other shapes dark
+/// grey.
 pub(crate) fn clipping(scene: &Scene, list: &DrawList, projected: &Projected, item: u32, seen: &Seen) -> Vec3 {
     let item = &list.items[item as usize];
     let Shape::Mesh(mesh) = &list.geometry(scene, item).shape else { return Vec3::splat(0.2) };

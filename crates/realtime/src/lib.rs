@@ -1,12 +1,15 @@
-//! Scenes through the graphics pipeline: what is seen is found by rasterisation, and shaded with the very scattering models, textures and
-//! lights of the path tracer, so that pictures of both compare pixel by pixel.
+//! Scenes through the graphics pipeline: what is seen is found by rasterisation, and shaded with the very scattering
+//! models, textures and lights of the path tracer, so that pictures of both compare pixel by pixel.
 //!
-//! 1. [`draw_list`]: triangles of meshes as they are; other shapes (spheres, curves, patches, height fields, planes) by boxes around their
-//!    parts, in which the fragment shader meets the shape with the pixel's ray. Nothing is tessellated, so there is no error to state.
-//! 2. `visibility`: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a reversed depth buffer.
-//!    Painter's algorithm, BSP order, Newell's sort and Warnock's subdivision find the same (`order`).
+//! 1. [`draw_list`]: triangles of meshes as they are; other shapes (spheres, curves, patches, height fields, planes) by
+//!    boxes around their parts, in which the fragment shader meets the shape with the pixel's ray. Nothing is
+//!    tessellated, so there is no error to state.
+//! 2. `visibility`: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a
+//!    reversed depth buffer. Painter's algorithm, BSP order, Newell's sort and Warnock's subdivision find the same
+//!    (`order`).
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
-//! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected shadows, or always.
+//! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected
+//!    shadows, or always.
 
 pub mod draw_list;
 pub mod lesson;
@@ -55,8 +58,8 @@ pub struct Picture {
     pub notes: Vec<String>,
 }
 
-/// Draws a scene with `spp` samples for each pixel: with one, at the centres of pixels; with more, spread over the pixels and the lights, so
-/// that pictures converge.
+/// Draws a scene with `spp` samples for each pixel: with one, at the centres of pixels; with more, spread over the
+/// pixels and the lights, so that pictures converge.
 ///
 /// # Errors
 /// Cameras that have no projection to a plane, and sizes that the pipeline refuses.

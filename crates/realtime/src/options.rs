@@ -9,9 +9,11 @@ pub enum Shadows {
     None,
     /// By rays: exact.
     Ray,
-    /// By shadow maps: pictures of depths as the light sees them (Williams 1978). Lights that are not points or parallel use rays.
+    /// By shadow maps: pictures of depths as the light sees them (Williams 1978). Lights that are not points or
+    /// parallel use rays.
     Map,
-    /// As maps; those of points are drawn in one pass, in which a geometry shader hands each triangle to the faces of a cube.
+    /// As maps; those of points are drawn in one pass, in which a geometry shader hands each triangle to the faces of a
+    /// cube.
     Cube,
     /// As maps; those of parallel light are bent by a trapezoid around what is seen (Martin, Tan 2004).
     Trapezoid,
@@ -82,7 +84,8 @@ impl Shadows {
     }
 }
 
-/// How it is told which triangle of meshes a pixel sees. All give one picture, but for pixels whose centres are within rounding of an edge.
+/// How it is told which triangle of meshes a pixel sees. All give one picture, but for pixels whose centres are within
+/// rounding of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// By depths of pixels (Catmull 1974).

@@ -10,7 +10,8 @@ use steradian_raster::{
 
 use crate::Error;
 
-/// A camera that maps points to clip space, with reversed depth: 1 near, 0 far. What lies before the camera's start of rays is cut.
+/// A camera that maps points to clip space, with reversed depth: 1 near, 0 far. What lies before the camera's start of
+/// rays is cut.
 #[derive(Clone, Copy, Debug)]
 pub struct Projected {
     camera_from_world: Affine,
@@ -35,8 +36,8 @@ struct LightFrame {
     warp: Option<Warp>,
 }
 
-/// A homography of the picture plane. It maps (x, y, w) of clip space and leaves z, so that all points of a ray keep one place, and their
-/// depths are divided by the same number.
+/// A homography of the picture plane. It maps (x, y, w) of clip space and leaves z, so that all points of a ray keep
+/// one place, and their depths are divided by the same number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Warp {
     forward: Mat3,
@@ -44,7 +45,8 @@ pub(crate) struct Warp {
 }
 
 impl Warp {
-    /// A homography, scaled so that depths stay in 0…1 within the frame; `None` where it has no inverse, or its horizon crosses the frame.
+    /// A homography, scaled so that depths stay in 0…1 within the frame; `None` where it has no inverse, or its horizon
+    /// crosses the frame.
     pub fn new(forward: Mat3) -> Option<Self> {
         let inverse = forward.inverse();
         let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
@@ -104,7 +106,8 @@ impl Projected {
         })
     }
 
-    /// The square view of a light: from a place along unit axes (right, up, forward), `half` wide to each side (at distance 1, for perspective).
+    /// The square view of a light: from a place along unit axes (right, up, forward), `half` wide to each side (at
+    /// distance 1, for perspective).
     pub fn of_light(place: Vec3, axes: [Vec3; 3], half: f32, perspective: bool, range: [f32; 2], size: u32) -> Self {
         let [right, up, forward] = axes.map(|a| a.extend(0.0));
         let world_from_light = Mat4::from_cols(right, up, forward, place.extend(1.0));
@@ -125,8 +128,8 @@ impl Projected {
         Self { light: self.light.map(|frame| LightFrame { warp, ..frame }), ..self }
     }
 
-    /// The place on the picture plane (x right and y up, from −1 to 1 before any warp) that a place of the frame shows, and what depths there
-    /// were divided by.
+    /// The place on the picture plane (x right and y up, from −1 to 1 before any warp) that a place of the frame shows,
+    /// and what depths there were divided by.
     pub(crate) fn unwarped(&self, x: f32, y: f32) -> (Vec2, f32) {
         match self.light.and_then(|frame| frame.warp) {
             Some(warp) => warp.undo(x, y),
@@ -155,7 +158,8 @@ impl Projected {
         self.camera_from_world.inverse().point(local)
     }
 
-    /// Right and up on the plane at distance 1 (in space where rays are parallel) of the corners of the frame: least and largest.
+    /// Right and up on the plane at distance 1 (in space where rays are parallel) of the corners of the frame: least
+    /// and largest.
     pub(crate) fn window(&self) -> [f32; 4] {
         let [x_sum, x_size, y_sum, y_size] = self.window;
         [(x_sum - x_size) / 2.0, (x_sum + x_size) / 2.0, (y_sum - y_size) / 2.0, (y_sum + y_size) / 2.0]

@@ -200,8 +200,8 @@ impl Shader<'_> {
         sum + self.sky(false, i, &ctx, frame, bsdf, numbers, round, lambda, trace)
     }
 
-    /// The light of environments in directions that the surface draws, weighted against those that the light draws. `chosen`: whether
-    /// lights are chosen at random.
+    /// The light of environments in directions that the surface draws, weighted against those that the light draws.
+    /// `chosen`: whether lights are chosen at random.
     #[allow(clippy::too_many_arguments)]
     fn sky(
         &self,
@@ -240,7 +240,8 @@ impl Shader<'_> {
         sum / self.options.points as f32
     }
 
-    /// The light of a place on a light that was chosen with probability `p`. `share`: how much of the light is seen, where that is known.
+    /// The light of a place on a light that was chosen with probability `p`. `share`: how much of the light is seen,
+    /// where that is known.
     #[allow(clippy::too_many_arguments)]
     fn one(
         &self,

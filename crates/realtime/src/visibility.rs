@@ -158,7 +158,8 @@ pub(crate) fn fill_depths(target: &mut Framebuffer, depths: &[f32]) -> Result<()
     Ok(())
 }
 
-/// Whether a ray that misses a triangle narrowly is said to meet it at its border: the pipeline rounds corners to 1/256 pixel.
+/// Whether a ray that misses a triangle narrowly is said to meet it at its border: the pipeline rounds corners to 1/256
+/// pixel.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Border {
     Included,
@@ -250,7 +251,8 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Triangles of meshes without masks by another method than depths. What it finds is put into the depth buffer, where other shapes meet it.
+    /// Triangles of meshes without masks by another method than depths. What it finds is put into the depth buffer,
+    /// where other shapes meet it.
     fn ordered(&mut self, method: Method) -> Result<(), Error> {
         let (scene, list) = (self.scene, self.list);
         let (start, end) = self.number(|item, shape| match shape {
@@ -317,8 +319,8 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Shapes that rays meet in boxes: the far sides of the boxes are drawn, so that the eye may be inside. `mirrored`: those whose place
-    /// turns boxes inside out, or the others.
+    /// Shapes that rays meet in boxes: the far sides of the boxes are drawn, so that the eye may be inside. `mirrored`:
+    /// those whose place turns boxes inside out, or the others.
     fn boxes(&mut self, mirrored: bool) -> Result<(), Error> {
         let (scene, list) = (self.scene, self.list);
         let (start, end) = self.number(|item, shape| {

@@ -1,7 +1,9 @@
-//! Makes the gallery of materials: small pictures in `docs/gallery` and the page `docs/gallery.md` with the command line of each.
+//! Makes the gallery of materials: small pictures in `docs/gallery` and the page `docs/gallery.md` with the command
+//! line of each.
 //!
-//! `cargo run --release -p steradian --example gallery [KIND…]` in the folder of the repository; with kinds, only their pictures are taken anew.
-//! Materials of the catalogue without a row here are shown with their defaults, so that none is forgotten.
+//! `cargo run --release -p steradian --example gallery [KIND…]` in the folder of the repository; with kinds, only their
+//! pictures are taken anew. Materials of the catalogue without a row here are shown with their defaults, so that none
+//! is forgotten.
 #![allow(clippy::print_stdout, reason = "tells what it does")]
 
 use std::{collections::HashMap, error::Error, fmt::Write, fs, path::Path};

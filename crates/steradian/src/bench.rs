@@ -1,5 +1,5 @@
-//! Measuring the structures that rays go through, on the rays of a scene: from its camera, from what these meet in random directions,
-//! and to its lights.
+//! Measuring the structures that rays go through, on the rays of a scene: from its camera, from what these meet in
+//! random directions, and to its lights.
 
 use std::time::Duration;
 use steradian_accel::Steps;
@@ -17,8 +17,8 @@ pub struct RaySet {
     pub is_shadow: bool,
 }
 
-/// The rays of a scene, at most so many of each kind: through the middles of pixels; in directions distributed by the cosine from what
-/// these meet; and from there to points on lights. The same for every structure, and for every run.
+/// The rays of a scene, at most so many of each kind: through the middles of pixels; in directions distributed by the
+/// cosine from what these meet; and from there to points on lights. The same for every structure, and for every run.
 pub fn ray_sets(scene: &Scene, most: usize) -> [RaySet; 3] {
     let crop = scene.film.crop;
     let pixels = u64::from(crop.width()) * u64::from(crop.height());

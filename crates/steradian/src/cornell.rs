@@ -1,7 +1,7 @@
 //! The built-in scenes: the Cornell box of the path-tracing lab, lit by a point, or by its ceiling.
 //!
-//! Planes obey `n·x + d = 0` with normals that point inwards; the camera stands at (0, 0, −3.5) before the open front and looks along
-//! +z through an image plane at distance 3 that is two units wide.
+//! Planes obey `n·x + d = 0` with normals that point inwards; the camera stands at (0, 0, −3.5) before the open front
+//! and looks along +z through an image plane at distance 3 that is two units wide.
 
 use steradian_scene::{ColorSpace, Family, Format, Node, NodeId, SceneDesc, Shape, SpectrumValue, Transform, Value};
 

@@ -1,8 +1,10 @@
-//! Cryptomatte: which named objects and materials cover each pixel, and how much of it (J. Friedman and A. C. Jones, *Fully
-//! automatic ID mattes with support for motion blur and transparency*, SIGGRAPH 2015 posters; specification 1.2).
+//! Cryptomatte: which named objects and materials cover each pixel, and how much of it (J. Friedman and A. C. Jones,
+//! *Fully automatic ID mattes with support for motion blur and transparency*, SIGGRAPH 2015 posters; specification
+//! 1.2).
 //!
-//! A name's id is its MurmurHash3, bent so that it is a normal `f32`. Layers `crypto_object00` … hold two pairs of id and coverage
-//! each, those that cover most first. Metadata tell how ids were made, and the manifest which name has which id.
+//! A name's id is its MurmurHash3, bent so that it is a normal `f32`. Layers `crypto_object00` … hold two pairs of id
+//! and coverage each, those that cover most first. Metadata tell how ids were made, and the manifest which name has
+//! which id.
 
 use std::collections::BTreeMap;
 use steradian_core::{
@@ -23,7 +25,8 @@ pub fn push(image: &mut Image, scene: &Scene, mattes: &[MatteSums]) {
     push_kind(image, "crypto_material", &materials, mattes, |m| &m.materials);
 }
 
-/// The names of materials by their numbers from one. Those that a file gave no name are called after their kind, and numbered.
+/// The names of materials by their numbers from one. Those that a file gave no name are called after their kind, and
+/// numbered.
 fn material_names(names: &[String]) -> BTreeMap<u32, String> {
     let mut met: BTreeMap<&str, u32> = BTreeMap::new();
     let mut distinct = BTreeMap::new();
@@ -82,8 +85,8 @@ fn ranks(hits: &Hits, samples: u32, ids: &BTreeMap<u32, f32>) -> [[f32; 2]; RANK
     ranks
 }
 
-/// The id of a name: its hash as the bits of an `f32`, with the exponent held at 1 … 254, so that it is neither denormal, infinite
-/// nor NaN.
+/// The id of a name: its hash as the bits of an `f32`, with the exponent held at 1 … 254, so that it is neither
+/// denormal, infinite nor NaN.
 fn id(name: &str) -> f32 {
     let hash = murmur3(name.as_bytes());
     let exponent = (hash >> 23 & 255).clamp(1, 254);

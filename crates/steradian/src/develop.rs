@@ -122,7 +122,8 @@ impl Layer {
     }
 }
 
-/// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the layers asked for. Layers of first hits need a film on which they were gathered.
+/// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
+/// layers asked for. Layers of first hits need a film on which they were gathered.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let (w, h) = (film.crop.width() as usize, film.crop.height() as usize);
     let mut image = Image::new(w, h);

@@ -47,7 +47,8 @@ pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Session};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
 
-/// The registry of models of the core, family by family: plural name of the family, and name and description of each model.
+/// The registry of models of the core, family by family: plural name of the family, and name and description of each
+/// model.
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     use steradian_core as core;
     vec![
@@ -66,7 +67,8 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     ]
 }
 
-/// Renders a scene to the end and develops it, without watching. For progress, stopping and saving on the way use [`Session`].
+/// Renders a scene to the end and develops it, without watching. For progress, stopping and saving on the way use
+/// [`Session`].
 ///
 /// # Errors
 /// [`Error::UnknownIntegrator`] when the scene or the quality names an integrator that does not exist.

@@ -28,16 +28,16 @@ pub const EXTENSIONS: &[(&str, &str)] = &[
     ("glb", "glTF 2.0 scene in binary form"),
 ];
 
-/// Reads a scene. `builtin:NAME` names one of the built-in scenes ([`cornell::BUILTIN`]); other names are files, told apart by
-/// extension.
+/// Reads a scene. `builtin:NAME` names one of the built-in scenes ([`cornell::BUILTIN`]); other names are files, told
+/// apart by extension.
 pub fn load(name: impl AsRef<Path>, options: &Options) -> Loaded {
     let start = Instant::now();
     let import = read(name.as_ref(), options);
     Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
 }
 
-/// Reads a scene from memory, plain or gzip-compressed. Files that it names are looked for in the current folder; `name` stands for it in
-/// messages. Its format is one of [`EXTENSIONS`], by default what its beginning looks like.
+/// Reads a scene from memory, plain or gzip-compressed. Files that it names are looked for in the current folder;
+/// `name` stands for it in messages. Its format is one of [`EXTENSIONS`], by default what its beginning looks like.
 pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Options) -> Loaded {
     let start = Instant::now();
     let path = Path::new(name);
@@ -58,7 +58,8 @@ pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Op
     Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
 }
 
-/// The format that a text or model looks like: XML begins with a tag, pbrt's directives with a capital, OBJ's statements without.
+/// The format that a text or model looks like: XML begins with a tag, pbrt's directives with a capital, OBJ's
+/// statements without.
 fn sniffed(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"ply") {
         return "ply";

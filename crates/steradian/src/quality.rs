@@ -6,7 +6,7 @@ use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
-use steradian_integrators::{Depth, Effort, INTEGRATORS, IntegratorKind, Plan, Tactics};
+use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, PathEffort, Plan, VarianceReduction};
 use steradian_integrators::{
     ao::AmbientOcclusion,
     radiosity::{Settings, View},
@@ -19,10 +19,11 @@ const MOST_LIGHT_GROUPS: usize = 64;
 /// Integrator, samples, depth, threads and layers.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
-    /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share what they
-    /// find, 1, 4 or 16, or `auto` where a trial is to tell, `caustics`: whether photons look for light behind mirrors and glass beforehand, and `effort`: whether trials
-    /// tell how many light samples and how much roulette pay, and where more paths (`auto`), or not (`even`), or
-    /// whether roulette and splitting go by what is known of each vertex (`vertex`).
+    /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share
+    /// what they find, 1, 4 or 16, or `auto` where a trial is to tell, `caustics`: whether photons look for light
+    /// behind mirrors and glass beforehand, and `effort`: whether trials tell how many light samples and how much
+    /// roulette pay, and where more paths (`auto`), or not (`even`), or whether roulette and splitting go by what is
+    /// known of each vertex (`vertex`).
     pub integrator: Option<String>,
     /// Samples per pixel; their mean with `adaptive`.
     pub spp: Option<u32>,
@@ -57,7 +58,7 @@ impl Quality {
             roulette_after: scene.settings.rr_depth,
             hide_emitters: scene.settings.hide_emitters,
         };
-        let (mut tactics, mut own, mut tactical) = (Tactics::default(), Vec::new(), None);
+        let (mut variance_reduction, mut own, mut tactical) = (VarianceReduction::default(), Vec::new(), None);
         if name == "radiosity" {
             let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
             let asked = radiosity::options(options, depth)?;
@@ -83,27 +84,32 @@ impl Quality {
                 "max_depth" => depth.max = value.parse().map_err(|_| fault())?,
                 "rr_depth" => depth.roulette_after = value.parse().map_err(|_| fault())?,
                 "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
-                "reuse" if value == "auto" => tactics.reuse = None,
+                "reuse" if value == "auto" => variance_reduction.reuse = None,
                 "reuse" => {
                     let size: u32 = value.parse().map_err(|_| fault())?;
-                    tactics.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
+                    variance_reduction.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
                 }
-                "caustics" if value == "auto" => tactics.caustics = None,
-                "effort" if value == "auto" => (tactics.effort, tactics.by_vertex) = (None, false),
+                "caustics" if value == "auto" => variance_reduction.caustics = None,
+                "effort" if value == "auto" => {
+                    (variance_reduction.effort, variance_reduction.by_vertex) = (None, false)
+                }
                 "effort" if value == "even" => {
-                    (tactics.effort, tactics.by_vertex) = (Some(Effort::default()), false);
+                    (variance_reduction.effort, variance_reduction.by_vertex) = (Some(PathEffort::default()), false);
                 }
-                "effort" if value == "vertex" => (tactics.effort, tactics.by_vertex) = (None, true),
-                "caustics" => tactics.caustics = Some(value.parse().map_err(|_| fault())?),
+                "effort" if value == "vertex" => {
+                    (variance_reduction.effort, variance_reduction.by_vertex) = (None, true)
+                }
+                "caustics" => variance_reduction.caustics = Some(value.parse().map_err(|_| fault())?),
                 key => own.push((key, value, option)),
             }
         }
         depth.max = self.max_depth.unwrap_or(depth.max);
-        let mut integrator = IntegratorKind::named(name, depth, tactics).ok_or_else(|| Error::UnknownIntegrator {
-            name: name.into(),
-            hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
-            known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
-        })?;
+        let mut integrator =
+            IntegratorKind::named(name, depth, variance_reduction).ok_or_else(|| Error::UnknownIntegrator {
+                name: name.into(),
+                hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
+                known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
+            })?;
         if let Some(option) = tactical.filter(|_| !integrator.has_tactics() && name != "direct") {
             return Err(unknown_option(name, option));
         }
@@ -146,12 +152,17 @@ impl Quality {
         if self.adaptive {
             return Err("layers of groups of lights with --adaptive".into());
         }
-        let plain = |tactics: &mut Tactics| {
-            *tactics = Tactics { reuse: Some(1), effort: Some(Effort::default()), by_vertex: false, ..*tactics };
+        let plain = |variance_reduction: &mut VarianceReduction| {
+            *variance_reduction = VarianceReduction {
+                reuse: Some(1),
+                effort: Some(PathEffort::default()),
+                by_vertex: false,
+                ..*variance_reduction
+            };
         };
         match integrator {
-            IntegratorKind::Path(i) => plain(&mut i.tactics),
-            IntegratorKind::VolPath(i) => plain(&mut i.tactics),
+            IntegratorKind::Path(i) => plain(&mut i.variance_reduction),
+            IntegratorKind::VolPath(i) => plain(&mut i.variance_reduction),
             _ => return Err("layers of groups of lights; 'path' and 'volpath' can".into()),
         }
         Ok(())
@@ -211,7 +222,7 @@ impl Quality {
     /// What in the scene its own integrator cannot do, where no other one is asked for: a path tracer renders it then.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
-        match IntegratorKind::named(&scene.settings.integrator, depth, Tactics::default())? {
+        match IntegratorKind::named(&scene.settings.integrator, depth, VarianceReduction::default())? {
             IntegratorKind::Passes(kind) if self.integrator.is_none() => kind.cannot(scene),
             _ => None,
         }

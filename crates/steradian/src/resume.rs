@@ -1,7 +1,7 @@
 //! Renders that are left and gone on with later: the state of a session in a file.
 //!
-//! A file has the program's version, a fingerprint of the scene, the settings on which the picture's bits depend, the session, and the
-//! BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
+//! A file has the program's version, a fingerprint of the scene, the settings on which the picture's bits depend, the
+//! session, and the BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
 
 use crate::{CompileOptions, Scene, Session};
 use std::{

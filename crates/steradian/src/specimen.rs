@@ -9,11 +9,11 @@ use steradian_scene::{
 /// Deepest nesting of materials in a parameter.
 const MAX_DEPTH: usize = 8;
 
-/// The scene of a material of a kind with parameters as text: a ball (the first shape) on a tiled floor in a studio of three lamps under
-/// a dim sky.
+/// The scene of a material of a kind with parameters as text: a ball (the first shape) on a tiled floor in a studio of
+/// three lamps under a dim sky.
 ///
-/// Numbers are written `0.5`, colours `0.8,0.2,0.1`, spectra by name (`metal-Au-eta`), pictures and measured data as file names,
-/// materials as `KIND` or `KIND(name=value;name=value)`, lists of them separated by `|`.
+/// Numbers are written `0.5`, colours `0.8,0.2,0.1`, spectra by name (`metal-Au-eta`), pictures and measured data as
+/// file names, materials as `KIND` or `KIND(name=value;name=value)`, lists of them separated by `|`.
 ///
 /// # Errors
 /// A message where a name is unknown or a value is not what the parameter takes.
@@ -137,7 +137,8 @@ fn place(d: &mut SceneDesc, node: NodeId, material: Option<NodeId>, emission: Op
     d.shapes.push(Shape { material, emission, ..Shape::new(node) });
 }
 
-/// The lamps: corners, and radiance. A large one from the left and behind the viewer, a cool strip on the right, one behind the ball.
+/// The lamps: corners, and radiance. A large one from the left and behind the viewer, a cool strip on the right, one
+/// behind the ball.
 const LAMPS: [([[f32; 3]; 4], [f64; 3]); 3] = [
     ([[-3.4, 1.6, -2.6], [-2.2, 4.4, -3.0], [-2.2, 4.4, -0.6], [-3.4, 1.6, -0.2]], [11.0, 10.0, 8.6]),
     ([[3.4, 3.4, -2.0], [3.4, 0.4, -2.0], [3.6, 0.4, -1.4], [3.6, 3.4, -1.4]], [5.5, 6.4, 8.0]),

@@ -1,10 +1,11 @@
 //! Whether integrators agree on a scene: each is rendered, and held against a reference by z-tests.
 //!
-//! Blocks of pixels are compared, so that errors are nearly normal, at a level that is divided among all of them (Šidák 1967), and so is the mean of the
-//! picture. Variances come from the spread of parts of the samples, since pixels that share photons do not err independently. What the camera sees
-//! of lights is left out: all show it alike, and the noise of its edges would hide the rest. Agreement says little
-//! where noise is large, so the smallest difference of the mean that would be seen is told, and above [`POWER`] nothing is decided. Integrators that
-//! are biased, by less the smaller their radius or patches are, are rendered twice: what they differ from the reference by must shrink, or be within
+//! Blocks of pixels are compared, so that errors are nearly normal, at a level that is divided among all of them (Šidák
+//! 1967), and so is the mean of the picture. Variances come from the spread of parts of the samples, since pixels that
+//! share photons do not err independently. What the camera sees of lights is left out: all show it alike, and the noise
+//! of its edges would hide the rest. Agreement says little where noise is large, so the smallest difference of the mean
+//! that would be seen is told, and above [`POWER`] nothing is decided. Integrators that are biased, by less the smaller
+//! their radius or patches are, are rendered twice: what they differ from the reference by must shrink, or be within
 //! the noise.
 
 use crate::{Control, Error, Film, INTEGRATORS, Plan, Quality, Scene, Session, integrators::IntegratorKind};
@@ -156,8 +157,8 @@ impl Picture {
     }
 }
 
-/// Renders a scene by every integrator that can, or those that are named, with independent pixels and lights that the camera does not see (they
-/// stay hidden in `scene`); `told` hears which one is next.
+/// Renders a scene by every integrator that can, or those that are named, with independent pixels and lights that the
+/// camera does not see (they stay hidden in `scene`); `told` hears which one is next.
 ///
 /// # Errors
 /// [`Error`] for unknown names and options.
@@ -259,8 +260,8 @@ pub fn compare(reference: &Picture, picture: Picture) -> Comparison {
     let ((mean, v), (level, w)) = (ours.pop().unwrap_or_default(), theirs.pop().unwrap_or_default());
     let (values, level) = (ours.len(), level.abs().max(f64::MIN_POSITIVE));
     let (mut squares, mut noise, mut largest) = (0.0, 0.0, 0.0_f64);
-    // Errors of blocks are heavier-tailed than normal ones where few paths carry much, and their variances are underestimated where none of these
-    // came: no block counts as surer than half the picture's usual error.
+    // Errors of blocks are heavier-tailed than normal ones where few paths carry much, and their variances are
+    // underestimated where none of these came: no block counts as surer than half the picture's usual error.
     let usual = ours.iter().chain(&theirs).map(|b| b.1).sum::<f64>() / values as f64;
     for (a, b) in ours.iter().zip(&theirs) {
         let (d, v) = (a.0 - b.0, a.1 + b.1);
@@ -310,7 +311,8 @@ fn quantile(alpha: f64, tests: usize, freedom: usize) -> f64 {
     high
 }
 
-/// The probability that a variable of Student's distribution is within `t` of zero (Abramowitz, Stegun 1964, eq. 26.7.3 and 26.7.4).
+/// The probability that a variable of Student's distribution is within `t` of zero (Abramowitz, Stegun 1964, eq. 26.7.3
+/// and 26.7.4).
 fn within(t: f64, freedom: usize) -> f64 {
     let theta = (t / (freedom as f64).sqrt()).atan();
     let (sin, cos) = theta.sin_cos();

@@ -28,8 +28,8 @@ fn glowing_sphere(radiance: &str) -> [f64; 3] {
     ))
 }
 
-/// White means D65 as a plain colour; as the colour of a texture it is the reflectance one, and emission of that is the white E. Linear
-/// Rec.709 of E: (1.205, 0.948, 0.909).
+/// White means D65 as a plain colour; as the colour of a texture it is the reflectance one, and emission of that is the
+/// white E. Linear Rec.709 of E: (1.205, 0.948, 0.909).
 #[test]
 fn emitted_textures_are_spectra_of_reflectances() {
     let plain = glowing_sphere("<rgb name=\"radiance\" value=\"1\"/>");
@@ -41,8 +41,8 @@ fn emitted_textures_are_spectra_of_reflectances() {
     }
 }
 
-/// Coefficients of media up to one have the spectrum of a reflectance, in which a saturated green absorbs less of the red than in the
-/// smoother spectrum of twice the range.
+/// Coefficients of media up to one have the spectrum of a reflectance, in which a saturated green absorbs less of the
+/// red than in the smoother spectrum of twice the range.
 #[test]
 fn coefficients_of_media_are_spectra_of_reflectances() {
     let absorbed = |sigma: &str| {

@@ -28,8 +28,8 @@ fn true_error(film: &Film, reference: &Film) -> f64 {
     (sum / (3 * film.pixels.len()) as f64).sqrt()
 }
 
-/// A pool lit through the water by a lamp of 5 mm: paths by chance miss that light or meet it once, which their samples do not tell; no error is
-/// reached then, however large. Photons are what it takes, and are taken.
+/// A pool lit through the water by a lamp of 5 mm: paths by chance miss that light or meet it once, which their samples
+/// do not tell; no error is reached then, however large. Photons are what it takes, and are taken.
 #[test]
 fn light_through_water_is_not_thought_to_be_found() {
     let scene = scene("water");
@@ -62,7 +62,8 @@ fn errors_are_what_is_estimated_or_in_doubt() {
     }
 }
 
-/// Under a spot lamp a glass egg's light rules the error, and photons are asked: a cap on what one path may bring would hide it.
+/// Under a spot lamp a glass egg's light rules the error, and photons are asked: a cap on what one path may bring would
+/// hide it.
 #[test]
 fn photons_are_asked_for_an_egg_under_a_lamp() {
     let egg = scene("egg");

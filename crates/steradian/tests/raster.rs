@@ -2,7 +2,7 @@
 
 use steradian::{
     CompileOptions, Quality, Scene, compile,
-    integrators::{Counters, Depth, Integrator, Survey, whitted::Whitted},
+    integrators::{Counters, Depth, Integrator, Precomputed, whitted::Whitted},
     load,
     math::{Ray, Vec2, Vec3, spectra::Wavelengths},
     raster::{self, Options},
@@ -92,7 +92,8 @@ fn ray(scene: &Scene, x: u32, y: u32, at: Vec2) -> Ray {
     scene.camera.ray(&scene.film, Vec2::new(x as f32, y as f32) + at, Vec2::splat(0.5))
 }
 
-/// The primitive that a pixel sees is the one that its ray meets, or that a ray meets within the rounding of positions (1/256 pixel) of it (M46).
+/// The primitive that a pixel sees is the one that its ray meets, or that a ray meets within the rounding of positions
+/// (1/256 pixel) of it (M46).
 #[test]
 fn what_is_seen_is_what_rays_meet() {
     let scene = scene_of(SCENE);
@@ -139,7 +140,7 @@ fn light_is_that_of_rays() {
         let (mut lambda, mut counters) = (Wavelengths::RGB, Counters::default());
         let pixel = sampler.pixel(x, y, 0);
         let expected =
-            whitted.radiance(&scene, &Survey::default(), centre, &pixel, &mut lambda, &mut counters).to_rgb();
+            whitted.radiance(&scene, &Precomputed::default(), centre, &pixel, &mut lambda, &mut counters).to_rgb();
         let value = found[(y * 200 + x) as usize];
         sum += value[1];
         let differs =
@@ -150,11 +151,12 @@ fn light_is_that_of_rays() {
     assert!(off < 90 && sum > 1000.0, "{off} {sum}");
 }
 
-/// Shadow maps differ from rays along the borders of shadows alone, by fewer pixels the finer they are, and none without shadows is lit less (M228).
+/// Shadow maps differ from rays along the borders of shadows alone, by fewer pixels the finer they are, and none
+/// without shadows is lit less (M228).
 #[test]
 fn shadow_maps_come_close_to_rays() {
-    // Without the mask, whose half-open places are chance, and the curve: a flat ribbon that faces whoever looks at it has no place that eye
-    // and light agree on.
+    // Without the mask, whose half-open places are chance, and the curve: a flat ribbon that faces whoever looks at it
+    // has no place that eye and light agree on.
     let without_mask = SCENE.replace("\"texture alpha\" \"board\"", "");
     let lines = without_mask.lines().filter(|line| !line.contains("Shape \"curve\""));
     let scene = scene_of(&lines.collect::<Vec<_>>().join("\n"));
@@ -253,8 +255,9 @@ fn differing(a: &[Option<f64>], b: &[Option<f64>]) -> Vec<usize> {
     (0..a.len()).filter(differ).collect()
 }
 
-/// The stencil buffer tells what rays tell, but where the ray of a pixel passes within the rounding of positions (1/256 pixel) of an edge of a
-/// shadow or of what casts it: in parallel light and that of a point, with the eye in light and in shadow, among all kinds of shapes (M234).
+/// The stencil buffer tells what rays tell, but where the ray of a pixel passes within the rounding of positions (1/256
+/// pixel) of an edge of a shadow or of what casts it: in parallel light and that of a point, with the eye in light and
+/// in shadow, among all kinds of shapes (M234).
 #[test]
 fn shadow_volumes_are_ray_cast_shadows() {
     let among_legs = "LookAt 1.2 0.2 0.5  2.2 3 0.2  0 0 1";
@@ -299,8 +302,9 @@ fn shadow_volumes_are_ray_cast_shadows() {
     }
 }
 
-/// Every map errs by at most a texel: where it differs from rays, rays that start within a texel's width differ, too. Bent and split maps err
-/// in fewer pixels than plain ones of their size (M228, M232, M233), and a cube in one pass is six maps (M231).
+/// Every map errs by at most a texel: where it differs from rays, rays that start within a texel's width differ, too.
+/// Bent and split maps err in fewer pixels than plain ones of their size (M228, M232, M233), and a cube in one pass is
+/// six maps (M231).
 #[test]
 fn shadow_maps_err_within_a_texel() {
     let scene = scene_of(TABLE);
@@ -366,8 +370,8 @@ fn projected_shadows_are_exact_on_planes() {
     }
 }
 
-/// Where one plane casts the shadow of a lamp that is parallel to it, soft shadows by maps are close to those of rays (M230), and shadows
-/// from filtered depths are bounds that hold off their borders.
+/// Where one plane casts the shadow of a lamp that is parallel to it, soft shadows by maps are close to those of rays
+/// (M230), and shadows from filtered depths are bounds that hold off their borders.
 #[test]
 fn soft_shadows_by_maps_are_close_to_rays() {
     let text = r#"
@@ -399,9 +403,9 @@ Shape "trianglemesh" "point3 P" [-0.8 -0.8 1.2 0.8 -0.8 1.2 0.8 0.8 1.2 -0.8 0.8
     assert!(penumbra > 500 && mean < 0.04 && largest < 0.25, "{penumbra} {mean} {largest}");
 }
 
-/// BSP order, Newell's sort and Warnock's subdivision give the depth buffer's picture, but where a pixel's centre is within rounding of an edge:
-/// for many things, for triangles that cross, and for three that lie before one another in a circle, which the painter's algorithm gets wrong
-/// (M42, M242, M243, M244).
+/// BSP order, Newell's sort and Warnock's subdivision give the depth buffer's picture, but where a pixel's centre is
+/// within rounding of an edge: for many things, for triangles that cross, and for three that lie before one another in
+/// a circle, which the painter's algorithm gets wrong (M42, M242, M243, M244).
 #[test]
 fn every_order_shows_what_the_depth_buffer_shows() {
     let head = "LookAt 0 0 -6  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\nFilm \"rgb\" \"integer xresolution\" 150 \"integer yresolution\" 150\nWorldBegin\n";
@@ -461,7 +465,8 @@ fn every_order_shows_what_the_depth_buffer_shows() {
     }
 }
 
-/// Overdraw counts the triangles that the ray of a pixel meets, and tiles list as many primitives as the pipeline bins (M46, M47).
+/// Overdraw counts the triangles that the ray of a pixel meets, and tiles list as many primitives as the pipeline bins
+/// (M46, M47).
 #[test]
 fn lesson_views_count_what_they_show() {
     let scene = scene_of(TABLE);

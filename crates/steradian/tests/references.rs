@@ -1,5 +1,5 @@
-//! Real scenes against the pictures that their own renderers made of them. Slow (about a minute); skipped where the assets are not
-//! beside the project.
+//! Real scenes against the pictures that their own renderers made of them. Slow (about a minute); skipped where the
+//! assets are not beside the project.
 //!
 //! Few samples are enough: means over a frame and over blocks are compared within the noise of both pictures.
 
@@ -78,15 +78,16 @@ fn mean_and_error(image: &Image, channel: usize) -> (f64, f64) {
 struct PbrtScene {
     name: &'static str,
     spp: u32,
-    /// Relative noise of the reference's mean (its two halves differ by this much), beyond what 384 samples of a quiet scene leave.
+    /// Relative noise of the reference's mean (its two halves differ by this much), beyond what 384 samples of a quiet
+    /// scene leave.
     reference_noise: f64,
 }
 
 /// Most pixels that share a path. The variance of a sum is at most so many times that of independent pixels.
 const SHARING: f64 = 16.0;
 
-/// Each scene in spectral mode, with independent pixels and, at half the size, as the program renders by default: RGB means within 1.5 %
-/// plus the noise of both pictures.
+/// Each scene in spectral mode, with independent pixels and, at half the size, as the program renders by default: RGB
+/// means within 1.5 % plus the noise of both pictures.
 #[test]
 fn pbrt_scenes_match_pbrt() {
     let Some(assets) = assets() else { return };
@@ -132,8 +133,8 @@ fn pbrt_scenes_in_rgb_are_near() {
     }
 }
 
-/// The ratio of the means of two pictures over the pixels that are among the `count` brightest of neither. These are the same in both, so
-/// what is left out favours none.
+/// The ratio of the means of two pictures over the pixels that are among the `count` brightest of neither. These are
+/// the same in both, so what is left out favours none.
 fn ratio_without_brightest(a: &[[f32; 3]], b: &[[f32; 3]], count: usize, channel: usize) -> f64 {
     let brightest = |pixels: &[[f32; 3]]| -> Vec<usize> {
         let mut order: Vec<usize> = (0..pixels.len()).collect();
@@ -149,9 +150,10 @@ fn ratio_without_brightest(a: &[[f32; 3]], b: &[[f32; 3]], count: usize, channel
     mean(a) / mean(b)
 }
 
-/// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: ten of its 36 864 carry a quarter of its energy. So
-/// its mean is one of chance, .75 to .99 of the reference's. Without the twenty brightest pixels of either picture it is .999 at 256 samples and .997 at 1024,
-/// in all channels; at the 64 samples here, .984: the rest still comes in single bright samples, which are left out.
+/// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: ten of its 36 864
+/// carry a quarter of its energy. So its mean is one of chance, .75 to .99 of the reference's. Without the twenty
+/// brightest pixels of either picture it is .999 at 256 samples and .997 at 1024, in all channels; at the 64 samples
+/// here, .984: the rest still comes in single bright samples, which are left out.
 #[test]
 fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
     let Some(assets) = assets() else { return };
@@ -176,10 +178,10 @@ fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
     }
 }
 
-/// One hair, in spectral mode: its pixels are where pbrt's are, and the mean of each channel is within 1.5 % and three times the noise of the
-/// reference, whose 96 samples leave 1.7 % (the spread of our own means at as many samples). It is 2 to 3 % below, by two pixels side by side,
-/// (158, 82) and (159, 82), which are two and five times as bright in the reference: 2 % of all energy. Without the ten brightest pixels of either picture
-/// means agree to 1 %.
+/// One hair, in spectral mode: its pixels are where pbrt's are, and the mean of each channel is within 1.5 % and three
+/// times the noise of the reference, whose 96 samples leave 1.7 % (the spread of our own means at as many samples). It
+/// is 2 to 3 % below, by two pixels side by side, (158, 82) and (159, 82), which are two and five times as bright in
+/// the reference: 2 % of all energy. Without the ten brightest pixels of either picture means agree to 1 %.
 #[test]
 fn the_hair_scene_matches_pbrt() {
     let Some(assets) = assets() else { return };
@@ -203,8 +205,8 @@ fn the_hair_scene_matches_pbrt() {
     }
 }
 
-/// Per-pixel z-test against Mitsuba's mean and variance images, in RGB and in spectral mode: at least 99.5 % of the pixel-channels,
-/// 99.75 % of those of materials, are accepted at α = 0.01 with Šidák's correction.
+/// Per-pixel z-test against Mitsuba's mean and variance images, in RGB and in spectral mode: at least 99.5 % of the
+/// pixel-channels, 99.75 % of those of materials, are accepted at α = 0.01 with Šidák's correction.
 #[test]
 fn mitsuba_scenes_pass_the_z_test() {
     let Some(assets) = assets() else { return };

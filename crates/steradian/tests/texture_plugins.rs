@@ -1,5 +1,5 @@
-//! Every texture of pbrt-v4 and of Mitsuba 3 and 0.6, with every parameter that their manuals have, as files: each is read and compiled
-//! without a word, and what is no parameter is named.
+//! Every texture of pbrt-v4 and of Mitsuba 3 and 0.6, with every parameter that their manuals have, as files: each is
+//! read and compiled without a word, and what is no parameter is named.
 
 use std::path::Path;
 use steradian::{

@@ -1,6 +1,6 @@
-//! Instructions that traversal and shading take, counted by valgrind's callgrind. Counts do not depend on what else the machine does, so
-//! that small changes show. They are those of AVX2, which is as far as valgrind goes, and of one compiler: after an upgrade of either the
-//! baseline is written anew.
+//! Instructions that traversal and shading take, counted by valgrind's callgrind. Counts do not depend on what else the
+//! machine does, so that small changes show. They are those of AVX2, which is as far as valgrind goes, and of one
+//! compiler: after an upgrade of either the baseline is written anew.
 
 use crate::generate::bumpy_sphere;
 use serde_json::Value;

@@ -13,8 +13,8 @@ use std::{
 };
 use steradian::{CompileOptions, Control, Quality, Session};
 
-/// Renders a scene with Mitsuba: one picture to compile the kernels, then as many as are asked for, each with another seed, whose pixels
-/// are written one after the other as floats; prints the CPU seconds of each.
+/// Renders a scene with Mitsuba: one picture to compile the kernels, then as many as are asked for, each with another
+/// seed, whose pixels are written one after the other as floats; prints the CPU seconds of each.
 const MITSUBA: &str = "\
 import sys, time
 import drjit as dr, mitsuba as mi, numpy as np
@@ -34,8 +34,8 @@ with open(out, 'wb') as file:
 
 /// Samples for each pixel.
 const SPP: u32 = 16;
-/// Samples of the picture that errors are relative to. That of the measured ones would not do: where one of them met something rare and bright, it would
-/// be its own excuse.
+/// Samples of the picture that errors are relative to. That of the measured ones would not do: where one of them met
+/// something rare and bright, it would be its own excuse.
 const LEVEL_SPP: u32 = 256;
 /// Pictures of each renderer.
 const FRAMES: usize = 5;

@@ -24,8 +24,8 @@ use steradian::{
 pub struct AccelArgs {
     /// Scene file, or builtin:NAME
     pub scene: PathBuf,
-    /// Structures to compare, a comma-separated list of `steradian list accelerators`; by default all, but `none` in scenes of more
-    /// than 20000 faces
+    /// Structures to compare, a comma-separated list of `steradian list accelerators`; by default all, but `none` in
+    /// scenes of more than 20000 faces
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Most rays of each kind

@@ -1,4 +1,5 @@
-//! `steradian bench`: measurements of single parts. Rates count processor time, so that a shared machine can be measured on.
+//! `steradian bench`: measurements of single parts. Rates count processor time, so that a shared machine can be
+//! measured on.
 
 mod accel;
 mod placement;

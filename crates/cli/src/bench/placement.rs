@@ -1,5 +1,6 @@
-//! Where the instances of the measurement stand: a cubic lattice with random rotations and sizes. Only `+ − × ÷ √` in `f64` in a fixed
-//! order and an integer generator decide them, so that other programs can be measured with the very same scene.
+//! Where the instances of the measurement stand: a cubic lattice with random rotations and sizes. Only `+ − × ÷ √` in
+//! `f64` in a fixed order and an integer generator decide them, so that other programs can be measured with the very
+//! same scene.
 
 use steradian::math::{DMat4, DVec3, Transform, transform::Affine};
 

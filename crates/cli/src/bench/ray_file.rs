@@ -1,4 +1,5 @@
-//! Files of rays: a little-endian `u64` count, then for each ray seven `f32`: origin, direction, and where its interval ends.
+//! Files of rays: a little-endian `u64` count, then for each ray seven `f32`: origin, direction, and where its interval
+//! ends.
 
 use steradian::math::{Ray, Vec3};
 

@@ -225,7 +225,8 @@ fn build(geometry: &[Geometry], instances: u32) -> Result<TopLevel, steradian::a
     TopLevel::build(&[], vec![Bvh::build(geometry)?], &instances)
 }
 
-/// Traces the rays again and again: what they found, and millions of rays in a second of the processors and of the clock.
+/// Traces the rays again and again: what they found, and millions of rays in a second of the processors and of the
+/// clock.
 fn measure(top: &TopLevel, rays: &[Ray], args: &RaysArgs) -> Result<(Sum, f64, f64), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.into()).build();
     let pool = pool.map_err(|e| Failure::failed(format!("cannot start {} threads: {e}", args.threads)))?;

@@ -222,7 +222,8 @@ fn the_light_of_groups_adds_up_to_the_picture() {
                 assert!((sum - value).abs() <= 1e-5 * value.max(1.0), "{color}: {channel} of {at}: {sum} and {value}");
             }
         }
-        // The clamp at two scales all light of a sample alike, so lights alone are compared where nothing reaches it: on the floor.
+        // The clamp at two scales all light of a sample alike, so lights alone are compared where nothing reaches it:
+        // on the floor.
         let mean = |image: &steradian::image::Image, name: &str| {
             let plane = image.channel(name).unwrap();
             (192..256).map(|at| f64::from(plane[at])).sum::<f64>() / 64.0
@@ -241,7 +242,8 @@ fn the_light_of_groups_adds_up_to_the_picture() {
     place.refuse(2, &["render", "lamps.pbrt", "--adaptive", "--aov", "light_groups"], &["--adaptive"]);
 }
 
-/// Layers change no bit of the picture, also where paths share: these are the guides that denoisers ask for at few samples.
+/// Layers change no bit of the picture, also where paths share: these are the guides that denoisers ask for at few
+/// samples.
 #[test]
 fn layers_change_no_bit_of_the_picture() {
     let place = Place::new();

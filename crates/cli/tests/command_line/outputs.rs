@@ -14,7 +14,8 @@ const SPECTRUM: &str = "400 0.1\n500 0.5\n700 0.9\n";
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
                    property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
-/// A model with a texture of its own name, a scene with a sky of its own name, and one of each kind of file that scenes name.
+/// A model with a texture of its own name, a scene with a sky of its own name, and one of each kind of file that scenes
+/// name.
 fn place() -> Place {
     let place = Place::new();
     paint(&place.path("spot.png"));
@@ -112,7 +113,8 @@ fn default_names_step_aside() {
     assert_eq!(after.len(), before.len() + 4);
 }
 
-/// What keeps a picture from being written is told before it is rendered: a render of hours would not end within this test.
+/// What keeps a picture from being written is told before it is rendered: a render of hours would not end within this
+/// test.
 #[test]
 fn places_that_cannot_be_written_are_refused_beforehand() {
     let place = place();

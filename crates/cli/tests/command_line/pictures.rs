@@ -101,7 +101,8 @@ fn renders_are_tested_by_their_own_variance() {
     let fair = z("a.exr", "b.exr");
     assert_eq!((&fair["passes"], &fair["samples"]), (&true.into(), &64.0.into()));
     assert_eq!(z("short.exr", "a.exr")["passes"], false, "indirect light is missing");
-    // The same test with the variance given: one whose noise is far above that of the render accepts even the wrong one.
+    // The same test with the variance given: one whose noise is far above that of the render accepts even the wrong
+    // one.
     let flat = Image::from_rgb(32, 32, &[[100.0; 3]; 1024]).unwrap();
     write(&place.path("var.exr"), &flat, &WriteOptions::default()).unwrap();
     let given =

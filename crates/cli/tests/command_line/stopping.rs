@@ -108,7 +108,8 @@ fn a_limit_on_the_size_of_files_is_told() {
     assert_eq!(std::fs::read_dir(&place.0).unwrap().count(), 0);
 }
 
-/// A render that is stopped by time again and again ends with the bits of one that is not; another one is refused, and the file kept.
+/// A render that is stopped by time again and again ends with the bits of one that is not; another one is refused, and
+/// the file kept.
 #[test]
 fn a_render_goes_on_where_it_was_left() {
     let place = Place::new();

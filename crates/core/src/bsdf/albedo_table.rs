@@ -1,7 +1,9 @@
-//! Directional albedos of lobes that have no closed form, tabulated over roughness and angle when they are first asked for.
+//! Directional albedos of lobes that have no closed form, tabulated over roughness and angle when they are first asked
+//! for.
 //!
-//! With Schlick's reflectance the albedo of a GGX surface is `E(μ) = f0 A(μ, α) + f90 B(μ, α)` (Karis 2013, "Real Shading in Unreal Engine 4");
-//! [`ggx`] gives both. What a layer leaves to the one below it is `1 − E`, and for a Lambertian base both directions lose it, so that
+//! With Schlick's reflectance the albedo of a GGX surface is `E(μ) = f0 A(μ, α) + f90 B(μ, α)` (Karis 2013, "Real
+//! Shading in Unreal Engine 4"); [`ggx`] gives both. What a layer leaves to the one below it is `1 − E`, and for a
+//! Lambertian base both directions lose it, so that
 //!
 //! ```text
 //! f = ρ/π · (1 − E(wo)) (1 − E(wi)) / (1 − Ē),   Ē = 2 ∫ E μ dμ

@@ -90,8 +90,8 @@ pub(super) fn ward(visit: &mut Visitor<'_>) {
     case("bounded, 0.6", BLACK, WHITE, 0.6, 0.6, Bounded);
 }
 
-/// It loses light where the others gain, but its albedo grows with the root of the cosine beyond all bounds within a tenth of a degree of the
-/// horizon.
+/// It loses light where the others gain, but its albedo grows with the root of the cosine beyond all bounds within a
+/// tenth of a degree of the horizon.
 pub(super) fn ward_original(visit: &mut Visitor<'_>) {
     let mut case = |label, diffuse, specular, x, y| {
         let bsdf = Bsdf::Ward(Ward::new(diffuse, specular, x, y, WardForm::Ward));

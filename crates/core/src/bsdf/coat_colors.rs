@@ -1,6 +1,7 @@
-//! What is thrown back inside a coat has a colour that RGB arithmetic gets wrong: a spectrum of colour `ρ = 1` in red is below one over part of
-//! the red wavelengths, and the powers of it that the series `Σ ρⁿ⁺¹Kⁿ` sums fade, while powers of one do not. In RGB mode the
-//! series is therefore taken over the smooth spectrum that the RGB value stands for, and its colour tabulated over RGB.
+//! What is thrown back inside a coat has a colour that RGB arithmetic gets wrong: a spectrum of colour `ρ = 1` in red
+//! is below one over part of the red wavelengths, and the powers of it that the series `Σ ρⁿ⁺¹Kⁿ` sums fade, while
+//! powers of one do not. In RGB mode the series is therefore taken over the smooth spectrum that the RGB value stands
+//! for, and its colour tabulated over RGB.
 
 use steradian_math::{
     DVec3, Spectrum, Vec3,
@@ -21,7 +22,8 @@ pub(super) struct CoatColors {
 }
 
 impl CoatColors {
-    /// Tabulates `series`, the light that leaves a base of the given albedo per light that reaches it. Some milliseconds.
+    /// Tabulates `series`, the light that leaves a base of the given albedo per light that reaches it. Some
+    /// milliseconds.
     pub fn new(series: impl Fn(f32) -> f32) -> Self {
         let color = |l: f32| {
             let xyz = DVec3::from_array(cie::matching(l).map(f64::from)) * f64::from(d65().eval(l));

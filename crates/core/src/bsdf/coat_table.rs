@@ -1,7 +1,7 @@
 //! What a dielectric coat lets through to its base and what it throws back at it, as tables over angle and roughness.
 //!
-//! Over a Lambertian base the light inside a coat is isotropic after the first scattering, so three functions say everything
-//! (with the absorption `exp(−t/cosθ)` of a crossing of the coat, `t` its optical thickness):
+//! Over a Lambertian base the light inside a coat is isotropic after the first scattering, so three functions say
+//! everything (with the absorption `exp(−t/cosθ)` of a crossing of the coat, `t` its optical thickness):
 //!
 //! ```text
 //! R(μ)   fraction reflected by the interface, from outside
@@ -22,7 +22,8 @@ pub enum CoatSeries {
     Layered {
         /// Optical thickness of the coat for a vertical crossing (≥ 0).
         thickness: f32,
-        /// The walk meets at most this many interfaces, so the base at most half as often (rounded up); `u32::MAX` for no limit.
+        /// The walk meets at most this many interfaces, so the base at most half as often (rounded up); `u32::MAX` for
+        /// no limit.
         max_depth: u32,
     },
     /// Mitsuba's plastic: no absorption, all orders of scattering.
@@ -33,7 +34,8 @@ pub enum CoatSeries {
 }
 
 impl CoatSeries {
-    /// The light that leaves a base of albedo `rho` per light that reaches it, where the coat throws the fraction `k` back.
+    /// The light that leaves a base of albedo `rho` per light that reaches it, where the coat throws the fraction `k`
+    /// back.
     #[inline]
     fn sum(self, rho: f32, k: f32) -> f32 {
         match self {
@@ -52,8 +54,9 @@ impl CoatSeries {
 const ANGLES: usize = 64;
 /// Rows of a table whose roughness varies.
 const ROWS: usize = 17;
-/// Quadrature points over visible normals, seen from outside; and from inside, where total reflection begins abruptly. Fibonacci's numbers: at
-/// these, multiples of the golden ratio are spread most evenly (the error from outside is 3.3e-4 at α = 0.02 and 6e-5 from 0.1 on).
+/// Quadrature points over visible normals, seen from outside; and from inside, where total reflection begins abruptly.
+/// Fibonacci's numbers: at these, multiples of the golden ratio are spread most evenly (the error from outside is
+/// 3.3e-4 at α = 0.02 and 6e-5 from 0.1 on).
 const NORMALS: (usize, usize) = (987, 1597);
 
 /// One roughness.
@@ -91,8 +94,8 @@ pub(super) struct RowPlace {
 }
 
 impl CoatTable {
-    /// Integrates the tables of a coat with index `eta` relative to the outside, for roughness values in `alpha` (smallest,
-    /// largest). Deterministic; some 5 ms per row, one row for constant roughness and 17 for varying.
+    /// Integrates the tables of a coat with index `eta` relative to the outside, for roughness values in `alpha`
+    /// (smallest, largest). Deterministic; some 5 ms per row, one row for constant roughness and 17 for varying.
     ///
     /// Values out of range are clamped: `eta` to `[0.05, 20]`, thickness to `≥ 0`; NaN counts as index 1, thickness 0.
     pub fn new(
@@ -206,7 +209,8 @@ impl CoatTable {
         }
     }
 
-    /// The light that leaves a base of albedo `rho` per light that reaches it, with all that is thrown back at it summed up.
+    /// The light that leaves a base of albedo `rho` per light that reaches it, with all that is thrown back at it
+    /// summed up.
     pub(super) fn multiply_scattered(&self, place: RowPlace, rho: Spectrum) -> Spectrum {
         if let Some(smooth) = &self.smooth_colors {
             let of = |row: usize| self.rows[row].colors.as_ref().unwrap_or(smooth).multiply_scattered(rho);
@@ -276,8 +280,8 @@ impl CoatTable {
         };
         let internal = match self.series {
             CoatSeries::Layered { .. } => cosine_mean(1.0 / self.eta, |mu| self.crossing(mu) * inside(mu)),
-            // Mitsuba averages 64 equidistant cosines with both ends, which is 1.5 % below the integral: kept, so that its
-            // pictures are met.
+            // Mitsuba averages 64 equidistant cosines with both ends, which is 1.5 % below the integral: kept, so that
+            // its pictures are met.
             CoatSeries::Plastic { .. } => {
                 (0..64).map(|i| (i as f32 / 63.0).max(1e-6)).map(|mu| mu * inside(mu)).sum::<f32>() / 32.0
             }
@@ -333,8 +337,8 @@ fn over_normals<const N: usize>(
     sum.map(|s| s / count as f32)
 }
 
-/// `2∫₀¹ f(μ) μ dμ` for light that meets the relative index `eta`, by the midpoint rule: below the critical cosine evenly,
-/// above it in the square root of the distance, where reflection changes evenly.
+/// `2∫₀¹ f(μ) μ dμ` for light that meets the relative index `eta`, by the midpoint rule: below the critical cosine
+/// evenly, above it in the square root of the distance, where reflection changes evenly.
 fn cosine_mean(eta: f32, f: impl Fn(f32) -> f32) -> f32 {
     const N: usize = 32;
     let critical = (1.0 - eta * eta).max(0.0).sqrt();

@@ -1,20 +1,20 @@
 //! A dielectric coat over a Lambertian base: plastic, varnish, lacquer.
 //!
-//! Light that enters the coat reaches the base with probability `T(wo)`, is scattered diffusely, and each time leaves or is
-//! thrown back with probability `K`. Summing all orders, with `T` by reciprocity for the way out,
+//! Light that enters the coat reaches the base with probability `T(wo)`, is scattered diffusely, and each time leaves
+//! or is thrown back with probability `K`. Summing all orders, with `T` by reciprocity for the way out,
 //!
 //! ```text
 //! f = f_interface + T(wo)·T(wi)/(π η²) · ρ/(1 − ρK)
 //! ```
 //!
-//! which is the expectation of pbrt-v4's random walk for `coateddiffuse` (Pharr et al. 2023, 14.3) and the model of Mitsuba's
-//! `plastic` and `roughplastic`; [`CoatSeries`](super::CoatSeries) says where the two differ. `T`, `K` and the absorption in
-//! the coat come from a [`CoatTable`].
+//! which is the expectation of pbrt-v4's random walk for `coateddiffuse` (Pharr et al. 2023, 14.3) and the model of
+//! Mitsuba's `plastic` and `roughplastic`; [`CoatSeries`](super::CoatSeries) says where the two differ. `T`, `K` and
+//! the absorption in the coat come from a [`CoatTable`].
 //!
-//! Where it departs: pbrt-v4's *evaluation* of a rough coat (not its sampling) weighs its two strategies by densities that
-//! are measured on different sides of the interface, so their weights do not add up to one and the value comes out too
-//! high: by 0.2 to 1 % at roughness 0.01, 2 to 9 % at 0.1, 6 to 13 % above 0.3. This model is the walk's true expectation. An
-//! anisotropic coat uses the tables of its mean roughness; its interface reflection is exact.
+//! Where it departs: pbrt-v4's *evaluation* of a rough coat (not its sampling) weighs its two strategies by densities
+//! that are measured on different sides of the interface, so their weights do not add up to one and the value comes out
+//! too high: by 0.2 to 1 % at roughness 0.01, 2 to 9 % at 0.1, 6 to 13 % above 0.3. This model is the walk's true
+//! expectation. An anisotropic coat uses the tables of its mean roughness; its interface reflection is exact.
 
 use super::coat_table::RowPlace;
 use super::microfacet::Mirror;
@@ -55,8 +55,9 @@ impl Seen {
 }
 
 impl<'a> Coated<'a> {
-    /// A base of albedo `reflectance` (clamped to `[0, 1]`) under the coat of `table` with roughness `alpha_x`, `alpha_y`,
-    /// which should lie in the table's range; `tint` is a factor on what the coat itself reflects (1 is physical).
+    /// A base of albedo `reflectance` (clamped to `[0, 1]`) under the coat of `table` with roughness `alpha_x`,
+    /// `alpha_y`, which should lie in the table's range; `tint` is a factor on what the coat itself reflects (1 is
+    /// physical).
     pub fn new(table: &'a CoatTable, reflectance: Spectrum, tint: Spectrum, alpha_x: f32, alpha_y: f32) -> Self {
         let microfacet = table.microfacet(alpha_x, alpha_y);
         let place = table.place(&microfacet);

@@ -8,9 +8,10 @@
 //! Fresnel               f_d = k_d/π (1 − k_s F(θ_o))(1 − k_s F(θ_i))/(1 − k_s ⟨F⟩)            Shirley et al. 1997
 //! ```
 //!
-//! (The printed formula `F D G/(π cos cos)` gains energy with a normalised `D`: E3, E4.) All three are reciprocal. The last
-//! loses nothing on a smooth white surface, for which it is derived; rough facets reflect less than a plane (by up to a half
-//! at grazing angles), which is lost, and at angles between up to 0.0022 more, which the diffuse part must leave them. `plastic` and `coated_diffuse` have the rough interface's own tables instead.
+//! (The printed formula `F D G/(π cos cos)` gains energy with a normalised `D`: E3, E4.) All three are reciprocal. The
+//! last loses nothing on a smooth white surface, for which it is derived; rough facets reflect less than a plane (by up
+//! to a half at grazing angles), which is lost, and at angles between up to 0.0022 more, which the diffuse part must
+//! leave them. `plastic` and `coated_diffuse` have the rough interface's own tables instead.
 
 use super::microfacet::Mirror;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance};
@@ -28,8 +29,8 @@ pub enum DiffuseCoupling {
     Fresnel,
 }
 
-/// What is taken of the diffuse part under rough facets, so that nothing is gained where these reflect more than a plane: over white, for indices
-/// from 1.3 to 2.2 and all roughnesses, that is by 0.0022 at most.
+/// What is taken of the diffuse part under rough facets, so that nothing is gained where these reflect more than a
+/// plane: over white, for indices from 1.3 to 2.2 and all roughnesses, that is by 0.0022 at most.
 const LEFT_BY_ROUGH_FACETS: f32 = 0.997;
 
 /// Facets over a diffuse bulk.
@@ -168,7 +169,8 @@ mod tests {
     use super::{super::NormalDistribution::Beckmann, super::Shadowing::VGroove};
     use steradian_testkit::integrate_sphere;
 
-    /// The albedo of perfect mirrors as facets (Beckmann's, in V-grooves) against a quadrature over half vectors in double precision (M90).
+    /// The albedo of perfect mirrors as facets (Beckmann's, in V-grooves) against a quadrature over half vectors in
+    /// double precision (M90).
     #[test]
     fn the_directional_albedo_has_its_tabulated_values() {
         let table =
@@ -185,7 +187,8 @@ mod tests {
         }
     }
 
-    /// Whatever the diffuse part leaves to white facets, no more light comes back than there was, and as much the other way (M100).
+    /// Whatever the diffuse part leaves to white facets, no more light comes back than there was, and as much the other
+    /// way (M100).
     #[test]
     fn a_diffuse_part_by_fresnels_factor_gains_nothing() {
         use DiffuseCoupling::{AshikhminShirley, Fresnel, Sum};

@@ -1,6 +1,6 @@
 //! Glass and liquids: light is reflected in the ratio `F` of Fresnel's equations and refracted otherwise, at a smooth
-//! surface or at microfacets (Walter et al. 2007, eqs. 20 and 21). Refraction into a denser medium compresses radiance by
-//! `(η_t/η_i)²`, so radiance that is followed backwards is divided by it.
+//! surface or at microfacets (Walter et al. 2007, eqs. 20 and 21). Refraction into a denser medium compresses radiance
+//! by `(η_t/η_i)²`, so radiance that is followed backwards is divided by it.
 
 use super::microfacet::Facet;
 use super::{BsdfEval, BsdfSample, Lobe, Microfacet, TransportMode, fresnel};
@@ -163,7 +163,8 @@ mod tests {
 
     #[test]
     fn a_slab_reflects_all_orders() {
-        // Follow the expected light through two interfaces: 2F/(1 + F) comes back, and what leaves goes on in its direction.
+        // Follow the expected light through two interfaces: 2F/(1 + F) comes back, and what leaves goes on in its
+        // direction.
         let glass = Dielectric::new(1.5, Microfacet::SMOOTH);
         for degrees in [0.0f32, 45.0, 75.0] {
             let wo = direction(degrees);
@@ -182,8 +183,8 @@ mod tests {
         }
     }
 
-    /// Rough glass in a furnace, from outside and from inside (M96): all light is found again but for what meets a second facet, which is little on
-    /// smooth glass and the more the rougher it is.
+    /// Rough glass in a furnace, from outside and from inside (M96): all light is found again but for what meets a
+    /// second facet, which is little on smooth glass and the more the rougher it is.
     #[test]
     fn rough_glass_scatters_nearly_all_light_from_both_sides() {
         let scattered = |alpha: f32, wo: Vec3| {
@@ -192,7 +193,8 @@ mod tests {
         };
         for degrees in [0.0, 50.0, 130.0, 160.0] {
             let [smoother, rougher] = [0.1, 0.5].map(|alpha| scattered(alpha, direction(degrees)));
-            // Inside, rough facets let light out near the horizon, where others stand in the way; most beyond the critical angle.
+            // Inside, rough facets let light out near the horizon, where others stand in the way; most beyond the
+            // critical angle.
             let least = if degrees == 130.0 { 0.965 } else { 0.985 };
             let rough = if degrees > 90.0 { 0.67 } else { 0.85 };
             assert!((least..1.001).contains(&smoother), "{degrees}°: {smoother}");

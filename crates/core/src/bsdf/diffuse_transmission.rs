@@ -1,4 +1,5 @@
-//! Lambertian reflection and transmission: `f = ρ/π` on the side of `wo`, `τ/π` on the other. Leaves, paper, lampshades.
+//! Lambertian reflection and transmission: `f = ρ/π` on the side of `wo`, `τ/π` on the other. Leaves, paper,
+//! lampshades.
 
 use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
 use std::f32::consts::FRAC_1_PI;

@@ -1,15 +1,15 @@
 //! How much light an interface reflects, and where the rest goes.
 //!
-//! The amplitude coefficients of the field perpendicular (`s`, senkrecht) and parallel (`p`) to the plane of incidence are
-//! (Born & Wolf 1999, 1.5.2)
+//! The amplitude coefficients of the field perpendicular (`s`, senkrecht) and parallel (`p`) to the plane of incidence
+//! are (Born & Wolf 1999, 1.5.2)
 //!
 //! ```text
 //! r_s = (η_i cosθ_i − η_t cosθ_t) / (η_i cosθ_i + η_t cosθ_t)
 //! r_p = (η_t cosθ_i − η_i cosθ_t) / (η_t cosθ_i + η_i cosθ_t)
 //! ```
 //!
-//! and unpolarised light is reflected in the ratio `F = (r_s² + r_p²)/2`. Relative indices are `η = η_below/η_above`, where a
-//! positive cosine means light from above; a negative cosine turns the interface around.
+//! and unpolarised light is reflected in the ratio `F = (r_s² + r_p²)/2`. Relative indices are `η = η_below/η_above`,
+//! where a positive cosine means light from above; a negative cosine turns the interface around.
 
 use steradian_math::{Spectrum, Vec3};
 
@@ -78,7 +78,8 @@ impl Crossing {
     fn with_square(cos_i: f32, cos2: f32, eta: f32) -> Self {
         let sin2 = 1.0 - cos2;
         let refracted = (eta * eta - sin2).max(0.0).sqrt();
-        // r_p = r_s (x − sin²θ_i)/(x + sin²θ_i) with x = η cosθ_i cosθ_t, and the mean of both squares with one division.
+        // r_p = r_s (x − sin²θ_i)/(x + sin²θ_i) with x = η cosθ_i cosθ_t, and the mean of both squares with one
+        // division.
         let (difference, sum, x) = (cos_i - refracted, cos_i + refracted, cos_i * refracted);
         let below = sum * (x + sin2);
         let reflectance = difference * difference * (x * x + sin2 * sin2) / (below * below);
@@ -118,15 +119,17 @@ pub fn conductor_by_square(cos2: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     let t = eta2 - k2 - Vec4::splat(sin2);
     let sqrt = |v: Vec4| v.max(Vec4::ZERO).sqrt();
     let a2_plus_b2 = sqrt(t * t + 4.0 * eta2 * k2);
-    // R_s = (x_s − y_s)/(x_s + y_s), R_p = R_s (x_p − y_p)/(x_p + y_p), and their mean with one division; y_s = 2a cosθ.
+    // R_s = (x_s − y_s)/(x_s + y_s), R_p = R_s (x_p − y_p)/(x_p + y_p), and their mean with one division; y_s = 2a
+    // cosθ.
     let (xs, ys) = (a2_plus_b2 + Vec4::splat(cos2), sqrt((2.0 * cos2) * (a2_plus_b2 + t)));
     let (xp, yp) = (a2_plus_b2 * cos2 + Vec4::splat(sin2 * sin2), ys * sin2);
     Spectrum((xs - ys) * xp / ((xs + ys) * (xp + yp)).max(Vec4::splat(f32::MIN_POSITIVE)))
 }
 
 /// The approximation for metals with large `k`: with `m = η² + k²` and `c = cosθ`, the mean of
-/// `(m c² − 2ηc + 1)/(m c² + 2ηc + 1)` and `(m − 2ηc + c²)/(m + 2ηc + c²)` for the parallel and the
-/// perpendicular field; the lectures print it as if it were exact. At normal incidence it is; copper's reflectance at 70° is too large by 0.0068.
+/// `(m c² − 2ηc + 1)/(m c² + 2ηc + 1)` and `(m − 2ηc + c²)/(m + 2ηc + c²)` for the parallel and the perpendicular
+/// field; the lectures print it as if it were exact. At normal incidence it is; copper's reflectance at 70° is too
+/// large by 0.0068.
 pub fn conductor_approximate(cos_i: f32, eta: f32, k: f32) -> f32 {
     let c = cos_i.clamp(0.0, 1.0);
     let m = eta * eta + k * k;
@@ -148,13 +151,14 @@ pub fn f0_from_eta(eta: f32) -> f32 {
 
 /// Reflectance of a dielectric under diffuse light, `F_dr = 2∫₀¹ F(μ) μ dμ`; `eta` as seen from the side of the light.
 ///
-/// The integrand has a kink at the critical angle when `η < 1`, so the interval is split there and each part is integrated
-/// in a variable that is smooth at its end. Accurate to 10⁻⁶.
+/// The integrand has a kink at the critical angle when `η < 1`, so the interval is split there and each part is
+/// integrated in a variable that is smooth at its end. Accurate to 10⁻⁶.
 pub fn dielectric_diffuse(eta: f32) -> f32 {
     dielectric_cosine_mean(eta, |_, _| 1.0)
 }
 
-/// `2∫₀¹ F(μ) μ g(μ, μ_t) dμ`, with the refracted cosine `μ_t` (0 under total internal reflection), in double precision.
+/// `2∫₀¹ F(μ) μ g(μ, μ_t) dμ`, with the refracted cosine `μ_t` (0 under total internal reflection), in double
+/// precision.
 pub(super) fn dielectric_cosine_mean(eta: f32, g: impl Fn(f64, f64) -> f64) -> f32 {
     let eta = f64::from(eta);
     let reflectance = |mu: f64| {
@@ -185,8 +189,8 @@ pub(super) fn dielectric_cosine_mean(eta: f32, g: impl Fn(f64, f64) -> f64) -> f
     (sum / N as f64) as f32
 }
 
-/// The fit of [`dielectric_diffuse`] that Mitsuba's smooth plastic uses: Egan & Hilgeman (1973) for `η < 1`, d'Eon & Irving
-/// (2011) for `η ≥ 1`. Within 0.1 % of the integral for common glasses.
+/// The fit of [`dielectric_diffuse`] that Mitsuba's smooth plastic uses: Egan & Hilgeman (1973) for `η < 1`, d'Eon &
+/// Irving (2011) for `η ≥ 1`. Within 0.1 % of the integral for common glasses.
 pub fn dielectric_diffuse_fit(eta: f32) -> f32 {
     let inv = 1.0 / eta;
     if eta < 1.0 {
@@ -203,8 +207,8 @@ pub fn reflect(w: Vec3, n: Vec3) -> Vec3 {
     2.0 * w.dot(n) * n - w
 }
 
-/// Refracts `w`, which points away from the surface, at a plane with unit normal `n`: the transmitted direction, also away
-/// from the surface, and the relative index `η_t/η_i` on its way. `None` under total internal reflection.
+/// Refracts `w`, which points away from the surface, at a plane with unit normal `n`: the transmitted direction, also
+/// away from the surface, and the relative index `η_t/η_i` on its way. `None` under total internal reflection.
 ///
 /// `eta` is the index on the side that `−n` points to, relative to the side of `n`; `w` may lie on either side.
 #[inline(always)]
@@ -320,7 +324,8 @@ mod tests {
         assert!(conductor(1.0, Spectrum::ZERO, Spectrum::ZERO).is_finite());
     }
 
-    /// Light through a prism of apex 60° is turned least by `2 asin(n sin 30°) − 60°` (M130), and more in the blue: glass spreads colours.
+    /// Light through a prism of apex 60° is turned least by `2 asin(n sin 30°) − 60°` (M130), and more in the blue:
+    /// glass spreads colours.
     #[test]
     fn a_prism_deviates_least_as_the_formula_says() {
         let half = 30f32.to_radians();
@@ -341,8 +346,8 @@ mod tests {
         }
     }
 
-    /// The primary rainbow stands 42.4° from the shadow of one's head in red light and lower in violet (M129): the most that one reflection
-    /// inside a drop turns light back by.
+    /// The primary rainbow stands 42.4° from the shadow of one's head in red light and lower in violet (M129): the most
+    /// that one reflection inside a drop turns light back by.
     #[test]
     fn the_rainbow_stands_at_its_angle() {
         let bow = |n: f32| {

@@ -2,7 +2,8 @@
 
 use steradian_math::elementary::{exp, ln};
 
-/// `exp(x²) erfc(x)` for `x ≥ 0`; times `exp(−x²)` the absolute error is below 2·10⁻⁷ (Abramowitz & Stegun 1964, 7.1.26).
+/// `exp(x²) erfc(x)` for `x ≥ 0`; times `exp(−x²)` the absolute error is below 2·10⁻⁷ (Abramowitz & Stegun 1964,
+/// 7.1.26).
 #[inline]
 pub(super) fn erfc_scaled(x: f32) -> f32 {
     const P: f32 = 0.327_591_1;

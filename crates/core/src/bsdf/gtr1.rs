@@ -1,5 +1,6 @@
-//! The generalised Trowbridge–Reitz distribution of exponent 1 (Burley 2012, "Physically-Based Shading at Disney", appendix B.2), whose long
-//! tail is Disney's clear coat: `D = (α² − 1) / (π ln α² (1 + (α² − 1) cos²θ))`, for `0 < α < 1`.
+//! The generalised Trowbridge–Reitz distribution of exponent 1 (Burley 2012, "Physically-Based Shading at Disney",
+//! appendix B.2), whose long tail is Disney's clear coat: `D = (α² − 1) / (π ln α² (1 + (α² − 1) cos²θ))`, for
+//! `0 < α < 1`.
 
 use std::f32::consts::PI;
 use steradian_math::{

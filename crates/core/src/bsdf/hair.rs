@@ -1,9 +1,9 @@
-//! A fibre of hair or fur, seen from near enough that its width matters (Chiang, Bitterli, Tappan, Burley 2016, "A Practical
-//! and Controllable Hair and Fur Model for Production Path Tracing"), as pbrt-v4 and Mitsuba 3 have it.
+//! A fibre of hair or fur, seen from near enough that its width matters (Chiang, Bitterli, Tappan, Burley 2016, "A
+//! Practical and Controllable Hair and Fur Model for Production Path Tracing"), as pbrt-v4 and Mitsuba 3 have it.
 //!
-//! The fibre is a dielectric cylinder along `x`; `θ` is the angle of a direction out of the normal plane, `φ` its angle in that
-//! plane, and `h = sin γ_o ∈ [−1, 1]` how far off its axis it is met. Light that is reflected (`p = 0`), that passes through (1), and
-//! that is reflected inside (2, and all further orders together) makes the four lobes of
+//! The fibre is a dielectric cylinder along `x`; `θ` is the angle of a direction out of the normal plane, `φ` its angle
+//! in that plane, and `h = sin γ_o ∈ [−1, 1]` how far off its axis it is met. Light that is reflected (`p = 0`), that
+//! passes through (1), and that is reflected inside (2, and all further orders together) makes the four lobes of
 //!
 //! ```text
 //! f |cosθ_i| = Σ_p M_p(θ_o, θ_i) A_p(θ_o, h) N_p(φ_i − φ_o)
@@ -14,8 +14,8 @@
 //! s   = √(π/8) (0.265 β_n + 1.194 β_n² + 5.372 β_n²²)
 //! ```
 //!
-//! where the scales of the cuticle tilt `θ_o` by `−2α`, `α`, `4α` for `p = 0, 1, 2` (Chiang et al., section 4.1.2; the tilts are those of the
-//! implementations named). σ_a is per radius of the fibre.
+//! where the scales of the cuticle tilt `θ_o` by `−2α`, `α`, `4α` for `p = 0, 1, 2` (Chiang et al., section 4.1.2; the
+//! tilts are those of the implementations named). σ_a is per radius of the fibre.
 //!
 //! The model keeps all energy that it does not absorb, but is not reciprocal: `A_p` and the tilts look at `wo` alone.
 
@@ -29,9 +29,11 @@ use steradian_math::{
 /// Orders of scattering with a lobe of their own; what is left is the last lobe.
 const ORDERS: usize = 3;
 
-/// Absorption (per fibre radius, linear Rec.709) of unit concentration of eumelanin, which is brown to black (d'Eon et al. 2011).
+/// Absorption (per fibre radius, linear Rec.709) of unit concentration of eumelanin, which is brown to black (d'Eon et
+/// al. 2011).
 pub const EUMELANIN: [f32; 3] = [0.419, 0.697, 1.37];
-/// Absorption (per fibre radius, linear Rec.709) of unit concentration of pheomelanin, which is yellow to red (d'Eon et al. 2011).
+/// Absorption (per fibre radius, linear Rec.709) of unit concentration of pheomelanin, which is yellow to red (d'Eon et
+/// al. 2011).
 pub const PHEOMELANIN: [f32; 3] = [0.187, 0.4, 1.05];
 
 /// A point of a fibre.
@@ -54,7 +56,8 @@ pub struct Hair {
 pub enum Offset {
     /// `h`, of a fibre along `x` (pbrt: twice the curve's `v`, less one).
     Given(f32),
-    /// Of a fibre along `y` whose surface is really round: `h` is the sine of the angle between normal and `wo` around it (Mitsuba).
+    /// Of a fibre along `y` whose surface is really round: `h` is the sine of the angle between normal and `wo` around
+    /// it (Mitsuba).
     FromNormal,
 }
 
@@ -72,9 +75,9 @@ struct Outgoing {
 }
 
 impl Hair {
-    /// A fibre met at `offset`, with absorption `sigma_a` (per radius, at least 0), index of refraction `eta` (clamped to at least 1),
-    /// longitudinal and azimuthal roughness `beta_m`, `beta_n` (clamped to `[0.01, 1]` as in pbrt), scales tilted by `alpha` (degrees, clamped
-    /// to a right angle).
+    /// A fibre met at `offset`, with absorption `sigma_a` (per radius, at least 0), index of refraction `eta` (clamped
+    /// to at least 1), longitudinal and azimuthal roughness `beta_m`, `beta_n` (clamped to `[0.01, 1]` as in pbrt),
+    /// scales tilted by `alpha` (degrees, clamped to a right angle).
     pub fn new(offset: Offset, sigma_a: Spectrum, eta: f32, beta_m: f32, beta_n: f32, alpha: f32) -> Self {
         let roughness = |b: f32| if b > 0.01 { b.min(1.0) } else { 0.01 };
         let (m, n) = (roughness(beta_m), roughness(beta_n));
@@ -97,7 +100,8 @@ impl Hair {
         }
     }
 
-    /// The absorption that gives a mass of hair the colour `albedo` by multiple scattering (Chiang et al. 2016, eq. 9, a fit).
+    /// The absorption that gives a mass of hair the colour `albedo` by multiple scattering (Chiang et al. 2016, eq. 9,
+    /// a fit).
     pub fn sigma_a_of_color(albedo: Spectrum, beta_n: f32) -> Spectrum {
         let n = if beta_n > 0.01 { beta_n.min(1.0) } else { 0.01 };
         let fit = [0.245, 5.574, -10.73, 2.532, -0.215, 5.969].into_iter().fold(0.0, |sum, c| sum * n + c);
@@ -119,7 +123,8 @@ impl Hair {
             Offset::FromNormal => 0.0,
         };
         let sin_t = wo.x / self.eta;
-        // The plane across the fibre sees a larger index (Marschner et al. 2003, Bravais' index). The smallest number keeps 0/0 out.
+        // The plane across the fibre sees a larger index (Marschner et al. 2003, Bravais' index). The smallest number
+        // keeps 0/0 out.
         let across = (self.eta * self.eta - wo.x * wo.x).max(0.0).sqrt().max(f32::MIN_POSITIVE);
         let sin_gamma_t = (h * cos / across).clamp(-1.0, 1.0);
         let path = 2.0 * safe_cos(sin_gamma_t) / safe_cos(sin_t).max(1e-6);
@@ -314,7 +319,8 @@ mod tests {
 
     #[test]
     fn a_fibre_that_is_really_round_is_met_where_its_normal_says() {
-        // The normal plane of a fibre along y; wo at 30° from the normal, on either side: h = ±1/2, mirrored pictures of one another.
+        // The normal plane of a fibre along y; wo at 30° from the normal, on either side: h = ±1/2, mirrored pictures
+        // of one another.
         let sigma = Spectrum::splat(0.3);
         let round = Hair::new(Offset::FromNormal, sigma, 1.55, 0.3, 0.3, 0.0);
         for (x, h) in [(0.5, 0.5), (-0.5, -0.5)] {
@@ -325,7 +331,8 @@ mod tests {
                 let (a, b) = (round.eval(wo, wi), given.eval(turned(wo), turned(wi)));
                 assert!((a.pdf - b.pdf).abs() < 1e-5 * b.pdf, "{a:?} {b:?}");
             }
-            // Reflection by the normal is where the first lobe has its middle: more light goes there than a little beside.
+            // Reflection by the normal is where the first lobe has its middle: more light goes there than a little
+            // beside.
             let mirrored = Vec3::new(-x, 0.0, wo.z);
             let black = Hair::new(Offset::FromNormal, Spectrum::splat(1e3), 1.55, 0.1, 0.1, 0.0);
             let beside = [Vec3::new(x, 0.0, wo.z), Vec3::new(0.0, 0.0, 1.0), Vec3::new(-x, 0.3, wo.z).normalize()];

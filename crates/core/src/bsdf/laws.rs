@@ -78,8 +78,8 @@ fn p_must_exceed(p: f64, what: &str) -> Result<(), String> {
     if p > sidak(ALPHA, TESTS) { Ok(()) } else { Err(format!("{what}: p = {p:.2e}")) }
 }
 
-/// Samples follow the density, nothing is drawn where the density is zero, and what the density lacks to one is drawn from
-/// specular lobes (with the probability they state) or rejected.
+/// Samples follow the density, nothing is drawn where the density is zero, and what the density lacks to one is drawn
+/// from specular lobes (with the probability they state) or rejected.
 fn samples_follow_pdf(s: &impl Scatterer, wo: Vec3, samples: usize, seed: u64) -> Result<(), String> {
     let mut rng = HashRng::new(seed);
     let mut histogram = vec![0u64; GRID.cells()];
@@ -141,8 +141,8 @@ fn weight_is_value_over_pdf(s: &impl Scatterer, wo: Vec3, seed: u64) -> Result<(
     Ok(())
 }
 
-/// Runs a comparison of `f` over pairs of directions of which half are near the lobes; not for values that agree in the mean only, for
-/// which see the tests of `layered`.
+/// Runs a comparison of `f` over pairs of directions of which half are near the lobes; not for values that agree in the
+/// mean only, for which see the tests of `layered`.
 fn over_pairs(
     s: &impl Scatterer,
     seed: u64,
@@ -177,7 +177,8 @@ fn close(a: Spectrum, b: Spectrum) -> bool {
     (0..4).all(|i| (a[i] - b[i]).abs() <= 5e-3 * a[i].abs().max(b[i].abs()) + 1e-6)
 }
 
-/// `f_importance(wo, wi) = f_radiance(wi, wo)` for every model (Veach 1997, 5.3): paths from both ends find the same light.
+/// `f_importance(wo, wi) = f_radiance(wi, wo)` for every model (Veach 1997, 5.3): paths from both ends find the same
+/// light.
 fn is_adjoint(s: &impl Scatterer, seed: u64) -> Result<(), String> {
     over_pairs(s, seed, |wo, wi, f| {
         let agree = close(f(wo, wi, Importance), f(wi, wo, Radiance));
@@ -185,8 +186,8 @@ fn is_adjoint(s: &impl Scatterer, seed: u64) -> Result<(), String> {
     })
 }
 
-/// `f(wo, wi) = f(wi, wo)` on one side, and `f(wo, wi) η_i² = f(wi, wo) η_o²` for radiance through an interface. `eta` is the index below
-/// relative to above.
+/// `f(wo, wi) = f(wi, wo)` on one side, and `f(wo, wi) η_i² = f(wi, wo) η_o²` for radiance through an interface. `eta`
+/// is the index below relative to above.
 fn is_reciprocal(s: &impl Scatterer, eta: f32, seed: u64) -> Result<(), String> {
     over_pairs(s, seed, |wo, wi, f| {
         let index2 = |w: Vec3| if w.z < 0.0 { eta * eta } else { 1.0 };
@@ -213,8 +214,8 @@ fn sampled_albedo(s: &impl Scatterer, wo: Vec3, seed: u64) -> ([Moments; 4], Mom
     (all, scattered)
 }
 
-/// No more light leaves than arrives; exactly as much if `lossless`; and the sampled lobes carry what quadrature of `eval`
-/// says they do, lobes that are never sampled included.
+/// No more light leaves than arrives; exactly as much if `lossless`; and the sampled lobes carry what quadrature of
+/// `eval` says they do, lobes that are never sampled included.
 fn energy_is_conserved(s: &impl Scatterer, wo: Vec3, lossless: bool, seed: u64) -> Result<(), String> {
     let (albedo, scattered) = sampled_albedo(s, wo, seed);
     nothing_is_gained(s, &albedo, wo, lossless)?;
@@ -321,7 +322,8 @@ fn every_model_draws_what_its_density_says() {
     });
 }
 
-/// The same with a million samples each, which takes four minutes on two cores: `cargo test -p steradian-core --lib a_million -- --ignored`.
+/// The same with a million samples each, which takes four minutes on two cores:
+/// `cargo test -p steradian-core --lib a_million -- --ignored`.
 #[test]
 #[ignore = "takes minutes"]
 fn a_million_samples_follow_the_density() {

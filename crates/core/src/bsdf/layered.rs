@@ -1,20 +1,23 @@
-//! A dielectric coat over a metal or a diffuse base, with a medium between them that absorbs and scatters: pbrt-v4's layered materials (Guo,
-//! Hašan, Zhao 2018, "Position-Free Monte Carlo Simulation for Arbitrary Layered BSDFs"; Pharr et al. 2023, 14.3).
+//! A dielectric coat over a metal or a diffuse base, with a medium between them that absorbs and scatters: pbrt-v4's
+//! layered materials (Guo, Hašan, Zhao 2018, "Position-Free Monte Carlo Simulation for Arbitrary Layered BSDFs"; Pharr
+//! et al. 2023, 14.3).
 //!
-//! What the interface reflects has a closed form. The rest is the expectation of random walks that enter, go from layer to layer or
-//! scatter in the medium (extinction one per unit of depth, albedo `a`, Henyey–Greenstein), and leave:
+//! What the interface reflects has a closed form. The rest is the expectation of random walks that enter, go from layer
+//! to layer or scatter in the medium (extinction one per unit of depth, albedo `a`, Henyey–Greenstein), and leave:
 //!
 //! ```text
 //! f(wo, wi) = f_interface + E[ Σ β · (base or phase function towards the refracted wi) · T(wi) ]
 //! ```
 //!
-//! Each evaluation estimates the expectation by `samples` walks whose random numbers are a hash of the two directions, so that the value is a
-//! function of its arguments; it is noisy as a function, and right in the mean over directions. Two ways to find the exit are weighted by the
-//! power heuristic: refracting `wi` in, and scattering towards the interface and refracting out.
+//! Each evaluation estimates the expectation by `samples` walks whose random numbers are a hash of the two directions,
+//! so that the value is a function of its arguments; it is noisy as a function, and right in the mean over directions.
+//! Two ways to find the exit are weighted by the power heuristic: refracting `wi` in, and scattering towards the
+//! interface and refracting out.
 //!
-//! Where it departs from pbrt-v4: both densities of that heuristic are measured inside the coat (pbrt compares one inside with one outside, so its
-//! weights do not add up to one and rough coats come out too bright); the directions that are sampled come from a closed-form density rather than from
-//! a walk, so that every sample has a density of its own; and light that meets smooth layers only is added up exactly, not cut at `max_depth`.
+//! Where it departs from pbrt-v4: both densities of that heuristic are measured inside the coat (pbrt compares one
+//! inside with one outside, so its weights do not add up to one and rough coats come out too bright); the directions
+//! that are sampled come from a closed-form density rather than from a walk, so that every sample has a density of its
+//! own; and light that meets smooth layers only is added up exactly, not cut at `max_depth`.
 
 use super::{BsdfEval, BsdfSample, Conductor, Diffuse, Lobe, Microfacet, TransportMode, fresnel};
 use super::{NormalDistribution, Shadowing, sample_cosine_hemisphere};
@@ -116,7 +119,8 @@ impl Layered {
         Conductor { eta: self.base[0], k: self.base[1], tint: Spectrum::ONE, microfacet: self.base_facets }
     }
 
-    /// What smooth layers send to the mirrored direction: the interface's reflection and, over a smooth metal, all orders of reflection under it.
+    /// What smooth layers send to the mirrored direction: the interface's reflection and, over a smooth metal, all
+    /// orders of reflection under it.
     fn mirrored(&self, wo: Vec3) -> Spectrum {
         let outside = self.fresnel(wo.z);
         let mut sum = Spectrum::splat(outside);
@@ -138,7 +142,8 @@ impl Layered {
         if self.is_specular() {
             return Chances { reflect: 1.0, lobe: 0.0 };
         }
-        // Over a smooth metal the light below a smooth coat is in the mirrored direction already; what is left, the medium scattered.
+        // Over a smooth metal the light below a smooth coat is in the mirrored direction already; what is left, the
+        // medium scattered.
         let below = if self.coat.is_smooth() && self.base_is_smooth() { 0.3 * below } else { below };
         let reflect = if mirror + below > 0.0 { (mirror / (mirror + below)).min(0.95) } else { 0.0 };
         let has_lobe = self.is_metal && !(self.coat.is_smooth() && self.base_is_smooth());
@@ -155,8 +160,8 @@ impl Layered {
         base.max(if self.scatters() { self.albedo.max_element() } else { 0.0 })
     }
 
-    /// Facets like those the metal seems to have through the coat: each way through widens the lobe by the part of the coat's slopes that
-    /// refraction keeps.
+    /// Facets like those the metal seems to have through the coat: each way through widens the lobe by the part of the
+    /// coat's slopes that refraction keeps.
     fn seen_facets(&self) -> Microfacet {
         let bend = 0.5 * (1.0 - 1.0 / self.eta).abs().min(1.0);
         let widened = self.base_facets.mean_alpha().powi(2) + 2.0 * (bend * self.coat.mean_alpha()).powi(2);
@@ -268,8 +273,8 @@ impl Layered {
         Some((t, (1.0 - self.fresnel(facet.cos_o)) * mode.compression(eta) * facet.value / facet.pdf, facet.pdf))
     }
 
-    /// `f cosθ` of crossing the interface from `w` inside to `wi` outside, and the density with which `cross` draws `−w`'s reverse
-    /// from `wi`.
+    /// `f cosθ` of crossing the interface from `w` inside to `wi` outside, and the density with which `cross` draws
+    /// `−w`'s reverse from `wi`.
     fn leave(&self, w: Vec3, wi: Vec3) -> Option<(f32, f32)> {
         let eta = 1.0 / self.eta;
         let facet = self.coat.refracting(w, wi, eta)?;
@@ -283,7 +288,8 @@ impl Layered {
         let Some((end, end_weight, end_pdf)) = self.cross(wi, TransportMode::Importance, rng) else {
             return Spectrum::ZERO;
         };
-        // `end` is where light from `wi` goes inside; the weight carries cosθ_end, which is taken out, and cosθ_i is put in.
+        // `end` is where light from `wi` goes inside; the weight carries cosθ_end, which is taken out, and cosθ_i is
+        // put in.
         let end_weight = end_weight * wi.z / end.z.abs();
         let exit_is_smooth = self.coat.is_smooth();
         let medium = self.scatters();

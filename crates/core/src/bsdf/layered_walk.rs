@@ -1,5 +1,5 @@
-//! The closed form of [`Coated`] against a simulation: light is followed through the interface, the absorbing coat and the
-//! diffuse base, interface by interface, as pbrt-v4's layered materials define it.
+//! The closed form of [`Coated`] against a simulation: light is followed through the interface, the absorbing coat and
+//! the diffuse base, interface by interface, as pbrt-v4's layered materials define it.
 
 use super::{
     Bsdf, CoatSeries, CoatTable, Coated, Dielectric, Diffuse, Microfacet, NormalDistribution, Shadowing, TransportMode,

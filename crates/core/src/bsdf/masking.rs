@@ -1,7 +1,7 @@
 //! Masking and shadowing of microfacets: which part of them a direction sees.
 //!
-//! **Smith** (1967; Heitz 2014): `G₁ = 1/(1 + Λ)`, the heights of facets independent of their normals; `cosθ(1 + Λ)` is the area
-//! that is seen, which stays finite towards grazing. With `a = cotθ/α(φ)`:
+//! **Smith** (1967; Heitz 2014): `G₁ = 1/(1 + Λ)`, the heights of facets independent of their normals; `cosθ(1 + Λ)` is
+//! the area that is seen, which stays finite towards grazing. With `a = cotθ/α(φ)`:
 //!
 //! ```text
 //! GGX          Λ = (√(1 + a⁻²) − 1)/2

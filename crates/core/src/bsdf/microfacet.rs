@@ -266,8 +266,9 @@ impl Microfacet {
         let above = w * 1f32.copysign(w.z);
         let mut spread = Spread::default();
         let direction = if self.is_ggx() {
-            // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched back. It has the density
-            // of that, in which all normals are alike, times what stretching does to the solid angle.
+            // The distribution with unit roughness is sampled for the stretched direction; the normal is stretched
+            // back. It has the density of that, in which all normals are alike, times what stretching does to the solid
+            // angle.
             let stretched = Vec3::new(self.alpha_x * above.x, self.alpha_y * above.y, above.z);
             let length = stretched.length();
             let m = visible_normals::sample_ggx(stretched, length, u);
@@ -283,7 +284,8 @@ impl Microfacet {
         Normal { direction, inverse2: 1.0 / direction.length_squared(), projected: w.dot(direction), spread }
     }
 
-    /// The same for the other surfaces, as minus the slopes of the facet. (Pairs of numbers are handed back in registers, normals are not.)
+    /// The same for the other surfaces, as minus the slopes of the facet. (Pairs of numbers are handed back in
+    /// registers, normals are not.)
     #[inline(never)]
     fn sample_slopes(&self, w: Vec3, u: Vec2) -> Vec2 {
         let alpha = self.alpha();
@@ -295,8 +297,8 @@ impl Microfacet {
         if self.shadowing != Shadowing::VGroove {
             return slopes;
         }
-        // That facet or its mirror image across the groove, in proportion to the area seen (Heitz & d'Eon 2014, 4). The last digits of
-        // the number that sets the azimuth choose between the two.
+        // That facet or its mirror image across the groove, in proportion to the area seen (Heitz & d'Eon 2014, 4). The
+        // last digits of the number that sets the azimuth choose between the two.
         let (here, across) = faces_of_groove(w, slopes.extend(1.0));
         if (u.x * 4096.0).fract() * (here + across) < here { slopes } else { -slopes }
     }
@@ -361,8 +363,8 @@ impl Microfacet {
         self.facet(m, self.spread(m, 1.0, wo), wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
     }
 
-    /// Refraction by a facet that was drawn for `wo`. By Snell's law its cosines are known: `|wi·m| = c_t/η`, of which the denominator is
-    /// `(|wo·m| − c_t)/η`, with `c_t` what the crossing calls refracted.
+    /// Refraction by a facet that was drawn for `wo`. By Snell's law its cosines are known: `|wi·m| = c_t/η`, of which
+    /// the denominator is `(|wo·m| − c_t)/η`, with `c_t` what the crossing calls refracted.
     #[inline(always)]
     pub(super) fn refracting_drawn(
         &self,

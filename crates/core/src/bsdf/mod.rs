@@ -1,9 +1,9 @@
 //! Scattering at a point of a surface: texture-free values that can be evaluated and sampled.
 //!
-//! A material evaluates its textures at a hit into one [`Bsdf`]: a small `Copy` value that knows no texture, no scene and no
-//! allocation. Directions are unit vectors in the local shading frame (`z` is the shading normal) and both `wo` and `wi`
-//! point away from the surface. Models that only reflect are defined on the upper side and black below; a caller that wants
-//! them on both sides flips the frame. Transmitting models work from both sides.
+//! A material evaluates its textures at a hit into one [`Bsdf`]: a small `Copy` value that knows no texture, no scene
+//! and no allocation. Directions are unit vectors in the local shading frame (`z` is the shading normal) and both `wo`
+//! and `wi` point away from the surface. Models that only reflect are defined on the upper side and black below; a
+//! caller that wants them on both sides flips the frame. Transmitting models work from both sides.
 //!
 //! Every formula is stated once: `sample` draws a direction and asks the same pieces that `eval` uses. The registry
 //! [`MODELS`] lists every model with cases at the corners of its parameters, and the tests run the laws of scattering
@@ -140,8 +140,8 @@ pub struct BsdfSample {
     pub pdf: f32,
     /// Where the sample came from.
     pub lobe: Lobe,
-    /// Relative index of refraction met by a transmitted ray (`η_t/η_i`), else 1. Russian roulette multiplies the throughput
-    /// by its square to leave the compression of radiance out of account.
+    /// Relative index of refraction met by a transmitted ray (`η_t/η_i`), else 1. Russian roulette multiplies the
+    /// throughput by its square to leave the compression of radiance out of account.
     pub eta: f32,
 }
 
@@ -158,7 +158,8 @@ impl BsdfEval {
     /// No light, never sampled.
     pub const ZERO: Self = Self { value: Spectrum::ZERO, pdf: 0.0 };
 
-    /// The sample of a direction of this value that was drawn with this density; `None` where that is no number to divide by.
+    /// The sample of a direction of this value that was drawn with this density; `None` where that is no number to
+    /// divide by.
     #[inline]
     pub(crate) fn drawn(self, wi: Vec3, lobe: Lobe, eta: f32) -> Option<BsdfSample> {
         self.drawn_if(true, wi, lobe, eta)
@@ -262,8 +263,9 @@ pub enum Bsdf<'a> {
 const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
 
 impl Bsdf<'_> {
-    /// `f·|cosθ_i|` and the density with which [`Bsdf::sample`] draws `wi`; both zero for specular lobes. The value for importance is
-    /// that for radiance with the directions exchanged (Veach 1997, 5.2), which for most models is the same.
+    /// `f·|cosθ_i|` and the density with which [`Bsdf::sample`] draws `wi`; both zero for specular lobes. The value for
+    /// importance is that for radiance with the directions exchanged (Veach 1997, 5.2), which for most models is the
+    /// same.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         if mode == TransportMode::Radiance || !self.is_one_way() {
@@ -382,7 +384,8 @@ impl Bsdf<'_> {
         }
     }
 
-    /// Density with which [`Bsdf::sample`] draws `wi`, the same as [`Bsdf::eval`] gives, for less where the value is dear.
+    /// Density with which [`Bsdf::sample`] draws `wi`, the same as [`Bsdf::eval`] gives, for less where the value is
+    /// dear.
     #[inline]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
         match self {
@@ -423,8 +426,8 @@ impl Bsdf<'_> {
         }
     }
 
-    /// A cheap estimate of the directional albedo for feature images: the reflectance of diffuse surfaces, the reflectance
-    /// at this angle for metals, and 1 (tinted) for glass, as denoisers expect it.
+    /// A cheap estimate of the directional albedo for feature images: the reflectance of diffuse surfaces, the
+    /// reflectance at this angle for metals, and 1 (tinted) for glass, as denoisers expect it.
     pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         match self {
             Self::Diffuse(b) => b.reflectance,

@@ -8,10 +8,11 @@
 //! Turquin       f = f₁ (1 + F₀ (1 − E(θ_o))/E(θ_o))
 //! ```
 //!
-//! (Kulla & Conty 2017, "Revisiting physically based shading at Imageworks", after Kelemen & Szirmay-Kalos 2001; the colour
-//! of repeated reflection by Hill 2018. Turquin 2019, "Practical multiple scattering compensation for microfacet models".)
-//! The first is reciprocal; the second scales the lobe, keeps its shape, and is not. Both lose nothing where the facets do
-//! not. What an anisotropic surface loses depends on the azimuth, which the tables do not know: it is left as it is.
+//! (Kulla & Conty 2017, "Revisiting physically based shading at Imageworks", after Kelemen & Szirmay-Kalos 2001; the
+//! colour of repeated reflection by Hill 2018. Turquin 2019, "Practical multiple scattering compensation for microfacet
+//! models".) The first is reciprocal; the second scales the lobe, keeps its shape, and is not. Both lose nothing where
+//! the facets do not. What an anisotropic surface loses depends on the azimuth, which the tables do not know: it is
+//! left as it is.
 
 use super::{BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Shadowing, fresnel};
 use super::{Reflectance, microfacet::Mirror};
@@ -34,8 +35,8 @@ const NORMALS: usize = 610;
 /// Roughness of the last row.
 const ROUGHEST: f32 = 2.0;
 
-/// `E` of one roughness. The cells are even in `√cos`; in each `E` is linear in the cosine, as it is towards the horizon: its value at zero and its
-/// slope.
+/// `E` of one roughness. The cells are even in `√cos`; in each `E` is linear in the cosine, as it is towards the
+/// horizon: its value at zero and its slope.
 type Row = [[f32; 2]; ANGLES - 1];
 
 /// `E` over the square roots of cosine and roughness, for one distribution and kind of shadowing.

@@ -119,7 +119,8 @@ impl NormalDistribution {
         }
     }
 
-    /// Draws a normal with the density [`NormalDistribution::sampled_density`]: `m_x/m_z` and `m_y/m_z`, which may be infinite.
+    /// Draws a normal with the density [`NormalDistribution::sampled_density`]: `m_x/m_z` and `m_y/m_z`, which may be
+    /// infinite.
     #[inline]
     pub(super) fn sample(self, alpha: Vec2, u: Vec2) -> Vec2 {
         let (sin_phi, cos_phi) = sin_cos_turns(u.x);
@@ -171,8 +172,8 @@ pub(super) fn beckmann_density(alpha: Vec2, exponential: f32, cos2: f32) -> f32 
     exponential / (PI * alpha.x * alpha.y * (cos2 * cos2))
 }
 
-/// `√(π D/(α_x α_y))` of GGX for a normal of any length, whose square is given. Both sides of the fraction are taken times `(α_x α_y)²`,
-/// which spares divisions.
+/// `√(π D/(α_x α_y))` of GGX for a normal of any length, whose square is given. Both sides of the fraction are taken
+/// times `(α_x α_y)²`, which spares divisions.
 #[inline(always)]
 pub(super) fn ggx_root(alpha: Vec2, m: Vec3, length2: f32) -> f32 {
     let area = alpha.x * alpha.y;

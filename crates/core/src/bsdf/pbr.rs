@@ -1,5 +1,6 @@
-//! The surface of glTF 2.0 with its material extensions, and (with the approximations that the compiler names) of OpenPBR 1.1: a metal or a
-//! dielectric over diffuse reflection, diffuse transmission or refraction, under sheen, under a clear coat.
+//! The surface of glTF 2.0 with its material extensions, and (with the approximations that the compiler names) of
+//! OpenPBR 1.1: a metal or a dielectric over diffuse reflection, diffuse transmission or refraction, under sheen, under
+//! a clear coat.
 //!
 //! ```text
 //! f = coat F_c D_c G_c/(4..) + L_c [ sheen + L_s ( F D G/(4..) + (1 − F) refraction + B(wo, wi) (ρ + τ)/π ) ]
@@ -11,9 +12,11 @@
 //! L = min over both directions of 1 − weight · E                                       KHR_materials_sheen, albedo scaling
 //! ```
 //!
-//! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the half-vector does at grazing
-//! angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume) let light pass without
-//! bending it and are the same from both sides. Colours and weights are kept to 16 bits.
+//! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the
+//! half-vector does at grazing angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction
+//! each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF
+//! without a volume) let light pass without bending it and are the same from both sides. Colours and weights are kept
+//! to 16 bits.
 
 use super::principled::schlick_weight;
 use super::{
@@ -245,7 +248,8 @@ impl Pbr {
         if f90 > 0.0 { self.filmed(outside, bare, f0 / f90, f90) } else { bare }
     }
 
-    /// A reflectance as the film changes it, over a base of reflectance `f0` at normal incidence; `factor` is on all of it.
+    /// A reflectance as the film changes it, over a base of reflectance `f0` at normal incidence; `factor` is on all of
+    /// it.
     #[inline]
     fn filmed(&self, cos: f32, bare: Spectrum, f0: Spectrum, factor: f32) -> Spectrum {
         if self.film_weight.0 == 0 {
@@ -516,7 +520,8 @@ impl Pbr {
         e.drawn(wi * turn, lobe, eta)
     }
 
-    /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base alone.
+    /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base
+    /// alone.
     fn mirrored(&self, wo: Vec3, c: &Seen) -> BsdfSample {
         let (mut value, mut chance) = (Spectrum::ZERO, 0.0);
         if self.facets.is_smooth() {

@@ -115,8 +115,8 @@ impl GlossyLobe for CosineLobe {
     }
 }
 
-/// The direction at an angle from an axis. The azimuth is turned with the normal the shortest way to the axis; for one that points down both are
-/// mirrored.
+/// The direction at an angle from an axis. The azimuth is turned with the normal the shortest way to the axis; for one
+/// that points down both are mirrored.
 #[inline(always)]
 fn about(axis: Vec3, cos: f32, sin: f32, azimuth: Vec2) -> Vec3 {
     let flat = axis.truncate();

@@ -1,9 +1,10 @@
 //! Polarised scattering: what a surface does to Stokes vectors, apart from the unpolarised path.
 //!
-//! Mirrors and facets of metals and glass polarise by Fresnel's equations at the facet that the light meets; the unpolarised value
-//! is shared out by the Mueller matrix of that facet over its first element. All other models depolarise: so do Mitsuba's diffuse, plastic
-//! and principled ones. The first element is always one, so the radiance `S₀` of unpolarised light is that of unpolarised transport
-//! after one event, and differs after several by what polarisation adds (two mirrors at Brewster's angle).
+//! Mirrors and facets of metals and glass polarise by Fresnel's equations at the facet that the light meets; the
+//! unpolarised value is shared out by the Mueller matrix of that facet over its first element. All other models
+//! depolarise: so do Mitsuba's diffuse, plastic and principled ones. The first element is always one, so the radiance
+//! `S₀` of unpolarised light is that of unpolarised transport after one event, and differs after several by what
+//! polarisation adds (two mirrors at Brewster's angle).
 
 use super::{Bsdf, fresnel};
 use steradian_math::{
@@ -11,8 +12,9 @@ use steradian_math::{
     polarization::{self, Complex, Mueller},
 };
 
-/// The Mueller matrix of scattering light from `wi` towards `wo` (in the shading frame `frame`, away from the surface), relative to the
-/// unpolarised value, in the frames of [`polarization::basis`] of the directions of travel `−wi` and `wo` in the world.
+/// The Mueller matrix of scattering light from `wi` towards `wo` (in the shading frame `frame`, away from the surface),
+/// relative to the unpolarised value, in the frames of [`polarization::basis`] of the directions of travel `−wi` and
+/// `wo` in the world.
 pub fn relative(bsdf: &Bsdf<'_>, frame: &Frame, wo: Vec3, wi: Vec3) -> Mueller {
     let depolarizer = Mueller::depolarizer(Spectrum::ONE);
     let reflects = wo.z * wi.z > 0.0;
@@ -62,7 +64,8 @@ fn through(frame: &Frame, wo: Vec3, wi: Vec3) -> Mueller {
     if k_in.dot(k_out) > 0.999 { same } else { Mueller::depolarizer(Spectrum::ONE) }
 }
 
-/// The normal of the facet that sends light from `wi` to `wo`, `eta` being the index on the side of `wo` over that of `wi`.
+/// The normal of the facet that sends light from `wi` to `wo`, `eta` being the index on the side of `wo` over that of
+/// `wi`.
 fn facet(wo: Vec3, wi: Vec3, eta: f32) -> Option<Vec3> {
     (wo * eta + wi).try_normalize()
 }
@@ -105,7 +108,8 @@ mod tests {
         assert_eq!(m, Mueller::depolarizer(Spectrum::ONE));
     }
 
-    /// Whatever polarisation arrives: what leaves is never more polarised than light can be, and unpolarised light keeps its radiance.
+    /// Whatever polarisation arrives: what leaves is never more polarised than light can be, and unpolarised light
+    /// keeps its radiance.
     #[test]
     fn no_interface_makes_more_than_all_polarised() {
         let gold = Conductor {

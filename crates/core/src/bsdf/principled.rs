@@ -1,6 +1,7 @@
-//! Disney's "principled" surface (Burley 2012, "Physically-Based Shading at Disney"; Burley 2015, "Extending the Disney BRDF to a BSDF with
-//! Integrated Subsurface Scattering"), with the lobes and weights of Mitsuba 3's `principled`. With `m` = metallic, `t` = spec_trans,
-//! `h` the half-vector, `θ_d` the angle between it and the light, and Schlick's weight `S(c) = (1 − c)⁵`:
+//! Disney's "principled" surface (Burley 2012, "Physically-Based Shading at Disney"; Burley 2015, "Extending the Disney
+//! BRDF to a BSDF with Integrated Subsurface Scattering"), with the lobes and weights of Mitsuba 3's `principled`. With
+//! `m` = metallic, `t` = spec_trans, `h` the half-vector, `θ_d` the angle between it and the light, and Schlick's
+//! weight `S(c) = (1 − c)⁵`:
 //!
 //! ```text
 //! f = (1−m)(1−t) base/π · lerp(f_d + f_r, f_ss, flatness)       diffuse, Burley 2012, 5.3 and 2015, eq. 4
@@ -11,8 +12,8 @@
 //! f_d = (1 − S_o/2)(1 − S_i/2),  R = 2 roughness cos²θ_d,  f_r = R (S_o + S_i + S_o S_i (R − 1))
 //! ```
 //!
-//! From below, where there is only the transmitting part, it is plain glass. The model is an artist's: lobes are added, not layered, so
-//! that a white base reflects more than arrives at it ([`Principled::ALBEDO_BOUND`]).
+//! From below, where there is only the transmitting part, it is plain glass. The model is an artist's: lobes are added,
+//! not layered, so that a white base reflects more than arrives at it ([`Principled::ALBEDO_BOUND`]).
 
 use super::microfacet::{Facet, Mirror};
 use super::{
@@ -36,8 +37,8 @@ pub struct DisneyDiffuse {
 }
 
 impl DisneyDiffuse {
-    /// `f cosθ_i` of directions on one side, without the weight of the lobe: diffuse, and sheen; by the square of the cosine between either and
-    /// the half vector.
+    /// `f cosθ_i` of directions on one side, without the weight of the lobe: diffuse, and sheen; by the square of the
+    /// cosine between either and the half vector.
     #[inline(always)]
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, cos2_d: f32) -> (Spectrum, Spectrum) {
         let (cos_o, cos_i) = (wo.z.abs(), wi.z.abs());
@@ -152,7 +153,8 @@ struct Weights {
 }
 
 impl Principled {
-    /// No case of the model that stays in its ranges and has a base of moderate hue sends back more than this part of the light.
+    /// No case of the model that stays in its ranges and has a base of moderate hue sends back more than this part of
+    /// the light.
     pub const ALBEDO_BOUND: f32 = 1.75;
 
     /// The surface of `p`.
@@ -257,7 +259,8 @@ impl Principled {
         e
     }
 
-    /// `f cosθ_i` and density of the clear coat, for directions above it with this cosine at the facet: GTR1 with Smith's masking of GGX at 0.25.
+    /// `f cosθ_i` and density of the clear coat, for directions above it with this cosine at the facet: GTR1 with
+    /// Smith's masking of GGX at 0.25.
     fn clearcoat(&self, cos: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let h = (wo + wi) * (0.5 / cos);
         let d = gtr1::d(self.clearcoat_alpha, h.z);
@@ -324,7 +327,8 @@ mod tests {
 
     #[test]
     fn a_rough_grey_base_is_burleys_diffuse() {
-        // Without the specular (η → 1.001): base/π (0.5 + 2 cos²θ_d r)-like growth at grazing, exactly 1/π at the normal.
+        // Without the specular (η → 1.001): base/π (0.5 + 2 cos²θ_d r)-like growth at grazing, exactly 1/π at the
+        // normal.
         let p = PrincipledParams {
             base_color: Spectrum::ONE,
             tint: Spectrum::ONE,

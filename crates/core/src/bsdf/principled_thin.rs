@@ -1,6 +1,6 @@
-//! The thin variant of Disney's surface (Burley 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering", 5.2 and 5.3),
-//! as Mitsuba 3's `principledthin`: a sheet that light passes without being bent, the same from both sides. With `t` = spec_trans and
-//! `d` = diff_trans/2:
+//! The thin variant of Disney's surface (Burley 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface
+//! Scattering", 5.2 and 5.3), as Mitsuba 3's `principledthin`: a sheet that light passes without being bent, the same
+//! from both sides. With `t` = spec_trans and `d` = diff_trans/2:
 //!
 //! ```text
 //! reflection    t F D G / (4 cosθ_o cosθ_i)  +  (1−t)(1−d) (diffuse + sheen)
@@ -56,7 +56,8 @@ impl PrincipledThin {
         wo.z > 0.0 || (wo.z < 0.0 && self.transmits())
     }
 
-    /// The probabilities of specular reflection, specular transmission and diffuse reflection; what is left is diffuse transmission.
+    /// The probabilities of specular reflection, specular transmission and diffuse reflection; what is left is diffuse
+    /// transmission.
     fn chances(&self) -> [f32; 3] {
         let (t, d) = (self.spec_trans, self.diff_trans);
         [0.5 * t, 0.5 * t, (1.0 - t) * (1.0 - d)]

@@ -1,5 +1,5 @@
-//! Formulae that the lectures print wrongly (rows E3 to E14 and E46 of the inventory), each beside the right one: what the printed form would give, and
-//! that ours does not.
+//! Formulae that the lectures print wrongly (rows E3 to E14 and E46 of the inventory), each beside the right one: what
+//! the printed form would give, and that ours does not.
 
 use super::{BlinnPhong, Bsdf, Conductor, Microfacet, NormalDistribution, Phong, Shadowing, TransportMode, fresnel};
 use steradian_math::{Spectrum, Vec3, color::transfer};
@@ -10,8 +10,8 @@ fn near(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance, "{a} is not {b}");
 }
 
-/// E3, E4: facets reflect `F D G/(4 cosθ_o cosθ_i)`. Without the 4, with a π in its place, or with one cosine only, a rough mirror seen from
-/// above (Beckmann, m = 0.2, V-grooves) returns up to four times the light it gets.
+/// E3, E4: facets reflect `F D G/(4 cosθ_o cosθ_i)`. Without the 4, with a π in its place, or with one cosine only, a
+/// rough mirror seen from above (Beckmann, m = 0.2, V-grooves) returns up to four times the light it gets.
 #[test]
 fn facets_are_divided_by_four() {
     let facets = Microfacet::new(NormalDistribution::Beckmann, Shadowing::VGroove, 0.2, 0.2);
@@ -58,7 +58,8 @@ fn phongs_lobe_is_on_the_mirrors_side() {
     assert_eq!(value(2.0, behind), 0.0);
 }
 
-/// E11: near the mirror direction Blinn's lobe with four times the exponent falls off as Phong's, for the half vector turns half as far.
+/// E11: near the mirror direction Blinn's lobe with four times the exponent falls off as Phong's, for the half vector
+/// turns half as far.
 #[test]
 fn blinns_exponent_is_four_times_phongs() {
     let phong = Bsdf::Phong(Phong::modified(Spectrum::ZERO, Spectrum::ONE, 50.0));

@@ -1,4 +1,5 @@
-//! Values of other renderers at fixed directions: Mitsuba 3.9.1 (`scalar_rgb`), `f·cosθ_i` and density as it prints them.
+//! Values of other renderers at fixed directions: Mitsuba 3.9.1 (`scalar_rgb`), `f·cosθ_i` and density as it prints
+//! them.
 
 use super::{
     Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Microfacet, NormalDistribution, Shadowing,

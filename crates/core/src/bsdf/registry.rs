@@ -1,4 +1,5 @@
-//! Every scattering model, with cases at the corners of its parameters. Registering a model here is what gets it tested.
+//! Every scattering model, with cases at the corners of its parameters. Registering a model here is what gets it
+//! tested.
 
 use super::{
     Bsdf, CoatSeries, CoatTable, Coated, Conductor, Dielectric, Diffuse, DiffuseTransmission, Hair, Layered, Measured,

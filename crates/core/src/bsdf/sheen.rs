@@ -1,5 +1,5 @@
-//! The sheen of cloth: fibres that stand up from the surface (Estevez, Kulla 2017, "Production Friendly Microfacet Sheen BRDF"; the `Charlie`
-//! sheen of glTF's KHR_materials_sheen, whose α is the square of the roughness).
+//! The sheen of cloth: fibres that stand up from the surface (Estevez, Kulla 2017, "Production Friendly Microfacet
+//! Sheen BRDF"; the `Charlie` sheen of glTF's KHR_materials_sheen, whose α is the square of the roughness).
 //!
 //! ```text
 //! f = D G / (4 cosθ_o cosθ_i),   D = (2 + 1/α) sin^{1/α}θ_h / 2π,   G = 1/(1 + Λ(θ_o) + Λ(θ_i))

@@ -1,5 +1,5 @@
-//! A pane of glass that is thin against everything else: light is refracted in and out again and leaves without changing its
-//! direction. All reflections inside are summed: `R' = R + T²R/(1 − R²) = 2R/(1 + R)`, `T' = 1 − R'`.
+//! A pane of glass that is thin against everything else: light is refracted in and out again and leaves without
+//! changing its direction. All reflections inside are summed: `R' = R + T²R/(1 − R²) = 2R/(1 + R)`, `T' = 1 − R'`.
 
 use super::{BsdfSample, Lobe, fresnel};
 use steradian_math::{Spectrum, Vec3};

@@ -255,7 +255,8 @@ mod tests {
         assert!(at(0.25 * wave + 30.0) > 1e-3);
     }
 
-    /// Newton's colours of a soap film as it grows (M132): white of the first order, then without blue, without green, and without red.
+    /// Newton's colours of a soap film as it grows (M132): white of the first order, then without blue, without green,
+    /// and without red.
     #[test]
     fn colours_of_a_growing_film_come_in_their_order() {
         let seen =

@@ -7,9 +7,9 @@ use steradian_math::{
     elementary::{acos, exp, ln, pow, sin_cos_turns},
 };
 
-/// A visible normal of GGX with `α = 1`, not of unit length: the mirror direction of a visible hemisphere is uniform on a spherical cap, so
-/// the normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023), which here has the radius of `w`, its length.
-/// `w.z ≥ 0`.
+/// A visible normal of GGX with `α = 1`, not of unit length: the mirror direction of a visible hemisphere is uniform on
+/// a spherical cap, so the normal is the half vector of `w` and a uniform point of the cap (Dupuy & Benyoub 2023),
+/// which here has the radius of `w`, its length. `w.z ≥ 0`.
 #[inline]
 pub(super) fn sample_ggx(w: Vec3, length: f32, u: Vec2) -> Vec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(u.x);
@@ -18,8 +18,9 @@ pub(super) fn sample_ggx(w: Vec3, length: f32, u: Vec2) -> Vec3 {
     Vec3::new(r * cos_phi, r * sin_phi, z) + w
 }
 
-/// A visible normal of Beckmann with `α = 1`, as minus its slopes: the slope along `w` by inverting its cumulative distribution numerically in the
-/// variable `x = erf(slope)`, the slope across is Gaussian (Heitz & d'Eon 2014; the domain is Jakob's, 2014). `w.z ≥ 0`.
+/// A visible normal of Beckmann with `α = 1`, as minus its slopes: the slope along `w` by inverting its cumulative
+/// distribution numerically in the variable `x = erf(slope)`, the slope across is Gaussian (Heitz & d'Eon 2014; the
+/// domain is Jakob's, 2014). `w.z ≥ 0`.
 pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec2 {
     let sin = (w.x * w.x + w.y * w.y).sqrt();
     let across = erf_inv(2.0 * u.y - 1.0);
@@ -37,8 +38,9 @@ pub(super) fn sample_beckmann(w: Vec3, u: Vec2) -> Vec2 {
 
 /// The slope along a direction of cotangent `cot`, for the cumulative probability `u`.
 ///
-/// With `t = tanθ` the unnormalised cumulative distribution is `C(s) = 1 + erf(s) + t·exp(−s²)/√π` up to `s = cot`, where it is steepest no
-/// more: `C' = 2 exp(−s²)(1 − s·t)/√π`. Halley's method, which takes one or two steps, inside a shrinking bracket.
+/// With `t = tanθ` the unnormalised cumulative distribution is `C(s) = 1 + erf(s) + t·exp(−s²)/√π` up to `s = cot`,
+/// where it is steepest no more: `C' = 2 exp(−s²)(1 − s·t)/√π`. Halley's method, which takes one or two steps, inside a
+/// shrinking bracket.
 fn beckmann_slope(cot: f32, u: f32) -> f32 {
     let tan = 1.0 / cot;
     let inv_sqrt_pi = 1.0 / PI.sqrt();

@@ -66,7 +66,8 @@ impl GlossyLobe for GaussianLobe {
         let h = wo + wi;
         let inverse = 1.0 / h.z.max(1e-6);
         let slopes = Vec2::new(h.x, h.y) * self.inverse * inverse;
-        // Directions above the surface have a half vector that is not zero, and its product with either is half its square.
+        // Directions above the surface have a half vector that is not zero, and its product with either is half its
+        // square.
         let length2 = h.length_squared();
         self.of_half(exp(-slopes.length_squared()), length2 * inverse * inverse, 0.5 * length2 * inverse, wo, wi)
     }
@@ -90,8 +91,8 @@ impl GlossyLobe for GaussianLobe {
 }
 
 impl GaussianLobe {
-    /// Value and density by the exponential in the distribution and the half vector of height one, `1/cosθ_h` long: its squared length
-    /// and its product with a direction.
+    /// Value and density by the exponential in the distribution and the half vector of height one, `1/cosθ_h` long: its
+    /// squared length and its product with a direction.
     #[inline(always)]
     fn of_half(&self, exponential: f32, length2: f32, projected: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let quarter = 0.25 * self.normalisation * exponential;

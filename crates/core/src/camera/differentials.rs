@@ -4,8 +4,8 @@ use super::{Camera, Projection};
 use crate::{film::FilmSpec, footprint::RayDifferential};
 use steradian_math::{Frame, Ray, Vec2, Vec3};
 
-/// The smallest changes of ray origin and direction from one sample to its neighbours over the whole film, in frames whose z axis is
-/// the ray (Pharr, Jakob, Humphreys, § 10.1.3), with the spacing of samples.
+/// The smallest changes of ray origin and direction from one sample to its neighbours over the whole film, in frames
+/// whose z axis is the ray (Pharr, Jakob, Humphreys, § 10.1.3), with the spacing of samples.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewFootprint {
     /// Distance between samples in pixels: 1/√spp, and not below an eighth.
@@ -17,8 +17,8 @@ pub struct ViewFootprint {
 }
 
 impl Camera {
-    /// The derivatives of a camera ray with respect to its place on the film, for samples that are `spacing` pixels apart. They follow
-    /// from the ray itself: its direction, or its origin, tells the place on the film.
+    /// The derivatives of a camera ray with respect to its place on the film, for samples that are `spacing` pixels
+    /// apart. They follow from the ray itself: its direction, or its origin, tells the place on the film.
     pub fn differential(&self, film: &FilmSpec, ray: &Ray, spacing: f32) -> Option<RayDifferential> {
         let inverse = self.world_from_camera.inverse();
         let d = inverse.vector(ray.direction);
@@ -106,7 +106,8 @@ impl Camera {
     }
 }
 
-/// The frame of a camera-space direction whose z axis it is and whose x axis lies level, so that frames of neighbours agree.
+/// The frame of a camera-space direction whose z axis it is and whose x axis lies level, so that frames of neighbours
+/// agree.
 fn upright(z: Vec3) -> Frame {
     match Vec3::new(z.z, 0.0, -z.x).try_normalize() {
         Some(x) => Frame { x, y: z.cross(x), z },
@@ -200,7 +201,8 @@ mod tests {
         }
     }
 
-    /// The approximation agrees with the ray's own differential where that is the smallest, and nowhere exceeds it much.
+    /// The approximation agrees with the ray's own differential where that is the smallest, and nowhere exceeds it
+    /// much.
     #[test]
     fn approximate_displacements_are_those_of_the_smallest_pixel() {
         let film = film();
@@ -215,7 +217,8 @@ mod tests {
                 let exact = camera.differential(&film, &ray, 1.0).unwrap().transfer(ray.direction, t, n);
                 let seen = view.displacements(camera, ray.at(t), n);
                 for k in 0..2 {
-                    // Tangent-plane displacements, of about the size of a pixel: those at the rim of a wide view are larger.
+                    // Tangent-plane displacements, of about the size of a pixel: those at the rim of a wide view are
+                    // larger.
                     assert!(seen[k].dot(n).abs() < 1e-3 * seen[k].length(), "{:?}", camera.projection);
                     let ratio = seen[k].length() / exact[k].length();
                     assert!((0.25..1.3).contains(&ratio), "{:?} {pixel} {k}: {ratio}", camera.projection);

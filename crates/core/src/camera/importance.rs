@@ -1,6 +1,8 @@
-//! Cameras that receive: where on the film light from a point arrives, and how dense camera rays are there (Veach 1997, 8.3.2: importance).
+//! Cameras that receive: where on the film light from a point arrives, and how dense camera rays are there (Veach 1997,
+//! 8.3.2: importance).
 //!
-//! The film is measured in pixels, so that the importance of a camera integrates to the number of pixels of the frame: one camera ray for each.
+//! The film is measured in pixels, so that the importance of a camera integrates to the number of pixels of the frame:
+//! one camera ray for each.
 
 use super::{Camera, Projection, swap_yz};
 use crate::film::FilmSpec;
@@ -38,7 +40,8 @@ impl Camera {
         is_planar || self.lens_radius <= 0.0
     }
 
-    /// Where light from `p` through a point of the lens (`u` in the unit square) arrives on the film; `None` where it does not.
+    /// Where light from `p` through a point of the lens (`u` in the unit square) arrives on the film; `None` where it
+    /// does not.
     pub fn receive(&self, film: &FilmSpec, p: Vec3, lens: Vec2) -> Option<Received> {
         let local = self.world_from_camera.inverse().point(p);
         let lens = if self.lens_radius > 0.0 { warp::concentric_disk(lens) * self.lens_radius } else { Vec2::ZERO };
@@ -198,7 +201,8 @@ mod tests {
         assert!(!Camera { lens_radius: 0.1, ..cameras().pop().unwrap() }.can_receive());
     }
 
-    /// The importance of a camera integrates to the pixels of its frame: over directions, and of parallel rays over a plane across them.
+    /// The importance of a camera integrates to the pixels of its frame: over directions, and of parallel rays over a
+    /// plane across them.
     #[test]
     fn importance_integrates_to_the_pixels() {
         let film = film();

@@ -78,7 +78,8 @@ impl FovAxis {
         })
     }
 
-    /// Half extents (x, y) of the window on z = 1 for a full angle of view in radians and an aspect (width over height).
+    /// Half extents (x, y) of the window on z = 1 for a full angle of view in radians and an aspect (width over
+    /// height).
     pub fn half_window(self, fov: f32, aspect: f32) -> Vec2 {
         let t = (fov * 0.5).tan();
         match self {
@@ -95,8 +96,8 @@ impl FovAxis {
 }
 
 impl Camera {
-    /// The ray through a point of the full frame in pixels (origin at the top left, y down) and a point of the lens (`u` in the unit
-    /// square). Directions have unit length.
+    /// The ray through a point of the full frame in pixels (origin at the top left, y down) and a point of the lens
+    /// (`u` in the unit square). Directions have unit length.
     #[inline]
     pub fn ray(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2) -> Ray {
         let s = Vec2::new(pixel.x / film.width as f32, pixel.y / film.height as f32);

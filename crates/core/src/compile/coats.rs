@@ -25,8 +25,8 @@ struct Tables {
 pub(super) struct Coats {
     coats: HashMap<Kind, Tables>,
     energies: HashMap<(NormalDistribution, Shadowing), Arc<EnergyTable>>,
-    /// Whether RGB lanes stand for spectra over which the layers of pbrt's materials are summed: its materials are spectral by
-    /// definition. Mitsuba's plastics in RGB are defined by RGB arithmetic.
+    /// Whether RGB lanes stand for spectra over which the layers of pbrt's materials are summed: its materials are
+    /// spectral by definition. Mitsuba's plastics in RGB are defined by RGB arithmetic.
     over_rgb_spectra: bool,
 }
 

@@ -10,8 +10,8 @@ use steradian_math::{Vec3, transform::Affine};
 use steradian_scene::{Mesh, Node};
 
 impl Compiler<'_> {
-    /// The mesh with its triangles split and its vertices moved by the shape's `displacement`: heights along the normal, or vectors whose
-    /// components go along ∂p/∂u, across it, and along the normal. In units of object space.
+    /// The mesh with its triangles split and its vertices moved by the shape's `displacement`: heights along the
+    /// normal, or vectors whose components go along ∂p/∂u, across it, and along the normal. In units of object space.
     pub(super) fn displaced(&mut self, node: &Node, mesh: &Mesh, place: &Affine) -> Option<Mesh> {
         if let Err(e) = mesh.validate() {
             self.error(node.span, format!("malformed mesh: {e}"));

@@ -22,9 +22,8 @@ const SIDE: i64 = 256;
 const TOO_HIGH: f32 = 1e15;
 
 impl Compiler<'_> {
-    /// The height field of a shape: heights that are listed, those of a texture over the unit square, or the first channel of a picture,
-    /// whose texels are the samples, with v = 0 in its last row.
-    /// `most` samples at most.
+    /// The height field of a shape: heights that are listed, those of a texture over the unit square, or the first
+    /// channel of a picture, whose texels are the samples, with v = 0 in its last row. `most` samples at most.
     pub(super) fn height_field(
         &mut self,
         node: &Node,

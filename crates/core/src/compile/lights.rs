@@ -40,8 +40,8 @@ fn exceeds_one(t: &Texels) -> bool {
 }
 
 impl Compiler<'_> {
-    /// The factor that brings a spectrum to luminance one where the light asks for it (`normalize`). RGB values are relative to a
-    /// white of luminance one already.
+    /// The factor that brings a spectrum to luminance one where the light asks for it (`normalize`). RGB values are
+    /// relative to a white of luminance one already.
     pub(super) fn normalization(&mut self, light: &Node, name: &str) -> f32 {
         if !self.bool(light, "normalize", false) {
             return 1.0;
@@ -64,8 +64,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// A parameter that is emitted. RGB values are colours under D65, so that white means D65; but the colours of a Mitsuba texture become
-    /// spectra as if they were reflectances, as they do in Mitsuba.
+    /// A parameter that is emitted. RGB values are colours under D65, so that white means D65; but the colours of a
+    /// Mitsuba texture become spectra as if they were reflectances, as they do in Mitsuba.
     pub(super) fn emitted(&mut self, light: &Node, name: &str) -> SpectrumTexture {
         let texture = light.node(name).map(|id| self.node(id)).filter(|n| n.kind != "constant");
         let role = match texture.filter(|_| self.desc.format == Format::Mitsuba) {

@@ -58,7 +58,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// The affine map of texture coordinates: `to_uv`, else glTF's `khr_offset`, `khr_rotation` (degrees) and `khr_scale`.
+    /// The affine map of texture coordinates: `to_uv`, else glTF's `khr_offset`, `khr_rotation` (degrees) and
+    /// `khr_scale`.
     fn corresponder(&mut self, node: &Node) -> [Vec2; 3] {
         let to_uv = self.transform(node, "to_uv");
         let at = |x: f64, y: f64| {

@@ -69,7 +69,8 @@ impl Compiler<'_> {
         ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
     }
 
-    /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a normal map.
+    /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a
+    /// normal map.
     fn surface_detail(&mut self, node: &Node) -> Option<SurfaceDetail> {
         let facings = [("bent", Facing::Bent), ("turned", Facing::Turned), ("as_it_is", Facing::AsItIs)];
         let mut detail = SurfaceDetail {
@@ -456,8 +457,9 @@ impl Compiler<'_> {
         }
     }
 
-    /// The albedo of a deep medium as diffuse light inside sees it (van de Hulst 1980, Multiple Light Scattering, a fit):
-    /// `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √((1 − a)/(1 − a g))`; a `reflectance` where the file gives one.
+    /// The albedo of a deep medium as diffuse light inside sees it (van de Hulst 1980, Multiple Light Scattering, a
+    /// fit): `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √((1 − a)/(1 − a g))`; a `reflectance` where the file gives
+    /// one.
     fn subsurface_albedo(&mut self, node: &Node) -> SpectrumTexture {
         if node.get("reflectance").is_some() || node.get("sigma_s").is_none() {
             return self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));

@@ -1,5 +1,5 @@
-//! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is reported with its
-//! place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
+//! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is
+//! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
 mod classical;
 mod coats;
@@ -57,7 +57,8 @@ pub struct Options {
     pub camera: Option<String>,
     /// The structure that rays go through. All give the same picture.
     pub accelerator: Accelerator,
-    /// Samples per pixel instead of the scene's: the more there are, the closer they lie and the less textures are filtered.
+    /// Samples per pixel instead of the scene's: the more there are, the closer they lie and the less textures are
+    /// filtered.
     pub spp: Option<u32>,
     /// Bytes of textures that may be in memory at once; what is beyond waits in a temporary file. `None` for no limit.
     pub texture_limit: Option<usize>,

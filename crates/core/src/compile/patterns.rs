@@ -91,7 +91,8 @@ impl Compiler<'_> {
         })
     }
 
-    /// A procedural texture: the pattern's number, or what lies between two textures by it. `None` where the node's kind is none.
+    /// A procedural texture: the pattern's number, or what lies between two textures by it. `None` where the node's
+    /// kind is none.
     pub(super) fn procedural(&mut self, node: &Node, role: Role) -> Option<Texture> {
         let pattern = self.pattern(node)?;
         let mut t = PatternTexture::new(pattern, self.mapping(node));

@@ -146,7 +146,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// An index that grows towards blue by Cauchy's formula where `dispersion` (20 over the Abbe number, KHR_materials_dispersion) is above zero.
+    /// An index that grows towards blue by Cauchy's formula where `dispersion` (20 over the Abbe number,
+    /// KHR_materials_dispersion) is above zero.
     fn dispersive_eta(&mut self, node: &Node, name: &str, dispersion: &str) -> Eta {
         let eta = self.eta_named(node, name, 1.5);
         let strength = self.float(node, dispersion, 0.0);

@@ -1,4 +1,5 @@
-//! Constant values of materials are held in the ranges that the catalogue of materials states, and reported where they were not.
+//! Constant values of materials are held in the ranges that the catalogue of materials states, and reported where they
+//! were not.
 
 use super::Compiler;
 use crate::material::catalog;
@@ -7,8 +8,8 @@ use steradian_math::spectra;
 use steradian_scene::{Node, Param, SpectrumValue, Value};
 
 impl Compiler<'_> {
-    /// The node with every constant number and spectrum inside its range. What is refused, and what is not finite, stands there as a number
-    /// for the material's own compiler to report.
+    /// The node with every constant number and spectrum inside its range. What is refused, and what is not finite,
+    /// stands there as a number for the material's own compiler to report.
     pub(super) fn within_ranges<'n>(&mut self, node: &'n Node) -> Cow<'n, Node> {
         let mut held = Cow::Borrowed(node);
         for p in catalog::ranges(&node.kind) {

@@ -528,7 +528,8 @@ mod tests {
     use steradian_math::{Ray, Vec3};
     use steradian_scene::{Family, Node, SceneDesc, Shape};
 
-    /// A scene with a grid of distances of this size and these channels, what was said, and how far a ray down its middle goes.
+    /// A scene with a grid of distances of this size and these channels, what was said, and how far a ray down its
+    /// middle goes.
     fn on_a_grid(size: [i32; 4], values: &[f32], emits: bool, normals: Option<&str>) -> (Option<f32>, String) {
         let folder = tempfile::tempdir().unwrap();
         let mut bytes = b"VOL\x03\x01\0\0\0".to_vec();

@@ -1,11 +1,12 @@
-//! What must hold of any description before it is compiled: references lead somewhere, and no parameter is a NaN or an infinity. Readers
-//! see to that for files; this does for scenes made in code.
+//! What must hold of any description before it is compiled: references lead somewhere, and no parameter is a NaN or an
+//! infinity. Readers see to that for files; this does for scenes made in code.
 
 use super::Compiler;
 use steradian_scene::{NodeId, Param, Shape, SpectrumValue, Value};
 
 impl Compiler<'_> {
-    /// Reports every parameter with a number that is not finite, and everything that refers to a node or a mesh that is not there.
+    /// Reports every parameter with a number that is not finite, and everything that refers to a node or a mesh that is
+    /// not there.
     pub(super) fn check_soundness(&mut self) {
         let desc = self.desc;
         let count = desc.nodes.len();

@@ -256,8 +256,8 @@ impl Compiler<'_> {
                     self.error_help(node.span, format!("sampler '{}' is not implemented", node.kind), help);
                 }
             }
-            // The point set changes the noise of a picture, not the picture: files of other programs name theirs, often what was there by
-            // default, and none is better than ours.
+            // The point set changes the noise of a picture, not the picture: files of other programs name theirs, often
+            // what was there by default, and none is better than ours.
             let named = settings.named_sampler;
             if self.desc.format == Format::Native {
                 settings.sampler = named;

@@ -1,5 +1,6 @@
-//! Pixel filters, by importance sampling: each sample belongs to one pixel and is placed around its centre with a density
-//! proportional to the filter (Ernst, Stamminger, Greiner 2006). No sample is shared, so pixels stay independent of each other.
+//! Pixel filters, by importance sampling: each sample belongs to one pixel and is placed around its centre with a
+//! density proportional to the filter (Ernst, Stamminger, Greiner 2006). No sample is shared, so pixels stay
+//! independent of each other.
 
 use std::sync::Arc;
 use steradian_math::{Vec2, distribution::Piecewise1D};
@@ -106,7 +107,8 @@ impl Axis {
 }
 
 impl Filter {
-    /// A filter of a shape and radii (pixels); `None` if a radius or parameter is not positive and finite, or the filter has no volume.
+    /// A filter of a shape and radii (pixels); `None` if a radius or parameter is not positive and finite, or the
+    /// filter has no volume.
     pub fn new(kind: FilterKind, radius: Vec2) -> Option<Self> {
         let positive = |v: f32| v.is_finite() && v > 0.0;
         let sound = match kind {

@@ -1,5 +1,5 @@
-//! What covers a pixel: the objects and materials that its samples hit first, and how many of them hit each. Cryptomattes are
-//! made of these.
+//! What covers a pixel: the objects and materials that its samples hit first, and how many of them hit each.
+//! Cryptomattes are made of these.
 
 /// Things that a pixel counts. With more of them in one pixel, those that are met last are left out.
 const SLOTS: usize = 8;

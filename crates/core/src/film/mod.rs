@@ -33,7 +33,8 @@ pub struct FirstHit {
     pub coverage: f32,
 }
 
-/// The sums of one pixel. Samples are added in the order of their index, whatever the thread, so the sums have the same bits.
+/// The sums of one pixel. Samples are added in the order of their index, whatever the thread, so the sums have the same
+/// bits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pixel {
     /// Sum of linear Rec.709 radiance.
@@ -45,8 +46,8 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// The pixel whose mean has a value and an estimated variance, from a number of samples: the inverse of [`Self::mean`] and
-    /// [`Self::variance_of_mean`].
+    /// The pixel whose mean has a value and an estimated variance, from a number of samples: the inverse of
+    /// [`Self::mean`] and [`Self::variance_of_mean`].
     pub fn of(mean: [f64; 3], variance_of_mean: [f64; 3], samples: u32) -> Self {
         let n = f64::from(samples);
         Self {
@@ -56,7 +57,8 @@ impl Pixel {
         }
     }
 
-    /// Adds a sample; returns `false`, and adds zero radiance, if it is not finite. This is the one gate for NaN and infinity.
+    /// Adds a sample; returns `false`, and adds zero radiance, if it is not finite. This is the one gate for NaN and
+    /// infinity.
     #[inline]
     pub fn add(&mut self, rgb: Vec3) -> bool {
         self.samples += 1;

@@ -1,8 +1,8 @@
 //! Emission of surfaces.
 //!
-//! Every emitting triangle is a light of its own; two triangles that form a rectangle are one. Triangles and rectangles that look
-//! large are sampled uniformly in solid angle, small ones uniformly in area; spheres by the cone they subtend (Shirley, Wang,
-//! Zimmerman 1996).
+//! Every emitting triangle is a light of its own; two triangles that form a rectangle are one. Triangles and rectangles
+//! that look large are sampled uniformly in solid angle, small ones uniformly in area; spheres by the cone they subtend
+//! (Shirley, Wang, Zimmerman 1996).
 
 use super::{LightSample, tree::LightBounds};
 use crate::{
@@ -168,7 +168,8 @@ impl AreaLight {
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
-    /// Where on the texture a sampled point lies. `uv` are barycentric coordinates on triangles, surface parameters on quadrics.
+    /// Where on the texture a sampled point lies. `uv` are barycentric coordinates on triangles, surface parameters on
+    /// quadrics.
     pub(super) fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
         match (&self.mesh, &self.shape) {
             (Some((mesh, t)), AreaShape::Triangle(..)) => {

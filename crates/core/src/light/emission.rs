@@ -1,8 +1,9 @@
 //! Lights that emit: rays from lights, with their densities (Veach 1997, chapter 8; PBR 4th ed., 12.1.2).
 //!
-//! A light is chosen in proportion to its flux, a place on it uniformly over its area (of infinite lights, over a disk that covers the scene), a
-//! direction by the cosine, over a cone, or as the light is bright. What is a delta distribution (the place of a point light, the direction of parallel
-//! light) is left out of densities, here and in next-event estimation, so that their ratios are right.
+//! A light is chosen in proportion to its flux, a place on it uniformly over its area (of infinite lights, over a disk
+//! that covers the scene), a direction by the cosine, over a cone, or as the light is bright. What is a delta
+//! distribution (the place of a point light, the direction of parallel light) is left out of densities, here and in
+//! next-event estimation, so that their ratios are right.
 
 use super::{AreaLight, AreaShape, Environment, Light, Lights};
 use crate::{Scene, texture::TextureContext};
@@ -70,8 +71,8 @@ struct Drawn {
 }
 
 impl Emission {
-    /// Of a scene; `None` where no light emits. Infinite planes are too large for light from infinity to be sent at them: it is left out then,
-    /// with density zero.
+    /// Of a scene; `None` where no light emits. Infinite planes are too large for light from infinity to be sent at
+    /// them: it is left out then, with density zero.
     pub fn new(scene: &Scene) -> Option<Self> {
         let (center, radius) = scene.bounds().bounding_sphere();
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
@@ -201,8 +202,8 @@ impl Emission {
         })
     }
 
-    /// The density with which a ray leaves a light in direction `w` from a place with oriented normal `n`, choice included, as in
-    /// [`EmittedRay::pdf`].
+    /// The density with which a ray leaves a light in direction `w` from a place with oriented normal `n`, choice
+    /// included, as in [`EmittedRay::pdf`].
     pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3) -> f32 {
         let disk = 1.0 / (PI * self.radius * self.radius);
         let pdf = match &scene.lights.lights[light as usize] {
@@ -257,7 +258,8 @@ fn lobe(cos: f32, two_sided: bool) -> f32 {
 }
 
 impl Lights {
-    /// The luminous flux that a light sends into a sphere of a radius around the scene (an estimate for pictures and textures).
+    /// The luminous flux that a light sends into a sphere of a radius around the scene (an estimate for pictures and
+    /// textures).
     fn flux(&self, light: &Light, radius: f32, scene: &Scene) -> f32 {
         let mode = self.mode();
         let section = PI * radius * radius;
@@ -282,7 +284,8 @@ impl Lights {
         }
     }
 
-    /// The oriented unit normal of a light at a point on it; of lights that are no surfaces the direction `w` of emission.
+    /// The oriented unit normal of a light at a point on it; of lights that are no surfaces the direction `w` of
+    /// emission.
     pub fn normal_at(&self, light: u32, p: Vec3, w: Vec3) -> Vec3 {
         match &self.lights[light as usize] {
             Light::Area(a) | Light::DirectionalArea(a) => a.normal_at(p),
@@ -300,7 +303,8 @@ impl Lights {
 }
 
 impl Environment {
-    /// Luminance of the radiance, averaged over directions; of pictures with what a grid of directions may miss of their bright parts.
+    /// Luminance of the radiance, averaged over directions; of pictures with what a grid of directions may miss of
+    /// their bright parts.
     fn mean_luminance(&self) -> f32 {
         if self.image.is_none() {
             return self.radiance.luminance(self.mode) * self.scale;

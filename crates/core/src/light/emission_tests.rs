@@ -64,7 +64,8 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     all
 }
 
-/// The flux that samples of emission carry is that of the light in closed form, and [`Emission::pdf`] is the density they come with.
+/// The flux that samples of emission carry is that of the light in closed form, and [`Emission::pdf`] is the density
+/// they come with.
 #[test]
 fn emitted_flux_is_that_of_the_light() {
     let lambda = Wavelengths::RGB;
@@ -119,8 +120,8 @@ fn emitted_flux_is_that_of_the_light() {
     }
 }
 
-/// Two ways to count light that reaches a small disk about the scene's centre, without anything between: emission, and the light's own samples for a
-/// point.
+/// Two ways to count light that reaches a small disk about the scene's centre, without anything between: emission, and
+/// the light's own samples for a point.
 #[test]
 fn emission_and_next_event_estimation_bring_the_same_light() {
     let lambda = Wavelengths::RGB;

@@ -17,10 +17,11 @@ use steradian_math::{
 pub enum Parametrization {
     /// Equal-area octahedral (Clarberg 2008), local +z up: pbrt-v4.
     Octahedral,
-    /// Longitude and latitude, local +y up, the middle column at +z … as Mitsuba has it: `u = atan2(x, −z)/2π`, `v = acos(y)/π`.
+    /// Longitude and latitude, local +y up, the middle column at +z … as Mitsuba has it: `u = atan2(x, −z)/2π`,
+    /// `v = acos(y)/π`.
     LatLongY {
-        /// Whether the first and last row stand at the poles, row `i` of `h` at `v = i/(h − 1)` (Mitsuba 3), rather than at the middle of `h`
-        /// strips.
+        /// Whether the first and last row stand at the poles, row `i` of `h` at `v = i/(h − 1)` (Mitsuba 3), rather
+        /// than at the middle of `h` strips.
         poles: bool,
     },
     /// Longitude and latitude, local +z up: `u = φ/2π`, `v = θ/π`.
@@ -36,8 +37,8 @@ pub struct EnvironmentImage {
     pub parametrization: Parametrization,
     /// Its orientation.
     pub world_from_light: Affine,
-    /// What directions are sampled by: the luminance above the mean, so that what scattering finds well anyway is left to it (MIS
-    /// compensation, Karlík et al. 2019).
+    /// What directions are sampled by: the luminance above the mean, so that what scattering finds well anyway is left
+    /// to it (MIS compensation, Karlík et al. 2019).
     distribution: Piecewise2D,
     /// Estimate of the irradiance in the part that is sampled.
     excess: f32,
@@ -116,7 +117,8 @@ impl EnvironmentImage {
         }
     }
 
-    /// The world direction of image coordinates, and the density of directions per unit of image area: `pdf_ω = pdf_uv · that`.
+    /// The world direction of image coordinates, and the density of directions per unit of image area:
+    /// `pdf_ω = pdf_uv · that`.
     #[inline]
     fn direction(&self, uv: Vec2) -> (Vec3, f32) {
         use std::f32::consts::PI;
@@ -135,8 +137,8 @@ impl EnvironmentImage {
         (self.world_from_light.vector(d).normalize_or(Vec3::Z), density)
     }
 
-    /// Interpolated linear RGB. Spectral variants of Mitsuba 3 (where rows stand at the poles) interpolate brightness and hue by themselves, so
-    /// that the mean of a bright and a dark texel is another one.
+    /// Interpolated linear RGB. Spectral variants of Mitsuba 3 (where rows stand at the poles) interpolate brightness
+    /// and hue by themselves, so that the mean of a bright and a dark texel is another one.
     #[inline]
     fn lookup(&self, uv: Vec2, mode: ColorMode) -> Vec3 {
         let (w, h) = (self.texels.width as i64, self.texels.height as i64);
@@ -200,8 +202,8 @@ impl Environment {
         }
     }
 
-    /// Estimate of the irradiance (as luminance) that next-event estimation has to find; zero where scattering finds all of it well
-    /// enough (constant environments).
+    /// Estimate of the irradiance (as luminance) that next-event estimation has to find; zero where scattering finds
+    /// all of it well enough (constant environments).
     pub fn sampled_irradiance(&self) -> f32 {
         match (&self.image, &self.portal) {
             (None, None) => 0.0,
@@ -318,8 +320,8 @@ mod tests {
         }
     }
 
-    /// Rows at the poles: row i of h at v = i/(h − 1); columns at the middle of strips all the same. In spectral mode brightness and hue are
-    /// interpolated by themselves.
+    /// Rows at the poles: row i of h at v = i/(h − 1); columns at the middle of strips all the same. In spectral mode
+    /// brightness and hue are interpolated by themselves.
     #[test]
     fn rows_at_the_poles() {
         let (w, h) = (4, 3);
@@ -340,8 +342,8 @@ mod tests {
         assert!((rgb - Vec3::new(1.5, 3.0, 1.125)).length() < 1e-5, "{rgb}");
     }
 
-    /// The density integrates to one over the sphere and samples follow it: the mean of `1/pdf` over samples with `f = 1` on the
-    /// support is the support's solid angle, found by uniform sampling.
+    /// The density integrates to one over the sphere and samples follow it: the mean of `1/pdf` over samples with
+    /// `f = 1` on the support is the support's solid angle, found by uniform sampling.
     #[test]
     fn density_is_normalised_and_sampled() {
         for p in ALL {

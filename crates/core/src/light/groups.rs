@@ -2,8 +2,8 @@
 
 use super::{Light, Lights};
 
-/// Which light belongs to which group. Lights and emitting shapes of the same name are one group; those without a name are one for each
-/// light that the file describes.
+/// Which light belongs to which group. Lights and emitting shapes of the same name are one group; those without a name
+/// are one for each light that the file describes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightGroups {
     /// Names, by number.
@@ -24,7 +24,8 @@ impl LightGroups {
         }) as u32
     }
 
-    /// Notes the groups of all lights, those of areas by their emitters; `others` has the light and group of each other one.
+    /// Notes the groups of all lights, those of areas by their emitters; `others` has the light and group of each other
+    /// one.
     pub(crate) fn assign(&mut self, lights: &Lights, others: &[(u32, u32)]) {
         self.of_lights = lights
             .lights

@@ -42,7 +42,8 @@ pub const LIGHTS: &[(&str, &str)] = &[
 pub struct LightContext {
     /// The point.
     pub p: Vec3,
-    /// Unit normal on the side from which light matters; zero where it may come from any side (media, transmitting surfaces).
+    /// Unit normal on the side from which light matters; zero where it may come from any side (media, transmitting
+    /// surfaces).
     pub n: Vec3,
 }
 
@@ -91,7 +92,8 @@ pub struct Lights {
     pub emitters: Vec<Emitter>,
     /// Indices of environments.
     pub environments: Vec<u32>,
-    /// Lights without bounds that can be chosen, with an estimate of their irradiance: environments with bright parts, distant lights.
+    /// Lights without bounds that can be chosen, with an estimate of their irradiance: environments with bright parts,
+    /// distant lights.
     infinite: Vec<(u32, f32)>,
     /// The others.
     tree: LightTree,
@@ -147,7 +149,8 @@ impl Lights {
         self.mode
     }
 
-    /// Probability of the tree, and the factor from an infinite light's irradiance to its probability and the even share each gets.
+    /// Probability of the tree, and the factor from an infinite light's irradiance to its probability and the even
+    /// share each gets.
     #[inline]
     fn shares(&self, ctx: &LightContext) -> Shares {
         let groups = self.infinite.len() as f32 + f32::from(!self.tree.is_empty());
@@ -165,7 +168,8 @@ impl Lights {
         Shares { tree, per_irradiance, even }
     }
 
-    /// Chooses a light for a point in proportion to an estimate of what it can contribute: index, probability, and `u` made anew.
+    /// Chooses a light for a point in proportion to an estimate of what it can contribute: index, probability, and `u`
+    /// made anew.
     #[inline]
     pub fn choose(&self, ctx: &LightContext, u: f32) -> Option<(u32, f32)> {
         let shares = self.shares(ctx);
@@ -237,8 +241,8 @@ impl Lights {
         }
     }
 
-    /// The density per solid angle, choice of light included, with which next-event estimation at `ctx` gives a point on an area
-    /// light that was found otherwise: at `distance` in direction `wi`, with unit geometric normal `n`.
+    /// The density per solid angle, choice of light included, with which next-event estimation at `ctx` gives a point
+    /// on an area light that was found otherwise: at `distance` in direction `wi`, with unit geometric normal `n`.
     #[inline]
     pub fn area_pdf(&self, light: u32, ctx: &LightContext, wi: Vec3, distance: f32, n: Vec3) -> f32 {
         match &self.lights[light as usize] {

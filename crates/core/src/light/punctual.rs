@@ -149,7 +149,8 @@ pub struct Projection {
     pub half: Vec2,
     /// Factor on the slide's values.
     pub scale: f32,
-    /// Whether values are intensities (pbrt), or irradiances at z = 1 (Mitsuba), which fall with the cube of the cosine.
+    /// Whether values are intensities (pbrt), or irradiances at z = 1 (Mitsuba), which fall with the cube of the
+    /// cosine.
     pub is_irradiance: bool,
 }
 
@@ -237,7 +238,8 @@ fn max(image: &Texels) -> f32 {
 mod tests {
     use super::*;
 
-    /// M70: the flux of a spot light is the integral of its intensity; E39: a cone without falloff has I = Φ/(2π(1 − cos α)).
+    /// M70: the flux of a spot light is the integral of its intensity; E39: a cone without falloff has I = Φ/(2π(1 −
+    /// cos α)).
     #[test]
     fn spot_flux() {
         for falloff in [Falloff::Smoothstep, Falloff::Linear] {

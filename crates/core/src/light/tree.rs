@@ -1,5 +1,6 @@
-//! The light tree: chooses one of many lights in proportion to a bound on what it can contribute at a point (Conty Estevez & Kulla
-//! 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; importance as in PBR 4th ed., 12.6.3).
+//! The light tree: chooses one of many lights in proportion to a bound on what it can contribute at a point (Conty
+//! Estevez & Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; importance as in PBR 4th
+//! ed., 12.6.3).
 
 use super::LightContext;
 use steradian_math::{Bounds3, Vec3};
@@ -39,8 +40,8 @@ impl LightBounds {
         }
     }
 
-    /// An estimate of the irradiance that a surface (or, without a normal, a volume) at the point receives, ignoring visibility;
-    /// never zero where there is any.
+    /// An estimate of the irradiance that a surface (or, without a normal, a volume) at the point receives, ignoring
+    /// visibility; never zero where there is any.
     #[inline]
     fn importance(&self, ctx: &LightContext) -> f32 {
         let center = self.bounds.center();
@@ -127,7 +128,8 @@ struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct LightTree {
     nodes: Vec<Node>,
-    /// The way from the root to each light, one bit a level, lowest first; `u64::MAX` for lights that are not in the tree.
+    /// The way from the root to each light, one bit a level, lowest first; `u64::MAX` for lights that are not in the
+    /// tree.
     trails: Vec<u64>,
 }
 
@@ -249,8 +251,8 @@ fn order(a: &(u32, LightBounds), b: &(u32, LightBounds), axis: usize) -> std::cm
     a.1.bounds.center()[axis].total_cmp(&b.1.bounds.center()[axis]).then(a.0.cmp(&b.0))
 }
 
-/// Orders lights along the axis and gives the place of the split with the least surface-area-orientation cost, among twelve buckets
-/// per axis; `None` where all centres coincide.
+/// Orders lights along the axis and gives the place of the split with the least surface-area-orientation cost, among
+/// twelve buckets per axis; `None` where all centres coincide.
 fn split(items: &mut [(u32, LightBounds)]) -> Option<usize> {
     const BUCKETS: usize = 12;
     let centers = Bounds3::from_points(items.iter().map(|i| i.1.bounds.center()));
@@ -323,8 +325,8 @@ mod tests {
             .collect()
     }
 
-    /// The probabilities that `sample` returns are those that `probability` states, they are the true frequencies, and a light that
-    /// can contribute is never left out.
+    /// The probabilities that `sample` returns are those that `probability` states, they are the true frequencies, and
+    /// a light that can contribute is never left out.
     #[test]
     fn probabilities_agree_and_sum_to_one() {
         let mut rng = HashRng::new(1);

@@ -1,5 +1,5 @@
-//! Every parameter of every kind of material, set to what it should not be: a value outside of its range is told of with its place, and
-//! whatever is made of it scatters finite light.
+//! Every parameter of every kind of material, set to what it should not be: a value outside of its range is told of
+//! with its place, and whatever is made of it scatters finite light.
 
 use super::{
     catalog::{self, DETAIL, Entry, Kind, MATERIALS, Parameter},

@@ -1,7 +1,7 @@
 //! What a description can say of a material: every kind with its parameters, units, ranges and sources.
 //!
-//! The one table [`MATERIALS`] is what `steradian list materials` prints, what `docs/materials.md` holds ([`markdown`], checked by a
-//! test), and what the compiler checks constant values against.
+//! The one table [`MATERIALS`] is what `steradian list materials` prints, what `docs/materials.md` holds ([`markdown`],
+//! checked by a test), and what the compiler checks constant values against.
 
 use std::fmt::Write;
 
@@ -807,8 +807,8 @@ mod tests {
         }
     }
 
-    /// Everything that is to be had, by the names of the literature: the kind, and where it is a choice inside of it the parameter and
-    /// its word.
+    /// Everything that is to be had, by the names of the literature: the kind, and where it is a choice inside of it
+    /// the parameter and its word.
     #[test]
     fn every_model_is_there() {
         let kind = |kind: &str| entry(kind).unwrap_or_else(|| panic!("there is no '{kind}'"));

@@ -22,7 +22,8 @@ fn scene(kind: &str, mode: ColorMode) -> Scene {
         match p.kind {
             Kind::Material => node = node.with(p.name, Value::Node(inner)),
             Kind::Materials => node = node.with(p.name, Value::Nodes(vec![inner, inner])),
-            // What absorbs along a way has no colour of its own: powers of three numbers are not those of the spectrum behind them.
+            // What absorbs along a way has no colour of its own: powers of three numbers are not those of the spectrum
+            // behind them.
             _ if p.name == "sigma_a" => node = node.with(p.name, 0.3),
             _ => {}
         }
@@ -34,7 +35,8 @@ fn scene(kind: &str, mode: ColorMode) -> Scene {
     compiled.scene.unwrap_or_else(|| panic!("{kind}: {:?}", compiled.diagnostics))
 }
 
-/// The colour of white light scattered from one direction to another, or of the specular lobe; in spectral mode by quadrature.
+/// The colour of white light scattered from one direction to another, or of the specular lobe; in spectral mode by
+/// quadrature.
 fn seen(scene: &Scene, wo: Vec3, wi: Vec3) -> Vec3 {
     let n = if scene.mode == ColorMode::Rgb { 1 } else { 128 };
     let white = Color::rgb(Vec3::ONE, &REC709, Role::Illuminant, scene.mode);

@@ -1,5 +1,5 @@
-//! Surface detail by the shading frame: normal maps and bump maps, what keeps them from sending light into the surface, and
-//! the turn of the tangent that stretched highlights follow.
+//! Surface detail by the shading frame: normal maps and bump maps, what keeps them from sending light into the surface,
+//! and the turn of the tangent that stretched highlights follow.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -16,8 +16,8 @@ pub struct NormalMap {
     pub texture: TextureId,
     /// What its numbers are.
     pub code: NormalCode,
-    /// y points along ∂p/∂v, as in MikkTSpace and glTF, also where the parametrisation is mirrored; else along z × x, as pbrt and
-    /// Mitsuba have it.
+    /// y points along ∂p/∂v, as in MikkTSpace and glTF, also where the parametrisation is mirrored; else along z × x,
+    /// as pbrt and Mitsuba have it.
     pub mirrors: bool,
     /// Factor on x and y.
     pub strength: f32,
@@ -31,8 +31,8 @@ pub enum Facing {
     /// It is bent so far that the mirror direction leaves the surface.
     #[default]
     Bent,
-    /// It is mirrored about the normal without detail, and what arrives from below the surface does not count (Mitsuba 3; Schüßler et al.,
-    /// "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
+    /// It is mirrored about the normal without detail, and what arrives from below the surface does not count (Mitsuba
+    /// 3; Schüßler et al., "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
     Turned,
     /// Nothing; what arrives from below the surface does not count.
     AsItIs,
@@ -80,7 +80,8 @@ impl SurfaceDetail {
         Some(self.normal_map.as_ref()?.filtered.as_ref()?.normal(at).1)
     }
 
-    /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the surface.
+    /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the
+    /// surface.
     pub fn shading_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Vec3 {
         if self.normal_map.is_none() && self.bump.is_none() {
             return base.ns;
@@ -119,19 +120,21 @@ fn tan2(cos: f32) -> f32 {
     (1.0 - cos * cos).max(0.0) / (cos * cos)
 }
 
-/// The surface under the detail: light comes and goes on one side of both, and Smith's shadowing takes the terminator away that the detail would have
-/// (Conty Estevez, Lecocq, Stein, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing Gems, 2019, ch. 12).
+/// The surface under the detail: light comes and goes on one side of both, and Smith's shadowing takes the terminator
+/// away that the detail would have (Conty Estevez, Lecocq, Stein, "A microfacet-based shadowing function to solve the
+/// bump terminator problem", Ray Tracing Gems, 2019, ch. 12).
 #[derive(Clone, Copy, Debug)]
 pub struct Cover {
     /// The normal without detail, in the shading frame with it.
     up: Vec3,
-    /// α² of a surface of which the detail's normal is a typical one: tan²/8 of the angle between both normals, at most 1.
+    /// α² of a surface of which the detail's normal is a typical one: tan²/8 of the angle between both normals, at most
+    /// 1.
     roughness2: f32,
 }
 
 impl Cover {
-    /// The share of light from a direction that arrives, `2/(1 + √(1 + α² tan²θ))`; `None` where the direction is above the one surface and below the
-    /// other.
+    /// The share of light from a direction that arrives, `2/(1 + √(1 + α² tan²θ))`; `None` where the direction is above
+    /// the one surface and below the other.
     #[inline]
     pub fn passes(&self, wi: Vec3) -> Option<f32> {
         let cos = self.up.dot(wi);
@@ -180,9 +183,9 @@ impl NormalMap {
     }
 }
 
-/// The normal of the surface moved by heights along `ns`, with differences over half the footprint: Blinn, "Simulation of Wrinkled
-/// Surfaces", SIGGRAPH 1978, without the curvature of the surface that is moved. `exact` are differences over as little as numbers allow, on both
-/// sides.
+/// The normal of the surface moved by heights along `ns`, with differences over half the footprint: Blinn, "Simulation
+/// of Wrinkled Surfaces", SIGGRAPH 1978, without the curvature of the surface that is moved. `exact` are differences
+/// over as little as numbers allow, on both sides.
 fn bumped(height: &FloatTexture, textures: &Textures, at: &TextureContext, base: &Base, exact: bool) -> Vec3 {
     let FloatTexture::Texture(id) = *height else { return base.ns };
     // Without a parametrisation heights vary over space alone; any two tangents serve.
@@ -216,9 +219,10 @@ fn bumped(height: &FloatTexture, textures: &Textures, at: &TextureContext, base:
 /// Least cosine of the mirror direction above the surface.
 const ABOVE: f32 = 0.01;
 
-/// The shading normal, bent so far that the mirror direction of `wo` lies above the surface (Keller et al., "The Iray Light Transport
-/// Simulation and Rendering System", 2017, appendix A.3): a normal that turns away from the viewer would otherwise leave black rims.
-/// `n` and `ns` are on the side of `wo`; a viewer below the surface leaves it unchanged.
+/// The shading normal, bent so far that the mirror direction of `wo` lies above the surface (Keller et al., "The Iray
+/// Light Transport Simulation and Rendering System", 2017, appendix A.3): a normal that turns away from the viewer
+/// would otherwise leave black rims. `n` and `ns` are on the side of `wo`; a viewer below the surface leaves it
+/// unchanged.
 pub fn bend(ns: Vec3, n: Vec3, wo: Vec3) -> Vec3 {
     let cos = wo.dot(n);
     if cos <= 0.0 {
@@ -276,7 +280,8 @@ mod tests {
         }
     }
 
-    /// Counter-clockwise seen from the normal, or as the parametrisation is mirrored; alone it leaves the normal as it is.
+    /// Counter-clockwise seen from the normal, or as the parametrisation is mirrored; alone it leaves the normal as it
+    /// is.
     #[test]
     fn the_tangent_turns_towards_the_bitangent() {
         let textures = Textures::new(ColorMode::Rgb);
@@ -366,8 +371,8 @@ mod tests {
         assert!((detail.shading_normal(&textures, &wide, &FLAT, Vec3::Z) - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-6);
     }
 
-    /// Mitsuba 3's rules: a normal turned away is mirrored about the one without detail; light above one surface and below the other is lost; from θ
-    /// of a normal tilted by δ arrives 2/(1 + √(1 + min(tan²δ/8, 1) tan²θ)).
+    /// Mitsuba 3's rules: a normal turned away is mirrored about the one without detail; light above one surface and
+    /// below the other is lost; from θ of a normal tilted by δ arrives 2/(1 + √(1 + min(tan²δ/8, 1) tan²θ)).
     #[test]
     fn turned_normals_and_their_cover() {
         let tilt = 1.2f32;

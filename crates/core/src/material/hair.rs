@@ -21,7 +21,8 @@ pub struct HairMaterial {
     pub beta_n: FloatTexture,
     /// Tilt of the scales, degrees.
     pub alpha: FloatTexture,
-    /// Whether the surface is really round and the fibre runs along the bitangent (Mitsuba), rather than a strip along the tangent.
+    /// Whether the surface is really round and the fibre runs along the bitangent (Mitsuba), rather than a strip along
+    /// the tangent.
     pub is_round: bool,
 }
 

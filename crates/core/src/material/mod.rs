@@ -350,7 +350,8 @@ impl Point<'_> {
     }
 }
 
-/// Reflectances beyond [0, 1] and non-finite values from textures are brought back: energy is not made, NaN does not enter.
+/// Reflectances beyond [0, 1] and non-finite values from textures are brought back: energy is not made, NaN does not
+/// enter.
 #[inline]
 pub(crate) fn albedo(s: Spectrum) -> Spectrum {
     if s.is_finite() { s.clamp(0.0, 1.0) } else { s.map(|v| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 }) }
@@ -368,8 +369,8 @@ pub(crate) fn index_of_refraction(v: f32) -> f32 {
     if v.is_nan() || v <= 0.0 { 1.0 } else { v.clamp(0.05, 20.0) }
 }
 
-/// Evaluates the material with index `id` at a point: resolves mixtures (`choice` in [0, 1)) and sides (`front`: whether the viewer is
-/// on the side of the normal). `None` where nothing scatters.
+/// Evaluates the material with index `id` at a point: resolves mixtures (`choice` in [0, 1)) and sides (`front`:
+/// whether the viewer is on the side of the normal). `None` where nothing scatters.
 #[inline]
 pub fn scattering<'a>(
     materials: &'a [Material],

@@ -10,8 +10,8 @@ pub enum NormalCode {
     Xyz,
     /// x and y of these; `z = √(1 − x² − y²)` (the lecture's formula lacks the one and a sign: E18).
     Xy,
-    /// The octahedron |x| + |y| + |z| = 1 seen from above, its lower half folded out into the corners (Meyer et al., "On Floating-Point Normal
-    /// Vectors", EGSR 2010).
+    /// The octahedron |x| + |y| + |z| = 1 seen from above, its lower half folded out into the corners (Meyer et al.,
+    /// "On Floating-Point Normal Vectors", EGSR 2010).
     Octahedral,
 }
 
@@ -35,7 +35,8 @@ impl NormalCode {
         }
     }
 
-    /// The numbers to store for a unit normal; one that points down has none in [`Self::Xy`], and counts as one that points up.
+    /// The numbers to store for a unit normal; one that points down has none in [`Self::Xy`], and counts as one that
+    /// points up.
     pub fn encode(self, n: Vec3) -> Vec3 {
         let m = match self {
             Self::Xyz => n,
@@ -85,7 +86,8 @@ mod tests {
         }
     }
 
-    /// The largest angle, in degrees, between a normal of the upper half and what is left of it: what a bit is worth in each code.
+    /// The largest angle, in degrees, between a normal of the upper half and what is left of it: what a bit is worth in
+    /// each code.
     #[test]
     fn largest_angles_by_bits() {
         let worst = |code: NormalCode, bits: u32, above: f32| {
@@ -105,7 +107,8 @@ mod tests {
             }
             worst
         };
-        // Bits of each number, how high the normal stands at least, and the angles of the three codes. Two numbers lose the horizon.
+        // Bits of each number, how high the normal stands at least, and the angles of the three codes. Two numbers lose
+        // the horizon.
         for (bits, above, angles) in [
             (8, 0.0, [0.3715, 4.953, 0.9168]),
             (8, 0.5, [0.3715, 0.5947, 0.9168]),

@@ -1,11 +1,12 @@
 //! Normal maps from afar: normals that differ within the footprint look like roughness.
 //!
-//! Two ways are here (`relief/filtering.rs` has their equations): Toksvig's reads the spread off the length of the mean normal, in the form
-//! that adds, `α'² = α² + 2 (1 − |n̄|)/|n̄|`; LEAN averages slopes and their squares, whose variances add to those of the facets,
-//! `α'² = α² + 2 σ²`, each way. The covariance of the two axes is left out, since facets have their axes along the surface's parametrisation.
+//! Two ways are here (`relief/filtering.rs` has their equations): Toksvig's reads the spread off the length of the mean
+//! normal, in the form that adds, `α'² = α² + 2 (1 − |n̄|)/|n̄|`; LEAN averages slopes and their squares, whose
+//! variances add to those of the facets, `α'² = α² + 2 σ²`, each way. The covariance of the two axes is left out, since
+//! facets have their axes along the surface's parametrisation.
 //!
-//! Both keep floats made from unit normals rather than the picture: codes of eight bits are off by up to 0.7 % in length, which would
-//! count as a roughness of 0.1.
+//! Both keep floats made from unit normals rather than the picture: codes of eight bits are off by up to 0.7 % in
+//! length, which would count as a roughness of 0.1.
 
 use crate::relief::filtering::Moments;
 use crate::texture::{
@@ -225,7 +226,8 @@ mod tests {
         let far = Microfacet::new(NormalDistribution::Beckmann, Shadowing::HeightCorrelated, x, y);
         for m in [Vec2::ZERO, Vec2::new(0.2, 0.0), Vec2::new(0.0, 0.2), Vec2::new(0.25, 0.1), Vec2::new(-0.4, 0.0)] {
             let m = m.extend(1.0).normalize();
-            // In slope space the facets of a texel are those of a flat one, moved; cos⁴ is the change from slopes to directions.
+            // In slope space the facets of a texel are those of a flat one, moved; cos⁴ is the change from slopes to
+            // directions.
             let density = |facets: &Microfacet, m: Vec3, around: Vec2| {
                 let s = (m.truncate() / m.z - around).extend(1.0).normalize();
                 facets.d(s) * s.z.powi(4) / m.z.powi(4)

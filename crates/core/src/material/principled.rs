@@ -85,8 +85,8 @@ mod tests {
     };
     use steradian_math::{Vec3, color::space::REC709, spectra::Wavelengths};
 
-    /// The hue of tints is the base colour over its luminance, the same at all wavelengths that a path may have drawn: a tinted highlight seen in
-    /// spectral mode has, in the mean, the colour that it has in RGB mode.
+    /// The hue of tints is the base colour over its luminance, the same at all wavelengths that a path may have drawn:
+    /// a tinted highlight seen in spectral mode has, in the mean, the colour that it has in RGB mode.
     #[test]
     fn tints_do_not_depend_on_the_wavelengths_drawn() {
         let rgb = Vec3::new(0.7, 0.3, 0.1);

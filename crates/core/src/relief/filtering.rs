@@ -1,18 +1,18 @@
-//! Normals that are averaged leave their spread to the roughness: Toksvig's estimate from the length of the mean, and LEAN mapping
-//! from the second moments of the slopes.
+//! Normals that are averaged leave their spread to the roughness: Toksvig's estimate from the length of the mean, and
+//! LEAN mapping from the second moments of the slopes.
 
 use steradian_math::{Vec2, Vec3};
 
-/// The Blinn–Phong exponent (the lecture calls it roughness; it is a power: E55) of normals whose mean has length `len`, for a surface of
-/// exponent `power`: `len·s/(len + s (1 − len))` (Toksvig, "Mipmapping Normal Maps", 2005).
+/// The Blinn–Phong exponent (the lecture calls it roughness; it is a power: E55) of normals whose mean has length
+/// `len`, for a surface of exponent `power`: `len·s/(len + s (1 − len))` (Toksvig, "Mipmapping Normal Maps", 2005).
 pub fn toksvig_power(power: f32, len: f32) -> f32 {
     let len = len.clamp(0.0, 1.0);
     let d = len + power * (1.0 - len);
     if d > 0.0 { len * power / d } else { 0.0 }
 }
 
-/// The same for the α of Beckmann and GGX, by `s = 2/α² − 2` (Walter et al. 2007): the factor turns into a sum of the variances of slopes,
-/// `α'² ≈ α² + 2 (1 − len)/len` for small α.
+/// The same for the α of Beckmann and GGX, by `s = 2/α² − 2` (Walter et al. 2007): the factor turns into a sum of the
+/// variances of slopes, `α'² ≈ α² + 2 (1 − len)/len` for small α.
 pub fn toksvig_alpha(alpha: f32, len: f32) -> f32 {
     if len >= 1.0 {
         return alpha;
@@ -63,8 +63,8 @@ impl Moments {
         ((self.square - self.mean * self.mean).max(Vec2::ZERO), self.product - self.mean.x * self.mean.y)
     }
 
-    /// The roughness along the axes of the slopes' ellipse for a surface of Beckmann roughness `alpha` (variance of slopes `α²/2`), and the
-    /// angle of the first axis from u.
+    /// The roughness along the axes of the slopes' ellipse for a surface of Beckmann roughness `alpha` (variance of
+    /// slopes `α²/2`), and the angle of the first axis from u.
     pub fn roughness(&self, alpha: f32) -> (f32, f32, f32) {
         let (v, c) = self.covariance();
         let (mid, half) = (0.5 * (v.x + v.y), 0.5 * (v.x - v.y));
@@ -79,7 +79,8 @@ mod tests {
     use super::*;
     use steradian_math::hash::HashRng;
 
-    /// E55: what Toksvig's formula changes is the exponent of Blinn and Phong, which falls as normals spread; a roughness would rise.
+    /// E55: what Toksvig's formula changes is the exponent of Blinn and Phong, which falls as normals spread; a
+    /// roughness would rise.
     #[test]
     fn equal_normals_leave_the_roughness() {
         assert_eq!(toksvig_power(50.0, 1.0), 50.0);
@@ -111,7 +112,8 @@ mod tests {
         assert!((major * major - 0.05).abs() < 0.0012, "{major}");
         assert!((minor * minor - 0.02).abs() < 0.0004, "{minor}");
         assert!((angle - std::f32::consts::FRAC_PI_6).abs() < 0.02);
-        // Toksvig has one roughness for both axes: between the two, and near the mean of the variances for small spreads.
+        // Toksvig has one roughness for both axes: between the two, and near the mean of the variances for small
+        // spreads.
         let mean = normals.iter().sum::<Vec3>() / normals.len() as f32;
         let t = toksvig_alpha(0.1, mean.length());
         assert!(t > minor && t < major, "{minor} {t} {major}");

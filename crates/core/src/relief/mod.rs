@@ -1,5 +1,5 @@
-//! Relief without geometry: heights over the unit square that rays are traced against, the one-step approximations of it, and
-//! how roughness takes the place of relief that is too fine to see.
+//! Relief without geometry: heights over the unit square that rays are traced against, the one-step approximations of
+//! it, and how roughness takes the place of relief that is too fine to see.
 
 pub mod field;
 pub mod filtering;

@@ -1,13 +1,13 @@
-//! Parallax mapping: one step from the coordinates that a ray meets on the flat surface to those on the relief. The raster
-//! pipeline's approximations, and the measure of the searches.
+//! Parallax mapping: one step from the coordinates that a ray meets on the flat surface to those on the relief. The
+//! raster pipeline's approximations, and the measure of the searches.
 //!
-//! Directions are in the tangent frame (x along u, y along v, z out of the surface), point to the viewer, and need no unit length.
-//! Heights are in units of texture coordinates, above the surface where positive.
+//! Directions are in the tangent frame (x along u, y along v, z out of the surface), point to the viewer, and need no
+//! unit length. Heights are in units of texture coordinates, above the surface where positive.
 
 use steradian_math::{Vec2, Vec3};
 
-/// The line of sight meets the plane of the height found at `uv`: `uv' = uv + h (Vx, Vy)/Vz` (Kaneko et al. 2001). It grows without bound
-/// at grazing angles.
+/// The line of sight meets the plane of the height found at `uv`: `uv' = uv + h (Vx, Vy)/Vz` (Kaneko et al. 2001). It
+/// grows without bound at grazing angles.
 pub fn single_step(uv: Vec2, h: f32, v: Vec3) -> Vec2 {
     let offset = v.truncate() * (h / v.z);
     if offset.is_finite() { uv + offset } else { uv }
@@ -19,7 +19,8 @@ pub fn offset_limited(uv: Vec2, h: f32, v: Vec3) -> Vec2 {
 }
 
 /// The line of sight meets the plane through the point of the relief at `uv` with its normal `n`:
-/// `uv' = uv + h n_z/(n·V) (Vx, Vy)` (Szirmay-Kalos, Umenhoffer, "Displacement Mapping on the GPU — State of the Art", 2008).
+/// `uv' = uv + h n_z/(n·V) (Vx, Vy)` (Szirmay-Kalos, Umenhoffer, "Displacement Mapping on the GPU — State of the Art",
+/// 2008).
 pub fn with_slope(uv: Vec2, h: f32, n: Vec3, v: Vec3) -> Vec2 {
     let offset = v.truncate() * (h * n.z / n.dot(v));
     if offset.is_finite() { uv + offset } else { uv }
@@ -30,8 +31,8 @@ pub fn with_slope_limited(uv: Vec2, h: f32, n: Vec3, v: Vec3) -> Vec2 {
     uv + v.normalize_or_zero().truncate() * (h * n.normalize_or_zero().z)
 }
 
-/// Steps with slope, one after another: each goes from the place reached, whose point on the line of sight is `q = (uv', z)`, to where the
-/// line meets the relief's tangent plane there (Premecz 2006).
+/// Steps with slope, one after another: each goes from the place reached, whose point on the line of sight is
+/// `q = (uv', z)`, to where the line meets the relief's tangent plane there (Premecz 2006).
 pub fn iterated(uv: Vec2, v: Vec3, steps: u32, relief: impl Fn(Vec2) -> (f32, Vec3)) -> Vec2 {
     let v = v.normalize_or_zero();
     let mut q = uv.extend(0.0);

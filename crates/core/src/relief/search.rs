@@ -1,7 +1,8 @@
-//! Searches for the first meeting of a ray with a relief, from plain marches to maps that are made beforehand. Each gives the
-//! parameter of the line, `None` for a miss. [`HeightField::first_hit`] is what they approximate.
+//! Searches for the first meeting of a ray with a relief, from plain marches to maps that are made beforehand. Each
+//! gives the parameter of the line, `None` for a miss. [`HeightField::first_hit`] is what they approximate.
 //!
-//! After Szirmay-Kalos, Umenhoffer, "Displacement Mapping on the GPU — State of the Art", Computer Graphics Forum 27 (2008).
+//! After Szirmay-Kalos, Umenhoffer, "Displacement Mapping on the GPU — State of the Art", Computer Graphics Forum 27
+//! (2008).
 
 use super::field::{HeightField, Line};
 use steradian_math::{Vec2, Vec3};
@@ -11,7 +12,8 @@ fn above(field: &HeightField, p: Vec3) -> f32 {
     p.z - field.at(p.truncate())
 }
 
-/// Constant steps until one is below the relief: the interval of the last one. Features thinner than a step are stepped over.
+/// Constant steps until one is below the relief: the interval of the last one. Features thinner than a step are stepped
+/// over.
 pub fn linear(field: &HeightField, line: &Line, steps: u32) -> Option<(f32, f32)> {
     let (near, far) = field.span(line)?;
     let mut before = near;
@@ -25,7 +27,8 @@ pub fn linear(field: &HeightField, line: &Line, steps: u32) -> Option<(f32, f32)
     None
 }
 
-/// Halves an interval whose ends are above and below: converges to a meeting, the first only if there is no other in it.
+/// Halves an interval whose ends are above and below: converges to a meeting, the first only if there is no other in
+/// it.
 pub fn binary(field: &HeightField, line: &Line, (mut a, mut b): (f32, f32), steps: u32) -> f32 {
     for _ in 0..steps {
         let m = 0.5 * (a + b);
@@ -38,8 +41,8 @@ pub fn binary(field: &HeightField, line: &Line, (mut a, mut b): (f32, f32), step
     0.5 * (a + b)
 }
 
-/// The secant method, holding an end above and one below: `t = (t_b Δ_a − t_a Δ_b)/(Δ_a − Δ_b)` with the heights Δ over the relief at the
-/// ends. (The lecture's formula has the weights the other way round: E20.)
+/// The secant method, holding an end above and one below: `t = (t_b Δ_a − t_a Δ_b)/(Δ_a − Δ_b)` with the heights Δ over
+/// the relief at the ends. (The lecture's formula has the weights the other way round: E20.)
 pub fn secant(field: &HeightField, line: &Line, (mut a, mut b): (f32, f32), steps: u32) -> f32 {
     let (mut da, mut db) = (above(field, line.at(a)), above(field, line.at(b)));
     let mut t = b;
@@ -58,8 +61,8 @@ pub fn secant(field: &HeightField, line: &Line, (mut a, mut b): (f32, f32), step
     t
 }
 
-/// For each cell the widest cone that stands on its highest point and is free of relief: radius over height (Dummer, "Cone Step
-/// Mapping", 2006).
+/// For each cell the widest cone that stands on its highest point and is free of relief: radius over height (Dummer,
+/// "Cone Step Mapping", 2006).
 #[derive(Clone, Debug)]
 pub struct ConeMap {
     ratios: Box<[f32]>,
@@ -71,8 +74,8 @@ pub struct ConeMap {
 const WIDEST: f32 = 8.0;
 
 impl ConeMap {
-    /// Free cones. Between cells the distance of their borders counts, so that no ray in a cone can meet anything: the guarantee that a
-    /// cone at the middle of a texel does not give.
+    /// Free cones. Between cells the distance of their borders counts, so that no ray in a cone can meet anything: the
+    /// guarantee that a cone at the middle of a texel does not give.
     pub fn new(field: &HeightField) -> Self {
         let (w, h) = field.cells();
         let gap = |a: usize, b: usize, n: usize| (a.abs_diff(b).saturating_sub(1)) as f32 / n as f32;
@@ -92,8 +95,8 @@ impl ConeMap {
         Self { ratios: ratios.into(), relaxed: false }
     }
 
-    /// Cones that no ray from the top of the relief can leave again after having met it within the cone (Policarpo, Oliveira, "Relaxed
-    /// Cone Stepping for Relief Mapping", GPU Gems 3, 2007): wider, but a search must follow.
+    /// Cones that no ray from the top of the relief can leave again after having met it within the cone (Policarpo,
+    /// Oliveira, "Relaxed Cone Stepping for Relief Mapping", GPU Gems 3, 2007): wider, but a search must follow.
     pub fn relaxed(field: &HeightField) -> Self {
         let (w, h) = field.cells();
         let middle = |i: usize, j: usize| Vec2::new((i as f32 + 0.5) / w as f32, (j as f32 + 0.5) / h as f32);
@@ -142,8 +145,8 @@ impl ConeMap {
 
     /// Steps from cone to cone, at most `steps`; gives the parameter and how many steps it took.
     ///
-    /// Free cones are followed to the surface, cell by cell where they are too narrow to step over one: the first meeting is found.
-    /// Relaxed cones lead to just behind it, and a binary search back.
+    /// Free cones are followed to the surface, cell by cell where they are too narrow to step over one: the first
+    /// meeting is found. Relaxed cones lead to just behind it, and a binary search back.
     pub fn trace(&self, field: &HeightField, line: &Line, steps: u32) -> Option<(f32, u32)> {
         let (near, far) = field.span(line)?;
         let flat = line.direction.truncate().length();
@@ -237,8 +240,8 @@ impl DistanceField {
         plane(0) * (1.0 - d.z) + plane(1) * d.z
     }
 
-    /// Sphere tracing (Hart 1996; on reliefs Donnelly, GPU Gems 2, 2005): steps as long as the relief is far, then a binary search. The
-    /// distances between grid points are interpolated, so thin features may be missed.
+    /// Sphere tracing (Hart 1996; on reliefs Donnelly, GPU Gems 2, 2005): steps as long as the relief is far, then a
+    /// binary search. The distances between grid points are interpolated, so thin features may be missed.
     pub fn trace(&self, field: &HeightField, line: &Line, steps: u32) -> Option<(f32, u32)> {
         let (near, far) = field.span(line)?;
         let speed = line.direction.length();
@@ -294,8 +297,8 @@ mod tests {
         (right as f32 / all.len() as f32, steps as f32 / all.len() as f32)
     }
 
-    /// E20: the weight of an end is the difference at the other one. Where the ray is 0.37 of the way's fall above the relief at its
-    /// start and 0.63 below at its end, it meets it at 0.37 of the way; the lecture's formula has 0.63.
+    /// E20: the weight of an end is the difference at the other one. Where the ray is 0.37 of the way's fall above the
+    /// relief at its start and 0.63 below at its end, it meets it at 0.37 of the way; the lecture's formula has 0.63.
     #[test]
     fn the_lectures_numbers_for_the_secant() {
         let flat = HeightField::sampled(2, 2, |_| 0.5).unwrap();

@@ -1,7 +1,8 @@
 //! Halton points: the radical inverse of the index in a prime base for each coordinate, with digits permuted at random.
 //!
-//! The permutation of a digit depends on all digits before it, as in Owen's scrambles (1995), so that points of a pixel are uniform and those of
-//! pixels independent. Large bases are spread evenly only over many samples: beyond [`PAIRS`] pairs of dimensions numbers are independent.
+//! The permutation of a digit depends on all digits before it, as in Owen's scrambles (1995), so that points of a pixel
+//! are uniform and those of pixels independent. Large bases are spread evenly only over many samples: beyond [`PAIRS`]
+//! pairs of dimensions numbers are independent.
 
 use super::permute::permute;
 use steradian_math::hash::{ONE_MINUS_EPSILON, combine32};

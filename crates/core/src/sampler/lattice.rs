@@ -1,9 +1,9 @@
-//! A rank-1 lattice: multiples of one vector, modulo one, in the order of the radical inverse, so that any number of points is well spread, and
-//! 2^k of them are a lattice; shifted at random (Cranley, Patterson 1976).
+//! A rank-1 lattice: multiples of one vector, modulo one, in the order of the radical inverse, so that any number of
+//! points is well spread, and 2^k of them are a lattice; shifted at random (Cranley, Patterson 1976).
 //!
-//! The vector is that of Cools, Kuo, Nuyens 2006, "Constructing Embedded Lattice Rules for Multivariate Integration" (`exod2_base2_m20_CKN`: for
-//! order-two weights, up to 2²⁰ points), of which each pair of dimensions takes two components. Beyond [`PAIRS`] pairs they are taken again, with
-//! the order of the points shuffled.
+//! The vector is that of Cools, Kuo, Nuyens 2006, "Constructing Embedded Lattice Rules for Multivariate Integration"
+//! (`exod2_base2_m20_CKN`: for order-two weights, up to 2²⁰ points), of which each pair of dimensions takes two
+//! components. Beyond [`PAIRS`] pairs they are taken again, with the order of the points shuffled.
 
 use steradian_math::{Vec2, hash::combine32, sobol::owen_scramble};
 
@@ -24,7 +24,8 @@ static GENERATOR: [u32; 2 * PAIRS as usize] = [
     269_423, 182_241, 61_063, 130_789, 143_095, 471_209, 139_019, 172_565, 487_045, 304_803,
 ];
 
-/// A pair of coordinates of a point, as binary fractions. The order of points beyond the first pairs is that of `pixel`, their shift that of `seed`.
+/// A pair of coordinates of a point, as binary fractions. The order of points beyond the first pairs is that of
+/// `pixel`, their shift that of `seed`.
 pub(super) fn pair(index: u32, pair: u32, pixel: u32, seed: u32) -> [u32; 2] {
     let (again, pair) = (pair / PAIRS, pair % PAIRS);
     let index = if again == 0 { index } else { owen_scramble(index, combine32(pixel, again)) };
@@ -41,7 +42,8 @@ pub(super) fn point(index: u32, dimension: u32, pixel: u32, seed: u32) -> Vec2 {
 mod tests {
     use super::*;
 
-    /// Differences of points of a lattice are points of it, up to the shift; and 2^k of them differ in each coordinate by multiples of 2^-k.
+    /// Differences of points of a lattice are points of it, up to the shift; and 2^k of them differ in each coordinate
+    /// by multiples of 2^-k.
     #[test]
     fn points_form_a_lattice() {
         for d in [0, 1, 7, 49, 50, 120] {

@@ -1,7 +1,8 @@
 //! Samplers: random numbers as a pure function of (pixel, sample index, dimension, seed).
 //!
-//! A path asks for its numbers by dimension, so it does not matter in which order, on which thread, or in which run they are drawn. Each sampler
-//! gives uniform numbers for any number of samples, and those of different dimensions, and of different seeds, are independent of each other.
+//! A path asks for its numbers by dimension, so it does not matter in which order, on which thread, or in which run
+//! they are drawn. Each sampler gives uniform numbers for any number of samples, and those of different dimensions, and
+//! of different seeds, are independent of each other.
 
 mod halton;
 mod lattice;
@@ -26,11 +27,12 @@ pub enum SamplerKind {
     Stratified,
     /// Correlated multi-jittering (Kensler 2013).
     MultiJitter,
-    /// The Sobol' sequence, padded in pairs of dimensions that are each shuffled and Owen-scrambled by hashing (Burley 2020,
-    /// "Practical Hash-based Owen Scrambling"); pixels are independent of each other.
+    /// The Sobol' sequence, padded in pairs of dimensions that are each shuffled and Owen-scrambled by hashing (Burley
+    /// 2020, "Practical Hash-based Owen Scrambling"); pixels are independent of each other.
     Sobol,
-    /// The same, where the pixels of a block take consecutive parts of one sequence, along a Z-curve, so that neighbours err in opposite
-    /// directions (Ahmed, Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels").
+    /// The same, where the pixels of a block take consecutive parts of one sequence, along a Z-curve, so that
+    /// neighbours err in opposite directions (Ahmed, Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo
+    /// Sampling Error via Hierarchical Ordering of Pixels").
     #[default]
     ZSobol,
     /// Halton points with digits scrambled at random (Owen).
@@ -100,8 +102,8 @@ pub struct Sampler {
     pub seed: u64,
 }
 
-/// log₂ of the edge of the blocks of pixels that share a sequence, and of the most samples of it that a pixel has: together an index of 32 bits.
-/// Further samples are of other sequences.
+/// log₂ of the edge of the blocks of pixels that share a sequence, and of the most samples of it that a pixel has:
+/// together an index of 32 bits. Further samples are of other sequences.
 const BLOCK: u32 = 8;
 const LONGEST: u32 = 16;
 
@@ -122,8 +124,9 @@ impl Sampler {
         self.with(0x5d4e_8a1b, [x >> BLOCK, y >> BLOCK, index >> bits], place << bits | within)
     }
 
-    /// The sampler of one sample of a group of `of` pixels, whose samples together form one point set. It is that of the first member; each has a
-    /// block of consecutive points, so that its own are stratified too ([`GroupSampler::member`]). `x`, `y` and `group` name the group.
+    /// The sampler of one sample of a group of `of` pixels, whose samples together form one point set. It is that of
+    /// the first member; each has a block of consecutive points, so that its own are stratified too
+    /// ([`GroupSampler::member`]). `x`, `y` and `group` name the group.
     #[inline]
     pub fn group(&self, x: u32, y: u32, group: u32, index: u32, of: u32) -> GroupSampler {
         let block = self.spp.clamp(1, LARGEST_BLOCK).next_power_of_two();

@@ -1,8 +1,9 @@
-//! Progressive multi-jittered (0,2) points (Christensen, Kensler, Kilpatrick 2018, "Progressive Multi-Jittered Sample Sequences"): each first 2^k
-//! points have one in every elementary interval of area 2^-k, and of the places that this leaves the one farthest from the others is taken.
+//! Progressive multi-jittered (0,2) points (Christensen, Kensler, Kilpatrick 2018, "Progressive Multi-Jittered Sample
+//! Sequences"): each first 2^k points have one in every elementary interval of area 2^-k, and of the places that this
+//! leaves the one farthest from the others is taken.
 //!
-//! One sequence of 4096 points serves all: pixels and dimensions take its points in random order, and flip the same random bits in all of them, which
-//! keeps the strata. Further samples are sets of their own.
+//! One sequence of 4096 points serves all: pixels and dimensions take its points in random order, and flip the same
+//! random bits in all of them, which keeps the strata. Further samples are sets of their own.
 
 use super::permute::permute;
 use std::sync::OnceLock;
@@ -65,7 +66,8 @@ fn sequence(levels: u32, seed: u64) -> Vec<[u32; 2]> {
     for level in 1..=levels {
         let n = points.len();
         let mut strata = Strata::new(level, &points);
-        // The squares of side 2^-half have a point each, or two on a diagonal; the new ones go into empty quarters of them.
+        // The squares of side 2^-half have a point each, or two on a diagonal; the new ones go into empty quarters of
+        // them.
         let half = (level - 1) / 2;
         let quarter = 31 - half;
         for i in 0..n {
@@ -84,7 +86,8 @@ fn sequence(levels: u32, seed: u64) -> Vec<[u32; 2]> {
     points
 }
 
-/// The cells of the finest strata, within a square of 2^`quarter` from a corner, whose elementary intervals are all empty.
+/// The cells of the finest strata, within a square of 2^`quarter` from a corner, whose elementary intervals are all
+/// empty.
 fn free_places(strata: &Strata, [x, y]: [u32; 2], quarter: u32) -> Vec<[u32; 2]> {
     let fine = 32 - strata.level;
     let steps = 1_u32 << (quarter + strata.level - 32);
@@ -127,8 +130,8 @@ mod tests {
         }
     }
 
-    /// The points keep a distance: with 256 of them the smallest is more than a tenth of that of a hexagonal packing; among independent points the
-    /// nearest two are some 200 times nearer than packed ones.
+    /// The points keep a distance: with 256 of them the smallest is more than a tenth of that of a hexagonal packing;
+    /// among independent points the nearest two are some 200 times nearer than packed ones.
     #[test]
     fn points_keep_a_distance() {
         let points = sequence(8, 3);

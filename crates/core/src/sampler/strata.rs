@@ -39,8 +39,9 @@ pub(super) fn stratified_2d(index: u32, n: u32, seed: u32) -> Vec2 {
     Vec2::new(stratum_point(cell % columns, columns, a), stratum_point(cell / columns, rows, b))
 }
 
-/// Correlated multi-jittering: a cell of the grid, within which the point lies in the row and column of finer strata of which each has one point
-/// too; cells of a row share the order of columns, and the reverse (Kensler 2013, "Correlated Multi-Jittered Sampling").
+/// Correlated multi-jittering: a cell of the grid, within which the point lies in the row and column of finer strata of
+/// which each has one point too; cells of a row share the order of columns, and the reverse (Kensler 2013, "Correlated
+/// Multi-Jittered Sampling").
 pub(super) fn multijitter_2d(index: u32, n: u32, seed: u32) -> Vec2 {
     let (seed, at) = set(index, n, seed);
     let [columns, rows] = grid(n);

@@ -14,8 +14,8 @@ fn points(sampler: Sampler, x: u32, y: u32, dimension: u32) -> Vec<Vec2> {
     (0..sampler.spp).map(|i| sampler.pixel(x, y, i).get_2d(dimension)).collect()
 }
 
-/// Each single number of each sampler is uniform, whatever the number of samples and the index: that is all that lack of bias takes. χ² at 0.01 over
-/// all, of 64 boxes and 20 000 pixels or seeds.
+/// Each single number of each sampler is uniform, whatever the number of samples and the index: that is all that lack
+/// of bias takes. χ² at 0.01 over all, of 64 boxes and 20 000 pixels or seeds.
 #[test]
 fn every_sample_is_uniform() {
     const PIXELS: u32 = 20_000;
@@ -107,8 +107,9 @@ fn mean_square_error(kind: SamplerKind, n: u32, f: impl Fn(Vec2, Vec2) -> f64, e
         .sum()
 }
 
-/// M153: how fast the error falls from 16 to 1024 samples: half a power for independent samples; faster for a smooth function, and one with an edge,
-/// of a pair of dimensions; and, where parts that depend on one pair prevail, of two pairs. Exponents of the error; those of theory are in brackets.
+/// M153: how fast the error falls from 16 to 1024 samples: half a power for independent samples; faster for a smooth
+/// function, and one with an edge, of a pair of dimensions; and, where parts that depend on one pair prevail, of two
+/// pairs. Exponents of the error; those of theory are in brackets.
 #[test]
 fn errors_fall_as_theory_has_it() {
     use SamplerKind as K;
@@ -146,8 +147,8 @@ fn errors_fall_as_theory_has_it() {
     }
 }
 
-/// The mean square of the difference between the part of the points in a box at the origin and its area, over all boxes (Warnock 1972): for 256
-/// independent points (1/2^2 − 1/3^2)/256. Spread points have less than a tenth of it.
+/// The mean square of the difference between the part of the points in a box at the origin and its area, over all boxes
+/// (Warnock 1972): for 256 independent points (1/2^2 − 1/3^2)/256. Spread points have less than a tenth of it.
 #[test]
 fn discrepancies_are_small() {
     let n = 256;
@@ -174,8 +175,8 @@ fn discrepancies_are_small() {
     }
 }
 
-/// Numbers of different dimensions, and of pixels that share no sequence, are uncorrelated: sums of 64 squares of normal variables, χ² at 0.01
-/// over all.
+/// Numbers of different dimensions, and of pixels that share no sequence, are uncorrelated: sums of 64 squares of
+/// normal variables, χ² at 0.01 over all.
 #[test]
 fn dimensions_and_pixels_are_independent() {
     let n = 64;
@@ -200,10 +201,10 @@ fn dimensions_and_pixels_are_independent() {
             }),
         ];
         for (what, chi2) in found.into_iter().enumerate() {
-            // 64 degrees of freedom: 64 ± 11.3; 0.01 over 32 comparisons on both sides. Halton points with a large base are a few sets in one order, the same
-            // for all pixels, which gives correlations of either sign twice the variance.
-            // Pixels of a lattice are one sequence with independent shifts, so that sample by sample they do go together, though their means do not;
-            // within a pixel its coordinates are made to go together well.
+            // 64 degrees of freedom: 64 ± 11.3; 0.01 over 32 comparisons on both sides. Halton points with a large base
+            // are a few sets in one order, the same for all pixels, which gives correlations of either sign twice the
+            // variance. Pixels of a lattice are one sequence with independent shifts, so that sample by sample they do
+            // go together, though their means do not; within a pixel its coordinates are made to go together well.
             let (least, most) = match kind {
                 SamplerKind::Halton => (34.0, 220.0),
                 SamplerKind::Lattice => (0.0, if what < 2 { 110.0 } else { f64::INFINITY }),
@@ -214,8 +215,9 @@ fn dimensions_and_pixels_are_independent() {
     }
 }
 
-/// What blue noise is for: the mean over 4 × 4 pixels of the default sampler errs far less than with independent pixels, for one sample and for
-/// four, while each pixel errs as much: within 15 %, since the pixels of a block share a scramble, of which there are 64.
+/// What blue noise is for: the mean over 4 × 4 pixels of the default sampler errs far less than with independent
+/// pixels, for one sample and for four, while each pixel errs as much: within 15 %, since the pixels of a block share a
+/// scramble, of which there are 64.
 #[test]
 fn neighbours_err_in_opposite_directions() {
     const SIZE: u32 = 16;

@@ -1,5 +1,5 @@
-//! Curves with a width, such as hair and grass: cubic Béziers that are met where a ray passes within half a width of them
-//! (Nakamaru and Ohno 2002; Pharr, Jakob, Humphreys, PBR 4th ed., 6.7).
+//! Curves with a width, such as hair and grass: cubic Béziers that are met where a ray passes within half a width of
+//! them (Nakamaru and Ohno 2002; Pharr, Jakob, Humphreys, PBR 4th ed., 6.7).
 
 use super::SurfacePoint;
 use std::f32::consts::{FRAC_PI_2, SQRT_2};
@@ -152,10 +152,11 @@ impl Twist {
     }
 }
 
-/// Curves of one kind under one placement. Each primitive is a piece of a segment: segments are cut so that boxes are tight.
+/// Curves of one kind under one placement. Each primitive is a piece of a segment: segments are cut so that boxes are
+/// tight.
 ///
-/// Everything is stored and intersected in object space, where widths are meant: under a placement that is not a similarity, curves
-/// are stretched as pbrt does it.
+/// Everything is stored and intersected in object space, where widths are meant: under a placement that is not a
+/// similarity, curves are stretched as pbrt does it.
 #[derive(Clone, Debug)]
 pub struct Curves {
     /// Control points of cubic Béziers; neighbours share theirs.
@@ -197,8 +198,8 @@ impl Curves {
         Ok(curves)
     }
 
-    /// Adds a curve of the same kind, under the same placement. Hair comes as many curves; together they take a fraction of the
-    /// memory.
+    /// Adds a curve of the same kind, under the same placement. Hair comes as many curves; together they take a
+    /// fraction of the memory.
     ///
     /// # Errors
     /// A message, where the curve is not valid, of another kind, or one too many; nothing is added then.
@@ -270,8 +271,8 @@ impl Curves {
 
     /// The nearest hit in `(0, t_max)` on a primitive: `u` along its segment, `v` across the width, both in `[0, 1]`.
     ///
-    /// The control points are seen along the ray, where the curve is halved until it is as good as straight, following only the
-    /// halves whose boxes hold the ray.
+    /// The control points are seen along the ray, where the curve is halved until it is as good as straight, following
+    /// only the halves whose boxes hold the ray.
     pub fn intersect(&self, prim: u32, ray: &Ray) -> Option<UserHit> {
         let (index, u0, u1) = self.piece(prim);
         let segment = &self.segments[index];
@@ -331,8 +332,8 @@ impl Curves {
 
     /// The surface at a hit `(u, v)` of a primitive that a ray met at `t`.
     ///
-    /// As in pbrt, normals of flat curves point along the ray, not against it, and `error` is the width, so that rays which leave the
-    /// point clear the curve.
+    /// As in pbrt, normals of flat curves point along the ray, not against it, and `error` is the width, so that rays
+    /// which leave the point clear the curve.
     pub fn surface(&self, prim: u32, u: f32, v: f32, ray: &Ray, t: f32) -> SurfacePoint {
         let (index, ..) = self.piece(prim);
         let segment = &self.segments[index];

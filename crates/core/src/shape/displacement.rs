@@ -1,7 +1,7 @@
 //! Displacement of meshes: triangles are split until their edges are short, then vertices are moved: `d* = d + h m`.
 //!
-//! Whether an edge is split depends on its ends alone, and vertices that share a place move together, so no cracks open: not within a
-//! mesh, not at seams of its parametrisation.
+//! Whether an edge is split depends on its ends alone, and vertices that share a place move together, so no cracks
+//! open: not within a mesh, not at seams of its parametrisation.
 
 use std::collections::HashMap;
 use steradian_math::{Vec2, Vec3};
@@ -31,8 +31,8 @@ pub const MAX_TRIANGLES: usize = 1 << 22;
 /// Halvings of an edge at most.
 const MAX_LEVELS: u32 = 24;
 
-/// A mesh of triangles (patches are cut in two) whose edges are no longer than one by `length`, and moved by `offset`. Normals are those of
-/// the moved surface.
+/// A mesh of triangles (patches are cut in two) whose edges are no longer than one by `length`, and moved by `offset`.
+/// Normals are those of the moved surface.
 ///
 /// # Errors
 /// Where that takes more than `most` triangles.
@@ -64,8 +64,8 @@ pub fn displace(
     Ok(fine)
 }
 
-/// Fewer triangles than this will not do: each has about half the product of the lengths of two of its edges. Known before anything is
-/// split.
+/// Fewer triangles than this will not do: each has about half the product of the lengths of two of its edges. Known
+/// before anything is split.
 fn least_triangles(m: &Mesh, length: &impl Fn(Vec3, Vec3) -> f32) -> f64 {
     let one = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| Vec3::from(m.positions[i as usize]));

@@ -1,8 +1,8 @@
 //! Height fields: heights over the unit square, bilinear between the samples, that are traced without triangles.
 //!
-//! Blocks of 8 × 8 cells are primitives of the hierarchy, so that rays skip what lies far above or below. Within a block, a ray goes from cell
-//! to cell (Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing"), and meets the surface of each at the roots of a
-//! quadratic. Only the heights are kept, a twentieth of what a mesh takes.
+//! Blocks of 8 × 8 cells are primitives of the hierarchy, so that rays skip what lies far above or below. Within a
+//! block, a ray goes from cell to cell (Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing"), and
+//! meets the surface of each at the roots of a quadratic. Only the heights are kept, a twentieth of what a mesh takes.
 
 use super::{SurfacePoint, patch::quadratic_roots};
 use crate::relief::HeightField;
@@ -14,7 +14,8 @@ use steradian_scene::Mesh;
 /// Cells along a side of a block.
 const BLOCK: usize = 8;
 
-/// How far outside a cell, in cells, a hit may lie: it covers the rounding of `f64`, so that rays do not slip between cells.
+/// How far outside a cell, in cells, a hit may lie: it covers the rounding of `f64`, so that rays do not slip between
+/// cells.
 const EDGE: f64 = 1e-9;
 
 /// A height field, placed in the space it is traced in. Parameters are the places in the unit square.
@@ -116,8 +117,8 @@ impl Field {
         }
     }
 
-    /// The hits with a cell, nearest first. The ray is at `start` at the parameter `near`, from which roots are counted, since differences
-    /// are small there.
+    /// The hits with a cell, nearest first. The ray is at `start` at the parameter `near`, from which roots are
+    /// counted, since differences are small there.
     #[inline]
     fn cell_hits(&self, i: usize, j: usize, start: DVec3, d: DVec3, near: f64) -> [Option<UserHit>; 2] {
         let [a, b, c, e] = self.relief.corners(i, j).map(f64::from);

@@ -33,8 +33,8 @@ pub struct MeshAttribute {
 const MOST_SOLVED: usize = 200_000;
 
 impl MeshAttribute {
-    /// Makes the spectra of its colours: between vertices they are then interpolated, rather than made anew at every point. To make one takes solving for
-    /// its coefficients, of which points between vertices would need any number.
+    /// Makes the spectra of its colours: between vertices they are then interpolated, rather than made anew at every
+    /// point. To make one takes solving for its coefficients, of which points between vertices would need any number.
     pub fn upsample(&mut self) {
         if self.channels >= 3 && self.data.iter().all(|v| (0.0..=1.0).contains(v)) {
             let few = self.data.len() / self.channels <= MOST_SOLVED;
@@ -60,7 +60,8 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Further data.
     pub attributes: Vec<MeshAttribute>,
-    /// Tangents of normal maps at the corners of triangles, with the sign of the bitangent: none, or one for each triangle.
+    /// Tangents of normal maps at the corners of triangles, with the sign of the bitangent: none, or one for each
+    /// triangle.
     pub tangents: Vec<[Vec4; 3]>,
     /// Whether geometric normals point against the winding (only where there are no vertex normals to follow).
     pub flip: bool,
@@ -98,8 +99,8 @@ impl TriMesh {
         self.triangles[triangle as usize].map(|i| self.positions[i as usize])
     }
 
-    /// Unit geometric normal of a triangle, oriented: to the side of the vertex normals where there are any, by winding elsewhere.
-    /// Zero for a degenerate triangle.
+    /// Unit geometric normal of a triangle, oriented: to the side of the vertex normals where there are any, by winding
+    /// elsewhere. Zero for a degenerate triangle.
     pub fn geometric_normal(&self, triangle: u32) -> Vec3 {
         let [p0, p1, p2] = self.corners(triangle);
         let n = face_normal(p0, p1, p2);
@@ -166,8 +167,8 @@ impl TriMesh {
         tangent(self.corners(triangle), uvs.map(|t| Vec2::new(t.y, t.x)))
     }
 
-    /// The change of barycentric coordinates that goes with a change of texture coordinates on a triangle; none where the
-    /// parametrisation is degenerate.
+    /// The change of barycentric coordinates that goes with a change of texture coordinates on a triangle; none where
+    /// the parametrisation is degenerate.
     pub fn barycentric_change(&self, triangle: u32, duv: Vec2) -> Vec2 {
         let corner = |u, v| self.uv(triangle, u, v);
         let o = corner(0.0, 0.0);
@@ -182,7 +183,8 @@ impl TriMesh {
         Some(((*x * (1.0 - b.x - b.y) + *y * b.x + *z * b.y).truncate(), x.w))
     }
 
-    /// How the interpolated vertex normal changes with a displacement in the plane of a triangle; zero without vertex normals.
+    /// How the interpolated vertex normal changes with a displacement in the plane of a triangle; zero without vertex
+    /// normals.
     pub fn normal_change(&self, triangle: u32, dp: Vec3) -> Vec3 {
         let index = self.triangles[triangle as usize];
         let [p0, p1, p2] = index.map(|i| self.positions[i as usize]);
@@ -270,8 +272,8 @@ fn tangent([p0, p1, p2]: [Vec3; 3], [uv0, uv1, uv2]: [Vec2; 3]) -> Vec3 {
     ((p0 - p2) * duv12.y - (p1 - p2) * duv02.y) / det
 }
 
-/// Bilinear patches as triangles where that is the same surface with the same parametrisation (parallelograms), or where `all` asks for
-/// it; the other patches are given back.
+/// Bilinear patches as triangles where that is the same surface with the same parametrisation (parallelograms), or
+/// where `all` asks for it; the other patches are given back.
 pub fn split_patches(mesh: &Mesh, all: bool) -> (Vec<[u32; 3]>, Vec<[u32; 4]>) {
     let mut triangles = Vec::new();
     let mut curved = Vec::new();
@@ -303,8 +305,9 @@ mod tests {
     };
     use steradian_scene::Attribute;
 
-    /// In spectral mode colours of vertices become spectra once: at vertices those of the colour, between them their mean, whose colour is the mean
-    /// colour; of faces that of the face. Colours above one are made anew at every point, as before.
+    /// In spectral mode colours of vertices become spectra once: at vertices those of the colour, between them their
+    /// mean, whose colour is the mean colour; of faces that of the face. Colours above one are made anew at every
+    /// point, as before.
     #[test]
     fn colours_of_vertices_are_made_spectra_once() {
         let colors = [[0.9, 0.1, 0.1], [0.1, 0.8, 0.2], [0.1, 0.2, 0.7]];

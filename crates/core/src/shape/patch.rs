@@ -6,8 +6,8 @@ use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, hash::ONE_MINUS_EPSILON, ray::gamma, transform::Affine};
 use steradian_scene::Mesh;
 
-/// How far outside `[0, 1]` a parameter may come out of the intersection before the hit is dropped. It covers the rounding of
-/// `f64`, so that rays do not slip between patches that share an edge.
+/// How far outside `[0, 1]` a parameter may come out of the intersection before the hit is dropped. It covers the
+/// rounding of `f64`, so that rays do not slip between patches that share an edge.
 const EDGE: f64 = 1e-9;
 
 /// The bilinear patches of a mesh, placed in the space they are traced in.
@@ -26,8 +26,8 @@ pub struct PatchMesh {
 }
 
 impl PatchMesh {
-    /// Places the patches of a mesh whose indices are valid ([`Mesh::validate`]). `reverse` turns normals over; vertex normals are
-    /// left out where `flat` is set.
+    /// Places the patches of a mesh whose indices are valid ([`Mesh::validate`]). `reverse` turns normals over; vertex
+    /// normals are left out where `flat` is set.
     pub fn new(mesh: &Mesh, place: &Affine, swaps_handedness: bool, reverse: bool, flat: bool) -> Self {
         let sign = if reverse { -1.0 } else { 1.0 };
         let normals = if flat { &[][..] } else { &mesh.normals[..] };
@@ -53,17 +53,17 @@ impl PatchMesh {
 
     /// The nearest hit in `(0, t_max)`, with the patch's own parameters (not its texture coordinates).
     ///
-    /// The lines of constant `u` that meet the ray are the roots of a quadratic (Reshetov, "Cool Patches", Ray Tracing Gems, chapter
-    /// 8); on each of them `v` and `t` are where the two lines come closest. All of it is done in `f64`, relative to the ray's
-    /// origin, where differences of the input are all but exact.
+    /// The lines of constant `u` that meet the ray are the roots of a quadratic (Reshetov, "Cool Patches", Ray Tracing
+    /// Gems, chapter 8); on each of them `v` and `t` are where the two lines come closest. All of it is done in `f64`,
+    /// relative to the ray's origin, where differences of the input are all but exact.
     #[inline]
     pub fn intersect(&self, patch: u32, ray: &Ray) -> Option<UserHit> {
         let o = ray.origin.as_dvec3();
         let d = ray.direction.as_dvec3();
         let [p00, p10, p01, p11] = self.corners(patch).map(|p| p.as_dvec3() - o);
 
-        // The volume spanned by the ray and the line of constant u is zero where they meet: its values at u = 0 and u = 1 and
-        // its leading coefficient.
+        // The volume spanned by the ray and the line of constant u is zero where they meet: its values at u = 0 and u =
+        // 1 and its leading coefficient.
         let c = p00.cross(d).dot(p01 - p00);
         let a = (p10 - p00).cross(p01 - p11).dot(d);
         let b = p10.cross(d).dot(p11 - p10) - (a + c);
@@ -182,9 +182,9 @@ impl PatchMesh {
         area as f32
     }
 
-    /// A point for area lights and its density per area. Parameters are drawn with a density bilinear between the area elements at
-    /// the corners, which is uniform over planar convex patches, and nearly so over others. The density is zero for a degenerate
-    /// patch.
+    /// A point for area lights and its density per area. Parameters are drawn with a density bilinear between the area
+    /// elements at the corners, which is uniform over planar convex patches, and nearly so over others. The density is
+    /// zero for a degenerate patch.
     pub fn sample(&self, patch: u32, u: Vec2) -> (SurfacePoint, f32) {
         let [w00, w10, w01, w11] = Sides::new(self.corners(patch)).corner_elements();
         let v = sample_linear(u.y, w00 + w10, w01 + w11);
@@ -261,7 +261,8 @@ pub(super) fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     if r0 == r1 { [r0, f64::NAN] } else { [r0, r1] }
 }
 
-/// A number in `[0, 1)` with density linear between `a` at 0 and `b` at 1 (Pharr, Jakob, Humphreys, PBR 4th ed., 2.3.2).
+/// A number in `[0, 1)` with density linear between `a` at 0 and `b` at 1 (Pharr, Jakob, Humphreys, PBR 4th ed.,
+/// 2.3.2).
 #[inline]
 fn sample_linear(u: f32, a: f32, b: f32) -> f32 {
     let x = u * (a + b) / (a + (a * a + (b * b - a * a) * u).max(0.0).sqrt());
@@ -326,7 +327,8 @@ mod tests {
                     let before = Ray { t_max: hit.t, ..ray };
                     assert!(patch.intersect(0, &before).is_none_or(|other| other.t < hit.t));
                 }
-                // A chord of the tessellation is off by at most twist / (4 N²); near silhouettes that decides between hit and miss.
+                // A chord of the tessellation is off by at most twist / (4 N²); near silhouettes that decides between
+                // hit and miss.
                 let same = match (found, expected) {
                     (Some(hit), Some(t)) => (f64::from(hit.t) - t).abs() < 0.02,
                     (None, None) => true,

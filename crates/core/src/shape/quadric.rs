@@ -305,8 +305,8 @@ impl Quadric {
     }
 }
 
-/// Roots of `|o + t d|² = r²`, nearer first. The discriminant comes from the distance of the line to the centre, which stays exact
-/// where `b² − 4ac` cancels (Haines et al., Ray Tracing Gems, chapter 7).
+/// Roots of `|o + t d|² = r²`, nearer first. The discriminant comes from the distance of the line to the centre, which
+/// stays exact where `b² − 4ac` cancels (Haines et al., Ray Tracing Gems, chapter 7).
 #[inline]
 fn quadratic_roots(o: Vec3, d: Vec3, radius: f32) -> Option<[f32; 2]> {
     let a = d.length_squared();
@@ -342,7 +342,8 @@ mod tests {
         Quadric { kind, phi_max: TAU, place: t.affine().unwrap(), flip: false }
     }
 
-    /// M57, M59: a scaled sphere is the ellipsoid; hits satisfy its implicit equation; normals follow the inverse transpose.
+    /// M57, M59: a scaled sphere is the ellipsoid; hits satisfy its implicit equation; normals follow the inverse
+    /// transpose.
     #[test]
     fn scaled_sphere_is_an_ellipsoid() {
         let s = Vec3::new(2.0, 0.5, 1.0);

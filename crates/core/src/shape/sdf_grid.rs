@@ -1,9 +1,10 @@
-//! The zero set of a signed distance function that is given on a grid over the unit cube and trilinear between its samples (Hansson-Söderlund,
-//! Evans, Akenine-Möller, "Ray tracing of signed distance function grids", JCGT 11(3), 2022).
+//! The zero set of a signed distance function that is given on a grid over the unit cube and trilinear between its
+//! samples (Hansson-Söderlund, Evans, Akenine-Möller, "Ray tracing of signed distance function grids", JCGT 11(3),
+//! 2022).
 //!
-//! Cells that the surface passes are primitives of the hierarchy. Along a ray the function is a cubic in each (their eq. 4), of which all roots are found
-//! between its extrema. The normal points to where the function grows; across cells it jumps, unless the normals of the eight cells around a point
-//! are interpolated (their section 5).
+//! Cells that the surface passes are primitives of the hierarchy. Along a ray the function is a cubic in each (their
+//! eq. 4), of which all roots are found between its extrema. The normal points to where the function grows; across
+//! cells it jumps, unless the normals of the eight cells around a point are interpolated (their section 5).
 
 use super::{SurfacePoint, patch::quadratic_roots};
 use glam::DVec3;
@@ -12,8 +13,8 @@ use steradian_accel::UserHit;
 use steradian_image::VoxelGrid;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, ray::gamma, transform::Affine};
 
-/// How far outside a cell, as a part of the ray's way through it, a hit may lie: it covers the rounding of `f64`, so that rays do not slip between
-/// cells.
+/// How far outside a cell, as a part of the ray's way through it, a hit may lie: it covers the rounding of `f64`, so
+/// that rays do not slip between cells.
 const EDGE: f64 = 1e-9;
 
 /// Most cells that the surface may pass.
@@ -121,8 +122,9 @@ fn roots([c0, c1, c2, c3]: [f64; 4], low: f64, high: f64) -> impl Iterator<Item 
 }
 
 impl SdfGrid {
-    /// The surface on a grid of finite numbers of one channel, at least two along each axis; `None` where that is not so, or the surface passes too many
-    /// cells. `flip` turns the normals to where the function falls; `smooth` interpolates shading normals.
+    /// The surface on a grid of finite numbers of one channel, at least two along each axis; `None` where that is not
+    /// so, or the surface passes too many cells. `flip` turns the normals to where the function falls; `smooth`
+    /// interpolates shading normals.
     pub fn new(grid: Arc<VoxelGrid>, place: Affine, flip: bool, smooth: bool) -> Option<Self> {
         let count = grid.size.iter().try_fold(1_usize, |n, s| n.checked_mul(*s))?;
         let is_sound = grid.channels == 1 && grid.size.iter().all(|s| *s >= 2) && grid.data.len() == count;
@@ -250,8 +252,9 @@ impl SdfGrid {
         Trilinear::new(self.corners(cell)).value(within.into())
     }
 
-    /// The unit normals of the eight cells around the nearest corner, as they are at `p` (in cells), interpolated between the middles of cells. Cells outside
-    /// the grid do not count (in Mitsuba those past its end do, with no slope across it).
+    /// The unit normals of the eight cells around the nearest corner, as they are at `p` (in cells), interpolated
+    /// between the middles of cells. Cells outside the grid do not count (in Mitsuba those past its end do, with no
+    /// slope across it).
     fn smooth_normal(&self, p: DVec3) -> DVec3 {
         let scale = DVec3::from_array(self.size().map(|n| n as f64));
         let first = p.round() - 1.0;
@@ -369,8 +372,9 @@ mod tests {
         }
     }
 
-    /// Between samples of a sphere's distance, errors of place fall with the square of the spacing h: the linear interpolant of |p| errs by at most
-    /// 3h²/(8r). Normals err by h/r. Smooth normals have no jumps, and nothing that leaves outwards comes back.
+    /// Between samples of a sphere's distance, errors of place fall with the square of the spacing h: the linear
+    /// interpolant of |p| errs by at most 3h²/(8r). Normals err by h/r. Smooth normals have no jumps, and nothing that
+    /// leaves outwards comes back.
     #[test]
     fn spheres_are_near() {
         let r = 0.37;

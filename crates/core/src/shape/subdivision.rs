@@ -1,8 +1,9 @@
-//! Loop subdivision: the smooth limit surface of a triangle mesh (Loop 1987; weights of Warren and Hoppe et al. 1994; Pharr, Jakob,
-//! Humphreys, PBR 3rd ed., 3.8).
+//! Loop subdivision: the smooth limit surface of a triangle mesh (Loop 1987; weights of Warren and Hoppe et al. 1994;
+//! Pharr, Jakob, Humphreys, PBR 3rd ed., 3.8).
 //!
-//! The mesh is kept as half-edges without explicit links: half-edge `3 f + j` leaves corner `j` of face `f` for corner `j + 1`, so
-//! that refinement is arithmetic on indices (Dupuy and Vanhoey, "A Halfedge Refinement Rule for Parallel Loop Subdivision", 2022).
+//! The mesh is kept as half-edges without explicit links: half-edge `3 f + j` leaves corner `j` of face `f` for corner
+//! `j + 1`, so that refinement is arithmetic on indices (Dupuy and Vanhoey, "A Halfedge Refinement Rule for Parallel
+//! Loop Subdivision", 2022).
 
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -19,14 +20,14 @@ const NONE: u32 = u32::MAX;
 
 /// Subdivides the triangles of a mesh `levels` times and moves the vertices onto the limit surface.
 ///
-/// Boundaries become the cubic B-splines of their vertices. The result has positions, triangles and limit normals (which are zero
-/// where the surface has none). As in pbrt normals point to the side from which triangles wind clockwise. Triangles with a repeated
-/// vertex and vertices without triangles are left out; a vertex where several fans of triangles touch is one vertex for each fan.
-/// Vertices of the mesh come first, in their order.
+/// Boundaries become the cubic B-splines of their vertices. The result has positions, triangles and limit normals
+/// (which are zero where the surface has none). As in pbrt normals point to the side from which triangles wind
+/// clockwise. Triangles with a repeated vertex and vertices without triangles are left out; a vertex where several fans
+/// of triangles touch is one vertex for each fan. Vertices of the mesh come first, in their order.
 ///
 /// # Errors
-/// A message, where the mesh is not valid ([`Mesh::validate`]), holds patches, would grow beyond [`MAX_TRIANGLES`], or is not a
-/// manifold with consistent winding.
+/// A message, where the mesh is not valid ([`Mesh::validate`]), holds patches, would grow beyond [`MAX_TRIANGLES`], or
+/// is not a manifold with consistent winding.
 pub fn loop_subdivide(mesh: &Mesh, levels: u32) -> Result<Mesh, String> {
     mesh.validate().map_err(|fault| fault.to_string())?;
     if !mesh.patches.is_empty() {
@@ -85,7 +86,8 @@ impl HalfEdges {
         let mut from: Vec<u32> =
             mesh.triangles.iter().filter(|[a, b, c]| a != b && b != c && a != c).flatten().copied().collect();
 
-        // Two half-edges that run along each other in opposite directions are twins; no two may run in the same direction.
+        // Two half-edges that run along each other in opposite directions are twins; no two may run in the same
+        // direction.
         let mut twin = vec![NONE; from.len()];
         let mut by_ends = HashMap::with_capacity(from.len());
         for h in 0..from.len() as u32 {
@@ -106,8 +108,8 @@ impl HalfEdges {
         }
         drop(by_ends);
 
-        // Every fan of triangles around a vertex gets a vertex of its own, which drops vertices without triangles too. Walks start
-        // on a boundary where there is one, so that they see the whole fan.
+        // Every fan of triangles around a vertex gets a vertex of its own, which drops vertices without triangles too.
+        // Walks start on a boundary where there is one, so that they see the whole fan.
         let mut seen = vec![false; from.len()];
         let mut leaving = Vec::with_capacity(mesh.positions.len());
         let half_edges = 0..from.len() as u32;
@@ -130,7 +132,8 @@ impl HalfEdges {
         self.twin[self.leaving[vertex] as usize] == NONE
     }
 
-    /// Positions of the neighbours of a vertex, counter-clockwise; on a boundary from one boundary neighbour to the other.
+    /// Positions of the neighbours of a vertex, counter-clockwise; on a boundary from one boundary neighbour to the
+    /// other.
     fn ring(&self, vertex: usize) -> impl Iterator<Item = Vec3> {
         let at = |h: u32| self.positions[self.from[h as usize] as usize];
         let start = self.leaving[vertex];
@@ -145,8 +148,8 @@ impl HalfEdges {
         [first, ring.last().unwrap_or(first)]
     }
 
-    /// A vertex with the weight `weight(valence)` for each neighbour, or `boundary` for its two neighbours on a boundary, and the
-    /// rest for itself.
+    /// A vertex with the weight `weight(valence)` for each neighbour, or `boundary` for its two neighbours on a
+    /// boundary, and the rest for itself.
     fn smooth(&self, vertex: usize, weight: impl Fn(f32) -> f32, boundary: f32) -> Vec3 {
         let p = self.positions[vertex];
         if self.is_boundary(vertex) {

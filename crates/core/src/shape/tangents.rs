@@ -1,9 +1,10 @@
 //! Tangents at the corners of triangles, for normal maps that were baked with them.
 //!
-//! The rules are those of Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", MSc thesis, Copenhagen 2008, as in his MikkTSpace: corners share
-//! a tangent where they have the same position, normal and coordinates, their triangles hang together by edges, and are mapped the
-//! same way round; it is the mean of the triangles' ∂p/∂u, projected across the normal and of unit length, weighted by the angles at the corner.
-//! The order of triangles and vertices does not matter. Triangles whose coordinates have no area take no part.
+//! The rules are those of Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", MSc thesis, Copenhagen 2008, as in
+//! his MikkTSpace: corners share a tangent where they have the same position, normal and coordinates, their triangles
+//! hang together by edges, and are mapped the same way round; it is the mean of the triangles' ∂p/∂u, projected across
+//! the normal and of unit length, weighted by the angles at the corner. The order of triangles and vertices does not
+//! matter. Triangles whose coordinates have no area take no part.
 
 use super::TriMesh;
 use std::collections::HashMap;
@@ -57,15 +58,16 @@ pub fn mikktspace(mesh: &TriMesh) -> Vec<[Vec4; 3]> {
     (0..count).map(|t| std::array::from_fn(|k| corner(&mut groups, t, k))).collect()
 }
 
-/// [`mikktspace`] of `(u, −v)`: for coordinates whose v grows downwards in pictures whose green points up, as glTF has them.
+/// [`mikktspace`] of `(u, −v)`: for coordinates whose v grows downwards in pictures whose green points up, as glTF has
+/// them.
 pub fn mikktspace_down(mesh: &TriMesh) -> Vec<[Vec4; 3]> {
     let mut tangents = mikktspace(mesh);
     tangents.as_flattened_mut().iter_mut().for_each(|t| t.w = -t.w);
     tangents
 }
 
-/// Tangents from a vertex attribute of three or four numbers in the space of the file, where the mesh has it. `turned`: whether the mesh
-/// was mirrored or turned inside out when it was placed, but not both.
+/// Tangents from a vertex attribute of three or four numbers in the space of the file, where the mesh has it. `turned`:
+/// whether the mesh was mirrored or turned inside out when it was placed, but not both.
 pub fn from_attribute(mesh: &TriMesh, name: &str, place: &Affine, turned: bool) -> Option<Vec<[Vec4; 3]>> {
     let domain = Some(steradian_scene::Domain::Vertex);
     let at = |t: u32, u: f32, v: f32| {
@@ -97,7 +99,8 @@ impl Face {
         Self { positions, normals, uvs, area: (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) }
     }
 
-    /// Whether the picture is seen from behind, looking against the normals; `None` where the coordinates have no area, or are no numbers.
+    /// Whether the picture is seen from behind, looking against the normals; `None` where the coordinates have no area,
+    /// or are no numbers.
     fn mirrored(&self) -> Option<bool> {
         let [p0, p1, p2] = self.positions;
         let back = (p1 - p0).cross(p2 - p0).dot(self.normals.iter().sum()) < 0.0;
@@ -181,7 +184,8 @@ mod tests {
         mikktspace(&m).iter().flatten().for_each(|t| assert!(t.z == 0.0 && (t.truncate().length() - 1.0).abs() < 1e-6));
     }
 
-    /// A roof with a common normal along its ridge: the tangents of both sides are averaged there by angle, and nowhere else.
+    /// A roof with a common normal along its ridge: the tangents of both sides are averaged there by angle, and nowhere
+    /// else.
     #[test]
     fn smooth_edges_share_tangents_and_mirrored_ones_do_not() {
         let positions = [[-1., 0., 0.], [0., 0., 1.], [-1., 1., 0.], [0., 1., 1.], [1., 0., 0.], [1., 1., 0.]];

@@ -1,4 +1,5 @@
-//! A test card: a picture in which every orientation, flip and wrap is told from every other, and its values can be computed.
+//! A test card: a picture in which every orientation, flip and wrap is told from every other, and its values can be
+//! computed.
 
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::{Vec2, Vec3};
@@ -6,9 +7,9 @@ use steradian_math::{Vec2, Vec3};
 /// Cells of the card along each side.
 const CELLS: f32 = 8.0;
 
-/// The colour of the card at (x, y), x to the right and y down from the top left corner of the picture, in [0, 1]²: red grows to the
-/// right and green downwards, checked with blue; a white arrow points right along the top and one down along the left, from a black
-/// square in the corner; the right arrow's head is half as long again.
+/// The colour of the card at (x, y), x to the right and y down from the top left corner of the picture, in [0, 1]²: red
+/// grows to the right and green downwards, checked with blue; a white arrow points right along the top and one down
+/// along the left, from a black square in the corner; the right arrow's head is half as long again.
 pub fn orientation(p: Vec2) -> Vec3 {
     let cell = (p * CELLS).floor();
     let q = p * CELLS;

@@ -13,7 +13,8 @@ pub fn level_of(length: f32, count: usize) -> (usize, f32) {
     }
 }
 
-/// [`level_of`] for the square of a length, and as many levels as there may be; `None` for lengths that are not above one.
+/// [`level_of`] for the square of a length, and as many levels as there may be; `None` for lengths that are not above
+/// one.
 #[inline(always)]
 pub fn level_of_square(square: f32) -> Option<(usize, f32)> {
     // NaN is no length.

@@ -4,9 +4,9 @@
 
 use super::{
     filter::Source,
+    integers::{FAR, ceil, floor, nearest},
     mapping::Coordinates2,
     store::{Level, View, on_level},
-    whole::{FAR, ceil, floor, nearest},
 };
 use glam::{Mat4, Vec4};
 use steradian_math::Vec2;
@@ -56,10 +56,10 @@ impl Ellipse {
 }
 
 impl Source<'_> {
-    /// The mean over the footprint, an ellipse with half axes dx and dy, by a Gaussian that has fallen to e⁻² at its rim. It is taken on
-    /// the level at which the shorter half axis is one to two texels long. Squares of the half axes are made longer by that of the shorter
-    /// one, and by one texel at least: so that texels are joined to a continuous picture, and so that one level becomes the
-    /// next without a step.
+    /// The mean over the footprint, an ellipse with half axes dx and dy, by a Gaussian that has fallen to e⁻² at its
+    /// rim. It is taken on the level at which the shorter half axis is one to two texels long. Squares of the half axes
+    /// are made longer by that of the shorter one, and by one texel at least: so that texels are joined to a continuous
+    /// picture, and so that one level becomes the next without a step.
     #[inline(never)]
     pub(super) fn ewa<const N: usize>(&self, at: &Coordinates2, anisotropy: f32, first: usize) -> Vec4 {
         let base = self.levels.base();
@@ -152,13 +152,14 @@ impl Ellipse {
     /// Whether all texels that [`Self::mean`] looks at are within the picture.
     #[inline(always)]
     fn is_inside(&self, level: &Level) -> bool {
-        // Strips are longer than the cut by less than eight texels, half of which are on either side, and begin at the nearest texel.
+        // Strips are longer than the cut by less than eight texels, half of which are on either side, and begin at the
+        // nearest texel.
         let reach = Vec2::new(self.half.x + 5.0, self.half.y) + 1.0;
         (self.centre - reach).cmpge(Vec2::ZERO).all() && (self.centre + reach).cmplt(level.scale()).all()
     }
 
-    /// The weighted mean of the texels inside, row by row in strips of `K + L` texels, of which there are as many as the
-    /// longest cut takes: some texels have no weight, but processors need not guess where rows end.
+    /// The weighted mean of the texels inside, row by row in strips of `K + L` texels, of which there are as many as
+    /// the longest cut takes: some texels have no weight, but processors need not guess where rows end.
     #[inline(always)]
     fn mean<const N: usize, const K: usize, const L: usize>(&self, strips: i32, texels: &mut impl Row) -> Vec4 {
         let &Self { centre, a, b, c, half, slope, .. } = self;

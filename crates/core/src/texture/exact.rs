@@ -1,5 +1,5 @@
-//! Elementary functions from sums, products, quotients and square roots alone: the same bits on every machine, which the system's
-//! mathematics library does not promise. Errors are below 10⁻¹², so that results are right in `f32`.
+//! Elementary functions from sums, products, quotients and square roots alone: the same bits on every machine, which
+//! the system's mathematics library does not promise. Errors are below 10⁻¹², so that results are right in `f32`.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

@@ -8,12 +8,12 @@
 pub use super::detail::level_of;
 use super::{
     detail::level_of_square,
+    integers::{before, split},
     kernel::{Cubic, lanczos_weights},
     levels::Levels,
     mapping::Coordinates2,
     store::{Level, View, on_level},
     summed::SummedArea,
-    whole::{before, split},
     wrap::{Borders, Wrap},
 };
 use glam::Vec4;
@@ -37,8 +37,8 @@ pub enum Filter {
     /// The mean over the footprint's box, from a summed-area table.
     Box,
     /// An elliptical Gaussian over the footprint (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989,
-    /// § 3.5), on the level at which its shorter half axis is one to two texels long. Footprints that are longer than this
-    /// many times their width are made wider.
+    /// § 3.5), on the level at which its shorter half axis is one to two texels long. Footprints that are longer than
+    /// this many times their width are made wider.
     Ewa(f32),
 }
 

@@ -1,6 +1,7 @@
-//! Three-dimensional textures on a grid, with interpolation over the eight corners of a cell or the four of a simplex in it.
+//! Three-dimensional textures on a grid, with interpolation over the eight corners of a cell or the four of a simplex
+//! in it.
 
-use super::{Mapping, TextureContext, Wrap, whole::floor};
+use super::{Mapping, TextureContext, Wrap, integers::floor};
 use std::sync::Arc;
 use steradian_image::VoxelGrid;
 use steradian_math::Vec3;
@@ -12,8 +13,8 @@ pub enum Interpolation {
     Nearest,
     /// Over eight.
     Trilinear,
-    /// Over four: the cell is cut into the six tetrahedra along its main diagonal (Kasson et al. 1995). Half the work, and exact for
-    /// linear functions too.
+    /// Over four: the cell is cut into the six tetrahedra along its main diagonal (Kasson et al. 1995). Half the work,
+    /// and exact for linear functions too.
     Tetrahedral,
 }
 
@@ -75,9 +76,9 @@ impl GridTexture {
     }
 }
 
-/// Interpolates over the tetrahedron of the unit cube that holds `d`: the path from corner (0, 0, 0) to (1, 1, 1) that takes the axes in
-/// the order of falling coordinates. The weights are ratios of volumes, `det(V₂ − V, V₃ − V, V₄ − V)/det(V₂ − V₁, V₃ − V₁, V₄ − V₁)`,
-/// which here are differences of the sorted coordinates.
+/// Interpolates over the tetrahedron of the unit cube that holds `d`: the path from corner (0, 0, 0) to (1, 1, 1) that
+/// takes the axes in the order of falling coordinates. The weights are ratios of volumes,
+/// `det(V₂ − V, V₃ − V, V₄ − V)/det(V₂ − V₁, V₃ − V₁, V₄ − V₁)`, which here are differences of the sorted coordinates.
 pub fn tetrahedral(d: Vec3, corner: impl Fn(u8, u8, u8) -> Vec3) -> Vec3 {
     let mut order = [0_usize, 1, 2];
     order.sort_by(|a, b| d[*b].total_cmp(&d[*a]));
@@ -160,7 +161,8 @@ mod tests {
         }
     }
 
-    /// M204, E19: ratios of volumes with the vertices in one order; the lecture's determinant of an area has −0.1 for what is 0.4.
+    /// M204, E19: ratios of volumes with the vertices in one order; the lecture's determinant of an area has −0.1 for
+    /// what is 0.4.
     #[test]
     fn tetrahedra_have_the_weights_of_volumes() {
         let d = Vec3::new(0.4, 0.9, 0.2);

@@ -35,7 +35,8 @@ pub struct ImageTexture {
 }
 
 impl ImageTexture {
-    /// The filtered linear values of `N` channels from `first` on, before scale and inversion; black where there is no place.
+    /// The filtered linear values of `N` channels from `first` on, before scale and inversion; black where there is no
+    /// place.
     #[inline]
     pub(crate) fn channels<const N: usize>(&self, at: &TextureContext, first: usize) -> [f32; N] {
         let Coordinates2 { mut uv, mut dx, mut dy } = if self.filter.is_prefiltered() {
@@ -77,7 +78,8 @@ impl ImageTexture {
         }
     }
 
-    /// The colour at a point; grey pictures and single channels give equal components. `None` only for pictures without channels.
+    /// The colour at a point; grey pictures and single channels give equal components. `None` only for pictures without
+    /// channels.
     #[inline]
     pub fn rgb(&self, at: &TextureContext) -> Option<Vec3> {
         if self.levels.base().channels() == 0 {

@@ -63,7 +63,8 @@ fn over(u: f32, v: f32, dx: Vec2, dy: Vec2) -> TextureContext<'static> {
     at
 }
 
-/// Beyond a border each filter sees its colour, that of the sides before that of top and bottom, and mixes it with the picture at the edge.
+/// Beyond a border each filter sees its colour, that of the sides before that of top and bottom, and mixes it with the
+/// picture at the edge.
 #[test]
 fn borders_have_their_colours() {
     for (name, filter) in FILTERS {
@@ -91,7 +92,8 @@ fn borders_have_their_colours() {
     }
 }
 
-/// Across the edge of an octahedral map all filters see the other half of the edge, as pbrt-v4's `octahedralsphere` has it.
+/// Across the edge of an octahedral map all filters see the other half of the edge, as pbrt-v4's `octahedralsphere` has
+/// it.
 #[test]
 fn octahedral_edges_are_joined() {
     // A function of the direction: no filter may see a step at the edge.
@@ -115,7 +117,8 @@ fn octahedral_edges_are_joined() {
     }
 }
 
-/// M202, E37: texel centres are at halves; the weight of a texel is what is left to the other one; at u = 1 the nearest is the last.
+/// M202, E37: texel centres are at halves; the weight of a texel is what is left to the other one; at u = 1 the nearest
+/// is the last.
 #[test]
 fn half_texel_conventions() {
     let two_by_two = |filter, wrap| {
@@ -413,7 +416,8 @@ fn pages_change_nothing() {
     }
 }
 
-/// Many textures that are made and looked up in turn never take more than the limit, but for a tile that comes in before others go.
+/// Many textures that are made and looked up in turn never take more than the limit, but for a tile that comes in
+/// before others go.
 #[test]
 fn many_textures_stay_within_their_limit() {
     let (size, count, limit) = (512, 16, 2 << 20);

@@ -43,8 +43,8 @@ pub fn lanczos3(x: f32) -> f32 {
     if x.abs() < 3.0 { sinc(x) * sinc(x / 3.0) } else { 0.0 }
 }
 
-/// The weights of the six texels around a point that lies `t` in `[0, 1)` beyond the third, by Lanczos' kernel. They are made to
-/// add up to one.
+/// The weights of the six texels around a point that lies `t` in `[0, 1)` beyond the third, by Lanczos' kernel. They
+/// are made to add up to one.
 #[inline]
 pub fn lanczos_weights(t: f32) -> [f32; 6] {
     let w: [f32; 6] = std::array::from_fn(|k| lanczos3(t + 2.0 - k as f32));
@@ -94,7 +94,8 @@ impl MipKernel {
         }
     }
 
-    /// For each of `to` texels that stand for `from` ones: the first of those it is made of, and their weights, which add up to one.
+    /// For each of `to` texels that stand for `from` ones: the first of those it is made of, and their weights, which
+    /// add up to one.
     pub fn taps(self, from: usize, to: usize) -> Vec<(i32, Vec<f32>)> {
         let ratio = from as f32 / to as f32;
         let taps = |i: usize| {

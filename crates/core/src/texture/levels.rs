@@ -1,5 +1,6 @@
-//! A picture in several sizes: mip-maps (each level half as wide and half as high, Williams 1983) and ripmaps (halved in each direction
-//! on its own). Levels are kept in the picture's own precision and encoding, and are averaged in linear values.
+//! A picture in several sizes: mip-maps (each level half as wide and half as high, Williams 1983) and ripmaps (halved
+//! in each direction on its own). Levels are kept in the picture's own precision and encoding, and are averaged in
+//! linear values.
 
 use super::{
     kernel::MipKernel,
@@ -31,8 +32,9 @@ pub struct Recipe {
     pub kernel: MipKernel,
     /// What lies outside, horizontally and vertically.
     pub wrap: [Wrap; 2],
-    /// Where the picture holds opacity (its alpha, or its only channel): the opacity at which it is cut, such that each level lets
-    /// through as much as the picture does (Castaño, "Computing Alpha Mipmaps", 2010; M212). Colours are weighted by alpha then.
+    /// Where the picture holds opacity (its alpha, or its only channel): the opacity at which it is cut, such that each
+    /// level lets through as much as the picture does (Castaño, "Computing Alpha Mipmaps", 2010; M212). Colours are
+    /// weighted by alpha then.
     pub keep_coverage: Option<f32>,
 }
 
@@ -58,8 +60,8 @@ impl Levels {
         self.levels.get(i..)?.first_chunk()
     }
 
-    /// The level of a mip-map at which a length is one to two texels, given its square in texels of the picture; the first or last
-    /// for those that are shorter or longer.
+    /// The level of a mip-map at which a length is one to two texels, given its square in texels of the picture; the
+    /// first or last for those that are shorter or longer.
     #[inline(always)]
     pub fn of_square(&self, square: f32) -> &Level {
         let i = ((square.to_bits() >> 23) as i32 - 127).max(0) as usize >> 1;
@@ -115,7 +117,8 @@ impl Levels {
         } * base.channels();
         let _room = pages.map(|pages| pages.take_room(first * (5 * size_of::<f32>() / 4 + base.kind().bytes())));
         let mut levels: Vec<Level> = Vec::with_capacity(columns * rows);
-        // The values that the next level is made from, before they were rounded: along the row, and of the first column.
+        // The values that the next level is made from, before they were rounded: along the row, and of the first
+        // column.
         let mut row: Option<Plane> = None;
         let mut column: Option<Plane> = None;
         for j in 0..rows {
@@ -189,7 +192,8 @@ impl Rows for Level {
 /// A smaller picture: rows first, then columns.
 fn shrink(source: &dyn Rows, (width, height): (usize, usize), recipe: &Recipe) -> Plane {
     let (w, h, channels) = source.size();
-    // Borders are no part of the picture: its levels are made as if it went on. So are those of octahedral maps, which box filters do not look beyond.
+    // Borders are no part of the picture: its levels are made as if it went on. So are those of octahedral maps, which
+    // box filters do not look beyond.
     let wrap = recipe.wrap.map(|wrap| match wrap {
         Wrap::Border | Wrap::Octahedral => Wrap::Clamp,
         wrap => wrap,

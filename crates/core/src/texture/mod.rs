@@ -9,6 +9,7 @@ pub mod exact;
 pub mod filter;
 pub mod grid;
 pub mod image;
+mod integers;
 pub mod kernel;
 pub mod levels;
 pub mod mapping;
@@ -20,7 +21,6 @@ pub mod ramp;
 pub mod store;
 pub mod summed;
 pub mod triplanar;
-mod whole;
 pub mod wrap;
 
 #[cfg(test)]
@@ -120,7 +120,8 @@ pub struct TextureContext<'a> {
     pub footprint: Footprint,
     /// Variance of the slopes along u and v that a normal map has within the footprint, where it counts as roughness.
     pub slopes: Vec2,
-    /// The mesh, the triangle and the barycentric coordinates of its second and third vertex, where the surface is a mesh.
+    /// The mesh, the triangle and the barycentric coordinates of its second and third vertex, where the surface is a
+    /// mesh.
     pub mesh: Option<(&'a TriMesh, u32, Vec2)>,
 }
 
@@ -242,16 +243,16 @@ impl Texture {
 #[derive(Clone, Debug, Default)]
 pub struct Textures {
     nodes: Vec<Texture>,
-    efforts: Vec<Effort>,
+    efforts: Vec<LookupCost>,
     /// Linear Rec.709 of constants that are spectra.
     rgbs: HashMap<u32, Vec3>,
     mode: ColorMode,
 }
 
-/// What it takes to evaluate a texture at a point. Parts that are shared count each time they are met, so it may be far more than
-/// there are textures.
+/// What it takes to evaluate a texture at a point. Parts that are shared count each time they are met, so it may be far
+/// more than there are textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct LookupCost {
     /// Textures met; held at the limit of the type.
     pub lookups: u32,
     /// Whether any of them is averaged over footprints.
@@ -284,7 +285,7 @@ impl Textures {
             Texture::Pattern(pattern) => pattern.is_filtered(),
             _ => false,
         };
-        let mut effort = Effort { lookups: 1, is_filtered };
+        let mut effort = LookupCost { lookups: 1, is_filtered };
         for part in texture.parts().into_iter().flatten().map(|id| self.effort(*id)) {
             effort.lookups = effort.lookups.saturating_add(part.lookups);
             effort.is_filtered |= part.is_filtered;
@@ -331,7 +332,7 @@ impl Textures {
     }
 
     /// What it takes to evaluate a texture.
-    pub fn effort(&self, id: TextureId) -> Effort {
+    pub fn effort(&self, id: TextureId) -> LookupCost {
         self.efforts[id.0 as usize]
     }
 
@@ -406,8 +407,8 @@ impl FloatTexture {
     }
 }
 
-/// A number in `[0, 1)` from a point and a direction: decisions at a surface (alpha, mixtures) that must come out the same whenever
-/// the same ray meets the same point.
+/// A number in `[0, 1)` from a point and a direction: decisions at a surface (alpha, mixtures) that must come out the
+/// same whenever the same ray meets the same point.
 #[inline]
 pub fn hash_point(p: Vec3, d: Vec3, salt: u32) -> f32 {
     let mut h = salt;

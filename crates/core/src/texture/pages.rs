@@ -91,7 +91,7 @@ impl Pages {
     }
 
     /// Takes room for other work on textures: as many bytes fewer are for tiles until it is given back.
-    pub fn take_room(&self, bytes: usize) -> Room<'_> {
+    pub fn take_room(&self, bytes: usize) -> PageReservation<'_> {
         self.used.fetch_add(bytes, Ordering::Relaxed);
         // Tiles that were not used for the longest time go, a quarter of each shard's in turn, as long as there are
         // any.
@@ -105,7 +105,7 @@ impl Pages {
             }
         }
         self.peak.fetch_max(self.used.load(Ordering::Relaxed), Ordering::Relaxed);
-        Room { pages: self, bytes }
+        PageReservation { pages: self, bytes }
     }
 
     /// Whether a tile could not be read back, and counts as black.
@@ -174,12 +174,12 @@ impl Pages {
 
 /// Bytes that are not for tiles, until it is dropped.
 #[derive(Debug)]
-pub struct Room<'a> {
+pub struct PageReservation<'a> {
     pages: &'a Pages,
     bytes: usize,
 }
 
-impl Drop for Room<'_> {
+impl Drop for PageReservation<'_> {
     fn drop(&mut self) {
         self.pages.used.fetch_sub(self.bytes, Ordering::Relaxed);
     }
@@ -324,7 +324,8 @@ mod tests {
         assert_eq!((morton(1, 0), morton(0, 1), morton(3, 5)), (1, 2, 0b100111));
     }
 
-    /// M216: windows of 4 × 4 texels, wherever they lie in a tile, touch fewer lines of a cache (64 bytes, four-byte texels) than in rows.
+    /// M216: windows of 4 × 4 texels, wherever they lie in a tile, touch fewer lines of a cache (64 bytes, four-byte
+    /// texels) than in rows.
     #[test]
     fn morton_order_keeps_neighbours_in_few_cache_lines() {
         let lines = |number: fn(usize, usize) -> usize| {

@@ -13,8 +13,8 @@ pub enum Interpolation {
     Smooth,
     /// Catmull–Rom (slopes by the neighbours on each side): through the stops without corners; may overshoot.
     CatmullRom,
-    /// Cubic Bézier segments over four stops at a time, the next one stop further on, as pbrt's marble has it; stops count as evenly
-    /// spaced over [0, 1].
+    /// Cubic Bézier segments over four stops at a time, the next one stop further on, as pbrt's marble has it; stops
+    /// count as evenly spaced over [0, 1].
     SlidingBezier,
 }
 
@@ -153,7 +153,8 @@ mod tests {
 
     #[test]
     fn marble_by_hand() {
-        // The seventh colour's segment: t = 1 ends at the last colour, t = ½ is the middle of the fourth segment's start.
+        // The seventh colour's segment: t = 1 ends at the last colour, t = ½ is the middle of the fourth segment's
+        // start.
         let m = Ramp::marble();
         assert!((m.at(1.0) - Vec3::new(0.87, 0.87, 0.9)).length() < 1e-6);
         assert!((m.at(0.0) - Vec3::new(0.87, 0.87, 0.9)).length() < 1e-6);

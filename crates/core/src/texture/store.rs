@@ -258,7 +258,8 @@ pub trait View<'a>: Sized {
     /// The values of a texel by its number, where rows follow each other.
     fn numbered<const N: usize>(&mut self, number: usize) -> Vec4;
 
-    /// At most four texels from `x`, `y` on to the right, one in each lane, for each of `N` channels; all are within the picture.
+    /// At most four texels from `x`, `y` on to the right, one in each lane, for each of `N` channels; all are within
+    /// the picture.
     #[inline(always)]
     fn lanes<const N: usize, const K: usize>(&mut self, x: usize, y: usize) -> [Vec4; N] {
         let strip: [Vec4; 4] = std::array::from_fn(|k| if k < K { self.texel::<N>(x + k, y) } else { Vec4::ZERO });

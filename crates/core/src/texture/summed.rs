@@ -1,5 +1,6 @@
-//! Summed-area tables (Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH 1984; M211): means over any rectangle along the axes,
-//! from four sums. Sums are 64-bit floats, and exclude the row and column that they are named by, so that no index is off by one.
+//! Summed-area tables (Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH 1984; M211): means over any rectangle
+//! along the axes, from four sums. Sums are 64-bit floats, and exclude the row and column that they are named by, so
+//! that no index is off by one.
 
 use super::{
     store::Level,
@@ -56,7 +57,8 @@ impl SummedArea {
         })
     }
 
-    /// The mean over the rectangle of the given centre and size, in texels. Octahedral maps are taken for mirrored ones.
+    /// The mean over the rectangle of the given centre and size, in texels. Octahedral maps are taken for mirrored
+    /// ones.
     pub fn mean<const N: usize>(
         &self,
         centre: [f64; 2],
@@ -132,8 +134,9 @@ mod tests {
     use std::sync::Arc;
     use steradian_image::{Encoding, TexelData, Texels};
 
-    /// E44: with sums that include what they are named by, rectangles lose their first row and column; here a rectangle of one texel has
-    /// that texel's value, also after sums of 2²⁴ and more, where 32-bit floats no longer count by one.
+    /// E44: with sums that include what they are named by, rectangles lose their first row and column; here a rectangle
+    /// of one texel has that texel's value, also after sums of 2²⁴ and more, where 32-bit floats no longer count by
+    /// one.
     #[test]
     fn single_texels_come_back() {
         let (width, height) = (64, 48);

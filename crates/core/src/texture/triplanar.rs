@@ -1,4 +1,5 @@
-//! Three projections along the axes, blended by how much the surface faces each: textures without coordinates and without seams.
+//! Three projections along the axes, blended by how much the surface faces each: textures without coordinates and
+//! without seams.
 
 use super::TextureContext;
 use steradian_math::{Vec3, transform::Affine};

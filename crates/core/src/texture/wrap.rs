@@ -1,6 +1,6 @@
 //! What lies outside of a picture.
 
-use super::whole::fraction;
+use super::integers::fraction;
 use steradian_math::Vec2;
 
 /// What lies outside of the unit square.
@@ -14,19 +14,21 @@ pub enum Wrap {
     Clamp,
     /// A colour.
     Border,
-    /// What lies there on the sphere of which the picture is an octahedral map: each edge is joined to itself, turned about its middle.
-    /// Both axes have it, or none.
+    /// What lies there on the sphere of which the picture is an octahedral map: each edge is joined to itself, turned
+    /// about its middle. Both axes have it, or none.
     Octahedral,
 }
 
-/// Linear values of the channels of what lies beyond the picture's sides and beyond its top and bottom, for [`Wrap::Border`].
+/// Linear values of the channels of what lies beyond the picture's sides and beyond its top and bottom, for
+/// [`Wrap::Border`].
 pub type Borders = [[f32; 4]; 2];
 
 /// Black, and nothing there.
 pub const BLACK: Borders = [[0.0; 4]; 2];
 
 impl Wrap {
-    /// The texel that stands at index `i` of `n`; `None` for the border. Octahedral maps need the other axis too: [`Self::place`].
+    /// The texel that stands at index `i` of `n`; `None` for the border. Octahedral maps need the other axis too:
+    /// [`Self::place`].
     #[inline]
     pub fn apply(self, i: i32, n: usize) -> Option<usize> {
         if i >= 0 && (i as usize) < n {

@@ -154,8 +154,8 @@ impl Reader<'_> {
         Some(layout)
     }
 
-    /// The values of an accessor of `N` channels; integers as they stand, normalised ones as numbers in [−1, 1]. `name` is the member of
-    /// `at` that holds its index. What is wrong is reported.
+    /// The values of an accessor of `N` channels; integers as they stand, normalised ones as numbers in [−1, 1]. `name`
+    /// is the member of `at` that holds its index. What is wrong is reported.
     pub(super) fn floats<const N: usize>(&mut self, root: &At<'_>, at: &At<'_>, name: &str) -> Option<Vec<[f32; N]>> {
         let (_, accessor) = self.index(root, at, name, "accessors")?;
         let layout = self.layout(root, &accessor)?;

@@ -1,4 +1,5 @@
-//! Poses the scene: what animations say of a moment replaces the values of the document (glTF 2.0, 3.11; KHR_animation_pointer).
+//! Poses the scene: what animations say of a moment replaces the values of the document (glTF 2.0, 3.11;
+//! KHR_animation_pointer).
 
 use super::{Reader, json::At};
 use serde_json::{Value, json};
@@ -6,7 +7,8 @@ use serde_json::{Value, json};
 /// What a channel sets, as a JSON pointer, and its value.
 type Change = (String, Value);
 
-/// Replaces animated values by those at the moment that `-D at=SECONDS` names; without it the scene stays as it stands in the document.
+/// Replaces animated values by those at the moment that `-D at=SECONDS` names; without it the scene stays as it stands
+/// in the document.
 pub(super) fn pose(reader: &mut Reader<'_>, root: &mut Value) {
     let at = At::root(root);
     let Some(text) = reader.options.defines.get("at") else {

@@ -1,4 +1,5 @@
-//! Where the value of a JSON pointer stands in the text. The text has been parsed before, so only its structure is followed.
+//! Where the value of a JSON pointer stands in the text. The text has been parsed before, so only its structure is
+//! followed.
 
 /// First byte and end of the value that `pointer` leads to; `None` where it leads nowhere.
 pub(super) fn value(text: &[u8], pointer: &str) -> Option<(usize, usize)> {
@@ -76,7 +77,8 @@ fn skip(text: &[u8], at: usize) -> Option<usize> {
     }
 }
 
-/// The value of a member of the object whose inside begins at `at`; of several with one name the last, as the parser has it.
+/// The value of a member of the object whose inside begins at `at`; of several with one name the last, as the parser
+/// has it.
 fn member(text: &[u8], at: usize, name: &str) -> Option<usize> {
     let (mut at, mut found) = (space(text, at), None);
     while *text.get(at)? == b'"' {

@@ -337,7 +337,8 @@ impl Reader<'_> {
     }
 }
 
-/// The albedo of one scattering event from that of a thick medium (Kulla, Conty 2017, "Revisiting Physically Based Shading at Imageworks").
+/// The albedo of one scattering event from that of a thick medium (Kulla, Conty 2017, "Revisiting Physically Based
+/// Shading at Imageworks").
 fn single_scattering_albedo(multiple: f64) -> f64 {
     let r = multiple;
     let s = 4.09712 + 4.20863 * r - (9.59217 + 41.6808 * r + 17.7126 * r * r).sqrt();

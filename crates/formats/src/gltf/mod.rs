@@ -1,10 +1,11 @@
 //! glTF 2.0 (Khronos Group, "glTF 2.0 Specification", ISO/IEC 12113:2022) in text (.gltf) and binary form (.glb).
 //!
-//! Conventions: glTF is right-handed with +y up, cameras and lights look along their −z; pixel rows of pictures go down, as does v. Radiometry: candela, lux and
-//! emitted radiance are taken as they stand for W/sr, W/m² and W/(m² sr).
+//! Conventions: glTF is right-handed with +y up, cameras and lights look along their −z; pixel rows of pictures go
+//! down, as does v. Radiometry: candela, lux and emitted radiance are taken as they stand for W/sr, W/m² and W/(m² sr).
 //!
-//! What is drawn by a stated rule: points are spheres and lines are cylinders of a radius of 1/500 of the scene's diagonal; back faces are drawn whether
-//! a material is double-sided or not; occlusion textures are ignored, since light is traced; `BLEND` lets rays pass by chance.
+//! What is drawn by a stated rule: points are spheres and lines are cylinders of a radius of 1/500 of the scene's
+//! diagonal; back faces are drawn whether a material is double-sided or not; occlusion textures are ignored, since
+//! light is traced; `BLEND` lets rays pass by chance.
 
 mod accessor;
 mod animation;
@@ -33,8 +34,8 @@ use steradian_scene::{FileId, Format, Span};
 
 /// Opens a .gltf or .glb file. What the file is decides, not what it is called.
 ///
-/// `-D scene=N` chooses another scene than the default one, `-D variant=NAME` a variant of the materials, `-D at=SECONDS` the moment
-/// of the animations (0) and `-D animation=NAME` one of them (all).
+/// `-D scene=N` chooses another scene than the default one, `-D variant=NAME` a variant of the materials,
+/// `-D at=SECONDS` the moment of the animations (0) and `-D animation=NAME` one of them (all).
 pub fn import(path: &Path, options: &Options) -> Import {
     match files::read(path, &options.limits) {
         Ok(bytes) => import_bytes(path, bytes, options),

@@ -14,7 +14,8 @@ pub(super) enum Holds {
 }
 
 impl Reader<'_> {
-    /// The texture that the member `name` of `at` refers to; `None` where there is none, or where it cannot be had, which is reported.
+    /// The texture that the member `name` of `at` refers to; `None` where there is none, or where it cannot be had,
+    /// which is reported.
     pub(super) fn texture(&mut self, root: &At<'_>, at: &At<'_>, name: &str, holds: Holds) -> Option<NodeId> {
         let info = at.get(name)?;
         let (_, texture) = self.index(root, &info, "index", "textures")?;

@@ -156,7 +156,8 @@ impl Reader<'_> {
         Some(self.desc.add(node))
     }
 
-    /// Has the properties reported that a model taken over as it stands does not know. Sampling rates change the noise only.
+    /// Has the properties reported that a model taken over as it stands does not know. Sampling rates change the noise
+    /// only.
     fn only_known(&mut self, object: ObjectId, known: &'static [&'static str]) {
         self.ignore(object, known);
         for p in &mut self.graph.objects[object].props {

@@ -1,9 +1,9 @@
 //! Mitsuba XML scene files: version 3 and 2, and 0.6 with its older names.
 //!
-//! Three steps. `parse` reads the file and what it includes into a graph of objects with typed properties, puts in `$parameters`,
-//! and resolves references. The translators (one per family) turn objects into the nodes of a
-//! [`SceneDesc`](steradian_scene::SceneDesc), Mitsuba's defaults written out. Last, mesh files are read in parallel. Every step
-//! goes on after faults, and every message points at the text it is about.
+//! Three steps. `parse` reads the file and what it includes into a graph of objects with typed properties, puts in
+//! `$parameters`, and resolves references. The translators (one per family) turn objects into the nodes of a
+//! [`SceneDesc`](steradian_scene::SceneDesc), Mitsuba's defaults written out. Last, mesh files are read in parallel.
+//! Every step goes on after faults, and every message points at the text it is about.
 //!
 //! What Mitsuba means by a file is as Mitsuba 3 documents and does it (<https://mitsuba.readthedocs.io>).
 
@@ -42,15 +42,16 @@ use parse::Parser;
 use reader::Reader;
 use std::path::Path;
 
-/// Reads a Mitsuba scene with all it refers to. Faults are among the diagnostics; the description is complete where there are no
-/// errors among them. Images are not read, but it is checked that they are there.
+/// Reads a Mitsuba scene with all it refers to. Faults are among the diagnostics; the description is complete where
+/// there are no errors among them. Images are not read, but it is checked that they are there.
 pub fn import(path: &Path, options: &Options) -> Import {
     let mut parser = Parser::new(path.parent().unwrap_or(Path::new("")).to_path_buf(), options);
     parser.main_file(path);
     translate(path, parser, options)
 }
 
-/// Reads a Mitsuba scene from its text. `path` is where the text comes from, for messages and for the files it refers to.
+/// Reads a Mitsuba scene from its text. `path` is where the text comes from, for messages and for the files it refers
+/// to.
 pub fn import_text(text: &str, path: &Path, options: &Options) -> Import {
     import_bytes(text.as_bytes().to_vec(), path, options)
 }

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use steradian_math::{DVec3, Transform};
 use steradian_scene::Mesh;
 
-/// Sets vertex normals to the mean of the face normals around each vertex as they are in the world, weighted by the angle of the face
-/// there (Thürmer and Wüthrich, Computing Vertex Normals from Polygonal Facets, JGT 3(1), 1998). With `weld`, vertices at the same place
-/// are one: they differ in texture coordinates only. The result is in object space. Vertices without faces get +z.
+/// Sets vertex normals to the mean of the face normals around each vertex as they are in the world, weighted by the
+/// angle of the face there (Thürmer and Wüthrich, Computing Vertex Normals from Polygonal Facets, JGT 3(1), 1998). With
+/// `weld`, vertices at the same place are one: they differ in texture coordinates only. The result is in object space.
+/// Vertices without faces get +z.
 pub(super) fn compute(mesh: &mut Mesh, world_from_object: &Transform, weld: bool) {
     let point_of = weld.then(|| welded(&mesh.positions));
     let point = |vertex: u32| point_of.as_ref().map_or(vertex, |p| p[vertex as usize]) as usize;
@@ -21,7 +22,8 @@ pub(super) fn compute(mesh: &mut Mesh, world_from_object: &Transform, weld: bool
             sums[point(t[corner])] += normal * a.angle_between(b);
         }
     }
-    // Normals go to the world by the inverse transpose, so they come back by the transpose. Mirrored faces are computed inside out.
+    // Normals go to the world by the inverse transpose, so they come back by the transpose. Mirrored faces are computed
+    // inside out.
     let side = if world_from_object.swaps_handedness() { -1.0 } else { 1.0 };
     let m = &world_from_object.matrix;
     let axes = [m.x_axis, m.y_axis, m.z_axis].map(|c| c.truncate());

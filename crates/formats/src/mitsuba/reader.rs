@@ -132,7 +132,8 @@ impl<'a> Reader<'a> {
         self.diagnostics.error_help(&self.desc.sources, Some(span), message, help);
     }
 
-    /// Refuses plugins that Mitsuba does not have among the objects that nothing uses; the others are refused where they are used.
+    /// Refuses plugins that Mitsuba does not have among the objects that nothing uses; the others are refused where
+    /// they are used.
     pub fn report_unknown(&mut self) {
         for object in 1..self.graph.objects.len() {
             if self.diagnostics.is_full() {
@@ -320,7 +321,8 @@ impl<'a> Reader<'a> {
         self.depth -= 1;
     }
 
-    /// A node of the file's own kind with all its parameters, for models that Steradian renders as the nearest one it has.
+    /// A node of the file's own kind with all its parameters, for models that Steradian renders as the nearest one it
+    /// has.
     pub fn verbatim(&mut self, object: ObjectId, family: Family) -> Option<NodeId> {
         let mut node = self.node(family, self.plugin(object), object);
         let o = &mut self.graph.objects[object];
@@ -382,7 +384,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reports the properties that no translator asked for, with the nearest name that one asked for. What recurs is said once.
+    /// Reports the properties that no translator asked for, with the nearest name that one asked for. What recurs is
+    /// said once.
     pub fn report_unused(&mut self) {
         let mut unused: Vec<(&Object, &Prop, usize)> = Vec::new();
         let mut known = HashMap::new();

@@ -341,8 +341,8 @@ impl Reader<'_> {
     }
 }
 
-/// Two directions at right angles to a unit vector and to each other, where Mitsuba starts to count u (Duff et al., Building an
-/// Orthonormal Basis, Revisited, JCGT 6(1), 2017).
+/// Two directions at right angles to a unit vector and to each other, where Mitsuba starts to count u (Duff et al.,
+/// Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017).
 fn frame(n: DVec3) -> [DVec3; 2] {
     let sign = 1f64.copysign(n.z);
     let a = -1.0 / (sign + n.z);

@@ -36,8 +36,8 @@ pub(super) fn plain(v: f64, role: Role) -> Value {
     }
 }
 
-/// The same value at all wavelengths in a role. As emission it is not a multiple of D65, so it is spelt out: three components
-/// would mean D65.
+/// The same value at all wavelengths in a role. As emission it is not a multiple of D65, so it is spelt out: three
+/// components would mean D65.
 pub(super) fn flat(v: f64, role: Role) -> Value {
     Value::Spectrum(match role {
         Role::Emission => SpectrumValue::Sampled { lambdas: vec![360.0, 830.0], values: vec![v as f32; 2] },
@@ -247,8 +247,8 @@ impl Reader<'_> {
         Some(self.desc.add(node))
     }
 
-    /// The map of texture coordinates, if any. On a disk Mitsuba has u from the centre to the rim and v around it, Steradian u
-    /// around and v from the rim to the centre: u' = 1 - v, v' = u comes first.
+    /// The map of texture coordinates, if any. On a disk Mitsuba has u from the centre to the rim and v around it,
+    /// Steradian u around and v from the rim to the centre: u' = 1 - v, v' = u comes first.
     fn uv_map(&mut self, object: ObjectId) -> Option<Transform> {
         let given = self.some_transform(object, "to_uv");
         if !self.on_disk {

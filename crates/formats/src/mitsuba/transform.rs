@@ -31,8 +31,8 @@ pub(super) fn stretches(tag: &str, attributes: &Attributes<'_>, legacy: bool) ->
     tag == "rotate" && !legacy && (axis.length() - 1.0).abs() > 1e-3
 }
 
-/// Rodrigues' formula, `cosθ I + (1 − cosθ) a aᵀ + sinθ [a]×`, with the axis as it stands: Mitsuba 3 does not bring it to unit length, so that another
-/// one stretches and shears.
+/// Rodrigues' formula, `cosθ I + (1 − cosθ) a aᵀ + sinθ [a]×`, with the axis as it stands: Mitsuba 3 does not bring it
+/// to unit length, so that another one stretches and shears.
 fn rotation(a: DVec3, angle: f64) -> Transform {
     let (sin, cos) = angle.sin_cos();
     let column = |e: DVec3| e * cos + a * (a.dot(e) * (1.0 - cos)) + a.cross(e) * sin;

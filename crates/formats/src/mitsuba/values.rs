@@ -79,7 +79,8 @@ pub(super) fn sampled(pairs: &[(f64, f64)]) -> Result<SpectrumValue, String> {
     Ok(SpectrumValue::Sampled { lambdas, values })
 }
 
-/// A spectrum in an attribute: one number, or `wavelength:value` pairs. Before version 2 three bare numbers are a colour.
+/// A spectrum in an attribute: one number, or `wavelength:value` pairs. Before version 2 three bare numbers are a
+/// colour.
 pub(super) fn spectrum(text: &str, legacy: bool) -> Result<SpectrumValue, String> {
     if legacy && text.trim().starts_with('#') {
         return Ok(SpectrumValue::Rgb(rgb(text)?, Default::default()));

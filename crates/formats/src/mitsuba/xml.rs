@@ -9,7 +9,8 @@ pub(super) struct Fault {
     pub message: String,
 }
 
-/// The text of an XML file: UTF-8, perhaps with a byte order mark, which is kept so that offsets stay those of the file.
+/// The text of an XML file: UTF-8, perhaps with a byte order mark, which is kept so that offsets stay those of the
+/// file.
 pub(super) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(Fault { at: 0..2, message: "the file is encoded in UTF-16; only UTF-8 is read".into() });
@@ -23,8 +24,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
 /// Most attributes of one element. Real ones have five; the parser's time grows with the square of their number.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// Finds elements that are not closed, and refuses what would make parsing costly: elements nested deeper than `limit` or with attributes without end, and document type
-/// declarations (whose entities can grow without bound). One pass over the bytes; anything else that is malformed is left to the parser.
+/// Finds elements that are not closed, and refuses what would make parsing costly: elements nested deeper than `limit`
+/// or with attributes without end, and document type declarations (whose entities can grow without bound). One pass
+/// over the bytes; anything else that is malformed is left to the parser.
 pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
     let bytes = text.as_bytes();
     let find = |from: usize, what: &str| text.get(from..).and_then(|t| t.find(what)).map(|i| from + i + what.len());

@@ -12,8 +12,8 @@ pub(super) type Inherited = Rc<Vec<Rc<Param>>>;
 
 /// What a directive is given: the name of a model and parameters.
 ///
-/// Every question is remembered, so that parameters which nobody asked for can be reported with the nearest name that would have
-/// been heard.
+/// Every question is remembered, so that parameters which nobody asked for can be reported with the nearest name that
+/// would have been heard.
 #[derive(Debug)]
 pub(super) struct Dict {
     /// The model, such as `perspective`.

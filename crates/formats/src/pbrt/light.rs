@@ -1,7 +1,7 @@
 //! `LightSource` and `AreaLightSource`.
 //!
-//! pbrt scales every light so that its spectrum has a photometric integral of one: `normalize` says so. An absent spectrum is the
-//! white of the colour space.
+//! pbrt scales every light so that its spectrum has a photometric integral of one: `normalize` says so. An absent
+//! spectrum is the white of the colour space.
 
 use super::{
     build::Build,

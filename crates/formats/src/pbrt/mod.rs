@@ -1,8 +1,9 @@
 //! Scenes of pbrt-v4 (<https://pbrt.org/fileformat-v4>).
 //!
-//! The text is read once, front to back: `lexer` makes tokens, `param` the typed parameters of a directive, `directive` carries
-//! directives out on a graphics state, and one file per family (`camera`, `film`, `light`, `material`, …) translates models into
-//! Steradian's vocabulary. Nothing recurses on the input, and every fault is reported where it stands while reading goes on.
+//! The text is read once, front to back: `lexer` makes tokens, `param` the typed parameters of a directive, `directive`
+//! carries directives out on a graphics state, and one file per family (`camera`, `film`, `light`, `material`, …)
+//! translates models into Steradian's vocabulary. Nothing recurses on the input, and every fault is reported where it
+//! stands while reading goes on.
 
 mod arguments;
 mod blocks;
@@ -42,7 +43,8 @@ use steradian_scene::{Diagnostics, Format, SceneDesc, Sources};
 
 /// Reads a scene file, plain or gzip-compressed, with all files it includes and all meshes it names.
 ///
-/// The description is complete where the diagnostics hold no error. Images and volumes are not read; their paths are resolved.
+/// The description is complete where the diagnostics hold no error. Images and volumes are not read; their paths are
+/// resolved.
 pub fn import(path: &Path, options: &Options) -> Import {
     match files::read(path, &options.limits) {
         Ok(text) => {
@@ -59,7 +61,8 @@ pub fn import(path: &Path, options: &Options) -> Import {
     }
 }
 
-/// Reads a scene from memory. `name` stands for the file in messages; files that the scene names are looked for in `folder` first.
+/// Reads a scene from memory. `name` stands for the file in messages; files that the scene names are looked for in
+/// `folder` first.
 pub fn import_text(name: &str, text: impl Into<Vec<u8>>, folder: &Path, options: &Options) -> Import {
     read(Path::new(name), text.into(), folder, options)
 }

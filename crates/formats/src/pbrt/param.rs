@@ -25,7 +25,8 @@ pub(super) enum Type {
     Blackbody,
 }
 
-/// Every spelling that is read; the first of a type is its name in messages. `point`, `vector`, `normal3` and `color` are older.
+/// Every spelling that is read; the first of a type is its name in messages. `point`, `vector`, `normal3` and `color`
+/// are older.
 const SPELLINGS: [(&str, Type); 17] = [
     ("bool", Type::Bool),
     ("integer", Type::Integer),

@@ -1,8 +1,8 @@
 //! Scattering coefficients that pbrt knows by name.
 //!
-//! Reduced scattering and absorption per millimetre for linear sRGB, measured by Jensen, Marschner, Levoy and Hanrahan, "A
-//! Practical Model for Subsurface Light Transport" (SIGGRAPH 2001), and by Narasimhan et al., "Acquiring Scattering Properties of
-//! Participating Media by Dilution" (SIGGRAPH 2006).
+//! Reduced scattering and absorption per millimetre for linear sRGB, measured by Jensen, Marschner, Levoy and Hanrahan,
+//! "A Practical Model for Subsurface Light Transport" (SIGGRAPH 2001), and by Narasimhan et al., "Acquiring Scattering
+//! Properties of Participating Media by Dilution" (SIGGRAPH 2006).
 
 use steradian_scene::{ColorSpace, SpectrumValue};
 

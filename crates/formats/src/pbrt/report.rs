@@ -5,8 +5,8 @@ use steradian_scene::{Diagnostic, Diagnostics, Severity, Sources, Span, names};
 
 /// Collects messages while a scene is read.
 ///
-/// Finding the line of a span costs a pass over the file, so messages over the caps of [`Diagnostics`] are counted but not located:
-/// a million faults in a large file must not take a million passes.
+/// Finding the line of a span costs a pass over the file, so messages over the caps of [`Diagnostics`] are counted but
+/// not located: a million faults in a large file must not take a million passes.
 #[derive(Debug, Default)]
 pub(super) struct Report {
     pub sources: Sources,
@@ -81,7 +81,8 @@ impl Report {
         self.said.len() < Diagnostics::MAX_OTHERS && self.said.insert(message.to_string())
     }
 
-    /// `did you mean 'x'?` over names that the file defines, of which only so many are compared, and only for errors that are kept.
+    /// `did you mean 'x'?` over names that the file defines, of which only so many are compared, and only for errors
+    /// that are kept.
     pub fn did_you_mean<'a>(&self, name: &str, defined: impl IntoIterator<Item = &'a str>) -> Option<String> {
         if self.is_full() { None } else { names::did_you_mean(name, defined.into_iter().take(1000)) }
     }

@@ -1,7 +1,7 @@
 //! What directives describe, on its way into a [`SceneDesc`].
 //!
-//! Shapes, lights and media are translated where they stand. Textures and materials wait until everything is read, as in pbrt:
-//! their order of making is what decides which names they may use. References to them are settled last.
+//! Shapes, lights and media are translated where they stand. Textures and materials wait until everything is read, as
+//! in pbrt: their order of making is what decides which names they may use. References to them are settled last.
 
 use super::{
     dict::Dict,

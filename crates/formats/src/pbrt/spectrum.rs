@@ -23,7 +23,8 @@ pub(super) enum Role {
 /// The types a spectrum can be written with.
 pub(super) const TYPES: [Type; 3] = [Type::Rgb, Type::Spectrum, Type::Blackbody];
 
-/// pbrt's names for the responses of cameras; there are three spectra `NAME_r`, `NAME_g`, `NAME_b`, which only films use.
+/// pbrt's names for the responses of cameras; there are three spectra `NAME_r`, `NAME_g`, `NAME_b`, which only films
+/// use.
 fn is_known(name: &str) -> bool {
     spectra::named::names().any(|n| n == name)
 }

@@ -162,8 +162,8 @@ fn image(b: &mut Build, values: Values, ctm: Transform) {
     mapping(b, ctm);
 }
 
-/// pbrt obeys `encoding` in PNG files only (and takes sRGB there by default); other files of bytes are sRGB, and files of floats
-/// are linear.
+/// pbrt obeys `encoding` in PNG files only (and takes sRGB there by default); other files of bytes are sRGB, and files
+/// of floats are linear.
 fn encoding(b: &mut Build) {
     let extension = b.node.path("file").and_then(Path::extension).map(|e| e.to_string_lossy().to_lowercase());
     let asked = b.dict.text(&mut b.scene.report, "encoding");

@@ -1,4 +1,5 @@
-//! BC4: two 8-bit ends, and for each texel which of eight values between them it has; or of six, with 0 and 255 besides.
+//! BC4: two 8-bit ends, and for each texel which of eight values between them it has; or of six, with 0 and 255
+//! besides.
 
 /// Encodes one channel of a block.
 pub fn encode(values: &[u8; 16]) -> [u8; 8] {

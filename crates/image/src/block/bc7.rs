@@ -1,5 +1,6 @@
-//! BC7 by its mode 6: two ends of 7 bits for each of red, green, blue and alpha with a lowest bit that is shared, and for each texel one
-//! of sixteen places between them. The other modes, which cut blocks into parts, are read but not written.
+//! BC7 by its mode 6: two ends of 7 bits for each of red, green, blue and alpha with a lowest bit that is shared, and
+//! for each texel one of sixteen places between them. The other modes, which cut blocks into parts, are read but not
+//! written.
 
 use super::{ends_of_line, refined_ends};
 
@@ -58,8 +59,8 @@ fn assign(texels: &[[u8; 4]; 16], [a, b]: [[u8; 4]; 2]) -> (u32, [u8; 16]) {
     (error, indices)
 }
 
-/// The bits: the mode, the ends channel by channel, their lowest bits, the indices. The first index has three bits: its highest is zero,
-/// for which the ends change places where needed.
+/// The bits: the mode, the ends channel by channel, their lowest bits, the indices. The first index has three bits: its
+/// highest is zero, for which the ends change places where needed.
 fn block([mut a, mut b]: [[u8; 4]; 2], mut indices: [u8; 16]) -> [u8; 16] {
     if indices[0] >= 8 {
         std::mem::swap(&mut a, &mut b);

@@ -1,5 +1,5 @@
-//! Block compression: 4 × 4 texels in 8 or 16 bytes (BC1 to BC7, Khronos Data Format Specification 1.3, chapters 18 to 20). Decoding is
-//! the crate `bcdec_rs`'s; encoders are our own: BC1, BC3, BC4, BC5, and BC7 by its mode 6.
+//! Block compression: 4 × 4 texels in 8 or 16 bytes (BC1 to BC7, Khronos Data Format Specification 1.3, chapters 18 to
+//! 20). Decoding is the crate `bcdec_rs`'s; encoders are our own: BC1, BC3, BC4, BC5, and BC7 by its mode 6.
 
 mod bc1;
 mod bc4;
@@ -53,7 +53,8 @@ impl BlockFormat {
     }
 }
 
-/// Decodes a picture whose every block gives 16 texels of `lanes` samples; `data` is as long as [`BlockFormat::bytes`] says.
+/// Decodes a picture whose every block gives 16 texels of `lanes` samples; `data` is as long as [`BlockFormat::bytes`]
+/// says.
 fn decode_blocks<T: Copy + Default + Send>(
     data: &[u8],
     (width, height): (usize, usize),
@@ -85,8 +86,8 @@ pub enum Decoded {
     Halves(Vec<f16>, usize),
 }
 
-/// Decodes a picture; `None` when there are fewer bytes than its blocks take. `signed` is for BC4, BC5 and BC6H. BC5 gives red and green, and
-/// blue of zero. Colours whose alpha is one everywhere are given without it.
+/// Decodes a picture; `None` when there are fewer bytes than its blocks take. `signed` is for BC4, BC5 and BC6H. BC5
+/// gives red and green, and blue of zero. Colours whose alpha is one everywhere are given without it.
 pub fn decode(format: BlockFormat, signed: bool, data: &[u8], width: usize, height: usize) -> Option<Decoded> {
     let size = (width, height);
     let data = data.get(..format.bytes(width, height))?;
@@ -248,8 +249,9 @@ mod tests {
 
     #[test]
     fn encoded_pictures_decode_to_what_they_were() {
-        // Signal to noise of 32 dB for four colours on a line (a mean square of 41), 34 dB with alpha besides, 44 dB for single channels
-        // and 33 dB for sixteen places on one line through four channels that have nothing to do with each other.
+        // Signal to noise of 32 dB for four colours on a line (a mean square of 41), 34 dB with alpha besides, 44 dB
+        // for single channels and 33 dB for sixteen places on one line through four channels that have nothing to do
+        // with each other.
         let (w, h) = (61, 37);
         let rgba = photo(w, h);
         for (format, lanes, bound) in [
@@ -269,8 +271,8 @@ mod tests {
         assert!(mse < 1.6, "{mse}");
     }
 
-    /// Single colours are exact in BC4, and in BC7 to one code. In BC1 the best points at a third miss by up to 4/3 with 5 bits and 2/3
-    /// with 6, to which the decoder's rounding comes: 2, 1 and 2 codes.
+    /// Single colours are exact in BC4, and in BC7 to one code. In BC1 the best points at a third miss by up to 4/3
+    /// with 5 bits and 2/3 with 6, to which the decoder's rounding comes: 2, 1 and 2 codes.
     #[test]
     fn single_colours_are_kept() {
         for v in 0..=255_u8 {
@@ -296,7 +298,8 @@ mod tests {
         assert!(codes[2].abs_diff(186) <= 1 && codes[3].abs_diff(114) <= 1, "{codes:?}");
     }
 
-    /// M215: where the first colour is not above the second, BC1 has one colour between them and a hole, black where there is no alpha.
+    /// M215: where the first colour is not above the second, BC1 has one colour between them and a hole, black where
+    /// there is no alpha.
     #[test]
     fn holes_of_bc1() {
         let block = [0x00, 0x00, 0xff, 0xff, 0b11_10_01_00, 0, 0, 0];

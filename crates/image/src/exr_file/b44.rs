@@ -1,5 +1,5 @@
-//! B44 and B44A blocks. Each half channel is cut into 4×4 pixels, packed into 14 bytes: the first value, a shift, and fifteen 6-bit
-//! differences; or into 3 bytes when all are equal. Float and integer channels are stored as they are.
+//! B44 and B44A blocks. Each half channel is cut into 4×4 pixels, packed into 14 bytes: the first value, a shift, and
+//! fifteen 6-bit differences; or into 3 bytes when all are equal. Float and integer channels are stored as they are.
 //!
 //! Format: OpenEXR's B44 description. The `exr` crate decodes B44 too, but not with subsampled channels.
 

@@ -1,8 +1,9 @@
-//! Luminance/chroma files: subsampled channels brought to full resolution, and `Y`, `RY`, `BY` turned into `R`, `G`, `B`.
+//! Luminance/chroma files: subsampled channels brought to full resolution, and `Y`, `RY`, `BY` turned into `R`, `G`,
+//! `B`.
 //!
-//! OpenEXR ("Technical Introduction", luminance/chroma images): RY = (R − Y)/Y, BY = (B − Y)/Y, where Y weighs R, G, B as the file's
-//! primaries do. Between stored samples we interpolate linearly; OpenEXR's own library uses a 27-tap filter, which differs by a
-//! few percent at coloured edges.
+//! OpenEXR ("Technical Introduction", luminance/chroma images): RY = (R − Y)/Y, BY = (B − Y)/Y, where Y weighs R, G, B
+//! as the file's primaries do. Between stored samples we interpolate linearly; OpenEXR's own library uses a 27-tap
+//! filter, which differs by a few percent at coloured edges.
 
 use exr::meta::attribute::Chromaticities;
 
@@ -46,7 +47,8 @@ pub(super) fn to_rgb(y: &mut [f32], ry: &mut [f32], by: &mut [f32], primaries: O
     }
 }
 
-/// The Y row of the matrix from these primaries to XYZ, for white of luminance 1; `None` for primaries that span no gamut.
+/// The Y row of the matrix from these primaries to XYZ, for white of luminance 1; `None` for primaries that span no
+/// gamut.
 fn luminance_weights(c: Chromaticities) -> Option<[f32; 3]> {
     // Columns are the primaries as XYZ with X + Y + Z = 1; scaled so that their sum is white.
     let column = |x: f32, y: f32| [f64::from(x), f64::from(y), 1.0 - f64::from(x) - f64::from(y)];

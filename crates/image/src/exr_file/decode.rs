@@ -235,7 +235,8 @@ fn decompress(chunk: Chunk, headers: &[Header]) -> Result<Option<Block>> {
     if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         dwa::check(&stored, &rect, header)?;
     }
-    // The decoder reckons a block as area × bytes per pixel, without subsampling; it is told the average of this very block.
+    // The decoder reckons a block as area × bytes per pixel, without subsampling; it is told the average of this very
+    // block.
     let area = rect.size.area();
     let expected: usize = block_lines(&rect, header).map(|line| line.bytes).sum();
     let data = if matches!(header.compression, Compression::B44 | Compression::B44A) {
@@ -264,7 +265,8 @@ pub(super) struct Line {
     pub bytes: usize,
 }
 
-/// The lines of a block in stored order: row by row, channel by channel; a subsampled channel is in every `step`-th row.
+/// The lines of a block in stored order: row by row, channel by channel; a subsampled channel is in every `step`-th
+/// row.
 pub(super) fn block_lines<'a>(rect: &IntegerBounds, header: &'a Header) -> impl Iterator<Item = Line> + 'a {
     let (top, width, height) = (rect.position.y().max(0) as usize, rect.size.x(), rect.size.y());
     (top..top + height).flat_map(move |y| {
@@ -314,8 +316,8 @@ fn union(a: Window, b: Window) -> Window {
     }
 }
 
-/// The attributes that say something about the picture, sorted by name; those that describe the storage, and a few that have no
-/// place in ours, are left out.
+/// The attributes that say something about the picture, sorted by name; those that describe the storage, and a few that
+/// have no place in ours, are left out.
 fn metadata(header: &Header) -> Metadata {
     const STORAGE: [&[u8]; 12] = [
         b"name",

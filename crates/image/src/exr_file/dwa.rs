@@ -1,8 +1,8 @@
 //! The counters at the head of a DWAA or DWAB block, checked before the decoder takes its word for them and allocates.
 //!
 //! Layout (OpenEXR, DWA compressor): eleven 64-bit numbers: version; bytes of the deflated raw section before and after
-//! compression; compressed bytes of the AC, DC and run-length sections; bytes of the run-length section after inflating, and after
-//! expanding the runs; numbers of AC and DC coefficients; how the AC section is coded.
+//! compression; compressed bytes of the AC, DC and run-length sections; bytes of the run-length section after
+//! inflating, and after expanding the runs; numbers of AC and DC coefficients; how the AC section is coded.
 
 use super::decode::block_lines;
 use crate::{Error, FileKind, Result};

@@ -120,7 +120,8 @@ impl SamplesWriter for Plane<'_> {
     }
 }
 
-/// Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only. The ids of Cryptomatte are bits of floats.
+/// Depths, positions and numbers of things keep 32 bits: a half counts to 2048 only. The ids of Cryptomatte are bits of
+/// floats.
 fn needs_float(name: &str) -> bool {
     name == "Z"
         || ["Z", "P", "depth", "samples", "object_id", "variance"]
@@ -202,8 +203,8 @@ fn chromaticities(image: &Image) -> Chromaticities {
     Chromaticities { red: Vec2(rx, ry), green: Vec2(gx, gy), blue: Vec2(bx, by), white: Vec2(wx, wy) }
 }
 
-/// Puts the header's attributes in order of their names: the encoder keeps them in a hash map, whose order changes from run to run.
-/// The length of the header, and so every offset in the file, stays.
+/// Puts the header's attributes in order of their names: the encoder keeps them in a hash map, whose order changes from
+/// run to run. The length of the header, and so every offset in the file, stays.
 fn sort_attributes(bytes: &mut [u8]) -> Result<()> {
     let parts = header::attributes(bytes)?;
     let Some(part) = parts.first().filter(|part| !part.is_empty()) else { return Ok(()) };

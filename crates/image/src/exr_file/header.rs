@@ -1,8 +1,9 @@
 //! Reads an EXR header just far enough to know what the pixels would cost, and refuses what cannot be decoded.
 //!
-//! Layout (OpenEXR file layout document): magic, version and flags; then per part a list of attributes (name, type, size, value)
-//! that ends with an empty name; in a multi-part file an empty header ends the list of parts. The decoder behind this check
-//! allocates what a header declares, so that every count is compared here with the limits and with the length of the file.
+//! Layout (OpenEXR file layout document): magic, version and flags; then per part a list of attributes (name, type,
+//! size, value) that ends with an empty name; in a multi-part file an empty header ends the list of parts. The decoder
+//! behind this check allocates what a header declares, so that every count is compared here with the limits and with
+//! the length of the file.
 
 use crate::limits::{check_metadata, within};
 use crate::{Error, FileKind, Limits, Result};
@@ -13,7 +14,8 @@ const FLAG_TILED: u32 = 0x200;
 const FLAG_DEEP: u32 = 0x800;
 const FLAG_MULTIPART: u32 = 0x1000;
 
-/// Most decoded bytes that one stored byte can stand for (deflate: 1032; the others are below, short runs of constant blocks aside).
+/// Most decoded bytes that one stored byte can stand for (deflate: 1032; the others are below, short runs of constant
+/// blocks aside).
 const MAX_RATIO: u64 = 4096;
 
 /// One attribute of a part, by its place in the file.
@@ -90,9 +92,9 @@ pub(super) struct Normalized<'a> {
     pub steps: Vec<Vec<[u32; 2]>>,
 }
 
-/// The file in the form that the decoder's own header check lets pass, and the true sampling steps per part and channel: every
-/// channel is declared at full resolution, and a single part has no `type`, which would overrule the flag that counts (files exist
-/// in which they contradict each other). The pixel data are as they were.
+/// The file in the form that the decoder's own header check lets pass, and the true sampling steps per part and
+/// channel: every channel is declared at full resolution, and a single part has no `type`, which would overrule the
+/// flag that counts (files exist in which they contradict each other). The pixel data are as they were.
 pub(super) fn normalized(bytes: &[u8]) -> Result<Normalized<'_>> {
     let mut patched = Cow::Borrowed(bytes);
     let mut steps = Vec::new();

@@ -20,8 +20,8 @@ pub struct DeltaE {
     pub max_ciede2000: f64,
 }
 
-/// ΔE of the linear Rec.709 colours of two pictures, cut to [0, 1] as a display shows them. Pixels that are not finite in either
-/// picture are left out; where none is left, all is NaN.
+/// ΔE of the linear Rec.709 colours of two pictures, cut to [0, 1] as a display shows them. Pixels that are not finite
+/// in either picture are left out; where none is left, all is NaN.
 ///
 /// # Errors
 /// [`Error::SizeMismatch`](crate::Error::SizeMismatch), [`Error::MissingChannels`](crate::Error::MissingChannels).
@@ -63,7 +63,8 @@ mod tests {
         delta_e(&picture(pixels), &picture(reference)).unwrap()
     }
 
-    /// White against black is 100 in each measure; values beyond the display's range and pixels that are equal count nothing.
+    /// White against black is 100 in each measure; values beyond the display's range and pixels that are equal count
+    /// nothing.
     #[test]
     fn white_and_black_are_a_hundred_apart() {
         let d = of(&[[1.0; 3], [7.0; 3]], &[[0.0; 3], [1.0; 3]]);

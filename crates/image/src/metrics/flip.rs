@@ -1,8 +1,8 @@
 //! LDR-FLIP: the difference people see when they alternate between two pictures.
 //!
-//! P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", Proc. ACM CGIT 3(2), 2020. Colours are filtered by the
-//! eye's contrast sensitivity (§4.1), compared in a Hunt-adjusted L*a*b* with the HyAB distance (§4.1), and the difference is
-//! amplified where edges or points differ (§4.2, §4.3).
+//! P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", Proc. ACM CGIT 3(2), 2020. Colours are
+//! filtered by the eye's contrast sensitivity (§4.1), compared in a Hunt-adjusted L*a*b* with the HyAB distance (§4.1),
+//! and the difference is amplified where edges or points differ (§4.2, §4.3).
 
 use super::colours;
 use crate::{Error, Image, Result};
@@ -30,7 +30,8 @@ type Colour = [f32; 3];
 /// Mean FLIP error of two pictures, 0 (the same) to 1; their linear values are cut to [0, 1]. NaN counts as black.
 ///
 /// # Errors
-/// [`Error::SizeMismatch`], [`Error::MissingChannels`], [`Error::Invalid`] when `pixels_per_degree` is not in 1 to 1000.
+/// [`Error::SizeMismatch`], [`Error::MissingChannels`], [`Error::Invalid`] when `pixels_per_degree` is not in 1 to
+/// 1000.
 pub fn flip(image: &Image, reference: &Image, pixels_per_degree: f32) -> Result<f64> {
     let mut sum = 0.0;
     flip_bands(image, reference, pixels_per_degree, |errors| {
@@ -136,8 +137,8 @@ fn perceived(picture: &[Colour], width: usize, ppd: f32) -> Vec<Colour> {
         .collect()
 }
 
-/// Filters a plane with the inverse Fourier transform of a contrast sensitivity: a·√(π/b)·exp(−π²x²/b) per term, each separable,
-/// normalised to sum 1 together.
+/// Filters a plane with the inverse Fourier transform of a contrast sensitivity: a·√(π/b)·exp(−π²x²/b) per term, each
+/// separable, normalised to sum 1 together.
 fn sensitivity(plane: &[f32], width: usize, terms: &[[f32; 2]], radius: usize, ppd: f32) -> Vec<f32> {
     let kernels: Vec<(Vec<f32>, f32)> = terms
         .iter()
@@ -302,7 +303,8 @@ mod tests {
         Image::from_rgb(SIZE[0], SIZE[1], &pixels).unwrap()
     }
 
-    /// The numbers are those of the authors' own program (`flip-evaluator` 1.7, LDR, linear input) on the same pictures.
+    /// The numbers are those of the authors' own program (`flip-evaluator` 1.7, LDR, linear input) on the same
+    /// pictures.
     #[test]
     fn agrees_with_the_authors_program() {
         for (shift, gain, ppd, expected) in [

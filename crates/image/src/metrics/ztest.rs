@@ -1,5 +1,5 @@
-//! Is a Monte Carlo picture the same as a reference, but for noise? The test of Mitsuba 3's render suite (Subr and Arvo, "Statistical
-//! Hypothesis Testing for Assessing Monte Carlo Estimators", 2007).
+//! Is a Monte Carlo picture the same as a reference, but for noise? The test of Mitsuba 3's render suite (Subr and
+//! Arvo, "Statistical Hypothesis Testing for Assessing Monte Carlo Estimators", 2007).
 
 use super::colours;
 use crate::{Error, Image, Result};
@@ -30,9 +30,9 @@ pub struct ZTest {
 
 /// Tests the mean of `samples` samples per pixel against a reference mean, given the variance of a single sample.
 ///
-/// All three pictures hold linear Rec.709, the variance too, as Mitsuba stores its references: they are turned into XYZ, where the
-/// variance was taken. Per component z = |mean − reference| · √(samples / max(variance, 10⁻⁴)) and p = erfc(z / √2); a component is
-/// accepted when p > 1 − 0.99^(1/pixels). Components that are not finite are rejected.
+/// All three pictures hold linear Rec.709, the variance too, as Mitsuba stores its references: they are turned into
+/// XYZ, where the variance was taken. Per component z = |mean − reference| · √(samples / max(variance, 10⁻⁴)) and p =
+/// erfc(z / √2); a component is accepted when p > 1 − 0.99^(1/pixels). Components that are not finite are rejected.
 ///
 /// # Errors
 /// [`Error::SizeMismatch`], [`Error::MissingChannels`], [`Error::Invalid`] when `samples` is not positive.
@@ -79,7 +79,8 @@ fn xyz([r, g, b]: [f64; 3]) -> [f64; 3] {
     XYZ.map(|row| row[0] * r + row[1] * g + row[2] * b)
 }
 
-/// Complementary error function for x ≥ 0, relative error below 1.2·10⁻⁷ (W. Press et al., "Numerical Recipes in C", 2nd ed., §6.2).
+/// Complementary error function for x ≥ 0, relative error below 1.2·10⁻⁷ (W. Press et al., "Numerical Recipes in C",
+/// 2nd ed., §6.2).
 fn erfc(x: f64) -> f64 {
     const C: [f64; 10] = [
         0.170_872_77,

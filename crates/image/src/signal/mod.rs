@@ -1,7 +1,8 @@
 //! Pictures as signals: their discrete Fourier transform, what sampling does to it, and what a prefilter prevents.
 //!
-//! Frequencies are in cycles per pixel. The transform of a picture of N pixels across knows the frequencies k/N from −1/2 up to 1/2; sampled at every
-//! s-th pixel, with the rate 1/s, a picture keeps what is below half that rate, and the rest appears at another frequency.
+//! Frequencies are in cycles per pixel. The transform of a picture of N pixels across knows the frequencies k/N from
+//! −1/2 up to 1/2; sampled at every s-th pixel, with the rate 1/s, a picture keeps what is below half that rate, and
+//! the rest appears at another frequency.
 
 mod plot;
 mod sampling;
@@ -12,7 +13,8 @@ pub use sampling::{Peak, Prefilter, alias, comb, peaks, prefilter};
 use crate::{Error, Result};
 use rustfft::{FftPlanner, num_complex::Complex};
 
-/// A two-dimensional discrete Fourier transform, row by row, frequency zero first: `X[k, l] = Σ x[m, n] e^(−2πi (km/W + ln/H))`.
+/// A two-dimensional discrete Fourier transform, row by row, frequency zero first:
+/// `X[k, l] = Σ x[m, n] e^(−2πi (km/W + ln/H))`.
 #[derive(Clone, Debug)]
 pub struct Dft {
     /// Frequencies across.

@@ -4,8 +4,9 @@ use super::{Dft, Peak, Prefilter, alias};
 use crate::{Image, Result};
 use std::fmt::Write;
 
-/// Five panels in a row: the picture, its spectrum, the spectrum after sampling at every `step`-th pixel, the samples spread over their
-/// pixels, and the same after a prefilter. Spectra are logarithmic, from 10⁻⁵ of the strongest, with frequency zero in the middle.
+/// Five panels in a row: the picture, its spectrum, the spectrum after sampling at every `step`-th pixel, the samples
+/// spread over their pixels, and the same after a prefilter. Spectra are logarithmic, from 10⁻⁵ of the strongest, with
+/// frequency zero in the middle.
 ///
 /// # Errors
 /// As [`Dft::new`].
@@ -45,8 +46,8 @@ fn log_spectrum(dft: &Dft) -> Vec<f32> {
     (0..w * h).map(at).collect()
 }
 
-/// A plot of amplitudes against the frequency across (the strongest of each column of the spectrum), with half the sampling rate, the
-/// prefilter's response, and arrows from waves to their aliases.
+/// A plot of amplitudes against the frequency across (the strongest of each column of the spectrum), with half the
+/// sampling rate, the prefilter's response, and arrows from waves to their aliases.
 pub fn spectrum_svg(dft: &Dft, peaks: &[Peak], step: usize, filter: Prefilter) -> String {
     const W: f64 = 720.0;
     const H: f64 = 300.0;

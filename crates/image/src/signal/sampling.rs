@@ -2,14 +2,14 @@
 
 use super::Dft;
 
-/// The frequency at which a wave of frequency `f` appears when it is sampled at a rate (both in cycles per pixel): the nearest to zero of
-/// those that differ from `f` by multiples of the rate. What is below half the rate stays.
+/// The frequency at which a wave of frequency `f` appears when it is sampled at a rate (both in cycles per pixel): the
+/// nearest to zero of those that differ from `f` by multiples of the rate. What is below half the rate stays.
 pub fn alias(f: f64, rate: f64) -> f64 {
     f - rate * (f / rate).round()
 }
 
-/// Keeps every `step`-th pixel both ways, times `step²` so that the mean stays, and sets the others to zero: the product with a comb,
-/// whose transform repeats that of the picture at multiples of the rate 1/step.
+/// Keeps every `step`-th pixel both ways, times `step²` so that the mean stays, and sets the others to zero: the
+/// product with a comb, whose transform repeats that of the picture at multiples of the rate 1/step.
 pub fn comb(plane: &[f32], width: usize, step: usize) -> Vec<f32> {
     let gain = (step * step) as f32;
     let kept = |i: usize| (i % width).is_multiple_of(step) && (i / width).is_multiple_of(step);
@@ -67,8 +67,8 @@ pub struct Peak {
     pub is_aliased: bool,
 }
 
-/// The strongest waves of a picture, the mean aside, that are stronger than their neighbours; predicted for sampling at every
-/// `step`-th pixel.
+/// The strongest waves of a picture, the mean aside, that are stronger than their neighbours; predicted for sampling at
+/// every `step`-th pixel.
 pub fn peaks(dft: &Dft, step: usize, most: usize) -> Vec<Peak> {
     let (w, h) = (dft.width, dft.height);
     let amplitudes = dft.amplitudes();
@@ -117,8 +117,8 @@ mod tests {
         (0..n).map(|i| 0.5 + 0.25 * (std::f64::consts::TAU * cycles * i as f64 / n as f64).cos() as f32).collect()
     }
 
-    /// M214, E36: a wave above half the rate, not only one above the rate, appears at the frequency that is predicted, and a prefilter takes
-    /// it away.
+    /// M214, E36: a wave above half the rate, not only one above the rate, appears at the frequency that is predicted,
+    /// and a prefilter takes it away.
     #[test]
     fn waves_alias_to_the_predicted_frequency() {
         let (n, step) = (120, 4);

@@ -1,7 +1,8 @@
-//! AgX (T. Sobotka, 2022), the default view of Blender: compress towards white in a rotated RGB space, log encode, sigmoid, rotate back.
+//! AgX (T. Sobotka, 2022), the default view of Blender: compress towards white in a rotated RGB space, log encode,
+//! sigmoid, rotate back.
 //!
-//! Matrices and the sixth-order sigmoid are B. Wrensch's fit ("Minimal AgX Implementation", 2023) of the base look's tables. Its
-//! result is for a display with exponent 2.2; that is decoded and encoded again as sRGB.
+//! Matrices and the sixth-order sigmoid are B. Wrensch's fit ("Minimal AgX Implementation", 2023) of the base look's
+//! tables. Its result is for a display with exponent 2.2; that is decoded and encoded again as sRGB.
 
 use super::Curve;
 use crate::encoding::srgb_encode;

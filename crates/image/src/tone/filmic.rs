@@ -12,7 +12,8 @@ pub(super) const NONE: Curve = Curve {
     map: |rgb, _| rgb.map(|v| srgb_encode(v.min(1.0))),
 };
 
-/// E. Reinhard et al., "Photographic Tone Reproduction for Digital Images" (2002), eq. 4, on luminance; the key is the exposure.
+/// E. Reinhard et al., "Photographic Tone Reproduction for Digital Images" (2002), eq. 4, on luminance; the key is the
+/// exposure.
 pub(super) const REINHARD: Curve = Curve {
     name: "reinhard",
     doc: "luminance L(1 + L/white²)/(1 + L) (Reinhard et al. 2002, eq. 4)",
@@ -31,7 +32,8 @@ pub(super) const REINHARD: Curve = Curve {
     },
 };
 
-/// K. Narkowicz, "ACES Filmic Tone Mapping Curve" (2016): a rational fit of the ACES RRT and sRGB ODT for greys, used per channel.
+/// K. Narkowicz, "ACES Filmic Tone Mapping Curve" (2016): a rational fit of the ACES RRT and sRGB ODT for greys, used
+/// per channel.
 pub(super) const ACES_FIT: Curve = Curve {
     name: "aces-fit",
     doc: "rational fit of the ACES film curve (Narkowicz 2016), per channel; exposure −0.74 EV gives ACES' own brightness",

@@ -1,8 +1,9 @@
 //! Tone curves: from linear Rec.709 radiance to display values.
 //!
-//! Every curve takes non-negative linear values (after exposure) and gives display values in [0, 1], ready to be rounded to 8 or 16
-//! bits. The perceptual curves end in the sRGB encoding; the curves of the path tracing lab (`clamp`, `equalize` and those with
-//! `gamma`) encode as their name says and with nothing else. [`Curve::encoding`] tells which.
+//! Every curve takes non-negative linear values (after exposure) and gives display values in [0, 1], ready to be
+//! rounded to 8 or 16 bits. The perceptual curves end in the sRGB encoding; the curves of the path tracing lab
+//! (`clamp`, `equalize` and those with `gamma`) encode as their name says and with nothing else. [`Curve::encoding`]
+//! tells which.
 
 mod agx;
 mod filmic;

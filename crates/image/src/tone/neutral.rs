@@ -1,5 +1,5 @@
-//! Khronos PBR Neutral tone mapper (specification of 2024): base colours under grey light come out as they went in; only highlights
-//! are compressed and, the brighter the more, desaturated.
+//! Khronos PBR Neutral tone mapper (specification of 2024): base colours under grey light come out as they went in;
+//! only highlights are compressed and, the brighter the more, desaturated.
 
 use super::Curve;
 use crate::encoding::srgb_encode;

@@ -1,5 +1,6 @@
-//! Branching against single paths: in a closed Lambertian room of albedo ρ that emits 1 everywhere, radiance is `Σ ρᵏ` up to the last bounce. A tracer that
-//! branches into `N` rays at each of `k` bounces traces `N + N² + … + Nᵏ` rays; `Nᵏ` single paths trace `k Nᵏ`. Both have the same mean.
+//! Branching against single paths: in a closed Lambertian room of albedo ρ that emits 1 everywhere, radiance is `Σ ρᵏ`
+//! up to the last bounce. A tracer that branches into `N` rays at each of `k` bounces traces `N + N² + … + Nᵏ` rays;
+//! `Nᵏ` single paths trace `k Nᵏ`. Both have the same mean.
 //!
 //! Rays are made noisy as in a scene: a bounce meets a wall whose emission is 1 ± `contrast`.
 

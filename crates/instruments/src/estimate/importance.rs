@@ -87,7 +87,8 @@ mod tests {
             if n == m {
                 assert!(r.value("variance, measured") < 1e-20);
             } else {
-                // Fourth moments of these are at most some twenty times the squared variance: five per cent is five deviations.
+                // Fourth moments of these are at most some twenty times the squared variance: five per cent is five
+                // deviations.
                 assert!(
                     (r.value("variance, measured") / v - 1.0).abs() < 0.08,
                     "{n} {m}: {}",

@@ -17,7 +17,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
     solid_angle::EXPERIMENT,
 ];
 
-/// Slope of the least-squares line through the logarithms of points: `y ∝ x^slope`. Points that are not positive are left out.
+/// Slope of the least-squares line through the logarithms of points: `y ∝ x^slope`. Points that are not positive are
+/// left out.
 fn log_slope(points: &[(f64, f64)]) -> f64 {
     let logs: Vec<_> = points.iter().filter(|p| p.0 > 0.0 && p.1 > 0.0).map(|p| (p.0.ln(), p.1.ln())).collect();
     let n = logs.len() as f64;

@@ -1,5 +1,6 @@
-//! Deterministic quadrature against Monte Carlo: the midpoint rule on a grid is exact for linear functions and converges as `N^(−2/d)` for smooth ones in
-//! `d` dimensions, but errs always in the same way (bias); the mean of `N` random values errs as `N^(−1/2)` in any dimension, and by chance.
+//! Deterministic quadrature against Monte Carlo: the midpoint rule on a grid is exact for linear functions and
+//! converges as `N^(−2/d)` for smooth ones in `d` dimensions, but errs always in the same way (bias); the mean of `N`
+//! random values errs as `N^(−1/2)` in any dimension, and by chance.
 
 use super::log_slope;
 use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};

@@ -1,4 +1,5 @@
-//! The samplers of the renderer on known integrals over the unit square: root-mean-square error by the number of samples, and its slope.
+//! The samplers of the renderer on known integrals over the unit square: root-mean-square error by the number of
+//! samples, and its slope.
 
 use super::log_slope;
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
@@ -82,7 +83,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M153: independent points err as N^(−1/2); stratified ones at least as N^(−3/4) on an edge; scrambled nets as N^(−3/2) on a smooth function.
+    /// M153: independent points err as N^(−1/2); stratified ones at least as N^(−3/4) on an edge; scrambled nets as
+    /// N^(−3/2) on a smooth function.
     #[test]
     fn slopes_are_those_of_theory() {
         let slope = |kind: &str, sampler: &str| {

@@ -1,5 +1,5 @@
-//! Areas on the sphere: caps `2π (1 − cos α)`, lunes `2α`, triangles (Girard: the sum of the angles less π) and rectangles seen from a point, each by its closed
-//! form and by counting random directions.
+//! Areas on the sphere: caps `2π (1 − cos α)`, lunes `2α`, triangles (Girard: the sum of the angles less π) and
+//! rectangles seen from a point, each by its closed form and by counting random directions.
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use crate::optics::unit;

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use steradian_math::{color::space::REC709, spectra::cie};
 
-/// Linear Rec.709 of XYZ. Colours outside the gamut are mixed with the white of the same luminance until the smallest component is zero.
+/// Linear Rec.709 of XYZ. Colours outside the gamut are mixed with the white of the same luminance until the smallest
+/// component is zero.
 pub fn rgb_from_xyz_in_gamut(xyz: DVec3) -> [f32; 3] {
     let rgb = REC709.rgb_from_xyz() * xyz;
     let luminance = xyz.y.max(0.0);

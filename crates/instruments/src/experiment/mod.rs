@@ -1,7 +1,7 @@
 //! Experiments: computations of optics, vision and Monte Carlo integration that end in numbers, a chart and a picture.
 //!
-//! An [`Experiment`] has a name, parameters with ranges and units, and a function that computes a [`Report`]. The three families are
-//! [`crate::optics`], [`crate::vision`] and [`crate::estimate`]; [`find`] looks one up.
+//! An [`Experiment`] has a name, parameters with ranges and units, and a function that computes a [`Report`]. The three
+//! families are [`crate::optics`], [`crate::vision`] and [`crate::estimate`]; [`find`] looks one up.
 
 mod chart;
 mod color;
@@ -137,10 +137,12 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// Resolves `given` names and values against the parameters, and runs the experiment; `picture` is what it works on, where it works on one.
+    /// Resolves `given` names and values against the parameters, and runs the experiment; `picture` is what it works
+    /// on, where it works on one.
     ///
     /// # Errors
-    /// [`enum@Error`] for unknown parameters, values out of range, a missing picture, and what the experiment itself refuses.
+    /// [`enum@Error`] for unknown parameters, values out of range, a missing picture, and what the experiment itself
+    /// refuses.
     pub fn run(&self, given: &[(String, String)], picture: Option<&Picture>) -> Result<Report, Error> {
         let values = Values::resolve(self, given)?;
         match (self.run, picture) {

@@ -14,7 +14,8 @@ fn picture() -> Picture {
     Picture::from_fn(24, 16, |x, y| [x as f32 / 23.0, y as f32 / 15.0, 0.3])
 }
 
-/// Runs with the defaults: numbers are finite, curves have points, charts and tables are written, pictures are finite and not negative.
+/// Runs with the defaults: numbers are finite, curves have points, charts and tables are written, pictures are finite
+/// and not negative.
 #[test]
 fn every_experiment_runs_with_its_defaults() {
     for e in all() {
@@ -44,7 +45,8 @@ fn every_experiment_runs_with_its_defaults() {
     }
 }
 
-/// The ends of every range and every choice: a report or a message, never a panic, and no number that is not one. Counts are kept small.
+/// The ends of every range and every choice: a report or a message, never a panic, and no number that is not one.
+/// Counts are kept small.
 #[test]
 fn every_end_of_every_range_is_answered() {
     all().collect::<Vec<_>>().into_par_iter().for_each(|e| {

@@ -1,7 +1,7 @@
 //! Fraunhofer diffraction by a circular aperture: the Airy disc.
 //!
-//! `I(θ)/I(0) = (2 J₁(v)/v)²`, `v = π D sin θ / λ`; a share `1 − J₀² − J₁²` of the light is within `v` (Born, Wolf, *Principles of Optics*,
-//! §8.5.2).
+//! `I(θ)/I(0) = (2 J₁(v)/v)²`, `v = π D sin θ / λ`; a share `1 − J₀² − J₁²` of the light is within `v` (Born, Wolf,
+//! *Principles of Optics*, §8.5.2).
 
 use super::bessel::bessel_j;
 use crate::experiment::{

@@ -1,8 +1,8 @@
 //! The colour of the sun and of the sky: single scattering in air.
 //!
-//! Optical depth of air from sea level upwards: `τ(λ) = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴)`, λ in µm (Hansen, Travis 1974,
-//! eq. 2.30). Air thins exponentially with a scale height of 8.43 km around a globe of 6371 km; sunlight is attenuated on its way in and out and scattered
-//! once with Rayleigh's phase function `3/(16π) (1 + cos²θ)`.
+//! Optical depth of air from sea level upwards: `τ(λ) = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴)`, λ in µm (Hansen,
+//! Travis 1974, eq. 2.30). Air thins exponentially with a scale height of 8.43 km around a globe of 6371 km; sunlight
+//! is attenuated on its way in and out and scattered once with Rayleigh's phase function `3/(16π) (1 + cos²θ)`.
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
@@ -36,8 +36,8 @@ fn depth(nm: f64) -> f64 {
     0.008_569 * l2 * l2 * (1.0 + 0.0113 * l2 + 0.000_13 * l2 * l2)
 }
 
-/// Amount of air on the way from a point (km from the middle of the globe) in a direction, relative to that above sea level;
-/// `None` where the globe is in the way.
+/// Amount of air on the way from a point (km from the middle of the globe) in a direction, relative to that above sea
+/// level; `None` where the globe is in the way.
 fn air_mass(from: DVec3, direction: DVec3) -> Option<f64> {
     let b = from.dot(direction);
     let to_edge = |radius: f64| {
@@ -126,7 +126,8 @@ fn run(values: &Values) -> Result<Report, Error> {
         .with(Series::line("sunlight that arrives", wavelengths().zip(direct.iter().copied()).collect()))
         .with(Series::line("sky at the zenith", wavelengths().zip(zenith).collect())),
     );
-    // The sky as a fisheye lens sees it, the sun's side on the right; the sun itself is drawn ten times as wide as it is.
+    // The sky as a fisheye lens sees it, the sun's side on the right; the sun itself is drawn ten times as wide as it
+    // is.
     const EDGE: usize = 256;
     let gain = 12.0 * values.number("exposure").exp2();
     let disc = rgb_from_xyz_in_gamut(xyz(&direct) * 4.0);
@@ -151,8 +152,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M140: λ⁻⁴ with a little more from dispersion; τ at 550 nm is 0.0973 (Hansen, Travis); the zenith's air mass is 1, the horizon's
-    /// about 38 (Kasten, Young 1989, whose air is colder above).
+    /// M140: λ⁻⁴ with a little more from dispersion; τ at 550 nm is 0.0973 (Hansen, Travis); the zenith's air mass is
+    /// 1, the horizon's about 38 (Kasten, Young 1989, whose air is colder above).
     #[test]
     fn air_and_its_depth() {
         assert!((depth(550.0) - 0.0973).abs() < 5e-4, "{}", depth(550.0));

@@ -1,5 +1,6 @@
-//! Bessel functions of the first kind, by their integral `J_n(x) = 1/π ∫₀^π cos(nτ − x sin τ) dτ` (Abramowitz, Stegun, eq. 9.1.21).
-//! The integrand is smooth and periodic, so the trapezoidal rule converges faster than any power of the number of its points.
+//! Bessel functions of the first kind, by their integral `J_n(x) = 1/π ∫₀^π cos(nτ − x sin τ) dτ` (Abramowitz, Stegun,
+//! eq. 9.1.21). The integrand is smooth and periodic, so the trapezoidal rule converges faster than any power of the
+//! number of its points.
 
 use std::f64::consts::PI;
 

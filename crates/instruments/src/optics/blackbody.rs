@@ -1,4 +1,5 @@
-//! Thermal light: Planck's law, with Wien's and Stefan and Boltzmann's laws found again from it by search and quadrature, and its colour.
+//! Thermal light: Planck's law, with Wien's and Stefan and Boltzmann's laws found again from it by search and
+//! quadrature, and its colour.
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
@@ -105,7 +106,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M134, M135: Wien's 445.81 nm at 6500 K, σT⁴, and the chromaticity of the Planckian locus at 6500 K (0.3135, 0.3236).
+    /// M134, M135: Wien's 445.81 nm at 6500 K, σT⁴, and the chromaticity of the Planckian locus at 6500 K (0.3135,
+    /// 0.3236).
     #[test]
     fn the_laws_follow_from_plancks() {
         let report = EXPERIMENT.run(&[], None).unwrap();

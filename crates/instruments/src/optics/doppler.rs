@@ -1,6 +1,7 @@
-//! Light seen by a fast observer: the Doppler factor `D = 1/(γ (1 − β cos θ'))` by the angle θ' from the direction of motion as the observer sees it,
-//! aberration `cos θ' = (cos θ + β)/(1 + β cos θ)`, and radiance, which grows as `D⁴` (`D⁵` for each wavelength). A black body keeps Planck's
-//! spectrum at `D` times its temperature (Rybicki, Lightman, *Radiative Processes in Astrophysics*, §4.8 and §4.9).
+//! Light seen by a fast observer: the Doppler factor `D = 1/(γ (1 − β cos θ'))` by the angle θ' from the direction of
+//! motion as the observer sees it, aberration `cos θ' = (cos θ + β)/(1 + β cos θ)`, and radiance, which grows as `D⁴`
+//! (`D⁵` for each wavelength). A black body keeps Planck's spectrum at `D` times its temperature (Rybicki, Lightman,
+//! *Radiative Processes in Astrophysics*, §4.8 and §4.9).
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
@@ -59,7 +60,8 @@ fn run(values: &Values) -> Result<Report, Error> {
         .with(Series::line("Doppler factor", degrees().map(|t| (t, factor(beta, t.to_radians()))).collect()))
         .with(Series::line("radiance", degrees().map(|t| (t, factor(beta, t.to_radians()).powi(4))).collect())),
     );
-    // A sky of one temperature, with meridians and parallels of the frame at rest every 15°; the direction of motion in the middle.
+    // A sky of one temperature, with meridians and parallels of the frame at rest every 15°; the direction of motion in
+    // the middle.
     let kelvin = values.number("temperature");
     let color = |d: f64| -> DVec3 {
         (0..40)
@@ -105,8 +107,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M138: D = γ(1 − β cos θ) for the angle at rest (of light that comes towards the observer, with the sign turned), and both forms agree;
-    /// aberration and its inverse; the mean of D⁴ is γ²(1 + β²/3).
+    /// M138: D = γ(1 − β cos θ) for the angle at rest (of light that comes towards the observer, with the sign turned),
+    /// and both forms agree; aberration and its inverse; the mean of D⁴ is γ²(1 + β²/3).
     #[test]
     fn shift_aberration_and_mean() {
         for beta in [0.0, 0.1, 0.5, 0.99] {

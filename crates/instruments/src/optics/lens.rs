@@ -1,7 +1,8 @@
 //! A thin lens: circles of confusion, depth of field, near- and far-sighted eyes, and chromatic aberration.
 //!
-//! `1/f = 1/s + 1/s'`; a point at the distance `s` makes a disc of diameter `D |1/s' − 1/s'_sensor| s'_sensor` on a sensor at `s'_sensor`
-//! (Born, Wolf, *Principles of Optics*, §4.4). The power of a lens follows the index, `1/f ∝ n − 1`, so the focal lengths for two lines differ by `f/V`.
+//! `1/f = 1/s + 1/s'`; a point at the distance `s` makes a disc of diameter `D |1/s' − 1/s'_sensor| s'_sensor` on a
+//! sensor at `s'_sensor` (Born, Wolf, *Principles of Optics*, §4.4). The power of a lens follows the index,
+//! `1/f ∝ n − 1`, so the focal lengths for two lines differ by `f/V`.
 
 use super::refractive_index::{MEDIA, at_lines, index};
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
@@ -30,8 +31,8 @@ pub const EXPERIMENT: Experiment = Experiment {
     run: Run::Alone(run),
 };
 
-/// Diameter of the disc that a point makes: vergences in dioptres (1/m), the diameter of the lens in any unit of length.
-/// `power` is the lens's, `image` the vergence 1/s' of its sensor.
+/// Diameter of the disc that a point makes: vergences in dioptres (1/m), the diameter of the lens in any unit of
+/// length. `power` is the lens's, `image` the vergence 1/s' of its sensor.
 fn confusion(diameter: f64, power: f64, image: f64, object: f64) -> f64 {
     diameter * ((power - object) / image - 1.0).abs()
 }
@@ -113,7 +114,8 @@ mod tests {
         }
     }
 
-    /// An eye of −2 dpt that is relaxed (focus far away) sees sharply at half a metre; the colours' focal lengths differ by about f/V.
+    /// An eye of −2 dpt that is relaxed (focus far away) sees sharply at half a metre; the colours' focal lengths
+    /// differ by about f/V.
     #[test]
     fn near_sight_and_colours() {
         let eye = [("focal", "17"), ("focus", "1000000000"), ("error", "-2"), ("aperture", "4"), ("object", "0.5")];

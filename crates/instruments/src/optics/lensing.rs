@@ -1,6 +1,7 @@
-//! Weak gravitational lensing by a point mass: light that passes at the distance `b` is deflected by `4GM/(c² b)` (Einstein 1915), so that a source
-//! behind the mass is a ring of the angular radius `θ_E = √(4GM/c² · D_LS/(D_L D_S))`. A source at the angle β has two images,
-//! `θ = (β ± √(β² + 4θ_E²))/2` (Schneider, Ehlers, Falco, *Gravitational Lenses*, §2.1).
+//! Weak gravitational lensing by a point mass: light that passes at the distance `b` is deflected by `4GM/(c² b)`
+//! (Einstein 1915), so that a source behind the mass is a ring of the angular radius
+//! `θ_E = √(4GM/c² · D_LS/(D_L D_S))`. A source at the angle β has two images, `θ = (β ± √(β² + 4θ_E²))/2` (Schneider,
+//! Ehlers, Falco, *Gravitational Lenses*, §2.1).
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::spectra::blackbody::SPEED_OF_LIGHT;
@@ -100,8 +101,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M144: 1.75″ at the sun's limb; a ring of 0.98 mas for a star of the sun's mass half way to the bulge's 8 kpc (√(4GM/c² · 1/8 kpc));
-    /// an extended source behind the lens is magnified by √(1 + 4/ρ²) (Witt, Mao 1994).
+    /// M144: 1.75″ at the sun's limb; a ring of 0.98 mas for a star of the sun's mass half way to the bulge's 8 kpc
+    /// (√(4GM/c² · 1/8 kpc)); an extended source behind the lens is magnified by √(1 + 4/ρ²) (Witt, Mao 1994).
     #[test]
     fn rings_and_magnifications() {
         let r = EXPERIMENT

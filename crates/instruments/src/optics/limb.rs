@@ -1,8 +1,9 @@
 //! Discs of spheres: how bright they are from the middle to the limb.
 //!
-//! A sphere that emits as Lambert's law says is a flat disc, `L(μ) = 1`; the sun darkens towards its limb, `L(μ)/L(1) = 1 − u (1 − μ)` with `u ≈ 0.6`
-//! at 550 nm (Allen, *Astrophysical Quantities*); a Lambertian reflector lit from behind the observer falls off as `μ`, but dust as on
-//! the full moon (Lommel and Seeliger, `μ₀/(μ₀ + μ)` with `μ₀ = μ`) is flat.
+//! A sphere that emits as Lambert's law says is a flat disc, `L(μ) = 1`; the sun darkens towards its limb,
+//! `L(μ)/L(1) = 1 − u (1 − μ)` with `u ≈ 0.6` at 550 nm (Allen, *Astrophysical Quantities*); a Lambertian reflector lit
+//! from behind the observer falls off as `μ`, but dust as on the full moon (Lommel and Seeliger, `μ₀/(μ₀ + μ)` with
+//! `μ₀ = μ`) is flat.
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 

@@ -1,7 +1,8 @@
-//! Line spectra: what glowing gases emit, and what a cool gas takes out of white light by the law of Beer and Lambert, `exp(−τ)`.
+//! Line spectra: what glowing gases emit, and what a cool gas takes out of white light by the law of Beer and Lambert,
+//! `exp(−τ)`.
 //!
-//! Hydrogen's lines follow Rydberg's formula `1/λ = R (1/2² − 1/n²)`, corrected for the index of air; the others are strong lines of NIST's Atomic
-//! Spectra Database (air wavelengths, relative intensities).
+//! Hydrogen's lines follow Rydberg's formula `1/λ = R (1/2² − 1/n²)`, corrected for the index of air; the others are
+//! strong lines of NIST's Atomic Spectra Database (air wavelengths, relative intensities).
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,

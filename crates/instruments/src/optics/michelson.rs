@@ -1,5 +1,6 @@
-//! Michelson's interferometer: `I(d) = ½ ∫ S(λ) (1 + cos(4π d/λ)) dλ` over the displacement `d` of a mirror, relative to the light at `d = 0`
-//! (Born, Wolf, *Principles of Optics*, §7.5.8). Fringes repeat every half wavelength and fade over the coherence length `λ²/Δλ`.
+//! Michelson's interferometer: `I(d) = ½ ∫ S(λ) (1 + cos(4π d/λ)) dλ` over the displacement `d` of a mirror, relative
+//! to the light at `d = 0` (Born, Wolf, *Principles of Optics*, §7.5.8). Fringes repeat every half wavelength and fade
+//! over the coherence length `λ²/Δλ`.
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,

@@ -1,7 +1,8 @@
 //! Mirages: rays in air whose index changes with height.
 //!
-//! The ray equation `d/ds (n dr/ds) = ∇n` (Born, Wolf, *Principles of Optics*, eq. 3.2.2), by the classical Runge–Kutta method. Where the index depends on
-//! the height alone, `n cos α` (α the angle above the horizontal) is kept; in a linear gradient level rays are arcs of the radius `n/|∇n|`.
+//! The ray equation `d/ds (n dr/ds) = ∇n` (Born, Wolf, *Principles of Optics*, eq. 3.2.2), by the classical Runge–Kutta
+//! method. Where the index depends on the height alone, `n cos α` (α the angle above the horizontal) is kept; in a
+//! linear gradient level rays are arcs of the radius `n/|∇n|`.
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use glam::DVec2;
@@ -75,7 +76,8 @@ fn step(profile: Profile, (p, v): (DVec2, DVec2), h: f64) -> (DVec2, DVec2) {
     (p + (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (h / 6.0), v + (l1 + l2 * 2.0 + l3 * 2.0 + l4) * (h / 6.0))
 }
 
-/// A ray's places from a height at an angle above the horizontal, to a length or the ground, and the largest change of `n cos α`.
+/// A ray's places from a height at an angle above the horizontal, to a length or the ground, and the largest change of
+/// `n cos α`.
 fn trace(profile: Profile, height: f64, angle: f64, length: f64, steps: usize) -> (Vec<(f64, f64)>, f64) {
     let n = profile.at(height).0;
     let mut state = (DVec2::new(0.0, height), DVec2::new(angle.cos(), angle.sin()) * n);
@@ -146,7 +148,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M141: in a linear gradient a level ray is an arc of the radius n/|∇n| (a catenary of which the arc is the beginning).
+    /// M141: in a linear gradient a level ray is an arc of the radius n/|∇n| (a catenary of which the arc is the
+    /// beginning).
     #[test]
     fn level_rays_are_arcs_in_a_linear_gradient() {
         let profile = Profile::Linear { strength: -1e-4 };

@@ -1,8 +1,9 @@
 //! Fresnel diffraction: the light behind a screen at a finite distance, by its angular spectrum.
 //!
-//! The field just behind the screen is a sum of plane waves, each of which goes on with the phase `z √(k² − k_x² − k_y²)`; waves with
-//! `k_x² + k_y² > k²` are evanescent (Goodman, *Introduction to Fourier Optics*, §3.10). Two fast Fourier transforms do it. The window is
-//! periodic, so its edge is twice as wide as what is shown, and the phase is cut where it would alias (Matsushima, Shimobaba 2009, eq. 13).
+//! The field just behind the screen is a sum of plane waves, each of which goes on with the phase
+//! `z √(k² − k_x² − k_y²)`; waves with `k_x² + k_y² > k²` are evanescent (Goodman, *Introduction to Fourier Optics*,
+//! §3.10). Two fast Fourier transforms do it. The window is periodic, so its edge is twice as wide as what is shown,
+//! and the phase is cut where it would alias (Matsushima, Shimobaba 2009, eq. 13).
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, monochromatic,
@@ -31,8 +32,8 @@ pub const EXPERIMENT: Experiment = Experiment {
     run: Run::Alone(run),
 };
 
-/// What is behind the screen: relative intensities of the middle `n × n` of a `2n × 2n` window. The axis goes through the middle of pixel
-/// `(n/2, n/2)`.
+/// What is behind the screen: relative intensities of the middle `n × n` of a `2n × 2n` window. The axis goes through
+/// the middle of pixel `(n/2, n/2)`.
 fn intensities(shape: &str, size: f64, distance: f64, lambda: f64, view: f64, n: usize) -> Vec<f64> {
     let edge = 2 * n;
     let pixel = view / n as f64;
@@ -123,8 +124,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// On the axis behind a hole the intensity is 4 sin²(πa²/2λz) in Fresnel's approximation (Born, Wolf, §8.8). The rim is drawn by pixels,
-    /// which moves the Fresnel number by about a pixel over the radius times it.
+    /// On the axis behind a hole the intensity is 4 sin²(πa²/2λz) in Fresnel's approximation (Born, Wolf, §8.8). The
+    /// rim is drawn by pixels, which moves the Fresnel number by about a pixel over the radius times it.
     #[test]
     fn the_axis_behind_a_hole_is_dark_and_bright_by_turns() {
         let (radius, lambda, view, n) = (0.5e-3_f64, 633e-9, 3e-3, 256);
@@ -137,7 +138,8 @@ mod tests {
         }
     }
 
-    /// Poisson's spot: behind a disc the axis is as bright as without it. The edge of the geometric shadow of an edge has a quarter.
+    /// Poisson's spot: behind a disc the axis is as bright as without it. The edge of the geometric shadow of an edge
+    /// has a quarter.
     #[test]
     fn the_shadow_of_a_disc_has_a_bright_middle_and_that_of_an_edge_a_quarter() {
         let n = 512;
@@ -150,7 +152,8 @@ mod tests {
         assert!((at_edge - 0.25).abs() < 0.02, "{at_edge}");
     }
 
-    /// What passes the screen arrives, but for what is diffracted out of the window: `2/(π v)` of the light of a hole is beyond `v = k a θ`.
+    /// What passes the screen arrives, but for what is diffracted out of the window: `2/(π v)` of the light of a hole
+    /// is beyond `v = k a θ`.
     #[test]
     fn energy_is_kept() {
         let (n, radius, lambda, distance, view) = (256, 0.5e-3, 633e-9, 0.1, 4e-3);

@@ -1,6 +1,6 @@
-//! The photoelectric effect: electrons leave a metal only where a photon's energy exceeds its work function; the voltage that stops the fastest ones is
-//! `U = (hf − φ)/e` (Einstein 1905). Millikan's experiment finds `h` from the slope. Work functions: Michaelson, *J. Appl. Phys.* 48 (1977),
-//! polycrystalline.
+//! The photoelectric effect: electrons leave a metal only where a photon's energy exceeds its work function; the
+//! voltage that stops the fastest ones is `U = (hf − φ)/e` (Einstein 1905). Millikan's experiment finds `h` from the
+//! slope. Work functions: Michaelson, *J. Appl. Phys.* 48 (1977), polycrystalline.
 
 use super::photons::normal;
 use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
@@ -95,7 +95,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M137: no current below the threshold; the slope is h, exactly without noise and within four standard deviations with it.
+    /// M137: no current below the threshold; the slope is h, exactly without noise and within four standard deviations
+    /// with it.
     #[test]
     fn the_slope_is_plancks_constant() {
         let run = |given: &[(&str, &str)]| {

@@ -1,5 +1,6 @@
-//! Counting photons: `E = hf`, the light on a pixel as a number of photons for each exposure, and what a sensor makes of it: quantum
-//! efficiency, shot noise (Poisson), read noise (Gaussian), a full well and an analogue-to-digital converter (Janesick, *Photon Transfer*, 2007).
+//! Counting photons: `E = hf`, the light on a pixel as a number of photons for each exposure, and what a sensor makes
+//! of it: quantum efficiency, shot noise (Poisson), read noise (Gaussian), a full well and an analogue-to-digital
+//! converter (Janesick, *Photon Transfer*, 2007).
 
 use super::poisson::{ln_factorial, poisson, unit};
 use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};

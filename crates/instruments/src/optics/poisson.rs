@@ -7,7 +7,8 @@ pub fn unit(rng: &mut HashRng) -> f64 {
     ((rng.next_u64() >> 11) as f64 + 0.5) * (1.0 / 9_007_199_254_740_992.0)
 }
 
-/// A Poisson number of a mean (not negative): by multiplying up to a mean of 10, by Hörmann's transformed rejection (PTRS, 1993) above.
+/// A Poisson number of a mean (not negative): by multiplying up to a mean of 10, by Hörmann's transformed rejection
+/// (PTRS, 1993) above.
 pub fn poisson(mean: f64, rng: &mut HashRng) -> f64 {
     if mean < 10.0 {
         let limit = (-mean).exp();

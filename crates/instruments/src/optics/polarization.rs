@@ -1,6 +1,6 @@
-//! Polarisation: Fresnel's reflectances of light polarised perpendicular (s) and parallel (p) to the plane of incidence, Brewster's angle
-//! `tan θ_B = n₂/n₁`, the degree of polarisation of what is reflected, and Malus's law `I = I₀ cos² α` behind two polarisers
-//! (Born, Wolf, *Principles of Optics*, §1.5).
+//! Polarisation: Fresnel's reflectances of light polarised perpendicular (s) and parallel (p) to the plane of
+//! incidence, Brewster's angle `tan θ_B = n₂/n₁`, the degree of polarisation of what is reflected, and Malus's law
+//! `I = I₀ cos² α` behind two polarisers (Born, Wolf, *Principles of Optics*, §1.5).
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use steradian_math::minimum::golden_section;

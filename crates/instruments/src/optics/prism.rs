@@ -1,5 +1,5 @@
-//! A prism: deviation by angle of incidence, `δ = θ₁ + θ₂' − A` with Snell's law at both faces, and the minimum deviation, where
-//! `n = sin((A + δ)/2) / sin(A/2)` (Born, Wolf, *Principles of Optics*, §4.7.2).
+//! A prism: deviation by angle of incidence, `δ = θ₁ + θ₂' − A` with Snell's law at both faces, and the minimum
+//! deviation, where `n = sin((A + δ)/2) / sin(A/2)` (Born, Wolf, *Principles of Optics*, §4.7.2).
 
 use super::refractive_index::{MEDIA, index};
 use crate::experiment::{

@@ -1,9 +1,10 @@
 //! The rainbow: rays through drops of water.
 //!
-//! A ray that meets a drop at the angle `i` and is reflected `k` times inside is deviated by `2(i − r) + k(π − 2r)`, `sin i = n sin r`
-//! (Descartes 1637; van de Hulst, *Light Scattering by Small Particles*, §13.2). Where the deviation is stationary, rays crowd: the bow of order `k`.
-//! Rays are spread evenly over the drop's disc, lose light by Fresnel's formulae at each meeting with the surface, and are counted by angle; the
-//! disc of the sun blurs what they draw.
+//! A ray that meets a drop at the angle `i` and is reflected `k` times inside is deviated by `2(i − r) + k(π − 2r)`,
+//! `sin i = n sin r` (Descartes 1637; van de Hulst, *Light Scattering by Small Particles*, §13.2). Where the deviation
+//! is stationary, rays crowd: the bow of order `k`. Rays are spread evenly over the drop's disc, lose light by
+//! Fresnel's formulae at each meeting with the surface, and are counted by angle; the disc of the sun blurs what they
+//! draw.
 
 use super::refractive_index::index;
 use crate::experiment::{
@@ -49,8 +50,8 @@ fn share(b: f64, n: f64, k: u32) -> f64 {
     [s, p].iter().map(|f| (1.0 - f).powi(2) * f.powi(k as i32)).sum::<f64>() / 2.0
 }
 
-/// Angle in degrees from the point opposite to the sun under which the bow of order `k` appears: the stationary deviation, found by golden
-/// section.
+/// Angle in degrees from the point opposite to the sun under which the bow of order `k` appears: the stationary
+/// deviation, found by golden section.
 pub(super) fn bow(n: f64, k: u32) -> f64 {
     let stationary = golden_section(|offset| deviation(offset, n, k), 0.0, 1.0);
     antisolar(deviation(stationary, n, k)).to_degrees()
@@ -63,8 +64,8 @@ fn antisolar(deviation: f64) -> f64 {
 
 const BINS: usize = 3600;
 
-/// Light per steradian by angle from the point opposite to the sun (bins of 1/20°), of both bows and of light reflected outside, for
-/// unit light on the disc of the drop.
+/// Light per steradian by angle from the point opposite to the sun (bins of 1/20°), of both bows and of light reflected
+/// outside, for unit light on the disc of the drop.
 fn by_angle(n: f64, sun: f64) -> Vec<f64> {
     let mut light = vec![0.0; BINS];
     const RAYS: u32 = 20_000;
@@ -153,7 +154,8 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M129: closed forms of Descartes: cos²i = (n² − 1)/(k(k + 2)). Red of the primary bow is at 42.4°, the secondary's at 50.4°.
+    /// M129: closed forms of Descartes: cos²i = (n² − 1)/(k(k + 2)). Red of the primary bow is at 42.4°, the
+    /// secondary's at 50.4°.
     #[test]
     fn bows_are_where_descartes_has_them() {
         for n in [1.331, 1.343, 1.5] {

@@ -5,10 +5,11 @@ use steradian_math::spectra::dispersion::{Dispersion, FRAUNHOFER};
 /// The names of media.
 pub const MEDIA: &[&str] = &["bk7", "sf11", "fused-silica", "diamond", "water", "custom"];
 
-/// The index by wavelength of a medium in [`MEDIA`]; `custom` has the index `n_d` at the d line and the Abbe number `abbe`.
+/// The index by wavelength of a medium in [`MEDIA`]; `custom` has the index `n_d` at the d line and the Abbe number
+/// `abbe`.
 ///
-/// Sellmeier's constants: SCHOTT's data sheets (N-BK7, N-SF11); Malitson 1965 (fused silica); Peter 1923 (diamond, two terms);
-/// Daimon, Masumura 2007 (water of 20 °C, the three terms that act in the visible).
+/// Sellmeier's constants: SCHOTT's data sheets (N-BK7, N-SF11); Malitson 1965 (fused silica); Peter 1923 (diamond, two
+/// terms); Daimon, Masumura 2007 (water of 20 °C, the three terms that act in the visible).
 pub fn index(medium: &str, n_d: f64, abbe: f64) -> Dispersion {
     match medium {
         "bk7" => Dispersion::Sellmeier([
@@ -36,8 +37,8 @@ pub fn index(medium: &str, n_d: f64, abbe: f64) -> Dispersion {
     }
 }
 
-/// The two ultraviolet poles of water (0.005101829712 and 0.01821153936 µm²) as one at their weighted mean: n differs by less than 3e-4
-/// between 380 and 780 nm.
+/// The two ultraviolet poles of water (0.005101829712 and 0.01821153936 µm²) as one at their weighted mean: n differs
+/// by less than 3e-4 between 380 and 780 nm.
 const WATER_POLE: f64 =
     (5.684_027_565e-1 * 5.101_829_712e-3 + 1.726_177_391e-1 * 1.821_153_936e-2) / (5.684_027_565e-1 + 1.726_177_391e-1);
 
@@ -50,7 +51,8 @@ pub fn at_lines(d: &Dispersion) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// M129: catalogue values of n_d and V_d. Water: 1.3330 against air at the D lines is 1.3334 against vacuum (IAPWS 1997).
+    /// M129: catalogue values of n_d and V_d. Water: 1.3330 against air at the D lines is 1.3334 against vacuum (IAPWS
+    /// 1997).
     #[test]
     fn media_have_their_published_index_and_abbe_number() {
         for (medium, n, v, (dn, dv)) in [

@@ -1,7 +1,7 @@
 //! Fraunhofer diffraction by equal parallel slits.
 //!
-//! `I(θ)/I(0) = (sin β / β)² (sin Nγ / (N sin γ))²` with `β = π a sin θ / λ`, `γ = π d sin θ / λ` for `N` slits of width `a` at the spacing `d`
-//! (Born, Wolf, *Principles of Optics*, §8.5.2 and §8.6.1).
+//! `I(θ)/I(0) = (sin β / β)² (sin Nγ / (N sin γ))²` with `β = π a sin θ / λ`, `γ = π d sin θ / λ` for `N` slits of
+//! width `a` at the spacing `d` (Born, Wolf, *Principles of Optics*, §8.5.2 and §8.6.1).
 
 use crate::experiment::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, monochromatic,

@@ -1,5 +1,5 @@
-//! Chromaticity diagrams: CIE 1931 `(x, y)` and CIE 1976 `u' = 4x/(−2x + 12y + 3)`, `v' = 9y/(−2x + 12y + 3)` (CIE 15:2004, §8.1), with the spectral
-//! locus, the black bodies, gamuts of RGB spaces, and MacAdam's ellipses.
+//! Chromaticity diagrams: CIE 1931 `(x, y)` and CIE 1976 `u' = 4x/(−2x + 12y + 3)`, `v' = 9y/(−2x + 12y + 3)` (CIE
+//! 15:2004, §8.1), with the spectral locus, the black bodies, gamuts of RGB spaces, and MacAdam's ellipses.
 
 use super::macadam::{ELLIPSES, outline};
 use crate::experiment::{
@@ -57,7 +57,8 @@ fn black_body(kelvin: f64) -> (f64, f64) {
         .sum())
 }
 
-/// The outline of all chromaticities: the spectrum from 390 to 700 nm, closed by the line of purples. Beyond, it turns back by the noise of the tables.
+/// The outline of all chromaticities: the spectrum from 390 to 700 nm, closed by the line of purples. Beyond, it turns
+/// back by the noise of the tables.
 fn locus() -> Vec<(f64, f64)> {
     (390..=700).map(|nm| spectral(f64::from(nm))).chain([spectral(390.0)]).collect()
 }
@@ -73,7 +74,8 @@ fn is_inside(outline: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
         == 1
 }
 
-/// The temperature whose black body is nearest in the 1960 diagram, `(u', 2v'/3)`: the correlated colour temperature (CIE 15:2004, §9.5).
+/// The temperature whose black body is nearest in the 1960 diagram, `(u', 2v'/3)`: the correlated colour temperature
+/// (CIE 15:2004, §9.5).
 fn correlated_temperature(at: (f64, f64)) -> (f64, f64) {
     let uv60 = |p: (f64, f64)| {
         let (u, v) = uv_from_xy(p);
@@ -90,7 +92,8 @@ fn correlated_temperature(at: (f64, f64)) -> (f64, f64) {
     (1e6 / mired, distance(mired))
 }
 
-/// Where the line from white D65 through a chromaticity meets the spectrum: the dominant wavelength, or `None` at purples.
+/// Where the line from white D65 through a chromaticity meets the spectrum: the dominant wavelength, or `None` at
+/// purples.
 fn dominant_wavelength(at: (f64, f64)) -> Option<f64> {
     let white = (0.3127, 0.3290);
     let d = (at.0 - white.0, at.1 - white.1);
@@ -189,7 +192,8 @@ fn area(outline: &[(f64, f64)]) -> f64 {
 mod tests {
     use super::*;
 
-    /// M118, M135: D65 has 6504 K, u' = 0.1978, v' = 0.4683 (CIE 15); sRGB takes 33 % of the 1976 diagram; red of 620 nm is told as such.
+    /// M118, M135: D65 has 6504 K, u' = 0.1978, v' = 0.4683 (CIE 15); sRGB takes 33 % of the 1976 diagram; red of 620
+    /// nm is told as such.
     #[test]
     fn whites_gamuts_and_wavelengths() {
         let r = EXPERIMENT.run(&[], None).unwrap();

@@ -1,7 +1,8 @@
 //! Cones and opponent channels of a picture.
 //!
-//! Cone responses are Hunt, Pointer and Estévez's, scaled so that white (D65) excites all three by one. From them: the achromatic channel `A`, red
-//! against green `L − M`, blue against yellow `S − (L + M)/2`, all zero in colour for greys.
+//! Cone responses are Hunt, Pointer and Estévez's, scaled so that white (D65) excites all three by one. From them: the
+//! achromatic channel `A`, red against green `L − M`, blue against yellow `S − (L + M)/2`, all zero in colour for
+//! greys.
 
 use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::{DMat3, DVec3};

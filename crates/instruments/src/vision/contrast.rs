@@ -1,5 +1,6 @@
-//! Contrast sensitivity: `A(f) = 2.6 (0.0192 + 0.114 f) e^{−(0.114 f)^{1.1}}`, `f` in cycles per degree (Mannos, Sakrison 1974, eq. 5.3), and the chart of
-//! Campbell and Robson, whose frequency grows to the right and whose contrast falls upwards: where its stripes vanish is one's own curve.
+//! Contrast sensitivity: `A(f) = 2.6 (0.0192 + 0.114 f) e^{−(0.114 f)^{1.1}}`, `f` in cycles per degree (Mannos,
+//! Sakrison 1974, eq. 5.3), and the chart of Campbell and Robson, whose frequency grows to the right and whose contrast
+//! falls upwards: where its stripes vanish is one's own curve.
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 use std::f64::consts::TAU;

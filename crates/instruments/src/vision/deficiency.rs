@@ -1,10 +1,11 @@
 //! Pictures as people with a colour vision deficiency see them.
 //!
-//! A dichromat lacks a kind of cones, and colours that differ in that cone's response alone look equal. Which of them is seen is known from people with one
-//! such eye: greys stay, and for protanopes and deuteranopes so do 475 and 575 nm, for tritanopes 485 and 660 nm. Brettel, Viénot and Mollon 1997 project
-//! along the missing cone's axis on two half-planes through white and these; Viénot, Brettel and Mollon 1999 on one plane through white, blue and yellow of the
-//! display. Machado, Oliveira and Fernandes 2009 shift the spectral sensitivity of anomalous cones, so that severities between are theirs; for the
-//! other two they are mixed linearly.
+//! A dichromat lacks a kind of cones, and colours that differ in that cone's response alone look equal. Which of them
+//! is seen is known from people with one such eye: greys stay, and for protanopes and deuteranopes so do 475 and 575
+//! nm, for tritanopes 485 and 660 nm. Brettel, Viénot and Mollon 1997 project along the missing cone's axis on two
+//! half-planes through white and these; Viénot, Brettel and Mollon 1999 on one plane through white, blue and yellow of
+//! the display. Machado, Oliveira and Fernandes 2009 shift the spectral sensitivity of anomalous cones, so that
+//! severities between are theirs; for the other two they are mixed linearly.
 
 use super::{cones::lms_from_rgb, machado};
 use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
@@ -85,7 +86,8 @@ fn run(values: &Values, picture: &Picture) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M120: colours on a confusion line look equal to a dichromat; greys stay; what is seen once stays when seen again.
+    /// M120: colours on a confusion line look equal to a dichromat; greys stay; what is seen once stays when seen
+    /// again.
     #[test]
     fn confusion_lines_collapse() {
         for (cone, model) in [(0, "brettel"), (1, "brettel"), (2, "brettel"), (0, "vienot"), (1, "vienot")] {
@@ -107,7 +109,8 @@ mod tests {
         }
     }
 
-    /// Red and green, told apart easily, come together for protanopes and deuteranopes, not for tritanopes; severity 0 changes nothing.
+    /// Red and green, told apart easily, come together for protanopes and deuteranopes, not for tritanopes; severity 0
+    /// changes nothing.
     #[test]
     fn red_and_green_come_together() {
         let picture = Picture { width: 2, height: 1, rgb: vec![[0.6, 0.25, 0.1], [0.25, 0.35, 0.1]] };

@@ -1,5 +1,6 @@
-//! Flicker and motion: an exposure of length `T` averages light over time, so a flicker of frequency `f` keeps `|sin(π f T)/(π f T)|` of its
-//! contrast; the eye fuses what is above a frequency that grows with the logarithm of the light (Ferry 1892, Porter 1902).
+//! Flicker and motion: an exposure of length `T` averages light over time, so a flicker of frequency `f` keeps
+//! `|sin(π f T)/(π f T)|` of its contrast; the eye fuses what is above a frequency that grows with the logarithm of the
+//! light (Ferry 1892, Porter 1902).
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
 use std::f64::consts::{PI, TAU};

@@ -1,8 +1,8 @@
 //! Glare: the point-spread function of an aperture, laid over a picture.
 //!
-//! Light of a point spreads as `|F(p/λ)|²`, the squared Fourier transform of the aperture (Fraunhofer; Ritschel et al. 2009 for the eye). The pattern scales with the
-//! wavelength: it is computed once and resampled for each of twelve wavelengths, which colours its streaks. It sums to one, so a picture keeps its light up
-//! to what leaves the frame.
+//! Light of a point spreads as `|F(p/λ)|²`, the squared Fourier transform of the aperture (Fraunhofer; Ritschel et al.
+//! 2009 for the eye). The pattern scales with the wavelength: it is computed once and resampled for each of twelve
+//! wavelengths, which colours its streaks. It sums to one, so a picture keeps its light up to what leaves the frame.
 
 use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values, rgb_from_xyz_in_gamut};
 use glam::DVec3;
@@ -203,7 +203,8 @@ fn encircled(v: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// M133: a point in the middle keeps its light; a round aperture's disc holds what Airy's formula says; six blades make six streaks.
+    /// M133: a point in the middle keeps its light; a round aperture's disc holds what Airy's formula says; six blades
+    /// make six streaks.
     #[test]
     fn a_point_becomes_the_pattern_of_its_aperture() {
         let mut point = Picture::from_fn(129, 97, |_, _| [0.0; 3]);

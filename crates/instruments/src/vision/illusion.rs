@@ -1,5 +1,5 @@
-//! Pictures that the eye misreads, and what on-centre cells make of them: Mach bands, Hermann's grid, Cornsweet's edge, simultaneous contrast, Chevreul's
-//! steps.
+//! Pictures that the eye misreads, and what on-centre cells make of them: Mach bands, Hermann's grid, Cornsweet's edge,
+//! simultaneous contrast, Chevreul's steps.
 
 use super::receptive_field::Plane;
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
@@ -97,7 +97,8 @@ mod tests {
         EXPERIMENT.run(&[("pattern".to_owned(), pattern.to_owned())], None).unwrap()
     }
 
-    /// M121: the bands are at the ends of the ramp; crossings answer less than streets (and look darker); the patch on dark answers more.
+    /// M121: the bands are at the ends of the ramp; crossings answer less than streets (and look darker); the patch on
+    /// dark answers more.
     #[test]
     fn the_retina_sees_what_people_see() {
         let mach = run_with("mach");

@@ -1,5 +1,5 @@
-//! MacAdam's 25 ellipses: standard deviations of matches of one observer (MacAdam, *J. Opt. Soc. Am.* 32, 1942, table III; as in Wyszecki, Stiles,
-//! *Color Science*, table I(5.4.1)).
+//! MacAdam's 25 ellipses: standard deviations of matches of one observer (MacAdam, *J. Opt. Soc. Am.* 32, 1942, table
+//! III; as in Wyszecki, Stiles, *Color Science*, table I(5.4.1)).
 
 /// Centre `x`, `y`, semi-axes `10³ a`, `10³ b`, and the angle of `a` from the x axis in degrees.
 pub const ELLIPSES: [[f64; 5]; 25] = [

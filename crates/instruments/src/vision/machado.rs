@@ -1,9 +1,10 @@
-//! Machado, Oliveira and Fernandes's matrices for anomalous colour vision (*IEEE Trans. Vis. Comput. Graph.* 15, 2009, supplementary table): linear RGB to
-//! what is seen, for severities 0, 0.1, …, 1.
+//! Machado, Oliveira and Fernandes's matrices for anomalous colour vision (*IEEE Trans. Vis. Comput. Graph.* 15, 2009,
+//! supplementary table): linear RGB to what is seen, for severities 0, 0.1, …, 1.
 
 use glam::{DMat3, DVec3};
 
-/// A colour as it is seen with a deficiency of the L (0), M (1) or S (2) cones of some severity in [0, 1], between the tabulated ones linear.
+/// A colour as it is seen with a deficiency of the L (0), M (1) or S (2) cones of some severity in [0, 1], between the
+/// tabulated ones linear.
 pub fn simulate(cone: usize, severity: f64, rgb: DVec3) -> DVec3 {
     let table = [&PROTAN, &DEUTAN, &TRITAN][cone.min(2)];
     let at = severity.clamp(0.0, 1.0) * 10.0;

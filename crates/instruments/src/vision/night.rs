@@ -1,7 +1,8 @@
 //! A picture as it looks in dim light: rods take over from cones, colours fade, and everything turns bluish.
 //!
-//! Scotopic luminance from XYZ, `V = Y (1.33 (1 + (Y + Z)/X) − 1.68)` (Larson, Rushmeier, Piatko 1997, eq. 10), and a bluish grey of `(x, y) = (0.25, 0.25)` in
-//! its place (Jensen et al. 2000), mixed by how far light has fallen from 10^0.6 to 0.01 cd/m² (Ferwerda et al. 1996 give these ends of mesopic vision).
+//! Scotopic luminance from XYZ, `V = Y (1.33 (1 + (Y + Z)/X) − 1.68)` (Larson, Rushmeier, Piatko 1997, eq. 10), and a
+//! bluish grey of `(x, y) = (0.25, 0.25)` in its place (Jensen et al. 2000), mixed by how far light has fallen from
+//! 10^0.6 to 0.01 cd/m² (Ferwerda et al. 1996 give these ends of mesopic vision).
 
 use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::DVec3;
@@ -56,7 +57,8 @@ mod tests {
         ["R", "G", "B"].map(|c| image.channel(c).unwrap()[0])
     }
 
-    /// By day nothing changes; at night red is darker than a blue of equal luminance (Purkinje), and without the bluish tint all is grey.
+    /// By day nothing changes; at night red is darker than a blue of equal luminance (Purkinje), and without the bluish
+    /// tint all is grey.
     #[test]
     fn reds_darken_at_night() {
         let red = [0.5, 0.05, 0.05];

@@ -1,7 +1,8 @@
-//! Receptive fields of the retina: a centre against its surround, as a difference of Gaussians (Rodieck 1965), and the discrete Laplacian kernels.
+//! Receptive fields of the retina: a centre against its surround, as a difference of Gaussians (Rodieck 1965), and the
+//! discrete Laplacian kernels.
 //!
-//! Kernels sum to zero, so even areas give no response; edges give the over- and undershoot that is seen as Mach bands. Beyond its edges a picture goes on
-//! as its last pixels.
+//! Kernels sum to zero, so even areas give no response; edges give the over- and undershoot that is seen as Mach bands.
+//! Beyond its edges a picture goes on as its last pixels.
 
 use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::color;
@@ -121,8 +122,8 @@ fn run(values: &Values, picture: &Picture) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M121: an even picture gives nothing; a step gives a positive and a negative lobe, odd about the step, of the closed form of two error functions;
-    /// a parabola has the Laplacian 2 along it, 6 with the diagonal neighbours.
+    /// M121: an even picture gives nothing; a step gives a positive and a negative lobe, odd about the step, of the
+    /// closed form of two error functions; a parabola has the Laplacian 2 along it, 6 with the diagonal neighbours.
     #[test]
     fn even_areas_are_silent_and_steps_are_not() {
         let even = Picture::from_fn(40, 30, |_, _| [0.3; 3]);

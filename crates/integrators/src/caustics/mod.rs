@@ -1,15 +1,16 @@
-//! Where light comes from after mirrors and glass: photons that find it, and the drawing of directions by them (Jensen 1995, "Importance
-//! Driven Path Tracing Using the Photon Map").
+//! Where light comes from after mirrors and glass: photons that find it, and the drawing of directions by them (Jensen
+//! 1995, "Importance Driven Path Tracing Using the Photon Map").
 //!
-//! A path tracer finds light behind a lens or in a mirror by chance alone: no light sample passes there. So before a session a number of
-//! photons are sent from the lights towards everything that may focus light, and where they then land on other surfaces is kept, with the
-//! point q that they came from last. At a point x of a surface near them, directions are drawn with the density
+//! A path tracer finds light behind a lens or in a mirror by chance alone: no light sample passes there. So before a
+//! session a number of photons are sent from the lights towards everything that may focus light, and where they then
+//! land on other surfaces is kept, with the point q that they came from last. At a point x of a surface near them,
+//! directions are drawn with the density
 //!
 //! `p(ω) = (1 − s) p_bsdf(ω) + s Σ_i w_i K(ω, q_i − x)`
 //!
-//! over the photons i of its neighbourhood, with kernels K as wide as the photons lie apart and a share s by how much light
-//! they bring. Values divided by this density are right whatever the photons are, so these need neither be many nor exact: they decide about
-//! the error, not about the mean.
+//! over the photons i of its neighbourhood, with kernels K as wide as the photons lie apart and a share s by how much
+//! light they bring. Values divided by this density are right whatever the photons are, so these need neither be many
+//! nor exact: they decide about the error, not about the mean.
 
 mod photons;
 pub(crate) mod trial;
@@ -44,7 +45,8 @@ pub struct Caustics {
     cells: Cells,
 }
 
-/// A node of the k-d tree: the axis and the place of the split, and the second child (the first one follows); or a leaf.
+/// A node of the k-d tree: the axis and the place of the split, and the second child (the first one follows); or a
+/// leaf.
 #[derive(Clone, Copy, Debug)]
 enum Node {
     Split {
@@ -73,16 +75,16 @@ pub(crate) struct Leaf {
     sums: [f32; LANES],
 }
 
-/// A direction drawn by the surface or by photons. The density that the sample states is that of the surface alone, which other techniques
-/// are held against; its weight has that of both.
+/// A direction drawn by the surface or by photons. The density that the sample states is that of the surface alone,
+/// which other techniques are held against; its weight has that of both.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Draw {
+pub(crate) struct GuidedDirection {
     pub sample: BsdfSample,
     /// The density by the surface over that by both.
     pub ratio: f32,
 }
 
-impl Draw {
+impl GuidedDirection {
     #[inline]
     pub fn by_surface(sample: BsdfSample) -> Self {
         Self { sample, ratio: 1.0 }
@@ -153,10 +155,10 @@ impl Caustics {
         scattering: &Scattering<'_>,
         u: f32,
         u2: Vec2,
-    ) -> Option<Draw> {
+    ) -> Option<GuidedDirection> {
         let mode = TransportMode::Radiance;
         let Some(leaf) = is_receiver(&scattering.bsdf).then(|| self.leaf(p)).flatten() else {
-            return scattering.sample(wo, u, u2, mode).map(Draw::by_surface);
+            return scattering.sample(wo, u, u2, mode).map(GuidedDirection::by_surface);
         };
         let share = leaf.share;
         if u < share {
@@ -169,7 +171,7 @@ impl Caustics {
             let pdf = e.pdf + share * (leaf.pdf(p, w) - e.pdf);
             let side = if wi.z * wo.z > 0.0 { Lobe::REFLECTION } else { Lobe::TRANSMISSION };
             let sample = BsdfSample { wi, weight: e.value / pdf, pdf: e.pdf, lobe: side.with(Lobe::GLOSSY), eta: 1.0 };
-            return Some(Draw { sample, ratio: e.pdf / pdf });
+            return Some(GuidedDirection { sample, ratio: e.pdf / pdf });
         }
         let s = scattering.sample(wo, (u - share) / (1.0 - share), u2, mode)?;
         let ratio = if s.lobe.is_specular() {
@@ -177,7 +179,7 @@ impl Caustics {
         } else {
             s.pdf / (s.pdf + share * (leaf.pdf(p, frame.to_world(s.wi)) - s.pdf))
         };
-        Some(Draw { sample: BsdfSample { weight: s.weight * ratio, ..s }, ratio })
+        Some(GuidedDirection { sample: BsdfSample { weight: s.weight * ratio, ..s }, ratio })
     }
 }
 
@@ -251,8 +253,8 @@ impl Leaf {
             scale: [0.0; LANES],
             sums: [1.0; LANES],
         };
-        // Seen from another point of the neighbourhood a photon came from the same place on the last mirror, from the same image of the
-        // light behind it, or out of the same direction: whatever brings them closest together.
+        // Seen from another point of the neighbourhood a photon came from the same place on the last mirror, from the
+        // same image of the light behind it, or out of the same direction: whatever brings them closest together.
         let centre = bounds.center();
         let aims: [&dyn Fn(&Photon) -> Vec3; 3] = [
             &|photon| photon.q,

@@ -25,7 +25,8 @@ const FOCUSED: f32 = 2.0;
 const BROAD: f32 = 0.25;
 /// How often a photon lands.
 const LANDINGS: usize = 3;
-/// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that the photons add to.
+/// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that
+/// the photons add to.
 const OTHER: (f32, f32) = (0.75, 0.025);
 /// The share of the mean of that light that counts everywhere: what was not estimated.
 const AMBIENT: f32 = 0.05;
@@ -41,7 +42,8 @@ pub(super) struct Photon {
     pub length: f32,
     /// What it carries (luminance).
     pub power: f32,
-    /// An estimate of the irradiance there that the surface's own sampling has to find, and some of that from light samples.
+    /// An estimate of the irradiance there that the surface's own sampling has to find, and some of that from light
+    /// samples.
     pub other: f32,
 }
 

@@ -1,12 +1,14 @@
-//! Whether photons pay: a few paths whose directions they helped to draw tell how much pixels vary, and how much they would without.
+//! Whether photons pay: a few paths whose directions they helped to draw tell how much pixels vary, and how much they
+//! would without.
 //!
-//! Where a path brings contributions `c_k` by directions of which the surfaces alone have the share `r_k` of the density so far, it would bring
-//! `c_k / r_k` without photons, `r_k` times as often. So its square would be `Σ_k c_k (c_k / r_k + 2 Σ_{j<k} c_j / r_j)` in the mean. All of it counts, also
-//! what is so bright and rare that a picture of usual length does not find it: this is what photons are for.
+//! Where a path brings contributions `c_k` by directions of which the surfaces alone have the share `r_k` of the
+//! density so far, it would bring `c_k / r_k` without photons, `r_k` times as often. So its square would be
+//! `Σ_k c_k (c_k / r_k + 2 Σ_{j<k} c_j / r_j)` in the mean. All of it counts, also what is so bright and rare that a
+//! picture of usual length does not find it: this is what photons are for.
 
 use crate::{
-    Counters, Depth, Survey, dimension,
-    walk::{Arrival, Leg, arrive, escape},
+    Counters, Depth, Precomputed, dimension,
+    walk::{Arrival, PathState, arrive, escape},
 };
 use rayon::prelude::*;
 use steradian_core::{
@@ -26,20 +28,21 @@ const MISSED: f64 = 0.02;
 /// Added to squares of pixels, to which errors are relative.
 const FLOOR: f64 = crate::adaptive::FLOOR;
 
-/// What a path brought: luminances, each with the density of the directions before it by surfaces alone over that with photons.
+/// What a path brought: luminances, each with the density of the directions before it by surfaces alone over that with
+/// photons.
 type Contributions = Vec<(f64, f64)>;
 
 /// What the trial came to.
 pub(crate) struct Outcome {
     /// By how much the photons lower the variance of the picture's samples.
     pub gain: f64,
-    /// How often one path without photons brings one of the brightest contributions, so many of which are taken together that they carry a
-    /// fiftieth of the light; `None` where photons do not lead to these.
+    /// How often one path without photons brings one of the brightest contributions, so many of which are taken
+    /// together that they carry a fiftieth of the light; `None` where photons do not lead to these.
     pub rarest: Option<f64>,
 }
 
-/// What the photons of `survey` are good for.
-pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, survey: &Survey, depth: &Depth) -> Outcome {
+/// What the photons of `precomputed` are good for.
+pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, precomputed: &Precomputed, depth: &Depth) -> Outcome {
     let cells = [scene.film.width, scene.film.height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
     let count = PATHS.max(FEWEST_PATHS / (cells[0] * cells[1])).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 1 };
@@ -47,7 +50,8 @@ pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, survey: &Survey, depth: &D
         .into_par_iter()
         .map(|cell| {
             let at = [cell % cells[0], cell / cells[0]];
-            let path = |index| trace::<MEDIA>(scene, survey, depth, at, cells, &sampler.pixel(at[0], at[1], index));
+            let path =
+                |index| trace::<MEDIA>(scene, precomputed, depth, at, cells, &sampler.pixel(at[0], at[1], index));
             (0..count).map(path).collect()
         })
         .collect();
@@ -102,7 +106,7 @@ fn rarest(cells: &[Vec<Contributions>]) -> Option<f64> {
 /// Follows a path from the camera.
 fn trace<const MEDIA: bool>(
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     depth: &Depth,
     at: [u32; 2],
     cells: [u32; 2],
@@ -115,15 +119,17 @@ fn trace<const MEDIA: bool>(
     let place = Vec2::new(place(0, film.width), place(1, film.height));
     let ray = scene.camera.ray(film, place, sampler.get_2d(dimension::LENS));
     let luminance = |s: Spectrum, lambda: &Wavelengths| f64::from(scene.mode.luminance(s, lambda) * film.imaging_ratio);
-    let counters = &mut Counters::until(&survey.stop);
-    let mut leg = Leg::camera(scene, ray);
+    let counters = &mut Counters::until(&precomputed.stop);
+    let mut path_state = PathState::camera(scene, ray);
     let (mut found, mut ratio, mut arrival) = (Contributions::new(), 1.0, Arrival::End);
     loop {
         let mut light = Spectrum::ZERO;
-        arrive::<MEDIA>(scene, &mut leg, &mut light, depth, sampler, &mut lambda, counters, &mut arrival);
+        arrive::<MEDIA>(scene, &mut path_state, &mut light, depth, sampler, &mut lambda, counters, &mut arrival);
         match &arrival {
-            Arrival::Escaped => escape(scene, &leg, &mut light, depth, &lambda),
-            Arrival::Vertex(v) => light += leg.beta * v.direct::<MEDIA>(scene, leg.events, sampler, &lambda, counters),
+            Arrival::Escaped => escape(scene, &path_state, &mut light, depth, &lambda),
+            Arrival::Vertex(v) => {
+                light += path_state.beta * v.direct::<MEDIA>(scene, path_state.events, sampler, &lambda, counters)
+            }
             Arrival::End => {}
         }
         let light = luminance(light, &lambda);
@@ -131,10 +137,10 @@ fn trace<const MEDIA: bool>(
             found.push((light, ratio));
         }
         let Arrival::Vertex(v) = &arrival else { return found };
-        let Some(draw) = v.sample(&leg, sampler, survey) else { return found };
+        let Some(draw) = v.sample(&path_state, sampler, precomputed) else { return found };
         ratio *= f64::from(draw.ratio);
-        leg.turn::<MEDIA>(scene, v, &draw);
-        if !(leg.survives(depth, sampler, &lambda) && leg.beta.is_finite() && ratio > 0.0) {
+        path_state.turn::<MEDIA>(scene, v, &draw);
+        if !(path_state.survives(depth, sampler, &lambda) && path_state.beta.is_finite() && ratio > 0.0) {
             return found;
         }
     }
@@ -145,8 +151,9 @@ mod tests {
     use super::*;
     use steradian_math::hash::{combine32, unit_f32};
 
-    /// Paths of up to two decisions for one of two directions, which bring light of their own each time: those of a mixture tell the variance
-    /// of those without, and their own. 5σ of the 30 parts, which are compared among themselves.
+    /// Paths of up to two decisions for one of two directions, which bring light of their own each time: those of a
+    /// mixture tell the variance of those without, and their own. 5σ of the 30 parts, which are compared among
+    /// themselves.
     #[test]
     fn a_mixture_tells_the_variance_without() {
         // Light and probability, alone and in the mixture, of the first direction.

@@ -1,27 +1,29 @@
 //! Effort by vertex: efficiency-aware Russian roulette and splitting.
 //!
-//! A path reaches a vertex with the weight `w`, what it carries over the brightness of its pixel. What a path brings from there has the second moment
-//! `M`, the variance `V` and the cost `C`, in rays. If on average `q` paths go on, they contribute `w² M/q` to the squares of a sample (`w² V/q` where
-//! `q > 1`) and `q C` to its cost; the product of the sample's variance `V₀` and cost `C₀` is least with
+//! A path reaches a vertex with the weight `w`, what it carries over the brightness of its pixel. What a path brings
+//! from there has the second moment `M`, the variance `V` and the cost `C`, in rays. If on average `q` paths go on,
+//! they contribute `w² M/q` to the squares of a sample (`w² V/q` where `q > 1`) and `q C` to its cost; the product of
+//! the sample's variance `V₀` and cost `C₀` is least with
 //!
 //! `q = w √(M/C) √(C₀/V₀)` if that is less than one, `q = w √(V/C) √(C₀/V₀)` if that is more, else `q = 1`
 //!
-//! (Rath, Grittmann, Herholz, Weier, Slusallek 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting", ACM TOG 41(4), sec. 4). Paths that
-//! are no part of the picture tell `M`, `V` and `C` beforehand, in cells by position and normal. These decide about how much samples err, not about
-//! their mean: a number of paths whose mean is `q` goes on with `1/q` of the weight each. Light that the paths of a group share is weighed as if it counted
-//! alike for all of them.
+//! (Rath, Grittmann, Herholz, Weier, Slusallek 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting", ACM TOG
+//! 41(4), sec. 4). Paths that are no part of the picture tell `M`, `V` and `C` beforehand, in cells by position and
+//! normal. These decide about how much samples err, not about their mean: a number of paths whose mean is `q` goes on
+//! with `1/q` of the weight each. Light that the paths of a group share is weighed as if it counted alike for all of
+//! them.
 //!
-//! Roulette by throughput, with a threshold for the whole picture, and several paths by parts of the picture have been the better choice in each scene that was
-//! measured (`docs/benchmarks.md`): this is done on request only.
+//! Roulette by throughput, with a threshold for the whole picture, and several paths by parts of the picture have been
+//! the better choice in each scene that was measured (`docs/benchmarks.md`): this is done on request only.
 
 use super::{Cost, cost};
 use crate::{
     Counters,
     adaptive::FLOOR,
     dimension, live_max,
-    reuse::Suffix,
-    survey::Survey,
-    walk::{Arrival, LONG_PATH, Leg, Vertex, arrive},
+    precomputed::Precomputed,
+    reuse::PathContinuation,
+    walk::{Arrival, LONG_PATH, PathState, Vertex, arrive},
 };
 use rayon::prelude::*;
 use steradian_core::{
@@ -36,7 +38,8 @@ const PATHS: u32 = 1 << 12;
 const CELLS: [f32; 3] = [32.0, 8.0, 1.0];
 /// Visits of a cell that tell enough.
 const ENOUGH: usize = 32;
-/// What is brighter than this many times the mean counts as just so bright: a few paths cannot tell how often it is met.
+/// What is brighter than this many times the mean counts as just so bright: a few paths cannot tell how often it is
+/// met.
 const BRIGHTEST: f64 = 100.0;
 /// Least probability that a path goes on.
 const LEAST: f32 = 0.05;
@@ -114,11 +117,17 @@ struct Visit {
 
 impl Local {
     /// What paths tell; `None` where they find nothing.
-    pub fn explore<const MEDIA: bool, S: Suffix<MEDIA>>(suffix: &S, scene: &Scene, survey: &Survey) -> Option<Self> {
+    pub fn explore<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+        continuation: &S,
+        scene: &Scene,
+        precomputed: &Precomputed,
+    ) -> Option<Self> {
         let grid = Grid::new(&scene.bounds());
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: PATHS, seed: 3 };
-        let visits: Vec<Vec<Visit>> =
-            (0..PATHS).into_par_iter().map(|k| trace(suffix, scene, survey, &grid, &sampler.pixel(0, 0, k))).collect();
+        let visits: Vec<Vec<Visit>> = (0..PATHS)
+            .into_par_iter()
+            .map(|k| trace(continuation, scene, precomputed, &grid, &sampler.pixel(0, 0, k)))
+            .collect();
         let visits = || visits.iter().flatten();
         let count = visits().count().max(1) as f64;
         let most = BRIGHTEST * visits().map(|v| 0.5 * (v.light[0] + v.light[1])).sum::<f64>() / count;
@@ -133,14 +142,15 @@ impl Local {
             .map(|visits| (visits[0].0, Cell::of(visits)))
             .collect();
         let is_lit = cells.iter().any(|(_, cell)| cell.mean > 0.0);
-        let Cost { variance, rays } = cost(suffix, scene, survey);
+        let Cost { variance, rays } = cost(continuation, scene, precomputed);
         let unit = (rays / variance).sqrt() as f32;
         if !(is_lit && unit.is_finite()) {
             return None;
         }
         let local = Self { grid, cells, unit, most: 1.0 };
         let tried = MOST.map(|most| Self { most, ..local.clone() }).map(|local| {
-            let Cost { variance, rays } = cost(suffix, scene, &Survey { local: Some(local.clone()), ..survey.clone() });
+            let Cost { variance, rays } =
+                cost(continuation, scene, &Precomputed { local: Some(local.clone()), ..precomputed.clone() });
             (variance * rays, local)
         });
         tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, local)| local)
@@ -155,47 +165,59 @@ impl Local {
         })
     }
 
-    /// Weighs a leg from the camera at its first vertex, by the brightness of the pixel that this lets expect.
-    fn weigh(&self, v: &Vertex<'_>, leg: &mut Leg, lambda: &Wavelengths) {
-        let mean = self.cell(v).map_or(0.0, |cell| cell.mean) * live_max(leg.beta, lambda);
-        leg.for_roulette /= (mean * mean + FLOOR as f32).sqrt();
+    /// Weighs a path from the camera at its first vertex, by the brightness of the pixel that this lets expect.
+    fn weigh(&self, v: &Vertex<'_>, path_state: &mut PathState, lambda: &Wavelengths) {
+        let mean = self.cell(v).map_or(0.0, |cell| cell.mean) * live_max(path_state.beta, lambda);
+        path_state.for_roulette /= (mean * mean + FLOOR as f32).sqrt();
     }
 
-    /// How many paths go on from a vertex where a weighed leg arrived, which then carries the part of each.
-    fn branches(&self, v: &Vertex<'_>, leg: &mut Leg, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
+    /// How many paths go on from a vertex where a weighed path arrived, which then carries the part of each.
+    fn branches(
+        &self,
+        v: &Vertex<'_>,
+        path_state: &mut PathState,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+    ) -> u32 {
         // Finite, so that times zero it is zero.
-        let weight = (live_max(leg.beta, lambda) * leg.for_roulette * self.unit).min(f32::MAX);
+        let weight = (live_max(path_state.beta, lambda) * path_state.for_roulette * self.unit).min(f32::MAX);
         let mut q = self.cell(v).map_or(1.0, |cell| cell.factor(weight, self.most));
-        if leg.events >= SPLITS {
+        if path_state.events >= SPLITS {
             q = q.min(1.0);
         }
-        if leg.events > LONG_PATH.0 {
+        if path_state.events > LONG_PATH.0 {
             q = q.min(LONG_PATH.1);
         }
         // Chance in how many go on would count for as much as all they bring: it decides only where there may be none.
         let count = if q < 1.0 {
-            u32::from(sampler.get_1d(dimension::at(leg.events, dimension::BRANCHES)) < q)
+            u32::from(sampler.get_1d(dimension::at(path_state.events, dimension::BRANCHES)) < q)
         } else {
             q as u32
         };
-        leg.beta *= 1.0 / q;
+        path_state.beta *= 1.0 / q;
         count
     }
 }
 
-impl Leg {
+impl PathState {
     /// Weighs it at its first vertex, where effort is spent by vertex.
     #[inline]
-    pub fn weigh(&mut self, v: &Vertex<'_>, survey: &Survey, lambda: &Wavelengths) {
-        if let Some(local) = &survey.local {
+    pub fn weigh(&mut self, v: &Vertex<'_>, precomputed: &Precomputed, lambda: &Wavelengths) {
+        if let Some(local) = &precomputed.local {
             local.weigh(v, self, lambda);
         }
     }
 
     /// How many paths go on where it arrived, of which each carries what it does then.
     #[inline]
-    pub fn branches(&mut self, v: &Vertex<'_>, survey: &Survey, sampler: &PixelSampler, lambda: &Wavelengths) -> u32 {
-        survey.local.as_ref().map_or(1, |local| local.branches(v, self, sampler, lambda))
+    pub fn branches(
+        &mut self,
+        v: &Vertex<'_>,
+        precomputed: &Precomputed,
+        sampler: &PixelSampler,
+        lambda: &Wavelengths,
+    ) -> u32 {
+        precomputed.local.as_ref().map_or(1, |local| local.branches(v, self, sampler, lambda))
     }
 }
 
@@ -224,39 +246,47 @@ impl Cell {
 }
 
 /// Follows a path from anywhere on the film, and two more from each of its vertices.
-fn trace<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+fn trace<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     grid: &Grid,
     sampler: &PixelSampler,
 ) -> Vec<Visit> {
-    let (film, depth) = (&scene.film, suffix.depth());
+    let (film, depth) = (&scene.film, continuation.depth());
     let mut lambda = scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
     if scene.is_timed {
         lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
     }
     let place = sampler.get_2d(dimension::FILM) * Vec2::new(film.width as f32, film.height as f32);
-    let mut leg = Leg::camera(scene, scene.camera.ray(film, place, sampler.get_2d(dimension::LENS)));
+    let mut path_state = PathState::camera(scene, scene.camera.ray(film, place, sampler.get_2d(dimension::LENS)));
     let (mut visits, mut next) = (Vec::new(), Arrival::End);
-    let counters = &mut Counters::until(&survey.stop);
+    let counters = &mut Counters::until(&precomputed.stop);
     loop {
         let mut sum = Spectrum::ZERO;
-        arrive::<MEDIA>(scene, &mut leg, &mut sum, depth, sampler, &mut lambda, counters, &mut next);
+        arrive::<MEDIA>(scene, &mut path_state, &mut sum, depth, sampler, &mut lambda, counters, &mut next);
         let Arrival::Vertex(v) = &next else { return visits };
         let before = counters.rays;
         let light = [0, 1].map(|k| {
-            let (mut lambda, leg) = (lambda, Leg { beta: Spectrum::ONE, for_roulette: 1.0, ..leg });
-            let light = suffix.leaving(scene, survey, v, leg, &sampler.branch(leg.events, k), &mut lambda, counters);
+            let (mut lambda, path_state) = (lambda, PathState { beta: Spectrum::ONE, for_roulette: 1.0, ..path_state });
+            let light = continuation.leaving(
+                scene,
+                precomputed,
+                v,
+                path_state,
+                &sampler.branch(path_state.events, k),
+                &mut lambda,
+                counters,
+            );
             f64::from(scene.mode.luminance(light, &lambda) * film.imaging_ratio)
         });
         if light.iter().all(|light| light.is_finite()) {
             let keys = std::array::from_fn(|level| grid.key(v, level));
             visits.push(Visit { keys, light, rays: (counters.rays - before) as f64 });
         }
-        let Some(draw) = v.sample(&leg, sampler, survey) else { return visits };
-        leg.turn::<MEDIA>(scene, v, &draw);
-        if !(leg.beta.is_finite() && leg.survives(depth, sampler, &lambda)) {
+        let Some(draw) = v.sample(&path_state, sampler, precomputed) else { return visits };
+        path_state.turn::<MEDIA>(scene, v, &draw);
+        if !(path_state.beta.is_finite() && path_state.survives(depth, sampler, &lambda)) {
             return visits;
         }
     }
@@ -266,8 +296,8 @@ fn trace<const MEDIA: bool, S: Suffix<MEDIA>>(
 mod tests {
     use super::*;
 
-    /// A vertex in samples that have the variance `p` and the cost `k` beside what it brings: with `√(C₀/V₀)` of such samples, the number of paths is that with the
-    /// least variance × cost.
+    /// A vertex in samples that have the variance `p` and the cost `k` beside what it brings: with `√(C₀/V₀)` of such
+    /// samples, the number of paths is that with the least variance × cost.
     #[test]
     fn the_number_of_paths_is_the_best() {
         for (p, k, square, variance, cost) in

@@ -1,5 +1,6 @@
-//! Light tracing, bidirectional path tracing, and vertex connection and merging: subpaths from the camera and from lights, and every way to make
-//! one path of them (Veach 1997, chapter 10; Georgiev et al. 2012, "Light Transport Simulation with Vertex Connection and Merging").
+//! Light tracing, bidirectional path tracing, and vertex connection and merging: subpaths from the camera and from
+//! lights, and every way to make one path of them (Veach 1997, chapter 10; Georgiev et al. 2012, "Light Transport
+//! Simulation with Vertex Connection and Merging").
 
 use super::{
     CameraSample, PassFilm, PassIntegrator, Run, Splat,
@@ -20,7 +21,8 @@ use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 const PIECE: usize = 256;
 const WAVE: usize = 128;
 
-/// Pictures of more pixels follow light subpaths a second time where vertices merge, rather than keep all of them: some 500 bytes for each vertex.
+/// Pictures of more pixels follow light subpaths a second time where vertices merge, rather than keep all of them: some
+/// 500 bytes for each vertex.
 const KEPT: usize = 1 << 16;
 
 /// Which ways are gone.

@@ -12,8 +12,8 @@ pub struct Splat {
     pub rgb: Vec3,
 }
 
-/// Sums of a pass. Contributions are added in an order that does not depend on threads: the caller adds what chunks of work found, chunk by
-/// chunk ([`super::Run::in_order`]).
+/// Sums of a pass. Contributions are added in an order that does not depend on threads: the caller adds what chunks of
+/// work found, chunk by chunk ([`super::Run::in_order`]).
 #[derive(Debug)]
 pub struct PassFilm<'s> {
     spec: &'s FilmSpec,

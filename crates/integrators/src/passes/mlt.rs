@@ -1,8 +1,9 @@
-//! Metropolis light transport in primary sample space: chains that change the random numbers of bidirectional path tracing (Kelemen et al. 2002,
-//! "A Simple and Robust Mutation Strategy for the Metropolis Light Transport Algorithm").
+//! Metropolis light transport in primary sample space: chains that change the random numbers of bidirectional path
+//! tracing (Kelemen et al. 2002, "A Simple and Robust Mutation Strategy for the Metropolis Light Transport Algorithm").
 //!
-//! A pass begins with independent samples, of which chains take theirs in proportion to what they bring; their mean is the chains' scale. So a pass
-//! is right in the mean whatever its length (Veach 1997, 11.3.1), passes are independent, and chains are too, given where they begin.
+//! A pass begins with independent samples, of which chains take theirs in proportion to what they bring; their mean is
+//! the chains' scale. So a pass is right in the mean whatever its length (Veach 1997, 11.3.1), passes are independent,
+//! and chains are too, given where they begin.
 
 use super::{
     CameraSample, PassFilm, PassIntegrator, Run, Splat,
@@ -137,7 +138,8 @@ impl Proposal {
         if s.is_large {
             c.value = s.rng.next_f32();
         } else {
-            // Small steps that it did not take part in, all at once: in truth one for each, which only this many are made of.
+            // Small steps that it did not take part in, all at once: in truth one for each, which only this many are
+            // made of.
             for _ in 0..(s.time - c.time).min(MUTATIONS as u64) {
                 c.value = perturbed(c.value, s.rng.next_f32());
             }

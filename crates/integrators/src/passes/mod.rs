@@ -1,8 +1,9 @@
-//! Pictures that are the mean of passes: methods that start at lights, or whose paths land on other pixels than their own.
+//! Pictures that are the mean of passes: methods that start at lights, or whose paths land on other pixels than their
+//! own.
 //!
-//! A pass is an estimate of the whole picture that is a function of scene, plan and its number alone, independent of all others. So the mean
-//! over passes converges, their spread tells the variance of every pixel, a render goes on from sums and a count, and nothing depends on
-//! threads. A pass that is cancelled counts for nothing.
+//! A pass is an estimate of the whole picture that is a function of scene, plan and its number alone, independent of
+//! all others. So the mean over passes converges, their spread tells the variance of every pixel, a render goes on from
+//! sums and a count, and nothing depends on threads. A pass that is cancelled counts for nothing.
 
 mod bidirectional;
 mod film;
@@ -29,7 +30,7 @@ use crate::{
     session::{
         FIRST_LOOK, cpu_time,
         estimate::Sum,
-        state::{In, Out, State, Way},
+        state::{Codec, In, Out, State},
     },
 };
 use std::{
@@ -63,8 +64,8 @@ pub trait PassIntegrator: Debug + Send + Sync {
         Some(())
     }
 
-    /// Adds the pass of a number to a black film: an estimate of the whole picture. Counts rays and the samples of a pass; `None` where it was
-    /// cancelled.
+    /// Adds the pass of a number to a black film: an estimate of the whole picture. Counts rays and the samples of a
+    /// pass; `None` where it was cancelled.
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters>;
 }
 
@@ -85,7 +86,8 @@ impl<'s> Run<'s> {
         self.control.cancel.load(Ordering::Relaxed)
     }
 
-    /// Does pieces of work on all threads; what they found, in the order of the pieces, and what was counted. `None` where it was cancelled.
+    /// Does pieces of work on all threads; what they found, in the order of the pieces, and what was counted. `None`
+    /// where it was cancelled.
     pub fn in_order<T: Send>(
         &self,
         pieces: usize,
@@ -223,7 +225,8 @@ pub struct Passes<'s> {
 }
 
 impl<'s> Passes<'s> {
-    /// Starts with an empty film. Of the plan counts all but the integrator, which is given, and `adaptive`: passes are of the whole picture.
+    /// Starts with an empty film. Of the plan counts all but the integrator, which is given, and `adaptive`: passes are
+    /// of the whole picture.
     pub fn new(scene: &'s Scene, integrator: Box<dyn PassIntegrator>, plan: Plan) -> Self {
         let n = scene.film.crop.width() as usize * scene.film.crop.height() as usize;
         Self {
@@ -287,15 +290,15 @@ impl<'s> Passes<'s> {
         Some(())
     }
 
-    fn pass_state(&mut self, way: &mut impl Way) -> io::Result<()> {
-        self.passes.pass(way)?;
-        self.look.pass(way)?;
-        self.is_good_enough.pass(way)?;
-        self.counters.pass(way)?;
-        self.time.pass(way)?;
-        self.pixels.pass(way)?;
-        self.features.pass(way)?;
-        self.mattes.pass(way)
+    fn pass_state(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        self.passes.pass(codec)?;
+        self.look.pass(codec)?;
+        self.is_good_enough.pass(codec)?;
+        self.counters.pass(codec)?;
+        self.time.pass(codec)?;
+        self.pixels.pass(codec)?;
+        self.features.pass(codec)?;
+        self.mattes.pass(codec)
     }
 }
 

@@ -1,6 +1,7 @@
-//! Photon mapping with two maps and a final gather (Jensen 1996, "Global Illumination using Photon Maps"): direct light by light samples, light that
-//! mirrors and glass focused by the map of caustics, all other by one bounce on to the global map. Maps are made anew for each pass, with radii that
-//! shrink from pass to pass, so that the mean over passes converges (Knaus, Zwicker 2011).
+//! Photon mapping with two maps and a final gather (Jensen 1996, "Global Illumination using Photon Maps"): direct light
+//! by light samples, light that mirrors and glass focused by the map of caustics, all other by one bounce on to the
+//! global map. Maps are made anew for each pass, with radii that shrink from pass to pass, so that the mean over passes
+//! converges (Knaus, Zwicker 2011).
 
 use super::{
     PassFilm, PassIntegrator, Run,

@@ -35,7 +35,8 @@ impl Photon {
     }
 }
 
-/// Photons by cells, whose edge is at least twice the radius of queries. Bytes: those of a photon and 4 to 8 more for each.
+/// Photons by cells, whose edge is at least twice the radius of queries. Bytes: those of a photon and 4 to 8 more for
+/// each.
 #[derive(Debug)]
 pub(super) struct Grid {
     photons: Vec<Photon>,

@@ -36,8 +36,8 @@ impl Radius {
     }
 }
 
-/// How fast squared radii shrink: those of passes are `r² (n + 1)^(α − 1)`, so that bias and variance both vanish (Knaus, Zwicker 2011,
-/// "Progressive Photon Mapping: A Probabilistic Approach").
+/// How fast squared radii shrink: those of passes are `r² (n + 1)^(α − 1)`, so that bias and variance both vanish
+/// (Knaus, Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach").
 const ALPHA: f32 = 2.0 / 3.0;
 
 /// The radius of a pass, counted from zero.

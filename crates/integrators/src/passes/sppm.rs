@@ -1,5 +1,5 @@
-//! Stochastic progressive photon mapping in its memoryless form: every pass sends photons of its own and gathers them within a radius that shrinks
-//! from pass to pass (Hachisuka, Jensen 2009; Knaus, Zwicker 2011).
+//! Stochastic progressive photon mapping in its memoryless form: every pass sends photons of its own and gathers them
+//! within a radius that shrinks from pass to pass (Hachisuka, Jensen 2009; Knaus, Zwicker 2011).
 
 use super::{
     PassFilm, PassIntegrator, Run,
@@ -112,7 +112,8 @@ pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>
     run.developed(light, common(&v.lambda, &photon.lambda))
 }
 
-/// Light straight from lights at a vertex of a camera path: by a light sample and by scattering, weighted against each other.
+/// Light straight from lights at a vertex of a camera path: by a light sample and by scattering, weighted against each
+/// other.
 pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
     let (scene, context, wo) = (run.scene, v.context(), v.frame.to_local(v.i.wo));
     let mut sum = Spectrum::ZERO;

@@ -1,8 +1,10 @@
-//! Subpaths from the camera and from lights, the vertices they leave, and what weighs the ways to find a path against each other.
+//! Subpaths from the camera and from lights, the vertices they leave, and what weighs the ways to find a path against
+//! each other.
 //!
-//! Weights are those of the power heuristic over all ways to find a path: by scattering alone, by a light sample, by connecting two vertices,
-//! by connecting to the camera, and by merging. They are computed from three sums that are carried along a subpath (Georgiev 2012,
-//! "Implementing Vertex Connection and Merging", equations 31 to 38). Roulette is left out of densities, which changes no mean.
+//! Weights are those of the power heuristic over all ways to find a path: by scattering alone, by a light sample, by
+//! connecting two vertices, by connecting to the camera, and by merging. They are computed from three sums that are
+//! carried along a subpath (Georgiev 2012, "Implementing Vertex Connection and Merging", equations 31 to 38). Roulette
+//! is left out of densities, which changes no mean.
 
 use crate::{Counters, Depth, dimension, live_max, nee, walk::MAX_PASSES};
 use steradian_core::{
@@ -128,7 +130,8 @@ impl Vertex<'_> {
     }
 }
 
-/// Scattering under the surface's cover, which hides part of the light's directions: those of `wi` for radiance, of `wo` for importance.
+/// Scattering under the surface's cover, which hides part of the light's directions: those of `wi` for radiance, of
+/// `wo` for importance.
 #[inline]
 fn eval(s: &Scattering<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
     match (mode, &s.cover) {
@@ -354,10 +357,12 @@ impl Subpath {
     }
 }
 
-/// After this many events a subpath goes on with the second number as its chance at most: vertices of both are kept or joined.
+/// After this many events a subpath goes on with the second number as its chance at most: vertices of both are kept or
+/// joined.
 const LONG: (u32, f32) = (32, 0.9);
 
-/// The chance to go on with a throughput, relative to what the subpath began with, after so many events: less than one below one third.
+/// The chance to go on with a throughput, relative to what the subpath began with, after so many events: less than one
+/// below one third.
 fn survival(live: f32, events: u32, depth: &Depth) -> f32 {
     let p = if events > depth.roulette_after { 3.0 * live } else { 1.0 };
     if events > LONG.0 { p.min(LONG.1) } else { p }
@@ -367,8 +372,8 @@ fn sums_are_sound(s: &Sums) -> bool {
     s.vcm.is_finite() && s.vc.is_finite() && s.vm.is_finite()
 }
 
-/// The density with which a light sample for a context finds the light that emitted a ray, so that it can be divided by that of emission and the
-/// cosine where the ray arrives.
+/// The density with which a light sample for a context finds the light that emitted a ray, so that it can be divided by
+/// that of emission and the cosine where the ray arrives.
 fn asked(scene: &Scene, e: &EmittedRay, context: &LightContext, distance: f32) -> f32 {
     let (lights, wi) = (&scene.lights, -e.ray.direction);
     let kind = lights.lights[e.light as usize].kind();

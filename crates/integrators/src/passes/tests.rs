@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Depth, IntegratorKind, Session, Tactics};
+use crate::{Depth, IntegratorKind, Session, VarianceReduction};
 use std::sync::atomic::AtomicU32;
 use steradian_core::compile::{Options, compile};
 use steradian_core::sampler::SamplerKind;
@@ -53,7 +53,7 @@ fn scene(filter: &str) -> Scene {
 fn plan(threads: usize, spp: u32) -> Plan {
     let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
     Plan {
-        integrator: IntegratorKind::named("raycast", depth, Tactics::default()).expect("a registered one"),
+        integrator: IntegratorKind::named("raycast", depth, VarianceReduction::default()).expect("a registered one"),
         sampler: Sampler { kind: SamplerKind::Independent, spp, seed: 3 },
         threads,
         features: true,
@@ -99,7 +99,8 @@ fn sums_depend_on_the_plan_alone() {
     }
 }
 
-/// Splats that fall uniformly give every pixel within the frame the same, whatever the filter: its density integrates to one.
+/// Splats that fall uniformly give every pixel within the frame the same, whatever the filter: its density integrates
+/// to one.
 #[test]
 fn filters_spread_splats_evenly() {
     for filter in ["box", "tent", "gaussian", "mitchell"] {
@@ -117,7 +118,8 @@ fn filters_spread_splats_evenly() {
         }
         let expected = 0.5 * PARTICLES as f64 / (19.0 * 13.0);
         let (mean, sigma) = (mean / count, f64::sqrt(variance) / count);
-        // Splats reach several pixels, so errors of neighbours are correlated: at most all those under a filter's radius of two.
+        // Splats reach several pixels, so errors of neighbours are correlated: at most all those under a filter's
+        // radius of two.
         assert!(sigma < 0.01 * expected && (mean - expected).abs() < 4.0 * 4.0 * sigma, "{filter}: {mean} {expected}");
     }
 }

@@ -1,4 +1,5 @@
-//! Patches as leaves of quadtrees over the pieces of surface. Where a patch is split, in four, its children take its place.
+//! Patches as leaves of quadtrees over the pieces of surface. Where a patch is split, in four, its children take its
+//! place.
 
 use super::{
     polygon::Polygon,
@@ -140,8 +141,8 @@ impl Cells {
         surfaces.pieces.len() + 3 * self.splits.len()
     }
 
-    /// Splits the largest leaves until there are so many. Those that lie beyond a sphere count for less, by the square of the distance, as they look
-    /// smaller from within.
+    /// Splits the largest leaves until there are so many. Those that lie beyond a sphere count for less, by the square
+    /// of the distance, as they look smaller from within.
     pub fn split_to(&mut self, surfaces: &Surfaces, count: usize, center: DVec3, radius: f64) {
         let need = |cells: &Self, k: u32| {
             let cell = &cells.cells[k as usize];
@@ -152,8 +153,8 @@ impl Cells {
         self.split_most_needed(surfaces, count, &needs, |cells, k, _| need(cells, k));
     }
 
-    /// Splits the leaves with the largest needs, which are given in the order of leaves and of which each child inherits a quarter, until there are so
-    /// many or none has any.
+    /// Splits the leaves with the largest needs, which are given in the order of leaves and of which each child
+    /// inherits a quarter, until there are so many or none has any.
     pub fn split_by(&mut self, surfaces: &Surfaces, count: usize, needs: &[f32]) {
         self.split_most_needed(surfaces, count, needs, |_, _, parent| 0.25 * parent);
     }

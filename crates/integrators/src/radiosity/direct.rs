@@ -72,7 +72,8 @@ fn at_point(
     }
 }
 
-/// Adds the irradiance from an environment: directions by the cosine and by the environment, weighted by the balance heuristic.
+/// Adds the irradiance from an environment: directions by the cosine and by the environment, weighted by the balance
+/// heuristic.
 fn environment(
     scene: &Scene,
     e: &Environment,

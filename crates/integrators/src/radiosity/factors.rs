@@ -19,7 +19,8 @@ pub enum FormFactors {
     Analytic,
     /// Rays with density cosθ/π from points of the patch; so many.
     MonteCarlo(u32),
-    /// What is seen from the middle of the patch through the pixels of half a cube (Cohen, Greenberg 1985); so many along an edge.
+    /// What is seen from the middle of the patch through the pixels of half a cube (Cohen, Greenberg 1985); so many
+    /// along an edge.
     Hemicube(u32),
 }
 
@@ -155,10 +156,10 @@ impl Exchange<'_> {
             all += f64::from(kernel);
             let origin = offset_ray_origin(p.p, p.error, p.n, to);
             let end = offset_ray_origin(q.p, q.error, q.n, -to);
-            let way = end - origin;
-            let length = way.length();
+            let codec = end - origin;
+            let length = codec.length();
             self.rays.fetch_add(1, Ordering::Relaxed);
-            let ray = Ray { t_max: length * (1.0 - 1e-4), ..Ray::new(origin, way / length) };
+            let ray = Ray { t_max: length * (1.0 - 1e-4), ..Ray::new(origin, codec / length) };
             if !self.scene.occluded(&ray) {
                 seen += f64::from(kernel);
             }

@@ -1,15 +1,15 @@
 //! Form factors of polygons in closed form, without regard to what stands between them.
 //!
-//! The form factor `F₁₂ = 1/A₁ ∬ cosθ₁ cosθ₂ / (π r²) dA₂ dA₁` is the part of the light that leaves the first polygon and arrives at the second. By
-//! Stokes' theorem, once for each polygon,
+//! The form factor `F₁₂ = 1/A₁ ∬ cosθ₁ cosθ₂ / (π r²) dA₂ dA₁` is the part of the light that leaves the first polygon
+//! and arrives at the second. By Stokes' theorem, once for each polygon,
 //!
 //! > `A₁ F₁₂ = 1/2π ∮ ∮ ln r dx₁·dx₂`
 //!
-//! (Sparrow 1963; Schröder and Hanrahan 1993, eq. 2). For a pair of edges the inner integral is elementary; the outer one is taken by
-//! quadrature: Gauss–Legendre for what lies apart, and tanh–sinh, which the logarithms of edges that touch do not trouble, for what is near. Where
-//! polygons are far apart, as most pairs of a scene are, two points for each of both edges do; their weights are equal, so that it takes
-//! one logarithm of a product.
-//! From a single point the sum over edges is Lambert's (1760; Baum, Rushmeier, Winget 1989).
+//! (Sparrow 1963; Schröder and Hanrahan 1993, eq. 2). For a pair of edges the inner integral is elementary; the outer
+//! one is taken by quadrature: Gauss–Legendre for what lies apart, and tanh–sinh, which the logarithms of edges that
+//! touch do not trouble, for what is near. Where polygons are far apart, as most pairs of a scene are, two points for
+//! each of both edges do; their weights are equal, so that it takes one logarithm of a product. From a single point the
+//! sum over edges is Lambert's (1760; Baum, Rushmeier, Winget 1989).
 
 use super::polygon::Polygon;
 use glam::DVec3;
@@ -167,8 +167,8 @@ fn log_distance(x: DVec3, q: DVec3, direction: DVec3, length: f64, unit: f64) ->
     term(b) - term(a) - length + h * (h * length).atan2(h2 + a * b)
 }
 
-/// The form factor from a point with a unit normal to a polygon: `−1/2π Σ Γₖ·n` over the edges, whose `Γₖ` are the angle that an
-/// edge subtends times the unit normal of the plane through it and the point.
+/// The form factor from a point with a unit normal to a polygon: `−1/2π Σ Γₖ·n` over the edges, whose `Γₖ` are the
+/// angle that an edge subtends times the unit normal of the plane through it and the point.
 pub fn from_point(p: DVec3, n: DVec3, polygon: &Polygon) -> f64 {
     let c = polygon.center();
     if polygon.normal().dot(p - c) <= 0.0 {
@@ -194,7 +194,8 @@ mod tests {
         Polygon::new(&[corner, corner + x, corner + x + y, corner + y])
     }
 
-    /// M176: squares of side one at distance one, and at right angles along an edge (closed forms of Hamilton and Morgan 1952).
+    /// M176: squares of side one at distance one, and at right angles along an edge (closed forms of Hamilton and
+    /// Morgan 1952).
     #[test]
     fn squares_have_the_published_form_factors() {
         let floor = square(DVec3::ZERO, DVec3::X, DVec3::Y);
@@ -207,8 +208,8 @@ mod tests {
         assert_eq!(exchange(&floor, &square(DVec3::X, DVec3::X, DVec3::Y)), 0.0);
     }
 
-    /// M176: coaxial discs of radius one at distance one, `F = ½ (S − √(S² − 4))` with `S = 3`, as the limit of regular polygons, whose
-    /// error is quadratic in the angle of an edge.
+    /// M176: coaxial discs of radius one at distance one, `F = ½ (S − √(S² − 4))` with `S = 3`, as the limit of regular
+    /// polygons, whose error is quadratic in the angle of an edge.
     #[test]
     fn discs_are_limits_of_polygons() {
         let of = |n: usize| {
@@ -223,7 +224,8 @@ mod tests {
         assert!((limit - 0.381_966_01).abs() < 1e-6);
     }
 
-    /// M176: what leaves a side of a cube arrives at the five others, also where these are cut into pieces of many sizes.
+    /// M176: what leaves a side of a cube arrives at the five others, also where these are cut into pieces of many
+    /// sizes.
     #[test]
     fn rows_of_a_cube_add_up_to_one() {
         let sides = [
@@ -251,7 +253,8 @@ mod tests {
         }
     }
 
-    /// A small square in the corner of a large one that stands on it: the closed form of Lambert's formula tells to how much.
+    /// A small square in the corner of a large one that stands on it: the closed form of Lambert's formula tells to how
+    /// much.
     #[test]
     fn sizes_may_differ_by_any_factor() {
         let wall = square(DVec3::ZERO, DVec3::Y, DVec3::Z);
@@ -269,8 +272,8 @@ mod tests {
         }
     }
 
-    /// On both sides of the distance from which fewer points do, and far beyond it, quads that are turned against each other exchange what the kernel
-    /// gives in the mean over many points of both, to 10⁻⁵ of it.
+    /// On both sides of the distance from which fewer points do, and far beyond it, quads that are turned against each
+    /// other exchange what the kernel gives in the mean over many points of both, to 10⁻⁵ of it.
     #[test]
     fn far_polygons_exchange_what_the_kernel_gives() {
         let kernel = |a: &Polygon, b: &Polygon| {
@@ -299,7 +302,8 @@ mod tests {
         }
     }
 
-    /// The closed form against the mean of Lambert's over the first polygon, for triangles anywhere, partly behind each other.
+    /// The closed form against the mean of Lambert's over the first polygon, for triangles anywhere, partly behind each
+    /// other.
     #[test]
     fn the_contour_integral_is_the_mean_of_lamberts_formula() {
         let mut rng = steradian_math::hash::HashRng::new(5);

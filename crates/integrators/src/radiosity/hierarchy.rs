@@ -1,5 +1,6 @@
-//! Hierarchical radiosity (Hanrahan, Salzman, Aupperle 1991): light is exchanged between nodes of the quadtrees of any level, over links. A link that
-//! carries more than the tolerance allows is replaced by links to or from the children of its larger end, which is split where it must be.
+//! Hierarchical radiosity (Hanrahan, Salzman, Aupperle 1991): light is exchanged between nodes of the quadtrees of any
+//! level, over links. A link that carries more than the tolerance allows is replaced by links to or from the children
+//! of its larger end, which is split where it must be.
 
 use super::{
     bands::Bands,
@@ -62,8 +63,8 @@ struct Link {
 }
 
 impl Link {
-    /// The form factor that may be wrong by not looking closer. Without anything in between it is exact, and only the light varies; else it is known as
-    /// well as the rays tell, of which one more may see where none did.
+    /// The form factor that may be wrong by not looking closer. Without anything in between it is exact, and only the
+    /// light varies; else it is known as well as the rays tell, of which one more may see where none did.
     fn doubt(&self) -> f64 {
         if self.is_clear { self.factor } else { PARTLY * self.factor * self.seen.max(1.0 / PAIRS as f64) }
     }
@@ -205,7 +206,8 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// Irradiances go down to the leaves, radiosities up to the roots; the largest change of a leaf, and the largest value.
+    /// Irradiances go down to the leaves, radiosities up to the roots; the largest change of a leaf, and the largest
+    /// value.
     fn push_pull(&mut self) -> (f64, f64) {
         // Children come after their parents.
         for cell in 0..self.cells.cells.len() as u32 {

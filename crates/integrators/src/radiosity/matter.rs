@@ -45,7 +45,8 @@ pub fn lambertian(bsdf: &Bsdf<'_>) -> (Spectrum, Spectrum, bool) {
     }
 }
 
-/// The Lambertian part of a surface as it is seen, and whether that is all that it scatters; nothing where nothing scatters.
+/// The Lambertian part of a surface as it is seen, and whether that is all that it scatters; nothing where nothing
+/// scatters.
 pub fn of_surface(scene: &Scene, i: &Interaction, choice: f32, lambda: &Wavelengths) -> (Spectrum, Spectrum, bool) {
     match scene.scattering(i, choice, &mut lambda.clone()) {
         Some((s, frame)) if s.bsdf.has_transmission() || frame.to_local(i.wo).z > 0.0 => lambertian(&s.bsdf),

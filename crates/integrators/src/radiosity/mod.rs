@@ -1,9 +1,10 @@
 //! Radiosity: the light that Lambertian surfaces exchange, solved once for all cameras.
 //!
-//! Surfaces are cut into patches that are taken to be evenly bright (`surfaces`, `cells`, `patches`). Which part of the light of one arrives at another
-//! is a form factor (`form_factor`, `factors`); the equation between them is solved by iteration (`system`), elimination (`elimination`), shooting
-//! (`shooting`), over a hierarchy of patches (`hierarchy`) or by rays without a matrix (`stochastic`). What is kept is the irradiance
-//! (`solution`), so that textures stay sharp; pictures are made of it by `view`.
+//! Surfaces are cut into patches that are taken to be evenly bright (`surfaces`, `cells`, `patches`). Which part of the
+//! light of one arrives at another is a form factor (`form_factor`, `factors`); the equation between them is solved by
+//! iteration (`system`), elimination (`elimination`), shooting (`shooting`), over a hierarchy of patches (`hierarchy`)
+//! or by rays without a matrix (`stochastic`). What is kept is the irradiance (`solution`), so that textures stay
+//! sharp; pictures are made of it by `view`.
 
 mod bands;
 mod cells;
@@ -80,9 +81,11 @@ pub struct Settings {
     pub factors: FormFactors,
     /// Number of patches aimed at; there are at least as many as pieces of surface.
     pub patches: usize,
-    /// How many times the patches that differ most from their neighbours are split after a solution; the first has a quarter of the patches then.
+    /// How many times the patches that differ most from their neighbours are split after a solution; the first has a
+    /// quarter of the patches then.
     pub adaptive: u32,
-    /// The relative change, or the share of light unshot, at which iteration ends; of the hierarchy the share of all light that a link may carry.
+    /// The relative change, or the share of light unshot, at which iteration ends; of the hierarchy the share of all
+    /// light that a link may carry.
     pub tolerance: f64,
     /// Rays of the stochastic method, for each patch.
     pub rays: u32,
@@ -112,8 +115,8 @@ impl Default for Settings {
 
 /// Most iterations or, for each patch, shots.
 const MOST_STEPS: usize = 10_000;
-/// Most products of form factors and radiosities over all iterations, from a hundred iterations on: where no light is lost the solution does not
-/// exist, and iterations would not end.
+/// Most products of form factors and radiosities over all iterations, from a hundred iterations on: where no light is
+/// lost the solution does not exist, and iterations would not end.
 const MOST_PRODUCTS: usize = 2_000_000_000;
 /// Most patches of the methods that keep a matrix: of 16 bytes for each pair that exchanges light, up to 2 GiB.
 const MATRIX_LIMIT: usize = 12_000;

@@ -124,7 +124,8 @@ impl Patches {
         self.of_cell[cell as usize][usize::from(!front)]
     }
 
-    /// Radiosity of light that was not reflected among patches: emitted, and reflected and transmitted from lights that are no patches.
+    /// Radiosity of light that was not reflected among patches: emitted, and reflected and transmitted from lights that
+    /// are no patches.
     pub fn sources(&self) -> Vec<DVec4> {
         let direct = |k: usize| self.sharp[k] + self.sky[k];
         let twins = |i: usize, b: usize| match self.list[i].twin {
@@ -142,7 +143,8 @@ impl Patches {
 
 /// A side of a cell.
 pub struct Made {
-    /// The patch, and what it is made of by band; `None` for sides that neither scatter nor emit as Lambert has it, and those without area.
+    /// The patch, and what it is made of by band; `None` for sides that neither scatter nor emit as Lambert has it, and
+    /// those without area.
     pub patch: Option<(Patch, Vec<Matter>)>,
     /// Whether it scatters as Lambert has it and in no other way.
     pub is_pure: bool,

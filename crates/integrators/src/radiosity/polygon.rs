@@ -20,7 +20,8 @@ impl Polygon {
         polygon
     }
 
-    /// A regular polygon around a centre, in the plane that two orthogonal vectors of the circumscribed circle's radius span.
+    /// A regular polygon around a centre, in the plane that two orthogonal vectors of the circumscribed circle's radius
+    /// span.
     #[cfg(test)]
     pub fn corners_of_regular(count: usize, center: DVec3, x: DVec3, y: DVec3) -> Vec<DVec3> {
         (0..count)
@@ -77,7 +78,8 @@ impl Polygon {
         self.corners().iter().map(|c| c.distance_squared(from)).fold(0.0, f64::max).sqrt()
     }
 
-    /// The part on the side of a plane through `origin` that `normal` points to (Sutherland, Hodgman 1974); `None` where there is none.
+    /// The part on the side of a plane through `origin` that `normal` points to (Sutherland, Hodgman 1974); `None`
+    /// where there is none.
     pub fn before(&self, origin: DVec3, normal: DVec3) -> Option<Self> {
         let height = |c: DVec3| normal.dot(c - origin);
         let corners = self.corners();

@@ -1,5 +1,5 @@
-//! Solutions in files: which cells were split, which sides of leaves are patches, and the light on them. Pieces of surface are made of the scene
-//! again; the caller sees to it that it is the same scene.
+//! Solutions in files: which cells were split, which sides of leaves are patches, and the light on them. Pieces of
+//! surface are made of the scene again; the caller sees to it that it is the same scene.
 
 use super::{
     bands::Bands,

@@ -1,5 +1,6 @@
-//! Progressive shooting (Cohen et al. 1988): the patch with the most unshot light sends it to all others, again and again. It is Southwell's
-//! relaxation; only one row of form factors is needed at a time, and the picture is useful from the first shots on.
+//! Progressive shooting (Cohen et al. 1988): the patch with the most unshot light sends it to all others, again and
+//! again. It is Southwell's relaxation; only one row of form factors is needed at a time, and the picture is useful
+//! from the first shots on.
 
 use super::{
     factors::Row,
@@ -43,8 +44,8 @@ impl Shooting {
         (0..system.len()).map(|i| self.power(system, i)).sum::<f64>() / self.initial
     }
 
-    /// Shoots from the patch with the most unshot light; `row` gives its form factors. By reciprocity a receiver `j` has
-    /// `ΔH_j = F_ij A_i / A_j ΔB_i`.
+    /// Shoots from the patch with the most unshot light; `row` gives its form factors. By reciprocity a receiver `j`
+    /// has `ΔH_j = F_ij A_i / A_j ΔB_i`.
     pub fn shoot(&mut self, system: &System, row: impl FnOnce(usize) -> Row) {
         let brightest = (0..system.len())
             .map(|i| (self.power(system, i), i))
@@ -70,7 +71,8 @@ impl Shooting {
         self.shots += 1;
     }
 
-    /// What was found; with the ambient term of Cohen et al. where it is asked for: as if the unshot light, over the mean albedo, lit all patches evenly.
+    /// What was found; with the ambient term of Cohen et al. where it is asked for: as if the unshot light, over the
+    /// mean albedo, lit all patches evenly.
     pub fn solved(mut self, system: &System, ambient: bool) -> Solved {
         let residual = self.left(system);
         if ambient {

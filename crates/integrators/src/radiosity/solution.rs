@@ -124,7 +124,8 @@ impl Solution {
         (patch != NONE).then(|| (patch as usize, self.cells.cells[cell as usize].weights(uv)))
     }
 
-    /// Irradiance on a side of a surface from all but lights without extent; W/m². Zero where the side scatters nothing.
+    /// Irradiance on a side of a surface from all but lights without extent; W/m². Zero where the side scatters
+    /// nothing.
     pub fn irradiance(&self, i: &Interaction, front: bool, smooth: bool, lambda: &Wavelengths) -> Spectrum {
         let Some((patch, weights)) = self.patch(i, front) else { return Spectrum::ZERO };
         let n = self.bands.count();
@@ -148,8 +149,8 @@ impl Solution {
         self.bands.at(&self.light.reflected[patch * n..(patch + 1) * n], lambda)
     }
 
-    /// How much each leaf needs to be split: the largest difference between its irradiance and that of its corners, times its area, for the sides
-    /// together.
+    /// How much each leaf needs to be split: the largest difference between its irradiance and that of its corners,
+    /// times its area, for the sides together.
     pub(super) fn needs(&self) -> Vec<f32> {
         let n = self.bands.count();
         let of = |cell: u32, front: bool| {

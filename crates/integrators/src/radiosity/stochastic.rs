@@ -1,6 +1,7 @@
-//! Stochastic iteration without a matrix (Neumann et al. 1995; Bekaert 1999, "incremental shooting"): the unshot light of all patches is carried
-//! by rays, of which each patch sends as many as it has of the light; what they bring is the unshot light of the next iteration, which has
-//! fewer rays in proportion. Any number of patches, memory of a few numbers for each. Several runs are averaged.
+//! Stochastic iteration without a matrix (Neumann et al. 1995; Bekaert 1999, "incremental shooting"): the unshot light
+//! of all patches is carried by rays, of which each patch sends as many as it has of the light; what they bring is the
+//! unshot light of the next iteration, which has fewer rays in proportion. Any number of patches, memory of a few
+//! numbers for each. Several runs are averaged.
 
 use super::{
     factors::Exchange,

@@ -1,8 +1,8 @@
 //! The surfaces of a scene as pieces with parameters: what patches are cut from.
 //!
-//! A triangle of a mesh is a piece, so is a bilinear patch. Quadrics are cut into a grid of pieces. Infinite planes end where others cut them off
-//! from the camera: what lies behind an opaque plane can neither be seen nor light what is seen. Where they go on for ever they end
-//! at a distance.
+//! A triangle of a mesh is a piece, so is a bilinear patch. Quadrics are cut into a grid of pieces. Infinite planes end
+//! where others cut them off from the camera: what lies behind an opaque plane can neither be seen nor light what is
+//! seen. Where they go on for ever they end at a distance.
 
 use super::polygon::Polygon;
 use glam::DVec3;
@@ -82,7 +82,8 @@ pub enum Refusal {
 pub struct Surfaces {
     /// The pieces.
     pub pieces: Vec<Piece>,
-    /// For each geometry of the world, then of each placement, its first piece and the columns and rows that each primitive has.
+    /// For each geometry of the world, then of each placement, its first piece and the columns and rows that each
+    /// primitive has.
     blocks: Vec<Block>,
     /// First block of each placement.
     placed: Vec<u32>,
@@ -121,8 +122,8 @@ impl Piece {
         }
     }
 
-    /// The polygon that stands for the surface between points at parameters, which go round counterclockwise in the parameters' plane: for curved
-    /// surfaces one of the same area, through the middle of the surface.
+    /// The polygon that stands for the surface between points at parameters, which go round counterclockwise in the
+    /// parameters' plane: for curved surfaces one of the same area, through the middle of the surface.
     pub fn polygon(&self, corners: &[Vec2]) -> Polygon {
         let mut points: Vec<DVec3> = corners.iter().map(|uv| self.point(*uv)).collect();
         points.dedup();

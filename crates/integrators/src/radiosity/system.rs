@@ -2,8 +2,9 @@
 //!
 //! > `B_i = S_i + ρ_i H_i + τ_i H_i'`, `H_i = Σ_j F_ij B_j`
 //!
-//! with radiosities `B`, irradiances `H`, sources `S`, and `i'` the other side of a patch that transmits light (Goral et al. 1984). Rows of `F` add up
-//! to one at most, so that the spectral radius is at most the largest albedo `ρ + τ`, and iteration loses at least that factor of the error each time.
+//! with radiosities `B`, irradiances `H`, sources `S`, and `i'` the other side of a patch that transmits light (Goral
+//! et al. 1984). Rows of `F` add up to one at most, so that the spectral radius is at most the largest albedo `ρ + τ`,
+//! and iteration loses at least that factor of the error each time.
 
 use super::{factors::Row, patches::NONE};
 use glam::DVec4;
@@ -30,8 +31,8 @@ pub struct System {
 
 /// Sweeps over which the loss of light is told.
 const SWEEPS: usize = 8;
-/// Iteration ends where all sweeps that are allowed would lose less than this part of the light that is under way: the solution is out of
-/// reach, or does not exist.
+/// Iteration ends where all sweeps that are allowed would lose less than this part of the light that is under way: the
+/// solution is out of reach, or does not exist.
 const LEAST_LOSS: f64 = 0.2;
 
 /// Light that sweeps moved, W. Where none is lost, each moves as much as the one before, for ever.
@@ -94,8 +95,8 @@ impl System {
         self.sources[k] + self.reflectance[k] * irradiance[k] + through
     }
 
-    /// Jacobi's method: all irradiances from the radiosities before. Ends when no radiosity changes by more than `tolerance` of the largest, and
-    /// where light is not lost.
+    /// Jacobi's method: all irradiances from the radiosities before. Ends when no radiosity changes by more than
+    /// `tolerance` of the largest, and where light is not lost.
     pub fn jacobi(&self, tolerance: f64, most: usize, tell: &dyn Fn(usize) -> bool) -> Solved {
         let mut radiosity = self.sources.clone();
         let mut irradiance = vec![DVec4::ZERO; radiosity.len()];

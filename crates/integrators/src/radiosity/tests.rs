@@ -117,8 +117,9 @@ fn jacobi_converges_at_the_rate_of_the_largest_albedo() {
     }
 }
 
-/// M178: inside a closed sphere of albedo 0.9 whose wall emits 1 everything is 10: `1 / (1 − ρ)`. All points of a sphere see each other with the same
-/// form factor, `A_j / A`. After k steps of Jacobi the error is `ρ^(k+1) / (1 − ρ)`.
+/// M178: inside a closed sphere of albedo 0.9 whose wall emits 1 everything is 10: `1 / (1 − ρ)`. All points of a
+/// sphere see each other with the same form factor, `A_j / A`. After k steps of Jacobi the error is
+/// `ρ^(k+1) / (1 − ρ)`.
 #[test]
 fn a_closed_sphere_is_ten_times_as_bright() {
     let n = 50;
@@ -164,7 +165,8 @@ fn light_goes_through_a_pane() {
     }
 }
 
-/// Within a white closed sphere light is never lost and there is no solution: a few sweeps tell. Where one part in a thousand is lost there is one.
+/// Within a white closed sphere light is never lost and there is no solution: a few sweeps tell. Where one part in a
+/// thousand is lost there is one.
 #[test]
 fn sweeps_end_where_no_light_is_lost() {
     let n = 50;

@@ -1,5 +1,5 @@
-//! Reconstruction: patches meet in vertices, whose value is the mean of the patches there; in between it is interpolated. Patches share a vertex
-//! where their corners are in one place and their normals nearly the same.
+//! Reconstruction: patches meet in vertices, whose value is the mean of the patches there; in between it is
+//! interpolated. Patches share a vertex where their corners are in one place and their normals nearly the same.
 
 use super::{cells::Cells, solution::Side, surfaces::Surfaces};
 use rayon::prelude::*;

@@ -1,9 +1,9 @@
-//! Pictures of a solved scene. Where a camera ray meets a Lambertian surface it shows `(ρ H + τ H')/π`, with the texture's own `ρ`; mirrors, glass
-//! and glossy lobes are followed. With a final gather, light is asked for once at the surface and the solution is looked up one bounce
-//! further on, where its patches are not seen.
+//! Pictures of a solved scene. Where a camera ray meets a Lambertian surface it shows `(ρ H + τ H')/π`, with the
+//! texture's own `ρ`; mirrors, glass and glossy lobes are followed. With a final gather, light is asked for once at the
+//! surface and the solution is looked up one bounce further on, where its patches are not seen.
 
 use super::{Settings, Solution};
-use crate::{Counters, Depth, Integrator, Survey, dimension, nee};
+use crate::{Counters, Depth, Integrator, Precomputed, dimension, nee};
 use std::f32::consts::FRAC_1_PI;
 use steradian_core::{
     Scene,
@@ -18,7 +18,7 @@ use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 /// Mirrors, panes and glossy lobes that a ray follows at most, where the scene has no limit.
 const MOST_EVENTS: u32 = 32;
 
-/// The integrator of a solved scene, which the survey has.
+/// The integrator of a solved scene, which the preparation has.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// How it is solved.
@@ -35,13 +35,13 @@ impl Integrator for View {
     fn radiance(
         &self,
         scene: &Scene,
-        survey: &Survey,
+        precomputed: &Precomputed,
         mut ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let Some(solution) = survey.radiosity.as_deref() else { return Spectrum::ZERO };
+        let Some(solution) = precomputed.radiosity.as_deref() else { return Spectrum::ZERO };
         let seen = Seen { view: self, solution };
         let (mut beta, mut l) = (Spectrum::ONE, Spectrum::ZERO);
         let mut is_camera_ray = true;

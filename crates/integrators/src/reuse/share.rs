@@ -1,16 +1,16 @@
 //! What one member of a group found at y is given to all who see it: claims on the point, and light that leaves it.
 
-use super::{MAX_GROUP, Member, NO_RAY, Seat, Suffix, is_shareable};
+use super::{MAX_GROUP, Member, NO_RAY, PathContinuation, PixelSample, is_shareable};
 use crate::{
-    Counters, Depth, Survey, flight, live_max, nee, power_heuristic,
-    walk::{Arrival, Leg, Vertex, arrive, escape},
+    Counters, Depth, Precomputed, flight, live_max, nee, power_heuristic,
+    walk::{Arrival, PathState, Vertex, arrive, escape},
 };
 use steradian_core::{ColorMode, Scene, bsdf::Bsdf};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// A member's claim on a direction or point: `f |cos|`, and its density, both with the geometry term and visibility.
 #[derive(Clone, Copy)]
-struct Claim {
+struct MemberDensity {
     /// From x.
     direction: Vec3,
     value: Spectrum,
@@ -19,7 +19,7 @@ struct Claim {
     sky: Spectrum,
 }
 
-impl Claim {
+impl MemberDensity {
     const NONE: Self = Self { direction: Vec3::ZERO, value: Spectrum::ZERO, pdf: 0.0, sky: Spectrum::ZERO };
 }
 
@@ -55,8 +55,8 @@ enum Shared {
 }
 
 impl Shared {
-    fn of(member: &Member<'_>, y: &Vertex<'_>, seat: &Seat) -> Self {
-        if member.sample.lobe.is_specular() || member.lambda != seat.lambda {
+    fn of(member: &Member<'_>, y: &Vertex<'_>, pixel_sample: &PixelSample) -> Self {
+        if member.sample.lobe.is_specular() || member.lambda != pixel_sample.lambda {
             Self::No
         } else if is_lambertian(y) {
             Self::Alike
@@ -69,108 +69,134 @@ impl Shared {
 }
 
 /// Completes the paths of all members.
-pub(super) fn share<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+pub(super) fn share<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     group: &[Member<'_>],
-    seats: &mut [Seat],
+    pixel_samples: &mut [PixelSample],
     counters: &mut Counters,
 ) {
-    let depth = suffix.depth();
-    let mut claims = [Claim::NONE; MAX_GROUP];
+    let depth = continuation.depth();
+    let mut member_densities = [MemberDensity::NONE; MAX_GROUP];
     for (k, finder) in group.iter().enumerate() {
-        let seat = &mut seats[finder.seat];
+        let pixel_sample = &mut pixel_samples[finder.pixel_sample];
         let y = match &finder.y {
             Arrival::End => continue,
             Arrival::Escaped => {
-                escape(scene, &finder.leg, &mut seat.radiance, depth, &seat.lambda);
+                escape(scene, &finder.path_state, &mut pixel_sample.radiance, depth, &pixel_sample.lambda);
                 continue;
             }
             Arrival::Vertex(y) => y,
         };
-        let (joint, mut lambda) = (seat.joint, finder.lambda);
-        let shared = Shared::of(finder, y, seat);
-        let roulette_below = survey.effort.roulette_below;
-        let mut leg = match shared {
-            Shared::No => finder.leg,
+        let (joint, mut lambda) = (pixel_sample.joint, finder.lambda);
+        let shared = Shared::of(finder, y, pixel_sample);
+        let roulette_below = precomputed.effort.roulette_below;
+        let mut path_state = match shared {
+            Shared::No => finder.path_state,
             _ => {
                 // By vertex, what is found for all counts for all, who err by that much less.
-                let weight = live_max(finder.leg.beta, &lambda) * finder.leg.for_roulette / (group.len() as f32).sqrt();
-                let for_roulette = if survey.local.is_some() { weight } else { 1.0 };
-                Leg { beta: Spectrum::ONE, for_roulette, roulette_below, ..finder.leg }
+                let weight = live_max(finder.path_state.beta, &lambda) * finder.path_state.for_roulette
+                    / (group.len() as f32).sqrt();
+                let for_roulette = if precomputed.local.is_some() { weight } else { 1.0 };
+                PathState { beta: Spectrum::ONE, for_roulette, roulette_below, ..finder.path_state }
             }
         };
-        if shared == Shared::No && !leg.goes_on(survey, depth, &joint, &lambda) {
+        if shared == Shared::No && !path_state.goes_on(precomputed, depth, &joint, &lambda) {
             continue;
         }
         let mut light = Spectrum::ZERO;
         if shared != Shared::ByDirection {
-            light = suffix.leaving(scene, survey, y, leg, &joint, &mut lambda, counters);
-            light = whole(light, &lambda, &seat.lambda, scene.mode);
+            light = continuation.leaving(scene, precomputed, y, path_state, &joint, &mut lambda, counters);
+            light = for_all_wavelengths(light, &lambda, &pixel_sample.lambda, scene.mode);
             if shared == Shared::No || !light.is_finite() {
-                seat.radiance += light;
+                pixel_sample.radiance += light;
                 continue;
             }
-            if light.is_black() && !survey.is_open {
+            if light.is_black() && !precomputed.is_open {
                 continue;
             }
         }
-        if survey.is_open {
+        if precomputed.is_open {
             let Arrival::Vertex(x) = &finder.x else { continue };
-            let w = finder.leg.ray.direction;
-            seat.radiance += finder.leg.beta * sky(scene, x, w, finder.sample.pdf, &seat.lambda);
+            let w = finder.path_state.ray.direction;
+            pixel_sample.radiance += finder.path_state.beta * sky(scene, x, w, finder.sample.pdf, &pixel_sample.lambda);
         }
-        let total = claim::<MEDIA>(scene, survey.is_open, group, k, y, depth, &mut claims, seats, counters);
+        let total = member_density::<MEDIA>(
+            scene,
+            precomputed.is_open,
+            group,
+            k,
+            y,
+            depth,
+            &mut member_densities,
+            pixel_samples,
+            counters,
+        );
         let mut by_member = [light; MAX_GROUP];
         if shared == Shared::ByDirection {
-            by_member = scattered(suffix, scene, survey, group, k, y, leg, &claims, total, seats, counters);
+            by_member = scattered(
+                continuation,
+                scene,
+                precomputed,
+                group,
+                k,
+                y,
+                path_state,
+                &member_densities,
+                total,
+                pixel_samples,
+                counters,
+            );
         }
-        for ((member, claim), light) in group.iter().zip(&claims).zip(by_member) {
-            if !claim.value.is_black() {
-                seats[member.seat].radiance += member.beta * claim.value * (light - claim.sky) / total;
+        for ((member, member_density), light) in group.iter().zip(&member_densities).zip(by_member) {
+            if !member_density.value.is_black() {
+                pixel_samples[member.pixel_sample].radiance +=
+                    member.beta * member_density.value * (light - member_density.sky) / total;
             }
         }
     }
 }
 
-/// Light that leaves y towards each member, as `k` who found y goes on from there: by a light sample, and by a direction that k draws. Of the
-/// technique "m drew y, and a direction there" there is one sample per member too, and they are put together by the balance heuristic, so
-/// that with claims `p_m` on y and densities `q_m` of the direction the value of j is
+/// Light that leaves y towards each member, as `k` who found y goes on from there: by a light sample, and by a
+/// direction that k draws. Of the technique "m drew y, and a direction there" there is one sample per member too, and
+/// they are put together by the balance heuristic, so that with claims `p_m` on y and densities `q_m` of the direction
+/// the value of j is
 ///
 /// `Σ_k f_j |cos_j| G V · f_y(ω_k → j) |cos| L(ω_k) / Σ_m p_m q_m(ω_k)`.
 ///
-/// Against light samples the mean density `Σ_m p_m q_m / Σ_m p_m` counts, the same for all. All is given times `Σ_m p_m`.
+/// Against light samples the mean density `Σ_m p_m q_m / Σ_m p_m` counts, the same for all. All is given times
+/// `Σ_m p_m`.
 #[allow(clippy::too_many_arguments)]
-fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+fn scattered<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     group: &[Member<'_>],
     k: usize,
     y: &Vertex<'_>,
-    mut leg: Leg,
-    claims: &[Claim; MAX_GROUP],
+    mut path_state: PathState,
+    member_densities: &[MemberDensity; MAX_GROUP],
     total: f32,
-    seats: &mut [Seat],
+    pixel_samples: &mut [PixelSample],
     counters: &mut Counters,
 ) -> [Spectrum; MAX_GROUP] {
-    let Seat { joint, lambda, .. } = seats[group[k].seat];
+    let PixelSample { joint, lambda, .. } = pixel_samples[group[k].pixel_sample];
     let mut sums = [Spectrum::ZERO; MAX_GROUP];
     // Values towards all members, and the mean density.
     let towards_all = |w: Vec3| {
         let (mut values, mut density) = ([Spectrum::ZERO; MAX_GROUP], 0.0);
-        for (value, claim) in values.iter_mut().zip(&claims[..group.len()]) {
-            if claim.pdf > 0.0 || !claim.value.is_black() {
-                let e = y.eval_towards(-claim.direction, w);
+        for (value, member_density) in values.iter_mut().zip(&member_densities[..group.len()]) {
+            if member_density.pdf > 0.0 || !member_density.value.is_black() {
+                let e = y.eval_towards(-member_density.direction, w);
                 *value = e.value;
-                density += claim.pdf * e.pdf;
+                density += member_density.pdf * e.pdf;
             }
         }
         (values, density / total)
     };
     if scene.lights.can_sample()
-        && let Some(s) = nee::sample_light(scene, &y.context(), leg.events, &joint, &lambda)
+        && let Some(s) = nee::sample_light(scene, &y.context(), path_state.events, &joint, &lambda)
     {
         let (values, density) = towards_all(s.wi);
         let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, density) };
@@ -180,41 +206,41 @@ fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
             sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
         }
     }
-    let Some(draw) = y.sample(&leg, &joint, survey) else { return sums };
-    leg.turn::<MEDIA>(scene, y, &draw);
-    if !leg.beta.is_finite() {
-        seats[group[k].seat].radiance = leg.beta;
+    let Some(draw) = y.sample(&path_state, &joint, precomputed) else { return sums };
+    path_state.turn::<MEDIA>(scene, y, &draw);
+    if !path_state.beta.is_finite() {
+        pixel_samples[group[k].pixel_sample].radiance = path_state.beta;
         return sums;
     }
-    let depth = suffix.depth();
-    let before = live_max(leg.beta, &lambda);
-    if !(before > 0.0 && leg.goes_on(survey, depth, &joint, &lambda)) {
+    let depth = continuation.depth();
+    let before = live_max(path_state.beta, &lambda);
+    if !(before > 0.0 && path_state.goes_on(precomputed, depth, &joint, &lambda)) {
         return sums;
     }
     let is_own = draw.sample.lobe.is_specular();
     let mut values = [Spectrum::ZERO; MAX_GROUP];
     if !is_own {
-        let (towards, density) = towards_all(leg.ray.direction);
+        let (towards, density) = towards_all(path_state.ray.direction);
         if density <= 0.0 {
             return sums;
         }
         values = towards.map(|v| v * (draw.ratio / (density * before)));
         // Roulette goes on as for the finder, of a throughput without colour.
-        leg.beta = Spectrum::splat(live_max(leg.beta, &lambda));
-        leg.origin = Some((y.context(), density));
+        path_state.beta = Spectrum::splat(live_max(path_state.beta, &lambda));
+        path_state.origin = Some((y.context(), density));
     }
     let (mut next, mut light, mut left) = (Arrival::End, Spectrum::ZERO, lambda);
-    arrive::<MEDIA>(scene, &mut leg, &mut light, depth, &joint, &mut left, counters, &mut next);
+    arrive::<MEDIA>(scene, &mut path_state, &mut light, depth, &joint, &mut left, counters, &mut next);
     match &next {
         Arrival::Vertex(v) => {
-            let beyond = suffix.leaving(scene, survey, v, leg, &joint, &mut left, counters);
-            light += whole(beyond, &left, &lambda, scene.mode);
+            let beyond = continuation.leaving(scene, precomputed, v, path_state, &joint, &mut left, counters);
+            light += for_all_wavelengths(beyond, &left, &lambda, scene.mode);
         }
-        Arrival::Escaped => escape(scene, &leg, &mut light, depth, &lambda),
+        Arrival::Escaped => escape(scene, &path_state, &mut light, depth, &lambda),
         Arrival::End => {}
     }
     if is_own {
-        seats[group[k].seat].radiance += group[k].leg.beta * light;
+        pixel_samples[group[k].pixel_sample].radiance += group[k].path_state.beta * light;
     } else {
         sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
     }
@@ -223,7 +249,12 @@ fn scattered<const MEDIA: bool, S: Suffix<MEDIA>>(
 
 /// Radiance found along a path that may have lost its secondary wavelengths, as an estimate for all of them.
 #[inline]
-pub(crate) fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMode) -> Spectrum {
+pub(crate) fn for_all_wavelengths(
+    light: Spectrum,
+    lambda: &Wavelengths,
+    of: &Wavelengths,
+    mode: ColorMode,
+) -> Spectrum {
     if mode == ColorMode::Rgb || lambda.pdf == of.pdf {
         return light;
     }
@@ -232,15 +263,15 @@ pub(crate) fn whole(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mod
 
 /// The claims of all members that see it on the point that `k` found; the sum of their densities.
 #[allow(clippy::too_many_arguments)]
-fn claim<const MEDIA: bool>(
+fn member_density<const MEDIA: bool>(
     scene: &Scene,
     is_open: bool,
     group: &[Member<'_>],
     k: usize,
     y: &Vertex<'_>,
     depth: &Depth,
-    claims: &mut [Claim; MAX_GROUP],
-    seats: &[Seat],
+    member_densities: &mut [MemberDensity; MAX_GROUP],
+    pixel_samples: &[PixelSample],
     counters: &mut Counters,
 ) -> f32 {
     let finder = &group[k];
@@ -262,7 +293,7 @@ fn claim<const MEDIA: bool>(
     let flight = |x: &Vertex<'_>, w: Vec3, distance: f32, lambda: &Wavelengths| {
         let medium = if MEDIA { x.medium_towards(scene, w) } else { None };
         match medium {
-            Some(m) => flight::claim(scene, &scene.media[m as usize], distance, facing.is_none(), lambda),
+            Some(m) => flight::member_density(scene, &scene.media[m as usize], distance, facing.is_none(), lambda),
             None => (Spectrum::ONE, 1.0),
         }
     };
@@ -275,7 +306,7 @@ fn claim<const MEDIA: bool>(
     // Who may have drawn y, whether or not it is seen.
     let (mut rays, mut places, mut count) = ([NO_RAY; MAX_GROUP], [0; MAX_GROUP], 0);
     for (m, member) in group.iter().enumerate() {
-        claims[m] = Claim::NONE;
+        member_densities[m] = MemberDensity::NONE;
         // The same number of events lies before y, unless it does not matter.
         if m == k || (member.events != finder.events && depth.max != u32::MAX) {
             continue;
@@ -293,12 +324,12 @@ fn claim<const MEDIA: bool>(
         if e.value.is_black() && e.pdf <= 0.0 {
             continue;
         }
-        if MEDIA && facing.is_none() && x.medium_towards(scene, w) != finder.leg.medium {
+        if MEDIA && facing.is_none() && x.medium_towards(scene, w) != finder.path_state.medium {
             continue;
         }
-        let lambda = &seats[member.seat].lambda;
+        let lambda = &pixel_samples[member.pixel_sample].lambda;
         let (passed, density) = flight(x, w, distance, lambda);
-        claims[m] = Claim {
+        member_densities[m] = MemberDensity {
             direction: w,
             value: e.value * passed * (finder.ratio * relative),
             pdf: e.pdf * density * relative,
@@ -311,15 +342,15 @@ fn claim<const MEDIA: bool>(
     scene.occluded_batch(&rays[..count], &mut occluded[..count]);
     counters.rays += count as u64;
     for (m, _) in places[..count].iter().zip(occluded).filter(|(_, is_occluded)| *is_occluded) {
-        claims[*m] = Claim::NONE;
+        member_densities[*m] = MemberDensity::NONE;
     }
-    let (pdf, w, lambda) = (finder.sample.pdf, -y.wo(), &seats[finder.seat].lambda);
+    let (pdf, w, lambda) = (finder.sample.pdf, -y.wo(), &pixel_samples[finder.pixel_sample].lambda);
     let (passed, density) = flight(finders_x, w, own_distance, lambda);
-    claims[k] = Claim {
+    member_densities[k] = MemberDensity {
         direction: w,
         value: finder.sample.weight * passed * pdf,
         pdf: pdf * density,
-        sky: sky(finders_x, finder.leg.ray.direction, pdf, lambda),
+        sky: sky(finders_x, finder.path_state.ray.direction, pdf, lambda),
     };
-    claims[..group.len()].iter().map(|c| c.pdf).sum()
+    member_densities[..group.len()].iter().map(|c| c.pdf).sum()
 }

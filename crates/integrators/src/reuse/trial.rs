@@ -1,16 +1,17 @@
 //! Whether sharing pays, and among how many: told by a few groups of pixels from all over the picture, before a render.
 //!
-//! Pictures are looked at from afar, made smaller, and denoised: what counts is the error of single pixels and of means over 4 × 4, 8 × 8 and
-//! 16 × 16 of them, all alike. A mean over n × n pixels has the variance `(v + κ(n) c)/n²`, with `v` that of a pixel, `c` the covariance of two
-//! members of a group, and `κ(n)` how many of the other pixels of the square share with one, in the mean over samples. The group for which
-//! the geometric mean over the four, times cost, is least is taken.
+//! Pictures are looked at from afar, made smaller, and denoised: what counts is the error of single pixels and of means
+//! over 4 × 4, 8 × 8 and 16 × 16 of them, all alike. A mean over n × n pixels has the variance `(v + κ(n) c)/n²`, with
+//! `v` that of a pixel, `c` the covariance of two members of a group, and `κ(n)` how many of the other pixels of the
+//! square share with one, in the mean over samples. The group for which the geometric mean over the four, times cost,
+//! is least is taken.
 
-use super::{MAX_GROUP, Suffix};
+use super::{MAX_GROUP, PathContinuation};
 use crate::{
     adaptive::FLOOR,
     partition::{Partition, TILE},
+    precomputed::Precomputed,
     probe::Probe,
-    survey::Survey,
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -25,7 +26,8 @@ const PER_GROUP: u64 = 1 << 13;
 const GROUPS: (u64, u64) = (32, 384);
 /// Variance × cost has to become less by this factor.
 const WORTH: f64 = 1.25;
-/// The variance of means over pixels that share nothing, over that of independent ones: the default sampler lets neighbours err in opposite directions.
+/// The variance of means over pixels that share nothing, over that of independent ones: the default sampler lets
+/// neighbours err in opposite directions.
 const SPREAD: f64 = 0.75;
 
 /// Of one size of groups, summed over the picture.
@@ -64,7 +66,8 @@ impl Found {
     }
 }
 
-/// How many pixels of a square share with one of it, in the mean over its pixels and over samples; edges in blocks, of the square and of windows.
+/// How many pixels of a square share with one of it, in the mean over its pixels and over samples; edges in blocks, of
+/// the square and of windows.
 fn partners(square: u32, window: u32) -> f64 {
     let axis: f64 = (0..square * square)
         .map(|k| f64::from(window.saturating_sub((k / square).abs_diff(k % square))) / f64::from(window))
@@ -73,15 +76,15 @@ fn partners(square: u32, window: u32) -> f64 {
 }
 
 /// How many paths had best share, in a picture of so many samples.
-pub(crate) fn trial<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     samples: u64,
 ) -> u32 {
     let groups = (samples / PER_GROUP).clamp(GROUPS.0, GROUPS.1) as u32;
     let found: Vec<[Found; SIZES.len()]> =
-        (0..groups).into_par_iter().map(|k| of_group(suffix, scene, survey, k)).collect();
+        (0..groups).into_par_iter().map(|k| of_group(continuation, scene, precomputed, k)).collect();
     best(&std::array::from_fn(|size| found.iter().map(|f| f[size]).fold(Found::default(), Found::plus)))
 }
 
@@ -93,10 +96,10 @@ fn best(found: &[Found; SIZES.len()]) -> u32 {
 }
 
 /// Of the pixels of one large group, by groups of all sizes.
-fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
-    suffix: &S,
+fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    continuation: &S,
     scene: &Scene,
-    survey: &Survey,
+    precomputed: &Precomputed,
     k: u32,
 ) -> [Found; SIZES.len()] {
     let place = sobol::shuffled_scrambled_sobol_2d(k, 9);
@@ -118,7 +121,7 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
             let mut means = [[0.0_f64; MAX_GROUP]; 2];
             for (seed, means) in (0..).zip(&mut means) {
                 for index in 0..SAMPLES {
-                    let (light, cost) = probe.sample(suffix, scene, survey, seed, (index, SAMPLES));
+                    let (light, cost) = probe.sample(continuation, scene, precomputed, seed, (index, SAMPLES));
                     means.iter_mut().zip(light).for_each(|(m, l)| *m += l / f64::from(SAMPLES));
                     found.cost += cost / f64::from(2 * SAMPLES);
                 }
@@ -143,7 +146,8 @@ fn of_group<const MEDIA: bool, S: Suffix<MEDIA>>(
 mod tests {
     use super::*;
 
-    /// In a square as large as the window, of two blocks to an edge: half share with those beside them, so `(1 + ½)² − 1`.
+    /// In a square as large as the window, of two blocks to an edge: half share with those beside them, so
+    /// `(1 + ½)² − 1`.
     #[test]
     fn partners_are_counted() {
         assert_eq!([partners(1, 4), partners(2, 2), partners(4, 1)], [0.0, 1.25, 0.0]);
@@ -151,7 +155,8 @@ mod tests {
         assert!((partners(2, 4) - (1.75 * 1.75 - 1.0)).abs() < 1e-12);
     }
 
-    /// Sharing that takes nine tenths of the variance of pixels pays although what is left of it is common, until it costs three times as much.
+    /// Sharing that takes nine tenths of the variance of pixels pays although what is left of it is common, until it
+    /// costs three times as much.
     #[test]
     fn what_pays_at_all_scales_is_taken() {
         let of = |variance: f64, correlation: f64, cost: f64| Found {

@@ -1,9 +1,10 @@
 //! How much a picture errs, by its own samples, and whether these can tell.
 //!
-//! The variance of a pixel is found without bias, but what is rare is not found at all most of the time: where much of the light comes by paths that are
-//! met a few times in the whole picture, samples tell of a smooth and dark one. So an estimate comes with a [`Doubt`]: the trial of photons
-//! ([`crate::caustics::trial`]) knows how often paths without them would meet the light that they lead to, and an error that sits
-//! in a few pixels, each of which a few bright samples hit, is not known to better than a factor.
+//! The variance of a pixel is found without bias, but what is rare is not found at all most of the time: where much of
+//! the light comes by paths that are met a few times in the whole picture, samples tell of a smooth and dark one. So an
+//! estimate comes with a [`Doubt`]: the trial of photons ([`crate::caustics::trial`]) knows how often paths without
+//! them would meet the light that they lead to, and an error that sits in a few pixels, each of which a few bright
+//! samples hit, is not known to better than a factor.
 
 use super::{Session, lock};
 use crate::adaptive::FLOOR;
@@ -16,7 +17,8 @@ const CELL: usize = 8;
 const FEWEST_FINDS: f64 = 32.0;
 /// Pixels that are to hold the half of the error, where they hold most of it and few samples make them.
 const FEWEST_PIXELS: f64 = 8.0;
-/// A variance of the mean of more than this part of its square is that of few samples: four that are equal, where all others are black.
+/// A variance of the mean of more than this part of its square is that of few samples: four that are equal, where all
+/// others are black.
 const FEW_SAMPLES: f64 = 0.25;
 
 /// Why an estimated error is not to be trusted.
@@ -39,17 +41,17 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// A squared error over the squared level of what errs, `I² + 0.01`. The square of a mean exceeds that level by the squared error, in the mean, which is
-/// taken out. A pixel that a rare bright sample hit is no measure of its level at all, and would seem to err by no more than itself. Such
-/// pixels are held against those around.
+/// A squared error over the squared level of what errs, `I² + 0.01`. The square of a mean exceeds that level by the
+/// squared error, in the mean, which is taken out. A pixel that a rare bright sample hit is no measure of its level at
+/// all, and would seem to err by no more than itself. Such pixels are held against those around.
 fn relative(error: f64, mean: f64, around: f64) -> f64 {
     let square = mean * mean;
     let level = if error < FEW_SAMPLES * square { square - error } else { around.min(square) };
     error / (level + FLOOR)
 }
 
-/// The mean of squared levels, each of which is a square of a mean less its squared error. An eighth of them, the brightest, are left out: those that a rare
-/// bright sample hit.
+/// The mean of squared levels, each of which is a square of a mean less its squared error. An eighth of them, the
+/// brightest, are left out: those that a rare bright sample hit.
 fn around(mut levels: Vec<f64>) -> f64 {
     levels.sort_by(f64::total_cmp);
     levels.truncate(levels.len() - levels.len() / 8);
@@ -114,7 +116,8 @@ impl Sum {
         }
     }
 
-    /// Whether most of it is that of a few pixels, each of which few samples make: as many as would have this sum and these squares.
+    /// Whether most of it is that of a few pixels, each of which few samples make: as many as would have this sum and
+    /// these squares.
     fn is_of_few(&self) -> bool {
         self.rare > 0.5 * self.all && self.rare * self.rare < FEWEST_PIXELS * self.rare_squares
     }
@@ -131,10 +134,11 @@ impl Session<'_> {
         Some(sum)
     }
 
-    /// The estimated relative error of the picture's pixels: the square root of the mean, over pixels and channels, of the variance of the pixel
-    /// over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those of independent samples: with a sampler that
-    /// spreads them well the true error is smaller. Means over pixels that share paths err more than
-    /// this suggests: [`Self::errors_of_means`]. `None` before all pixels have two samples. [`Self::doubt`] tells whether it is to be trusted.
+    /// The estimated relative error of the picture's pixels: the square root of the mean, over pixels and channels, of
+    /// the variance of the pixel over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are
+    /// those of independent samples: with a sampler that spreads them well the true error is smaller. Means over pixels
+    /// that share paths err more than this suggests: [`Self::errors_of_means`]. `None` before all pixels have two
+    /// samples. [`Self::doubt`] tells whether it is to be trusted.
     pub fn error(&self) -> Option<f64> {
         let crop = self.scene.film.crop;
         let pixels = crop.width() as usize * crop.height() as usize;
@@ -145,7 +149,7 @@ impl Session<'_> {
     pub fn doubt(&self) -> Option<Doubt> {
         let crop = self.scene.film.crop;
         let paths = f64::from(crop.width()) * f64::from(crop.height()) * f64::from(self.next);
-        if self.survey.rarest.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
+        if self.precomputed.rarest.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
             return Some(Doubt::HardlyFound);
         }
         self.squared_errors().and_then(|sum| sum.doubt())
@@ -163,7 +167,8 @@ mod tests {
         Pixel { sum: [sum; 3], sum_squares: [n - hits + hits * value * value; 3], samples: n as u32 }
     }
 
-    /// One sample that is 10⁵ times as bright as all others in the picture makes its error what it is, `(10⁵/64)²` of one pixel, not one.
+    /// One sample that is 10⁵ times as bright as all others in the picture makes its error what it is, `(10⁵/64)²` of
+    /// one pixel, not one.
     #[test]
     fn a_bright_sample_is_no_measure_of_its_pixel() {
         let mut pixels = [pixel(64, 0, 0.0); 64];
@@ -175,7 +180,8 @@ mod tests {
         assert_eq!(Sum::of(&[pixel(1, 0, 0.0)]).map(|s| s.all), None);
     }
 
-    /// Pixels that are bright throughout, and noise that all pixels have, are as they were: the variance over the square.
+    /// Pixels that are bright throughout, and noise that all pixels have, are as they were: the variance over the
+    /// square.
     #[test]
     fn plain_noise_is_what_it_was() {
         let mut pixels = [pixel(64, 32, 3.0); 64];

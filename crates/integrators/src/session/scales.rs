@@ -1,8 +1,9 @@
-//! The error of means over pixels. Pixels that share paths err alike, so the variance of a pixel does not tell that of a mean over several.
+//! The error of means over pixels. Pixels that share paths err alike, so the variance of a pixel does not tell that of
+//! a mean over several.
 //!
-//! In some tiles samples of even ticks are summed apart. Half the difference of the means `A` of these and `B` of the others errs as their mean
-//! does, whatever the pixels have in common and however well samples are spread, so with `a` and `b` samples the mean over a square has the
-//! squared error `(A − B)² ab/(a + b)²`, in the mean over squares.
+//! In some tiles samples of even ticks are summed apart. Half the difference of the means `A` of these and `B` of the
+//! others errs as their mean does, whatever the pixels have in common and however well samples are spread, so with `a`
+//! and `b` samples the mean over a square has the squared error `(A − B)² ab/(a + b)²`, in the mean over squares.
 
 use super::{Session, lock};
 use crate::{adaptive::FLOOR, partition::TILE};
@@ -41,8 +42,9 @@ impl Session<'_> {
         }
     }
 
-    /// The estimated relative error of means over squares of pixels with the edges [`SCALES`], by samples of the first round: the root of the mean of
-    /// squared errors over `I² + 0.01` of the square. `None` before there are two samples, and where no tile lies in the picture as a whole.
+    /// The estimated relative error of means over squares of pixels with the edges [`SCALES`], by samples of the first
+    /// round: the root of the mean of squared errors over `I² + 0.01` of the square. `None` before there are two
+    /// samples, and where no tile lies in the picture as a whole.
     pub fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
         if self.round.number > 0 {
             return self.errors_of_first_round;

@@ -1,7 +1,8 @@
-//! Frames of all sizes and crops at all offsets, by every integrator and every tactic of path tracers, splitting forced upon them.
+//! Frames of all sizes and crops at all offsets, by every integrator and every tactic of path tracers, splitting forced
+//! upon them.
 
 use super::*;
-use crate::{Depth, Effort, INTEGRATORS, Tactics, adaptive::CELL, splitting::Splitting};
+use crate::{Depth, INTEGRATORS, PathEffort, VarianceReduction, adaptive::CELL, splitting::Splitting};
 use steradian_core::{
     ColorMode,
     compile::{Options, compile},
@@ -10,7 +11,8 @@ use steradian_core::{
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Shape, SpectrumValue, Value};
 
-/// A glass and a rough metal ball on a floor before a wall, under a small lamp and a dim sky; a light fog about one ball.
+/// A glass and a rough metal ball on a floor before a wall, under a small lamp and a dim sky; a light fog about one
+/// ball.
 fn scene(width: u32, height: u32) -> Scene {
     let grey = |v: f64| Value::Spectrum(SpectrumValue::Rgb([v; 3], ColorSpace::Srgb));
     let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
@@ -42,21 +44,21 @@ fn scene(width: u32, height: u32) -> Scene {
 }
 
 /// Every tactic with every other.
-fn tactics() -> Vec<Tactics> {
+fn variance_reduction() -> Vec<VarianceReduction> {
     let mut all = Vec::new();
     for reuse in [Some(1), Some(4), Some(16), None] {
         for caustics in [Some(false), Some(true)] {
-            for (effort, by_vertex) in [(Some(Effort::default()), false), (None, false), (None, true)] {
-                all.push(Tactics { reuse, caustics, effort, by_vertex });
+            for (effort, by_vertex) in [(Some(PathEffort::default()), false), (None, false), (None, true)] {
+                all.push(VarianceReduction { reuse, caustics, effort, by_vertex });
             }
         }
     }
     all
 }
 
-fn plan(name: &str, tactics: Tactics, spp: u32) -> Plan {
+fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Plan {
     let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
-    let integrator = IntegratorKind::named(name, depth, tactics).unwrap();
+    let integrator = IntegratorKind::named(name, depth, variance_reduction).unwrap();
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
     Plan {
         integrator,
@@ -75,7 +77,7 @@ fn plan(name: &str, tactics: Tactics, spp: u32) -> Plan {
 fn take(scene: &Scene, plan: Plan, edge: u32) -> Film {
     let mut session = Session::new(scene, plan);
     session.step(0, &Control::default());
-    session.survey.splitting = Splitting::here_and_there(scene, edge);
+    session.precomputed.splitting = Splitting::here_and_there(scene, edge);
     session.step(u32::MAX, &Control::default());
     assert!(session.is_done(), "{plan:?}");
     session.film()
@@ -88,13 +90,13 @@ fn sizes() -> impl Iterator<Item = [u32; 2]> {
 
 #[test]
 fn frames_of_every_size_are_whole() {
-    let all = tactics();
+    let all = variance_reduction();
     for (k, [width, height]) in sizes().enumerate() {
         let scene = scene(width, height);
         // Every tactic is met by a few of the sizes, among which all remainders by the tile are, in both directions.
-        let tactics = all[k * 5 % all.len()];
+        let variance_reduction = all[k * 5 % all.len()];
         for (name, adaptive) in [("path", false), ("volpath", k % 2 == 0), ("path-recursive", k % 2 == 1)] {
-            let plan = Plan { adaptive, ..plan(name, tactics, if adaptive { 6 } else { 2 }) };
+            let plan = Plan { adaptive, ..plan(name, variance_reduction, if adaptive { 6 } else { 2 }) };
             let film = take(&scene, plan, CELL << (k % 3));
             assert!(film.pixels.len() == (width * height) as usize && film.pixels.iter().all(|p| p.samples > 0));
         }
@@ -106,8 +108,9 @@ fn frames_of_every_size_are_whole() {
 fn trials_look_at_frames_of_every_size() {
     for [width, height] in [[1, 1], [1, 70], [70, 1], [17, 8], [24, 33], [33, 24], [7, 59], [50, 40]] {
         let scene = scene(width, height);
-        for tactics in tactics().into_iter().filter(|t| t.effort.is_none()) {
-            let mut session = Session::new(&scene, plan("path", Tactics { caustics: None, ..tactics }, 1 << 21));
+        for variance_reduction in variance_reduction().into_iter().filter(|t| t.effort.is_none()) {
+            let mut session =
+                Session::new(&scene, plan("path", VarianceReduction { caustics: None, ..variance_reduction }, 1 << 21));
             session.step(1, &Control::default());
             assert!(session.film().pixels.iter().all(|p| p.samples == 1), "{width} x {height}");
         }
@@ -120,10 +123,10 @@ fn crops_at_odd_offsets_are_parts_of_the_whole() {
     let (width, height) = (41, 39);
     let scene = scene(width, height);
     for (k, (name, _)) in INTEGRATORS.iter().enumerate() {
-        let of_path = tactics();
+        let of_path = variance_reduction();
         let few = if name.contains("path") { &of_path[..] } else { &of_path[..1] };
-        for (t, tactics) in few.iter().enumerate() {
-            let plan = plan(name, *tactics, 2);
+        for (t, variance_reduction) in few.iter().enumerate() {
+            let plan = plan(name, *variance_reduction, 2);
             let whole = take(&scene, plan, CELL);
             let mut cropped = scene.clone();
             for at in 0..3 {
@@ -136,7 +139,12 @@ fn crops_at_odd_offsets_are_parts_of_the_whole() {
                     let [x, y] = [x0 + i % (x1 - x0), y0 + i / (x1 - x0)];
                     let q = &whole.pixels[(y * width + x) as usize];
                     let bits = |p: &Pixel| [p.sum, p.sum_squares].map(|v| v.map(f64::to_bits));
-                    assert_eq!(bits(p), bits(q), "{name} {tactics:?} of {:?}, pixel {x}, {y}", cropped.film.crop);
+                    assert_eq!(
+                        bits(p),
+                        bits(q),
+                        "{name} {variance_reduction:?} of {:?}, pixel {x}, {y}",
+                        cropped.film.crop
+                    );
                 }
             }
         }

@@ -1,4 +1,5 @@
-//! The state of a session on its way to bytes and back. What is named here goes both ways, in this order, little-endian.
+//! The state of a session on its way to bytes and back. What is named here goes both ways, in this order,
+//! little-endian.
 
 use super::{
     Session, lock,
@@ -14,13 +15,13 @@ use std::{
 use steradian_core::film::{FirstHit, FirstHitSums, Hits, MatteSums, Pixel};
 
 /// Turns bytes of values into bytes of a file, or those of a file into those of values.
-pub(crate) trait Way {
+pub(crate) trait Codec {
     fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()>;
 }
 
 pub(crate) struct Out<'w>(pub &'w mut dyn Write);
 
-impl Way for Out<'_> {
+impl Codec for Out<'_> {
     fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()> {
         self.0.write_all(bytes)
     }
@@ -28,7 +29,7 @@ impl Way for Out<'_> {
 
 pub(crate) struct In<'r>(pub &'r mut dyn Read);
 
-impl Way for In<'_> {
+impl Codec for In<'_> {
     fn pass(&mut self, bytes: &mut [u8]) -> io::Result<()> {
         self.0.read_exact(bytes)
     }
@@ -36,15 +37,15 @@ impl Way for In<'_> {
 
 /// What is kept.
 pub(crate) trait State {
-    fn pass(&mut self, way: &mut impl Way) -> io::Result<()>;
+    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()>;
 }
 
 macro_rules! numbers {
     ($($number:ty),*) => { $(
         impl State for $number {
-            fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+            fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
                 let mut bytes = self.to_le_bytes();
-                way.pass(&mut bytes)?;
+                codec.pass(&mut bytes)?;
                 *self = Self::from_le_bytes(bytes);
                 Ok(())
             }
@@ -55,8 +56,8 @@ macro_rules! numbers {
 macro_rules! fields {
     ($($whole:ty { $($field:ident),* })*) => { $(
         impl State for $whole {
-            fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
-                $(self.$field.pass(way)?;)*
+            fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+                $(self.$field.pass(codec)?;)*
                 Ok(())
             }
         }
@@ -78,33 +79,33 @@ fields! {
 }
 
 impl State for bool {
-    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
         let mut number = u32::from(*self);
-        number.pass(way)?;
+        number.pass(codec)?;
         *self = number != 0;
         Ok(())
     }
 }
 
 impl State for Duration {
-    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
+    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
         let mut nanoseconds = u64::try_from(self.as_nanos()).unwrap_or(u64::MAX);
-        nanoseconds.pass(way)?;
+        nanoseconds.pass(codec)?;
         *self = Self::from_nanos(nanoseconds);
         Ok(())
     }
 }
 
 impl<T: State, const N: usize> State for [T; N] {
-    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
-        self.iter_mut().try_for_each(|value| value.pass(way))
+    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        self.iter_mut().try_for_each(|value| value.pass(codec))
     }
 }
 
 impl<T: State> State for Vec<T> {
     /// Of a length that is known.
-    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
-        self.iter_mut().try_for_each(|value| value.pass(way))
+    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        self.iter_mut().try_for_each(|value| value.pass(codec))
     }
 }
 
@@ -117,11 +118,12 @@ impl Session<'_> {
         self.pass(&mut Out(out))
     }
 
-    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits of one that was never
-    /// left. How many threads there are may differ.
+    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits
+    /// of one that was never left. How many threads there are may differ.
     ///
     /// # Errors
-    /// Those of the reader, and [`ErrorKind::InvalidData`] where no such session can have been; the session is of no use then.
+    /// Those of the reader, and [`ErrorKind::InvalidData`] where no such session can have been; the session is of no
+    /// use then.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.pass(&mut In(from))?;
         let round = self.round;
@@ -135,36 +137,36 @@ impl Session<'_> {
         }
     }
 
-    fn pass(&mut self, way: &mut impl Way) -> io::Result<()> {
-        self.round.pass(way)?;
-        self.next.pass(way)?;
-        self.look.pass(way)?;
-        self.is_complete.pass(way)?;
-        self.is_good_enough.pass(way)?;
-        self.counters.pass(way)?;
-        self.wall.pass(way)?;
-        self.cpu.pass(way)?;
+    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        self.round.pass(codec)?;
+        self.next.pass(codec)?;
+        self.look.pass(codec)?;
+        self.is_complete.pass(codec)?;
+        self.is_good_enough.pass(codec)?;
+        self.counters.pass(codec)?;
+        self.wall.pass(codec)?;
+        self.cpu.pass(codec)?;
         let mut errors = self.errors_of_first_round.unwrap_or([f64::NAN; SCALES.len()]);
-        errors.pass(way)?;
+        errors.pass(codec)?;
         self.errors_of_first_round = (!errors[0].is_nan()).then_some(errors);
         for done in &mut self.done {
-            done.get_mut().pass(way)?;
+            done.get_mut().pass(codec)?;
         }
         let round = self.round;
         for tile in &self.tiles {
             let tile = &mut *lock(tile);
-            tile.cells.pass(way)?;
-            tile.pixels.pass(way)?;
+            tile.cells.pass(codec)?;
+            tile.pixels.pass(codec)?;
             if round.number > 0 {
                 tile.past.resize(tile.pixels.len(), Pixel::default());
-                tile.past.pass(way)?;
+                tile.past.pass(codec)?;
             }
             if round.number == 0 {
-                tile.even.pass(way)?;
+                tile.even.pass(codec)?;
             }
-            tile.features.pass(way)?;
-            tile.mattes.pass(way)?;
-            tile.by_light.pass(way)?;
+            tile.features.pass(codec)?;
+            tile.mattes.pass(codec)?;
+            tile.by_light.pass(codec)?;
         }
         Ok(())
     }

@@ -1,8 +1,8 @@
 //! A wish to stop is answered wherever paths are.
 
 use crate::{
-    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Session, Stop, Survey, Tactics, path::Path,
-    path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, whitted::Whitted,
+    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Precomputed, Session, Stop, VarianceReduction,
+    path::Path, path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, whitted::Whitted,
 };
 use std::sync::{
     Arc,
@@ -32,22 +32,25 @@ fn ball(kind: &str) -> Scene {
     compile(&desc, &Options { mode: Some(ColorMode::Rgb), spp: Some(1), ..Options::default() }).scene.unwrap()
 }
 
-/// Where a stop is asked for before a path begins, at most one ray of it is followed; without, a path in such a ball has hundreds, before roulette
-/// ends it.
+/// Where a stop is asked for before a path begins, at most one ray of it is followed; without, a path in such a ball
+/// has hundreds, before roulette ends it.
 #[test]
 fn paths_end_where_they_are() {
-    let (tactics, depth) = (Tactics::default(), Depth { roulette_after: 0, ..FOREVER });
+    let (variance_reduction, depth) = (VarianceReduction::default(), Depth { roulette_after: 0, ..FOREVER });
     let rays = |integrator: &dyn Integrator, scene: &Scene, stop: &Stop| {
         let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(3, 5, 0);
         let ray = scene.camera.ray(&scene.film, steradian_math::Vec2::new(3.5, 5.5), steradian_math::Vec2::splat(0.5));
         let (mut counters, mut lambda) = (Counters::until(stop), Wavelengths::RGB);
-        integrator.radiance(scene, &Survey::default(), ray, &sampler, &mut lambda, &mut counters);
+        integrator.radiance(scene, &Precomputed::default(), ray, &sampler, &mut lambda, &mut counters);
         counters.rays
     };
     for kind in ["conductor", "diffuse"] {
         let scene = ball(kind);
-        let long: [&dyn Integrator; 3] =
-            [&Path { depth, tactics }, &PathRecursive { depth, tactics }, &Stokes { depth, component: 0 }];
+        let long: [&dyn Integrator; 3] = [
+            &Path { depth, variance_reduction },
+            &PathRecursive { depth, variance_reduction },
+            &Stokes { depth, component: 0 },
+        ];
         let short: [&dyn Integrator; 2] = [&Whitted { depth }, &Raycast];
         let stop = Stop::by(&Arc::new(AtomicBool::new(true)));
         for integrator in long {
@@ -58,14 +61,14 @@ fn paths_end_where_they_are() {
     }
 }
 
-/// A render of such paths, and the trials before it, end when that is asked for, on one thread and on several, with shared paths and without; what
-/// is there are whole samples, and it goes on from them to the same bits.
+/// A render of such paths, and the trials before it, end when that is asked for, on one thread and on several, with
+/// shared paths and without; what is there are whole samples, and it goes on from them to the same bits.
 #[test]
 fn renders_end_where_they_are() {
     let scene = ball("diffuse");
     for (reuse, threads) in [(Some(1), 1), (Some(16), 1), (Some(16), 3), (None, 2)] {
-        let tactics = Tactics { reuse, ..Tactics::default() };
-        let integrator = IntegratorKind::named("path", FOREVER, tactics).unwrap();
+        let variance_reduction = VarianceReduction { reuse, ..VarianceReduction::default() };
+        let integrator = IntegratorKind::named("path", FOREVER, variance_reduction).unwrap();
         let plan = |spp| Plan {
             integrator,
             sampler: Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 },

@@ -50,7 +50,8 @@ pub struct Tile {
     pub pixels: Vec<Pixel>,
     /// The rounds before it; empty in the first.
     pub(super) past: Vec<Pixel>,
-    /// What even ticks of the first round brought, by which the error of means over pixels is told; empty where it is not ([`super::scales`]).
+    /// What even ticks of the first round brought, by which the error of means over pixels is told; empty where it is
+    /// not ([`super::scales`]).
     pub(super) even: Vec<Half>,
     /// First hits, of all rounds.
     pub features: Vec<FirstHitSums>,
@@ -78,7 +79,8 @@ impl Tile {
         }
     }
 
-    /// Adds a sample that was taken in a tick to a pixel of the round under way; `false` where it is not finite and counts as black.
+    /// Adds a sample that was taken in a tick to a pixel of the round under way; `false` where it is not finite and
+    /// counts as black.
     pub fn add(&mut self, at: usize, value: Vec3, tick: u32) -> bool {
         let is_finite = self.pixels[at].add(value);
         if let Some(even) = self.even.get_mut(at).filter(|_| tick.is_multiple_of(2)) {
@@ -163,8 +165,8 @@ impl Tile {
         self.pixels.fill(Pixel::default());
     }
 
-    /// The square by which a pixel's mean leaves the line between its neighbours to both sides, if they lie in its cell: that of independent
-    /// errors, on a smooth surface.
+    /// The square by which a pixel's mean leaves the line between its neighbours to both sides, if they lie in its
+    /// cell: that of independent errors, on a smooth surface.
     fn bends(&self, at: usize, beside: usize) -> Option<[f64; 3]> {
         let (a, b) = (at.checked_sub(beside)?, at + beside);
         let (c, width) = (self.cell_at(at), self.area.width() as usize);

@@ -1,16 +1,17 @@
 //! The work of a step: samples of groups of pixels, on all threads.
 //!
-//! A round is counted in *ticks*, as many as the cell with most samples has of these; others take one every so many ticks. What is done in a tick is cut
-//! by the tile in which the windows of groups begin ([`Partition::windows`]). These reach into the tiles to the right and below, so tiles are
-//! counted from one before the first. All pieces are worked at in the order of ticks. A piece is added to the film as a whole, when the pieces
-//! about it are there up to the tick before, which they mostly are long since; so each pixel's samples are added in their order. Where nothing
+//! A round is counted in *ticks*, as many as the cell with most samples has of these; others take one every so many
+//! ticks. What is done in a tick is cut by the tile in which the windows of groups begin ([`Partition::windows`]).
+//! These reach into the tiles to the right and below, so tiles are counted from one before the first. All pieces are
+//! worked at in the order of ticks. A piece is added to the film as a whole, when the pieces about it are there up to
+//! the tick before, which they mostly are long since; so each pixel's samples are added in their order. Where nothing
 //! is shared, pieces have nothing to do with each other, and a tile is brought to the end of the step at once.
 
 use super::{Session, lock};
 use crate::{
     Control, Counters, Integrator, Stop, features,
     partition::{CELLS, Partition, Place, TILE, Window, cell_of},
-    reuse::{Room, Seat},
+    reuse::{GroupBuffer, PixelSample},
 };
 use std::{
     sync::{
@@ -55,12 +56,12 @@ struct Found {
 
 /// What a thread works with; kept, so that nothing is allocated per sample.
 #[derive(Default)]
-struct Desk<'s> {
+struct Scratch<'s> {
     members: Vec<Member>,
     /// Who takes part in a path of the group, and the weight that the film gives it.
     taking: Vec<(usize, f32)>,
-    seats: Vec<Seat>,
-    room: Room<'s>,
+    pixel_samples: Vec<PixelSample>,
+    buffer: GroupBuffer<'s>,
     found: Vec<Found>,
     hits: Vec<(usize, FirstHit)>,
     /// The light of each group of lights that samples bring, one after the other.
@@ -91,7 +92,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             integrator,
             control,
             stop: Stop::by(&control.cancel),
-            partition: Partition::new(session.survey.reuse(), session.plan.sampler.seed),
+            partition: Partition::new(session.precomputed.reuse(), session.plan.sampler.seed),
             across: session.columns / CELLS as usize + 1,
             ticks: (begin, session.round.share(session.ticks, session.next)),
             next: AtomicU64::new(0),
@@ -113,7 +114,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
     /// Works until nothing is left, or it is cancelled.
     pub fn run(&self) {
         let _guard = CancelOnPanic(self.control);
-        let (mut desk, mut counters) = (Desk::default(), Counters::until(&self.stop));
+        let (mut scratch, mut counters) = (Scratch::default(), Counters::until(&self.stop));
         let tiles = self.session.done.len() as u64;
         let ticks = u64::from(self.ticks.1.saturating_sub(self.ticks.0));
         let alone = self.partition.size() == 1;
@@ -125,24 +126,25 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             }
             let (tile, first) = ((piece % tiles) as usize, self.ticks.0 + (piece / tiles) as u32);
             let last = if alone { self.ticks.1 } else { first + 1 };
-            if !(first..last).all(|tick| self.advance(tile, tick, &mut desk, &mut counters)) {
+            if !(first..last).all(|tick| self.advance(tile, tick, &mut scratch, &mut counters)) {
                 break;
             }
         }
         *lock(&self.total) += &counters;
     }
 
-    /// Takes the samples of a tick whose groups begin in a tile; `false` where that was cancelled, which leaves no trace.
-    fn advance(&self, tile: usize, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) -> bool {
+    /// Takes the samples of a tick whose groups begin in a tile; `false` where that was cancelled, which leaves no
+    /// trace.
+    fn advance(&self, tile: usize, tick: u32, scratch: &mut Scratch<'s>, counters: &mut Counters) -> bool {
         let done = &self.session.done[tile];
         if done.load(Ordering::Relaxed) > tick {
             return true;
         }
         let mut mine = Counters::until(&self.stop);
         mine.by_group.resize(self.session.light_groups(), Spectrum::ZERO);
-        desk.found.clear();
-        desk.hits.clear();
-        desk.lights.clear();
+        scratch.found.clear();
+        scratch.hits.clear();
+        scratch.lights.clear();
         let place = [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1];
         let crop = self.session.scene.film.crop;
         let first = [crop.x0 / TILE, crop.y0 / TILE].map(|v| v as i32);
@@ -150,12 +152,12 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             if self.stop.is_asked() {
                 return false;
             }
-            self.group(window, tick, desk, &mut mine);
+            self.group(window, tick, scratch, &mut mine);
         }
         if self.stop.is_asked() || !self.wait(place, tick) {
             return false;
         }
-        self.add(tick, desk, &mut mine);
+        self.add(tick, scratch, &mut mine);
         done.store(tick + 1, Ordering::Release);
         self.control.samples.fetch_add(mine.samples, Ordering::Relaxed);
         self.control.rays.fetch_add(mine.rays, Ordering::Relaxed);
@@ -163,7 +165,8 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
         true
     }
 
-    /// Waits for the pieces about a tile to be added up to a tick; `false` where that was cancelled. They were begun before, so each will be.
+    /// Waits for the pieces about a tile to be added up to a tick; `false` where that was cancelled. They were begun
+    /// before, so each will be.
     fn wait(&self, [column, row]: [i32; 2], tick: u32) -> bool {
         if self.partition.size() == 1 {
             return true;
@@ -188,7 +191,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
 
     /// Who of a group takes a sample in a tick.
     fn gather(&self, window: Window, tick: u32, members: &mut Vec<Member>) {
-        let Session { scene, survey, round, columns, targets, ticks, .. } = self.session;
+        let Session { scene, precomputed, round, columns, targets, ticks, .. } = self.session;
         let crop = scene.film.crop;
         let origin = [crop.x0 / TILE, crop.y0 / TILE];
         members.clear();
@@ -199,7 +202,8 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
             }
             let is_kept = (crop.x0..crop.x1).contains(&x) && (crop.y0..crop.y1).contains(&y);
             let tile = || [x / TILE - origin[0], y / TILE - origin[1]];
-            // Members beyond the crop take part, so that a crop has the bits of the whole; nothing is known of what they need.
+            // Members beyond the crop take part, so that a crop has the bits of the whole; nothing is known of what
+            // they need.
             let of = match (round.number, is_kept) {
                 (0, _) => *ticks,
                 (_, true) => {
@@ -220,17 +224,17 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 let width = (x / TILE * TILE + TILE).min(crop.x1) - corner[0];
                 (row * (*columns as u32 / CELLS) + column, (y - corner[1]) * width + x - corner[0])
             });
-            let paths = survey.splitting.paths([x, y]);
+            let paths = precomputed.splitting.paths([x, y]);
             members.push(Member { place, kept, sample, of, paths, sum: Vec3::ZERO });
         }
     }
 
-    /// One sample of each pixel of a group, which is the mean of as many paths as the survey wants.
-    fn group(&self, window: Window, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) {
-        let Session { scene, survey, plan, round, .. } = self.session;
+    /// One sample of each pixel of a group, which is the mean of as many paths as the preparation wants.
+    fn group(&self, window: Window, tick: u32, scratch: &mut Scratch<'s>, counters: &mut Counters) {
+        let Session { scene, precomputed, plan, round, .. } = self.session;
         let film = &scene.film;
-        self.gather(window, tick, &mut desk.members);
-        let Desk { members, taking, seats, room, found, hits, lights } = desk;
+        self.gather(window, tick, &mut scratch.members);
+        let Scratch { members, taking, pixel_samples, buffer, found, hits, lights } = scratch;
         if !members.iter().any(|m| m.kept.is_some()) {
             return;
         }
@@ -241,7 +245,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
         let gathers = plan.features || plan.mattes;
         let before = counters.rays;
         for path in 0..members.iter().map(|m| m.paths).max().unwrap_or(0) {
-            seats.clear();
+            pixel_samples.clear();
             taking.clear();
             for (number, m) in members.iter().enumerate().filter(|(_, m)| m.paths > path) {
                 // Rounds are independent of each other.
@@ -249,36 +253,41 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                     0 => plan.sampler.seed,
                     n => combine64(plan.sampler.seed, n.into()),
                 };
-                // The first paths of all samples come first in a pixel's points, then the second ones, for those who have such.
+                // The first paths of all samples come first in a pixel's points, then the second ones, for those who
+                // have such.
                 let sampler = Sampler { spp: m.of.saturating_mul(m.paths), seed, ..plan.sampler };
                 let index = m.sample.wrapping_add(path.wrapping_mul(m.of));
-                let (seat, weight) = Seat::at(scene, &sampler, &self.partition, index, &m.place);
-                seats.push(seat);
+                let (pixel_sample, weight) = PixelSample::at(scene, &sampler, &self.partition, index, &m.place);
+                pixel_samples.push(pixel_sample);
                 taking.push((number, weight));
             }
-            match &mut seats[..] {
-                [s] => s.radiance = self.integrator.radiance(scene, survey, s.ray, &s.own, &mut s.lambda, counters),
-                seats => self.integrator.group(scene, survey, seats, room, counters),
+            match &mut pixel_samples[..] {
+                [s] => {
+                    s.radiance = self.integrator.radiance(scene, precomputed, s.ray, &s.own, &mut s.lambda, counters)
+                }
+                pixel_samples => self.integrator.group(scene, precomputed, pixel_samples, buffer, counters),
             }
-            for ((number, weight), seat) in taking.iter().zip(&*seats) {
-                let mut l = seat.radiance * film.imaging_ratio;
+            for ((number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
+                let mut l = pixel_sample.radiance * film.imaging_ratio;
                 if film.max_component.is_finite() {
                     let m = l.max_element();
                     if m > film.max_component {
                         l *= film.max_component / m;
                     }
                 }
-                let hit = (gathers || plan.transparent).then(|| features::first_hit(scene, seat.ray, &seat.lambda));
+                let hit = (gathers || plan.transparent)
+                    .then(|| features::first_hit(scene, pixel_sample.ray, &pixel_sample.lambda));
                 if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
                     l = Spectrum::ZERO;
                 }
                 // Paths that share nothing: the group has one member.
                 for (sum, light) in lights[begin_of_lights..].iter_mut().zip(&mut counters.by_group) {
-                    let scale = if l.is_black() { 0.0 } else { l.max_element() / seat.radiance.max_element() };
+                    let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                     let light = std::mem::replace(light, Spectrum::ZERO) * scale;
-                    *sum += color::to_rgb(light, &seat.lambda, scene.mode) * (*weight / members[*number].paths as f32);
+                    *sum += color::to_rgb(light, &pixel_sample.lambda, scene.mode)
+                        * (*weight / members[*number].paths as f32);
                 }
-                members[*number].sum += color::to_rgb(l, &seat.lambda, scene.mode) * *weight;
+                members[*number].sum += color::to_rgb(l, &pixel_sample.lambda, scene.mode) * *weight;
                 if let Some(hit) = hit.filter(|_| gathers && members[*number].kept.is_some()) {
                     hits.push((*number, hit));
                 }
@@ -299,10 +308,10 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
     }
 
     /// Adds what was found to the film.
-    fn add(&self, tick: u32, desk: &mut Desk<'s>, counters: &mut Counters) {
-        desk.found.sort_unstable_by_key(|f| (f.tile, f.at));
+    fn add(&self, tick: u32, scratch: &mut Scratch<'s>, counters: &mut Counters) {
+        scratch.found.sort_unstable_by_key(|f| (f.tile, f.at));
         let groups = counters.by_group.len();
-        for found in desk.found.chunk_by(|a, b| a.tile == b.tile) {
+        for found in scratch.found.chunk_by(|a, b| a.tile == b.tile) {
             let mut tile = lock(&self.session.tiles[found[0].tile as usize]);
             for f in found {
                 counters.samples += 1;
@@ -311,9 +320,9 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 cell.rays += f.rays;
                 cell.samples += 1;
                 if groups > 0 && f.value.is_finite() {
-                    tile.add_lights(f.at as usize, &desk.lights[f.lights..f.lights + groups]);
+                    tile.add_lights(f.at as usize, &scratch.lights[f.lights..f.lights + groups]);
                 }
-                for (_, hit) in &desk.hits[f.hits.0..f.hits.0 + f.hits.1] {
+                for (_, hit) in &scratch.hits[f.hits.0..f.hits.0 + f.hits.1] {
                     tile.add_hit(f.at as usize, hit);
                 }
             }

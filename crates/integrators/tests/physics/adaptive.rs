@@ -8,8 +8,8 @@ use steradian_core::Scene;
 use steradian_integrators::Control;
 use steradian_testkit::Moments;
 
-/// A lamp of radiance one seen through a sheet that lets a part of all rays pass, over the left `width` of a frame two units wide; the lamp
-/// alone over the rest. So samples are one with a probability, else zero.
+/// A lamp of radiance one seen through a sheet that lets a part of all rays pass, over the left `width` of a frame two
+/// units wide; the lamp alone over the rest. So samples are one with a probability, else zero.
 fn veil(passes: f64, width: f64) -> Scene {
     let mut stage = Stage::new();
     let grey = stage.add(diffuse(0.5));
@@ -24,8 +24,9 @@ fn veil(passes: f64, width: f64) -> Scene {
     stage.scene()
 }
 
-/// Rare bright samples: cells that begin dark get fewer samples, and their dark beginning must not count for more because of it. Weighting
-/// rounds by their numbers of samples fails this by five to six standard errors. 4σ over 1200 pictures; the evenly sampled ones are held to the same.
+/// Rare bright samples: cells that begin dark get fewer samples, and their dark beginning must not count for more
+/// because of it. Weighting rounds by their numbers of samples fails this by five to six standard errors. 4σ over 1200
+/// pictures; the evenly sampled ones are held to the same.
 #[test]
 fn rare_bright_samples_do_not_darken_the_picture() {
     const PASSES: f64 = 0.02;
@@ -44,8 +45,8 @@ fn rare_bright_samples_do_not_darken_the_picture() {
     }
 }
 
-/// The variance that the film tells, from several rounds with their weights, is that of its pixels about the truth: within 4 % where the standard
-/// error of that comparison is 1 %. So is the error of the whole picture.
+/// The variance that the film tells, from several rounds with their weights, is that of its pixels about the truth:
+/// within 4 % where the standard error of that comparison is 1 %. So is the error of the whole picture.
 #[test]
 fn variances_of_rounds_add_up() {
     const PASSES: f64 = 0.5;
@@ -69,8 +70,8 @@ fn variances_of_rounds_add_up() {
     assert!((f64::from(samples) / (12.0 * 1024.0) - 64.0).abs() < 0.5, "{samples}");
 }
 
-/// Where a quarter of the picture has all the noise, the same number of samples leaves less than half of it: at best 1/3.6, but for the even first
-/// round and what neighbours get.
+/// Where a quarter of the picture has all the noise, the same number of samples leaves less than half of it: at best
+/// 1/3.6, but for the even first round and what neighbours get.
 #[test]
 fn samples_go_where_the_noise_is() {
     let scene = veil(0.5, 0.5);
@@ -86,10 +87,12 @@ fn samples_go_where_the_noise_is() {
     assert!(film.pixels[0].samples > 3 * film.pixels[31].samples && film.pixels[31].samples >= 8);
 }
 
-/// The render ends at the error asked for, not long before or after, evenly sampled or not; and it takes the samples that this error needs.
+/// The render ends at the error asked for, not long before or after, evenly sampled or not; and it takes the samples
+/// that this error needs.
 #[test]
 fn the_error_asked_for_ends_the_render() {
-    // Relative error of one sample: ½ over √(¼ + 0.01), of all pixels or of half of them. Half of them take almost all samples.
+    // Relative error of one sample: ½ over √(¼ + 0.01), of all pixels or of half of them. Half of them take almost all
+    // samples.
     let single = 0.5 / 0.26_f64.sqrt();
     for (adaptive, scene, single) in [(false, veil(0.5, 2.0), single), (true, veil(0.5, 1.0), 0.5 * single)] {
         for error in [0.2, 0.05] {

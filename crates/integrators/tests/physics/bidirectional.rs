@@ -127,7 +127,8 @@ fn blocks(film: &Film) -> Vec<(f64, f64)> {
     all
 }
 
-/// What is wrong if two pictures do not agree: every block within the standard errors that Šidák's correction allows, and the whole with little noise.
+/// What is wrong if two pictures do not agree: every block within the standard errors that Šidák's correction allows,
+/// and the whole with little noise.
 fn disagreement(what: &str, a: &Film, b: &Film, precision: f64) -> Option<String> {
     let (a, b) = (blocks(a), blocks(b));
     let level = steradian_testkit::sidak(0.01, a.len() * 100);
@@ -157,8 +158,8 @@ fn agree(what: &str, a: &Film, b: &Film, precision: f64) {
     assert_eq!(disagreement(what, a, b, precision), None);
 }
 
-/// M173: all connections with exact weights have the mean of path tracing, in every scene; so do light tracing (M167) where no smooth surface is
-/// seen, and Metropolis.
+/// M173: all connections with exact weights have the mean of path tracing, in every scene; so do light tracing (M167)
+/// where no smooth surface is seen, and Metropolis.
 #[test]
 fn unbiased_methods_agree_with_path_tracing() {
     let mut wrong = Vec::new();
@@ -210,7 +211,8 @@ fn photons_agree_with_path_tracing_as_radii_shrink() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// A lamp of 5 mm in glass, which light samples do not reach and scattering hardly ever finds, is found by paths from the lamp.
+/// A lamp of 5 mm in glass, which light samples do not reach and scattering hardly ever finds, is found by paths from
+/// the lamp.
 #[test]
 fn a_tiny_light_in_glass_converges() {
     // A lamp of 5 mm in a glass ball of 15 cm: scattering finds it one time in ten thousand.

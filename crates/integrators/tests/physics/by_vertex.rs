@@ -8,7 +8,8 @@ use crate::{
 };
 use steradian_core::{ColorMode, sampler::SamplerKind};
 
-/// The mean is that of throughput's roulette, alone and shared, with glass and mirrors, in RGB and spectral mode, where paths lose wavelengths.
+/// The mean is that of throughput's roulette, alone and shared, with glass and mirrors, in RGB and spectral mode, where
+/// paths lose wavelengths.
 #[test]
 fn effort_by_vertex_is_unbiased() {
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {

@@ -15,7 +15,8 @@ fn spectrum(v: SpectrumValue) -> Value {
     Value::Spectrum(v)
 }
 
-/// Everything grey, lit by white light of each kind: the spectral picture is the RGB picture, for every part of the frame. 4σ.
+/// Everything grey, lit by white light of each kind: the spectral picture is the RGB picture, for every part of the
+/// frame. 4σ.
 #[test]
 fn grey_scenes_look_the_same_in_both_modes() {
     let mut stage = Stage::new();
@@ -41,8 +42,8 @@ fn grey_scenes_look_the_same_in_both_modes() {
     }
 }
 
-/// M128: white light on a coloured surface gives the surface's colour in spectral mode too: RGB reflectances become spectra that look the same under
-/// D65. 4σ and the 5·10⁻³ of the upsampling.
+/// M128: white light on a coloured surface gives the surface's colour in spectral mode too: RGB reflectances become
+/// spectra that look the same under D65. 4σ and the 5·10⁻³ of the upsampling.
 #[test]
 fn reflectances_round_trip_under_d65() {
     for color in [[0.8, 0.8, 0.8], [0.8, 0.3, 0.1], [0.1, 0.5, 0.2], [0.1, 0.2, 0.7], [0.9, 0.8, 0.05]] {
@@ -57,8 +58,8 @@ fn reflectances_round_trip_under_d65() {
     }
 }
 
-/// M135: black bodies have the chromaticity of the Planckian locus: illuminant A (2856 K) is at (0.4476, 0.4074), 6500 K at (0.3135, 0.3237), 10000 K at
-/// (0.2807, 0.2884) (CIE 15:2004; Wyszecki & Stiles 1982), as a light in both modes.
+/// M135: black bodies have the chromaticity of the Planckian locus: illuminant A (2856 K) is at (0.4476, 0.4074), 6500
+/// K at (0.3135, 0.3237), 10000 K at (0.2807, 0.2884) (CIE 15:2004; Wyszecki & Stiles 1982), as a light in both modes.
 #[test]
 fn black_bodies_have_their_color() {
     for (kelvin, [x, y]) in [(2856.0, [0.4476, 0.4074]), (6500.0, [0.3135, 0.3237]), (10_000.0, [0.2807, 0.2884])] {
@@ -83,8 +84,8 @@ fn black_bodies_have_their_color() {
     }
 }
 
-/// M68: a narrow line at 555 nm and D65 of the same luminance look equally bright; an equal-energy light is a little pink in Rec.709, by the very amount
-/// of the CIE's numbers. 4σ.
+/// M68: a narrow line at 555 nm and D65 of the same luminance look equally bright; an equal-energy light is a little
+/// pink in Rec.709, by the very amount of the CIE's numbers. 4σ.
 #[test]
 fn light_spectra_become_their_tristimulus() {
     let line = SpectrumValue::Sampled { lambdas: vec![549.0, 550.0, 560.0, 561.0], values: vec![0.0, 1.0, 1.0, 0.0] };
@@ -102,7 +103,8 @@ fn light_spectra_become_their_tristimulus() {
     }
 }
 
-/// Wavelengths part at glass whose index depends on them: the furnace stays white, though each path keeps one wavelength alone. 4σ.
+/// Wavelengths part at glass whose index depends on them: the furnace stays white, though each path keeps one
+/// wavelength alone. 4σ.
 #[test]
 fn dispersion_keeps_white_white() {
     let mut stage = Stage::new();

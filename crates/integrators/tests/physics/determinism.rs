@@ -28,8 +28,8 @@ pub fn collection(mode: ColorMode) -> Scene {
     stage.scene_in(mode)
 }
 
-/// M161: the recursive path tracer gives the iterative one's bits, with every material, in RGB and spectral mode, with and without Russian
-/// roulette.
+/// M161: the recursive path tracer gives the iterative one's bits, with every material, in RGB and spectral mode, with
+/// and without Russian roulette.
 #[test]
 fn recursive_equals_iterative_bit_for_bit() {
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
@@ -66,8 +66,8 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-/// M161: eight samples at once have the bits of one, three, and four more; so have those of a step that is cancelled before it begins and taken
-/// again.
+/// M161: eight samples at once have the bits of one, three, and four more; so have those of a step that is cancelled
+/// before it begins and taken again.
 #[test]
 fn steps_do_not_change_a_bit() {
     let scene = collection(ColorMode::Spectral);

@@ -8,7 +8,8 @@ use steradian_core::{film::filter::FILTERS, sampler::SAMPLERS};
 use steradian_math::Vec2;
 use steradian_scene::{Family, Node};
 
-/// A picture of a half plane of radiance one whose edge runs at `x = edge` pixels, upright, by parallel projection: one unit is one pixel.
+/// A picture of a half plane of radiance one whose edge runs at `x = edge` pixels, upright, by parallel projection: one
+/// unit is one pixel.
 fn step_edge(filter: &str, edge: f64) -> Stage {
     let mut stage = Stage::new();
     stage.mesh_lamp(rectangle([edge - 8.0 - 100.0, -50.0, 1.0], [0.0, 100.0, 0.0], [100.0, 0.0, 0.0]), 1.0);
@@ -19,8 +20,8 @@ fn step_edge(filter: &str, edge: f64) -> Stage {
     stage
 }
 
-/// M165: a step edge under every registered filter is its integral up to the edge, in every column: 4σ; far from the edge a filter of one sign is
-/// exactly black and white.
+/// M165: a step edge under every registered filter is its integral up to the edge, in every column: 4σ; far from the
+/// edge a filter of one sign is exactly black and white.
 #[test]
 fn filters_on_a_step_edge() {
     for (name, _) in FILTERS {
@@ -67,8 +68,8 @@ fn filters_keep_constants() {
     }
 }
 
-/// M154: error bars tell the truth: intervals of 1.96 standard errors around the mean of independent samples hold the true value in 95 % of 6 400
-/// pixels, within 4σ of the binomial and half a percent for the skewness of 200 samples.
+/// M154: error bars tell the truth: intervals of 1.96 standard errors around the mean of independent samples hold the
+/// true value in 95 % of 6 400 pixels, within 4σ of the binomial and half a percent for the skewness of 200 samples.
 #[test]
 fn error_bars_cover_the_truth() {
     let mut stage = Stage::new();
@@ -85,8 +86,8 @@ fn error_bars_cover_the_truth() {
     assert!((share - 0.95).abs() < SIGMAS * sigma + 0.005, "{share} of the intervals hold the truth");
 }
 
-/// M153, M154: the error falls as the samples grow, for every sampler: about as n^−½ for independent ones, no slower for the others. Root mean square
-/// over pixels against the closed form π/2.
+/// M153, M154: the error falls as the samples grow, for every sampler: about as n^−½ for independent ones, no slower
+/// for the others. Root mean square over pixels against the closed form π/2.
 #[test]
 fn errors_fall_with_samples() {
     let mut stage = Stage::new();

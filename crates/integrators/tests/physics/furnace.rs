@@ -1,4 +1,5 @@
-//! The white furnace: in surroundings of radiance one, what loses no light cannot be seen, and what does shows its albedo.
+//! The white furnace: in surroundings of radiance one, what loses no light cannot be seen, and what does shows its
+//! albedo.
 
 use crate::{
     materials::{Case, cases},
@@ -27,8 +28,9 @@ fn furnace(case: &Case, closed_mesh: bool) -> Stage {
     stage
 }
 
-/// M74, M80, M81, M95: whatever loses no light is invisible in a white furnace, as a sphere and as a closed mesh. All lossless models give every
-/// path weight one but where a rare draw is rejected: within 4σ, and per pixel no farther than the spread of a path can take it.
+/// M74, M80, M81, M95: whatever loses no light is invisible in a white furnace, as a sphere and as a closed mesh. All
+/// lossless models give every path weight one but where a rare draw is rejected: within 4σ, and per pixel no farther
+/// than the spread of a path can take it.
 #[test]
 fn lossless_bodies_are_invisible() {
     for case in cases().iter().filter(|c| c.lossless) {
@@ -76,7 +78,8 @@ fn albedo(bsdf: &Bsdf, wo: Vec3) -> [f64; 3] {
         if bsdf.is_specular() { 0.0 } else { integrate_sphere(|w| f64::from(bsdf.eval(wo, w, mode).value[c]), 1e-4) }
     };
     let mut sum: [f64; 3] = std::array::from_fn(lane);
-    // The choice of lobe runs from reflection to transmission; a specular lobe weighs what it is worth times its probability.
+    // The choice of lobe runs from reflection to transmission; a specular lobe weighs what it is worth times its
+    // probability.
     let ends =
         [0.0, ONE_MINUS_EPSILON].map(|u| bsdf.sample(wo, u, Vec2::splat(0.5), mode).filter(|s| s.lobe.is_specular()));
     let second = ends[1].filter(|l| ends[0].is_none_or(|f| f.lobe != l.lobe));
@@ -95,8 +98,8 @@ fn met(scene: &Scene) -> Interaction {
     scene.interaction(&ray, &hit)
 }
 
-/// M74, M79: what loses light shows the albedo a(ω) = ∫ f cos dω in the furnace, by quadrature of the model at the same point, from straight on
-/// to near grazing. A flat disk, so that light is scattered once. 4σ.
+/// M74, M79: what loses light shows the albedo a(ω) = ∫ f cos dω in the furnace, by quadrature of the model at the same
+/// point, from straight on to near grazing. A flat disk, so that light is scattered once. 4σ.
 #[test]
 fn lossy_surfaces_show_their_albedo() {
     for case in cases().iter().filter(|c| !matches!(c.kind, "mix" | "mask" | "interface")) {
@@ -138,9 +141,9 @@ fn diffuse_reflectance_is_exact() {
     }
 }
 
-/// M160, M163: inside a closed sphere that emits one and reflects ρ, k scattering events give Σ ρⁱ for i ≤ k, each bounce adds ρᵏ, and all of them
-/// 1/(1 − ρ) (E1: the lecture's program gives another sum). Light and scattering draw with the same density here, so truncated series are
-/// exact; the whole series, with Russian roulette, is within 4σ.
+/// M160, M163: inside a closed sphere that emits one and reflects ρ, k scattering events give Σ ρⁱ for i ≤ k, each
+/// bounce adds ρᵏ, and all of them 1/(1 − ρ) (E1: the lecture's program gives another sum). Light and scattering draw
+/// with the same density here, so truncated series are exact; the whole series, with Russian roulette, is within 4σ.
 #[test]
 fn neumann_series_inside_a_luminous_sphere() {
     let inside = |reflectance: f64| {
@@ -184,8 +187,8 @@ fn neumann_series_inside_a_luminous_box() {
     mean(&Shot::of("path", 1024).roulette_after(2).take(&scene)).is_near_grey("the whole series", 2.5, 0.01);
 }
 
-/// M92, M134: gold by name has, at normal incidence under D65, the colour that Fresnel's equations give its measured index: the quadrature of
-/// R(λ) = ((n−1)² + k²)/((n+1)² + k²). 4σ.
+/// M92, M134: gold by name has, at normal incidence under D65, the colour that Fresnel's equations give its measured
+/// index: the quadrature of R(λ) = ((n−1)² + k²)/((n+1)² + k²). 4σ.
 #[test]
 fn metals_by_name_have_their_colour() {
     use steradian_math::spectra::{cie, d65, named};

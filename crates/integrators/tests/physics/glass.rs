@@ -17,7 +17,8 @@ fn fresnel(degrees: f64, eta: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// A slab, or a pane, across z = 0 between a luminous plane of radiance one above and one of `below` underneath, probed at an angle.
+/// A slab, or a pane, across z = 0 between a luminous plane of radiance one above and one of `below` underneath, probed
+/// at an angle.
 fn slab(what: Node, thickness: Option<f64>, degrees: f64, below: f64) -> Scene {
     let mut stage = Stage::new();
     let made_of = stage.add(what);
@@ -36,8 +37,9 @@ fn slab(what: Node, thickness: Option<f64>, degrees: f64, below: f64) -> Scene {
     stage.scene()
 }
 
-/// M91, M95: a slab of glass reflects R = 2F/(1 + F) of all its internal reflections and transmits the rest, and so does a pane without thickness;
-/// nothing is lost. By both branches at every surface (`whitted`), where the series is cut below rounding, and by paths within 4σ.
+/// M91, M95: a slab of glass reflects R = 2F/(1 + F) of all its internal reflections and transmits the rest, and so
+/// does a pane without thickness; nothing is lost. By both branches at every surface (`whitted`), where the series is
+/// cut below rounding, and by paths within 4σ.
 #[test]
 fn glass_slab() {
     for eta in [1.5, 1.33, 2.4] {
@@ -64,8 +66,8 @@ fn glass_slab() {
     }
 }
 
-/// M95: radiance inside of glass is n² times that outside: a lamp within a block of glass is seen through its face as if it stood in the open, less
-/// F. By both branches, exact; the reflected part is black.
+/// M95: radiance inside of glass is n² times that outside: a lamp within a block of glass is seen through its face as
+/// if it stood in the open, less F. By both branches, exact; the reflected part is black.
 #[test]
 fn radiance_is_compressed_and_expanded_again() {
     let eta = 1.5;
@@ -79,7 +81,8 @@ fn radiance_is_compressed_and_expanded_again() {
     is_exactly(&film, "lamp in glass", [(1.0 - fresnel(0.0, eta)) / (eta * eta); 3]);
 }
 
-/// M83, M95: a probe through a plane of glass meets what Snell's law says: a lamp's edge behind water is where it should be.
+/// M83, M95: a probe through a plane of glass meets what Snell's law says: a lamp's edge behind water is where it
+/// should be.
 #[test]
 fn refraction_displaces() {
     let eta = 1.33;
@@ -100,8 +103,8 @@ fn refraction_displaces() {
     }
 }
 
-/// M95: nested dielectrics: a bubble of index 1/1.5 in a ball of glass, and a ball of oil in one of water, in a furnace: one everywhere. Exact but for
-/// light that goes round for long.
+/// M95: nested dielectrics: a bubble of index 1/1.5 in a ball of glass, and a ball of oil in one of water, in a
+/// furnace: one everywhere. Exact but for light that goes round for long.
 #[test]
 fn nested_dielectrics_lose_nothing() {
     for (outer, inner) in [(1.5, 1.0 / 1.5), (1.33, 1.47 / 1.33), (1.5, 1.0)] {
@@ -117,8 +120,8 @@ fn nested_dielectrics_lose_nothing() {
     }
 }
 
-/// M158: between two facing mirrors a ray that goes down the corridor at an angle is reflected as often as its unfolded straight line crosses a wall,
-/// and loses a factor each time. Exact, for `whitted` and for paths.
+/// M158: between two facing mirrors a ray that goes down the corridor at an angle is reflected as often as its unfolded
+/// straight line crosses a wall, and loses a factor each time. Exact, for `whitted` and for paths.
 #[test]
 fn facing_mirrors() {
     let (length, r) = (20.0_f64, [0.9, 0.7, 0.5]);
@@ -149,7 +152,8 @@ fn facing_mirrors() {
     }
 }
 
-/// M158: Whitted's shading: a diffuse surface under a point light, seen in a mirror, with a shadow: closed forms. Exact.
+/// M158: Whitted's shading: a diffuse surface under a point light, seen in a mirror, with a shadow: closed forms.
+/// Exact.
 #[test]
 fn whitted_shading_in_a_mirror() {
     for shaded in [false, true] {
@@ -168,7 +172,8 @@ fn whitted_shading_in_a_mirror() {
     }
 }
 
-/// M156: `raycast` gives the reflectance of the first surface, whatever lights it; emission is added, and where nothing is the sky. Exact.
+/// M156: `raycast` gives the reflectance of the first surface, whatever lights it; emission is added, and where nothing
+/// is the sky. Exact.
 #[test]
 fn raycast_shows_the_first_surface() {
     let color = [0.7, 0.3, 0.1];

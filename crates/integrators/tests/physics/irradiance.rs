@@ -1,5 +1,6 @@
-//! Irradiance from lights of every shape against closed forms and quadrature, by three ways of finding light: next-event estimation alone
-//! (`whitted` asks every light once at a diffuse surface), scattering alone, and both with multiple importance sampling (`direct`).
+//! Irradiance from lights of every shape against closed forms and quadrature, by three ways of finding light:
+//! next-event estimation alone (`whitted` asks every light once at a diffuse surface), scattering alone, and both with
+//! multiple importance sampling (`direct`).
 
 use crate::{
     shot::{Shot, is_exactly, mean},
@@ -16,15 +17,15 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
 };
 use steradian_image::{Encoding, TexelData, Texels};
-use steradian_integrators::{Counters, Depth, Integrator, Survey, Tactics, path::Path};
+use steradian_integrators::{Counters, Depth, Integrator, Precomputed, VarianceReduction, path::Path};
 use steradian_math::{DVec3, Ray, Transform, Vec3, hash::HashRng, spectra::Wavelengths};
 use steradian_scene::Mesh;
 
 /// The point that receives light, and its normal.
 const AT: [f64; 3] = [0.3, -0.2, 0.5];
 
-/// A lamp of radiance one over a small white receiver at [`AT`] that faces +z, with a probe that looks at it from `height` above. Positions of
-/// lamps are relative to the receiver.
+/// A lamp of radiance one over a small white receiver at [`AT`] that faces +z, with a probe that looks at it from
+/// `height` above. Positions of lamps are relative to the receiver.
 fn receiver(height: f64) -> Stage {
     let mut stage = Stage::new();
     stage.solid(shape("disk").with("radius", 1e-3), diffuse(1.0)).world_from_object =
@@ -37,8 +38,8 @@ fn at(p: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| p[i] + AT[i])
 }
 
-/// The three estimates of irradiance, each within 4σ of `expected`. `by_chance` is the share of directions that meet the light: scattering
-/// alone is not asked about lights that it hardly finds.
+/// The three estimates of irradiance, each within 4σ of `expected`. `by_chance` is the share of directions that meet
+/// the light: scattering alone is not asked about lights that it hardly finds.
 #[track_caller]
 fn check(stage: &Stage, what: &str, expected: f64, by_chance: bool) {
     let scene = stage.scene();
@@ -52,8 +53,8 @@ fn check(stage: &Stage, what: &str, expected: f64, by_chance: bool) {
     }
 }
 
-/// Irradiance from a polygon of radiance one on a surface at the origin that faces +z: Lambert's formula `½ Σ Γᵢ·z` over the edges of what is
-/// above the horizon (Lambert 1760; Baum et al. 1989).
+/// Irradiance from a polygon of radiance one on a surface at the origin that faces +z: Lambert's formula `½ Σ Γᵢ·z`
+/// over the edges of what is above the horizon (Lambert 1760; Baum et al. 1989).
 fn lambert(polygon: &[DVec3]) -> f64 {
     let mut above = Vec::new();
     for (i, &a) in polygon.iter().enumerate() {
@@ -73,8 +74,8 @@ fn lambert(polygon: &[DVec3]) -> f64 {
     (0..above.len()).map(edge).sum::<f64>().abs() * 0.5
 }
 
-/// M66, M72: a disk of radius r over a point at height h and distance a from its axis gives E = π/2 (1 − (a² + h² − r²)/√((a² + h² + r²)² − 4a²r²));
-/// for L = r = h = 1 on the axis E = π/2.
+/// M66, M72: a disk of radius r over a point at height h and distance a from its axis gives E = π/2 (1 − (a² + h² −
+/// r²)/√((a² + h² + r²)² − 4a²r²)); for L = r = h = 1 on the axis E = π/2.
 #[test]
 fn disk() {
     for (r, h, a) in [(1.0, 1.0, 0.0), (1.0, 0.05, 0.3), (1.0, 2.0, 1.5), (0.1, 5.0, 0.0)] {
@@ -107,8 +108,8 @@ fn check_area_sampled(stage: &Stage, what: &str, expected: f64, by_chance: bool)
     }
 }
 
-/// M72: rectangles, from one that fills the view (sampled by solid angle) to one that is a point (sampled by area), slanted, and half below the
-/// horizon.
+/// M72: rectangles, from one that fills the view (sampled by solid angle) to one that is a point (sampled by area),
+/// slanted, and half below the horizon.
 #[test]
 fn rectangles() {
     let mut cases = vec![
@@ -162,7 +163,8 @@ fn triangles() {
     }
 }
 
-/// M72: a sphere of radius r at distance d wholly above the horizon gives E = π (r/d)² cos θ; from the inside it gives π.
+/// M72: a sphere of radius r at distance d wholly above the horizon gives E = π (r/d)² cos θ; from the inside it gives
+/// π.
 #[test]
 fn spheres() {
     for (center, r) in
@@ -181,7 +183,8 @@ fn spheres() {
     }
 }
 
-/// M72: a luminous tube around the receiver that stands on its plane gives E = π h²/(r² + h²): all but the disk at its end.
+/// M72: a luminous tube around the receiver that stands on its plane gives E = π h²/(r² + h²): all but the disk at its
+/// end.
 #[test]
 fn cylinder_from_within() {
     for (r, h) in [(1.0, 1.0), (0.5, 4.0)] {
@@ -193,8 +196,8 @@ fn cylinder_from_within() {
     }
 }
 
-/// `∫ cos cos' / d² dA` over a surface given by its points, normals and area elements on a grid: the irradiance at the origin facing +z where
-/// the surface does not hide itself.
+/// `∫ cos cos' / d² dA` over a surface given by its points, normals and area elements on a grid: the irradiance at the
+/// origin facing +z where the surface does not hide itself.
 fn quadrature(surface: impl Fn(f64, f64) -> (DVec3, DVec3, f64)) -> f64 {
     let n = 1500;
     let cell = |i: usize, j: usize| {
@@ -206,7 +209,8 @@ fn quadrature(surface: impl Fn(f64, f64) -> (DVec3, DVec3, f64)) -> f64 {
     (0..n * n).map(|k| cell(k / n, k % n)).sum::<f64>() / (n * n) as f64
 }
 
-/// M72: a cylinder seen from outside and a part of a sphere (cut in z and φ, open side away), against quadrature in double precision.
+/// M72: a cylinder seen from outside and a part of a sphere (cut in z and φ, open side away), against quadrature in
+/// double precision.
 #[test]
 fn curved_parts() {
     let (r, z0, z1, center) = (0.4, -0.7, 1.2, DVec3::new(0.8, 0.9, 1.5));
@@ -256,7 +260,8 @@ fn sides_of_lamps() {
     }
 }
 
-/// M74: a constant sky through a portal lights like a rectangle of its radiance: Lambert's formula; beyond the portal all is black.
+/// M74: a constant sky through a portal lights like a rectangle of its radiance: Lambert's formula; beyond the portal
+/// all is black.
 #[test]
 fn portals() {
     let cases = [
@@ -309,8 +314,8 @@ fn under(stage: &Stage, sky: Environment) -> Scene {
 const PARAMETRIZATIONS: [Parametrization; 3] =
     [Parametrization::Octahedral, Parametrization::LatLongY { poles: true }, Parametrization::LatLongZ];
 
-/// M74, M217: an image around the scene, in each parametrisation and turned, gives the irradiance ∫ L cos dω of its own radiance by quadrature, found
-/// by light sampling and scattering together. 4σ.
+/// M74, M217: an image around the scene, in each parametrisation and turned, gives the irradiance ∫ L cos dω of its own
+/// radiance by quadrature, found by light sampling and scattering together. 4σ.
 #[test]
 fn environment_images() {
     for parametrization in PARAMETRIZATIONS {
@@ -336,7 +341,7 @@ fn a_mirror_ball_shows_the_environment() {
     );
     stage.film(1, 1).look([0.0, 0.0, 4.0], [0.0; 3], 10.0);
     let depth = Depth { max: 8, roulette_after: 8, hide_emitters: false };
-    let path = Path { depth, tactics: Tactics::default() };
+    let path = Path { depth, variance_reduction: VarianceReduction::default() };
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
     for parametrization in PARAMETRIZATIONS {
         let sky = spotted(parametrization);
@@ -346,8 +351,8 @@ fn a_mirror_ball_shows_the_environment() {
             let n = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - r * r).sqrt());
             let ray = Ray::new(Vec3::new(n.x, n.y, 4.0), -Vec3::Z);
             let counters = &mut Counters::default();
-            let (survey, numbers) = (Survey::default(), sampler.pixel(0, 0, k));
-            let seen = path.radiance(&scene, &survey, ray, &numbers, &mut Wavelengths::RGB.clone(), counters);
+            let (precomputed, numbers) = (Precomputed::default(), sampler.pixel(0, 0, k));
+            let seen = path.radiance(&scene, &precomputed, ray, &numbers, &mut Wavelengths::RGB.clone(), counters);
             let looked_up = sky.radiance(n, 2.0 * n.z * n - Vec3::Z, &Wavelengths::RGB);
             for c in 0..3 {
                 let error = (seen[c] - looked_up[c]).abs();
@@ -357,7 +362,8 @@ fn a_mirror_ball_shows_the_environment() {
     }
 }
 
-/// M72: a lamp whose radiance is a texture (of one value) is the lamp without one, though it is sampled triangle by triangle: Lambert's formula.
+/// M72: a lamp whose radiance is a texture (of one value) is the lamp without one, though it is sampled triangle by
+/// triangle: Lambert's formula.
 #[test]
 fn textured_lamps() {
     let (corner, ex, ey) = ([-1.0, -1.0, 0.7], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]);
@@ -375,7 +381,8 @@ fn textured_lamps() {
     check(&stage, "textured square", 1.5 * lambert(&polygon), true);
 }
 
-/// A flat lamp that shines along its normal alone gives its radiance as irradiance within its outline, at any distance, and nothing beside it. Exact.
+/// A flat lamp that shines along its normal alone gives its radiance as irradiance within its outline, at any distance,
+/// and nothing beside it. Exact.
 #[test]
 fn directional_lamps() {
     for height in [0.5, 50.0] {

@@ -5,7 +5,8 @@ use crate::{
     stage::{Stage, diffuse, light, plane, sphere, white},
 };
 
-/// The lab's box of half width one with its two spheres, walls of one reflectance, and a point light of intensity one at (0, ½, 0).
+/// The lab's box of half width one with its two spheres, walls of one reflectance, and a point light of intensity one
+/// at (0, ½, 0).
 fn lab_box(reflectance: f64) -> Stage {
     let mut stage = Stage::new();
     for n in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]] {
@@ -17,8 +18,8 @@ fn lab_box(reflectance: f64) -> Stage {
     stage
 }
 
-/// M69, M157, M164: the middle of the back wall has L = 0.22776401 ρ and the floor below the light L = 0.14147106 ρ: the light's intensity times
-/// cos θ / (π d²). Exact: a point light has no spread.
+/// M69, M157, M164: the middle of the back wall has L = 0.22776401 ρ and the floor below the light L = 0.14147106 ρ:
+/// the light's intensity times cos θ / (π d²). Exact: a point light has no spread.
 #[test]
 fn direct_light_of_the_lab_box() {
     for reflectance in [1.0, 0.75] {

@@ -9,7 +9,8 @@ use steradian_core::Scene;
 use steradian_math::hash::HashRng;
 use steradian_scene::Node;
 
-/// M67: the radiance of an emitter, and of a lit wall, does not depend on the distance of the camera, from 10⁻³ to 10⁵. Exact.
+/// M67: the radiance of an emitter, and of a lit wall, does not depend on the distance of the camera, from 10⁻³ to 10⁵.
+/// Exact.
 #[test]
 fn radiance_is_invariant_along_a_ray() {
     for distance in [1e-3, 0.1, 1.0, 30.0, 1e3, 1e5] {
@@ -25,7 +26,8 @@ fn radiance_is_invariant_along_a_ray() {
     }
 }
 
-/// M71: parallel light of irradiance E at an angle θ gives L = ρ/π E cos θ at any distance, and nothing from behind. Exact.
+/// M71: parallel light of irradiance E at an angle θ gives L = ρ/π E cos θ at any distance, and nothing from behind.
+/// Exact.
 #[test]
 fn cosine_law_of_parallel_light() {
     for degrees in [0.0_f64, 30.0, 60.0, 89.0, 91.0, 180.0] {
@@ -56,8 +58,9 @@ fn inverse_square_law() {
     }
 }
 
-/// M70: a spot light is full within its inner cone, dark outside of the outer one, and falls off between them as its kind says; with `power` its
-/// intensity integrates to that flux over the sphere (E39). Irradiance is measured on a plane across the axis.
+/// M70: a spot light is full within its inner cone, dark outside of the outer one, and falls off between them as its
+/// kind says; with `power` its intensity integrates to that flux over the sphere (E39). Irradiance is measured on a
+/// plane across the axis.
 #[test]
 fn spot_light_falloff_and_flux() {
     let (outer, inner) = (40.0_f64, 25.0_f64);
@@ -133,8 +136,8 @@ const LIGHTS: [fn(&mut Stage); 6] = [
     },
 ];
 
-/// A scene with things of several materials, lit by some of [`LIGHTS`]. Lamps that are off stay as black bodies, so that all scenes block light
-/// alike.
+/// A scene with things of several materials, lit by some of [`LIGHTS`]. Lamps that are off stay as black bodies, so
+/// that all scenes block light alike.
 fn still_life(on: impl Fn(usize) -> bool) -> Scene {
     let mut stage = Stage::new();
     stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.6));
@@ -158,8 +161,8 @@ fn still_life(on: impl Fn(usize) -> bool) -> Scene {
     stage.scene()
 }
 
-/// M75, M76: the picture with all lights is the sum of the pictures with each of them alone, for any choice among lights: 4σ, for the whole picture
-/// and for its parts.
+/// M75, M76: the picture with all lights is the sum of the pictures with each of them alone, for any choice among
+/// lights: 4σ, for the whole picture and for its parts.
 #[test]
 fn superposition_of_lights() {
     let parts = |film: &steradian_integrators::Film| -> Vec<Estimate> {
@@ -184,8 +187,8 @@ fn superposition_of_lights() {
     mean(&shot.seed(32).take(&still_life(|_| true))).agrees("two halves", even.plus(odd), 0.01);
 }
 
-/// M76: twice the radiance of every light gives twice every sample, bit for bit: powers of two pass through all arithmetic, and no decision depends
-/// on the brightness.
+/// M76: twice the radiance of every light gives twice every sample, bit for bit: powers of two pass through all
+/// arithmetic, and no decision depends on the brightness.
 #[test]
 fn linearity_is_exact() {
     let lit = |k: f64| {
@@ -207,8 +210,8 @@ fn linearity_is_exact() {
     }
 }
 
-/// M75: sixty lights of many sizes, chosen by the tree: the mean is that of asking every light at every point (`whitted`, in which no choice is made),
-/// and the closed form Σ I cos θ/d² for those that are points. 4σ.
+/// M75: sixty lights of many sizes, chosen by the tree: the mean is that of asking every light at every point
+/// (`whitted`, in which no choice is made), and the closed form Σ I cos θ/d² for those that are points. 4σ.
 #[test]
 fn many_lights() {
     let mut rng = HashRng::new(77);

@@ -1,7 +1,7 @@
 //! The physics of light transport: pictures held against closed forms, conservation laws, and each other.
 //!
-//! Statistical comparisons are made at four standard errors, estimated by the film itself, with fixed seeds. Comparisons without
-//! spread allow for rounding alone.
+//! Statistical comparisons are made at four standard errors, estimated by the film itself, with fixed seeds.
+//! Comparisons without spread allow for rounding alone.
 
 mod adaptive;
 mod bidirectional;

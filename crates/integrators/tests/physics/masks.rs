@@ -23,8 +23,8 @@ fn masked_disk(opacity: f64, by_alpha: bool) -> Stage {
     stage
 }
 
-/// What a mask lets through is what its opacity leaves, in the mean over rays, 4σ; all or nothing is exact. A mask on the material and an alpha on the
-/// shape are one: the same bits.
+/// What a mask lets through is what its opacity leaves, in the mean over rays, 4σ; all or nothing is exact. A mask on
+/// the material and an alpha on the shape are one: the same bits.
 #[test]
 fn masks_let_a_part_through() {
     for opacity in [0.0, 0.25, 0.5, 0.9, 1.0] {
@@ -56,8 +56,8 @@ fn masks_multiply() {
     mean(&Shot::of("path", 200).take(&stage.scene())).is_near_grey("0.6 of 0.5", 0.7, 0.02);
 }
 
-/// Shadow rays see the same mask: light of a point and of a lamp that passes a half-opaque sheet, and a sphere (two sheets), is halved and
-/// quartered. 4σ.
+/// Shadow rays see the same mask: light of a point and of a lamp that passes a half-opaque sheet, and a sphere (two
+/// sheets), is halved and quartered. 4σ.
 #[test]
 fn shadows_of_masks_are_partial() {
     for mesh in [false, true] {
@@ -81,8 +81,8 @@ fn shadows_of_masks_are_partial() {
     }
 }
 
-/// A checkerboard of opacity lets half through, and the two kinds of cells each wholly, but for their edges, where the mean opacity of the
-/// footprint decides by chance.
+/// A checkerboard of opacity lets half through, and the two kinds of cells each wholly, but for their edges, where the
+/// mean opacity of the footprint decides by chance.
 #[test]
 fn textured_masks() {
     let mut stage = Stage::new();

@@ -70,7 +70,8 @@ fn absorption_is_exact() {
     is_exactly(&film, "scaled slab", expected(0.7));
 }
 
-/// M171: absorption is told apart wavelength by wavelength: in spectral mode a chromatic absorber gives ∫ exp(−σ(λ)d) D65 x̄ȳz̄. 4σ.
+/// M171: absorption is told apart wavelength by wavelength: in spectral mode a chromatic absorber gives ∫ exp(−σ(λ)d)
+/// D65 x̄ȳz̄. 4σ.
 #[test]
 fn chromatic_absorption_in_spectral_mode() {
     use steradian_math::{
@@ -88,8 +89,8 @@ fn chromatic_absorption_in_spectral_mode() {
     mean(&film).is_near("chromatic ball", expected, 0.03);
 }
 
-/// M171: what was not scattered passes a medium as exp(−σ_t d), whatever the albedo: paths of no event. Chromatic, so that flights are drawn by one
-/// lane and weighted for all. 4σ.
+/// M171: what was not scattered passes a medium as exp(−σ_t d), whatever the albedo: paths of no event. Chromatic, so
+/// that flights are drawn by one lane and weighted for all. 4σ.
 #[test]
 fn unscattered_light_is_attenuated() {
     let (a, s): ([f64; 3], [f64; 3]) = ([0.1, 0.4, 0.2], [0.9, 0.3, 1.5]);
@@ -104,9 +105,9 @@ fn unscattered_light_is_attenuated() {
     mean(&film).is_near_grey("grey ball in spectral mode", (-1.8_f64).exp(), 0.03);
 }
 
-/// M171: light scattered once in a slab of thickness D that parallel light enters with the camera's rays at a cosine μ: with
-/// k = σ_t (1 + 1/μ), L = σ_s p(cos Θ) E (1 − e^(−kD)) / k. Shadow rays pass the interface on their way. 4σ, isotropic and g = ±0.7, each
-/// lane with coefficients of its own.
+/// M171: light scattered once in a slab of thickness D that parallel light enters with the camera's rays at a cosine μ:
+/// with k = σ_t (1 + 1/μ), L = σ_s p(cos Θ) E (1 − e^(−kD)) / k. Shadow rays pass the interface on their way. 4σ,
+/// isotropic and g = ±0.7, each lane with coefficients of its own.
 #[test]
 fn single_scattering_in_a_slab() {
     let (sa, ss): ([f64; 3], [f64; 3]) = ([0.2, 0.5, 0.1], [0.8, 0.3, 1.2]);
@@ -133,8 +134,8 @@ fn single_scattering_in_a_slab() {
     }
 }
 
-/// M171: a medium of albedo one in a white furnace cannot be seen, thin or thick, whatever the phase function, in a sphere, a mesh, behind glass or
-/// around the camera: 4σ.
+/// M171: a medium of albedo one in a white furnace cannot be seen, thin or thick, whatever the phase function, in a
+/// sphere, a mesh, behind glass or around the camera: 4σ.
 #[test]
 fn white_media_are_invisible() {
     let shot = Shot::of("volpath", 1000).roulette_after(1000);
@@ -182,8 +183,8 @@ fn camera_inside_an_absorber() {
     is_exactly(&Shot::of("volpath", 4).take(&stage.scene()), "from the middle", [(-1.6_f64).exp(); 3]);
 }
 
-/// A boundary of nothing cannot be seen, nor can one of index one around the same medium: interfaces nested in a medium change nothing. The first
-/// exactly, the second within 4σ.
+/// A boundary of nothing cannot be seen, nor can one of index one around the same medium: interfaces nested in a medium
+/// change nothing. The first exactly, the second within 4σ.
 #[test]
 fn matched_boundaries_are_invisible() {
     for mesh in [false, true] {
@@ -215,8 +216,8 @@ fn matched_boundaries_are_invisible() {
     cut(Some("interface")).agrees("cut by an interface", whole, 0.02);
 }
 
-/// M171: shadow rays lose exp(−σd) in an absorbing ball between a surface and its light, and a part at a pane of glass: 1 − R with R = 2F/(1 + F).
-/// Exact.
+/// M171: shadow rays lose exp(−σd) in an absorbing ball between a surface and its light, and a part at a pane of glass:
+/// 1 − R with R = 2F/(1 + F). Exact.
 #[test]
 fn shadow_rays_see_through() {
     let lit = |stage: &mut Stage| {
@@ -239,8 +240,9 @@ fn shadow_rays_see_through() {
     is_exactly(&lit(&mut block), "behind a disk", [0.0; 3]);
 }
 
-/// M171: area lights seen through an absorber by scattering and by light sampling carry the same weight: E = exp(−σd) E₀ where the whole way lies in
-/// the medium. The mean over a large lamp is by quadrature of exp(−σ/cos θ) over its rectangle. 4σ.
+/// M171: area lights seen through an absorber by scattering and by light sampling carry the same weight: E = exp(−σd)
+/// E₀ where the whole way lies in the medium. The mean over a large lamp is by quadrature of exp(−σ/cos θ) over its
+/// rectangle. 4σ.
 #[test]
 fn area_lights_through_media() {
     let (sigma, height) = (0.6_f64, 1.0_f64);
@@ -266,8 +268,8 @@ fn area_lights_through_media() {
     mean(&film).is_near_grey("lamp in fog", irradiance / PI * (-sigma * to_eye).exp(), 0.01);
 }
 
-/// M171: the furnace whose walls are a lamp, found by light sampling through the boundary and by the phase function, weighted against each other:
-/// one everywhere, as without next-event estimation. 4σ.
+/// M171: the furnace whose walls are a lamp, found by light sampling through the boundary and by the phase function,
+/// weighted against each other: one everywhere, as without next-event estimation. 4σ.
 #[test]
 fn white_media_are_invisible_inside_a_lamp() {
     for g in [0.0, 0.7, -0.7] {

@@ -5,8 +5,8 @@ use crate::{
     stage::{Stage, diffuse, plane, rectangle},
 };
 
-/// M172: on an open floor all of the sky is seen, at the foot of an endless wall half of it, and past a wall of height h in a distance d
-/// all but `½ (1 − d / √(d² + h²))`.
+/// M172: on an open floor all of the sky is seen, at the foot of an endless wall half of it, and past a wall of height
+/// h in a distance d all but `½ (1 − d / √(d² + h²))`.
 #[test]
 fn walls_hide_their_part_of_the_sky() {
     let floor = || {

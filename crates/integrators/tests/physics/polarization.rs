@@ -1,4 +1,5 @@
-//! Polarised light (M131): Brewster's angle, crossed mirrors, and agreement with unpolarised transport where nothing polarises twice.
+//! Polarised light (M131): Brewster's angle, crossed mirrors, and agreement with unpolarised transport where nothing
+//! polarises twice.
 
 use crate::{
     shot::{Shot, mean},
@@ -38,7 +39,8 @@ fn a_sheet_at_brewsters_angle_polarises_all_that_it_reflects() {
     }
 }
 
-/// Light that one sheet has polarised meets a second at Brewster's angle, whose plane of incidence is the same or turned by 90°.
+/// Light that one sheet has polarised meets a second at Brewster's angle, whose plane of incidence is the same or
+/// turned by 90°.
 fn two_sheets(crossed: bool) -> Scene {
     let (theta, _) = brewster();
     let mut stage = sheet(theta);
@@ -76,8 +78,8 @@ fn crossed_sheets_are_black_and_parallel_ones_are_not() {
     assert!(black < 1e-4 * f * f, "crossed: {black}");
 }
 
-/// The same random numbers take the same paths: the radiance of light that is polarised at most once on its way from a matt surface or a
-/// lamp is that of `path`.
+/// The same random numbers take the same paths: the radiance of light that is polarised at most once on its way from a
+/// matt surface or a lamp is that of `path`.
 #[test]
 fn radiance_is_that_of_path_where_nothing_polarises_twice() {
     let mut stage = Stage::new();

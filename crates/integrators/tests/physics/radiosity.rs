@@ -10,7 +10,7 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
 };
 use steradian_integrators::{
-    Counters, Depth, Integrator, Survey,
+    Counters, Depth, Integrator, Precomputed,
     radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, solve},
 };
 use steradian_math::{Ray, Vec2};
@@ -28,7 +28,7 @@ fn solved(scene: &Scene, settings: &Settings) -> Solution {
 fn picture(scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3] {
     let depth = Depth { max: u32::MAX, roulette_after: 8, hide_emitters: false };
     let view = View { settings: Settings::default(), depth, gather, smooth: true };
-    let survey = Survey::of_radiosity(Arc::new(solution));
+    let precomputed = Precomputed::of_radiosity(Arc::new(solution));
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 1 };
     let (w, h) = (scene.film.width, scene.film.height);
     let mut sum = [0.0; 3];
@@ -38,7 +38,7 @@ fn picture(scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3]
         let at = Vec2::new(x as f32, y as f32) + s.get_2d(0);
         let ray: Ray = scene.camera.ray(&scene.film, at, Vec2::splat(0.5));
         let mut lambda = scene.mode.wavelengths(|| s.get_1d(2));
-        let l = view.radiance(scene, &survey, ray, &s, &mut lambda, &mut Counters::default());
+        let l = view.radiance(scene, &precomputed, ray, &s, &mut lambda, &mut Counters::default());
         let c = steradian_core::color::to_rgb(l, &lambda, scene.mode);
         sum.iter_mut().zip(c.to_array()).for_each(|(s, c)| *s += f64::from(c) / f64::from(w * h * spp));
     }
@@ -75,7 +75,8 @@ fn relative(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max)
 }
 
-/// M180, M182: the mean of the lab's box is path tracing's within 1 %, and nearer with more patches; with a final gather too.
+/// M180, M182: the mean of the lab's box is path tracing's within 1 %, and nearer with more patches; with a final
+/// gather too.
 #[test]
 fn the_lab_box_is_as_bright_as_by_path_tracing() {
     for ceiling in [true, false] {
@@ -188,7 +189,8 @@ fn a_closed_sphere_of_a_scene_is_ten() {
     }
 }
 
-/// M181: in spectral mode radiosity is solved for each wavelength, with path tracing's mean; twice the light is twice the radiosity.
+/// M181: in spectral mode radiosity is solved for each wavelength, with path tracing's mean; twice the light is twice
+/// the radiosity.
 #[test]
 fn radiosity_is_spectral_and_linear() {
     let stage = room();

@@ -1,6 +1,7 @@
 //! Paths that share what they find have the mean of those that do not, and less noise.
 //!
-//! Pixels of a picture depend on each other here, so the errors of means are estimated from pictures with different seeds.
+//! Pixels of a picture depend on each other here, so the errors of means are estimated from pictures with different
+//! seeds.
 
 use crate::{
     determinism::collection,
@@ -8,7 +9,7 @@ use crate::{
     stage::{Stage, cuboid, diffuse, light, look_at, material, medium, plane, rectangle, rgb, shape, sphere, white},
 };
 use steradian_core::{ColorMode, Scene, sampler::SamplerKind};
-use steradian_integrators::Effort;
+use steradian_integrators::PathEffort;
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node};
 
@@ -43,8 +44,8 @@ pub fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
 #[track_caller]
 fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
     let alone = quadrants(shot.reuse(1), scene, 48);
-    let even = Effort::default();
-    let uneven = Effort { lights: 3, roulette_below: Some(1.0) };
+    let even = PathEffort::default();
+    let uneven = PathEffort { lights: 3, roulette_below: Some(1.0) };
     for (reuse, sampler, effort) in [
         (4, SamplerKind::Independent, even),
         (16, SamplerKind::Independent, even),
@@ -58,8 +59,8 @@ fn is_unbiased(what: &str, shot: Shot, scene: &Scene, precision: f64) {
     }
 }
 
-/// A lamp, and screens and columns before it, seen from nearby: members of a group see different parts, some at grazing angles, some
-/// very close. Gloss, coats and glass among what is seen and what is found.
+/// A lamp, and screens and columns before it, seen from nearby: members of a group see different parts, some at grazing
+/// angles, some very close. Gloss, coats and glass among what is seen and what is found.
 fn screens() -> Stage {
     let mut stage = Stage::new();
     let wall = stage.add(material("diffuse").with("reflectance", rgb([0.9, 0.7, 0.5])));
@@ -94,7 +95,8 @@ fn sharing_is_unbiased_behind_screens() {
     is_unbiased("screens, two events", Shot::of("path", 8).depth(2), &scene, 0.05);
 }
 
-/// Every material, masks and mixtures among them, under an area, a point and the sky; through glass that disperses and without.
+/// Every material, masks and mixtures among them, under an area, a point and the sky; through glass that disperses and
+/// without.
 #[test]
 fn sharing_is_unbiased_with_every_material() {
     is_unbiased("rgb", Shot::of("path", 8).depth(6), &collection(ColorMode::Rgb), 0.05);
@@ -117,7 +119,8 @@ fn sharing_is_unbiased_under_the_sky() {
     is_unbiased("sky", Shot::of("path", 8).depth(5), &stage.scene(), 0.03);
 }
 
-/// Glass that disperses, found from beside it, reflects each wavelength by its own index: blue light on a floor that no lamp shines at.
+/// Glass that disperses, found from beside it, reflects each wavelength by its own index: blue light on a floor that no
+/// lamp shines at.
 #[test]
 fn sharing_keeps_wavelengths_apart() {
     let mut stage = Stage::new();
@@ -129,8 +132,8 @@ fn sharing_keeps_wavelengths_apart() {
     is_unbiased("blue glass", Shot::of("path", 200).depth(3), &stage.scene_in(ColorMode::Spectral), 0.05);
 }
 
-/// What rough glass and metal beyond the first surface scatter towards each member is shared: through a rough ball and from one to the next, a small
-/// lamp's light has less than two thirds of the noise.
+/// What rough glass and metal beyond the first surface scatter towards each member is shared: through a rough ball and
+/// from one to the next, a small lamp's light has less than two thirds of the noise.
 #[test]
 fn sharing_takes_noise_from_rough_surfaces() {
     let mut stage = Stage::new();
@@ -151,8 +154,8 @@ fn sharing_takes_noise_from_rough_surfaces() {
     assert!(shared * 1.5 < alone, "{alone} alone, {shared} shared");
 }
 
-/// With the same number of samples a room lit from a point by interreflection alone, which light samples at the first surface do not see, has a
-/// fraction of the noise.
+/// With the same number of samples a room lit from a point by interreflection alone, which light samples at the first
+/// surface do not see, has a fraction of the noise.
 #[test]
 fn sharing_takes_noise_away() {
     let mut stage = Stage::new();

@@ -1,5 +1,5 @@
-//! No acne and no leaks at any scale (M64): a convex body under a constant sky of one shows its reflectance in every single sample. A ray that met its
-//! own surface again would come back darker, one that slipped through brighter.
+//! No acne and no leaks at any scale (M64): a convex body under a constant sky of one shows its reflectance in every
+//! single sample. A ray that met its own surface again would come back darker, one that slipped through brighter.
 
 use crate::{
     shot::{Shot, is_exactly},
@@ -92,7 +92,8 @@ fn convex_bodies_have_no_acne() {
     }
 }
 
-/// A floor of 10⁴ at y = 0, as rectangle, disk and infinite plane, with the camera near it, far above it, and at grazing angles: exactly ρ.
+/// A floor of 10⁴ at y = 0, as rectangle, disk and infinite plane, with the camera near it, far above it, and at
+/// grazing angles: exactly ρ.
 #[test]
 fn large_floors_are_flat() {
     let e = 1e4;
@@ -125,7 +126,8 @@ fn large_floors_are_flat() {
     }
 }
 
-/// A point light close to the surface, and parallel light, show no acne and no gap either: every sample is lit, at all scales.
+/// A point light close to the surface, and parallel light, show no acne and no gap either: every sample is lit, at all
+/// scales.
 #[test]
 fn lights_reach_convex_bodies() {
     for (scale, far) in PLACES {

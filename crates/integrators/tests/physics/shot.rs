@@ -4,7 +4,7 @@ use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
 };
-use steradian_integrators::{Control, Depth, Effort, Film, IntegratorKind, Plan, Session, Tactics};
+use steradian_integrators::{Control, Depth, Film, IntegratorKind, PathEffort, Plan, Session, VarianceReduction};
 
 /// How a picture is taken.
 #[derive(Clone, Copy)]
@@ -21,8 +21,9 @@ pub struct Shot {
     pub reuse: u32,
     /// Whether photons look for caustics; `None` where a trial tells.
     pub caustics: Option<bool>,
-    /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of several paths.
-    pub effort: Option<Effort>,
+    /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of
+    /// several paths.
+    pub effort: Option<PathEffort>,
     /// Roulette and splitting by vertex.
     pub by_vertex: bool,
     pub adaptive: bool,
@@ -30,7 +31,8 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Paths of any length without Russian roulette for the first eight events, on one thread, with independent samples.
+    /// Paths of any length without Russian roulette for the first eight events, on one thread, with independent
+    /// samples.
     pub fn of(integrator: &'static str, spp: u32) -> Self {
         Self {
             integrator,
@@ -43,7 +45,7 @@ impl Shot {
             sampler: SamplerKind::Independent,
             reuse: 1,
             caustics: Some(false),
-            effort: Some(Effort::default()),
+            effort: Some(PathEffort::default()),
             by_vertex: false,
             adaptive: false,
             error: None,
@@ -74,19 +76,20 @@ impl Shot {
     pub fn integrator(self, _scene: &Scene) -> IntegratorKind {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        IntegratorKind::named(self.integrator, depth, Tactics::default()).expect("a registered integrator")
+        IntegratorKind::named(self.integrator, depth, VarianceReduction::default()).expect("a registered integrator")
     }
 
     pub fn session(self, scene: &Scene) -> Session<'_> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let tactics = Tactics {
+        let variance_reduction = VarianceReduction {
             reuse: Some(self.reuse),
             caustics: self.caustics,
             effort: self.effort,
             by_vertex: self.by_vertex,
         };
-        let integrator = IntegratorKind::named(self.integrator, depth, tactics).expect("a registered integrator");
+        let integrator =
+            IntegratorKind::named(self.integrator, depth, variance_reduction).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
         Session::new(
@@ -152,8 +155,8 @@ impl Estimate {
         }
     }
 
-    /// Passes if every component is within [`SIGMAS`] of `expected`, and the standard error is below `precision` of it: a comparison too
-    /// noisy to find anything fails too.
+    /// Passes if every component is within [`SIGMAS`] of `expected`, and the standard error is below `precision` of it:
+    /// a comparison too noisy to find anything fails too.
     #[track_caller]
     pub fn is_near(self, what: &str, expected: [f64; 3], precision: f64) {
         for (c, e) in expected.into_iter().enumerate() {

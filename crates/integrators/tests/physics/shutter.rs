@@ -24,7 +24,8 @@ fn an_albedo_that_changes_is_averaged_over_the_exposure() {
     stage.solid(plane([0.0, 0.0, 1.0], 0.0), material("diffuse").with("reflectance", fading));
     stage.sky(2.0).probe([1.0, 0.5, 3.0], [0.0; 3]);
     for name in ["path", "path-recursive", "volpath", "direct"] {
-        // What arrives is the albedo of the moment times the sky: its mean is that of the two ends, and nothing else spreads it.
+        // What arrives is the albedo of the moment times the sky: its mean is that of the two ends, and nothing else
+        // spreads it.
         let seen = mean(&Shot::of(name, 40_000).take(&stage.scene()));
         seen.is_near(name, [0.6, 1.0, 0.8], 3e-3);
     }
@@ -32,8 +33,9 @@ fn an_albedo_that_changes_is_averaged_over_the_exposure() {
 
 #[test]
 fn one_path_sees_one_moment() {
-    // Between two parallel walls that are white and black in turn light lives on or ends for good: with one moment for all its bounces a path
-    // sees Σ ρᵏ over moments, with a moment each it would see (Σ ρ)ᵏ. A closed white sphere with a glow of one gives 1/(1 − ρ).
+    // Between two parallel walls that are white and black in turn light lives on or ends for good: with one moment for
+    // all its bounces a path sees Σ ρᵏ over moments, with a moment each it would see (Σ ρ)ᵏ. A closed white sphere with
+    // a glow of one gives 1/(1 − ρ).
     let mut stage = Stage::new();
     let flashing = film_strip(&mut stage, "linear", &[0.0, 0.0, 0.0, 0.8, 0.8, 0.8]);
     let walls = stage.add(material("diffuse").with("reflectance", flashing));
@@ -49,7 +51,8 @@ fn one_path_sees_one_moment() {
 
 #[test]
 fn roughness_may_change_too() {
-    // A rough mirror under an even sky shows the sky less what its facets lose, which a furnace of either roughness bounds.
+    // A rough mirror under an even sky shows the sky less what its facets lose, which a furnace of either roughness
+    // bounds.
     let reflected = |alpha: fn(&mut Stage) -> Value| {
         let mut stage = Stage::new();
         let alpha = alpha(&mut stage);

@@ -27,8 +27,8 @@ fn err(shot: Shot, scene: &Scene) -> (f64, f64) {
     (session.error().unwrap().powi(2), rays)
 }
 
-/// The mean is that of even paths, at less variance × cost; all pixels have the samples that were asked for, and neither crops nor threads nor steps
-/// change a bit.
+/// The mean is that of even paths, at less variance × cost; all pixels have the samples that were asked for, and
+/// neither crops nor threads nor steps change a bit.
 #[test]
 fn splitting_pays_and_changes_nothing_else() {
     let scene = ball();

@@ -60,7 +60,8 @@ pub fn look_at(from: [f64; 3], to: [f64; 3]) -> Transform {
 }
 
 impl Stage {
-    /// Nothing at all, seen by one pixel with a box filter and independent samples, so that the film's variance is that of the estimator.
+    /// Nothing at all, seen by one pixel with a box filter and independent samples, so that the film's variance is that
+    /// of the estimator.
     pub fn new() -> Self {
         let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
         let sampler = desc.add(Node::new(Family::Sampler, "independent", None));
@@ -168,7 +169,8 @@ impl Stage {
     }
 }
 
-/// The same scene, whose surfaces shine without being lights that next-event estimation could find: all light is then met by scattering.
+/// The same scene, whose surfaces shine without being lights that next-event estimation could find: all light is then
+/// met by scattering.
 pub fn found_by_scattering_alone(mut scene: Scene) -> Scene {
     for geometry in &mut scene.geometries {
         geometry.lights = Box::default();
@@ -210,7 +212,8 @@ pub fn cuboid(lo: [f64; 3], hi: [f64; 3]) -> Mesh {
     mesh
 }
 
-/// An icosahedron whose faces are divided in four `levels` times and pushed out to a sphere; flat faces, normals outwards.
+/// An icosahedron whose faces are divided in four `levels` times and pushed out to a sphere; flat faces, normals
+/// outwards.
 pub fn icosphere(center: [f64; 3], radius: f64, levels: u32) -> Mesh {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let corners = [

@@ -45,8 +45,8 @@ fn quadrants_agree(what: &str, a: &Film, b: &Film, precision: f64) {
     }
 }
 
-/// M150, M151: next-event estimation on every bounce with multiple importance sampling gives what brute force gives, which meets the lamp by
-/// scattering alone: 4σ; and its variance is many times lower.
+/// M150, M151: next-event estimation on every bounce with multiple importance sampling gives what brute force gives,
+/// which meets the lamp by scattering alone: 4σ; and its variance is many times lower.
 #[test]
 fn next_event_estimation_equals_brute_force() {
     let scene = room(false).scene();
@@ -56,8 +56,8 @@ fn next_event_estimation_equals_brute_force() {
     assert!(variance(&with) * 3.0 < variance(&without), "{} against {}", variance(&with), variance(&without));
 }
 
-/// M74, M151: a constant environment (found by scattering) and a sphere of a thousand metres around the scene that emits the same (found both ways)
-/// are one and the same light: 4σ.
+/// M74, M151: a constant environment (found by scattering) and a sphere of a thousand metres around the scene that
+/// emits the same (found both ways) are one and the same light: 4σ.
 #[test]
 fn an_environment_equals_a_large_sphere() {
     let lit = |by_sphere: bool| {
@@ -80,7 +80,8 @@ fn an_environment_equals_a_large_sphere() {
     quadrants_agree("surroundings", &lit(false), &lit(true), 0.01);
 }
 
-/// Four glossy plates that each reflect a lamp to the camera; the power of the lamp does not depend on its radius (after Veach 1997, fig. 9.2).
+/// Four glossy plates that each reflect a lamp to the camera; the power of the lamp does not depend on its radius
+/// (after Veach 1997, fig. 9.2).
 fn plates(radius: f64) -> Scene {
     let mut stage = Stage::new();
     stage.lamp(sphere([0.0, 4.0, 0.0], radius), 0.3 / (radius * radius));
@@ -101,8 +102,9 @@ fn plates(radius: f64) -> Scene {
     stage.scene()
 }
 
-/// M150: Veach's experiment: scattering, light sampling, and both with the power heuristic have the same mean (4σ). Small lamps are a matter for
-/// light sampling, large ones in smooth plates for scattering; together they are nearly as good as the better, and over all better than either.
+/// M150: Veach's experiment: scattering, light sampling, and both with the power heuristic have the same mean (4σ).
+/// Small lamps are a matter for light sampling, large ones in smooth plates for scattering; together they are nearly as
+/// good as the better, and over all better than either.
 #[test]
 fn multiple_importance_sampling_beats_either_technique() {
     let mut sum = [0.0; 3];
@@ -120,7 +122,8 @@ fn multiple_importance_sampling_beats_either_technique() {
     assert!(sum[0] < 0.5 * sum[1] && sum[0] < 0.5 * sum[2], "variances over all: {sum:?}");
 }
 
-/// M155: Russian roulette changes the noise, not the mean: from the first event on, late, and never. 4σ, in a room with glass.
+/// M155: Russian roulette changes the noise, not the mean: from the first event on, late, and never. 4σ, in a room with
+/// glass.
 #[test]
 fn roulette_is_unbiased() {
     let scene = room(true).scene();
@@ -131,8 +134,8 @@ fn roulette_is_unbiased() {
     }
 }
 
-/// M163: the pictures of paths of exactly k events add up to the whole, whichever integrator makes them; what `direct` calls direct is the first of
-/// them. 4σ.
+/// M163: the pictures of paths of exactly k events add up to the whole, whichever integrator makes them; what `direct`
+/// calls direct is the first of them. 4σ.
 #[test]
 fn bounces_add_up() {
     let scene = room(false).scene();
@@ -149,8 +152,8 @@ fn bounces_add_up() {
     whole.agrees("forty bounces", means[5], 0.01);
 }
 
-/// M150: `path` and `volpath` are one where there is no medium: 4σ. Behind a pane too: passing it is an event for `path` alone, so depth is not
-/// limited, and light that only a light sample can find (of a point) stays away from it.
+/// M150: `path` and `volpath` are one where there is no medium: 4σ. Behind a pane too: passing it is an event for
+/// `path` alone, so depth is not limited, and light that only a light sample can find (of a point) stays away from it.
 #[test]
 fn volpath_equals_path_without_media() {
     for pane in [false, true] {

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// ΔE*94 (CIE 116-1995) of two CIELAB colours, the first being the standard; graphic-arts constants, `k_L = k_C = k_H = 1`.
+/// ΔE*94 (CIE 116-1995) of two CIELAB colours, the first being the standard; graphic-arts constants,
+/// `k_L = k_C = k_H = 1`.
 pub fn delta_e_94(standard: DVec3, sample: DVec3) -> f64 {
     let chroma = |c: DVec3| c.y.hypot(c.z);
     let (c1, c2) = (chroma(standard), chroma(sample));
@@ -78,7 +79,8 @@ mod tests {
         assert_eq!(delta_e_2000(DVec3::ZERO, DVec3::ZERO), 0.0);
     }
 
-    /// By hand: greys differ by their lightness; a pure difference in chroma is divided by 1 + 0.045 C, in hue by 1 + 0.015 C.
+    /// By hand: greys differ by their lightness; a pure difference in chroma is divided by 1 + 0.045 C, in hue by 1 +
+    /// 0.015 C.
     #[test]
     fn cie94_weighs_chroma_and_hue() {
         assert_eq!(delta_e_94(DVec3::new(50.0, 0.0, 0.0), DVec3::new(57.0, 0.0, 0.0)), 7.0);

@@ -19,7 +19,8 @@ fn hue(rgb: DVec3) -> (f64, f64, f64) {
     ((sextant * 60.0).rem_euclid(360.0), most, least)
 }
 
-/// A component of the colour with a hue: `n` is 5, 3 and 1 for red, green and blue. 1 within 60° of the component, 0 opposite to it.
+/// A component of the colour with a hue: `n` is 5, 3 and 1 for red, green and blue. 1 within 60° of the component, 0
+/// opposite to it.
 fn trapezium(hue: f64, n: f64) -> f64 {
     let k = (n + hue / 60.0).rem_euclid(6.0);
     1.0 - k.min(4.0 - k).clamp(0.0, 1.0)
@@ -52,7 +53,8 @@ pub fn rgb_from_hsl(hsl: DVec3) -> DVec3 {
     DVec3::new(trapezium(h, 5.0), trapezium(h, 3.0), trapezium(h, 1.0)) * chroma + (l - 0.5 * chroma)
 }
 
-/// Luma, orange chroma and green chroma (Malvar, Sullivan 2003): `Y = (R + 2G + B)/4`, `Co = (R − B)/2`, `Cg = (−R + 2G − B)/4`.
+/// Luma, orange chroma and green chroma (Malvar, Sullivan 2003): `Y = (R + 2G + B)/4`, `Co = (R − B)/2`,
+/// `Cg = (−R + 2G − B)/4`.
 pub fn ycocg_from_rgb(rgb: DVec3) -> DVec3 {
     let [r, g, b] = rgb.to_array();
     DVec3::new(0.25 * r + 0.5 * g + 0.25 * b, 0.5 * (r - b), -0.25 * r + 0.5 * g - 0.25 * b)
@@ -64,7 +66,8 @@ pub fn rgb_from_ycocg(ycocg: DVec3) -> DVec3 {
     DVec3::new(y + co - cg, y + cg, y - co - cg)
 }
 
-/// YCoCg-R: whole numbers of `n` bits become luma of `n` bits and chroma of `n + 1`, without loss (Malvar, Sullivan 2003).
+/// YCoCg-R: whole numbers of `n` bits become luma of `n` bits and chroma of `n + 1`, without loss (Malvar, Sullivan
+/// 2003).
 pub fn ycocg_r_from_rgb([r, g, b]: [i32; 3]) -> [i32; 3] {
     let co = r - b;
     let t = b + (co >> 1);
@@ -121,7 +124,8 @@ fn xyb_matrix() -> DMat3 {
     .transpose()
 }
 
-/// XYB of linear Rec.709 (JPEG XL, ISO/IEC 18181-1): cone responses, biased cube roots, then `X = (L − M)/2`, `Y = (L + M)/2`, `B = S`.
+/// XYB of linear Rec.709 (JPEG XL, ISO/IEC 18181-1): cone responses, biased cube roots, then `X = (L − M)/2`,
+/// `Y = (L + M)/2`, `B = S`.
 pub fn xyb_from_rgb(rgb: DVec3) -> DVec3 {
     let [l, m, s] = ((xyb_matrix() * rgb + XYB_BIAS).map(f64::cbrt) - XYB_BIAS.cbrt()).to_array();
     DVec3::new(0.5 * (l - m), 0.5 * (l + m), s)

@@ -1,8 +1,9 @@
 //! RGB colour spaces: primaries and white, and the matrices to and from CIE XYZ that follow from them.
 //!
-//! The matrices are derived in `f64` from the primaries' chromaticities and the XYZ of the white illuminant, integrated from its
-//! tabulated spectrum; four-digit matrices found in print deviate from being each other's inverse by 4e-5. That the white is
-//! the illuminant itself, not its rounded chromaticity, makes the spectrum of D65 exactly RGB (1, 1, 1).
+//! The matrices are derived in `f64` from the primaries' chromaticities and the XYZ of the white illuminant, integrated
+//! from its tabulated spectrum; four-digit matrices found in print deviate from being each other's inverse by 4e-5.
+//! That the white is the illuminant itself, not its rounded chromaticity, makes the spectrum of D65 exactly RGB (1, 1,
+//! 1).
 
 use crate::spectra::named::{Illuminant, white_xyz};
 use crate::{Error, Mat3, Vec3};
@@ -43,8 +44,8 @@ impl RgbSpace {
         Self::all().into_iter().find(|s| s.name.eq_ignore_ascii_case(name))
     }
 
-    /// A space of given primaries and white chromaticities `(x, y)`. Refused where the primaries lie on a line, the white has no
-    /// luminance, or a primary would have to be zero to make it.
+    /// A space of given primaries and white chromaticities `(x, y)`. Refused where the primaries lie on a line, the
+    /// white has no luminance, or a primary would have to be zero to make it.
     pub fn from_chromaticities(primaries: [[f64; 2]; 3], white: [f64; 2]) -> Result<Self, Error> {
         let space =
             Self::derive("custom", primaries, [white[0] / white[1], 1.0, (1.0 - white[0] - white[1]) / white[1]]);

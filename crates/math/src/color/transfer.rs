@@ -1,7 +1,7 @@
 //! The sRGB transfer function (IEC 61966-2-1): linear light ↔ encoded values, both in [0, 1].
 //!
-//! Two segments: a line near black, then `1.055 v^(1/2.4) − 0.055`. Values outside [0, 1] follow the same curves (negative ones the
-//! line), so that a round trip is the identity; clamping is the business of whoever quantises.
+//! Two segments: a line near black, then `1.055 v^(1/2.4) − 0.055`. Values outside [0, 1] follow the same curves
+//! (negative ones the line), so that a round trip is the identity; clamping is the business of whoever quantises.
 
 /// Encodes linear light.
 pub fn srgb_encode(linear: f32) -> f32 {

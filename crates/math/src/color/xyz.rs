@@ -13,8 +13,8 @@ pub fn xyy_from_xyz(xyz: DVec3) -> [f64; 3] {
     if sum == 0.0 { [0.0; 3] } else { [xyz.x / sum, xyz.y / sum, xyz.y] }
 }
 
-/// XYZ from CIE 1931 RGB (primaries 700 nm, 546.1 nm and 435.8 nm, white E): the integers of the 1931 resolutions over 0.17697.
-/// Each row sums to 1/0.17697, so that equal RGB is equal XYZ.
+/// XYZ from CIE 1931 RGB (primaries 700 nm, 546.1 nm and 435.8 nm, white E): the integers of the 1931 resolutions over
+/// 0.17697. Each row sums to 1/0.17697, so that equal RGB is equal XYZ.
 pub fn xyz_from_cie_rgb() -> DMat3 {
     let rows = [[0.49, 0.31, 0.20], [0.17697, 0.81240, 0.01063], [0.0, 0.01, 0.99]];
     DMat3::from_cols_array_2d(&rows).transpose() * (1.0 / 0.17697)

@@ -19,8 +19,8 @@ pub struct AliasTable {
 }
 
 impl AliasTable {
-    /// From weights of any scale. Negative weights count by their size, non-finite ones as zero; without a positive weight all
-    /// indices are equally likely. At most `u32::MAX` weights are taken.
+    /// From weights of any scale. Negative weights count by their size, non-finite ones as zero; without a positive
+    /// weight all indices are equally likely. At most `u32::MAX` weights are taken.
     pub fn new(weights: &[f32]) -> Self {
         let weights = &weights[..weights.len().min(u32::MAX as usize)];
         let n = weights.len();
@@ -47,7 +47,8 @@ impl AliasTable {
                 under.push(large);
             }
         }
-        // Rounding may leave bins that are full but for the last digits; an index of no weight must not stay with itself.
+        // Rounding may leave bins that are full but for the last digits; an index of no weight must not stay with
+        // itself.
         for i in under {
             if weight(weights[i]) == 0.0 {
                 bins[i].own = 0.0;
@@ -57,8 +58,8 @@ impl AliasTable {
         Self { bins }
     }
 
-    /// An index, its probability, and a new uniform number made of what is left of `u`. An empty table gives index 0 with
-    /// probability 0. The new number has `log2(n)` bits fewer than `u`.
+    /// An index, its probability, and a new uniform number made of what is left of `u`. An empty table gives index 0
+    /// with probability 0. The new number has `log2(n)` bits fewer than `u`.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32, f32) {
         let n = self.bins.len();

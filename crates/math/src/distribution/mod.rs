@@ -1,7 +1,8 @@
-//! Sampling in proportion to tabulated values: piecewise-constant densities in one and two dimensions, and alias tables.
+//! Sampling in proportion to tabulated values: piecewise-constant densities in one and two dimensions, and alias
+//! tables.
 //!
-//! Tables accept any numbers: negative values count by their size (their sign can be asked for), NaN and infinities count as zero,
-//! and a table without a positive entry becomes uniform. No sample falls on an entry of value zero.
+//! Tables accept any numbers: negative values count by their size (their sign can be asked for), NaN and infinities
+//! count as zero, and a table without a positive entry becomes uniform. No sample falls on an entry of value zero.
 
 mod alias;
 mod piecewise_1d;
@@ -21,8 +22,8 @@ fn weight(value: f32) -> f64 {
     if value.is_finite() { f64::from(value.abs()) } else { 0.0 }
 }
 
-/// Pieces per entry of a guide table. On a grid of 2048×1024 cells a guided sample takes 145 ns, with 4 pieces per entry 200 ns (the tables
-/// compete for the cache), and 340 ns by bisection alone.
+/// Pieces per entry of a guide table. On a grid of 2048×1024 cells a guided sample takes 145 ns, with 4 pieces per
+/// entry 200 ns (the tables compete for the cache), and 340 ns by bisection alone.
 const GUIDE_STRIDE: usize = 8;
 
 /// Length of the guide table of `n` pieces.
@@ -31,8 +32,9 @@ fn guide_len(n: usize) -> usize {
     n.div_ceil(GUIDE_STRIDE)
 }
 
-/// Fills the cumulative distribution of a row (`cdf.len() == values.len() + 1`) and its guide table, in which entry `j` is the
-/// last piece that begins at or below `j/m`, and returns the sum of the weights. A row without a weight becomes uniform.
+/// Fills the cumulative distribution of a row (`cdf.len() == values.len() + 1`) and its guide table, in which entry `j`
+/// is the last piece that begins at or below `j/m`, and returns the sum of the weights. A row without a weight becomes
+/// uniform.
 fn accumulate(weights: impl Iterator<Item = f64> + Clone, cdf: &mut [f32], guide: &mut [u32]) -> f64 {
     let n = cdf.len() - 1;
     let sum: f64 = weights.clone().sum();
@@ -80,8 +82,8 @@ fn find(cdf: &[f32], guide: &[u32], u: f32) -> (usize, f32) {
     (lo, if b > a { (u - a) / (b - a) } else { 0.0 })
 }
 
-/// The place `(i + t)/n` on [0,1), kept in piece `i` where rounding would carry it over: a lookup at the place finds the piece that
-/// the density was taken from.
+/// The place `(i + t)/n` on [0,1), kept in piece `i` where rounding would carry it over: a lookup at the place finds
+/// the piece that the density was taken from.
 #[inline]
 fn place(i: usize, t: f32, n: usize) -> f32 {
     let count = n as f32;

@@ -3,8 +3,8 @@
 use super::{accumulate, find, guide_len, piece_at, place, weight};
 use crate::{Vec2, distribution::Piecewise1D};
 
-/// A piecewise-constant density on `[0,1)²`, proportional to the sizes of tabulated values: a marginal over rows and a conditional
-/// within each row.
+/// A piecewise-constant density on `[0,1)²`, proportional to the sizes of tabulated values: a marginal over rows and a
+/// conditional within each row.
 #[derive(Clone, Debug)]
 pub struct Piecewise2D {
     nu: usize,
@@ -19,8 +19,8 @@ pub struct Piecewise2D {
 }
 
 impl Piecewise2D {
-    /// From `nv` rows of `nu` values, `u` (the first coordinate) fastest. A slice of any other length than `nu·nv` describes no
-    /// grid, and gives the uniform density.
+    /// From `nv` rows of `nu` values, `u` (the first coordinate) fastest. A slice of any other length than `nu·nv`
+    /// describes no grid, and gives the uniform density.
     pub fn new(values: &[f32], nu: usize, nv: usize) -> Self {
         let is_grid = nu > 0 && nv > 0 && nu.checked_mul(nv) == Some(values.len());
         let (values, nu, nv) = if is_grid { (values, nu, nv) } else { (&[0.0][..], 1, 1) };

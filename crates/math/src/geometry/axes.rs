@@ -1,7 +1,7 @@
 //! Handedness and up-axis conversions.
 //!
-//! Swapping two coordinates turns a right-handed system into a left-handed one. The up-axis maps here are rotations, which keep
-//! the handedness, and the change of handedness is a separate, explicit mirror.
+//! Swapping two coordinates turns a right-handed system into a left-handed one. The up-axis maps here are rotations,
+//! which keep the handedness, and the change of handedness is a separate, explicit mirror.
 
 use glam::{DMat3, DVec3};
 
@@ -26,7 +26,8 @@ pub fn handedness(x: DVec3, y: DVec3, z: DVec3) -> Option<Handedness> {
     }
 }
 
-/// Coordinates in a y-up system of what has coordinates in a z-up one: the quarter turn about x, `(x, y, z) → (x, z, −y)`.
+/// Coordinates in a y-up system of what has coordinates in a z-up one: the quarter turn about x,
+/// `(x, y, z) → (x, z, −y)`.
 pub const Y_UP_FROM_Z_UP: DMat3 = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0]);
 
 /// The inverse of [`Y_UP_FROM_Z_UP`]: `(x, y, z) → (x, −z, y)`.
@@ -35,8 +36,8 @@ pub const Z_UP_FROM_Y_UP: DMat3 = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 0
 /// The other proper conversion from z-up to y-up: the axes in turn, `(x, y, z) → (y, z, x)`.
 pub const CYCLE: DMat3 = DMat3::from_cols_array(&[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 
-/// Between right-handed and left-handed coordinates with the same x and y: `z → −z`. Its own inverse; it also turns round the winding
-/// of every triangle.
+/// Between right-handed and left-handed coordinates with the same x and y: `z → −z`. Its own inverse; it also turns
+/// round the winding of every triangle.
 pub const MIRROR_Z: DMat3 = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]);
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Barycentric coordinates and simplex coordinates in any dimension.
 //!
-//! The coordinate of a vertex is the ratio of two signed contents: of the simplex in which the point takes that vertex's place, and
-//! of the whole simplex, both with the vertices in the same order. They add up to one and are kept by affine maps.
+//! The coordinate of a vertex is the ratio of two signed contents: of the simplex in which the point takes that
+//! vertex's place, and of the whole simplex, both with the vertices in the same order. They add up to one and are kept
+//! by affine maps.
 
 use glam::{DVec2, DVec3};
 
@@ -35,8 +36,8 @@ pub fn tetrahedron(v: [DVec3; 4], p: DVec3) -> Option<[f64; 4]> {
     b.iter().all(|x| x.is_finite()).then_some(b)
 }
 
-/// Coordinates of a point of n-space in the simplex of `n + 1` affinely independent vertices. `None` where the vertices are dependent
-/// or the numbers of coordinates do not match.
+/// Coordinates of a point of n-space in the simplex of `n + 1` affinely independent vertices. `None` where the vertices
+/// are dependent or the numbers of coordinates do not match.
 ///
 /// Solves `Σ λᵢ (Vᵢ − V₀) = P − V₀` by Gaussian elimination with partial pivoting, O(n³).
 pub fn simplex(vertices: &[&[f64]], point: &[f64]) -> Option<Vec<f64>> {

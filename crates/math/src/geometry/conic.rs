@@ -53,8 +53,8 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// From the centre, the direction of the first semi-axis (of any length but zero) and the lengths of both; `None` where they are
-    /// not positive.
+    /// From the centre, the direction of the first semi-axis (of any length but zero) and the lengths of both; `None`
+    /// where they are not positive.
     pub fn new(center: DVec2, axis: DVec2, radii: DVec2) -> Option<Self> {
         let axis = axis.try_normalize()?;
         (radii.min_element() > 0.0 && radii.is_finite() && center.is_finite()).then_some(Self { center, axis, radii })
@@ -89,7 +89,8 @@ impl Ellipse {
         self.center + self.axis * (self.radii.x * cos) + self.axis.perp() * (self.radii.y * sin)
     }
 
-    /// The parameter in `[0, 2π)` of the point of the curve in the direction of `p` from the centre, in its own coordinates.
+    /// The parameter in `[0, 2π)` of the point of the curve in the direction of `p` from the centre, in its own
+    /// coordinates.
     pub fn parameter(&self, p: DVec2) -> f64 {
         let u = self.to_unit(p);
         super::coordinates::Polar::from_cartesian(u).phi

@@ -36,7 +36,8 @@ pub struct Spherical {
 }
 
 impl Spherical {
-    /// From Cartesian coordinates. `θ` is an arc tangent of the distance from the axis, so it is precise at the poles and never NaN.
+    /// From Cartesian coordinates. `θ` is an arc tangent of the distance from the axis, so it is precise at the poles
+    /// and never NaN.
     pub fn from_cartesian(p: DVec3) -> Self {
         let from_axis = p.x.hypot(p.y);
         Self { r: p.length(), theta: from_axis.atan2(p.z), phi: azimuth(p.x, p.y) }

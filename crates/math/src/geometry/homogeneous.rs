@@ -3,8 +3,8 @@
 use super::Point3;
 use glam::{DMat4, DVec3, DVec4};
 
-/// A point of projective space: `[x, y, z, w]` and all its multiples but zero. With `w = 0` it is ideal: the common point at infinity
-/// of all lines of one direction.
+/// A point of projective space: `[x, y, z, w]` and all its multiples but zero. With `w = 0` it is ideal: the common
+/// point at infinity of all lines of one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct HomogeneousPoint(DVec4);
 

@@ -1,7 +1,7 @@
 //! Lines of the plane in all their forms, and segments and lines of space.
 //!
-//! The form that is kept is the line coordinates `[a, b, c]`, `a x + b y + c = 0`: it has no exceptions (the ideal line is
-//! `[0, 0, 1]`), and joining points and meeting lines are both a cross product.
+//! The form that is kept is the line coordinates `[a, b, c]`, `a x + b y + c = 0`: it has no exceptions (the ideal line
+//! is `[0, 0, 1]`), and joining points and meeting lines are both a cross product.
 
 use super::Point3;
 use glam::{DVec2, DVec3};
@@ -53,8 +53,8 @@ impl Line2 {
         (x.is_finite() && x != DVec3::ZERO).then_some(x)
     }
 
-    /// The Hesse normal form: the same line with a unit normal, so that [`Line2::value`] is the signed distance. `None` for the ideal
-    /// line.
+    /// The Hesse normal form: the same line with a unit normal, so that [`Line2::value`] is the signed distance. `None`
+    /// for the ideal line.
     pub fn hesse(&self) -> Option<Self> {
         let l = self.coordinates.truncate().length();
         (l > 0.0).then_some(())?;
@@ -73,7 +73,8 @@ impl Line2 {
         (m.is_finite() && k.is_finite()).then_some((m, k))
     }
 
-    /// The parametric form: the foot of the perpendicular from the origin, and a unit direction. `None` for the ideal line.
+    /// The parametric form: the foot of the perpendicular from the origin, and a unit direction. `None` for the ideal
+    /// line.
     pub fn parametric(&self) -> Option<(DVec2, DVec2)> {
         let h = self.hesse()?.coordinates;
         let n = h.truncate();

@@ -1,7 +1,9 @@
-//! Analytic geometry in double precision: points and vectors, coordinate systems, lines, planes, conics, surfaces, solid angles.
+//! Analytic geometry in double precision: points and vectors, coordinate systems, lines, planes, conics, surfaces,
+//! solid angles.
 //!
-//! Conventions: coordinate systems are right-handed, angles are radians, `z` is up unless [`axes`] converted it. Rendering in `f32`
-//! lives elsewhere ([`crate::intersect`], [`crate::transform::Affine`]); this is for building scenes and for checking them.
+//! Conventions: coordinate systems are right-handed, angles are radians, `z` is up unless [`axes`] converted it.
+//! Rendering in `f32` lives elsewhere ([`crate::intersect`], [`crate::transform::Affine`]); this is for building scenes
+//! and for checking them.
 
 pub mod axes;
 pub mod barycentric;

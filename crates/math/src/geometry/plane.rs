@@ -29,23 +29,26 @@ impl Plane {
         Self::from_point_normal(p, u.cross(v))
     }
 
-    /// The plane through three points, which turn counter-clockwise seen from the side of the normal; `None` for collinear ones.
+    /// The plane through three points, which turn counter-clockwise seen from the side of the normal; `None` for
+    /// collinear ones.
     pub fn through(p: Point3, q: Point3, r: Point3) -> Option<Self> {
         Self::from_spanning(p, q - p, r - p)
     }
 
-    /// The plane through three homogeneous points: the cofactors of the determinant `|x; p; q; r|`. `None` for dependent ones.
+    /// The plane through three homogeneous points: the cofactors of the determinant `|x; p; q; r|`. `None` for
+    /// dependent ones.
     pub fn join(p: &HomogeneousPoint, q: &HomogeneousPoint, r: &HomogeneousPoint) -> Option<Self> {
         Self::new(cofactors(p.coordinates(), q.coordinates(), r.coordinates()))
     }
 
-    /// The point that lies on three planes (ideal where they are parallel to one line); `None` where they share more than a point.
+    /// The point that lies on three planes (ideal where they are parallel to one line); `None` where they share more
+    /// than a point.
     pub fn meet(&self, q: &Self, r: &Self) -> Option<HomogeneousPoint> {
         HomogeneousPoint::new(cofactors(self.coordinates, q.coordinates, r.coordinates))
     }
 
-    /// The Hesse normal form: the same plane with a unit normal, so that [`Plane::value`] is the signed distance. `None` for the
-    /// ideal plane.
+    /// The Hesse normal form: the same plane with a unit normal, so that [`Plane::value`] is the signed distance.
+    /// `None` for the ideal plane.
     pub fn hesse(&self) -> Option<Self> {
         let l = self.coordinates.truncate().length();
         (l > 0.0).then_some(())?;
@@ -63,8 +66,8 @@ impl Plane {
         self.coordinates.dot(x).abs() <= 1e-12 * self.coordinates.length() * x.length()
     }
 
-    /// The parametric form `p + s u + t v`: the foot of the perpendicular from the origin and two orthonormal vectors with
-    /// `u × v` the unit normal. `None` for the ideal plane.
+    /// The parametric form `p + s u + t v`: the foot of the perpendicular from the origin and two orthonormal vectors
+    /// with `u × v` the unit normal. `None` for the ideal plane.
     pub fn parametric(&self) -> Option<(Point3, DVec3, DVec3)> {
         let h = self.hesse()?.coordinates;
         let n = h.truncate();

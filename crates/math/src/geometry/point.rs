@@ -1,7 +1,7 @@
 //! Points as a type of their own: what makes no sense for points does not compile.
 //!
-//! `P − P` is a vector, `P + v` a point; sums of points exist only as combinations, with weights that add up to one (a point) or to
-//! zero (a vector).
+//! `P − P` is a vector, `P + v` a point; sums of points exist only as combinations, with weights that add up to one (a
+//! point) or to zero (a vector).
 //!
 //! ```
 //! use steradian_math::{DVec3, geometry::Point3};

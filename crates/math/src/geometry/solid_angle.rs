@@ -1,4 +1,5 @@
-//! Solid angles: the spherical Jacobian, the area of spherical sets, and the solid angle of area elements. In steradians.
+//! Solid angles: the spherical Jacobian, the area of spherical sets, and the solid angle of area elements. In
+//! steradians.
 
 use crate::quadrature::gauss_legendre;
 use glam::DVec3;
@@ -9,8 +10,9 @@ pub fn spherical_jacobian(r: f64, theta: f64) -> f64 {
     r * r * theta.sin()
 }
 
-/// The integral of `f` over all directions: Gauss–Legendre in `cos θ` (with `n` points, which absorbs the Jacobian), and the
-/// trapezoid rule in `φ` (with `2n`), which together integrate spherical harmonics up to degree `2n − 1` exactly.
+/// The integral of `f` over all directions: Gauss–Legendre in `cos θ` (with `n` points, which absorbs the Jacobian),
+/// and the trapezoid rule in `φ` (with `2n`), which together integrate spherical harmonics up to degree `2n − 1`
+/// exactly.
 pub fn integrate_sphere(f: impl Fn(DVec3) -> f64, n: usize) -> f64 {
     let n = n.max(1);
     let step = TAU / (2 * n) as f64;
@@ -25,8 +27,8 @@ pub fn integrate_sphere(f: impl Fn(DVec3) -> f64, n: usize) -> f64 {
     sum * step
 }
 
-/// Area of a set of directions given by its indicator function, from `n` points of a Fibonacci lattice (all of the same area): the
-/// error falls as about `n^−3/4` for sets with a smooth border.
+/// Area of a set of directions given by its indicator function, from `n` points of a Fibonacci lattice (all of the same
+/// area): the error falls as about `n^−3/4` for sets with a smooth border.
 pub fn of_set(contains: impl Fn(DVec3) -> bool, n: usize) -> f64 {
     let n = n.max(1);
     // The golden angle.
@@ -52,14 +54,15 @@ pub fn lune(angle: f64) -> f64 {
     2.0 * angle
 }
 
-/// The spherical triangle of three unit vectors by Girard's theorem: the sum of its angles less `π`. Loses the digits of small
-/// triangles; see [`triangle`].
+/// The spherical triangle of three unit vectors by Girard's theorem: the sum of its angles less `π`. Loses the digits
+/// of small triangles; see [`triangle`].
 pub fn triangle_girard(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let angle = |p: DVec3, q: DVec3, r: DVec3| super::vector::angle_between(p.cross(q), p.cross(r));
     angle(a, b, c) + angle(b, c, a) + angle(c, a, b) - PI
 }
 
-/// The solid angle of the triangle of three vectors of any length but zero (van Oosterom and Strackee 1983); precise for small ones too.
+/// The solid angle of the triangle of three vectors of any length but zero (van Oosterom and Strackee 1983); precise
+/// for small ones too.
 pub fn triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let (a, b, c) = (a.normalize_or_zero(), b.normalize_or_zero(), c.normalize_or_zero());
     2.0 * a.dot((b - a).cross(c - a)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))

@@ -1,8 +1,9 @@
 //! Where rays meet surfaces, in closed form.
 //!
-//! Rays and results are `f32`, the arithmetic between is `f64`: products of two `f32` are exact there, so nothing cancels that the
-//! input does not already leave open. Directions need not be of unit length. Functions that return one distance count hits in the
-//! ray's open interval `(0, t_max)`; those that return two roots return both of the whole line, in order, and [`nearest`] picks.
+//! Rays and results are `f32`, the arithmetic between is `f64`: products of two `f32` are exact there, so nothing
+//! cancels that the input does not already leave open. Directions need not be of unit length. Functions that return one
+//! distance count hits in the ray's open interval `(0, t_max)`; those that return two roots return both of the whole
+//! line, in order, and [`nearest`] picks.
 
 mod plane;
 mod polygon;
@@ -18,8 +19,8 @@ pub use triangle::{TriangleHit, triangle};
 
 use crate::Ray;
 
-/// The real roots `t0 ≤ t1` of `a t² + b t + c`, without cancellation; the one root twice where `a` is zero, `None` where there is
-/// no root or every number is one.
+/// The real roots `t0 ≤ t1` of `a t² + b t + c`, without cancellation; the one root twice where `a` is zero, `None`
+/// where there is no root or every number is one.
 #[inline]
 pub fn quadratic(a: f32, b: f32, c: f32) -> Option<(f32, f32)> {
     let [t0, t1] = roots(f64::from(a), 0.5 * f64::from(b), f64::from(c))?;
@@ -32,7 +33,8 @@ pub(crate) fn roots(a: f64, h: f64, c: f64) -> Option<[f64; 2]> {
     roots_with_discriminant(a, h, c, h * h - a * c)
 }
 
-/// Ordered roots of `a t² + 2h t + c`, whose discriminant `h² − a c` the caller knows, perhaps better than that difference.
+/// Ordered roots of `a t² + 2h t + c`, whose discriminant `h² − a c` the caller knows, perhaps better than that
+/// difference.
 #[inline]
 pub(crate) fn roots_with_discriminant(a: f64, h: f64, c: f64, discriminant: f64) -> Option<[f64; 2]> {
     if a == 0.0 {

@@ -29,8 +29,8 @@ pub fn plane_point_normal(p: Vec3, n: Vec3, ray: &Ray) -> Option<f32> {
     within(n.dot(p.as_dvec3() - ray.origin.as_dvec3()) / n.dot(ray.direction.as_dvec3()), ray)
 }
 
-/// The plane `p + s·u + t·v`: the linear system `o + t·d = p + s·u + t·v` by Cramer's rule, which also gives the coordinates of the
-/// hit.
+/// The plane `p + s·u + t·v`: the linear system `o + t·d = p + s·u + t·v` by Cramer's rule, which also gives the
+/// coordinates of the hit.
 #[inline]
 pub fn plane_parametric(p: Vec3, u: Vec3, v: Vec3, ray: &Ray) -> Option<ParametricHit> {
     let (u, v, d) = (u.as_dvec3(), v.as_dvec3(), ray.direction.as_dvec3());

@@ -1,8 +1,9 @@
 //! Ray and planar polygon, concave and self-crossing ones included.
 //!
-//! A horizontal half-line from the point counts edges by the half-open rule: an edge spans `y` where `y_low ≤ y < y_high`, so
-//! horizontal edges never count and a vertex counts once. Edges are evaluated from their lower to their upper end, so two
-//! polygons that share an edge decide alike, and a point on it belongs to exactly one of them.
+//! A horizontal half-line from the point counts edges by the half-open rule: an edge spans `y` where
+//! `y_low ≤ y < y_high`, so horizontal edges never count and a vertex counts once. Edges are evaluated from their lower
+//! to their upper end, so two polygons that share an edge decide alike, and a point on it belongs to exactly one of
+//! them.
 
 use super::plane_point_normal;
 use crate::{Ray, Vec2, Vec3};
@@ -58,8 +59,8 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// From at least three vertices in order; `None` for fewer, for a polygon without area, and for one that is not finite. Vertices
-    /// are taken as lying in the plane of the Newell normal through their mean.
+    /// From at least three vertices in order; `None` for fewer, for a polygon without area, and for one that is not
+    /// finite. Vertices are taken as lying in the plane of the Newell normal through their mean.
     pub fn new(vertices: &[Vec3]) -> Option<Self> {
         let last = *vertices.last()?;
         let first = vertices.first()?.as_dvec3();
@@ -131,7 +132,8 @@ mod tests {
 
     #[test]
     fn points_on_edges_and_vertices_belong_to_one_tile() {
-        // A square cut into four triangles around its middle, and its neighbour: grid points on edges and vertices are in exactly one.
+        // A square cut into four triangles around its middle, and its neighbour: grid points on edges and vertices are
+        // in exactly one.
         let c = [1.0, 1.0];
         let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         let mut tiles: Vec<Vec<Vec2>> = (0..4).map(|i| polygon(&[c, corners[i], corners[(i + 1) % 4]])).collect();

@@ -1,5 +1,5 @@
-//! Ray and surface of second order: `⟨x, Q x⟩ = 0` in homogeneous coordinates, with sphere, ellipsoid, paraboloid, cylinder,
-//! cone and pairs of planes as special cases.
+//! Ray and surface of second order: `⟨x, Q x⟩ = 0` in homogeneous coordinates, with sphere, ellipsoid, paraboloid,
+//! cylinder, cone and pairs of planes as special cases.
 
 use super::{roots, sphere};
 use crate::{Ray, Vec3};
@@ -66,8 +66,8 @@ impl Quadric {
         2.0 * (self.matrix * p.extend(1.0)).truncate()
     }
 
-    /// The ordered roots at which the line of the ray meets the surface; one root twice where it is met once only. `None` where it
-    /// is missed, or where the line lies in it.
+    /// The ordered roots at which the line of the ray meets the surface; one root twice where it is met once only.
+    /// `None` where it is missed, or where the line lies in it.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<[f32; 2]> {
         let (o, d) = (ray.origin.as_dvec3().extend(1.0), ray.direction.as_dvec3().extend(0.0));

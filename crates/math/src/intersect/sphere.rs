@@ -3,10 +3,11 @@
 use super::roots_with_discriminant;
 use crate::{Ray, Vec3};
 
-/// The roots `t0 ≤ t1` at which the line of the ray meets the sphere; from inside, `t0 < 0 < t1`. `None` where it passes by.
+/// The roots `t0 ≤ t1` at which the line of the ray meets the sphere; from inside, `t0 < 0 < t1`. `None` where it
+/// passes by.
 ///
-/// The discriminant is taken from the distance between the centre and the line, not as a difference of the squares of long
-/// distances (Haines et al., *Ray Tracing Gems*, ch. 7), so small spheres a million units away are round.
+/// The discriminant is taken from the distance between the centre and the line, not as a difference of the squares of
+/// long distances (Haines et al., *Ray Tracing Gems*, ch. 7), so small spheres a million units away are round.
 #[inline]
 pub fn sphere(center: Vec3, radius: f32, ray: &Ray) -> Option<[f32; 2]> {
     let (o, d, r) = (ray.origin.as_dvec3() - center.as_dvec3(), ray.direction.as_dvec3(), f64::from(radius));
@@ -68,7 +69,8 @@ mod tests {
 
     #[test]
     fn a_small_sphere_a_million_units_away_is_round() {
-        // Rays parallel to x at height y over a unit sphere at distance 2²⁰: t = 2²⁰ − √(1 − y²), to the rounding of t (1/16).
+        // Rays parallel to x at height y over a unit sphere at distance 2²⁰: t = 2²⁰ − √(1 − y²), to the rounding of t
+        // (1/16).
         let far = 1_048_576.0_f32;
         for i in 0..=1000 {
             let y = i as f32 / 1000.0;

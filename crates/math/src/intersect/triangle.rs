@@ -16,8 +16,8 @@ pub struct TriangleHit {
 
 /// The hit of a triangle from either side, its edges included; a ray within the plane misses.
 ///
-/// The signs of the three barycentric numerators decide, not rounded quotients, so that rays do not slip between triangles that share
-/// an edge.
+/// The signs of the three barycentric numerators decide, not rounded quotients, so that rays do not slip between
+/// triangles that share an edge.
 #[inline]
 pub fn triangle(vertices: [Vec3; 3], ray: &Ray) -> Option<TriangleHit> {
     let [v0, v1, v2] = vertices.map(|v| v.as_dvec3());

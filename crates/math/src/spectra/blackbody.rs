@@ -1,6 +1,7 @@
 //! Thermal emission: Planck's law.
 //!
-//! `B_λ(T) = 2hc² / λ⁵ / (exp(hc / λ k T) − 1)`, `B_ν(T) = 2hν³ / c² / (exp(hν / k T) − 1)`, with the exact SI constants of 2019.
+//! `B_λ(T) = 2hc² / λ⁵ / (exp(hc / λ k T) − 1)`, `B_ν(T) = 2hν³ / c² / (exp(hν / k T) − 1)`, with the exact SI
+//! constants of 2019.
 
 use super::Wavelengths;
 use crate::Spectrum;
@@ -16,8 +17,8 @@ pub const WIEN: f64 = 2.897_771_955e-3;
 /// Stefan's constant, W/(m² K⁴): `π ∫ B dλ = σT⁴`.
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
-/// Spectral radiance of a black body of `kelvin` at wavelength `metres`, per metre of wavelength: W/(m² sr m). Zero where either
-/// is not positive.
+/// Spectral radiance of a black body of `kelvin` at wavelength `metres`, per metre of wavelength: W/(m² sr m). Zero
+/// where either is not positive.
 pub fn planck_wavelength(metres: f64, kelvin: f64) -> f64 {
     if !(metres > 0.0 && kelvin > 0.0) {
         return 0.0;
@@ -26,7 +27,8 @@ pub fn planck_wavelength(metres: f64, kelvin: f64) -> f64 {
     bounded(2.0 * PLANCK * SPEED_OF_LIGHT * SPEED_OF_LIGHT / metres.powi(5) / x.exp_m1())
 }
 
-/// Spectral radiance of a black body of `kelvin` at frequency `hertz`, per hertz: W/(m² sr Hz). Zero where either is not positive.
+/// Spectral radiance of a black body of `kelvin` at frequency `hertz`, per hertz: W/(m² sr Hz). Zero where either is
+/// not positive.
 pub fn planck_frequency(hertz: f64, kelvin: f64) -> f64 {
     if !(hertz > 0.0 && kelvin > 0.0) {
         return 0.0;

@@ -1,7 +1,7 @@
 //! The CIE 1931 2° standard observer: colour matching functions, and integrals of spectra against them.
 //!
-//! `X = ∫ s(λ) x̄(λ) dλ / ∫ ȳ dλ`, and likewise Y and Z. The integrals are sums over whole nanometres, the resolution at which
-//! the functions are tabulated; this is also pbrt-v4's convention, so equal spectra have equal colours.
+//! `X = ∫ s(λ) x̄(λ) dλ / ∫ ȳ dλ`, and likewise Y and Z. The integrals are sums over whole nanometres, the resolution
+//! at which the functions are tabulated; this is also pbrt-v4's convention, so equal spectra have equal colours.
 
 use super::data::cie1931::CMF;
 use super::{LAMBDA_COUNT, LAMBDA_MIN};

@@ -4,14 +4,15 @@ use super::data::daylight::S;
 use super::{Blackbody, Curve, Dense};
 use crate::Error;
 
-/// The ratio by which the second radiation constant has changed since the D series was defined: D65 is daylight of 6504 K.
+/// The ratio by which the second radiation constant has changed since the D series was defined: D65 is daylight of 6504
+/// K.
 const RADIATION_CONSTANT_CHANGE: f64 = 1.4388 / 1.4380;
 
 /// The range of correlated colour temperatures, K, over which the CIE defines daylight.
 pub const RANGE: std::ops::RangeInclusive<f64> = 4000.0..=25_000.0;
 
-/// Chromaticity `(x, y)` of daylight of correlated colour temperature `cct`, K, on today's temperature scale; `None` outside
-/// [`RANGE`].
+/// Chromaticity `(x, y)` of daylight of correlated colour temperature `cct`, K, on today's temperature scale; `None`
+/// outside [`RANGE`].
 pub fn chromaticity(cct: f64) -> Option<[f64; 2]> {
     if !RANGE.contains(&cct) {
         return None;
@@ -25,8 +26,9 @@ pub fn chromaticity(cct: f64) -> Option<[f64; 2]> {
     Some([x, (-3.0 * x + 2.870) * x - 0.275])
 }
 
-/// The daylight spectrum of a nominal colour temperature (6500 K is D65), about 1 at 560 nm. Where the CIE defines no daylight
-/// below 4000 K it is a black body of maximum 1, as in pbrt-v4; above 25000 K, and where `nominal` is not positive, it is refused.
+/// The daylight spectrum of a nominal colour temperature (6500 K is D65), about 1 at 560 nm. Where the CIE defines no
+/// daylight below 4000 K it is a black body of maximum 1, as in pbrt-v4; above 25000 K, and where `nominal` is not
+/// positive, it is refused.
 pub fn daylight(nominal: f64) -> Result<Dense, Error> {
     let cct = nominal * RADIATION_CONSTANT_CHANGE;
     if cct > 0.0 && cct < *RANGE.start() {

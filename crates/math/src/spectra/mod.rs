@@ -1,7 +1,8 @@
-//! Spectra: curves over the wavelength, the CIE observer, standard illuminants, measured metals and glasses, thermal emission,
-//! and the sampling of wavelengths.
+//! Spectra: curves over the wavelength, the CIE observer, standard illuminants, measured metals and glasses, thermal
+//! emission, and the sampling of wavelengths.
 //!
-//! Wavelengths are in nanometres. The visible range is [`LAMBDA_MIN`]..=[`LAMBDA_MAX`]; outside it the observer sees nothing.
+//! Wavelengths are in nanometres. The visible range is [`LAMBDA_MIN`]..=[`LAMBDA_MAX`]; outside it the observer sees
+//! nothing.
 
 pub mod blackbody;
 pub mod cie;

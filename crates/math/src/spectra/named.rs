@@ -1,7 +1,8 @@
 //! Spectra that have a name in scene files: standard illuminants, metals and glasses, under the names of pbrt-v4.
 //! Illuminants that pbrt-v4 lacks continue its pattern: `stdillum-C`, `stdillum-LED-B1`, `stdillum-HP1`.
 //!
-//! As in pbrt-v4, every curve holds its end values over the visible range, and illuminants are scaled to luminance Y = 1.
+//! As in pbrt-v4, every curve holds its end values over the visible range, and illuminants are scaled to luminance Y =
+//! 1.
 
 use super::data::cie1931::CMF;
 use super::data::{glasses, illuminants, lamps, metals};
@@ -84,7 +85,8 @@ static ENTRIES: &[Entry] = &[
     light("illum-acesD60", illuminants::ACES_D60),
 ];
 
-/// The spectrum called `name`, end values held over the visible range, illuminants scaled to luminance Y = 1. Case matters.
+/// The spectrum called `name`, end values held over the visible range, illuminants scaled to luminance Y = 1. Case
+/// matters.
 pub fn named(name: &str) -> Option<Curve> {
     let Some(entry) = ENTRIES.iter().find(|e| e.name == name) else { return ior::further_conductor(name) };
     let curve = Curve::from_interleaved(entry.samples).ok()?.extended();
@@ -208,7 +210,8 @@ mod tests {
         }
     }
 
-    /// Reflectance at normal incidence, `((η−1)² + κ²) / ((η+1)² + κ²)`: gold is yellow, copper red, silver and aluminium bright.
+    /// Reflectance at normal incidence, `((η−1)² + κ²) / ((η+1)² + κ²)`: gold is yellow, copper red, silver and
+    /// aluminium bright.
     #[test]
     fn metals_reflect_like_themselves() {
         let reflectance = |metal: &str, l: f32| {

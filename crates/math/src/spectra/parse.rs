@@ -1,11 +1,11 @@
-//! Text files of spectral samples (`.spd`, `.spectrum`): a wavelength in nm and a value per line, `#` starts a comment. pbrt-v4 and
-//! Mitsuba read the same format.
+//! Text files of spectral samples (`.spd`, `.spectrum`): a wavelength in nm and a value per line, `#` starts a comment.
+//! pbrt-v4 and Mitsuba read the same format.
 
 use super::Curve;
 use crate::Error;
 
-/// Parses the text of a spectrum file. The pairs are separated by white space (commas are taken for it); a pair may span lines, as
-/// pbrt-v4 allows. Wavelengths must increase. Errors carry the line.
+/// Parses the text of a spectrum file. The pairs are separated by white space (commas are taken for it); a pair may
+/// span lines, as pbrt-v4 allows. Wavelengths must increase. Errors carry the line.
 pub fn parse_spd(text: &str) -> Result<Curve, Error> {
     let (mut lambda, mut value) = (Vec::new(), Vec::new());
     let mut last_line = 1;

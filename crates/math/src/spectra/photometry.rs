@@ -18,8 +18,8 @@ pub enum Quantity {
     Irradiance,
     /// Power that leaves per area.
     Radiosity,
-    /// Power per area, perpendicular to the ray, and solid angle. It is constant along a ray in empty space; where it enters a
-    /// medium of another index of refraction, radiance over the index squared is.
+    /// Power per area, perpendicular to the ray, and solid angle. It is constant along a ray in empty space; where it
+    /// enters a medium of another index of refraction, radiance over the index squared is.
     Radiance,
 }
 
@@ -67,8 +67,8 @@ impl Quantity {
     }
 }
 
-/// The photometric counterpart of the spectral quantity `s(λ in nm)` per nanometre: lm of W/nm, lx of W/(m² nm), cd/m² of
-/// W/(m² sr nm).
+/// The photometric counterpart of the spectral quantity `s(λ in nm)` per nanometre: lm of W/nm, lx of W/(m² nm), cd/m²
+/// of W/(m² sr nm).
 pub fn photometric(s: impl Fn(f32) -> f32) -> f64 {
     LUMINOUS_EFFICACY * cie::to_photometric(s)
 }

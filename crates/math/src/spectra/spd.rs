@@ -59,7 +59,8 @@ impl Spd {
         cie::lambdas().map(|l| self.eval(l)).fold(f32::MIN, f32::max)
     }
 
-    /// This spectrum tabulated at every visible nanometre, the fastest form for a spectrum that is read at every sample.
+    /// This spectrum tabulated at every visible nanometre, the fastest form for a spectrum that is read at every
+    /// sample.
     pub fn to_dense(&self) -> Dense {
         Dense::new(|l| self.eval(l))
     }
@@ -69,8 +70,8 @@ impl Spd {
         cie::to_xyz(|l| self.eval(l))
     }
 
-    /// The linear Rec.709 colour of this spectrum as emitted light. The constant spectrum is not white: it is the white E, slightly
-    /// pink against D65. Components are negative outside the gamut.
+    /// The linear Rec.709 colour of this spectrum as emitted light. The constant spectrum is not white: it is the white
+    /// E, slightly pink against D65. Components are negative outside the gamut.
     pub fn to_rgb(&self) -> Vec3 {
         (REC709.rgb_from_xyz() * self.to_xyz()).as_vec3()
     }
@@ -80,8 +81,8 @@ impl Spd {
         (REC709.rgb_from_xyz() * cie::to_xyz(|l| self.eval(l) * d65().eval(l))).as_vec3()
     }
 
-    /// `∫ s ȳ dλ`, pbrt-v4's photometric integral. Of an RGB illuminant it takes the illuminant alone, without the RGB factor, as
-    /// pbrt-v4 does when it scales a light to a given power.
+    /// `∫ s ȳ dλ`, pbrt-v4's photometric integral. Of an RGB illuminant it takes the illuminant alone, without the RGB
+    /// factor, as pbrt-v4 does when it scales a light to a given power.
     pub fn to_photometric(&self) -> f64 {
         match self {
             Self::Illuminant(i) => cie::to_photometric(|l| i.white().eval(l)),

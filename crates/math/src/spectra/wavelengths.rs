@@ -1,8 +1,8 @@
-//! Sampling of wavelengths: four of them per path, stratified, from one random number (hero wavelengths, Wilkie et al. 2014,
-//! "Hero Wavelength Spectral Sampling").
+//! Sampling of wavelengths: four of them per path, stratified, from one random number (hero wavelengths, Wilkie et al.
+//! 2014, "Hero Wavelength Spectral Sampling").
 //!
-//! The visible-importance density is the one of pbrt-v4 (after Radziszewski et al. 2009, "An Improved Technique for Full Spectral
-//! Rendering"): `p(λ) ∝ sech²(0.0072 (λ − 538))` on [360, 830] nm, inverted in closed form.
+//! The visible-importance density is the one of pbrt-v4 (after Radziszewski et al. 2009, "An Improved Technique for
+//! Full Spectral Rendering"): `p(λ) ∝ sech²(0.0072 (λ − 538))` on [360, 830] nm, inverted in closed form.
 
 use super::cie::{CIE_Y_INTEGRAL, CMF_F32, nearest};
 use super::{LAMBDA_MAX, LAMBDA_MIN};
@@ -12,12 +12,13 @@ use crate::{Spectrum, Vec3, Vec4};
 /// Width (1/nm) and centre (nm) of the visible-importance density.
 const SLOPE: f32 = 0.0072;
 const CENTRE: f32 = 538.0;
-/// `tanh(SLOPE (CENTRE − 360))` and `tanh(SLOPE (830 − CENTRE)) + ` the same: the start and the range of the inverted integral.
+/// `tanh(SLOPE (CENTRE − 360))` and `tanh(SLOPE (830 − CENTRE)) + ` the same: the start and the range of the inverted
+/// integral.
 const TANH_START: f32 = 0.856_910_6;
 const TANH_RANGE: f32 = 1.827_502;
 
-/// Four wavelengths in nm and the density (1/nm) with which each was drawn, and the moment: what light of a path is looked at. A lane of
-/// density zero is terminated.
+/// Four wavelengths in nm and the density (1/nm) with which each was drawn, and the moment: what light of a path is
+/// looked at. A lane of density zero is terminated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wavelengths {
     /// Wavelengths, nm. The first is the hero.
@@ -56,8 +57,8 @@ impl Wavelengths {
         Self { lambda: tanh.map(lambda_at), pdf: tanh.map(|t| SLOPE / TANH_RANGE * (1.0 - t * t)), time: 0.0 }
     }
 
-    /// Keeps the hero wavelength alone, for a path whose direction depends on it (dispersion): the other lanes get density zero
-    /// and the hero's is divided by four, since it was as likely to have been any of the four lanes.
+    /// Keeps the hero wavelength alone, for a path whose direction depends on it (dispersion): the other lanes get
+    /// density zero and the hero's is divided by four, since it was as likely to have been any of the four lanes.
     pub fn terminate_secondary(&mut self) {
         if !self.is_secondary_terminated() {
             self.pdf = [self.pdf[0] / 4.0, 0.0, 0.0, 0.0];
@@ -163,7 +164,8 @@ mod tests {
         }
     }
 
-    /// Pearson's statistic of all four lanes against the integral of the density over each bin, at about four standard deviations.
+    /// Pearson's statistic of all four lanes against the integral of the density over each bin, at about four standard
+    /// deviations.
     #[test]
     fn every_lane_follows_its_density() {
         const BINS: usize = 47;

@@ -9,8 +9,8 @@ impl Transform {
         Self { matrix: DMat4::from_mat3(m) }
     }
 
-    /// The mirror image in the plane through the origin with the given normal (Householder); `None` for a zero normal. Turns round the
-    /// handedness ([`Transform::swaps_handedness`]), and with it the winding of triangles.
+    /// The mirror image in the plane through the origin with the given normal (Householder); `None` for a zero normal.
+    /// Turns round the handedness ([`Transform::swaps_handedness`]), and with it the winding of triangles.
     pub fn mirror(normal: DVec3) -> Option<Self> {
         let n = normal.try_normalize()?;
         Some(Self::linear(DMat3::from_cols(
@@ -20,13 +20,15 @@ impl Transform {
         )))
     }
 
-    /// The shear `x' = x + a y + b z`, `y' = y + c z`, `z' = z`: the cards of a deck slide, volumes and each card stay as they are.
+    /// The shear `x' = x + a y + b z`, `y' = y + c z`, `z' = z`: the cards of a deck slide, volumes and each card stay
+    /// as they are.
     pub fn shear(a: f64, b: f64, c: f64) -> Self {
         Self::linear(DMat3::from_cols(DVec3::X, DVec3::new(a, 1.0, 0.0), DVec3::new(b, c, 1.0)))
     }
 
-    /// To coordinates in the system with the given origin and basis: `M = B⁻¹ T(−origin)`, where `B⁻¹ = Bᵀ` for orthonormal
-    /// vectors. The origin goes to zero and the basis to the unit vectors. `None` where the vectors do not span space.
+    /// To coordinates in the system with the given origin and basis: `M = B⁻¹ T(−origin)`, where `B⁻¹ = Bᵀ` for
+    /// orthonormal vectors. The origin goes to zero and the basis to the unit vectors. `None` where the vectors do not
+    /// span space.
     pub fn to_basis(origin: DVec3, basis: [DVec3; 3]) -> Option<Self> {
         let [u, v, w] = basis;
         Self { matrix: DMat4::from_cols(u.extend(0.0), v.extend(0.0), w.extend(0.0), origin.extend(1.0)) }.inverse()

@@ -1,8 +1,9 @@
 //! Rotations by angles.
 //!
-//! **Yaw, pitch, roll.** The world is y-up: yaw turns about y, pitch about x, roll about z, each right-handed, and the roll is applied
-//! first: `R = R_Y(yaw) · R_X(pitch) · R_Z(roll)`. (The lectures name these axes but print the product `R_Z · R_Y · R_X`, with the
-//! sign of the middle angle reversed, E23; that product is [`Transform::rotate_zyx`], with every factor right-handed.)
+//! **Yaw, pitch, roll.** The world is y-up: yaw turns about y, pitch about x, roll about z, each right-handed, and the
+//! roll is applied first: `R = R_Y(yaw) · R_X(pitch) · R_Z(roll)`. (The lectures name these axes but print the product
+//! `R_Z · R_Y · R_X`, with the sign of the middle angle reversed, E23; that product is [`Transform::rotate_zyx`], with
+//! every factor right-handed.)
 
 use super::Transform;
 use glam::{DMat3, DQuat, DVec3};
@@ -28,9 +29,9 @@ impl Transform {
         Self::rotate_y(yaw) * Self::rotate_x(pitch) * Self::rotate_z(roll)
     }
 
-    /// The angles of [`Transform::yaw_pitch_roll`] in radians: yaw and roll in `(−π, π]`, pitch in `[−π/2, π/2]`. In gimbal lock (pitch
-    /// ±π/2), where only the sum or the difference of the two others is determined, the roll is 0. `None` where the linear part is not a
-    /// rotation.
+    /// The angles of [`Transform::yaw_pitch_roll`] in radians: yaw and roll in `(−π, π]`, pitch in `[−π/2, π/2]`. In
+    /// gimbal lock (pitch ±π/2), where only the sum or the difference of the two others is determined, the roll is 0.
+    /// `None` where the linear part is not a rotation.
     pub fn to_yaw_pitch_roll(&self) -> Option<[f64; 3]> {
         let r = self.rotation_part()?;
         let (sin_roll, cos_roll) = (r.x_axis.y, r.y_axis.y);
@@ -48,8 +49,8 @@ impl Transform {
         Self::rotate_z(alpha) * Self::rotate_y(beta) * Self::rotate_x(gamma)
     }
 
-    /// The unit axis and the angle in `[0, π]` of [`Transform::rotate`]; the x axis and 0 for the identity. `None` where the linear part
-    /// is not a rotation.
+    /// The unit axis and the angle in `[0, π]` of [`Transform::rotate`]; the x axis and 0 for the identity. `None`
+    /// where the linear part is not a rotation.
     pub fn to_axis_angle(&self) -> Option<(DVec3, f64)> {
         let q = DQuat::from_mat3(&self.rotation_part()?);
         let q = if q.w < 0.0 { -q } else { q };

@@ -1,10 +1,12 @@
-//! The equal-area octahedral map between the square and the sphere (Clarberg 2008), in the orientation of pbrt-v4's environment
-//! images: the centre of the square is `+z`, its four corners are `−z`, `u` grows with `x` and `v` with `y`.
+//! The equal-area octahedral map between the square and the sphere (Clarberg 2008), in the orientation of pbrt-v4's
+//! environment images: the centre of the square is `+z`, its four corners are `−z`, `u` grows with `x` and `v` with
+//! `y`.
 
 use crate::{Vec2, Vec3};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_4};
 
-/// The direction of a point of the square; areas keep their proportion (`4π` sr to 1). The point is clamped to the square.
+/// The direction of a point of the square; areas keep their proportion (`4π` sr to 1). The point is clamped to the
+/// square.
 #[inline]
 pub fn equal_area_square_to_sphere(u: Vec2) -> Vec3 {
     let p = 2.0 * u.clamp(Vec2::ZERO, Vec2::ONE) - Vec2::ONE;
@@ -35,8 +37,8 @@ pub fn equal_area_sphere_to_square(d: Vec3) -> Vec2 {
     Vec2::new(0.5 * (u.copysign(d.x) + 1.0), 0.5 * (v.copysign(d.y) + 1.0)).clamp(Vec2::ZERO, Vec2::ONE)
 }
 
-/// Brings a point at most one square outside back to the point of the square that stands for the same direction, so that filters
-/// can reach over the seams.
+/// Brings a point at most one square outside back to the point of the square that stands for the same direction, so
+/// that filters can reach over the seams.
 #[inline]
 pub fn wrap_equal_area_square(p: Vec2) -> Vec2 {
     let mut p = p;

@@ -10,8 +10,8 @@ pub fn spherical_direction(sin_theta: f32, cos_theta: f32, phi: f32) -> Vec3 {
     Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
-/// `(θ, φ)` of a direction of any length but zero. At the poles `φ` is 0 or π as the signs of zero say; `θ` comes from `atan2` and so
-/// is accurate near the poles and never NaN for finite input.
+/// `(θ, φ)` of a direction of any length but zero. At the poles `φ` is 0 or π as the signs of zero say; `θ` comes from
+/// `atan2` and so is accurate near the poles and never NaN for finite input.
 #[inline]
 pub fn spherical_angles(d: Vec3) -> (f32, f32) {
     let theta = d.x.hypot(d.y).atan2(d.z);
@@ -21,15 +21,16 @@ pub fn spherical_angles(d: Vec3) -> (f32, f32) {
     (theta, if phi < TAU { phi } else { 0.0 })
 }
 
-/// `(φ/2π, θ/π)` of a direction: its place in a latitude–longitude image whose first row is `+z`. The first is in `[0,1)`.
+/// `(φ/2π, θ/π)` of a direction: its place in a latitude–longitude image whose first row is `+z`. The first is in
+/// `[0,1)`.
 #[inline]
 pub fn latlong_from_direction(d: Vec3) -> Vec2 {
     let (theta, phi) = spherical_angles(d);
     Vec2::new((phi * (0.5 * FRAC_1_PI)).min(crate::hash::ONE_MINUS_EPSILON), (theta * FRAC_1_PI).clamp(0.0, 1.0))
 }
 
-/// The inverse of [`latlong_from_direction`]: the unit direction and `sinθ`, by which densities on the image are divided:
-/// `p(ω) = p(u,v)/(2π² sinθ)`.
+/// The inverse of [`latlong_from_direction`]: the unit direction and `sinθ`, by which densities on the image are
+/// divided: `p(ω) = p(u,v)/(2π² sinθ)`.
 #[inline]
 pub fn direction_from_latlong(uv: Vec2) -> (Vec3, f32) {
     let (sin_theta, cos_theta) = (uv.y * PI).sin_cos();

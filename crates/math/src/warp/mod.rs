@@ -1,7 +1,8 @@
 //! Maps from the unit square to the domains that rendering integrates over, with their densities.
 //!
 //! Every map takes `u ∈ [0,1)²` (or `u ∈ [0,1)`), is continuous where the domain allows it (so stratified points stay
-//! stratified) and allocates nothing. Hemispheres lie around `+z`. Densities are per solid angle (1/sr) unless said otherwise.
+//! stratified) and allocates nothing. Hemispheres lie around `+z`. Densities are per solid angle (1/sr) unless said
+//! otherwise.
 
 mod equal_area;
 mod interval;
@@ -41,7 +42,8 @@ impl DiskPoint {
     #[inline(always)]
     pub fn new(u: Vec2) -> Self {
         let p = 2.0 * u - Vec2::ONE;
-        // Of (x, y) and (y, x) the one whose first is longer, chosen by bits: a branch would be mispredicted half of the time.
+        // Of (x, y) and (y, x) the one whose first is longer, chosen by bits: a branch would be mispredicted half of
+        // the time.
         let (same, exchanged) = (Vec4::new(p.x, p.y, p.x, p.y), Vec4::new(p.y, p.x, p.y, p.x));
         let is_high = same.abs().xxxx().cmple(same.abs().yyyy());
         // The middle is no exception: zero over the smallest number.
@@ -113,8 +115,8 @@ pub fn uniform_sphere(u: Vec2) -> Vec3 {
 
 /// A direction uniform in solid angle within the cone around `+z` whose half-angle `α` is given as `1 − cosα`.
 ///
-/// The cone is given by `1 − cosα` and not by the cosine because `sinθ = √(x(2 − x))`, `x = 1 − cosθ`, keeps full precision for
-/// the smallest cones, where the cosine rounds to one.
+/// The cone is given by `1 − cosα` and not by the cosine because `sinθ = √(x(2 − x))`, `x = 1 − cosθ`, keeps full
+/// precision for the smallest cones, where the cosine rounds to one.
 #[inline]
 pub fn uniform_cone(u: Vec2, one_minus_cos_max: f32) -> Vec3 {
     let x = u.x * one_minus_cos_max;
@@ -128,7 +130,8 @@ pub fn uniform_cone_pdf(one_minus_cos_max: f32) -> f32 {
     1.0 / (TAU * one_minus_cos_max)
 }
 
-/// Barycentric coordinates of a uniform point of a triangle, with little distortion (Heitz 2019). Density `1/area` per area.
+/// Barycentric coordinates of a uniform point of a triangle, with little distortion (Heitz 2019). Density `1/area` per
+/// area.
 #[inline]
 pub fn uniform_triangle(u: Vec2) -> [f32; 3] {
     let (b0, b1) = if u.x < u.y {

@@ -1,11 +1,11 @@
-//! Uniform sampling of the solid angle of a rectangle (Ureña, Fajardo and King 2013, "An area-preserving parametrization for
-//! spherical rectangles").
+//! Uniform sampling of the solid angle of a rectangle (Ureña, Fajardo and King 2013, "An area-preserving
+//! parametrization for spherical rectangles").
 
 use crate::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// A planar rectangle as seen from a point, ready to be sampled uniformly in solid angle. The angles are kept in `f64`: the solid
-/// angle is a sum of four angles less `2π`, of which a small rectangle leaves little.
+/// A planar rectangle as seen from a point, ready to be sampled uniformly in solid angle. The angles are kept in `f64`:
+/// the solid angle is a sum of four angles less `2π`, of which a small rectangle leaves little.
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalRectangle {
     /// Solid angle in sr; 0 where the rectangle is degenerate or seen edge-on, and then it cannot be sampled.

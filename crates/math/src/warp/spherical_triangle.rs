@@ -1,13 +1,14 @@
 //! Uniform sampling of the solid angle of a triangle (Arvo 1995), in a form without cancellation.
 //!
-//! With the sub-triangle `a b c'` of area `A' = u.x·A` cut off at vertex `a` (angle `α`, side `c = ∠ab`), the side `b' = ∠ac'` obeys
+//! With the sub-triangle `a b c'` of area `A' = u.x·A` cut off at vertex `a` (angle `α`, side `c = ∠ab`), the side
+//! `b' = ∠ac'` obeys
 //!
 //! ```text
 //! tan(b'/2) · tan(c/2) = sin(A'/2) / sin(α − A'/2)
 //! ```
 //!
-//! This is the same function as Arvo's quotient of differences of cosines, but a product of small numbers stays precise. The area
-//! is that of van Oosterom and Strackee (1983), with the triple product taken of edge vectors.
+//! This is the same function as Arvo's quotient of differences of cosines, but a product of small numbers stays
+//! precise. The area is that of van Oosterom and Strackee (1983), with the triple product taken of edge vectors.
 
 use crate::{Vec2, Vec3};
 
@@ -47,10 +48,11 @@ pub fn spherical_triangle_pdf(v: [Vec3; 3], p: Vec3) -> Option<f32> {
     project(v, p).map(|(_, _, area)| 1.0 / area)
 }
 
-/// A point of the triangle `v`, uniform in the solid angle seen from `p`: its barycentric coordinates and density per solid angle.
+/// A point of the triangle `v`, uniform in the solid angle seen from `p`: its barycentric coordinates and density per
+/// solid angle.
 ///
-/// `None` where the triangle is degenerate or looks too small or too large from `p`; the caller samples its area instead.
-/// [`spherical_triangle_pdf`] takes the same decision.
+/// `None` where the triangle is degenerate or looks too small or too large from `p`; the caller samples its area
+/// instead. [`spherical_triangle_pdf`] takes the same decision.
 #[inline]
 pub fn spherical_triangle(v: [Vec3; 3], p: Vec3, u: Vec2) -> Option<([f32; 3], f32)> {
     let ([a, b, c], distance, area) = project(v, p)?;

@@ -1,7 +1,7 @@
 //! Sized pixel formats, and how values become bits and bits values.
 //!
-//! A texel is up to 128 bits, little-endian; channels lie from the lowest bit up in the order of the format's name, except in
-//! the packed formats `…5_6_5`, `…4444`, `…5551` and `…332`, where as in OpenGL red has the highest bits.
+//! A texel is up to 128 bits, little-endian; channels lie from the lowest bit up in the order of the format's name,
+//! except in the packed formats `…5_6_5`, `…4444`, `…5551` and `…332`, where as in OpenGL red has the highest bits.
 
 mod pack;
 mod small_float;

@@ -63,8 +63,8 @@ fn decode_channel(numeric: Numeric, bits: u8, stored: u32) -> f32 {
 }
 
 impl Format {
-    /// The texel of a colour, in the low bits. Integers are handed over as bits ([`f32::from_bits`]) and clamped; floats in normalised formats
-    /// are clamped and rounded to nearest.
+    /// The texel of a colour, in the low bits. Integers are handed over as bits ([`f32::from_bits`]) and clamped;
+    /// floats in normalised formats are clamped and rounded to nearest.
     pub fn encode(self, color: Vec4) -> u128 {
         let (numeric, bits, order) = self.layout();
         let color = color.to_array();
@@ -182,7 +182,8 @@ mod tests {
         a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
     }
 
-    /// Bits of formats with channels up to 16 bits return from a trip through floats, but for NaN payloads and the second −1 of Snorm (M190).
+    /// Bits of formats with channels up to 16 bits return from a trip through floats, but for NaN payloads and the
+    /// second −1 of Snorm (M190).
     #[test]
     fn every_8_and_16_bit_code_returns() {
         for &format in Format::ALL {
@@ -208,7 +209,8 @@ mod tests {
         }
     }
 
-    /// All 2³² texels of shared exponents would take long: all mantissas with all exponents in each channel, others zero.
+    /// All 2³² texels of shared exponents would take long: all mantissas with all exponents in each channel, others
+    /// zero.
     #[test]
     fn shared_exponents_return_as_values() {
         for exponent in 0..32u32 {
@@ -227,7 +229,8 @@ mod tests {
         assert_eq!(Format::Rgb9E5.decode(Format::Rgb9E5.encode(Vec4::splat(1.9999))).x, 2.0);
     }
 
-    /// The nearest code is chosen: for each pair of neighbouring codes, what lies below the middle goes down and what lies above up.
+    /// The nearest code is chosen: for each pair of neighbouring codes, what lies below the middle goes down and what
+    /// lies above up.
     #[test]
     fn the_nearest_code_is_chosen() {
         for &(format, mantissa) in

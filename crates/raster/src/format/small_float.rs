@@ -1,7 +1,8 @@
-//! Unsigned floats of 10 and 11 bits, and three mantissas with one exponent (OpenGL 4.6, sections 2.3.4.3 and 8.5.2; `EXT_texture_shared_exponent`).
+//! Unsigned floats of 10 and 11 bits, and three mantissas with one exponent (OpenGL 4.6, sections 2.3.4.3 and 8.5.2;
+//! `EXT_texture_shared_exponent`).
 
-/// An unsigned float with 5 bits of exponent and `mantissa` bits, rounded to nearest even; negative values give 0, NaN NaN, and what is
-/// beyond the largest finite value infinity.
+/// An unsigned float with 5 bits of exponent and `mantissa` bits, rounded to nearest even; negative values give 0, NaN
+/// NaN, and what is beyond the largest finite value infinity.
 pub(super) fn encode_unsigned(value: f32, mantissa: u32) -> u32 {
     let infinity = 31 << mantissa;
     if value.is_nan() {

@@ -1,4 +1,5 @@
-//! The fixed part of tessellation: points, lines and triangles of a domain for given levels (OpenGL 4.6, section 11.2.2).
+//! The fixed part of tessellation: points, lines and triangles of a domain for given levels (OpenGL 4.6, section
+//! 11.2.2).
 
 use glam::Vec3;
 
@@ -99,7 +100,8 @@ fn stitch(triangles: &mut Vec<[u32; 3]>, outer: &[(u32, f32)], inner: &[(u32, f3
     }
 }
 
-/// Closes a ring: the sides' points, where each side ends with the first point of the next. `place(side, k)` is point k of a side.
+/// Closes a ring: the sides' points, where each side ends with the first point of the next. `place(side, k)` is point k
+/// of a side.
 fn ring(out: &mut TessellatedDomain, sides: &[&[f32]], place: impl Fn(usize, f32) -> Vec3) -> Vec<Side> {
     let mut ring: Vec<Side> = Vec::with_capacity(sides.len());
     for (side, cuts) in sides.iter().enumerate() {
@@ -152,7 +154,8 @@ fn triangles(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
 }
 
 fn quads(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
-    // Sides counter-clockwise from the origin: v = 0, u = 1, v = 1, u = 0. Outer levels are of u = 0, v = 0, u = 1, v = 1.
+    // Sides counter-clockwise from the origin: v = 0, u = 1, v = 1, u = 0. Outer levels are of u = 0, v = 0, u = 1, v =
+    // 1.
     let outer = [1, 2, 3, 0].map(|edge: usize| cuts(spacing, levels.outer[edge]));
     let alone =
         outer.iter().all(|cuts| cuts.len() == 2) && levels.inner.iter().all(|&level| cuts(spacing, level).len() == 2);
@@ -254,7 +257,8 @@ mod tests {
         }
     }
 
-    /// n² triangles for level n of both kinds with equal spacing, as the rings of the specification give for odd and even n.
+    /// n² triangles for level n of both kinds with equal spacing, as the rings of the specification give for odd and
+    /// even n.
     #[test]
     fn uniform_levels_have_known_counts() {
         for n in 2..20usize {

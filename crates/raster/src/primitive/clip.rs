@@ -95,7 +95,8 @@ impl Planes<'_> {
                     if is_inside(da) {
                         polygon.push(*a);
                     }
-                    // The cut is computed from the inside outwards, so that both triangles of an edge find the same point.
+                    // The cut is computed from the inside outwards, so that both triangles of an edge find the same
+                    // point.
                     if is_inside(da) && !is_inside(db) {
                         polygon.push(self.cut(a, b, da, db));
                     } else if !is_inside(da) && is_inside(db) {

@@ -76,8 +76,9 @@ impl<V: Varyings> Setup<'_, V> {
         });
     }
 
-    /// The pixels of the diamond-exit rule: one in each column that the line crosses (of lines that are steeper than 45°, in each row), where
-    /// at the ends those count whose diamond the line leaves. Wider lines have as many along the column.
+    /// The pixels of the diamond-exit rule: one in each column that the line crosses (of lines that are steeper than
+    /// 45°, in each row), where at the ends those count whose diamond the line leaves. Wider lines have as many along
+    /// the column.
     fn diamonds(&self, p: [window::Corner; 2], port: &Port) -> Option<Outline> {
         let at = p.map(|corner| corner.at.map(i64::from));
         let d = [at[1][0] - at[0][0], at[1][1] - at[0][1]];

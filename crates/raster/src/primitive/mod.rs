@@ -19,8 +19,8 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
-    /// The half plane to the right of the way from one point to the other (y down). Of points on it, those belong to it that
-    /// are on a left edge or a top one.
+    /// The half plane to the right of the way from one point to the other (y down). Of points on it, those belong to it
+    /// that are on a left edge or a top one.
     pub fn between(from: [i32; 2], to: [i32; 2]) -> Self {
         let mut edge = Self::through(from, to);
         if !(edge.a > 0 || (edge.a == 0 && edge.b > 0)) {
@@ -59,8 +59,8 @@ pub(crate) struct Primitive {
     pub attributes: u32,
     /// Where the planes have their origin, in pixels.
     pub origin: [f64; 2],
-    /// Gradients of the weights of the second and third corner, which are 0 at the origin. For points: their coordinates.
-    /// For lines: the way along it (0 to 1), and the distance from it in pixels.
+    /// Gradients of the weights of the second and third corner, which are 0 at the origin. For points: their
+    /// coordinates. For lines: the way along it (0 to 1), and the distance from it in pixels.
     pub weights: [[f64; 2]; 2],
     /// Depth at the origin, and its gradient.
     pub depth: [f64; 3],

@@ -63,8 +63,8 @@ impl<'a, V: Varyings> Setup<'a, V> {
         Some((0..VIEW_PLANES).fold(0, |code, i| code | u32::from(bits[i as usize]) << i))
     }
 
-    /// Counts a primitive, and says whether it may be seen: viewport and planes of its corners that are not all outside one of them.
-    /// The code is 0 where nothing can cut it.
+    /// Counts a primitive, and says whether it may be seen: viewport and planes of its corners that are not all outside
+    /// one of them. The code is 0 where nothing can cut it.
     #[inline]
     pub(super) fn admit<'v>(
         &mut self,
@@ -192,7 +192,8 @@ impl<'a, V: Varyings> Setup<'a, V> {
     }
 }
 
-/// 1/w of three corners as [`Primitive`] has them: the first and differences to it in units of the largest, and the largest.
+/// 1/w of three corners as [`Primitive`] has them: the first and differences to it in units of the largest, and the
+/// largest.
 pub(super) fn relative(inv_w: [f64; 3]) -> ([f32; 3], f32) {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
     let [a, b, c] = inv_w.map(|x| (x / largest) as f32);

@@ -8,7 +8,8 @@ use crate::{
     target::{DepthFormat, Extent},
 };
 
-/// The largest window coordinate in pixels: beyond, primitives are clipped, so that edges are exact in 64 bits and fit 32 within a block.
+/// The largest window coordinate in pixels: beyond, primitives are clipped, so that edges are exact in 64 bits and fit
+/// 32 within a block.
 const LARGEST: f64 = 32000.0;
 /// No corner is beyond this.
 const BORDER: f64 = 32700.0;
@@ -115,7 +116,8 @@ impl Port {
         let x = self.centre[0] + f64::from(position.x) * inv_w * self.half[0];
         // Clip space has y up, the window y down.
         let y = self.centre[1] - f64::from(position.y) * inv_w * self.half[1];
-        // Corners that a cut at the guard band left outside it, by the rounding of huge coordinates, are moved onto its border.
+        // Corners that a cut at the guard band left outside it, by the rounding of huge coordinates, are moved onto its
+        // border.
         let units = |x: f64| (x.clamp(-BORDER, BORDER) * f64::from(SUBPIXELS)).round_ties_even() as i32;
         Corner {
             at: [units(x), units(y)],

@@ -150,8 +150,8 @@ impl Topology {
     }
 }
 
-/// The six vertices of triangle `k` of `count` in a strip with adjacency, in our order (OpenGL 4.6, table 10.2: corners and the
-/// vertices across edges 12, 23, 31). Even: corners 2k, 2k+2, 2k+4. Odd triangles are turned round.
+/// The six vertices of triangle `k` of `count` in a strip with adjacency, in our order (OpenGL 4.6, table 10.2: corners
+/// and the vertices across edges 12, 23, 31). Even: corners 2k, 2k+2, 2k+4. Odd triangles are turned round.
 fn strip_adjacency(k: u32, count: u32) -> [u32; 6] {
     let i = 2 * k;
     // Across the edge to the triangle before: that one's far corner, or the given one for the first.

@@ -31,7 +31,8 @@ impl DepthFormat {
         if steps == 0.0 { depth } else { ((f64::from(depth) * steps).round_ties_even() / steps) as f32 }
     }
 
-    /// The smallest difference near depth `largest`, the unit of [`DepthBias::constant`](crate::state::DepthBias::constant).
+    /// The smallest difference near depth `largest`, the unit of
+    /// [`DepthBias::constant`](crate::state::DepthBias::constant).
     pub(crate) fn smallest_step(self, largest: f32) -> f64 {
         match self {
             Self::Float32 => {
@@ -92,7 +93,8 @@ impl DepthTarget {
         self.extent.untile(&self.depths, 1, layer)
     }
 
-    /// Bounds of the depths of the 8×8 block with this pixel, which hold but need not be tight: a hierarchical depth buffer.
+    /// Bounds of the depths of the 8×8 block with this pixel, which hold but need not be tight: a hierarchical depth
+    /// buffer.
     pub fn block_bounds(&self, pixel: [u32; 2], layer: u32) -> Option<[f32; 2]> {
         let place = self.extent.place(pixel, layer, 0)?;
         let tile = place / (TILE_PIXELS * self.extent.samples as usize);

@@ -32,8 +32,8 @@ pub struct Framebuffer {
 }
 
 impl Framebuffer {
-    /// A framebuffer of these targets. They belong to it, so no shader can read what it draws to; [`into_parts`](Self::into_parts) gives
-    /// them back.
+    /// A framebuffer of these targets. They belong to it, so no shader can read what it draws to;
+    /// [`into_parts`](Self::into_parts) gives them back.
     ///
     /// # Errors
     /// Where there is no target, there are too many, or sizes, layers or samples differ.
@@ -185,7 +185,8 @@ impl Framebuffer {
     }
 }
 
-/// One tile of all targets; slices of targets that are not there are empty. In each, samples, blocks and pixels as in [`Extent::place`].
+/// One tile of all targets; slices of targets that are not there are empty. In each, samples, blocks and pixels as in
+/// [`Extent::place`].
 pub(crate) struct Tile<'a> {
     pub origin: [u32; 2],
     pub layer: u32,

@@ -6,7 +6,8 @@ use crate::{
     format::Format,
 };
 
-/// Levels of a texture that may or may not fit each other. [`finish`](Self::finish) says whether the texture is complete.
+/// Levels of a texture that may or may not fit each other. [`finish`](Self::finish) says whether the texture is
+/// complete.
 #[derive(Clone, Debug)]
 pub struct TextureBuilder {
     kind: TextureKind,
@@ -38,8 +39,8 @@ impl TextureBuilder {
         self
     }
 
-    /// The texture, if it is complete: the base level is there and is of the kind's size, and with `mipmapped` all levels down to one texel or
-    /// the last that counts are there, of one format, each half the size of the one before.
+    /// The texture, if it is complete: the base level is there and is of the kind's size, and with `mipmapped` all
+    /// levels down to one texel or the last that counts are there, of one format, each half the size of the one before.
     ///
     /// # Errors
     /// The rule that is broken.

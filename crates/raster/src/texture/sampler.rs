@@ -138,7 +138,8 @@ impl Sampler {
         Ok(())
     }
 
-    /// The colour at coordinates: (s), (s, layer), (s, t), (s, t, layer), (s, t, r), a direction, or a direction and a layer.
+    /// The colour at coordinates: (s), (s, layer), (s, t), (s, t, layer), (s, t, r), a direction, or a direction and a
+    /// layer.
     pub fn sample(&self, view: &TextureView, at: Vec4, lod: Lod) -> Vec4 {
         self.lookup(view, at, lod, &|texel| texel)
     }
@@ -167,7 +168,8 @@ impl Sampler {
         sum / samples as f32
     }
 
-    /// Level of detail, number of samples and the axis they lie along (OpenGL 4.6, sections 8.14.1; `EXT_texture_filter_anisotropic`).
+    /// Level of detail, number of samples and the axis they lie along (OpenGL 4.6, sections 8.14.1;
+    /// `EXT_texture_filter_anisotropic`).
     fn footprint(&self, view: &TextureView, place: &Place, dx: Vec3, dy: Vec3) -> (f32, u32, Vec3) {
         let size = view.size(0);
         let texels = Vec3::new(size.width as f32, size.height as f32, size.depth as f32);

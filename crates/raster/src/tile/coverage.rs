@@ -75,8 +75,8 @@ impl Block {
         }
     }
 
-    /// The pixels whose sample at this offset is inside all edges. Steps from pixel to pixel are whole multiples of 256, so that values
-    /// may be divided by 256 and rounded down without a change of sign.
+    /// The pixels whose sample at this offset is inside all edges. Steps from pixel to pixel are whole multiples of
+    /// 256, so that values may be divided by 256 and rounded down without a change of sign.
     #[inline]
     fn inside(&self, offset: [i32; 2], row: i32) -> u16 {
         let mut all = [0i32; 16];

@@ -55,8 +55,8 @@ impl Weights {
 }
 
 impl<F: FragmentShader> TileDrawer<'_, F> {
-    /// Shades the quads with samples in `masks`, makes the tests that are left and writes. `sample`: the one that is shaded, if the
-    /// shader runs at each.
+    /// Shades the quads with samples in `masks`, makes the tests that are left and writes. `sample`: the one that is
+    /// shaded, if the shader runs at each.
     pub(super) fn shade(
         &mut self,
         tile: &mut Tile,

@@ -89,7 +89,8 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         mask & passing(plan.compare, &depths, &tile.depths[start..start + 16])
     }
 
-    /// Stencil and depth test with what they write; gives the samples that pass. `depths` replaces those of the primitive.
+    /// Stencil and depth test with what they write; gives the samples that pass. `depths` replaces those of the
+    /// primitive.
     #[inline]
     pub(super) fn test(
         &self,

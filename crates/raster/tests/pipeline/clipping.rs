@@ -154,7 +154,8 @@ fn projections_agree() {
     }
 }
 
-/// Corners of the view land on corners of the viewport, rows from the top; scissor and viewport limit what is drawn (M31).
+/// Corners of the view land on corners of the viewport, rows from the top; scissor and viewport limit what is drawn
+/// (M31).
 #[test]
 fn viewports_and_scissors() {
     let whole = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]].map(|[x, y]| Vec4::new(x, y, 0.25, 1.0));

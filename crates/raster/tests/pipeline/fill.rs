@@ -7,7 +7,8 @@ use steradian_raster::{
     state::{BlendState, ColorState, Multisample},
 };
 
-/// A grid of corners that is larger than the picture; inner corners move at random, cells are split one way or the other.
+/// A grid of corners that is larger than the picture; inner corners move at random, cells are split one way or the
+/// other.
 fn mesh(random: &mut Random, cells: usize, size: f32) -> Vec<[[f32; 2]; 3]> {
     let step = (size + 8.0) / cells as f32;
     let mut corners = vec![[0.0; 2]; (cells + 1) * (cells + 1)];
@@ -45,7 +46,8 @@ fn each_sample_belongs_to_one_triangle_of_a_mesh() {
     for samples in [1, 4, 16] {
         for cells in [1, 3, 16, 90] {
             let size = 96;
-            // Snapped corners may turn a tiny triangle over; then two cover each other's samples, and the sum is still one with its sign.
+            // Snapped corners may turn a tiny triangle over; then two cover each other's samples, and the sum is still
+            // one with its sign.
             let state = State {
                 color: vec![ColorState::blended(BlendState::ADD)],
                 multisample: Multisample::samples(samples),
@@ -93,7 +95,8 @@ fn left_and_top_edges_belong_to_a_triangle() {
     }
 }
 
-/// The values of edge functions by addition equal direct ones (M37): coverage is the same when computed sample by sample in exact arithmetic.
+/// The values of edge functions by addition equal direct ones (M37): coverage is the same when computed sample by
+/// sample in exact arithmetic.
 #[test]
 fn coverage_is_exact() {
     let mut random = Random(37);

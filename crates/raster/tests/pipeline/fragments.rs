@@ -20,7 +20,8 @@ varyings! {
     }
 }
 
-/// Derivatives of linear functions are exact to rounding, with helpers outside the triangle; coarse ones are one value for a quad.
+/// Derivatives of linear functions are exact to rounding, with helpers outside the triangle; coarse ones are one value
+/// for a quad.
 #[test]
 fn derivatives() {
     let size = 32;
@@ -133,7 +134,8 @@ fn shading_at_samples() {
     }
 }
 
-/// Layers and viewports are chosen by the provoking vertex; those that are not there draw nothing. Primitive ids and sides arrive.
+/// Layers and viewports are chosen by the provoking vertex; those that are not there draw nothing. Primitive ids and
+/// sides arrive.
 #[test]
 fn layers_and_identities() {
     let extent = Extent::new(16, 16).layers(3);

@@ -88,7 +88,8 @@ fn state_of(kind: usize) -> State {
     state
 }
 
-/// A million hostile triangles neither panic (with overflow checks on) nor leave anything but finite colours in the picture.
+/// A million hostile triangles neither panic (with overflow checks on) nor leave anything but finite colours in the
+/// picture.
 #[test]
 fn a_million_triangles_of_any_kind() {
     let vertices = triangles(1 << 17, 5);

@@ -44,7 +44,8 @@ fn bresenham(mut from: (i32, i32), to: (i32, i32)) -> BTreeSet<(i32, i32)> {
     set
 }
 
-/// Lines between pixel centres, in all directions, are Bresenham's; where the line passes between two pixels either is right.
+/// Lines between pixel centres, in all directions, are Bresenham's; where the line passes between two pixels either is
+/// right.
 #[test]
 fn lines_are_bresenhams() {
     let centre = |x: i32, y: i32| [32.5 + x as f32, 32.5 + y as f32];

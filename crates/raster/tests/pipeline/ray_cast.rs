@@ -103,8 +103,8 @@ fn a_mesh_equals_its_ray_cast() {
             match closest {
                 Some(&(i, (t, u, v))) if i + 1 == id => {
                     covered += 1;
-                    // Positions are rounded to 1/256 pixel, which moves attributes by that much of their change from pixel to pixel;
-                    // a triangle of height h pixels changes by 1/h.
+                    // Positions are rounded to 1/256 pixel, which moves attributes by that much of their change from
+                    // pixel to pixel; a triangle of height h pixels changes by 1/h.
                     let [a, b, c] = corners[i].map(|p| DVec3::new(p.x / -p.z, p.y / -p.z, 0.0) * 64.0);
                     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
                     let height = (b - a).cross(c - a).length() / longest;
@@ -119,8 +119,8 @@ fn a_mesh_equals_its_ray_cast() {
                 }
                 None if id == 0 => {}
                 _ => {
-                    // Only where an edge runs within the rounding of positions by the pixel's centre, or two surfaces are as close as
-                    // that moves their depths.
+                    // Only where an edge runs within the rounding of positions by the pixel's centre, or two surfaces
+                    // are as close as that moves their depths.
                     other += 1;
                     let near_edge = |i: usize| {
                         let p = corners[i].map(|p| [64.0 + 64.0 * p.x / -p.z, 64.0 - 64.0 * p.y / -p.z]);

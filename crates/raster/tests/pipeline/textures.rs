@@ -134,7 +134,8 @@ fn wrapping() {
     }
 }
 
-/// A ramp is a ramp between the centres of texels: the weights belong to the far end, texel centres are at halves (E37).
+/// A ramp is a ramp between the centres of texels: the weights belong to the far end, texel centres are at halves
+/// (E37).
 #[test]
 fn linear_filters_keep_ramps() {
     let texture = ramp();

@@ -1,5 +1,6 @@
-//! Binary space partitioning (Fuchs, Kedem, Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures"): planes of polygons divide
-//! space, polygons that cross them are cut, and from any eye one side of each plane is behind the other.
+//! Binary space partitioning (Fuchs, Kedem, Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures"):
+//! planes of polygons divide space, polygons that cross them are cut, and from any eye one side of each plane is behind
+//! the other.
 
 use steradian_raster::glam::{DVec3, DVec4};
 

@@ -1,8 +1,8 @@
-//! Hidden surfaces without a depth test: polygons are brought into an order in which later ones may be drawn over earlier ones, or the picture
-//! is divided until it is clear who is seen.
+//! Hidden surfaces without a depth test: polygons are brought into an order in which later ones may be drawn over
+//! earlier ones, or the picture is divided until it is clear who is seen.
 //!
-//! All work on triangles of meshes, in the picture: x right and y up from −1 to 1, z the reversed depth, where more is nearer, scaled to at most 1.
-//! Planes of space are planes there, and what is behind what is told by z alone.
+//! All work on triangles of meshes, in the picture: x right and y up from −1 to 1, z the reversed depth, where more is
+//! nearer, scaled to at most 1. Planes of space are planes there, and what is behind what is told by z alone.
 
 mod bsp;
 mod newell;

@@ -1,5 +1,6 @@
-//! Newell's sort (Newell, Newell, Sancha 1972, "A Solution to the Hidden Surface Problem"): by depth, then each polygon is tested against those
-//! whose depths overlap with its own; where two cannot be ordered, one is cut by the other's plane.
+//! Newell's sort (Newell, Newell, Sancha 1972, "A Solution to the Hidden Surface Problem"): by depth, then each polygon
+//! is tested against those whose depths overlap with its own; where two cannot be ordered, one is cut by the other's
+//! plane.
 
 use std::collections::VecDeque;
 
@@ -104,7 +105,8 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
             first.push_front(other);
             continue;
         }
-        // Each before the other, or across it: cut. In a circle of which no two cross each other's planes, along the outlines.
+        // Each before the other, or across it: cut. In a circle of which no two cross each other's planes, along the
+        // outlines.
         let outlines = |of: &Entry| -> Vec<DVec4> {
             let corners = &of.polygon.corners;
             let edge = |i: usize| {

@@ -1,5 +1,5 @@
-//! The painter's algorithm: polygons sorted by their farthest corner. Where they cross, or lie before one another in a circle, or are long, no
-//! such order is right.
+//! The painter's algorithm: polygons sorted by their farthest corner. Where they cross, or lie before one another in a
+//! circle, or are long, no such order is right.
 
 use super::Polygon;
 

@@ -1,5 +1,5 @@
-//! Warnock's subdivision (1969, "A Hidden Surface Algorithm for Computer Generated Halftone Pictures"): a part of the picture is divided into
-//! four until nothing is in it, one polygon covers it before all others, or it is one pixel.
+//! Warnock's subdivision (1969, "A Hidden Surface Algorithm for Computer Generated Halftone Pictures"): a part of the
+//! picture is divided into four until nothing is in it, one polygon covers it before all others, or it is one pixel.
 
 use super::Polygon;
 

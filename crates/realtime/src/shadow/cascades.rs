@@ -1,7 +1,8 @@
-//! Several maps of parallel light, one behind the other along the view (Zhang, Sun, Xu, Lun 2006, "Parallel-Split Shadow Maps").
+//! Several maps of parallel light, one behind the other along the view (Zhang, Sun, Xu, Lun 2006, "Parallel-Split
+//! Shadow Maps").
 //!
-//! Each is a square around the sphere of its part of the view, so that its size does not change when the eye turns, and moves by whole texels
-//! (Valient 2008, "Stable Rendering of Cascaded Shadow Maps"): shadows do not swim.
+//! Each is a square around the sphere of its part of the view, so that its size does not change when the eye turns, and
+//! moves by whole texels (Valient 2008, "Stable Rendering of Cascaded Shadow Maps"): shadows do not swim.
 
 use steradian_core::Scene;
 use steradian_math::{Vec2, Vec3};
@@ -27,8 +28,8 @@ fn splits(far: f32, count: u32) -> Vec<f32> {
     (0..=count).map(split).collect()
 }
 
-/// Centre along the axis and radius of the sphere around the part of a view between two distances, whose corners are `spread` from the axis: for
-/// each unit of distance, for perspective.
+/// Centre along the axis and radius of the sphere around the part of a view between two distances, whose corners are
+/// `spread` from the axis: for each unit of distance, for perspective.
 fn sphere([a, b]: [f32; 2], spread: f32, perspective: bool) -> (f32, f32) {
     if !perspective {
         return ((a + b) / 2.0, Vec2::new((b - a) / 2.0, spread).length());

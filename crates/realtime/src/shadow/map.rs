@@ -1,4 +1,5 @@
-//! One shadow map: distances along the axis of a light's view (Williams 1978, "Casting Curved Shadows on Curved Surfaces").
+//! One shadow map: distances along the axis of a light's view (Williams 1978, "Casting Curved Shadows on Curved
+//! Surfaces").
 
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -37,7 +38,8 @@ pub struct InMap {
     pub at: Vec2,
     /// Width of a texel there, in space.
     pub texel: f32,
-    /// How the distance along the axis changes from texel to texel on the surface, in widths of a texel: the sum of both axes.
+    /// How the distance along the axis changes from texel to texel on the surface, in widths of a texel: the sum of
+    /// both axes.
     pub slope: f32,
 }
 
@@ -65,7 +67,8 @@ impl Map {
         Vec2::new(at(column), -at(row))
     }
 
-    /// The direction of the centre of a texel from the eye of the view with z = 1; for parallel light its place on the plane.
+    /// The direction of the centre of a texel from the eye of the view with z = 1; for parallel light its place on the
+    /// plane.
     pub fn direction(&self, column: u32, row: u32) -> Vec2 {
         let center = self.center(column, row);
         self.view.unwarped(center.x, center.y).0 * self.view.half()
@@ -89,13 +92,14 @@ impl Map {
         Some(InMap { local, at, texel, slope })
     }
 
-    /// The share of the texels around a point's that do not see something before it (percentage-closer filtering; Reeves, Salesin, Cook 1987).
-    /// A point is lit where its distance is at most that of what the light sees, plus the bias. `None` beyond a map of parallel light; the
-    /// border of others goes on.
+    /// The share of the texels around a point's that do not see something before it (percentage-closer filtering;
+    /// Reeves, Salesin, Cook 1987). A point is lit where its distance is at most that of what the light sees, plus the
+    /// bias. `None` beyond a map of parallel light; the border of others goes on.
     pub fn lit(&self, p: Vec3, n: Vec3, filter: &Filter) -> Option<f32> {
         let Some(mut found) = self.locate(p, n) else { return Some(1.0) };
         let Filter { bias, bias_by, pcf } = *filter;
-        // The surface changes by its slope from the middle of a texel to its border, and further texels lie further off.
+        // The surface changes by its slope from the middle of a texel to its border, and further texels lie further
+        // off.
         let reach = 0.5 * (pcf as f32 + 1.0);
         let InMap { texel, slope, .. } = found;
         let is_perspective = self.view.is_perspective();

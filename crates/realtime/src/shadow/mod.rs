@@ -1,4 +1,5 @@
-//! Whether a point sees a light. Each technique is a file: all give a share from 0 (dark) to 1 (lit), and leave to rays what they cannot tell.
+//! Whether a point sees a light. Each technique is a file: all give a share from 0 (dark) to 1 (lit), and leave to rays
+//! what they cannot tell.
 
 mod cascades;
 mod casters;
@@ -130,7 +131,8 @@ impl Shadowing {
         }
     }
 
-    /// The maps of the first light that has some, side by side in rows of three in a picture of this size: near white, far black.
+    /// The maps of the first light that has some, side by side in rows of three in a picture of this size: near white,
+    /// far black.
     pub fn maps_side_by_side(&self, [width, height]: [u32; 2]) -> Option<Vec<Vec3>> {
         let maps = self.lights.iter().find_map(|means| match means {
             Means::Maps(maps) | Means::Cascades(maps) => Some(maps.as_slice()),

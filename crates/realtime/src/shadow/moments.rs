@@ -15,7 +15,8 @@ pub struct Moments {
     by_variance: bool,
 }
 
-/// How much of the moments of the uniform distribution is mixed in, so that rounding does not make them impossible (Peters, Klein 2015, §3.3).
+/// How much of the moments of the uniform distribution is mixed in, so that rounding does not make them impossible
+/// (Peters, Klein 2015, §3.3).
 const MIXED: f64 = 3e-5;
 
 impl Moments {
@@ -71,7 +72,8 @@ impl Moments {
     }
 }
 
-/// Chebyshev's one-sided bound on the share of depths ≥ z (Donnelly, Lauritzen 2006, eq. 5). `own` is the least deviation.
+/// Chebyshev's one-sided bound on the share of depths ≥ z (Donnelly, Lauritzen 2006, eq. 5). `own` is the least
+/// deviation.
 fn by_variance(b: [f64; 4], z: f64, own: f64) -> f64 {
     if z <= b[0] {
         return 1.0;
@@ -83,7 +85,8 @@ fn by_variance(b: [f64; 4], z: f64, own: f64) -> f64 {
 /// The least share of depths < z that four moments allow, from 1 (Peters, Klein 2015, algorithm 3).
 fn by_four(b: [f64; 4], z: f64) -> f64 {
     let [b1, b2, b3, b4] = b.map(|b| b + MIXED * (0.5 - b));
-    // Cholesky's factors of the Hankel matrix [1 b1 b2; b1 b2 b3; b2 b3 b4] = L D Lᵀ, with those that rounding could make negative held.
+    // Cholesky's factors of the Hankel matrix [1 b1 b2; b1 b2 b3; b2 b3 b4] = L D Lᵀ, with those that rounding could
+    // make negative held.
     let d22 = (b2 - b1 * b1).max(1e-18);
     let l32 = (b3 - b1 * b2) / d22;
     let d33 = (b4 - b2 * b2 - l32 * l32 * d22).max(1e-18);
@@ -110,7 +113,8 @@ fn by_four(b: [f64; 4], z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// With two depths of which a share is nearer, Chebyshev's bound is exact behind both (Donnelly, Lauritzen 2006, §3), and so are four moments.
+    /// With two depths of which a share is nearer, Chebyshev's bound is exact behind both (Donnelly, Lauritzen 2006,
+    /// §3), and so are four moments.
     #[test]
     fn two_depths_are_told_exactly() {
         for (near, far, share) in [(0.2f64, 0.6f64, 0.25), (0.1, 0.9, 0.5), (0.45, 0.5, 0.8)] {

@@ -1,4 +1,5 @@
-//! Shadows on planes (Blinn 1988, "Me and My (Fake) Shadow"): what lies between a light and a plane is projected to it and drawn there.
+//! Shadows on planes (Blinn 1988, "Me and My (Fake) Shadow"): what lies between a light and a plane is projected to it
+//! and drawn there.
 
 use steradian_accel::WORLD;
 use steradian_core::{Scene, scene::Shape};
@@ -100,7 +101,8 @@ fn project(
     let vertex = |input: VertexInput| {
         let p = corners[input.vertex as usize];
         let above = n.dot(p - start);
-        // Along the ray from the light, to the plane; weights instead of divisions, so that what is beyond the light is cut first.
+        // Along the ray from the light, to the plane; weights instead of divisions, so that what is beyond the light is
+        // cut first.
         let (on_plane, below_light) = match source {
             Source::At(place) => {
                 let height = n.dot(place - start);

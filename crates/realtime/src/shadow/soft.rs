@@ -1,7 +1,8 @@
 //! Soft shadows of area lights by maps (Fernando 2005, "Percentage-Closer Soft Shadows").
 //!
-//! The mean distance of what lies before a point tells where the light's outline falls on the map; the share of lit texels in it is the share of the
-//! light that is seen. It would be exact if all that blocks were one plane at that distance, seen from the middle of the light.
+//! The mean distance of what lies before a point tells where the light's outline falls on the map; the share of lit
+//! texels in it is the share of the light that is seen. It would be exact if all that blocks were one plane at that
+//! distance, seen from the middle of the light.
 
 use steradian_core::{Scene, light::AreaShape};
 use steradian_math::{Vec2, Vec3};
@@ -70,7 +71,8 @@ impl Soft {
         };
         let (center, radius) = crate::extent(scene);
         let reach = (place - center).length() + radius;
-        // A flat light is seen edge on from its middle, so it hides nothing; a sphere's own surface is left out by the start of the views.
+        // A flat light is seen edge on from its middle, so it hides nothing; a sphere's own surface is left out by the
+        // start of the views.
         let near = (1.001 * inner).max(1e-4 * reach);
         let views = cube_views(place, [near, reach], options.size);
         let maps = views.into_iter().map(|view| Map::new(scene, list, view, options.size));
@@ -115,7 +117,8 @@ impl Soft {
                 count += 1.0;
             }
         }
-        // The search is as wide as the nearest blocker of all may ask for; small blockers near the point are found along the middle.
+        // The search is as wide as the nearest blocker of all may ask for; small blockers near the point are found
+        // along the middle.
         if let Some(found) = blocker(d) {
             sum += found;
             count += 1.0;
@@ -128,7 +131,8 @@ impl Soft {
         lit as f32 / ASKED as f32
     }
 
-    /// The direction through the centre of the texel that looks this way, and in units of it the distance of what it sees.
+    /// The direction through the centre of the texel that looks this way, and in units of it the distance of what it
+    /// sees.
     fn look(&self, t: Vec3) -> Option<(Vec3, f32)> {
         let number = face(6, -t);
         let (map, [right, up, forward]) = (&self.maps[number], FACES[number]);

@@ -1,10 +1,12 @@
-//! Shadow volumes (Crow 1977, "Shadow Algorithms for Computer Graphics"): the space behind what a light meets, bounded by polygons.
+//! Shadow volumes (Crow 1977, "Shadow Algorithms for Computer Graphics"): the space behind what a light meets, bounded
+//! by polygons.
 //!
-//! Each triangle bounds a volume of its own; it is turned to face the light, so that winding says nothing about inside and outside and
-//! meshes may be open or not manifold (Kim, Kim, Kim 2008, "Shadow volumes for non-manifold meshes"). Where two volumes meet along an edge their
-//! sides cancel; what is left are the silhouettes, each with how often it counts. Sides go on to infinity. Of points of the picture it is
-//! counted, in the stencil buffer, how many volumes they are in: behind them (z-fail: Bilodeau, Songy 1999; Carmack 2000), where volumes are
-//! closed by caps, or before them (z-pass: Heidmann 1991).
+//! Each triangle bounds a volume of its own; it is turned to face the light, so that winding says nothing about inside
+//! and outside and meshes may be open or not manifold (Kim, Kim, Kim 2008, "Shadow volumes for non-manifold meshes").
+//! Where two volumes meet along an edge their sides cancel; what is left are the silhouettes, each with how often it
+//! counts. Sides go on to infinity. Of points of the picture it is counted, in the stencil buffer, how many volumes
+//! they are in: behind them (z-fail: Bilodeau, Songy 1999; Carmack 2000), where volumes are closed by caps, or before
+//! them (z-pass: Heidmann 1991).
 
 use std::collections::HashMap;
 
@@ -30,7 +32,8 @@ pub struct Volumes {
     others: bool,
 }
 
-/// The edges that bound the volumes of a light, each turned as the triangle that it belongs to, and how often it counts.
+/// The edges that bound the volumes of a light, each turned as the triangle that it belongs to, and how often it
+/// counts.
 pub struct Silhouette {
     pub edges: Vec<([Vec3; 2], u32)>,
     /// Whether a triangle's corners are counter-clockwise as the light sees them.
@@ -156,8 +159,8 @@ impl Counting {
         Ok(Self { target, state, mirrored: eye.projected.is_mirrored(), behind })
     }
 
-    /// Counts triangles whose corners are counter-clockwise from outside the volumes, or clockwise if `turned`. `seen`: they are among what the
-    /// eye sees, and must have the very same depths.
+    /// Counts triangles whose corners are counter-clockwise from outside the volumes, or clockwise if `turned`. `seen`:
+    /// they are among what the eye sees, and must have the very same depths.
     fn draw(&mut self, corners: &[Vec4], turned: bool, seen: bool) -> Result<(), Error> {
         let vertex = |input: VertexInput| Vertex::new(corners[input.vertex as usize], ());
         let front_face = if self.mirrored != turned { FrontFace::Clockwise } else { FrontFace::CounterClockwise };
@@ -195,8 +198,8 @@ impl Counting {
 mod tests {
     use super::*;
 
-    /// A closed box has the outline that the light sees, each edge twice, as often as volumes of its near and far sides begin there; an open sheet its
-    /// border, once; edges without extent do not count (M234).
+    /// A closed box has the outline that the light sees, each edge twice, as often as volumes of its near and far sides
+    /// begin there; an open sheet its border, once; edges without extent do not count (M234).
     #[test]
     fn silhouettes_are_outlines() {
         let corner = |i: usize| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);

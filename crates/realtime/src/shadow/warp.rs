@@ -1,9 +1,10 @@
 //! Maps of parallel light that are bent so that what is near the eye has more texels.
 //!
-//! Both kinds are one perspective of the light's picture plane along the view: its centre lies a distance `n` before the nearest visible point. They
-//! differ in `n`. Trapezoidal maps (Martin, Tan 2004, "Anti-aliasing and Continuity with Trapezoidal Shadow Maps") let the nearer part of what
-//! is seen have 80 % of the map; that part is here the one with 80 % of the visible pixels. Light-space perspective maps (Wimmer, Scherzer,
-//! Purgathofer 2004, eq. 7) take `n = (z_n + √(z_n z_f)) / sin γ`, γ between view and light.
+//! Both kinds are one perspective of the light's picture plane along the view: its centre lies a distance `n` before
+//! the nearest visible point. They differ in `n`. Trapezoidal maps (Martin, Tan 2004, "Anti-aliasing and Continuity
+//! with Trapezoidal Shadow Maps") let the nearer part of what is seen have 80 % of the map; that part is here the one
+//! with 80 % of the visible pixels. Light-space perspective maps (Wimmer, Scherzer, Purgathofer 2004, eq. 7) take
+//! `n = (z_n + √(z_n z_f)) / sin γ`, γ between view and light.
 
 use steradian_core::Scene;
 use steradian_math::{Vec2, Vec3};

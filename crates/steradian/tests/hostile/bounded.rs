@@ -1,7 +1,7 @@
 //! Runs a table of cases in child processes of this test and bounds the time and memory of each case.
 //!
-//! The child prints a line when it begins a case and one when it ends it. A child that dies or goes silent has failed the case it was
-//! at; another one goes on with the next.
+//! The child prints a line when it begins a case and one when it ends it. A child that dies or goes silent has failed
+//! the case it was at; another one goes on with the next.
 
 use crate::{
     TABLES,
@@ -108,7 +108,8 @@ pub fn check(table: &str) {
     assert!(faults.is_empty(), "{} of {next} cases failed:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// Fits the spectra of RGB values that coats ask for. A process does so once, in two seconds that are not the first such case's own.
+/// Fits the spectra of RGB values that coats ask for. A process does so once, in two seconds that are not the first
+/// such case's own.
 fn fit_spectra() {
     let at = |i: u16| f32::from(i % 16) / 15.0;
     for i in 0..1 << 12 {
@@ -148,7 +149,8 @@ pub fn child() {
         };
         let mut cpu = cpu_time() - start;
         if cpu > CPU {
-            // Processors that are shared are slower: what counts is how often the yardstick would have been done in the time.
+            // Processors that are shared are slower: what counts is how often the yardstick would have been done in the
+            // time.
             let start = cpu_time();
             let yards = 8;
             (0..yards).for_each(|seed| drop(std::hint::black_box(yardstick(seed))));

@@ -93,7 +93,8 @@ pub const MITSUBA_SENSOR: &str = "<integrator type=\"path\"/>\n<sensor type=\"pe
 /// A sky.
 pub const MITSUBA_SKY: &str = "<emitter type=\"constant\"/>\n";
 
-/// Numbers that no scene should hold, as text: not finite, out of the range of `f32` or of 32-bit integers, denormal, zero, negative.
+/// Numbers that no scene should hold, as text: not finite, out of the range of `f32` or of 32-bit integers, denormal,
+/// zero, negative.
 pub const POISON: [&str; 14] = [
     "1e400",
     "nan",

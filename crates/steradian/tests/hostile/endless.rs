@@ -1,4 +1,5 @@
-//! Scenes in which light is never lost, so that nothing but the integrators' own bounds ends a path: for every integrator.
+//! Scenes in which light is never lost, so that nothing but the integrators' own bounds ends a path: for every
+//! integrator.
 
 use crate::case::{Case, Expect::Picture};
 use steradian::{

@@ -1,8 +1,9 @@
-//! Hostile input through the whole program: load, compile, render. Every case must end within bounds of time and memory, either with
-//! errors that say what is wrong, or with a finite picture. Nothing may panic, abort, hang, or let a NaN reach a pixel.
+//! Hostile input through the whole program: load, compile, render. Every case must end within bounds of time and
+//! memory, either with errors that say what is wrong, or with a finite picture. Nothing may panic, abort, hang, or let
+//! a NaN reach a pixel.
 //!
-//! Tables of cases run in child processes of this test ([`bounded`]), so that a crash or a hang is one fault of one case, and time and
-//! memory can be measured for each.
+//! Tables of cases run in child processes of this test ([`bounded`]), so that a crash or a hang is one fault of one
+//! case, and time and memory can be measured for each.
 #![allow(clippy::print_stdout, reason = "tests say what they skipped and measured")]
 
 mod bombs;

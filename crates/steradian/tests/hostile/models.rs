@@ -1,4 +1,5 @@
-//! Materials with impossible parameters, in both languages. The poison here is milder than elsewhere: values of the right type.
+//! Materials with impossible parameters, in both languages. The poison here is milder than elsewhere: values of the
+//! right type.
 
 use crate::case::{Case, Expect};
 use steradian_core::bsdf::measured::synthetic::METAL;
@@ -136,7 +137,8 @@ pub fn mitsuba() -> Vec<Case> {
     alone.chain(spectra).chain(measured).collect()
 }
 
-/// Files of measured reflection: sound, cut, of the wrong size, with sizes beyond all bounds, and with numbers that are none.
+/// Files of measured reflection: sound, cut, of the wrong size, with sizes beyond all bounds, and with numbers that are
+/// none.
 fn measurements() -> Vec<(&'static str, Vec<u8>, Expect)> {
     let merl = METAL.merl([3, 3, 4]);
     let rgl = METAL.rgl(4, 2).expect("sound");

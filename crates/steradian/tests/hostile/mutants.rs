@@ -1,4 +1,5 @@
-//! Published scenes, meshes and pictures, damaged at random: numbers replaced, bytes flipped, pieces cut off, left out or repeated.
+//! Published scenes, meshes and pictures, damaged at random: numbers replaced, bytes flipped, pieces cut off, left out
+//! or repeated.
 
 use crate::case::{
     Case,

@@ -1,5 +1,5 @@
-//! Every parameter of the vocabulary, as the README of the scene crate lists it, set to every value that it should not have, in a scene
-//! made in code. What the README names is what is tried, so nothing can be forgotten.
+//! Every parameter of the vocabulary, as the README of the scene crate lists it, set to every value that it should not
+//! have, in a scene made in code. What the README names is what is tried, so nothing can be forgotten.
 
 use crate::{
     case::{Case, Expect},
@@ -16,8 +16,8 @@ const README: &str = include_str!("../../../scene/README.md");
 const MAPPING: [&str; 9] =
     ["mapping", "scale_u", "scale_v", "delta_u", "delta_v", "v1", "v2", "to_uv", "texture_from_world"];
 
-/// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each value of each
-/// name is tried with an eighth of the kinds at least.
+/// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each
+/// value of each name is tried with an eighth of the kinds at least.
 const TURNS: usize = 8;
 
 /// A kind of node and the words of its row that may be parameters.
@@ -76,7 +76,8 @@ fn rows() -> Vec<Row> {
     rows
 }
 
-/// Values of every type, none of which belongs in a scene. `own` is the node that gets them, `other` one of a family that fits nowhere.
+/// Values of every type, none of which belongs in a scene. `own` is the node that gets them, `other` one of a family
+/// that fits nowhere.
 fn poison(own: NodeId, other: NodeId) -> Vec<(String, Value)> {
     let rgb = |v: [f64; 3]| SpectrumValue::Rgb(v, ColorSpace::Srgb);
     let sampled =

@@ -70,7 +70,8 @@ pub fn measure(case: &Case, embree: Option<&Embree>) -> Result<Vec<Value>, Box<d
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for _ in 0..ROUNDS {
-            // Of two times the second one counts: its threads are awake, and those of the other side have gone to sleep.
+            // Of two times the second one counts: its threads are awake, and those of the other side have gone to
+            // sleep.
             let twice = || {
                 rest();
                 case.build()?;

@@ -1,6 +1,7 @@
 //! Embree 4, loaded at run time: of its public C interface what a comparison needs.
 //!
-//! Embree API, version 4: <https://github.com/RenderKit/embree/blob/master/doc/src/api.md>. Structures and numbers are those of its headers for one level of instances.
+//! Embree API, version 4: <https://github.com/RenderKit/embree/blob/master/doc/src/api.md>. Structures and numbers are
+//! those of its headers for one level of instances.
 #![allow(unsafe_code)]
 
 use super::trace::{Found, Query};
@@ -91,7 +92,8 @@ struct Arguments {
     min_width_distance_factor: f32,
 }
 
-/// `RTCRay` followed by `RTCHit` for so many rays, by rows: `RTCRayHit`, `RTCRayHit4` and so on, which begin with the ray.
+/// `RTCRay` followed by `RTCHit` for so many rays, by rows: `RTCRayHit`, `RTCRayHit4` and so on, which begin with the
+/// ray.
 #[repr(C, align(64))]
 struct RayHits<const N: usize> {
     origin: [[f32; N]; 3],
@@ -193,9 +195,9 @@ unsafe extern "C" fn count(total: *mut c_void, bytes: isize, _: bool) -> bool {
 }
 
 impl Embree {
-    /// Loads the library, and makes a device of two threads that is never used and ends with the program: from the second device on
-    /// that has one thread, while there is none with more, a thread of Embree's turns without an end, on a processor that others are
-    /// measured on.
+    /// Loads the library, and makes a device of two threads that is never used and ends with the program: from the
+    /// second device on that has one thread, while there is none with more, a thread of Embree's turns without an end,
+    /// on a processor that others are measured on.
     ///
     /// # Errors
     /// When there is none, or it is not Embree 4.

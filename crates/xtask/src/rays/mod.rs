@@ -1,5 +1,5 @@
-//! Single rays and many rays on one thread, against Embree 4 on the very same rays where its library is named: both trace in this
-//! process, in turns.
+//! Single rays and many rays on one thread, against Embree 4 on the very same rays where its library is named: both
+//! trace in this process, in turns.
 
 mod building;
 mod case;
@@ -172,7 +172,8 @@ fn number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!("") }
 }
 
-/// Rates of groups of ways that take turns, in millions of rays in a second; and what the first way of each group finds.
+/// Rates of groups of ways that take turns, in millions of rays in a second; and what the first way of each group
+/// finds.
 fn compare<'a>(groups: &[Vec<Tracer<'a>>], rays: &[Ray], query: Query) -> (Vec<Vec<(Tracer<'a>, f64)>>, Vec<Found>) {
     let found = groups.iter().filter_map(|group| group.first()).map(|way| way.trace(rays, query)).collect();
     let mut rates: Vec<Vec<Vec<f64>>> = groups.iter().map(|group| vec![Vec::new(); group.len()]).collect();

@@ -1,5 +1,5 @@
-//! The meshes and rays of the measurement. Only `+ − × ÷ √` in `f64` in a fixed order and an integer generator decide them, so that
-//! other programs can be measured with the very same input.
+//! The meshes and rays of the measurement. Only `+ − × ÷ √` in `f64` in a fixed order and an integer generator decide
+//! them, so that other programs can be measured with the very same input.
 
 use crate::generate::Mesh;
 use std::collections::HashMap;

@@ -1,9 +1,10 @@
 //! Tables of angles: text with one measured pair of directions per line, as goniophotometers write them.
 //!
-//! Columns are `theta_i phi_i theta_o phi_o` in degrees, then `f` in sr⁻¹: one number, or three for red, green and blue; separated by
-//! blanks, commas or semicolons. Lines that begin with `#` or a letter are passed over (the header of ASTM E2387 files is such). The
-//! rows must fill a grid: every incident angle with every azimuth and every outgoing pair, in any order. With one incident azimuth the
-//! material is isotropic and only the difference of azimuths counts; differences within [0°, 180°] are mirrored.
+//! Columns are `theta_i phi_i theta_o phi_o` in degrees, then `f` in sr⁻¹: one number, or three for red, green and
+//! blue; separated by blanks, commas or semicolons. Lines that begin with `#` or a letter are passed over (the header
+//! of ASTM E2387 files is such). The rows must fill a grid: every incident angle with every azimuth and every outgoing
+//! pair, in any order. With one incident azimuth the material is isotropic and only the difference of azimuths counts;
+//! differences within [0°, 180°] are mirrored.
 
 use super::{MeasuredError, polarimetric::neighbours};
 use std::{f32::consts::PI, fmt::Write};
@@ -15,7 +16,8 @@ const MAX_ROWS: usize = 1 << 22;
 /// A table.
 #[derive(Clone, Debug)]
 pub struct AngleTable {
-    /// Incident angle, incident azimuth, outgoing angle, outgoing azimuth (or the difference of azimuths), degrees, increasing.
+    /// Incident angle, incident azimuth, outgoing angle, outgoing azimuth (or the difference of azimuths), degrees,
+    /// increasing.
     axes: [Vec<f32>; 4],
     isotropic: bool,
     /// Whether only half of the circle of differences was measured.
@@ -149,7 +151,8 @@ fn around(axis: &[f32], x: f32) -> (usize, usize, f32) {
     (n - 1, 0, (past / gap).clamp(0.0, 1.0))
 }
 
-/// The text of a table of `f(theta_i, phi_i, theta_o, phi_o)`, in steps of angle and azimuth, for some incident azimuths; degrees.
+/// The text of a table of `f(theta_i, phi_i, theta_o, phi_o)`, in steps of angle and azimuth, for some incident
+/// azimuths; degrees.
 pub fn write(steps: [f64; 2], azimuths: &[f64], f: impl Fn(f64, f64, f64, f64) -> f64) -> String {
     let mut out = String::from("# f in 1/sr, angles in degrees\nVARS theta_i,phi_i,theta_s,phi_s,BRDF\n");
     let angles = || (0..).map(|i| f64::from(i) * steps[0]).take_while(|a| *a <= 90.0);

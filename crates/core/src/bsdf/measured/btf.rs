@@ -1,9 +1,9 @@
 //! Bidirectional texture functions: a picture of the surface for each pair of light and view directions.
 //!
-//! An index in text has one picture per line, `theta_i phi_i theta_o phi_o FILE`, angles in degrees, files relative to the index. Texels
-//! are `π f`: one where a white Lambertian surface would be. Every light direction must be there for every view direction. Between
-//! directions the three nearest of each are mixed by the inverse square of their distance. (Dana et al. 1999, "Reflectance and Texture of
-//! Real-World Surfaces".)
+//! An index in text has one picture per line, `theta_i phi_i theta_o phi_o FILE`, angles in degrees, files relative to
+//! the index. Texels are `π f`: one where a white Lambertian surface would be. Every light direction must be there for
+//! every view direction. Between directions the three nearest of each are mixed by the inverse square of their
+//! distance. (Dana et al. 1999, "Reflectance and Texture of Real-World Surfaces".)
 
 use super::MeasuredError;
 use std::path::PathBuf;

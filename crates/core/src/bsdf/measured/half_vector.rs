@@ -1,4 +1,5 @@
-//! Sampling for tabulated reflection: half vectors by a histogram over their angle, mixed with cosine-distributed directions.
+//! Sampling for tabulated reflection: half vectors by a histogram over their angle, mixed with cosine-distributed
+//! directions.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use steradian_math::{Vec2, Vec3, warp};

@@ -1,8 +1,9 @@
 //! Isotropic reflection projected onto spherical harmonics: smooth, small, and fast where only soft lighting counts.
 //!
-//! For each angle of the viewer `f·cosθ_i` over the sphere of light directions is a sum of real spherical harmonics, `Σ c_lm(θ_o) y_lm(ω_i)`, the
-//! viewer at azimuth zero. By the mirror symmetry of isotropic materials only `m ≥ 0` remains. Kautz, Sloan, Snyder, "Fast, Arbitrary BRDF
-//! Shading for Low-Frequency Lighting Using Spherical Harmonics" (2002). Sums that fall below zero are held there.
+//! For each angle of the viewer `f·cosθ_i` over the sphere of light directions is a sum of real spherical harmonics,
+//! `Σ c_lm(θ_o) y_lm(ω_i)`, the viewer at azimuth zero. By the mirror symmetry of isotropic materials only `m ≥ 0`
+//! remains. Kautz, Sloan, Snyder, "Fast, Arbitrary BRDF Shading for Low-Frequency Lighting Using Spherical Harmonics"
+//! (2002). Sums that fall below zero are held there.
 
 use steradian_math::{
     Vec3,

@@ -1,8 +1,9 @@
-//! Bilinear interpolants over the unit square that themselves depend linearly on further parameters, with exact sampling and its
-//! inverse (Dupuy and Jakob 2018, supplement; the same object is pbrt-v4's `PiecewiseLinear2D`).
+//! Bilinear interpolants over the unit square that themselves depend linearly on further parameters, with exact
+//! sampling and its inverse (Dupuy and Jakob 2018, supplement; the same object is pbrt-v4's `PiecewiseLinear2D`).
 //!
-//! A slice is a grid of `ny × nx` values (x fastest) at the corners of patches. Within a slice x and y are sampled by inverting the
-//! integral of the linear interpolant; between slices values and integrals are interpolated, which commutes with integration.
+//! A slice is a grid of `ny × nx` values (x fastest) at the corners of patches. Within a slice x and y are sampled by
+//! inverting the integral of the linear interpolant; between slices values and integrals are interpolated, which
+//! commutes with integration.
 
 use super::MeasuredError;
 
@@ -33,7 +34,8 @@ impl<const N: usize> Interpolant<N> {
     /// From values in `[parameters…][y][x]`. Where it is to be `sampled`, each slice is scaled to integrate to one.
     ///
     /// # Errors
-    /// Where the sizes do not fit, the grid is less than 2 × 2, or a slice to be sampled has negative values or none above zero.
+    /// Where the sizes do not fit, the grid is less than 2 × 2, or a slice to be sampled has negative values or none
+    /// above zero.
     pub fn new(
         name: &str,
         mut data: Vec<f32>,

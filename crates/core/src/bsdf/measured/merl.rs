@@ -1,10 +1,10 @@
 //! Isotropic BRDFs in the binary files of the MERL database.
 //!
-//! Three `i32` sizes (90, 90, 180: half angle, difference angle, azimuth), then one block of `f64` for each of red, green and blue, azimuth
-//! fastest. Half angles are spaced by the square of the index, the others evenly; azimuths cover [0, π), the rest follows by reciprocity.
-//! Values are `f` (sr⁻¹) after multiplication by 1/1500, 1.15/1500 and 1.66/1500. Matusik, Pfister, Brand, McMillan, "A Data-Driven
-//! Reflectance Model" (2003). Values are looked up linearly between the centres of bins; negative ones mark what was not measured and
-//! count as zero.
+//! Three `i32` sizes (90, 90, 180: half angle, difference angle, azimuth), then one block of `f64` for each of red,
+//! green and blue, azimuth fastest. Half angles are spaced by the square of the index, the others evenly; azimuths
+//! cover [0, π), the rest follows by reciprocity. Values are `f` (sr⁻¹) after multiplication by 1/1500, 1.15/1500 and
+//! 1.66/1500. Matusik, Pfister, Brand, McMillan, "A Data-Driven Reflectance Model" (2003). Values are looked up
+//! linearly between the centres of bins; negative ones mark what was not measured and count as zero.
 
 use super::{MeasuredError, rusinkiewicz::HalfDifference};
 use std::f32::consts::{FRAC_PI_2, PI};

@@ -1,7 +1,8 @@
 //! Measured reflection: tables of values for pairs of directions.
 //!
-//! [`MeasuredData`] is what a file holds, in whichever of its formats; [`Measured`] is the scattering of one point. All reflect only. The
-//! adaptive parameterisation ([`rgl`]) brings its own sampling, the other tables are sampled through half vectors ([`half_vector`]).
+//! [`MeasuredData`] is what a file holds, in whichever of its formats; [`Measured`] is the scattering of one point. All
+//! reflect only. The adaptive parameterisation ([`rgl`]) brings its own sampling, the other tables are sampled through
+//! half vectors ([`half_vector`]).
 
 pub mod angles;
 pub mod btf;
@@ -191,7 +192,8 @@ impl<'a> Measured<'a> {
         e.drawn(wi, lobe, 1.0)
     }
 
-    /// The albedo of a matt surface that reflects as this does at the mirror direction and around: the mean of a few directions.
+    /// The albedo of a matt surface that reflects as this does at the mirror direction and around: the mean of a few
+    /// directions.
     pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         const DRAWS: [[f32; 3]; 8] = [
             [0.05, 0.1, 0.3],

@@ -1,8 +1,9 @@
-//! Isotropic polarimetric BRDFs (`.pbsdf`): Mueller matrices over half–difference angles and wavelength, of which unpolarised transport
-//! uses the first element.
+//! Isotropic polarimetric BRDFs (`.pbsdf`): Mueller matrices over half–difference angles and wavelength, of which
+//! unpolarised transport uses the first element.
 //!
-//! Fields of the tensor file: `phi_d`, `theta_d`, `theta_h` (radians, increasing), `wvls` (nm) and `M` in `[phi_d][theta_d][theta_h][wvls][4][4]`.
-//! Baek et al., "Image-Based Acquisition and Modeling of Polarimetric Reflectance" (2020); read by Mitsuba as `measured_polarized`.
+//! Fields of the tensor file: `phi_d`, `theta_d`, `theta_h` (radians, increasing), `wvls` (nm) and `M` in
+//! `[phi_d][theta_d][theta_h][wvls][4][4]`. Baek et al., "Image-Based Acquisition and Modeling of Polarimetric
+//! Reflectance" (2020); read by Mitsuba as `measured_polarized`.
 
 use super::{
     MeasuredError,

@@ -1,16 +1,16 @@
 //! Measured BRDFs in the adaptive parameterisation of the RGL database.
 //!
-//! A measurement is stored on warped unit squares: for each incident direction `ω` the density of visible microfacet normals maps random
-//! numbers to half vectors, so that samples lie where the material scatters. With the normal `m` at `(u, v)` of the unit square and the
-//! numbers `s` that the warp gives it,
+//! A measurement is stored on warped unit squares: for each incident direction `ω` the density of visible microfacet
+//! normals maps random numbers to half vectors, so that samples lie where the material scatters. With the normal `m` at
+//! `(u, v)` of the unit square and the numbers `s` that the warp gives it,
 //!
 //! ```text
 //! f(ω, ω') cosθ' = S(s; ω) D(m) / (4 σ(ω))
 //! ```
 //!
-//! with `D` the distribution of normals and `σ` its projected area; sampling draws `s` by the luminance of `S` and warps it. Jonathan
-//! Dupuy and Wenzel Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering" (2018). Read by pbrt-v4 and
-//! Mitsuba as `measured`.
+//! with `D` the distribution of normals and `σ` its projected area; sampling draws `s` by the luminance of `S` and
+//! warps it. Jonathan Dupuy and Wenzel Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and
+//! Rendering" (2018). Read by pbrt-v4 and Mitsuba as `measured`.
 
 use super::{MeasuredError, interpolant::Interpolant, tensor::TensorFile};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -183,7 +183,8 @@ fn colours(
     Ok((Interpolant::new(name, rgb, size, axes(vec![0.0, 1.0, 2.0]), false)?, false))
 }
 
-/// What each sampled wavelength of a reflectance adds to its linear Rec.709 colour under D65, for linear interpolation between samples.
+/// What each sampled wavelength of a reflectance adds to its linear Rec.709 colour under D65, for linear interpolation
+/// between samples.
 pub(super) fn rgb_weights(lambda: &[f32]) -> Vec<Vec3> {
     let last = lambda.len() - 1;
     (0..lambda.len())

@@ -1,5 +1,5 @@
-//! Half–difference angles of a pair of directions (Rusinkiewicz 1998): the half vector's angle from the normal, and the angles of one
-//! direction around the half vector. Mirror peaks lie at a half angle of zero for every incidence.
+//! Half–difference angles of a pair of directions (Rusinkiewicz 1998): the half vector's angle from the normal, and the
+//! angles of one direction around the half vector. Mirror peaks lie at a half angle of zero for every incidence.
 
 use steradian_math::{Vec3, elementary::atan2};
 

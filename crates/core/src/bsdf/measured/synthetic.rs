@@ -1,5 +1,5 @@
-//! Measurements of a material whose values are known: a microfacet metal, in each of the formats. Tests compare lookups against the
-//! formula, benchmarks and the registry have data without files.
+//! Measurements of a material whose values are known: a microfacet metal, in each of the formats. Tests compare lookups
+//! against the formula, benchmarks and the registry have data without files.
 
 use super::{
     AngleTable, Btf, MeasuredData, MeasuredError, Merl, Wanted, angles, btf, interpolant::Interpolant, merl,

@@ -1,8 +1,10 @@
-//! Tensor files: named arrays of numbers, the container of the RGL material database (`.bsdf`) and of polarimetric data (`.pbsdf`).
+//! Tensor files: named arrays of numbers, the container of the RGL material database (`.bsdf`) and of polarimetric data
+//! (`.pbsdf`).
 //!
-//! Layout (little endian): `tensor_file\0`, version 1.0 as two bytes, `u32` number of fields; for each field `u16` length of the name, the
-//! name, `u16` number of dimensions, `u8` type, `u64` offset of the data from the start of the file, and a `u64` per dimension. The last
-//! dimension varies fastest. (Dupuy and Jakob 2018, as documented with the database.)
+//! Layout (little endian): `tensor_file\0`, version 1.0 as two bytes, `u32` number of fields; for each field `u16`
+//! length of the name, the name, `u16` number of dimensions, `u8` type, `u64` offset of the data from the start of the
+//! file, and a `u64` per dimension. The last dimension varies fastest. (Dupuy and Jakob 2018, as documented with the
+//! database.)
 
 use super::MeasuredError;
 use std::collections::HashMap;
@@ -195,7 +197,8 @@ mod tests {
             bad[at..at + bytes.len()].copy_from_slice(bytes);
             TensorFile::read(&bad).and_then(|f| f.need("x", 2).and_then(|t| t.floats("x"))).err()
         };
-        // The head: 12 bytes of name, 2 of version, 4 of count; then the first field's 2 + 1 of name, 2, 1, 8 and sizes.
+        // The head: 12 bytes of name, 2 of version, 4 of count; then the first field's 2 + 1 of name, 2, 1, 8 and
+        // sizes.
         assert!(with(14, &1_000_000_000u32.to_le_bytes()).is_some(), "10⁹ fields");
         assert!(with(18, &u16::MAX.to_le_bytes()).is_some(), "a long name");
         assert!(with(21, &u16::MAX.to_le_bytes()).is_some(), "many dimensions");

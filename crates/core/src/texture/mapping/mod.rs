@@ -1,5 +1,5 @@
-//! From a surface point to texture coordinates: a projector, then an affine corresponder (M205 to M207). Derivatives go along, so that
-//! filters know what a pixel covers; where a projector has a seam they are taken on one side of it.
+//! From a surface point to texture coordinates: a projector, then an affine corresponder (M205 to M207). Derivatives go
+//! along, so that filters know what a pixel covers; where a projector has a seam they are taken on one side of it.
 
 pub mod projector;
 pub mod two_part;
@@ -79,8 +79,8 @@ impl Default for Mapping {
 }
 
 impl Mapping {
-    /// The matrix of glTF's `KHR_texture_transform`: scale, then rotation, then offset. Angles turn from +u to −v, which is
-    /// counter-clockwise where v points down, as the reference viewer has it.
+    /// The matrix of glTF's `KHR_texture_transform`: scale, then rotation, then offset. Angles turn from +u to −v,
+    /// which is counter-clockwise where v points down, as the reference viewer has it.
     pub fn khr_texture_transform(offset: Vec2, rotation: f32, scale: Vec2) -> [Vec2; 3] {
         let (s, c) = (super::exact::sin(rotation.into()) as f32, super::exact::cos(rotation.into()) as f32);
         [Vec2::new(c, -s) * scale.x, Vec2::new(s, c) * scale.y, offset]

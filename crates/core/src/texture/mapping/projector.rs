@@ -14,14 +14,15 @@ use steradian_math::{Vec2, Vec3, transform::Affine};
 pub enum Projector {
     /// The surface's own parameters.
     Uv,
-    /// A two-component vertex attribute of the mesh, as further sets of texture coordinates are; the surface's own parameters where it
-    /// has none of that name.
+    /// A two-component vertex attribute of the mesh, as further sets of texture coordinates are; the surface's own
+    /// parameters where it has none of that name.
     Attribute(Arc<str>),
     /// Polar angle from +z over π and azimuth over 2π (pbrt's order).
     Spherical,
     /// Azimuth over 2π and height along z.
     Cylindrical,
-    /// Distances along two vectors, with an offset: `(p·v₁, p·v₂) + d`. Any affine map of three points to three pairs is one.
+    /// Distances along two vectors, with an offset: `(p·v₁, p·v₂) + d`. Any affine map of three points to three pairs
+    /// is one.
     Planar(Vec3, Vec3, Vec2),
     /// The face of the cube \[−1, 1]³ that is nearest in direction from its centre; each shows the whole unit square.
     Cube,
@@ -53,8 +54,8 @@ pub(super) fn polar(v: Vec3) -> f32 {
     (exact::atan2((v.x * v.x + v.y * v.y).sqrt(), v.z) / PI) as f32
 }
 
-/// The face of a cube that a direction leaves by (+x, −x, +y, −y, +z, −z), or a given one, and the coordinates on it in [−1, 1], u to the
-/// right and v up for a viewer outside who has +z (for ±z: +y) above.
+/// The face of a cube that a direction leaves by (+x, −x, +y, −y, +z, −z), or a given one, and the coordinates on it in
+/// [−1, 1], u to the right and v up for a viewer outside who has +z (for ±z: +y) above.
 pub(super) fn cube(v: Vec3, face: Option<u8>) -> (u8, Vec2) {
     let a = v.abs();
     let face = face.unwrap_or_else(|| {
@@ -88,8 +89,8 @@ pub(super) fn attribute(name: &str, at: &TextureContext, duv: Vec2) -> Option<Ve
 }
 
 impl Projector {
-    /// The affine map of the plane of three points `x` that takes them to the pairs `uv`: the lecture's 3 × 3 matrix, for points in
-    /// space. `None` for points on a line.
+    /// The affine map of the plane of three points `x` that takes them to the pairs `uv`: the lecture's 3 × 3 matrix,
+    /// for points in space. `None` for points on a line.
     pub fn triangle(x: [Vec3; 3], uv: [Vec2; 3]) -> Option<Self> {
         let (e1, e2) = ((x[1] - x[0]).as_dvec3(), (x[2] - x[0]).as_dvec3());
         let (d1, d2) = ((uv[1] - uv[0]).as_dvec2(), (uv[2] - uv[0]).as_dvec2());

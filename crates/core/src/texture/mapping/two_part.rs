@@ -1,5 +1,5 @@
-//! Two-part mapping (Bier, Sloan, "Two-Part Texture Mappings", IEEE CG&A 1986): an O-map leads from the object to a simple surface
-//! around it, an S-map from there to texture coordinates.
+//! Two-part mapping (Bier, Sloan, "Two-Part Texture Mappings", IEEE CG&A 1986): an O-map leads from the object to a
+//! simple surface around it, an S-map from there to texture coordinates.
 
 use super::projector::{Projected, azimuth, cube, polar};
 use crate::texture::TextureContext;
@@ -31,8 +31,8 @@ pub enum Intermediary {
     Cube,
 }
 
-/// Where a line from `o` along `d` leaves the region within the surface; for the plane, where it meets it. A line that misses gives the
-/// point at infinity, by its direction.
+/// Where a line from `o` along `d` leaves the region within the surface; for the plane, where it meets it. A line that
+/// misses gives the point at infinity, by its direction.
 fn reach(surface: Intermediary, o: Vec3, d: Vec3) -> Vec3 {
     let t = match surface {
         Intermediary::Plane => (1.0 - o.z) / d.z,
@@ -83,8 +83,8 @@ pub(super) fn project(
             let wo = local.vector(at.wo).normalize_or_zero();
             reach(surface, p, n * (2.0 * n.dot(wo)) - wo)
         }
-        // Lines along the normals of plane and cylinder are those on which these coordinates are constant; those of the sphere come from
-        // its centre. Those of the cube are parallel to the axes.
+        // Lines along the normals of plane and cylinder are those on which these coordinates are constant; those of the
+        // sphere come from its centre. Those of the cube are parallel to the axes.
         ObjectMap::ProxyNormal => p,
     };
     let (uv, face, wraps) = match surface {

@@ -1,5 +1,5 @@
-//! Cellular noise (Worley, "A Cellular Texture Basis Function", SIGGRAPH 1996): distances to random points, one in each cell of the
-//! lattice, and the cells of their Voronoi diagram.
+//! Cellular noise (Worley, "A Cellular Texture Basis Function", SIGGRAPH 1996): distances to random points, one in each
+//! cell of the lattice, and the cells of their Voronoi diagram.
 
 use super::lattice::hash;
 use steradian_math::{

@@ -1,8 +1,8 @@
 //! Sums of noise over octaves, which end where the footprint would alias.
 //!
-//! Frequencies grow by 1.99 and amplitudes by the roughness from octave to octave, and the number of octaves is `−1 − log₂ w` for a
-//! footprint of width `w`, the last one faded in: the rules of Pharr, Jakob, Humphreys, *Physically Based Rendering*, 3rd ed., § 10.6
-//! (and pbrt-v4's `noise.cpp`), so that pictures agree.
+//! Frequencies grow by 1.99 and amplitudes by the roughness from octave to octave, and the number of octaves is
+//! `−1 − log₂ w` for a footprint of width `w`, the last one faded in: the rules of Pharr, Jakob, Humphreys, *Physically
+//! Based Rendering*, 3rd ed., § 10.6 (and pbrt-v4's `noise.cpp`), so that pictures agree.
 
 use super::{gradient_noise, smoothstep, value_noise};
 use crate::texture::{exact, mapping::Coordinates3};
@@ -99,8 +99,8 @@ impl Fractal {
         sum
     }
 
-    /// Ridges: `Σ ωⁱ (1 − |noise(λⁱ p)|)² / Σ ωⁱ`, in [0, 1] (Musgrave, in Ebert et al., *Texturing & Modeling*, ch. 16, without its
-    /// feedback), with the mean for octaves that do not fit.
+    /// Ridges: `Σ ωⁱ (1 − |noise(λⁱ p)|)² / Σ ωⁱ`, in [0, 1] (Musgrave, in Ebert et al., *Texturing & Modeling*, ch.
+    /// 16, without its feedback), with the mean for octaves that do not fit.
     pub fn ridged(&self, at: &Coordinates3) -> f32 {
         // The mean of (1 − |noise|)² over space, of gradient and of value noise.
         let mean = match self.basis {

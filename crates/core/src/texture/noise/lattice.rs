@@ -1,9 +1,9 @@
 //! Value noise and Perlin's gradient noise on the integer lattice.
 //!
-//! Perlin, "Improving Noise", SIGGRAPH 2002: at each lattice point one of twelve gradients to the edges of a cube, chosen by a permutation
-//! of 0…255; the products of gradient and offset are interpolated by the quintic fade. Noise is zero at lattice points and lies in
-//! [−1.04, 1.04]. (In two dimensions with unit gradients the range is ±√½: E38.) Seed 0 is Perlin's own permutation, which pbrt uses
-//! too; other seeds hash the lattice.
+//! Perlin, "Improving Noise", SIGGRAPH 2002: at each lattice point one of twelve gradients to the edges of a cube,
+//! chosen by a permutation of 0…255; the products of gradient and offset are interpolated by the quintic fade. Noise is
+//! zero at lattice points and lies in [−1.04, 1.04]. (In two dimensions with unit gradients the range is ±√½: E38.)
+//! Seed 0 is Perlin's own permutation, which pbrt uses too; other seeds hash the lattice.
 
 use super::quintic_fade;
 use steradian_math::{
@@ -26,8 +26,8 @@ const PERMUTATION: [u8; 256] = [
     141, 128, 195, 78, 66, 215, 61, 156, 180,
 ];
 
-/// A cell of the lattice and where in it a point lies. Far from the origin the lattice is taken modulo 2³⁰, as pbrt has it; what is not
-/// finite counts as zero.
+/// A cell of the lattice and where in it a point lies. Far from the origin the lattice is taken modulo 2³⁰, as pbrt has
+/// it; what is not finite counts as zero.
 #[inline]
 fn cell(p: Vec3) -> ([i32; 3], Vec3) {
     let p = if p.is_finite() { p.to_array() } else { [0.0; 3] };
@@ -128,8 +128,9 @@ mod tests {
         }
     }
 
-    /// E38: products of gradients and offsets joined by the fade, not a bicubic patch; in two dimensions with unit gradients they reach
-    /// √½, in the middle of a cell whose gradients all point there, so that ½(v + 1) leaves [0, 1] nowhere and fills it nowhere either.
+    /// E38: products of gradients and offsets joined by the fade, not a bicubic patch; in two dimensions with unit
+    /// gradients they reach √½, in the middle of a cell whose gradients all point there, so that ½(v + 1) leaves [0, 1]
+    /// nowhere and fills it nowhere either.
     #[test]
     fn gradient_noise_in_the_plane_reaches_the_root_of_a_half() {
         let corner = |x: f32, y: f32, i: u8, j: u8| {

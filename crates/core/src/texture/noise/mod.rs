@@ -1,5 +1,5 @@
-//! Noise: random functions of space that are smooth, band-limited and repeat nowhere that matters. Only exact arithmetic, so that a
-//! texture has the same bits on every machine.
+//! Noise: random functions of space that are smooth, band-limited and repeat nowhere that matters. Only exact
+//! arithmetic, so that a texture has the same bits on every machine.
 
 pub mod cellular;
 pub mod fractal;
@@ -9,7 +9,8 @@ pub use cellular::{Cellular, Metric};
 pub use fractal::{Basis, Fractal};
 pub use lattice::{gradient_noise, value_noise};
 
-/// `6t⁵ − 15t⁴ + 10t³`: from 0 to 1 with first and second derivatives of zero at both ends (Perlin, "Improving Noise", 2002).
+/// `6t⁵ − 15t⁴ + 10t³`: from 0 to 1 with first and second derivatives of zero at both ends (Perlin, "Improving Noise",
+/// 2002).
 #[inline]
 pub fn quintic_fade(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)

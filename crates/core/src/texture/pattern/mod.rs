@@ -1,5 +1,6 @@
-//! Procedural patterns: numbers as a function of the place, averaged over the footprint. Tilings are averaged exactly by a box
-//! or tent as wide as the footprint; noise leaves out the octaves that do not fit; the others fade to their mean.
+//! Procedural patterns: numbers as a function of the place, averaged over the footprint. Tilings are averaged exactly
+//! by a box or tent as wide as the footprint; noise leaves out the octaves that do not fit; the others fade to their
+//! mean.
 
 pub mod solid;
 pub mod tiling;

@@ -4,9 +4,9 @@ use super::super::{exact, mapping::Coordinates3, noise::Fractal};
 use super::tiling::pulse;
 use steradian_math::Vec3;
 
-/// Rings around z, as Peachey has them (in Ebert et al., *Texturing & Modeling*; the lecture's code): the radius is moved by
-/// `wobble · sin(lobes · φ + twist · z)`, and of each period of the radius a share is light. The lecture writes `tan(u/w)` for the
-/// angle; `atan2(y, x)` is meant.
+/// Rings around z, as Peachey has them (in Ebert et al., *Texturing & Modeling*; the lecture's code): the radius is
+/// moved by `wobble · sin(lobes · φ + twist · z)`, and of each period of the radius a share is light. The lecture
+/// writes `tan(u/w)` for the angle; `atan2(y, x)` is meant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wood {
     /// Width of a ring, light and dark together.

@@ -1,4 +1,5 @@
-//! Patterns against their definitions, their averages against sampling, and their bits against those of every other machine.
+//! Patterns against their definitions, their averages against sampling, and their bits against those of every other
+//! machine.
 
 use super::*;
 use crate::texture::{
@@ -176,7 +177,8 @@ fn patterns_fade_to_their_mean() {
             duvdy: Vec2::new(0.0, 700.0),
         };
         let wide = t.value(&TextureContext { footprint, ..place(1) });
-        // The stored means come from 4096 points; those of noise are zero by symmetry, and of Perlin's own over its period nearly so.
+        // The stored means come from 4096 points; those of noise are zero by symmetry, and of Perlin's own over its
+        // period nearly so.
         assert!((f64::from(wide) - mean).abs() < 4.0 * error + 0.012, "{name}: {wide} {mean} ± {error}");
     }
 }

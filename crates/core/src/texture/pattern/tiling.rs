@@ -16,8 +16,9 @@ fn is_odd(x: f32) -> bool {
 
 /// The square wave of period two, +1 on [0, 1) and −1 on [1, 2), averaged with a tent of half width `r`.
 ///
-/// The second integral of the wave is `x/2 + y (1 − 2|y|)` with `y = frac(x/2) − ½`, up to a linear part, and the average is its second
-/// difference over `r²` (Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed., § 10.4.1).
+/// The second integral of the wave is `x/2 + y (1 − 2|y|)` with `y = frac(x/2) − ½`, up to a linear part, and the
+/// average is its second difference over `r²` (Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed., §
+/// 10.4.1).
 fn alternation(x: f32, r: f32) -> f32 {
     let (a, b) = ((x - r).floor(), (x + r).floor());
     // Also where r is zero or vanishes beside x.

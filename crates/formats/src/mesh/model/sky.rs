@@ -7,7 +7,8 @@ const SUN: [f32; 3] = [-0.45, 0.85, 0.65];
 /// Angles from the centre of the sun, in degrees, within which it has full radiance and beyond which it has none. It is
 /// wider than the real one, so that shadows are soft.
 const SUN_RADII: [f32; 2] = [3.0, 6.0];
-/// Irradiance of the sun on a surface that faces it, and radiance of the sky at the zenith, at the horizon and below it.
+/// Irradiance of the sun on a surface that faces it, and radiance of the sky at the zenith, at the horizon and below
+/// it.
 const SUN_IRRADIANCE: [f32; 3] = [2.7, 2.5, 2.2];
 const ZENITH: [f32; 3] = [0.3, 0.37, 0.5];
 const HORIZON: [f32; 3] = [0.58, 0.61, 0.64];

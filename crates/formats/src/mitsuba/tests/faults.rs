@@ -4,7 +4,8 @@ use super::*;
 use std::time::{Duration, Instant};
 use steradian_scene::Fidelity;
 
-/// Text inside a scene, the column of the first error on line 1 (after `<scene version="3.0.0">`), and words of its message.
+/// Text inside a scene, the column of the first error on line 1 (after `<scene version="3.0.0">`), and words of its
+/// message.
 const MALFORMED: [(&str, u32, &str); 56] = [
     ("<shap type=\"sphere\"/>", 2, "unknown element <shap>"),
     ("<shape type=\"spere\"/>", 14, "unknown shape 'spere'"),

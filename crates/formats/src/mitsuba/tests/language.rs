@@ -37,8 +37,8 @@ fn transforms_compose_outwards() {
     assert_eq!(t.point(DVec3::ZERO), DVec3::new(2.0, 2.0, 3.0));
 }
 
-/// Mitsuba 3 takes the axis as it stands: about (0, 0, 2) by θ the plane is turned and stretched by cosθ and 2 sinθ, and z becomes cosθ + 4 (1 − cosθ).
-/// Version 0.6 brings it to unit length.
+/// Mitsuba 3 takes the axis as it stands: about (0, 0, 2) by θ the plane is turned and stretched by cosθ and 2 sinθ,
+/// and z becomes cosθ + 4 (1 − cosθ). Version 0.6 brings it to unit length.
 #[test]
 fn rotations_about_axes_of_any_length() {
     let read = |version: &str, z: f64| {

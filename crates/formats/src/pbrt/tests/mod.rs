@@ -1,4 +1,5 @@
-//! Whole scenes: the published ones, and small ones for what directives mean, what is wrong in them, and what must not break.
+//! Whole scenes: the published ones, and small ones for what directives mean, what is wrong in them, and what must not
+//! break.
 
 mod directives;
 mod faults;

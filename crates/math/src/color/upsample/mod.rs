@@ -1,13 +1,14 @@
-//! Smooth spectra for RGB values: Jakob and Hanika 2019, "A Low-Dimensional Function Space for Efficient Spectral Upsampling".
+//! Smooth spectra for RGB values: Jakob and Hanika 2019, "A Low-Dimensional Function Space for Efficient Spectral
+//! Upsampling".
 //!
-//! A reflectance is a sigmoid of a quadratic polynomial, `S(c₀ λ² + c₁ λ + c₂)` with `S(x) = ½ + x / (2 √(1 + x²))` (their eqs. 3
-//! and 4; λ in nm). The coefficients of an RGB value are those whose colour under the white of its space differs least in CIELAB;
-//! they are tabulated and interpolated as in pbrt-v4, whose three kinds of RGB spectra are [`RgbAlbedo`], [`RgbUnbounded`] and
-//! [`RgbIlluminant`].
+//! A reflectance is a sigmoid of a quadratic polynomial, `S(c₀ λ² + c₁ λ + c₂)` with `S(x) = ½ + x / (2 √(1 + x²))`
+//! (their eqs. 3 and 4; λ in nm). The coefficients of an RGB value are those whose colour under the white of its space
+//! differs least in CIELAB; they are tabulated and interpolated as in pbrt-v4, whose three kinds of RGB spectra are
+//! [`RgbAlbedo`], [`RgbUnbounded`] and [`RgbIlluminant`].
 //!
-//! Within Rec.709 colours come back with ΔE < 1, but for the very dark and saturated, which need steeper polynomials than the bound on
-//! the coefficients allows: green (0, 0.004, 0) comes back as (0.003, 0.013, 0), ΔE 14; from (0, 0.05, 0) on all is well. pbrt-v4 and
-//! Mitsuba, whose tables have the same bound, show the same colours.
+//! Within Rec.709 colours come back with ΔE < 1, but for the very dark and saturated, which need steeper polynomials
+//! than the bound on the coefficients allows: green (0, 0.004, 0) comes back as (0.003, 0.013, 0), ΔE 14; from (0,
+//! 0.05, 0) on all is well. pbrt-v4 and Mitsuba, whose tables have the same bound, show the same colours.
 
 mod solve;
 mod table;
@@ -22,7 +23,8 @@ use table::Table;
 /// A smooth spectrum with values in [0, 1]: the sigmoid of a quadratic polynomial of the wavelength.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RgbSigmoid {
-    /// Coefficients of λ², λ and 1, λ in nm. Polynomials beyond ±1e18 at some wavelength are not to be had from this crate.
+    /// Coefficients of λ², λ and 1, λ in nm. Polynomials beyond ±1e18 at some wavelength are not to be had from this
+    /// crate.
     pub c: [f32; 3],
 }
 
@@ -36,8 +38,8 @@ impl RgbSigmoid {
         Self { c: [0.0, 0.0, if c.is_nan() { 0.0 } else { c.clamp(-SATURATED, SATURATED) }] }
     }
 
-    /// The spectrum of linear `rgb` in `space`, components clamped to [0, 1]; NaN counts as 0. Equal components give a constant
-    /// spectrum exactly. A space without a table of its own goes by linear Rec.709.
+    /// The spectrum of linear `rgb` in `space`, components clamped to [0, 1]; NaN counts as 0. Equal components give a
+    /// constant spectrum exactly. A space without a table of its own goes by linear Rec.709.
     pub fn new(space: &RgbSpace, rgb: Vec3) -> Self {
         let rgb = rgb.to_array().map(unit);
         if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
@@ -49,8 +51,8 @@ impl RgbSigmoid {
         }
     }
 
-    /// The same, solved for by itself rather than interpolated in the table: for colours that are kept. It is dearer than a lookup where the table's columns
-    /// are there, but a column takes 64 such solutions.
+    /// The same, solved for by itself rather than interpolated in the table: for colours that are kept. It is dearer
+    /// than a lookup where the table's columns are there, but a column takes 64 such solutions.
     pub fn solved(space: &RgbSpace, rgb: Vec3) -> Self {
         let unit = rgb.to_array().map(unit);
         let is_grey = unit[0] == unit[1] && unit[1] == unit[2];
@@ -103,8 +105,8 @@ impl RgbAlbedo {
     }
 }
 
-/// A non-negative RGB value without an upper bound, as a scaled sigmoid: the largest component is brought to ½, where spectra are
-/// smooth. Its colour is right under the space's white.
+/// A non-negative RGB value without an upper bound, as a scaled sigmoid: the largest component is brought to ½, where
+/// spectra are smooth. Its colour is right under the space's white.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RgbUnbounded {
     /// Twice the largest component.
@@ -114,7 +116,8 @@ pub struct RgbUnbounded {
 }
 
 impl RgbUnbounded {
-    /// The spectrum of linear `rgb` in `space`; negative and NaN components count as 0, infinite ones as the largest finite.
+    /// The spectrum of linear `rgb` in `space`; negative and NaN components count as 0, infinite ones as the largest
+    /// finite.
     pub fn new(space: &RgbSpace, rgb: Vec3) -> Self {
         let rgb = Vec3::from_array(rgb.to_array().map(|v| if v > 0.0 { v.min(0.5 * f32::MAX) } else { 0.0 }));
         let scale = 2.0 * rgb.max_element();
@@ -143,8 +146,8 @@ impl RgbUnbounded {
     }
 }
 
-/// The emission of a light given as RGB: an unbounded spectrum times the white of the space (luminance Y = 1), so that the light's
-/// colour is that RGB. Mitsuba's RGB emitters are the same spectrum: its D65 is normalised to Y = 1 too.
+/// The emission of a light given as RGB: an unbounded spectrum times the white of the space (luminance Y = 1), so that
+/// the light's colour is that RGB. Mitsuba's RGB emitters are the same spectrum: its D65 is normalised to Y = 1 too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RgbIlluminant {
     /// The factor of the white.

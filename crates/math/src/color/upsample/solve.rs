@@ -1,8 +1,10 @@
-//! The coefficients whose spectrum has a given colour: Gauss–Newton on the CIELAB difference (Jakob and Hanika 2019, section 4).
+//! The coefficients whose spectrum has a given colour: Gauss–Newton on the CIELAB difference (Jakob and Hanika 2019,
+//! section 4).
 //!
-//! The polynomial's variable is here `t = (λ − 360) / 470` in [0, 1]. The method's choices that decide the outcome where the problem
-//! is ill-posed (very dark or saturated colours) are pbrt-v4's: quadrature on the 5-nm tables, at most 15 steps, coefficients
-//! bounded by 200, stop at a squared difference of 1e-6. The Jacobian is exact, not by finite differences.
+//! The polynomial's variable is here `t = (λ − 360) / 470` in [0, 1]. The method's choices that decide the outcome
+//! where the problem is ill-posed (very dark or saturated colours) are pbrt-v4's: quadrature on the 5-nm tables, at
+//! most 15 steps, coefficients bounded by 200, stop at a squared difference of 1e-6. The Jacobian is exact, not by
+//! finite differences.
 
 use crate::color::RgbSpace;
 use crate::color::lab::{lab_from_xyz, lab_linear, lab_slope};
@@ -98,8 +100,9 @@ impl Solver {
     }
 }
 
-/// What a reflectance's value at each node contributes to XYZ. Observer and white are linear over each 5-nm segment and their product
-/// is integrated by Simpson's 3/8 rule, at whose inner points the reflectance is interpolated between the nodes by cubics.
+/// What a reflectance's value at each node contributes to XYZ. Observer and white are linear over each 5-nm segment and
+/// their product is integrated by Simpson's 3/8 rule, at whose inner points the reflectance is interpolated between the
+/// nodes by cubics.
 fn weights(white: &Dense) -> [DVec3; NODES] {
     let at = |k: usize| {
         let lambda = 360.0 + 5.0 * k as f64;

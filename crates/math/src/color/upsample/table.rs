@@ -1,8 +1,9 @@
 //! Coefficients at the nodes of a grid over the RGB cube, interpolated between.
 //!
-//! The layout is Jakob and Hanika's: one cube per largest component, coordinates `z` = that component and `x`, `y` = the other two
-//! over it, with the nodes of `z` crowded at both ends. The nodes of one `(x, y)` are solved as one column, each starting from its
-//! neighbour's solution, when the column is first needed: nothing is spent on colours that a scene does not have.
+//! The layout is Jakob and Hanika's: one cube per largest component, coordinates `z` = that component and `x`, `y` =
+//! the other two over it, with the nodes of `z` crowded at both ends. The nodes of one `(x, y)` are solved as one
+//! column, each starting from its neighbour's solution, when the column is first needed: nothing is spent on colours
+//! that a scene does not have.
 
 use super::RgbSigmoid;
 use super::solve::Solver;
@@ -68,8 +69,8 @@ impl Table {
         RgbSigmoid { c }
     }
 
-    /// The spectrum of `rgb`, in [0, 1] and not all equal, solved for by itself from the grey of its mean; `None` where that does not come within ΔE 0.01, as
-    /// of the very dark and saturated, whose columns have to be followed.
+    /// The spectrum of `rgb`, in [0, 1] and not all equal, solved for by itself from the grey of its mean; `None` where
+    /// that does not come within ΔE 0.01, as of the very dark and saturated, whose columns have to be followed.
     pub(super) fn solve(&self, rgb: [f32; 3]) -> Option<RgbSigmoid> {
         let grey = RgbSigmoid::constant((rgb[0] + rgb[1] + rgb[2]) / 3.0);
         let mut c = DVec3::new(0.0, 0.0, f64::from(grey.c[2]));

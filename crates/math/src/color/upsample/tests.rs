@@ -27,8 +27,8 @@ fn colours_come_back_over_the_whole_cube() {
     assert!(e < 1.0, "ΔE {e} at {c}");
 }
 
-/// Dark saturated colours need steeper polynomials than the bound on coefficients allows. This holds the error at what it is, which
-/// is pbrt-v4's too.
+/// Dark saturated colours need steeper polynomials than the bound on coefficients allows. This holds the error at what
+/// it is, which is pbrt-v4's too.
 #[test]
 fn dark_saturated_colours_come_out_too_bright() {
     let e = error(&REC709, Vec3::new(0.0, 0.004, 0.0));
@@ -64,7 +64,8 @@ fn greys_are_constant_to_the_bit() {
     }
 }
 
-/// Five nodes of pbrt-v4's table for sRGB: it minimises the same difference, so that only the digits of its RGB matrix differ.
+/// Five nodes of pbrt-v4's table for sRGB: it minimises the same difference, so that only the digits of its RGB matrix
+/// differ.
 #[test]
 fn smooth_reflectances_are_those_of_pbrt() {
     for (rgb, pbrt) in PBRT_NODES {

@@ -39,7 +39,8 @@ impl Ellipsoid {
         4.0 / 3.0 * PI * self.radii.element_product()
     }
 
-    /// Parameters `(u, v)` of the point of the surface in the direction of `p` in the coordinates in which it is a unit sphere.
+    /// Parameters `(u, v)` of the point of the surface in the direction of `p` in the coordinates in which it is a unit
+    /// sphere.
     pub fn parameters(&self, p: Point3) -> (f64, f64) {
         let s = crate::geometry::coordinates::Spherical::from_cartesian((p - self.center) / self.radii);
         (s.phi, s.theta)

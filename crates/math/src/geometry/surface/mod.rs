@@ -1,7 +1,8 @@
 //! Surfaces of space in their three representations, their normals and the classical objects.
 //!
-//! Implicit functions are negative inside, so gradients point outwards, and parametric normals are turned to agree with them. Textbooks
-//! differ here: `∂u × ∂v` of the usual parameters of an ellipsoid points inwards, and vanishes at its poles.
+//! Implicit functions are negative inside, so gradients point outwards, and parametric normals are turned to agree with
+//! them. Textbooks differ here: `∂u × ∂v` of the usual parameters of an ellipsoid points inwards, and vanishes at its
+//! poles.
 
 mod ellipsoid;
 mod paraboloid;
@@ -76,7 +77,8 @@ pub(crate) mod laws {
     use super::*;
     use crate::geometry::random::Random;
 
-    /// The representations agree, the derivatives are those of the functions, and normals are unit vectors that point outwards.
+    /// The representations agree, the derivatives are those of the functions, and normals are unit vectors that point
+    /// outwards.
     pub fn check(surface: &(impl Implicit + Parametric)) {
         let mut r = Random::new(17);
         let [[u0, u1], [v0, v1]] = surface.domain();

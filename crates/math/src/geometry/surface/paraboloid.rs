@@ -4,8 +4,8 @@ use super::{Explicit, Implicit, Parametric};
 use crate::geometry::Point3;
 use glam::DVec3;
 
-/// The paraboloid `z − c.z = a (x − c.x)² + b (y − c.y)²` around its apex `c`, with parameters in `[−extent, extent]²`. Its inside
-/// is above, its outward normals point down.
+/// The paraboloid `z − c.z = a (x − c.x)² + b (y − c.y)²` around its apex `c`, with parameters in `[−extent, extent]²`.
+/// Its inside is above, its outward normals point down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paraboloid {
     apex: Point3,
@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn the_area_of_a_bowl_is_the_known_one() {
-        // Over the disk of radius R, z = a r² has the area π/(6a²)·((1 + 4a²R²)^{3/2} − 1); ring by ring, from the partials.
+        // Over the disk of radius R, z = a r² has the area π/(6a²)·((1 + 4a²R²)^{3/2} − 1); ring by ring, from the
+        // partials.
         let (a, radius) = (0.8, 1.3);
         let bowl = Paraboloid::new(Point3::ORIGIN, a, a, radius).expect("a bowl");
         let area = crate::quadrature::integrate(

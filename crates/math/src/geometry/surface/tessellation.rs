@@ -34,8 +34,8 @@ impl SurfaceMesh {
     }
 }
 
-/// A mesh of `nu × nv` cells of the domain, two triangles each; cells that a pole shrinks to a triangle get one. Seams keep a vertex
-/// for each of their two parameters.
+/// A mesh of `nu × nv` cells of the domain, two triangles each; cells that a pole shrinks to a triangle get one. Seams
+/// keep a vertex for each of their two parameters.
 ///
 /// `None` for zero cells and for more than `u32` can number.
 pub fn tessellate(surface: &impl Parametric, nu: usize, nv: usize) -> Option<SurfaceMesh> {

@@ -1,4 +1,5 @@
-//! Indices of refraction of optical glasses (SCHOTT): wavelength in nm and value, interleaved. refractiveindex.info, CC0.
+//! Indices of refraction of optical glasses (SCHOTT): wavelength in nm and value, interleaved. refractiveindex.info,
+//! CC0.
 
 /// SCHOTT BK7.
 #[rustfmt::skip]

@@ -1,5 +1,5 @@
-//! Relative spectral power of daylight, LED lamps and discharge lamps in steps of 5 nm: wavelength in nm and value, interleaved.
-//! From the tables of CIE 15:2018.
+//! Relative spectral power of daylight, LED lamps and discharge lamps in steps of 5 nm: wavelength in nm and value,
+//! interleaved. From the tables of CIE 15:2018.
 
 /// Former standard illuminant C (average daylight, 6774 K).
 #[rustfmt::skip]

@@ -1,6 +1,6 @@
-//! Complex indices of refraction η + iκ of metals and oxides: wavelength in nm and value, interleaved. Silver, aluminium,
-//! gold and copper: Palik, *Handbook of Optical Constants of Solids*, by way of the luxpop database; brass (CuZn),
-//! magnesium oxide and titanium dioxide: the measurements that pbrt-v4 gives these names to.
+//! Complex indices of refraction η + iκ of metals and oxides: wavelength in nm and value, interleaved. Silver,
+//! aluminium, gold and copper: Palik, *Handbook of Optical Constants of Solids*, by way of the luxpop database; brass
+//! (CuZn), magnesium oxide and titanium dioxide: the measurements that pbrt-v4 gives these names to.
 
 /// Silver, η.
 #[rustfmt::skip]

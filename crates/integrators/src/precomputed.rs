@@ -3,16 +3,17 @@
 use crate::{
     Plan, Stop,
     caustics::{Caustics, trial},
-    effort::{self, Effort, Local},
+    effort::{self, Local, PathEffort},
     radiosity::Solution,
-    reuse::{self, Suffix},
+    reuse::{self, PathContinuation},
     splitting::{self, Splitting},
 };
 use std::sync::Arc;
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
 
-/// Photons are asked from this [`trial::Outcome::gain`] on: they cost time, and paths that are shared err less than those of the trial.
+/// Photons are asked from this [`trial::Outcome::gain`] on: they cost time, and paths that are shared err less than
+/// those of the trial.
 const WORTH: f64 = 1.8;
 
 /// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
@@ -22,32 +23,33 @@ const FEWEST_SHARING: u64 = 1 << 18;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Tactics {
+pub struct VarianceReduction {
     /// Paths of neighbouring pixels that share what they find: 1 (none do), 4 or 16; `None` where a trial is to tell.
     pub reuse: Option<u32>,
-    /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and some loss elsewhere.
-    /// `None` where a trial is to tell.
+    /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and
+    /// some loss elsewhere. `None` where a trial is to tell.
     pub caustics: Option<bool>,
-    /// How much is spent on which part of the paths that share, with as many paths everywhere; `None` where trials are to tell both.
-    pub effort: Option<Effort>,
+    /// How much is spent on which part of the paths that share, with as many paths everywhere; `None` where trials are
+    /// to tell both.
+    pub effort: Option<PathEffort>,
     /// Whether roulette and splitting go by the efficiency at each vertex.
     pub by_vertex: bool,
 }
 
 /// What integrators know beforehand. Of path tracers it decides about how much samples err, not about their mean.
 #[derive(Clone, Debug, Default)]
-pub struct Survey {
+pub struct Precomputed {
     /// How many paths share what they find; none where it is zero.
     pub(crate) group: u32,
     /// Whether much of what the camera sees lies under the sky, and paths share.
     pub is_open: bool,
     /// Where light lands that mirrors and glass focused.
     pub caustics: Option<Caustics>,
-    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far as a trial of photons
-    /// showed.
+    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far
+    /// as a trial of photons showed.
     pub rarest: Option<f64>,
     /// How much is spent on what.
-    pub effort: Effort,
+    pub effort: PathEffort,
     /// How much is spent on paths by their vertices.
     pub(crate) local: Option<Local>,
     /// How much is spent where.
@@ -58,46 +60,51 @@ pub struct Survey {
     pub radiosity: Option<Arc<Solution>>,
 }
 
-impl Survey {
+impl Precomputed {
     /// Of a scene that radiosity was solved for.
     pub fn of_radiosity(solution: Arc<Solution>) -> Self {
         Self { radiosity: Some(solution), ..Self::default() }
     }
 
     /// Of a scene, for paths of a depth, and the pictures of a plan.
-    pub(crate) fn new<const MEDIA: bool, S: Suffix<MEDIA>>(scene: &Scene, paths: &S, plan: &Plan, stop: &Stop) -> Self {
-        let (depth, tactics) = (paths.depth(), paths.tactics());
-        let mut survey = Self { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Self::default() };
+    pub(crate) fn new<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+        scene: &Scene,
+        paths: &S,
+        plan: &Plan,
+        stop: &Stop,
+    ) -> Self {
+        let (depth, variance_reduction) = (paths.depth(), paths.variance_reduction());
+        let mut precomputed = Self { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Self::default() };
         // Where they are not wanted they still tell what the picture lacks.
-        if survey.caustics.is_some() && tactics.caustics != Some(true) {
-            let outcome = trial::trial::<MEDIA>(scene, &survey, depth);
-            if tactics.caustics == Some(false) || outcome.gain < WORTH {
-                survey.caustics = None;
-                survey.rarest = outcome.rarest;
+        if precomputed.caustics.is_some() && variance_reduction.caustics != Some(true) {
+            let outcome = trial::trial::<MEDIA>(scene, &precomputed, depth);
+            if variance_reduction.caustics == Some(false) || outcome.gain < WORTH {
+                precomputed.caustics = None;
+                precomputed.rarest = outcome.rarest;
             }
         }
         let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(plan.sampler.spp);
         let is_open = !(MEDIA && scene.has_media) && is_open(scene);
-        survey.group = match tactics.reuse {
+        precomputed.group = match variance_reduction.reuse {
             Some(group) => group,
             None if samples < FEWEST_SHARING => 1,
-            None => reuse::trial::trial(paths, scene, &Self { is_open, ..survey.clone() }, samples),
+            None => reuse::trial::trial(paths, scene, &Self { is_open, ..precomputed.clone() }, samples),
         };
-        survey.is_open = is_open && survey.group > 1;
-        if tactics.by_vertex {
-            survey.local = Local::explore(paths, scene, &survey);
+        precomputed.is_open = is_open && precomputed.group > 1;
+        if variance_reduction.by_vertex {
+            precomputed.local = Local::explore(paths, scene, &precomputed);
         }
-        match tactics.effort {
-            Some(effort) => survey.effort = effort,
+        match variance_reduction.effort {
+            Some(effort) => precomputed.effort = effort,
             None if samples < FEWEST => {}
             None => {
-                survey.effort = effort::trial(paths, scene, &survey);
+                precomputed.effort = effort::trial(paths, scene, &precomputed);
                 if !plan.adaptive {
-                    survey.splitting = splitting::trial(paths, scene, &survey, samples);
+                    precomputed.splitting = splitting::trial(paths, scene, &precomputed, samples);
                 }
             }
         }
-        survey
+        precomputed
     }
 
     /// How many paths share what they find: 1 where none do.

@@ -26,9 +26,9 @@ pub fn split(x: Vec4) -> ([i32; 4], Vec4) {
     (integers, x - whole)
 }
 
-/// For each lane the texel whose centre comes before the place `x` (texel centres are at halves), and how far the place is beyond it, in
-/// `[0, 1]`: at a centre it may be the texel before that one and 1, which is the same place. Quicker than [`split`]; lanes that are not
-/// within ±2²², and NaN, give some number that is not in `[0, 2²²)`.
+/// For each lane the texel whose centre comes before the place `x` (texel centres are at halves), and how far the place
+/// is beyond it, in `[0, 1]`: at a centre it may be the texel before that one and 1, which is the same place. Quicker
+/// than [`split`]; lanes that are not within ±2²², and NaN, give some number that is not in `[0, 2²²)`.
 #[inline(always)]
 pub fn before(x: Vec4) -> ([i32; 4], Vec4) {
     let shifted = x + (SHIFT - 1.0);
