@@ -12,7 +12,7 @@ use steradian::image::{
     tone::Tone,
 };
 
-/// A physically based renderer for pbrt-v4 and Mitsuba scenes.
+/// A physically based renderer for pbrt-v4, Mitsuba and glTF scenes and for OBJ and PLY models.
 #[derive(Debug, Parser)]
 #[command(
     name = "steradian",
@@ -38,19 +38,19 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Render a scene by every integrator that can, and test whether they agree
     Verify(VerifyArgs),
-    /// Tell what is in a scene, and what of it was approximated or dropped
+    /// Show what is in a scene, and what was approximated or dropped
     Info(InfoArgs),
-    /// List what is there by name: integrators, materials, tones, layers, …
+    /// List names: integrators, materials, lights, layers, tone curves, …
     List(ListArgs),
-    /// Measure a material: values, albedo, gloss, polar plot, a picture of a ball
+    /// Measure a material: BSDF values, albedo, gloss, polar plot, a rendered ball
     Material(Box<MaterialArgs>),
-    /// Measure how far pictures are apart
+    /// Compare two pictures: error metrics, z-test, a picture of the difference
     Compare(CompareArgs),
     /// Convert a picture to another format, or a scene to Steradian's own
     Convert(ConvertArgs),
-    /// Measure the speed of single parts
+    /// Measure the speed of ray queries and acceleration structures
     Bench(BenchArgs),
-    /// Tell what waves a picture holds, and where they would appear if it were sampled more coarsely
+    /// Compute the spectrum of a picture, and the aliases of a coarser sampling
     Signal(SignalArgs),
     /// Run an experiment of optics: diffraction, interference, prisms, rainbows, thermal light, …
     Optics(Box<ExperimentArgs>),
@@ -58,7 +58,7 @@ pub enum Command {
     Vision(Box<ExperimentArgs>),
     /// Run an experiment of Monte Carlo integration: error against samples, importance, branching, …
     Estimate(Box<ExperimentArgs>),
-    /// Print the completions of a shell
+    /// Print shell completions
     Completions {
         /// The shell.
         shell: clap_complete::Shell,
@@ -75,38 +75,38 @@ impl Command {
 /// Which scene, and how to read it.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SceneOptions {
-    /// Format of a scene that is read from standard input, instead of what its beginning looks like
+    /// Format of a scene on standard input; default: detected from its first bytes
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::EXTENSIONS.iter().map(|e| e.0)), help_heading = "Scene")]
     pub format: Option<String>,
-    /// Frame size in pixels instead of the scene's
+    /// Size of the frame in pixels; overrides the scene's
     #[arg(long, value_name = "WxH", help_heading = "Scene")]
     pub size: Option<Size>,
-    /// Pixels to render, from the top left, the last ones exclusive
+    /// Part of the frame to render: pixels from the top left, X1 and Y1 exclusive
     #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = "Scene")]
     pub crop: Option<Rectangle>,
-    /// Camera by name, or by number from 0, instead of the first
+    /// Camera to use, by name or by number from 0; default: the first
     #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
     pub camera: Option<String>,
-    /// Colour: the format's way (pbrt is spectral, others RGB), or always one of both
+    /// Colour arithmetic; auto is spectral for pbrt scenes and RGB for others
     #[arg(long, value_enum, default_value_t, help_heading = "Scene")]
     pub color: Color,
-    /// Structure that rays go through (see `steradian list accelerators`); the picture has the same bits with any
+    /// Acceleration structure (`steradian list accelerators`); does not change the picture
     #[arg(long, value_name = "NAME", value_parser = accelerator_names(), default_value = "bvh", help_heading = "Scene")]
     pub accelerator: String,
-    /// Memory for textures (512MiB, 2GiB, …); what is beyond waits in a temporary file. The picture has the same bits
+    /// Memory for textures (512MiB, 2GiB, …); the rest is kept in a temporary file. Does not change the picture
     #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = "Scene")]
     pub texture_limit: Option<usize>,
-    /// Look pictures up by one texel drawn at random, whose mean is the value of the filter
+    /// Look up one random texel instead of filtering; the expected value is the same
     #[arg(long, help_heading = "Scene")]
     pub stochastic_textures: bool,
-    /// Set a parameter ($NAME) of a Mitsuba scene, or `at` (seconds), `animation`, `variant`, `scene` of a glTF scene,
-    /// or `ground=false` of a model; may be repeated
+    /// Set a $parameter of a Mitsuba scene; at=SECONDS, animation, variant, scene of a glTF scene; ground=false of a
+    /// model. Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
-    /// Refuse scenes of which something would be approximated, dropped, or not used (a mistyped parameter)
+    /// Refuse a scene if anything is approximated, dropped, or unused (such as a mistyped parameter)
     #[arg(long, help_heading = "Scene")]
     pub strict: bool,
-    /// Threads; 0 for one per processor. The picture has the same bits for any number
+    /// Number of threads; 0 is one per processor. Does not change the picture
     #[arg(long, alias = "nthreads", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
 }
@@ -132,37 +132,36 @@ pub struct RenderArgs {
     /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply), - for standard input, or builtin:NAME (see
     /// `steradian list scenes`)
     pub scene: Option<PathBuf>,
-    /// Output file, its format by extension: .exr .png .hdr .pfm .ppm .jpg; may be repeated. Without it SCENE's name
-    /// with .exr and .png in the current folder
+    /// Output file (.exr .png .hdr .pfm .ppm .jpg .dds .ktx2). Repeatable. Default: SCENE.exr and SCENE.png in the current
+    /// folder
     #[arg(short, long = "output", alias = "outfile", value_name = "OUT")]
     pub output: Vec<PathBuf>,
-    /// How light is followed, instead of the scene's way
+    /// Override the scene's integrator (`steradian list integrators`)
     #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator, help_heading = "Quality")]
     pub integrator: Option<String>,
     /// Samples per pixel; 1k is 1000
     #[arg(long, value_name = "N", value_parser = values::spp, allow_hyphen_values = true, help_heading = "Quality")]
     pub spp: Option<u32>,
-    /// Time of rendering (10s, 2m, 1h30m) after which to stop; without --spp as many samples are taken as it allows
+    /// Stop after this time of rendering (10s, 2m, 1h30m); without --spp the number of samples is unlimited
     #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = "Quality")]
     pub time: Option<Duration>,
-    /// Estimated relative error of the picture (0.05, or 5%) at which to stop; without --spp as many samples are taken
-    /// as it needs
+    /// Stop at this estimated relative error (0.05, or 5%); without --spp the number of samples is unlimited
     #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Quality")]
     pub error: Option<f64>,
-    /// Give parts of the picture that err more more of the samples, where that pays; --spp is the mean then
+    /// Spend more samples on noisy regions; --spp becomes the average
     #[arg(long, help_heading = "Quality")]
     pub adaptive: bool,
-    /// Chooses among statistically equal pictures
+    /// Random seed
     #[arg(long, value_name = "N", help_heading = "Quality")]
     pub seed: Option<u64>,
-    /// Most scattering events on a path; -1 for no limit
+    /// Maximum number of scattering events of a path; -1 for no limit
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
-    /// Random numbers (see `steradian list samplers`); `scene` for those that the file names
+    /// Sampler (`steradian list samplers`); `scene` uses the one that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
-    /// Keep the render in FILE, every half minute and at its end, and go on from it if it is there: the picture has the
-    /// bits of a render that was never stopped
+    /// Save the state in FILE every 30 s and at the end; continue from FILE if it exists. The picture has the bits of an
+    /// uninterrupted render
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
     /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on
@@ -171,11 +170,10 @@ pub struct RenderArgs {
     /// Frames per second of --frames
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate)]
     pub fps: f64,
-    /// Leave what lies behind all surfaces out of the picture; write coverage as alpha (premultiplied in .exr, straight
-    /// in .png)
+    /// Transparent background: write coverage as alpha (premultiplied in .exr, straight in .png)
     #[arg(long)]
     pub transparent: bool,
-    /// Layers to add to .exr files (a comma-separated list of `steradian list layers`, or `all`)
+    /// Extra layers in .exr files: names of `steradian list layers`, separated by commas, or `all`
     #[arg(long, value_name = "LIST")]
     pub aov: Vec<Layers>,
     /// The scene.
@@ -184,7 +182,7 @@ pub struct RenderArgs {
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     pub quiet: bool,
     /// Print one line of JSON about the render to stdout
@@ -226,7 +224,7 @@ pub struct FileOptions {
 /// Sample type of EXR files.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum ExrPrecision {
-    /// 16 bits; depth, positions, ids and counts stay 32.
+    /// 16 bits; depth, positions, ids and counts keep 32.
     Half,
     /// 32 bits.
     #[default]
@@ -236,7 +234,7 @@ pub enum ExrPrecision {
 /// Compression of EXR files.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum ExrCompression {
-    /// As it is.
+    /// Uncompressed.
     None,
     /// Deflate.
     #[default]
@@ -300,9 +298,9 @@ pub struct InfoArgs {
 /// `steradian list`.
 #[derive(Args, Debug)]
 pub struct ListArgs {
-    /// Which kind of thing (integrators, materials, tones, …); all without it
+    /// Family of names: integrators, materials, tones, …; default: all
     pub family: Option<String>,
-    /// Print the page of documentation of the materials
+    /// Print the documentation of the materials as Markdown
     #[arg(long, conflicts_with = "json")]
     pub markdown: bool,
     /// Print one line of JSON to stdout
@@ -318,27 +316,27 @@ pub struct ListArgs {
     Directions are unit vectors away from the surface, z along the normal, x along the tangent."
 )]
 pub struct MaterialArgs {
-    /// A kind of material (`steradian list materials`), or SCENE:NAME for one of a scene file
+    /// Kind of material (`steradian list materials`), or SCENE:NAME for a material of a scene file
     pub material: String,
-    /// Parameters of the kind; may be repeated
+    /// Parameter of the material. Repeatable
     #[arg(short, long, value_name = "NAME=VALUE", num_args = 1.., value_parser = values::definition)]
     pub params: Vec<(String, String)>,
     /// Write polar slices through the lobes as SVG
     #[arg(long, value_name = "OUT.svg")]
     pub plot: Option<PathBuf>,
-    /// Write a picture of a ball of it (of the scene, for a material of one)
+    /// Render a ball of the material into this file (for SCENE:NAME, the scene)
     #[arg(long, value_name = "OUT")]
     pub picture: Option<PathBuf>,
     /// Samples per pixel of the picture
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     pub spp: u32,
-    /// Table of the parts of light that are reflected and transmitted, by angle
+    /// Print reflected and transmitted albedo by angle of incidence
     #[arg(long)]
     pub albedo: bool,
-    /// Gloss units at 20°, 60° and 85° (ISO 2813)
+    /// Print gloss units at 20°, 60° and 85° (ISO 2813)
     #[arg(long)]
     pub gloss: bool,
-    /// Parameters of Ward's, Cook and Torrance's and the GGX model that come nearest to it
+    /// Fit the models of Ward, of Cook and Torrance, and GGX to the material
     #[arg(long)]
     pub fit: bool,
     /// Write a table of angles that the material 'measured' reads (isotropic, every 5° and 10° of azimuth)
@@ -348,22 +346,22 @@ pub struct MaterialArgs {
     /// the rays that its middle sends back
     #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval", "microsurface"])]
     pub geometry: Option<String>,
-    /// The same for a random Gaussian surface of this roughness α (Beckmann's), made of the kind
+    /// Measure a random Gaussian surface of this roughness α (Beckmann), made of the kind, as if it were a material
     #[arg(long, value_name = "ALPHA", value_parser = values::roughness, conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval"])]
     pub microsurface: Option<f32>,
     /// Values and densities for pairs of directions from a JSON file: [{"wo": [x,y,z], "wi": [x,y,z]}, …]
     #[arg(long, value_name = "PAIRS.json")]
     pub eval: Option<PathBuf>,
-    /// Evaluate for importance, as paths from lights do, rather than radiance
+    /// Evaluate for importance (paths from lights) instead of radiance
     #[arg(long)]
     pub importance: bool,
-    /// Samples of each reading
+    /// Samples for each measurement
     #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..=1 << 26))]
     pub samples: u32,
-    /// Where textures are looked up
+    /// Texture coordinates at which to measure
     #[arg(long, value_name = "U,V", value_parser = values::pair, default_value = "0.5,0.5")]
     pub uv: [f32; 2],
-    /// Wavelengths in nm at which spectral scenes are measured
+    /// Wavelengths in nm at which to measure spectral scenes
     #[arg(long, value_name = "A,B,C,D", value_parser = values::wavelengths)]
     pub wavelengths: Option<[f32; 4]>,
     /// The scene.
@@ -386,7 +384,7 @@ pub struct MaterialArgs {
 pub struct VerifyArgs {
     /// Scene file, or builtin:NAME
     pub scene: PathBuf,
-    /// Integrators to verify, with options, instead of all; may be repeated
+    /// Integrator to verify, with options. Repeatable. Default: all
     #[arg(short, long, value_name = "NAME[:key=value,...]")]
     pub integrator: Vec<String>,
     /// Samples per pixel
@@ -414,25 +412,25 @@ pub struct VerifyArgs {
     `variance` layers and `samplesPerPixel` of their own are tested without being asked."
 )]
 pub struct CompareArgs {
-    /// A picture
+    /// First picture
     pub a: PathBuf,
-    /// Another, or what the first is compared to
+    /// Second picture; the reference, unless --reference is given
     #[arg(required_unless_present = "reference")]
     pub b: Option<PathBuf>,
-    /// What the pictures are compared to; may be repeated
+    /// Reference picture. Repeatable
     #[arg(short, long, value_name = "R")]
     pub reference: Vec<PathBuf>,
     /// Picture with the variance of one sample per pixel, for a z-test
     #[arg(long, value_name = "VAR")]
     pub variance: Option<PathBuf>,
-    /// Samples per pixel of the tested pictures, for the z-test; by default what their metadata say
+    /// Samples per pixel of the tested pictures, for the z-test; default: from their metadata
     #[arg(long, value_name = "N", requires = "variance")]
     pub samples: Option<f64>,
-    /// Write a picture of the differences: of .png and .jpg the FLIP error of each pixel in colours from black (none)
-    /// to light yellow (1), of .exr, .hdr and .pfm the absolute differences
+    /// Write a picture of the differences: .png and .jpg show FLIP errors from black (0) to light yellow (1); .exr, .hdr
+    /// and .pfm hold absolute differences
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// Exit with code 4 when a metric of any pair is above a value (or not a number); may be repeated
+    /// Exit with code 4 if a metric is above a value, or not a number. Repeatable
     #[arg(long, value_name = "METRIC=VALUE")]
     pub fail_above: Vec<Threshold>,
     /// Print one line of JSON to stdout; infinite numbers are null
@@ -450,10 +448,10 @@ pub struct ConvertArgs {
     /// Layer of the picture to write: a name of `steradian list layers`, or of channels in the file (N, diffuse, Z, …)
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
-    /// Scenes: what was exact, approximated and dropped, as Markdown
+    /// Scenes: write a report of what was exact, approximated and dropped (Markdown)
     #[arg(long, value_name = "FILE.md")]
     pub report: Option<PathBuf>,
-    /// Scenes: render both sides small, and tell the difference in numbers
+    /// Scenes: render both sides at a small size and print the difference
     #[arg(long)]
     pub check: bool,
     /// Files.
@@ -466,13 +464,13 @@ pub struct ConvertArgs {
 pub struct SignalArgs {
     /// A picture
     pub input: PathBuf,
-    /// Sample at every N-th pixel
+    /// Sample every N-th pixel
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub step: u32,
     /// Filter before sampling
     #[arg(long, value_name = "NAME", default_value = "box", value_parser = PossibleValuesParser::new(Prefilter::ALL.map(|f| f.0)))]
     pub prefilter: String,
-    /// How many of the strongest waves to tell
+    /// Number of strongest waves to print
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub waves: u32,
     /// What to draw; may be repeated. A picture: the signal, its spectrum, the spectrum after sampling, the samples,

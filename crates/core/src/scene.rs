@@ -118,7 +118,7 @@ pub struct Settings {
     pub sampler: SamplerKind,
     /// The one that the file names, which is another one than `sampler` where files of other programs name theirs.
     pub named_sampler: SamplerKind,
-    /// Chooses among statistically equal images.
+    /// Random seed.
     pub seed: u64,
 }
 

@@ -17,54 +17,24 @@ use steradian_core::Scene;
 
 /// The integrators: name, and what it does.
 pub const INTEGRATORS: &[(&str, &str)] = &[
-    (
-        "path",
-        "path tracing with next-event estimation, multiple importance sampling, Russian roulette, paths shared among pixels, and photons that find light behind mirrors and glass where that pays; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
-    ),
-    (
-        "volpath",
-        "the same through participating media; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
-    ),
-    ("direct", "light that scattered once; hide_emitters"),
-    ("whitted", "mirrors and glass followed both ways, every light asked at every surface; max_depth"),
-    ("ao", "ambient occlusion: the part of an even sky that a surface sees; distance (no limit)"),
+    ("path", "path tracing; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)"),
+    ("volpath", "path tracing with participating media; the options of path"),
+    ("direct", "direct light; hide_emitters"),
+    ("whitted", "Whitted ray tracing: mirrors, glass, and direct light from every light; max_depth"),
+    ("ao", "ambient occlusion; distance (no limit)"),
     ("raycast", "the colour of the first surface"),
-    (
-        "path-recursive",
-        "path tracing in recursive form, bit for bit equal to 'path'; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)",
-    ),
-    (
-        "radiosity",
-        "light exchanged by Lambertian patches, solved once for all cameras; method (gauss-seidel, jacobi, direct, shooting, hierarchical, stochastic), factors (analytic, montecarlo, hemicube), patches (2000), adaptive (1), tolerance, rays, gather (0), smooth (true), ambient, solution (a file that keeps it)",
-    ),
-    (
-        "light",
-        "light tracing: paths from lights, connected to the camera; for caustics on surfaces that are not smooth; max_depth, rr_depth, hide_emitters",
-    ),
-    (
-        "bdpt",
-        "bidirectional path tracing with all connections, weighted by the power heuristic; max_depth, rr_depth, hide_emitters",
-    ),
-    (
-        "vcm",
-        "vertex connection and merging: bidirectional path tracing and photons; max_depth, rr_depth, hide_emitters, radius or pixels (3)",
-    ),
-    (
-        "sppm",
-        "stochastic progressive photon mapping; max_depth, rr_depth, hide_emitters, radius or pixels (3), photons (one for a pixel)",
-    ),
-    (
-        "photon",
-        "photon mapping with a map of caustics and a final gather; max_depth, rr_depth, hide_emitters, radius or pixels (1), photons (one for a pixel), nearest (all), gather (true)",
-    ),
-    (
-        "pssmlt",
-        "Metropolis light transport over the random numbers of bidirectional paths; max_depth, rr_depth, hide_emitters, large_step (0.3)",
-    ),
-    ("stokes", "path tracing of polarised light: its radiance S0; max_depth, rr_depth, hide_emitters"),
-    ("stokes-s1", "of polarised light, the horizontal over the vertical polarisation S1 (may be negative)"),
-    ("stokes-s2", "of polarised light, the diagonal polarisation S2 (may be negative)"),
-    ("stokes-s3", "of polarised light, the circular polarisation S3 (may be negative)"),
+    ("path-recursive", "path in recursive form, with the same bits; the options of path"),
+    ("radiosity", "radiosity of Lambertian patches; method, factors, patches (2000), gather (0), solution, …"),
+    ("light", "light tracing: paths from lights to the camera; max_depth, rr_depth, hide_emitters"),
+    ("bdpt", "bidirectional path tracing; max_depth, rr_depth, hide_emitters"),
+    ("vcm", "vertex connection and merging; max_depth, rr_depth, hide_emitters, radius or pixels (3)"),
+    ("sppm", "stochastic progressive photon mapping; max_depth, hide_emitters, radius or pixels (3), photons"),
+    ("photon", "photon mapping; max_depth, radius or pixels (1), photons, nearest (all), gather (true)"),
+    ("pssmlt", "Metropolis light transport in primary sample space; max_depth, rr_depth, large_step (0.3)"),
+    ("stokes", "path tracing of polarised light, radiance S0; max_depth, rr_depth, hide_emitters"),
+    ("stokes-s1", "polarised light: S1, horizontal minus vertical (may be negative)"),
+    ("stokes-s2", "polarised light: S2, diagonal (may be negative)"),
+    ("stokes-s3", "polarised light: S3, circular (may be negative)"),
 ];
 
 /// An integrator, ready to run.

@@ -34,13 +34,16 @@ pub enum Error {
     },
     /// An integrator option that does not exist or has no such value.
     #[error(
-        "option '{option}' of integrator '{integrator}' is not understood; options are written NAME:key=value,key=value, and its keys are {keys}"
+        "option '{option}' of integrator '{integrator}' is not understood{hint}; options are written \
+         NAME:key=value,key=value, and its keys are {keys}"
     )]
     IntegratorOption {
         /// What was asked for.
         option: String,
         /// The integrator.
         integrator: String,
+        /// The nearest of its keys, if one is near.
+        hint: String,
         /// The options that it has, with their defaults.
         keys: String,
     },

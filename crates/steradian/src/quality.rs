@@ -31,7 +31,7 @@ pub struct Quality {
     pub adaptive: bool,
     /// The relative error of the picture ([`steradian_integrators::Session::error`]) at which to stop.
     pub error: Option<f64>,
-    /// Chooses among statistically equal images.
+    /// Random seed.
     pub seed: Option<u64>,
     /// Threads; 0 for one per processor.
     pub threads: usize,
@@ -237,9 +237,14 @@ impl Quality {
 
 /// An option that an integrator does not have, or not with that value.
 fn unknown_option(integrator: &str, option: &str) -> Error {
-    let described = INTEGRATORS.iter().find(|i| i.0 == integrator).and_then(|i| i.1.rsplit_once("; "));
-    let keys = described.map_or_else(|| "none".into(), |d| d.1.into());
-    Error::IntegratorOption { option: option.into(), integrator: integrator.into(), keys }
+    // Those of path tracers are written out once.
+    let listed = if matches!(integrator, "volpath" | "path-recursive") { "path" } else { integrator };
+    let described = INTEGRATORS.iter().find(|i| i.0 == listed).and_then(|i| i.1.rsplit_once("; "));
+    let keys = described.map_or("none", |d| d.1);
+    let known = keys.split([',', ' ']).filter(|k| k.starts_with(|c: char| c.is_ascii_lowercase()) && *k != "or");
+    let key = option.split('=').next().unwrap_or(option).trim();
+    let hint = did_you_mean(key, known).map(|h| format!(" ({h})")).unwrap_or_default();
+    Error::IntegratorOption { option: option.into(), integrator: integrator.into(), hint, keys: keys.into() }
 }
 
 /// The options of ambient occlusion.

@@ -99,6 +99,8 @@ fn slips_are_answered_plainly() {
         (&["--spp", "many"], &["a number of samples"]),
         (&["--tonemap", "filmic"], &["unknown tone curve `filmic` (known: none, "]),
         (&["-o", "out.pnh"], &["did you mean 'png'?", ".exr"]),
+        (&["--integrator", "path:maxdepth=3"], &["did you mean 'max_depth'?"]),
+        (&["--integrator", "raycast:reuse=4"], &["'reuse=4' of integrator 'raycast'"]),
     ] {
         place.refuse(2, &[&["render", "ball.pbrt"][..], arguments].concat(), about);
     }

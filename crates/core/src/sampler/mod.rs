@@ -98,7 +98,7 @@ pub struct Sampler {
     pub kind: SamplerKind,
     /// Samples per pixel; the strata of samplers that have a fixed number.
     pub spp: u32,
-    /// Chooses among statistically equal images.
+    /// Random seed.
     pub seed: u64,
 }
 
