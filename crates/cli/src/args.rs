@@ -164,6 +164,9 @@ pub struct RenderArgs {
     /// uninterrupted render
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
+    /// Write the outputs at these intervals while rendering (10s, 2m); SIGUSR1 writes them at once
+    #[arg(long, value_name = "DURATION", value_parser = values::duration)]
+    pub watch: Option<Duration>,
     /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on
     #[arg(long, value_name = "A..B", value_parser = values::frames)]
     pub frames: Option<Frames>,

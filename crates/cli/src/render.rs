@@ -22,9 +22,9 @@ use std::{
 };
 use steradian::{
     ColorMode, Layer, Quality, Scene, Session,
-    image::{FileKind, WriteOptions},
+    image::{FileKind, Image, WriteOptions},
     inputs::is_same_file,
-    integrators::SCALES,
+    integrators::{Doubt, SCALES},
     radiosity,
     resume::{self, Recipe},
 };
@@ -123,15 +123,24 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if let Some(keeper) = &keeper {
         keeper.restore(&mut session, pixels)?;
     }
+    let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
+    let making = Making { scene: &scene, name, integrator, color, seed: plan.sampler.seed, layers: &quality.layers };
     let stop = watch::render(
         &mut session,
         (pixels, planned),
-        args.time,
+        (args.time, args.watch),
         &signals,
         || Progress::new(terminal),
-        |session| {
-            if let Some(keeper) = &keeper {
+        |session, due| {
+            if let Some(keeper) = keeper.as_ref().filter(|_| due.state) {
                 keeper.keep(session);
+            }
+            if due.picture && session.counters().samples > 0 {
+                let Made { picture, empty_pixels, .. } = making.picture(session);
+                match output::save(&outputs, &picture, &write_options, empty_pixels == 0) {
+                    Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
+                    Err(failure) => terminal.warn(&failure.message),
+                }
             }
         },
     );
@@ -156,31 +165,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
             _ => Err(Failure::failed("the time was up before the first sample: no picture was written")),
         };
     }
-    let spp = done.samples as f64 / pixels as f64;
-    let error = session.error();
-    let doubt = session.doubt();
-    let of_means = session.errors_of_means().map(|errors| SCALES.into_iter().zip(errors).collect::<BTreeMap<_, _>>());
-    let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
-    let film = session.film();
-    let mut picture = steradian::develop(&scene, &film, &quality.layers);
-    let empty_pixels = film.pixels.iter().filter(|p| p.samples == 0).count() as u64;
-    drop(film);
-    let provenance = Provenance {
-        scene: name,
-        integrator,
-        spp,
-        seed: plan.sampler.seed,
-        seconds: session.wall().as_secs_f64(),
-        nonfinite: done.nonfinite,
-        color,
-        error,
-        doubt,
-        adaptive: session.is_uneven(),
-        caustics: session.asks_photons(),
-        sharing: session.sharing(),
-        of_means: of_means.as_ref(),
-    };
-    output::label(&mut picture, &scene, &provenance);
+    let Made { picture, empty_pixels, spp, error, doubt, of_means } = making.picture(&session);
     let written = output::save(&outputs, &picture, &write_options, empty_pixels == 0).map_err(|mut failure| {
         if let (Some(keeper), Ok(())) = (&keeper, &kept) {
             failure.message +=
@@ -240,6 +225,60 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         Some(Stop::Signal(signal)) => 128 + signal,
         _ => failure::DONE,
     })
+}
+
+/// What a picture's metadata say beside what its session knows.
+struct Making<'a> {
+    scene: &'a Scene,
+    name: &'a str,
+    integrator: &'a str,
+    color: &'a str,
+    seed: u64,
+    layers: &'a [Layer],
+}
+
+/// A picture with its metadata.
+struct Made {
+    picture: Image,
+    /// Pixels without a sample.
+    empty_pixels: u64,
+    /// Mean samples per pixel.
+    spp: f64,
+    error: Option<f64>,
+    doubt: Option<Doubt>,
+    /// By the edges of squares.
+    of_means: Option<BTreeMap<u32, f64>>,
+}
+
+impl Making<'_> {
+    /// The picture as it is.
+    fn picture(&self, session: &Session<'_>) -> Made {
+        let film = session.film();
+        let mut picture = steradian::develop(self.scene, &film, self.layers);
+        let empty_pixels = film.pixels.iter().filter(|p| p.samples == 0).count() as u64;
+        let done = session.counters();
+        let spp = done.samples as f64 / film.pixels.len().max(1) as f64;
+        drop(film);
+        let (error, doubt) = (session.error(), session.doubt());
+        let of_means = session.errors_of_means().map(|errors| SCALES.into_iter().zip(errors).collect());
+        let provenance = Provenance {
+            scene: self.name,
+            integrator: self.integrator,
+            spp,
+            seed: self.seed,
+            seconds: session.wall().as_secs_f64(),
+            nonfinite: done.nonfinite,
+            color: self.color,
+            error,
+            doubt,
+            adaptive: session.is_uneven(),
+            caustics: session.asks_photons(),
+            sharing: session.sharing(),
+            of_means: of_means.as_ref(),
+        };
+        output::label(&mut picture, self.scene, &provenance);
+        Made { picture, empty_pixels, spp, error, doubt, of_means }
+    }
 }
 
 /// Refuses names under which a render cannot be kept.

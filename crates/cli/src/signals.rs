@@ -1,4 +1,4 @@
-//! SIGINT and SIGTERM: the first asks for an orderly end, the second does not ask.
+//! SIGINT and SIGTERM: the first asks for an orderly end, the second does not ask. SIGUSR1 asks for the picture as it is.
 
 use signal_hook::{
     consts::{SIGINT, SIGTERM},
@@ -9,12 +9,15 @@ use std::sync::{
     atomic::{AtomicBool, AtomicUsize, Ordering},
 };
 
-/// Which signal came, if any.
+/// Which signals came, if any.
 #[derive(Clone, Debug)]
-pub struct Signals(Arc<AtomicUsize>);
+pub struct Signals {
+    end: Arc<AtomicUsize>,
+    picture: Arc<AtomicBool>,
+}
 
 impl Signals {
-    /// Takes over both signals. Until then they end the process as usual.
+    /// Takes over the signals. Until then they end the process as usual.
     ///
     /// # Errors
     /// When the system does not allow it.
@@ -27,12 +30,20 @@ impl Signals {
             flag::register(signal, Arc::clone(&again))?;
             flag::register_usize(signal, Arc::clone(&came), signal as usize)?;
         }
-        Ok(Self(came))
+        let picture = Arc::default();
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGUSR1, Arc::clone(&picture))?;
+        Ok(Self { end: came, picture })
     }
 
-    /// The number of the signal that came.
+    /// Whether SIGUSR1 came since this was last asked.
+    pub fn wants_picture(&self) -> bool {
+        self.picture.swap(false, Ordering::Relaxed)
+    }
+
+    /// The number of the signal that asks for the end.
     pub fn came(&self) -> Option<u8> {
-        match self.0.load(Ordering::Relaxed) {
+        match self.end.load(Ordering::Relaxed) {
             0 => None,
             signal => Some(signal as u8),
         }

@@ -34,25 +34,38 @@ pub enum Stop {
     Signal(u8),
 }
 
+/// What is to be done between steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Due {
+    /// The state is to be saved.
+    pub state: bool,
+    /// The picture is to be written as it is.
+    pub picture: bool,
+}
+
 /// Time beyond the budget for a picture without trials, where these took all of it.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Takes all samples of the plan, or those that the time and the user allow; lets it be kept on the way. Where the time
-/// is up before the first sample, there is some more for a picture without trials.
+/// Takes all samples of the plan, or those that the time and the user allow. Between steps `on_the_way` does what is
+/// due: to save the state every half minute, and to write the picture at intervals of `every` or when SIGUSR1 came.
+/// Where the time is up before the first sample, there is some more for a picture without trials.
 pub fn render(
     session: &mut Session<'_>,
     (pixels, planned): (u64, u64),
-    budget: Option<Duration>,
+    (budget, every): (Option<Duration>, Option<Duration>),
     signals: &Signals,
     progress: impl Fn() -> Progress,
-    mut keep: impl FnMut(&mut Session<'_>),
+    mut on_the_way: impl FnMut(&mut Session<'_>, Due),
 ) -> Option<Stop> {
-    let stop = samples(session, (pixels, planned), budget, signals, progress(), &mut keep);
+    let mut passes = |session: &mut Session<'_>, control: &Control| {
+        steps(session, control, (pixels, every), signals, &mut on_the_way);
+    };
+    let stop = samples(session, (pixels, planned), budget, signals, progress(), &mut passes);
     let is_empty = session.counters().samples == 0;
     if !(is_empty && matches!(stop, Some(Stop::Time)) && session.skip_trials()) {
         return stop;
     }
-    samples(session, (pixels, planned), Some(GRACE), signals, progress(), &mut keep)
+    samples(session, (pixels, planned), Some(GRACE), signals, progress(), &mut passes)
 }
 
 fn samples(
@@ -61,7 +74,7 @@ fn samples(
     budget: Option<Duration>,
     signals: &Signals,
     progress: Progress,
-    keep: &mut impl FnMut(&mut Session<'_>),
+    passes: &mut impl FnMut(&mut Session<'_>, &Control),
 ) -> Option<Stop> {
     let before = session.counters().samples;
     let control = Control::default();
@@ -92,7 +105,7 @@ fn samples(
         });
         // Also when rendering panics the watcher must end, for the scope waits for it.
         let _ended = Ended(&done, watcher.thread().clone());
-        passes(session, control, keep);
+        passes(session, control);
     });
     if session.is_done() {
         // Asked to stop after the last tile: nothing is missing.
@@ -101,20 +114,37 @@ fn samples(
     stop.get().copied()
 }
 
-/// Passes of growing size, small enough that a tile does not take long.
-fn passes(session: &mut Session<'_>, control: &Control, keep: &mut impl FnMut(&mut Session<'_>)) {
+/// Steps of growing size, small enough that a tile does not take long, nor a step much longer than pictures are apart.
+fn steps(
+    session: &mut Session<'_>,
+    control: &Control,
+    (pixels, every): (u64, Option<Duration>),
+    signals: &Signals,
+    on_the_way: &mut impl FnMut(&mut Session<'_>, Due),
+) {
     let mut samples = 1;
-    let mut kept = Instant::now();
+    let (mut kept, mut shown) = (Instant::now(), Instant::now());
     while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
         session.step(samples, control);
         let busy = session.wall().as_secs_f64() * session.threads() as f64;
         let per_thread = session.counters().samples as f64 / busy.max(1e-9);
         let longest = (per_thread * TILE_SECONDS / TILE_PIXELS).clamp(1.0, 65536.0) as u32;
         samples = (2 * samples).min(longest).max(1);
-        if kept.elapsed() >= KEEP_EVERY {
-            keep(session);
-            kept = Instant::now();
+        if let Some(every) = every {
+            let per_second = session.counters().samples as f64 / session.wall().as_secs_f64().max(1e-9);
+            samples = samples.min((per_second * every.as_secs_f64() / pixels.max(1) as f64) as u32).max(1);
         }
+        let due = Due {
+            state: kept.elapsed() >= KEEP_EVERY,
+            picture: signals.wants_picture() || every.is_some_and(|every| shown.elapsed() >= every),
+        };
+        // What comes after the end writes both.
+        if session.is_done() || !(due.state || due.picture) {
+            continue;
+        }
+        on_the_way(session, due);
+        kept = if due.state { Instant::now() } else { kept };
+        shown = if due.picture { Instant::now() } else { shown };
     }
 }
 

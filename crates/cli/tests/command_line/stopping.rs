@@ -141,3 +141,28 @@ fn a_render_goes_on_where_it_was_left() {
     place.refuse(2, &["render", "--size", "48x48", "--resume", "whole.exr"], &["whole.exr", "no saved state"]);
     assert!(std::fs::read(place.path("state")).unwrap() == state);
 }
+
+/// `--watch` and SIGUSR1 write the picture while the render goes on.
+#[test]
+fn pictures_are_written_on_the_way() {
+    for more in [&["--size", "32x32"][..], &["--size", "32x32", "--watch", "100ms"]] {
+        let place = Place::new();
+        let (mut child, mut stderr) = start(&place, more);
+        sampled(&mut stderr);
+        if more.len() == 2 {
+            send("-USR1", &child);
+        }
+        let mut line = String::new();
+        while !line.contains("wrote kept.exr on the way") {
+            line.clear();
+            assert!(stderr.read_line(&mut line).unwrap() > 0, "the render ended");
+        }
+        assert_eq!(place.picture("kept.exr").width(), 32);
+        assert_eq!(child.try_wait().unwrap(), None, "it goes on");
+        send("-INT", &child);
+        // What is told must be read, so that the program is not held up.
+        let mut rest = String::new();
+        stderr.read_to_string(&mut rest).unwrap();
+        assert_eq!(code(&mut child), Some(130), "{rest}");
+    }
+}
