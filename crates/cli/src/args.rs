@@ -16,7 +16,7 @@ use steradian::image::{
 #[derive(Debug, Parser)]
 #[command(
     name = "steradian",
-    version,
+    version = concat!(env!("CARGO_PKG_VERSION"), env!("STERADIAN_COMMIT")),
     about,
     propagate_version = true,
     subcommand_required = true,
