@@ -1,6 +1,7 @@
 //! Groups of lights: pictures can show the light of each by itself.
 
 use super::{Light, Lights};
+use std::collections::HashMap;
 
 /// Which light belongs to which group. Lights and emitting shapes of the same name are one group; those without a name
 /// are one for each light that the file describes.
@@ -12,16 +13,21 @@ pub struct LightGroups {
     pub of_lights: Vec<u32>,
     /// The group of each of [`Lights::emitters`].
     pub of_emitters: Vec<u32>,
+    /// The numbers of the names.
+    numbers: HashMap<String, u32>,
 }
 
 impl LightGroups {
     /// The number of a name, which is added where it is new.
     pub(crate) fn number(&mut self, name: &str) -> u32 {
-        let known = self.names.iter().position(|n| n == name);
-        known.unwrap_or_else(|| {
-            self.names.push(name.into());
-            self.names.len() - 1
-        }) as u32
+        // A scene may have a million lights.
+        if let Some(known) = self.numbers.get(name) {
+            return *known;
+        }
+        let number = self.names.len() as u32;
+        self.names.push(name.into());
+        self.numbers.insert(name.into(), number);
+        number
     }
 
     /// Notes the groups of all lights, those of areas by their emitters; `others` has the light and group of each other

@@ -89,9 +89,9 @@ impl Tile {
         is_finite
     }
 
-    /// Adds what a sample of a pixel has of each group of lights.
+    /// Adds what a sample of a pixel has of each group of lights; what is not finite counts as black.
     pub fn add_lights(&mut self, at: usize, lights: &[Vec3]) {
-        for (sum, light) in self.by_light[at * lights.len()..].iter_mut().zip(lights) {
+        for (sum, light) in self.by_light[at * lights.len()..].iter_mut().zip(lights).filter(|(_, l)| l.is_finite()) {
             *sum = std::array::from_fn(|c| sum[c] + f64::from(light[c]));
         }
     }

@@ -53,8 +53,12 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
         return Err("there is a scene in spite of errors".into());
     }
     let messages = earlier.iter().chain(compiled.diagnostics.iter()).cloned().collect();
-    let layers = Layer::ALL.to_vec();
-    let quality = Quality { spp: Some(2), threads: 1, layers: layers.clone(), ..Quality::default() };
+    let mut quality = Quality { spp: Some(2), threads: 1, layers: Layer::ALL.to_vec(), ..Quality::default() };
+    // Not all integrators have these layers, nor are there any of too many lights.
+    if quality.plan(&scene).is_err() {
+        quality.layers.retain(|layer| *layer != Layer::LightGroups);
+    }
+    let layers = quality.layers.clone();
     // Integrators of other names are refused before the render.
     let plan = match quality.plan(&scene) {
         Ok(plan) => plan,
