@@ -145,7 +145,8 @@ mod tests {
     fn strict_makes_losses_errors() {
         let strict = refuse_losses(&mixed());
         let counts = Counts::of(&strict);
-        assert_eq!((counts.errors, counts.approximated, counts.dropped, counts.unused), (3, 0, 0, 1));
+        assert_eq!((counts.errors, counts.approximated, counts.dropped, counts.unused), (4, 0, 0, 0));
         assert!(strict.iter().any(|d| d.message == "a (approximated, which --strict refuses)"));
+        assert!(strict.iter().any(|d| d.message == "u (unused, which --strict refuses)"));
     }
 }

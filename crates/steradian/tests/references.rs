@@ -152,15 +152,15 @@ fn ratio_without_brightest(a: &[[f32; 3]], b: &[[f32; 3]], count: usize, channel
 
 /// The volume scene has pixels a thousand times brighter than their neighbours, in the reference too: ten of its 36 864
 /// carry a quarter of its energy. So its mean is one of chance, .75 to .99 of the reference's. Without the twenty
-/// brightest pixels of either picture it is .999 at 256 samples and .997 at 1024, in all channels; at the 64 samples
-/// here, .984: the rest still comes in single bright samples, which are left out.
+/// brightest pixels of either picture it is .991 to .999 at 256 samples and .997 at 1024. At 64 samples it is
+/// .974 to .984: more light comes in single bright samples, which are left out.
 #[test]
 fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
     let Some(assets) = assets() else { return };
     let folder = assets.join("pbrt/volumetric-caustic");
     let reference = read(folder.join("pbrt-v4-reference.exr"));
     let size = (reference.width() as u32, reference.height() as u32);
-    let picture = render(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Spectral, 64);
+    let picture = render(folder.join("scene-v4.pbrt"), Some(size), ColorMode::Spectral, 256);
     for c in 0..3 {
         let trimmed = |image: &Image| {
             let mut b = blocks(image, c);
@@ -174,7 +174,7 @@ fn the_volume_scene_matches_pbrt_away_from_its_fireflies() {
         let [a, b] = [&picture, &reference].map(|i| i.to_rgb().expect("colour"));
         let ratio = ratio_without_brightest(&a, &b, 20, c);
         println!("volumetric-caustic channel {c}: {ratio:.4} without the brightest pixels");
-        assert!((0.975..1.01).contains(&ratio), "channel {c}: {ratio}");
+        assert!((0.985..1.01).contains(&ratio), "channel {c}: {ratio}");
     }
 }
 
