@@ -230,12 +230,13 @@ fn photons_are_the_same_on_every_run() {
     assert!(path != bits(Shot { caustics: Some(false), ..shot("path") }));
 }
 
-/// A ball of a model between a small lamp and the floor, of which some about `at` is all that is seen.
-fn lens(model: &str, at: [f64; 3]) -> Scene {
+/// A ball of a model between a square lamp and the floor, of which some about `at` is all that is seen.
+fn lens(model: &str, at: [f64; 3], edge: f64) -> Scene {
     let mut stage = Stage::new();
     let floor = stage.place_mesh(rectangle([-2.0, 0.0, 2.0], [4.0, 0.0, 0.0], [0.0, 0.0, -4.0]));
     floor.material = None;
-    stage.mesh_lamp(rectangle([-0.1, 4.0, -0.1], [0.2, 0.0, 0.0], [0.0, 0.0, 0.2]), 100.0);
+    let lamp = rectangle([-0.5 * edge, 4.0, -0.5 * edge], [edge, 0.0, 0.0], [0.0, 0.0, edge]);
+    stage.mesh_lamp(lamp, 4.0 / (edge * edge));
     stage.solid(sphere([0.0, 1.0, 0.0], 0.5), material(model).with("eta", 1.5));
     stage.film(16, 16).look([0.0, 0.4, -2.0], at, 15.0);
     stage.scene()
@@ -244,7 +245,7 @@ fn lens(model: &str, at: [f64; 3]) -> Scene {
 /// The light that a small lamp sends through a ball of glass onto the floor has a fraction of the noise.
 #[test]
 fn photons_take_noise_from_caustics() {
-    let scene = lens("dielectric", [0.0; 3]);
+    let scene = lens("dielectric", [0.0; 3], 0.2);
     let noise = |caustics, roulette| -> f64 {
         let shot = Shot { caustics: Some(caustics), ..Shot::of("path", 64) };
         let film = shot.depth(4).roulette_after(roulette).take(&scene);
@@ -257,18 +258,24 @@ fn photons_take_noise_from_caustics() {
     assert!(played < 1.2 * with, "{with} without roulette, {played} with it");
 }
 
-/// Photons are asked where they pay: below a lens, and not beside a mirror, which spreads what it has.
+/// Photons are asked where they pay: below a lens, and beside a mirror ball if the lamp is so small that paths hardly
+/// ever find its reflection. The variance of 1024 samples is lower by 12 and 4 with them, and by 1.08 below a wide lamp.
 #[test]
 fn a_trial_tells_whether_photons_pay() {
-    for (model, at, pays) in [("dielectric", [0.0; 3], true), ("conductor", [1.2, 0.0, 0.0], false)] {
-        let scene = lens(model, at);
+    let cases = [
+        ("dielectric", [0.0; 3], 0.2, true),
+        ("conductor", [1.2, 0.0, 0.0], 0.2, true),
+        ("conductor", [1.2, 0.0, 0.0], 3.5, false),
+    ];
+    for (model, at, lamp, pays) in cases {
+        let scene = lens(model, at, lamp);
         let bits = |caustics| -> Vec<_> {
             let film = Shot { caustics, ..Shot::of("path", 4) }.depth(4).take(&scene);
             film.pixels.iter().map(|p| p.mean().map(f64::to_bits)).collect()
         };
         let [asked, not] = [true, false].map(|c| bits(Some(c)));
-        assert!(asked != not, "{model}: no photons are near");
-        assert!(bits(None) == if pays { asked } else { not }, "{model}: the trial should say {pays}");
+        assert!(asked != not, "{model}, lamp {lamp}: no photons are near");
+        assert!(bits(None) == if pays { asked } else { not }, "{model}, lamp {lamp}: the trial should say {pays}");
     }
 }
 
