@@ -63,6 +63,11 @@ pub enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
+    /// Print the manual page, or that of a command: steradian man render | man -l -
+    Man {
+        /// The command.
+        command: Option<String>,
+    },
 }
 
 impl Command {
@@ -142,8 +147,9 @@ pub struct RenderArgs {
     /// Samples per pixel; 1k is 1000
     #[arg(long, value_name = "N", value_parser = values::spp, allow_hyphen_values = true, help_heading = "Quality")]
     pub spp: Option<u32>,
-    /// Stop after this time of rendering (10s, 2m, 1h30m); without --spp the number of samples is unlimited
-    #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = "Quality")]
+    /// Stop after this time of rendering (10s, 2m, 1h30m); without --spp the number of samples is unlimited. 0 takes no
+    /// samples and makes a picture of what --resume keeps
+    #[arg(long, value_name = "DURATION", value_parser = values::time, help_heading = "Quality")]
     pub time: Option<Duration>,
     /// Stop at this estimated relative error (0.05, or 5%); without --spp the number of samples is unlimited
     #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Quality")]
@@ -161,7 +167,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
     /// Save the state in FILE every 30 s and at the end; continue from FILE if it exists. The picture has the bits of an
-    /// uninterrupted render
+    /// uninterrupted render. A finished render continues with a larger --spp
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
     /// Write the outputs at these intervals while rendering (10s, 2m); SIGUSR1 writes them at once

@@ -78,7 +78,9 @@ struct Film {
 #[derive(Debug, Serialize)]
 struct Settings {
     integrator: String,
-    sampler: Option<String>,
+    /// The one that renders use, and the one that the file names.
+    sampler: &'static str,
+    named_sampler: Option<String>,
     filter: Option<String>,
     color: &'static str,
     spp: u32,
@@ -173,7 +175,8 @@ impl Info {
             film,
             settings: scene.map(|s| Settings {
                 integrator: s.settings.integrator.clone(),
-                sampler: kind(desc.sampler),
+                sampler: s.settings.sampler.name(),
+                named_sampler: kind(desc.sampler),
                 filter: kind(desc.filter),
                 color: if s.mode == ColorMode::Spectral { "spectral" } else { "rgb" },
                 spp: s.settings.spp,
@@ -217,7 +220,9 @@ impl Info {
             let depth = s.max_depth.map_or("no limit of depth".into(), |d| format!("depth {d}"));
             row("integrator", format!("{}, {depth}, {} colour", s.integrator, s.color));
             let or_default = |name: &Option<String>| name.clone().unwrap_or_else(|| "default".into());
-            row("sampler", format!("{}, {} spp, seed {}", or_default(&s.sampler), s.spp, s.seed));
+            let other = s.named_sampler.as_ref().filter(|named| *named != s.sampler);
+            let other = other.map(|named| format!("; --sampler scene uses the file's '{named}'")).unwrap_or_default();
+            row("sampler", format!("{}, {} spp, seed {}{other}", s.sampler, s.spp, s.seed));
             row("filter", or_default(&s.filter));
         }
         let c = &self.counts;

@@ -36,6 +36,7 @@ use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 use failure::{Failure, Outcome};
 use std::process::ExitCode;
+use steradian::scene::names;
 use terminal::Terminal;
 
 fn main() -> ExitCode {
@@ -63,6 +64,26 @@ fn main() -> ExitCode {
     ExitCode::from(code)
 }
 
+/// The manual page of the program or of one of its commands.
+fn manual(name: Option<&str>) -> Outcome {
+    let mut program = Cli::command();
+    program.build();
+    let page = match name {
+        None => program,
+        Some(name) => match program.find_subcommand(name) {
+            Some(command) => command.clone(),
+            None => {
+                let known = program.get_subcommands().map(|c| c.get_name());
+                let hint = names::did_you_mean(name, known).map(|h| format!("; {h}")).unwrap_or_default();
+                return Err(Failure::bad_input(format!("there is no command '{name}'{hint}")));
+            }
+        },
+    };
+    let mut text = Vec::new();
+    clap_mangen::Man::new(page).render(&mut text).map_err(Failure::from)?;
+    terminal::data(&text).map(|()| failure::DONE).map_err(Failure::from)
+}
+
 fn run(command: &Command, terminal: Terminal) -> Outcome {
     match command {
         Command::Render(args) => match args.frames {
@@ -85,5 +106,6 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
             clap_complete::generate(*shell, &mut Cli::command(), "steradian", &mut script);
             terminal::data(&script).map(|()| failure::DONE).map_err(Failure::from)
         }
+        Command::Man { command } => manual(command.as_deref()),
     }
 }

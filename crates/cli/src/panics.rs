@@ -2,6 +2,7 @@
 
 use crate::terminal::Terminal;
 use std::{
+    backtrace::{Backtrace, BacktraceStatus},
     panic::{AssertUnwindSafe, catch_unwind, set_hook},
     sync::atomic::{AtomicBool, Ordering},
 };
@@ -21,9 +22,15 @@ pub fn explain(terminal: Terminal) {
         let payload = info.payload();
         let what = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
         let place = info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
+        // As the environment asks for it (RUST_BACKTRACE).
+        let backtrace = Backtrace::capture();
+        let frames = match backtrace.status() {
+            BacktraceStatus::Captured => format!("\n{backtrace}"),
+            _ => " RUST_BACKTRACE=1 adds the calls that led there.".to_owned(),
+        };
         terminal.error(&format!(
             "{}{place}\nThis is a bug in Steradian, not in your file. Please report it with this message, the command line and, where you can, \
-             the scene.",
+             the scene.{frames}",
             what.unwrap_or("stopped by an unknown panic")
         ));
     }));

@@ -26,7 +26,7 @@ use steradian::{
     inputs::is_same_file,
     integrators::{Doubt, SCALES},
     radiosity,
-    resume::{self, Recipe},
+    resume::{self, Recipe, StateError},
 };
 
 /// The scene that is rendered when none is named.
@@ -91,7 +91,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         };
         return raster::run(args, &job, &options, terminal);
     }
-    let plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
+    let mut plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
     // Mattes are counted apart from other layers, and have eight times as many planes.
@@ -105,7 +105,16 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
     }
     let pixels = u64::from(width) * u64::from(height);
-    let planned = pixels * u64::from(plan.sampler.spp);
+    let spp = plan.sampler.spp;
+    let takes_none = args.time.is_some_and(|time| time.is_zero());
+    let planned = pixels * u64::from(spp);
+    if let Some(state) = args.resume.as_deref().filter(|state| state.exists()) {
+        // What was planned first counts for the bits; the rest comes on top.
+        let first = resume::samples(state).map_err(|e| unusable(state, &e))?;
+        plan.sampler.spp = if takes_none { first } else { first.min(spp) };
+    } else if takes_none {
+        return Err(Failure::bad_input("--time 0 takes no samples: it makes a picture of what --resume FILE keeps"));
+    }
     if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {
         terminal.say("note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the whole picture");
     }
@@ -121,29 +130,32 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         Keeper { path, recipe: Recipe::new(&scene, fingerprint, &options, &plan), terminal }
     });
     if let Some(keeper) = &keeper {
-        keeper.restore(&mut session, pixels)?;
+        keeper.restore(&mut session, pixels, (!takes_none).then_some(spp))?;
     }
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
     let making = Making { scene: &scene, name, integrator, color, seed: plan.sampler.seed, layers: &quality.layers };
-    let stop = watch::render(
-        &mut session,
-        (pixels, planned),
-        (args.time, args.watch),
-        &signals,
-        || Progress::new(terminal),
-        |session, due| {
-            if let Some(keeper) = keeper.as_ref().filter(|_| due.state) {
-                keeper.keep(session);
-            }
-            if due.picture && session.counters().samples > 0 {
-                let Made { picture, empty_pixels, .. } = making.picture(session);
-                match output::save(&outputs, &picture, &write_options, empty_pixels == 0) {
-                    Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
-                    Err(failure) => terminal.warn(&failure.message),
+    let watched = (!takes_none).then(|| {
+        watch::render(
+            &mut session,
+            (pixels, planned),
+            (args.time, args.watch),
+            &signals,
+            || Progress::new(terminal),
+            |session, due| {
+                if let Some(keeper) = keeper.as_ref().filter(|_| due.state) {
+                    keeper.keep(session);
                 }
-            }
-        },
-    );
+                if due.picture && session.counters().samples > 0 {
+                    let Made { picture, empty_pixels, .. } = making.picture(session);
+                    match output::save(&outputs, &picture, &write_options, empty_pixels == 0) {
+                        Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
+                        Err(failure) => terminal.warn(&failure.message),
+                    }
+                }
+            },
+        )
+    });
+    let stop = watched.flatten();
 
     // Before the picture, which may fail to be saved for reasons of its own.
     let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut session));
@@ -294,6 +306,10 @@ fn check_state(state: &Path, outputs: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
+fn unusable(state: &Path, why: &StateError) -> Failure {
+    Failure::bad_input(format!("{} {why}; without that file the render begins anew", state.display()))
+}
+
 /// Keeps a session in a file.
 struct Keeper<'a> {
     path: &'a Path,
@@ -302,14 +318,16 @@ struct Keeper<'a> {
 }
 
 impl Keeper<'_> {
-    /// Lets a session go on from the file, if it is there.
-    fn restore(&self, session: &mut Session<'_>, pixels: u64) -> Result<(), Failure> {
+    /// Lets a session go on from the file, if it is there, to `total` samples per pixel.
+    fn restore(&self, session: &mut Session<'_>, pixels: u64, total: Option<u32>) -> Result<(), Failure> {
         if !self.path.exists() {
             return Ok(());
         }
-        self.recipe.restore(session, self.path).map_err(|e| {
-            Failure::bad_input(format!("{} {e}; without that file the render begins anew", self.path.display()))
-        })?;
+        self.recipe.restore(session, self.path).map_err(|e| unusable(self.path, &e))?;
+        if let Some(spp) = total.filter(|spp| !session.extend(*spp)) {
+            let why = format!("was to have more than {spp} samples per pixel");
+            return Err(unusable(self.path, &StateError::OtherSettings(why)));
+        }
         let spp = session.counters().samples as f64 / pixels as f64;
         self.terminal.say(&format!("going on from {} at {spp:.1} samples per pixel", self.path.display()));
         Ok(())

@@ -40,8 +40,19 @@ impl FromStr for Rectangle {
     }
 }
 
+const ABOVE_ZERO: &str = "a time above zero is needed, such as 10s or 2m";
+
 /// A time such as `90`, `10s`, `2m`, `1h30m`, `250ms`.
 pub fn duration(text: &str) -> Result<Duration, String> {
+    let d = time(text)?;
+    if d.is_zero() { Err(ABOVE_ZERO.into()) } else { Ok(d) }
+}
+
+/// A duration that may be zero.
+pub fn time(text: &str) -> Result<Duration, String> {
+    if text.trim().is_empty() {
+        return Err(ABOVE_ZERO.into());
+    }
     let fault = || "write it as 10s, 2m, 1h30m or 250ms".to_owned();
     let mut seconds = 0.0;
     let mut rest = text.trim();
@@ -60,10 +71,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
         rest = &rest[letters..];
         seconds += number * unit;
     }
-    match Duration::try_from_secs_f64(seconds) {
-        Ok(d) if !d.is_zero() => Ok(d),
-        _ => Err("a time above zero is needed, such as 10s or 2m".into()),
-    }
+    Duration::try_from_secs_f64(seconds).map_err(|_| ABOVE_ZERO.into())
 }
 
 /// An amount of memory such as `512MiB`, `2G`, `1500000`: binary units with `KiB` or `K`, decimal ones with `KB`. At

@@ -68,6 +68,12 @@ impl Round {
         Self { number: self.number + 1, start: self.end, end }
     }
 
+    /// An even round after this one, up to `end`. It is never the one after the first of an adaptive render, whose
+    /// samples count for less.
+    pub fn even(self, end: u32) -> Self {
+        Self { number: (self.number + 1).max(2), start: self.end, end }
+    }
+
     /// Samples per pixel in the mean.
     pub fn length(self) -> u32 {
         self.end - self.start

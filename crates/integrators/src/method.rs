@@ -23,6 +23,12 @@ pub trait Method: Debug + Send {
         false
     }
 
+    /// Goes on to more samples per pixel than the plan has. `false`, and nothing is changed, where that cannot be, or
+    /// where there are to be more already.
+    fn extend(&mut self, _samples: u32) -> bool {
+        false
+    }
+
     /// Threads that a step uses.
     fn threads(&self) -> usize;
 
@@ -92,6 +98,10 @@ impl Method for Tiles<'_> {
 
     fn skip_trials(&mut self) -> bool {
         self.skip_trials()
+    }
+
+    fn extend(&mut self, samples: u32) -> bool {
+        self.extend(samples)
     }
 
     fn threads(&self) -> usize {
@@ -197,6 +207,12 @@ impl<'s> Session<'s> {
     /// be noisier. `false`, and nothing is changed, where there are none that can be left out.
     pub fn skip_trials(&mut self) -> bool {
         self.0.skip_trials()
+    }
+
+    /// Goes on to more samples per pixel than the plan has; those that are there stay, and the further ones are
+    /// independent of them. `false`, and nothing is changed, where there are to be more already.
+    pub fn extend(&mut self, samples: u32) -> bool {
+        self.0.extend(samples)
     }
 
     /// Samples that a pixel has, in the mean, when the steps so far are complete.

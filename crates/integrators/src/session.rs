@@ -113,6 +113,8 @@ pub struct Session<'s> {
     /// Ticks of the round that are done, by tiles in which groups begin ([`work`]).
     done: Vec<AtomicU32>,
     round: Round,
+    /// Samples per pixel, in the mean, of the whole render: those of the plan, or more ([`Self::extend`]).
+    total: u32,
     /// Samples per pixel, in the mean, that the steps so far were to reach, and whether all tiles have.
     next: u32,
     is_complete: bool,
@@ -168,6 +170,7 @@ impl<'s> Session<'s> {
             ticks: 0,
             done: (0..(columns + 1) * (rows + 1)).map(|_| AtomicU32::new(0)).collect(),
             round,
+            total: plan.sampler.spp,
             next: 0,
             is_complete: true,
             look: FIRST_LOOK,
@@ -227,7 +230,7 @@ impl<'s> Session<'s> {
             return;
         }
         self.precomputed.stop = Stop::by(&control.cancel);
-        let goal = self.next.saturating_add(samples).min(self.plan.sampler.spp);
+        let goal = self.next.saturating_add(samples).min(self.total);
         loop {
             if !self.is_complete {
                 self.advance(control);
@@ -272,16 +275,21 @@ impl<'s> Session<'s> {
             self.is_good_enough = self.error().is_some_and(|e| e <= error) && self.doubt().is_none();
             self.look = self.look.saturating_add(self.look / 4);
         }
-        if self.next == self.round.end && self.next < self.plan.sampler.spp && !self.is_good_enough {
+        if self.next == self.round.end && self.next < self.total && !self.is_good_enough {
+            let is_even = !self.plan.adaptive || (self.round.number == 0 && self.next >= self.plan.sampler.spp);
             let mut needs = vec![Need::default(); self.tiles.len() * (CELLS * CELLS) as usize];
             for (t, tile) in self.tiles.iter().enumerate() {
                 for (c, need) in lock(tile).needs(self.round).into_iter().enumerate() {
                     needs[self.cell(t, c)] = need;
                 }
             }
-            let round = self.round.next(self.plan.sampler.spp);
-            let counts = adaptive::allocate(&needs, self.columns, round.length());
-            if self.round.number == 0 && adaptive::gain(&needs, &counts, self.round, round) < WORTH {
+            let round = if is_even { self.round.even(self.total) } else { self.round.next(self.total) };
+            let counts = if is_even {
+                vec![round.length(); needs.len()]
+            } else {
+                adaptive::allocate(&needs, self.columns, round.length())
+            };
+            if !is_even && self.round.number == 0 && adaptive::gain(&needs, &counts, self.round, round) < WORTH {
                 // As if nothing else had been asked for.
                 self.round = Round::first(self.plan.sampler.spp, false);
                 for tile in &self.tiles {
@@ -324,6 +332,14 @@ impl<'s> Session<'s> {
         self.ticks = self.targets.iter().copied().max().unwrap_or(0);
     }
 
+    /// Goes on to more samples than the plan has: a further round, with random numbers of its own. `false`, and nothing
+    /// is changed, where there are to be more already.
+    pub fn extend(&mut self, samples: u32) -> bool {
+        let is_more = samples >= self.total;
+        self.total = self.total.max(samples);
+        is_more
+    }
+
     /// Samples that a pixel has, in the mean, when the steps so far are complete.
     pub fn samples(&self) -> u32 {
         self.next
@@ -331,7 +347,7 @@ impl<'s> Session<'s> {
 
     /// Whether the plan is carried out: all samples are taken, or the error is small enough.
     pub fn is_done(&self) -> bool {
-        self.is_complete && (self.next >= self.plan.sampler.spp || self.is_good_enough)
+        self.is_complete && (self.next >= self.total || self.is_good_enough)
     }
 
     /// Whether the plan's error was reached.
@@ -341,7 +357,7 @@ impl<'s> Session<'s> {
 
     /// Whether parts of the picture get more samples than others, as the plan's `adaptive` allows.
     pub fn is_uneven(&self) -> bool {
-        self.round.number > 0
+        self.round.number > 0 && self.plan.adaptive
     }
 
     /// Whether photons tell where light comes from behind mirrors and glass.

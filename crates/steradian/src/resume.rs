@@ -13,11 +13,13 @@ use std::{
 use steradian_integrators::Plan;
 use steradian_scene::{Node, SceneDesc, Value};
 
-const MAGIC: &[u8; 16] = b"Steradian state2";
+const MAGIC: &[u8; 16] = b"Steradian state3";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const HASH: u64 = blake3::OUT_LEN as u64;
 /// Longest text of the settings, bytes.
 const LONGEST: u32 = 1 << 16;
+/// The setting that [`samples`] tells.
+const SAMPLES: &str = "samples per pixel";
 /// Settings of more bytes are not printed.
 const READABLE: usize = 60;
 
@@ -85,6 +87,61 @@ pub(crate) fn fingerprint_of(
     Ok(*hasher.finalize().as_bytes())
 }
 
+/// The samples per pixel of the plan by which a state was saved. A render that is to have more of them begins with this
+/// number, and is [extended](Session::extend) when it has been restored.
+///
+/// # Errors
+/// Why the file is of no use.
+pub fn samples(path: &Path) -> Result<u32, StateError> {
+    let settings = Saved::open(path)?.settings()?;
+    settings.get(SAMPLES).and_then(|samples| samples.parse().ok()).ok_or(StateError::Damaged)
+}
+
+/// A state in a file whose contents match their checksum.
+struct Saved {
+    /// Where the settings begin.
+    file: BufReader<File>,
+    scene: [u8; blake3::OUT_LEN],
+    /// Where the checksum begins.
+    end: u64,
+}
+
+impl Saved {
+    fn open(path: &Path) -> Result<Self, StateError> {
+        let file = File::open(path)?;
+        let length = file.metadata()?.len();
+        let mut file = BufReader::new(file);
+        let mut magic = [0; MAGIC.len()];
+        if length < MAGIC.len() as u64 + HASH || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
+            return Err(StateError::NotAState);
+        }
+        let version = read_text(&mut file).ok_or(StateError::Damaged)?;
+        if version != VERSION {
+            return Err(StateError::OtherVersion(version.chars().filter(|c| !c.is_control()).take(READABLE).collect()));
+        }
+        let start = file.stream_position()?;
+        let end = length - HASH;
+        // The whole of it, before anything is believed.
+        file.rewind()?;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(file.by_ref().take(end))?;
+        let mut hash = [0; blake3::OUT_LEN];
+        file.read_exact(&mut hash)?;
+        if hasher.finalize() != hash {
+            return Err(StateError::Damaged);
+        }
+        file.seek(io::SeekFrom::Start(start))?;
+        let mut scene = [0; blake3::OUT_LEN];
+        file.read_exact(&mut scene)?;
+        Ok(Self { file, scene, end })
+    }
+
+    fn settings(&mut self) -> Result<BTreeMap<String, String>, StateError> {
+        let settings = read_text(&mut self.file).ok_or(StateError::Damaged)?;
+        serde_json::from_str(&settings).map_err(|_| StateError::Damaged)
+    }
+}
+
 impl Recipe {
     /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
     pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, plan: &Plan) -> Self {
@@ -93,7 +150,7 @@ impl Recipe {
         let settings = [
             ("integrator", format!("{:?}", plan.integrator)),
             ("sampler", format!("{:?}", plan.sampler.kind)),
-            ("samples per pixel", plan.sampler.spp.to_string()),
+            (SAMPLES, plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),
             ("layers", plan.features.to_string()),
             ("mattes", plan.mattes.to_string()),
@@ -132,40 +189,16 @@ impl Recipe {
     /// # Errors
     /// Why it cannot; the session is of no use then.
     pub fn restore(&self, session: &mut Session<'_>, path: &Path) -> Result<(), StateError> {
-        let file = File::open(path)?;
-        let length = file.metadata()?.len();
-        let mut file = BufReader::new(file);
-        let mut magic = [0; MAGIC.len()];
-        if length < MAGIC.len() as u64 + HASH || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
-            return Err(StateError::NotAState);
-        }
-        let version = read_text(&mut file).ok_or(StateError::Damaged)?;
-        if version != VERSION {
-            return Err(StateError::OtherVersion(version.chars().filter(|c| !c.is_control()).take(READABLE).collect()));
-        }
-        let start = file.stream_position()?;
-        // The whole of it, before anything is believed.
-        file.rewind()?;
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(file.by_ref().take(length - HASH))?;
-        let mut hash = [0; blake3::OUT_LEN];
-        file.read_exact(&mut hash)?;
-        if hasher.finalize() != hash {
-            return Err(StateError::Damaged);
-        }
-        file.seek(io::SeekFrom::Start(start))?;
-        let mut scene = [0; blake3::OUT_LEN];
-        file.read_exact(&mut scene)?;
-        let theirs = read_text(&mut file).ok_or(StateError::Damaged)?;
-        let theirs: BTreeMap<String, String> = serde_json::from_str(&theirs).map_err(|_| StateError::Damaged)?;
+        let mut saved = Saved::open(path)?;
+        let theirs = saved.settings()?;
         if let Some(difference) = self.difference(&theirs) {
             return Err(StateError::OtherSettings(difference));
         }
-        if scene != self.scene {
+        if saved.scene != self.scene {
             return Err(StateError::OtherScene);
         }
-        session.restore(&mut file).map_err(|_| StateError::Damaged)?;
-        if file.stream_position()? == length - HASH { Ok(()) } else { Err(StateError::Damaged) }
+        session.restore(&mut saved.file).map_err(|_| StateError::Damaged)?;
+        if saved.file.stream_position()? == saved.end { Ok(()) } else { Err(StateError::Damaged) }
     }
 
     /// The first setting that is another one.
@@ -261,6 +294,57 @@ mod tests {
         }
     }
 
+    /// A finished render goes on with more samples: none of the first is lost, the mean and its stated error are right,
+    /// and leaving it on the way changes no bit.
+    #[test]
+    fn a_finished_render_goes_on_with_more_samples() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        let (scene, print) = scene(16);
+        for (integrator, adaptive) in [("path", false), ("path:reuse=16", false), ("path", true), ("light", false)] {
+            let quality =
+                Quality { spp: Some(32), adaptive, integrator: Some(integrator.into()), ..Quality::default() };
+            let plan = quality.plan(&scene).unwrap();
+            let recipe = recipe(&scene, print, &quality);
+            let mut first = Session::new(&scene, plan);
+            first.step(32, &Control::default());
+            recipe.save(&mut first, &path).unwrap();
+            let restored = || {
+                let mut session = Session::new(&scene, plan);
+                recipe.restore(&mut session, &path).unwrap();
+                session
+            };
+            let mut second = restored();
+            assert!(second.is_done() && !second.extend(16) && second.is_done() && second.extend(96));
+            assert!(!second.is_done() && bits(&second) == bits(&first));
+            second.step(96, &Control::default());
+            assert!(second.is_done() && second.samples() == 96, "{integrator}");
+            let samples = |s: &Session<'_>| s.film().pixels.iter().map(|p| u64::from(p.samples)).sum::<u64>();
+            assert_eq!(samples(&second), second.counters().samples);
+            // The state of an extended render is one like any other.
+            let mut third = restored();
+            third.extend(96);
+            third.step(20, &Control::default());
+            recipe.save(&mut third, &path).unwrap();
+            let mut fourth = restored();
+            assert!(!fourth.is_done() && fourth.extend(96));
+            fourth.step(96, &Control::default());
+            assert!(bits(&fourth) == bits(&second), "{integrator}");
+            // Against a reference: the mean is right, and errs less than before.
+            let many = Quality { spp: Some(4096), seed: Some(5), ..quality.clone() };
+            let mut reference = Session::new(&scene, many.plan(&scene).unwrap());
+            reference.step(4096, &Control::default());
+            let total = |s: &Session<'_>| s.film().pixels.iter().map(|p| p.mean()[0]).sum::<f64>();
+            let variance = |s: &Session<'_>| s.film().pixels.iter().map(|p| p.variance_of_mean()[0]).sum::<f64>();
+            let apart = total(&second) - total(&reference);
+            // Paths that share err alike over a group of 16.
+            let alike = if integrator.contains("reuse") { 16.0 } else { 1.0 };
+            let error = (alike * (variance(&second) + variance(&reference))).sqrt();
+            assert!(apart.abs() < 4.5 * error, "{integrator}: {apart} ± {error}");
+            assert!(variance(&second) < 0.6 * variance(&first), "{integrator}: no sample was added");
+        }
+    }
+
     #[test]
     fn only_its_own_render_goes_on() {
         let folder = tempfile::tempdir().unwrap();
@@ -279,6 +363,7 @@ mod tests {
             asked(Quality { spp: Some(16), ..quality.clone() }),
             "was saved with other settings: samples per pixel 8, not 16"
         );
+        assert_eq!(samples(&path).unwrap(), 8);
         assert!(asked(Quality { seed: Some(3), ..quality.clone() }).contains("seed 0, not 3"));
         assert!(asked(Quality { integrator: Some("direct".into()), ..quality.clone() }).contains("another integrator"));
         let mut other = print;

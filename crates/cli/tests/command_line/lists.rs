@@ -49,6 +49,9 @@ fn help_version_and_completions() {
         assert!(place.succeed(&[command, "--help"]).stdout.contains("Usage: steradian"), "{command}");
     }
     assert!(place.succeed(&["completions", "bash"]).stdout.contains("_steradian()"));
+    assert!(place.succeed(&["man"]).stdout.contains("steradian\\-render"));
+    assert!(place.succeed(&["man", "render"]).stdout.contains("\\-\\-spp"));
+    place.refuse(2, &["man", "rendr"], &["did you mean 'render'?"]);
     place.refuse(2, &["rendr"], &["'render'"]);
     place.refuse(2, &[], &["Usage"]);
     // What is not there is not shown.

@@ -142,6 +142,28 @@ fn a_render_goes_on_where_it_was_left() {
     assert!(std::fs::read(place.path("state")).unwrap() == state);
 }
 
+/// A state file becomes a picture by `--time 0`, and a finished render continues with more samples.
+#[test]
+fn a_finished_render_continues_and_its_state_becomes_a_picture() {
+    let place = Place::new();
+    let render = |more: &[&str]| {
+        place.succeed(&[&["render", "--size", "24x24", "--json", "--resume", "state"], more].concat()).json()
+    };
+    let nothing = ["render", "--size", "24x24", "--resume", "state", "--time", "0"];
+    place.refuse(2, &nothing, &["--time 0 takes no samples", "--resume"]);
+    place.refuse(2, &["render", "--time", "0s"], &["--time 0 takes no samples"]);
+    render(&["--spp", "8", "-o", "few.exr"]);
+    let picture = render(&["--time", "0", "-o", "again.exr"]);
+    assert!(picture["spp"] == 8.0 && picture["stopped"].is_null(), "{picture}");
+    assert!(place.picture("few.exr").channel("G") == place.picture("again.exr").channel("G"));
+    assert_eq!(render(&["--spp", "24", "-o", "more.exr"])["spp"], 24.0);
+    assert_eq!(render(&["--time", "0", "-o", "again.exr"])["spp"], 24.0);
+    assert!(place.picture("more.exr").channel("G") == place.picture("again.exr").channel("G"));
+    assert!(place.picture("more.exr").channel("G") != place.picture("few.exr").channel("G"));
+    let fewer = ["render", "--size", "24x24", "--resume", "state", "--spp", "16", "-o", "fewer.exr"];
+    place.refuse(2, &fewer, &["more than 16 samples"]);
+}
+
 /// `--watch` and SIGUSR1 write the picture while the render goes on.
 #[test]
 fn pictures_are_written_on_the_way() {

@@ -261,10 +261,6 @@ impl Compiler<'_> {
             let named = settings.named_sampler;
             if self.desc.format == Format::Native {
                 settings.sampler = named;
-            } else if named != settings.sampler {
-                let ours = settings.sampler.name();
-                let what = format!("sampler '{}' is replaced by '{ours}'; --sampler scene keeps it", node.kind);
-                self.diagnostics.note(&self.desc.sources, node.span, what);
             }
             settings.seed = self.int(node, "seed").unwrap_or(0) as u64;
             match self.int(node, "samples") {

@@ -285,13 +285,6 @@ impl Reader<'_> {
             _ if self.is_known(object) => "sobol",
             _ => return self.unknown_plugin(object),
         };
-        if kind != self.plugin(object) {
-            let message = format!(
-                "the sampler '{}' is replaced by '{kind}', which has the same expectation",
-                self.plugin(object)
-            );
-            self.note(self.span(object), message);
-        }
         let mut node = self.node(Family::Sampler, kind, object);
         let samples = self.int(object, "sample_count").unwrap_or(4);
         if !(1..=i64::from(u32::MAX)).contains(&samples) {

@@ -215,6 +215,8 @@ pub struct Passes<'s> {
     pixels: Vec<Pixel>,
     features: Vec<FirstHitSums>,
     mattes: Vec<MatteSums>,
+    /// Samples per pixel of the whole render: those of the plan, or more.
+    total: u32,
     /// Passes that are in the film.
     passes: u32,
     /// Passes at which the error is looked at next.
@@ -231,6 +233,7 @@ impl<'s> Passes<'s> {
         let n = scene.film.crop.width() as usize * scene.film.crop.height() as usize;
         Self {
             scene,
+            total: plan.sampler.spp,
             plan,
             integrator,
             is_prepared: false,
@@ -291,6 +294,7 @@ impl<'s> Passes<'s> {
     }
 
     fn pass_state(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        self.total.pass(codec)?;
         self.passes.pass(codec)?;
         self.look.pass(codec)?;
         self.is_good_enough.pass(codec)?;
@@ -312,7 +316,7 @@ impl Passes<'_> {
 impl Method for Passes<'_> {
     fn step(&mut self, samples: u32, control: &Control) {
         let (start, cpu) = (Instant::now(), cpu_time());
-        let goal = self.samples().saturating_add(samples).min(self.plan.sampler.spp);
+        let goal = self.samples().saturating_add(samples).min(self.total);
         // What was cancelled is done anew by the next step.
         let _complete = self.advance(goal, control);
         self.time[0] += start.elapsed();
@@ -326,12 +330,18 @@ impl Method for Passes<'_> {
         }
     }
 
+    fn extend(&mut self, samples: u32) -> bool {
+        let is_more = samples >= self.total;
+        self.total = self.total.max(samples);
+        is_more
+    }
+
     fn samples(&self) -> u32 {
         self.passes.saturating_mul(self.integrator.samples_per_pass().max(1))
     }
 
     fn is_done(&self) -> bool {
-        self.samples() >= self.plan.sampler.spp || self.is_good_enough
+        self.samples() >= self.total || self.is_good_enough
     }
 
     fn is_good_enough(&self) -> bool {

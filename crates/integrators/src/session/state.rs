@@ -129,7 +129,7 @@ impl Session<'_> {
         let round = self.round;
         self.aim();
         let ticks = round.share(self.ticks, self.next);
-        let is_sound = round.start <= round.end && round.end <= self.plan.sampler.spp && self.next <= round.end;
+        let is_sound = round.start <= round.end && round.end <= self.total && self.next <= round.end;
         if is_sound && self.done.iter().all(|done| done.load(Ordering::Relaxed) <= ticks) {
             Ok(())
         } else {
@@ -138,6 +138,7 @@ impl Session<'_> {
     }
 
     fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        self.total.pass(codec)?;
         self.round.pass(codec)?;
         self.next.pass(codec)?;
         self.look.pass(codec)?;
