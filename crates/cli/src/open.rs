@@ -4,6 +4,7 @@ use crate::{
     args::{Color, SceneOptions},
     diagnostics::{self, Counts},
     failure::Failure,
+    memory,
     terminal::Terminal,
     values::{Rectangle, Size},
 };
@@ -55,6 +56,7 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
         texture_limit: options.texture_limit,
         stochastic_textures: options.stochastic_textures,
         spp,
+        memory: memory::available(),
         ..CompileOptions::default()
     }
 }

@@ -5,6 +5,7 @@ mod one_shape;
 use steradian_core::{
     ColorMode, Scene,
     color::{Color, Role},
+    compile::{Options, compile},
     material::Model,
     texture::{SpectrumTexture, Texture, TextureContext, TextureId, Textures},
 };
@@ -287,4 +288,33 @@ fn masks_from_afar_keep_their_coverage() {
         uneven += i32::from((hits(&points, spot) - coverage).abs() > 0.2);
     }
     assert!(uneven > 3, "without footprints each spot is a hole or not: {uneven}");
+}
+
+/// What pictures need is added up before one of them is read, from what their files declare; a limit on textures in
+/// memory makes room.
+#[test]
+fn pictures_that_do_not_fit_are_refused_beforehand() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("large.png");
+    // A header alone: 8000 x 6000 pixels of three bytes, 183 MiB with all sizes.
+    let mut header = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR".to_vec();
+    header.extend([8000_u32, 6000].map(u32::to_be_bytes).concat());
+    header.extend([8, 2, 0, 0, 0]);
+    header.extend(0xbe06_7369_u32.to_be_bytes());
+    std::fs::write(&file, &header).unwrap();
+    let said = |memory: Option<u64>, texture_limit: Option<usize>| {
+        let mut desc = SceneDesc::default();
+        let id = desc.add(texture("image").with("file", Value::Path(file.clone())));
+        let material = Node::new(Family::Material, "diffuse", None).with("reflectance", id);
+        one_shape::add(&mut desc, Node::new(Family::Shape, "sphere", None), None, Some(material));
+        let options = Options { memory, texture_limit, ..Options::default() };
+        compile(&desc, &options).diagnostics.iter().map(|d| format!("{} {:?}", d.message, d.help)).collect::<String>()
+    };
+    let refused = said(Some(250 << 20), None);
+    assert!(refused.contains("about 0.3 GiB") && refused.contains("--texture-limit"), "{refused}");
+    // Else it is read, and found to be cut off.
+    for (memory, limit) in [(None, None), (Some(1 << 30), None), (Some(150 << 20), Some(1 << 20))] {
+        let read = said(memory, limit);
+        assert!(read.contains("large.png") && !read.contains("GiB"), "{read}");
+    }
 }

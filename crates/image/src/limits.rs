@@ -13,6 +13,9 @@ pub struct Limits {
     pub channels: u64,
 }
 
+/// What [`Limits::pixels`] bounds, in messages.
+pub(crate) const PIXELS: &str = "the number of pixels";
+
 impl Default for Limits {
     /// 2²⁸ pixels (16384²), 2 GiB, 1024 channels.
     fn default() -> Self {
@@ -30,13 +33,9 @@ impl Limits {
             return Err(Error::malformed(kind, format!("the picture is empty ({width}x{height})")));
         }
         let pixels = width.saturating_mul(height);
-        within("the number of pixels", pixels, self.pixels)?;
+        within(PIXELS, pixels, self.pixels)?;
         within("the decoded size in bytes", pixels.saturating_mul(bytes_per_pixel), self.bytes)?;
-        usize::try_from(pixels).map_err(|_| Error::Limit {
-            what: "the number of pixels",
-            declared: pixels,
-            limit: usize::MAX as u64,
-        })
+        usize::try_from(pixels).map_err(|_| Error::Limit { what: PIXELS, declared: pixels, limit: usize::MAX as u64 })
     }
 
     /// As [`Limits::check`], and also refuses sizes that need more than the `available` bytes when each byte of the

@@ -1,6 +1,6 @@
 //! Which format a file has, and reading it.
 
-use crate::limits::{with_room, within};
+use crate::limits::{PIXELS, with_room, within};
 use crate::{Error, Image, Limits, Result, Texels};
 use std::io::Read;
 use std::path::Path;
@@ -138,6 +138,70 @@ pub fn read_texels(path: &Path, limits: &Limits) -> Result<Texels> {
 /// As [`read`], without the path.
 pub fn read_texels_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> Result<Texels> {
     decode(FileKind::of(bytes, name)?, bytes, limits)
+}
+
+/// As [`read_texels`], band by band: `take` gets a band of at most `height` rows with the row it begins with, from the top,
+/// and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one band, which is the picture.
+///
+/// # Errors
+/// As [`read_texels`]; those of `take` as [`Error::Io`].
+pub fn read_bands(
+    path: &Path,
+    limits: &Limits,
+    height: usize,
+    take: &mut dyn FnMut((usize, usize), &mut Texels) -> std::io::Result<()>,
+) -> Result<()> {
+    let bytes = load(path, limits)?;
+    let mut failed = None;
+    let mut whole = |rows: (usize, usize), band: &mut Texels| {
+        take(rows, band).map_err(|error| {
+            failed = Some(error);
+            Error::Invalid("a band was not taken".into())
+        })
+    };
+    let read = match FileKind::of(&bytes, Some(path)) {
+        Ok(FileKind::Png) => crate::png_file::bands(&bytes, limits, height, &mut whole),
+        Ok(kind) => decode(kind, &bytes, limits).and_then(|mut texels| {
+            drop(bytes);
+            whole((0, texels.height), &mut texels)
+        }),
+        Err(e) => Err(e),
+    };
+    match failed {
+        Some(error) => Err(Error::Io { action: "keep", error }.at(path)),
+        None => read.map_err(|e| e.at(path)),
+    }
+}
+
+/// Bytes that [`read_texels`] takes for a file, about, by what its beginning declares; `None` where that tells nothing.
+pub fn declared_bytes(path: &Path) -> Option<u64> {
+    /// Longer than the header of any sensible file.
+    const BEGINNING: u64 = 1 << 18;
+    let mut bytes = Vec::new();
+    let meta = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    std::fs::File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
+    let kind = FileKind::of(&bytes, Some(path)).ok()?;
+    let pixel = match kind {
+        // Depth and kind of colour, of the header.
+        FileKind::Png => {
+            let channels = match bytes.get(25)? {
+                0 => 1,
+                4 => 2,
+                6 => 4,
+                _ => 3,
+            };
+            channels * if *bytes.get(24)? == 16 { 2 } else { 1 }
+        }
+        FileKind::Jpeg | FileKind::Pnm => 3,
+        FileKind::Exr => 6,
+        FileKind::Hdr | FileKind::Pfm => 12,
+        FileKind::Tga | FileKind::Bmp | FileKind::Dds | FileKind::Ktx2 => 4,
+    };
+    // Decoders hold what is declared against the limits before they do anything else.
+    match decode(kind, &bytes, &Limits { pixels: 0, ..Limits::default() }) {
+        Err(Error::Limit { what: PIXELS, declared, .. }) => Some(declared.saturating_mul(pixel)),
+        _ => Some(meta.len()),
+    }
 }
 
 fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {

@@ -66,7 +66,13 @@ pub struct Options {
     pub stochastic_textures: bool,
     /// Limits on images.
     pub image_limits: steradian_image::Limits,
+    /// Bytes of memory that there are for pictures and film; scenes that need more are refused before anything is
+    /// loaded. `None` for no limit.
+    pub memory: Option<u64>,
 }
+
+/// Of a film while it is rendered: sums of a pixel, and a copy of them.
+const BYTES_PER_PIXEL: u64 = 112;
 
 /// What compiling gave.
 #[derive(Debug)]
@@ -177,9 +183,13 @@ impl Compiler<'_> {
         if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);
         }
-        self.load_images();
-        let camera = self.camera();
         let film = self.film();
+        let pixels = film.as_ref().map_or(0, |f| u64::from(f.crop.width()) * u64::from(f.crop.height()));
+        self.load_images(pixels.saturating_mul(BYTES_PER_PIXEL));
+        if self.diagnostics.has_errors() {
+            return (None, Duration::ZERO);
+        }
+        let camera = self.camera();
         if let (Some(camera), Some(film)) = (&camera, &film) {
             let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
             self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));

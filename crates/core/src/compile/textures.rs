@@ -31,12 +31,16 @@ const CHANNELS: [(&str, Option<usize>); 5] =
 
 impl Compiler<'_> {
     /// Loads every image that a node names, each once, in parallel. Failures are reported where the image is used.
-    pub(super) fn load_images(&mut self) {
+    /// `film` is what the film takes, bytes.
+    pub(super) fn load_images(&mut self, film: u64) {
         let names = |wanted: fn(&Node) -> bool| -> BTreeSet<&Path> {
             self.desc.nodes.iter().filter(|n| wanted(n)).filter_map(|n| n.path("file")).collect()
         };
         let textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
         let mut others = names(|n| n.family == Family::Light || n.kind == "height_field");
+        if !self.pictures_fit(&textures, &others, film) {
+            return;
+        }
         let (limits, desc) = (self.options.image_limits, self.desc);
         let load = |p: &Path| -> Result<Loaded<Arc<Texels>>, String> {
             let read = match desc.embedded.get(p) {
@@ -52,9 +56,16 @@ impl Compiler<'_> {
             Some(limit) => match Pages::new(limit) {
                 Ok(pages) => {
                     let page = |p: &Path| -> Result<Loaded<Level>, String> {
-                        let image = load(p)?;
-                        let texels = Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?;
-                        Ok(Loaded { texels, faults: image.faults })
+                        let mut faults = 0;
+                        let texels = if desc.embedded.contains_key(p) {
+                            let image = load(p)?;
+                            faults = image.faults;
+                            Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?
+                        } else {
+                            Level::read(p, &limits, &pages, |band| faults += blacken_non_finite(band))
+                                .map_err(|e| e.to_string())?
+                        };
+                        Ok(Loaded { texels, faults })
                     };
                     self.paged = load_within(limit / 2, textures, page);
                     self.pages = Some(pages);
@@ -66,6 +77,33 @@ impl Compiler<'_> {
             },
         }
         self.images = others.par_iter().map(|p| (p.to_path_buf(), load(p))).collect();
+    }
+
+    /// Whether there is memory for the film and for pictures with all their sizes; reported where not, before anything
+    /// is loaded.
+    fn pictures_fit(&mut self, textures: &BTreeSet<&Path>, others: &BTreeSet<&Path>, film: u64) -> bool {
+        let Some(available) = self.options.memory else { return true };
+        let bytes = |files: &BTreeSet<&Path>| files.iter().filter_map(|p| steradian_image::declared_bytes(p)).sum();
+        let (textures, others): (u64, u64) = (bytes(textures), bytes(others));
+        let textures = textures / 3 * 4;
+        let held = self.options.texture_limit.map_or(textures, |limit| textures.min(limit as u64));
+        let needed = held.saturating_add(others).saturating_add(film);
+        if needed <= available {
+            return true;
+        }
+        let gigabytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        let what = format!(
+            "the scene needs about {:.1} GiB of memory ({:.1} for textures, {:.1} for other pictures, {:.1} for the film), and {:.1} are there",
+            gigabytes(needed),
+            gigabytes(held),
+            gigabytes(others),
+            gigabytes(film),
+            gigabytes(available),
+        );
+        let help = (held > film.max(others))
+            .then(|| "a limit on textures in memory (--texture-limit 1GiB) keeps the rest in a file".to_owned());
+        self.error_help(None, what, help);
+        false
     }
 
     /// The image a node names in its parameter `file`; a failure is reported.

@@ -198,23 +198,37 @@ pub struct PagedTexels {
 impl PagedTexels {
     /// Writes a picture tile by tile.
     pub fn new(texels: &Texels, pages: &Arc<Pages>) -> io::Result<Self> {
-        let (tiles_x, tiles_y) = (texels.width.div_ceil(TILE), texels.height.div_ceil(TILE));
-        let kind = Kind::of(&texels.data);
-        let level = Self { pages: pages.clone(), offset: 0, tiles_x, channels: texels.channels, kind };
-        let bytes = level.tile_bytes();
-        let offset = pages.end.fetch_add((tiles_x * tiles_y * bytes) as u64, Ordering::Relaxed);
+        let level = Self::with_room(texels, texels.height, pages);
+        level.write_band(0, texels)?;
+        Ok(level)
+    }
+
+    /// Room for a picture of `height` rows like those of `band`, which [`Self::write_band`] fills.
+    pub fn with_room(band: &Texels, height: usize, pages: &Arc<Pages>) -> Self {
+        let (tiles_x, tiles_y) = (band.width.div_ceil(TILE), height.div_ceil(TILE));
+        let kind = Kind::of(&band.data);
+        let level = Self { pages: pages.clone(), offset: 0, tiles_x, channels: band.channels, kind };
+        let bytes = (tiles_x * tiles_y * level.tile_bytes()) as u64;
+        Self { offset: pages.end.fetch_add(bytes, Ordering::Relaxed), ..level }
+    }
+
+    /// Writes the rows of a band, the first of which is row `first` of the picture, a multiple of [`TILE`], tile by
+    /// tile.
+    pub fn write_band(&self, first: usize, band: &Texels) -> io::Result<()> {
+        let bytes = self.tile_bytes();
         let mut tile = vec![0; bytes];
-        for (number, (ty, tx)) in (0..tiles_y).flat_map(|ty| (0..tiles_x).map(move |tx| (ty, tx))).enumerate() {
-            for y in ty * TILE..((ty + 1) * TILE).min(texels.height) {
-                for x in tx * TILE..((tx + 1) * TILE).min(texels.width) {
-                    let from = (y * texels.width + x) * texels.channels;
-                    let to = morton(x % TILE, y % TILE) * texels.channels;
-                    copy_texel(&texels.data, from, texels.channels, &mut tile, to);
+        for (ty, tx) in (0..band.height.div_ceil(TILE)).flat_map(|ty| (0..self.tiles_x).map(move |tx| (ty, tx))) {
+            for y in ty * TILE..((ty + 1) * TILE).min(band.height) {
+                for x in tx * TILE..((tx + 1) * TILE).min(band.width) {
+                    let from = (y * band.width + x) * band.channels;
+                    let to = morton(x % TILE, y % TILE) * band.channels;
+                    copy_texel(&band.data, from, band.channels, &mut tile, to);
                 }
             }
-            write_at(&pages.file, &tile, offset + (number * bytes) as u64)?;
+            let number = (first / TILE + ty) * self.tiles_x + tx;
+            write_at(&self.pages.file, &tile, self.offset + (number * bytes) as u64)?;
         }
-        Ok(Self { offset, ..level })
+        Ok(())
     }
 
     fn tile_bytes(&self) -> usize {

@@ -2,11 +2,11 @@
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 
-use super::pages::{PagedTexels, TileView};
+use super::pages::{PagedTexels, TILE, TileView};
 use glam::Vec4;
 use half::f16;
-use std::sync::Arc;
-use steradian_image::{Encoding, TexelData, Texels};
+use std::{path::Path, sync::Arc};
+use steradian_image::{Encoding, Limits, TexelData, Texels};
 use steradian_math::Vec2;
 
 pub use super::pages::Pages;
@@ -104,24 +104,44 @@ pub struct Level {
 impl Level {
     /// Keeps a picture in memory, or moves it to `pages`.
     pub fn new(texels: Arc<Texels>, pages: Option<&Arc<Pages>>) -> std::io::Result<Self> {
+        let (kind, encoding) = (Kind::of(&texels.data), texels.encoding);
         let size = (texels.width, texels.height, texels.channels);
-        let (kind, decoder) = (Kind::of(&texels.data), Decoder::new(texels.encoding));
         let place = match pages {
             Some(pages) => Place::Pages(Arc::new(PagedTexels::new(&texels, pages)?)),
             None => Place::Memory(texels),
         };
+        Ok(Self::at(place, size, kind, encoding))
+    }
+
+    /// Moves the picture of a file to `pages`, band by band, each of which goes through `mend` first.
+    ///
+    /// # Errors
+    /// Those of reading the file, and of writing to the pages.
+    pub fn read(
+        file: &Path,
+        limits: &Limits,
+        pages: &Arc<Pages>,
+        mut mend: impl FnMut(&mut Texels),
+    ) -> Result<Self, steradian_image::Error> {
+        let mut level: Option<(Arc<PagedTexels>, Self)> = None;
+        steradian_image::read_bands(file, limits, TILE, &mut |(first, height), band| {
+            mend(band);
+            let (paged, _) = level.get_or_insert_with(|| {
+                let paged = Arc::new(PagedTexels::with_room(band, height, pages));
+                let size = (band.width, height, band.channels);
+                let level = Self::at(Place::Pages(paged.clone()), size, Kind::of(&band.data), band.encoding);
+                (paged, level)
+            });
+            paged.write_band(first, band)
+        })?;
+        level.map(|level| level.1).ok_or_else(|| steradian_image::Error::Invalid("the picture has no rows".into()))
+    }
+
+    fn at(place: Place, size: (usize, usize, usize), kind: Kind, encoding: Encoding) -> Self {
         let scale = Vec2::new(size.0 as f32, size.1 as f32);
         let alpha = if matches!(size.2, 2 | 4) { size.2 - 1 } else { usize::MAX };
-        Ok(Self {
-            place,
-            size,
-            scale,
-            stride: size.0 * size.2,
-            alpha,
-            kind,
-            decoder,
-            linear: Decoder::new(Encoding::Linear),
-        })
+        let (decoder, linear) = (Decoder::new(encoding), Decoder::new(Encoding::Linear));
+        Self { place, size, scale, stride: size.0 * size.2, alpha, kind, decoder, linear }
     }
 
     /// The same texels, read in another encoding.

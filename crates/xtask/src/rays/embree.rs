@@ -4,7 +4,10 @@
 //! those of its headers for one level of instances.
 #![allow(unsafe_code)]
 
-use super::trace::{Found, Query};
+use super::{
+    judge::Claim,
+    trace::{Found, Query},
+};
 use crate::{clock::timed, generate::Mesh};
 use libloading::Library;
 use std::{
@@ -330,6 +333,28 @@ impl Built<'_> {
             8 => self.packets::<8>(rays, query, packet(embree.intersect8, embree.occluded8), &arguments),
             _ => self.packets::<16>(rays, query, packet(embree.intersect16, embree.occluded16), &arguments),
         }
+    }
+
+    /// The nearest hits of rays, one by one.
+    pub fn nearest(&self, rays: &[Ray]) -> Vec<Option<Claim>> {
+        let arguments = Arguments {
+            flags: 0,
+            features: u32::MAX,
+            context: null(),
+            filter: null(),
+            function: null(),
+            min_width_distance_factor: 0.0,
+        };
+        let (top, mut one) = (self.top(), RayHits::<1>::new());
+        let mut claim = |ray: &Ray| {
+            one.set(0, ray);
+            one.instance = [[INVALID]; 2];
+            // SAFETY: the structures are those of the interface.
+            unsafe { (self.embree.intersect1)(top, (&raw mut one).cast(), &arguments) };
+            let instance = if one.instance[0][0] == INVALID { 0 } else { one.instance[0][0] as usize };
+            (one.geometry[0] != INVALID).then(|| Claim { instance, triangle: one.primitive[0] as usize })
+        };
+        rays.iter().map(&mut claim).collect()
     }
 
     /// The scene that rays go through.

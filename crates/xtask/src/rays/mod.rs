@@ -4,6 +4,7 @@
 mod building;
 mod case;
 mod embree;
+mod judge;
 mod scene;
 mod trace;
 
@@ -95,7 +96,7 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
     ];
     let mut tables =
         ["Rays against Embree", "Rays against Embree's watertight tests"].map(|title| Table::new(title, &columns));
-    let mut differ = Vec::new();
+    let (mut differ, mut verdicts) = (Vec::new(), Vec::new());
     for case in case::all(&bench.mesh)? {
         if !case.may_be(&bench.rays) {
             continue;
@@ -109,6 +110,15 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
             None => None,
         };
         for (rays, set) in case.rays(&top) {
+            if let Some((_, robust)) = scenes.as_ref().map(|scenes| &scenes[1]).filter(|_| !case.places.is_empty()) {
+                let judge::Verdict { differ, ours, theirs, neither } =
+                    judge::judge(&case, &top, &set, &robust.nearest(&set));
+                verdicts.push(format!(
+                    "{} {rays}: {differ} of {} name other triangles; in doubles we are right about {ours}, Embree about {theirs}, neither {neither}",
+                    case.name,
+                    set.len()
+                ));
+            }
             for query in [Query::Closest, Query::Occluded] {
                 let names = [&case.name, &rays, query.name()];
                 if (rays.starts_with("shadow") && query == Query::Closest) || !is_wanted(&bench.rays, &names) {
@@ -140,9 +150,10 @@ pub fn measure(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>>
         [] => "Both find the same hits.".to_owned(),
         rows => format!("OTHER HITS: {}.", rows.join("; ")),
     };
+    let verdict = if verdicts.is_empty() { String::new() } else { format!("{}. ", verdicts.join("; ")) };
     for (mut table, tests) in tables.into_iter().zip(["its fast tests", "RTC_SCENE_FLAG_ROBUST"]) {
         table.note(format!(
-            "One thread, millions of rays in a second of the processor, {ROUNDS} turns, medians; ratios above one are in our favour. Here tests are \
+            "{verdict}One thread, millions of rays in a second of the processor, {ROUNDS} turns, medians; ratios above one are in our favour. Here tests are \
              always watertight; Embree: {tests}. Many: the better of slices of 256 rays and sorted streams, against the best of Embree's \
              widths. {agreement}"
         ));
