@@ -39,7 +39,7 @@ pub use atomic::{check_place, stream_whole, write_whole};
 pub use encoding::Encoding;
 pub use error::{Error, Result};
 pub use limits::Limits;
-pub use read::{FileKind, declared_bytes, read, read_bands, read_bytes, read_texels, read_texels_bytes};
+pub use read::{FileKind, TakeBand, declared_bytes, read, read_bands, read_bytes, read_texels, read_texels_bytes};
 pub use texels::{TexelData, Texels};
 pub use voxel_grid::{VoxelGrid, decode as decode_voxel_grid, read_voxel_grid};
 pub use write::{Compression, Precision, WriteOptions, encode, write};

@@ -4,6 +4,7 @@
 //! applied; it is reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
 use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, with_room, within, zeros};
+use crate::read::TakeBand;
 use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value, atomic::io};
 use png::{BitDepth, ColorType, Transformations};
 use std::io::{Cursor, Write};
@@ -58,12 +59,7 @@ fn texels(rows: Vec<u8>, reader: &png::Reader<Cursor<&[u8]>>, height: usize) -> 
 }
 
 /// The rows of a picture, at most `height` at once; those of an interlaced one all at once. What texts say is not told.
-pub(crate) fn bands(
-    bytes: &[u8],
-    limits: &Limits,
-    height: usize,
-    take: &mut dyn FnMut((usize, usize), &mut Texels) -> Result<()>,
-) -> Result<()> {
+pub(crate) fn bands(bytes: &[u8], limits: &Limits, height: usize, take: TakeBand<'_, Error>) -> Result<()> {
     let mut reader = open(bytes, limits)?;
     if reader.info().interlaced {
         drop(reader);

@@ -140,17 +140,15 @@ pub fn read_texels_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> 
     decode(FileKind::of(bytes, name)?, bytes, limits)
 }
 
+/// Takes a band: the row it begins with and the height of the picture, and its texels.
+pub type TakeBand<'a, E> = &'a mut dyn FnMut((usize, usize), &mut Texels) -> std::result::Result<(), E>;
+
 /// As [`read_texels`], band by band: `take` gets a band of at most `height` rows with the row it begins with, from the top,
 /// and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one band, which is the picture.
 ///
 /// # Errors
 /// As [`read_texels`]; those of `take` as [`Error::Io`].
-pub fn read_bands(
-    path: &Path,
-    limits: &Limits,
-    height: usize,
-    take: &mut dyn FnMut((usize, usize), &mut Texels) -> std::io::Result<()>,
-) -> Result<()> {
+pub fn read_bands(path: &Path, limits: &Limits, height: usize, take: TakeBand<'_, std::io::Error>) -> Result<()> {
     let bytes = load(path, limits)?;
     let mut failed = None;
     let mut whole = |rows: (usize, usize), band: &mut Texels| {
