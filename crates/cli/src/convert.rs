@@ -18,8 +18,10 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     if convert_scene::is_scene(&args.input) || convert_scene::is_scene(&args.output) {
         return convert_scene::run(args, terminal);
     }
-    if args.check || args.report.is_some() {
-        return Err(Failure::bad_input("--check and --report are for scenes; 'steradian compare' compares pictures"));
+    if args.check || args.strict || args.report.is_some() {
+        return Err(Failure::bad_input(
+            "--check, --strict and --report are for scenes; 'steradian compare' compares pictures",
+        ));
     }
     output::kind(&args.output)?;
     output::keep_inputs([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;

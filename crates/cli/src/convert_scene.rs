@@ -1,4 +1,4 @@
-//! `steradian convert` for scenes: any format that is read into Steradian's own language.
+//! `steradian convert` for scenes: any format that is read into those that are written.
 
 use crate::{
     args::ConvertArgs,
@@ -13,10 +13,10 @@ use std::{
     path::{Path, PathBuf},
 };
 use steradian::{
-    CompileOptions, Inputs, Loaded, Quality,
-    formats::{Options, native},
+    ColorMode, CompileOptions, Inputs, Loaded, Quality,
+    formats::{Options, write},
     image::{self, Image, metrics},
-    scene::{Diagnostic, Fidelity, SceneDesc},
+    scene::{Diagnostic, Diagnostics, Fidelity, SceneDesc, Severity},
 };
 
 /// Size of the pictures that are compared, and their samples per pixel.
@@ -32,20 +32,17 @@ pub fn is_scene(path: &Path) -> bool {
 
 /// Reads, writes, reports, compares.
 pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
-    if args.output.extension().is_none_or(|e| e != "steradian") {
-        return Err(Failure::bad_input(format!(
-            "'{}': scenes are written in Steradian's own language, as .steradian; other formats are read only",
-            args.output.display()
-        )));
+    if !write::EXTENSIONS.iter().any(|known| args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(known.0))) {
+        let known = write::EXTENSIONS.iter().map(|(e, what)| format!(".{e} ({what})")).collect::<Vec<_>>().join(", ");
+        let what = format!("'{}': scenes are written as {known}", args.output.display());
+        return Err(Failure::bad_input(format!("{what}; other formats are read only")));
     }
     let outputs = || [args.output.as_path()].into_iter().chain(args.report.as_deref());
     outputs().try_for_each(output::check_writable)?;
     let Loaded { desc, diagnostics, .. } = steradian::load(&args.input, &Options::default());
-    diagnostics::tell(&diagnostics, terminal);
-    if diagnostics.has_errors() {
-        return Err(Failure::bad_input(format!("'{}' has errors; nothing is written", args.input.display())));
-    }
-    let written = native::write(&desc, &args.output).map_err(Failure::failed)?;
+    let (desc, diagnostics) = (&desc, told(&diagnostics, args, terminal)?);
+    let written = write::write(desc, &args.output).map_err(Failure::failed)?;
+    let losses = told(&written.diagnostics, args, terminal)?;
     let folder = args.output.parent().unwrap_or(Path::new(""));
     let beside: Vec<PathBuf> = written.files.iter().map(|(name, _)| folder.join(name)).collect();
     let inputs = Inputs::of(desc.files());
@@ -56,29 +53,40 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
             .map_err(|e| Failure::failed(format!("cannot make the folder '{}': {e}", folder.display())))?;
         image::write_whole(path, bytes).map_err(|e| Failure::failed(e.to_string()))?;
     }
-    image::write_whole(&args.output, written.text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
+    image::write_whole(&args.output, &written.bytes).map_err(|e| Failure::failed(e.to_string()))?;
     let beside = if beside.is_empty() { String::new() } else { format!(" and {} files beside it", beside.len()) };
     terminal.say(&format!("wrote {}{beside}", args.output.display()));
-    let check = if args.check { Some(check(&desc, &args.output)?) } else { None };
+    let check = if args.check { Some(check(desc, &args.output)?) } else { None };
     if let Some(check) = &check {
         terminal.say(check);
     }
     if let Some(path) = &args.report {
-        let messages: Vec<&Diagnostic> = diagnostics.iter().collect();
-        let text = report(args, &desc, &messages, check.as_deref());
+        let messages: Vec<&Diagnostic> = diagnostics.iter().chain(losses.iter()).collect();
+        let text = report(args, desc, &messages, check.as_deref());
         image::write_whole(path, text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
         terminal.say(&format!("wrote {}", path.display()));
     }
     Ok(failure::DONE)
 }
 
-/// Renders both small, and says how far they are apart.
+/// Tells messages; with `--strict` losses are errors, and errors end it before anything is written.
+fn told(diagnostics: &Diagnostics, args: &ConvertArgs, terminal: Terminal) -> Result<Diagnostics, Failure> {
+    let diagnostics = if args.strict { diagnostics::refuse_losses(diagnostics) } else { diagnostics.clone() };
+    diagnostics::tell(&diagnostics, terminal);
+    if diagnostics.has_errors() {
+        return Err(Failure::bad_input(format!("'{}' has errors; nothing is written", args.input.display())));
+    }
+    Ok(diagnostics)
+}
+
+/// Renders both small, and says how far they are apart. Both in the colour mode of what was read.
 fn check(desc: &SceneDesc, output: &Path) -> Result<String, Failure> {
     let again = steradian::load(output, &Options::default());
-    if let Some(fault) = again.diagnostics.iter().next().filter(|_| again.diagnostics.has_errors()) {
+    if let Some(fault) = again.diagnostics.iter().find(|d| d.severity == Severity::Error) {
         return Err(Failure::failed(format!("what was written cannot be read: {fault}")));
     }
-    let (before, after) = (picture(desc)?, picture(&again.desc)?);
+    let (before, mode) = picture(desc, None)?;
+    let (after, _) = picture(&again.desc, Some(mode))?;
     let c = metrics::compare(&after, &before).map_err(|e| Failure::failed(e.to_string()))?;
     let ((width, height), spp) = CHECKED;
     let ratio = c.ratio.map(|r| format!("{r:.6}")).join(" ");
@@ -88,12 +96,13 @@ fn check(desc: &SceneDesc, output: &Path) -> Result<String, Failure> {
     ))
 }
 
-fn picture(desc: &SceneDesc) -> Result<Image, Failure> {
-    let options = CompileOptions { size: Some(CHECKED.0), ..CompileOptions::default() };
+fn picture(desc: &SceneDesc, mode: Option<ColorMode>) -> Result<(Image, ColorMode), Failure> {
+    let options = CompileOptions { size: Some(CHECKED.0), mode, ..CompileOptions::default() };
     let scene = steradian::compile(desc, &options).scene;
     let scene = scene.ok_or_else(|| Failure::bad_input("the scene cannot be rendered, so it is not compared"))?;
     let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };
-    steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))
+    let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
+    Ok((picture, scene.mode))
 }
 
 /// What became of each construct.
@@ -118,7 +127,7 @@ fn report(args: &ConvertArgs, desc: &SceneDesc, messages: &[&Diagnostic], check:
     }
     let triangles: usize = desc.meshes.iter().map(|m| m.triangles.len() + m.patches.len()).sum();
     out.push_str(
-        "\n## Exact\n\nEverything that was read is written as it is.\n\n| what | kind | how many |\n|---|---|---|\n",
+        "\n## Exact\n\nEverything that is read and not named above is written as it is.\n\n| what | kind | how many |\n|---|---|---|\n",
     );
     for ((family, kind), n) in kinds {
         let _ = writeln!(out, "| {family} | `{kind}` | {n} |");

@@ -7,6 +7,7 @@ pub mod mesh;
 pub mod mitsuba;
 pub mod native;
 pub mod pbrt;
+pub mod write;
 
 pub use limits::Limits;
 use std::{collections::BTreeMap, path::PathBuf};

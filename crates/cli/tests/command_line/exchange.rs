@@ -32,7 +32,16 @@ fn conversion_of_scenes_refuses_what_it_cannot_do() {
     place.refuse(2, &["convert", "s.steradian", "s.steradian"], &["would be overwritten"]);
     place.refuse(2, &["convert", "bad.pbrt", "bad.steradian"], &["has errors"]);
     assert!(!place.path("bad.steradian").exists());
-    place.refuse(2, &["convert", "s.pbrt", "s.gltf"], &["as .steradian"]);
+    place.refuse(2, &["convert", "s.pbrt", "s.obj"], &["as .steradian"]);
+    place.file(
+        "lossy.pbrt",
+        &BALL.replace("Material \"diffuse\" \"rgb reflectance\" [.5 .2 .1]", "Material \"coatedconductor\""),
+    );
+    place.refuse(2, &["convert", "lossy.pbrt", "lossy.xml", "--strict"], &["coated_conductor", "--strict"]);
+    assert!(!place.path("lossy.xml").exists());
+    place.file("box.pbrt", &format!("PixelFilter \"box\"\n{BALL}"));
+    place.succeed(&["convert", "box.pbrt", "own.xml", "--check", "--strict"]);
+    place.refuse(2, &["convert", "own.xml", "own.xml"], &["would be overwritten"]);
     place.refuse(2, &["convert", "a.exr", "a.png", "--check"], &["--check"]);
     place.refuse(1, &["convert", "s.pbrt", "no/s.steradian"], &["no/s.steradian"]);
 }

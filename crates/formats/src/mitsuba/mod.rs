@@ -7,6 +7,7 @@
 //!
 //! What Mitsuba means by a file is as Mitsuba 3 documents and does it (<https://mitsuba.readthedocs.io>).
 
+mod curve;
 mod directives;
 mod graph;
 mod hair;
@@ -25,7 +26,7 @@ mod property;
 mod reader;
 mod sensor;
 mod shape;
-mod solids;
+pub(crate) mod solids;
 mod spectrum;
 mod texture;
 mod transform;

@@ -46,6 +46,8 @@ pub(super) struct Reader<'a> {
     pub merged: HashSet<ObjectId>,
     /// Whether the shape being translated is a disk.
     pub on_disk: bool,
+    /// The curves beyond the first of the shape being translated.
+    pub more_curves: Vec<NodeId>,
     pub depth: usize,
     translated: HashMap<Use, Translated>,
 }
@@ -69,6 +71,7 @@ impl<'a> Reader<'a> {
             groups: HashMap::new(),
             merged: HashSet::new(),
             on_disk: false,
+            more_curves: Vec::new(),
             depth: 0,
             translated: HashMap::new(),
         }

@@ -42,7 +42,10 @@ impl Reader<'_> {
             self.on_disk = self.plugin(object) == "disk";
             let shape = self.shape(object);
             self.on_disk = false;
-            return shape.into_iter().collect();
+            let more = std::mem::take(&mut self.more_curves);
+            let more: Vec<Shape> =
+                more.into_iter().flat_map(|node| shape.clone().map(|s| Shape { node, ..s })).collect();
+            return shape.into_iter().chain(more).collect();
         }
         // Merged shapes that merge each other in turn would double at every step.
         if !self.merged.insert(object) {
@@ -197,6 +200,12 @@ impl Reader<'_> {
             "cylinder" => self.cylinder(object, world_from_object),
             "heightfield" => self.height_field(object, world_from_object),
             "sdfgrid" => self.sdf_grid(object, world_from_object),
+            "bsplinecurve" => {
+                let mut nodes = self.curves(object)?.into_iter();
+                let node = nodes.next()?;
+                self.more_curves = nodes.map(|node| self.desc.add(node)).collect();
+                Some(Geometry { node, mesh: None, world_from_object, reverse_orientation: false })
+            }
             known if self.is_known(object) => {
                 self.error(self.span(object), format!("there is no shape '{known}'"));
                 self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);

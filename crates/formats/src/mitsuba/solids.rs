@@ -3,7 +3,7 @@
 use steradian_scene::Mesh;
 
 /// The square [-1, 1]² in the plane z = 0, facing +z, with texture coordinates 0…1.
-pub(super) fn rectangle() -> Mesh {
+pub(crate) fn rectangle() -> Mesh {
     Mesh {
         positions: vec![[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]],
         normals: vec![[0., 0., 1.]; 4],
@@ -14,7 +14,7 @@ pub(super) fn rectangle() -> Mesh {
 }
 
 /// The cube [-1, 1]³ facing outwards; every face has the texture coordinates 0…1.
-pub(super) fn cube() -> Mesh {
+pub(crate) fn cube() -> Mesh {
     // Corner c has bit k set where axis k is +1; the four corners of each face with its normal.
     const FACES: [([f32; 3], [usize; 4]); 6] = [
         ([0., -1., 0.], [1, 5, 4, 0]),

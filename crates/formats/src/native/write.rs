@@ -5,10 +5,11 @@ use super::{
     read::{CONVENTIONS, FAMILIES},
     value,
 };
+use crate::write::Beside;
 use std::{
-    collections::{BTreeMap, HashMap, HashSet},
+    collections::{HashMap, HashSet},
     fmt::Write,
-    path::{Component, Path, PathBuf},
+    path::{Path, PathBuf},
 };
 use steradian_math::Transform;
 use steradian_scene::{Domain, Format, Mesh, Node, NodeId, SceneDesc, Shape, Value};
@@ -36,24 +37,18 @@ pub struct Written {
 /// # Errors
 /// A message, where something has no place in the notation: numbers that are NaN, paths that are not UTF-8.
 pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene").to_owned();
-    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
     let mut writer = Writer {
         desc,
         ids: HashMap::new(),
         inline: HashSet::new(),
-        base: folder.canonicalize().unwrap_or(folder),
-        stem,
-        embedded: BTreeMap::new(),
+        beside: Beside::new(desc, path),
         fault: None,
-        files: Vec::new(),
         text: String::new(),
     };
     writer.document();
-    match writer.fault {
+    match writer.fault.or(writer.beside.fault) {
         Some(fault) => Err(fault),
-        None => Ok(Written { text: writer.text, files: writer.files }),
+        None => Ok(Written { text: writer.text, files: writer.beside.files }),
     }
 }
 
@@ -76,11 +71,8 @@ struct Writer<'a> {
     ids: HashMap<NodeId, String>,
     /// Nodes written where they are used.
     inline: HashSet<NodeId>,
-    base: PathBuf,
-    stem: String,
-    embedded: BTreeMap<PathBuf, String>,
+    beside: Beside<'a>,
     fault: Option<String>,
-    files: Vec<(PathBuf, Vec<u8>)>,
     text: String,
 }
 
@@ -204,7 +196,7 @@ impl Writer<'_> {
             part.push_str(": ");
             match &param.value {
                 Value::Path(path) => {
-                    let path = self.path(path);
+                    let path = self.beside.path(path);
                     part.push_str("{file: ");
                     value::quoted(&mut part, &path);
                     part.push('}');
@@ -259,35 +251,12 @@ impl Writer<'_> {
         if mesh.positions.len() > SMALL_MESH
             && let Some(bytes) = ply::exact(mesh)
         {
-            let name = format!("{}.meshes/mesh{i}.ply", self.stem);
-            self.files.push((name.clone().into(), bytes));
+            let name = self.beside.add(format!("{}.meshes/mesh{i}.ply", self.beside.stem), bytes);
             let mut out = String::from("{file: ");
             value::quoted(&mut out, &name);
             return out + "}";
         }
         inline_mesh(mesh)
-    }
-
-    /// A file as seen from the document.
-    fn path(&mut self, path: &Path) -> String {
-        if let Some(bytes) = self.desc.embedded.get(path) {
-            if let Some(name) = self.embedded.get(path) {
-                return name.clone();
-            }
-            let last = path.file_name().map(|n| n.to_string_lossy().replace(['#', ':'], "-")).unwrap_or_default();
-            let name = format!("{}.pictures/{}-{last}", self.stem, self.embedded.len());
-            self.files.push((name.clone().into(), bytes.to_vec()));
-            self.embedded.insert(path.into(), name.clone());
-            return name;
-        }
-        let full = path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.into());
-        match relative(&full, &self.base).to_str() {
-            Some(text) => text.replace('\\', "/"),
-            None => {
-                self.fault = Some(format!("the path '{}' is not UTF-8", path.display()));
-                String::new()
-            }
-        }
     }
 }
 
@@ -368,14 +337,4 @@ fn inline_mesh(mesh: &Mesh) -> String {
         parts.push(format!("attributes: {{{}}}", attributes.join(", ")));
     }
     laid_out(&parts, 1)
-}
-
-/// `path` from the folder `base`; both absolute.
-fn relative(path: &Path, base: &Path) -> PathBuf {
-    let shared = path.components().zip(base.components()).take_while(|(a, b)| a == b).count();
-    if shared == 0 {
-        return path.into();
-    }
-    let up = base.components().skip(shared).map(|_| Component::ParentDir);
-    up.chain(path.components().skip(shared)).collect()
 }

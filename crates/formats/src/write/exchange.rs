@@ -1,0 +1,189 @@
+//! What all writers share: values of nodes as formats can hold them, light in absolute numbers, names, and the report
+//! of losses.
+
+use super::{Beside, colour::Colour};
+use std::{
+    collections::{BTreeMap, HashSet},
+    f64::consts::PI,
+    path::Path,
+};
+use steradian_scene::{Diagnostics, Node, NodeId, SceneDesc, Value};
+
+/// A parameter that may be textured.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
+    Plain(Colour),
+    Texture(NodeId),
+}
+
+/// The parts of a writer that do not depend on the format.
+#[derive(Debug)]
+pub(crate) struct Exchange<'a> {
+    pub desc: &'a SceneDesc,
+    pub beside: Beside<'a>,
+    pub diagnostics: Diagnostics,
+    /// What emission is multiplied by in place of the film's exposure.
+    pub gain: f64,
+    taken: HashSet<String>,
+    /// Pictures that were made, by what they show.
+    pub made: BTreeMap<String, String>,
+}
+
+impl<'a> Exchange<'a> {
+    pub fn new(desc: &'a SceneDesc, path: &Path) -> Self {
+        let film = desc.film.map(|f| desc.node(f));
+        let number = |name: &str, default: f64| film.and_then(|f| f.float(name)).unwrap_or(default);
+        Self {
+            desc,
+            beside: Beside::new(desc, path),
+            diagnostics: Diagnostics::default(),
+            gain: number("exposure_time", 1.0) * number("iso", 100.0) / 100.0,
+            taken: HashSet::new(),
+            made: BTreeMap::new(),
+        }
+    }
+
+    pub fn node(&self, id: NodeId) -> &'a Node {
+        self.desc.node(id)
+    }
+
+    /// Says that something else stands for a construct.
+    pub fn approximated(&mut self, node: &Node, message: impl Into<String>) {
+        self.diagnostics.approximated(&self.desc.sources, node.span, message);
+    }
+
+    /// Says that a construct is left out.
+    pub fn dropped(&mut self, node: &Node, message: impl Into<String>) {
+        self.diagnostics.dropped(&self.desc.sources, node.span, message);
+    }
+
+    /// Says what changes nothing in the expected picture.
+    pub fn note(&mut self, node: &Node, message: impl Into<String>) {
+        self.diagnostics.note(&self.desc.sources, node.span, message);
+    }
+
+    /// Says of parameters that are set and that the format has no word for that they are left out.
+    pub fn without(&mut self, node: &Node, names: &[&str]) {
+        for name in names.iter().filter(|n| node.get(n).is_some()) {
+            let what = format!("'{name}' of {} '{}' is left out", node.family.noun(), node.kind);
+            self.dropped(node, what);
+        }
+    }
+
+    /// A name that nothing else in the document has, of letters that every format takes.
+    pub fn name(&mut self, wanted: Option<&str>, kind: &str) -> String {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
+        let wanted: String = wanted.unwrap_or(kind).trim_start_matches('_').chars().map(plain).collect();
+        let wanted = if wanted.is_empty() { kind.to_owned() } else { wanted };
+        let mut name = wanted.clone();
+        for i in 2.. {
+            if self.taken.insert(name.clone()) {
+                break;
+            }
+            name = format!("{wanted}-{i}");
+        }
+        name
+    }
+
+    /// What a parameter holds; textures of constants are constants.
+    pub fn source(&self, node: &Node, name: &str) -> Option<Source> {
+        node.get(name).map(|v| self.source_of(v, 0))
+    }
+
+    pub fn source_or(&self, node: &Node, name: &str, default: f64) -> Source {
+        self.source(node, name).unwrap_or(Source::Plain(Colour::Grey(default)))
+    }
+
+    fn source_of(&self, value: &Value, depth: usize) -> Source {
+        let id = match value {
+            Value::Float(v) => return Source::Plain(Colour::Grey(*v)),
+            Value::Int(v) => return Source::Plain(Colour::Grey(*v as f64)),
+            Value::Vec3(v) => return Source::Plain(Colour::Rgb(*v)),
+            Value::Spectrum(s) => return Source::Plain(Colour::of(s)),
+            Value::Node(id) => *id,
+            _ => return Source::Plain(Colour::Grey(0.0)),
+        };
+        let node = self.node(id);
+        let part = |name: &str, default: f64| match node.get(name) {
+            Some(v) if depth < 64 => self.source_of(v, depth + 1),
+            _ => Source::Plain(Colour::Grey(default)),
+        };
+        match node.kind.as_str() {
+            "constant" => part("value", 1.0),
+            "scale" => match (part("texture", 1.0), part("scale", 1.0)) {
+                (Source::Plain(a), Source::Plain(b)) => Source::Plain(a.with(&b, |a, b| a * b)),
+                (Source::Texture(a), Source::Plain(Colour::Grey(1.0))) => Source::Texture(a),
+                _ => Source::Texture(id),
+            },
+            "mix" => match (part("a", 0.0), part("b", 1.0), part("amount", 0.5)) {
+                (Source::Plain(a), Source::Plain(b), Source::Plain(t)) => {
+                    let (a, b) = (a.with(&t, |a, t| a * (1.0 - t)), b.with(&t, |b, t| b * t));
+                    Source::Plain(a.with(&b, |a, b| a + b))
+                }
+                _ => Source::Texture(id),
+            },
+            "add" => match (part("a", 0.0), part("b", 0.0)) {
+                (Source::Plain(a), Source::Plain(b)) => Source::Plain(a.with(&b, |a, b| a + b)),
+                _ => Source::Texture(id),
+            },
+            _ => Source::Texture(id),
+        }
+    }
+
+    /// What stands for a texture that a format lacks: the mean of what it leads between.
+    pub fn stand_in(&mut self, id: NodeId) -> Colour {
+        let node = self.node(id);
+        let ends = [("a", 0.0), ("b", 1.0)].map(|(name, default)| match self.source_or(node, name, default) {
+            Source::Plain(c) => c,
+            Source::Texture(_) => Colour::Grey(0.5),
+        });
+        self.approximated(node, format!("texture '{}' cannot be expressed; one colour stands for it", node.kind));
+        match (node.kind.as_str(), self.source(node, "texture"), self.source(node, "scale")) {
+            ("scale", Some(Source::Plain(c)), _) | ("scale", _, Some(Source::Plain(c))) => c.scaled(0.5),
+            _ => ends[0].with(&ends[1], |a, b| 0.5 * (a + b)),
+        }
+    }
+
+    /// A roughness α: numbers as α, textures as they are where the material takes α itself.
+    pub fn alpha(&mut self, node: &Node, name: &str) -> Source {
+        let remap = node.bool("remap_roughness").unwrap_or(false);
+        match self.source_or(node, name, 0.0) {
+            Source::Plain(c) => Source::Plain(Colour::Grey(if remap { c.mean().max(0.0).sqrt() } else { c.mean() })),
+            texture => {
+                if remap {
+                    let what = format!("the texture '{name}' of material '{}' is taken as α, not as α²", node.kind);
+                    self.approximated(node, what);
+                }
+                texture
+            }
+        }
+    }
+
+    /// What the numbers of a light are multiplied by: its scale, its normalisation, the exposure, and the factor that
+    /// reaches its power, where `flux` is that of one unit.
+    pub fn light_scale(&mut self, light: &Node, quantity: &str, target: &str, flux: f64) -> f64 {
+        let mut k = light.float("scale").unwrap_or(1.0) * self.gain;
+        if light.bool("normalize").unwrap_or(false)
+            && let Some(Source::Plain(c)) = self.source(light, quantity)
+            && !matches!(c, Colour::Rgb(_))
+            && c.luminance() > 0.0
+        {
+            k /= c.luminance();
+        }
+        if let Some(power) = light.float(target).filter(|p| *p > 0.0) {
+            k *= power / flux;
+        }
+        k
+    }
+
+    /// The emission of a light in absolute numbers; white where the light names none.
+    pub fn emission(&self, light: &Node, quantity: &str) -> Source {
+        self.source(light, quantity).unwrap_or(Source::Plain(Colour::Rgb([1.0; 3])))
+    }
+}
+
+/// Flux of a spot of intensity one with smooth falloff.
+pub(crate) fn spot_flux(cone: f64, start: f64) -> f64 {
+    let (c, s) = (cone.to_radians().cos(), start.to_radians().cos());
+    2.0 * PI * ((1.0 - s) + 0.5 * (s - c))
+}

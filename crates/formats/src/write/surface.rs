@@ -1,0 +1,131 @@
+//! Meshes as formats expect them: triangles whose winding and normals say where the outside is, under transforms that
+//! do not mirror; and as binary PLY files.
+
+use steradian_math::{DVec3, Transform};
+use steradian_scene::{Domain, Mesh};
+
+/// A mesh whose triangles turn the way its normals point, and a transform that keeps handedness: mirrored meshes are
+/// placed in the world.
+pub(crate) fn oriented(mesh: &Mesh, world: &Transform, reverse: bool, flat: bool) -> (Mesh, Transform) {
+    let mut mesh = triangulated(mesh);
+    if flat {
+        mesh.normals.clear();
+    }
+    let mirrored = world.swaps_handedness();
+    let world = if mirrored {
+        mesh = placed(&mesh, world);
+        Transform::IDENTITY
+    } else {
+        *world
+    };
+    if reverse {
+        mesh.normals.iter_mut().for_each(|n| *n = n.map(|v| -v));
+    }
+    let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+    for t in &mut mesh.triangles {
+        let swap = if mesh.normals.is_empty() {
+            reverse != mirrored
+        } else {
+            let [a, b, c] = t.map(|v| vector(mesh.positions[v as usize]));
+            let n: DVec3 = t.iter().map(|&v| vector(mesh.normals[v as usize])).sum();
+            (b - a).cross(c - a).dot(n) < 0.0
+        };
+        if swap {
+            t.swap(1, 2);
+        }
+    }
+    (mesh, world)
+}
+
+/// A mesh with a transform applied to it.
+pub(crate) fn placed(mesh: &Mesh, world: &Transform) -> Mesh {
+    let mut out = mesh.clone();
+    let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+    let back = |v: DVec3| v.as_vec3().to_array();
+    out.positions.iter_mut().for_each(|p| *p = back(world.point(vector(*p))));
+    out.tangents.iter_mut().for_each(|t| *t = back(world.vector(vector(*t))));
+    if let Some(inverse) = world.inverse() {
+        let m = inverse.matrix.transpose();
+        out.normals.iter_mut().for_each(|n| *n = back(m.transform_vector3(vector(*n)).normalize_or_zero()));
+    }
+    out
+}
+
+/// Patches as two triangles each.
+fn triangulated(mesh: &Mesh) -> Mesh {
+    let mut out = mesh.clone();
+    let triangles = mesh.triangles.len();
+    out.triangles.extend(mesh.patches.iter().flat_map(|&[a, b, d, c]| [[a, b, c], [a, c, d]]));
+    out.patches.clear();
+    for a in out.attributes.iter_mut().filter(|a| a.domain == Domain::Face) {
+        let patches = a.data.split_off(triangles * a.channels);
+        a.data.extend(patches.chunks(a.channels.max(1)).flat_map(|c| [c, c]).flatten());
+    }
+    out
+}
+
+/// Whether all patches are flat, so that triangles are the same surface.
+pub(crate) fn has_curved_patches(mesh: &Mesh) -> bool {
+    let at = |i: u32| DVec3::from(mesh.positions[i as usize].map(f64::from));
+    mesh.patches.iter().any(|&[a, b, c, d]| {
+        let (a, b, c, d) = (at(a), at(b), at(c), at(d));
+        let size = (b - a).length().max((c - a).length()).max((d - a).length());
+        (b - a).cross(c - a).dot(d - a).abs() > 1e-5 * size * size * size
+    })
+}
+
+/// The area of a mesh in the world.
+pub(crate) fn area(mesh: &Mesh, world: &Transform) -> f64 {
+    let at = |i: u32| world.point(DVec3::from(mesh.positions[i as usize].map(f64::from)));
+    let triangle = |[a, b, c]: [u32; 3]| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length();
+    let patches = mesh.patches.iter().flat_map(|&[a, b, d, c]| [[a, b, c], [a, c, d]]);
+    mesh.triangles.iter().copied().chain(patches).map(triangle).sum()
+}
+
+/// The mesh as a binary PLY file, attributes by Mitsuba's rule.
+pub(crate) fn ply(mesh: &Mesh) -> Vec<u8> {
+    let (has_normals, has_uvs) = (!mesh.normals.is_empty(), !mesh.uvs.is_empty());
+    let property = |names: &str| names.split(' ').map(|n| format!("property float {n}\n")).collect::<String>();
+    let mut out = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.len());
+    out += &property("x y z");
+    out += &if has_normals { property("nx ny nz") } else { String::new() };
+    out += &if has_uvs { property("u v") } else { String::new() };
+    let of =
+        |domain: Domain| mesh.attributes.iter().filter(move |a| a.domain == domain && (1..=4).contains(&a.channels));
+    let names = |domain: Domain| -> String {
+        of(domain)
+            .map(|a| match (a.name.as_str(), a.channels) {
+                ("color", 3) => property("r g b"),
+                (name, n) => "xyzw"[..n].chars().map(|c| property(&format!("{name}_{c}"))).collect(),
+            })
+            .collect()
+    };
+    out += &names(Domain::Vertex);
+    let faces = mesh.triangles.len() + mesh.patches.len();
+    out += &format!("element face {faces}\nproperty list uchar uint vertex_indices\n");
+    out += &names(Domain::Face);
+    out += "end_header\n";
+    let mut out = out.into_bytes();
+    let put = |out: &mut Vec<u8>, values: &[f32]| values.iter().for_each(|v| out.extend(v.to_le_bytes()));
+    for (i, p) in mesh.positions.iter().enumerate() {
+        put(&mut out, p);
+        if has_normals {
+            put(&mut out, &mesh.normals[i]);
+        }
+        if has_uvs {
+            put(&mut out, &mesh.uvs[i]);
+        }
+        for a in of(Domain::Vertex) {
+            put(&mut out, &a.data[i * a.channels..(i + 1) * a.channels]);
+        }
+    }
+    let quads = mesh.patches.iter().map(|&[a, b, d, c]| vec![a, b, c, d]);
+    for (i, corners) in mesh.triangles.iter().map(|t| t.to_vec()).chain(quads).enumerate() {
+        out.push(corners.len() as u8);
+        corners.iter().for_each(|c| out.extend(c.to_le_bytes()));
+        for a in of(Domain::Face) {
+            put(&mut out, &a.data[i * a.channels..(i + 1) * a.channels]);
+        }
+    }
+    out
+}

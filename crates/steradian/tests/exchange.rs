@@ -1,0 +1,137 @@
+//! Scenes that are written in the languages of other programs and read again give the same pictures, or the writer says
+//! why not.
+
+#![allow(clippy::print_stdout, reason = "tests say what they skipped and measured")]
+
+use std::path::{Path, PathBuf};
+use steradian::{
+    ColorMode, CompileOptions, Loaded, Quality, compile,
+    formats::{Options, write},
+    image::Image,
+    load, render,
+    scene::{Fidelity, SceneDesc},
+};
+
+fn picture(desc: &SceneDesc, name: &str) -> Image {
+    let options = CompileOptions { size: Some((48, 32)), mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
+    let compiled = compile(desc, &options);
+    let scene = compiled.scene.unwrap_or_else(|| panic!("{name}: {:?}", compiled.diagnostics));
+    let integrator = Some("volpath:reuse=1,caustics=false,effort=even,max_depth=4".to_owned());
+    render(&scene, &Quality { spp: Some(16), integrator, ..Quality::default() }).expect(name)
+}
+
+fn means(image: &Image) -> [f64; 3] {
+    ["R", "G", "B"].map(|c| {
+        let plane = image.channel(c).expect("a colour");
+        plane.iter().map(|v| f64::from(*v)).sum::<f64>() / plane.len() as f64
+    })
+}
+
+/// Writes a scene into a folder; the file, and what was lost.
+fn written(desc: &SceneDesc, folder: &Path, file: &str) -> (PathBuf, Vec<String>) {
+    let path = folder.join(file);
+    let written = write::write(desc, &path).expect(file);
+    for (name, bytes) in &written.files {
+        let name = folder.join(name);
+        std::fs::create_dir_all(name.parent().expect("a folder")).expect("a folder");
+        std::fs::write(name, bytes).expect("written");
+    }
+    std::fs::write(&path, &written.bytes).expect("written");
+    let losses = written.diagnostics.iter().filter(|d| d.fidelity.is_some());
+    (path, losses.map(|d| format!("{:?}: {}", d.fidelity.unwrap_or(Fidelity::Unused), d.message)).collect())
+}
+
+/// Converts step by step; the last description and all losses.
+fn gone(path: &Path, steps: &[&str], folder: &Path) -> (SceneDesc, Vec<String>) {
+    let mut losses = Vec::new();
+    let mut desc = opened(path);
+    for (i, extension) in steps.iter().enumerate() {
+        let (file, lost) = written(&desc, folder, &format!("step{i}.{extension}"));
+        losses.extend(lost);
+        desc = opened(&file);
+    }
+    (desc, losses)
+}
+
+fn opened(path: &Path) -> SceneDesc {
+    let Loaded { desc, diagnostics, .. } = load(path, &Options::default());
+    assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", path.display());
+    desc
+}
+
+/// The largest relative difference of means of a scene and what a chain of formats makes of it, with its losses.
+fn difference(path: &Path, steps: &[&str]) -> (f64, Vec<String>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (after, losses) = gone(path, steps, folder.path());
+    let name = format!("{} {steps:?}", path.display());
+    let (a, b) = (means(&picture(&opened(path), &name)), means(&picture(&after, &name)));
+    let off = (0..3).map(|c| (b[c] / a[c] - 1.0).abs()).fold(0.0, f64::max);
+    println!("{name}: {off:.5}, {} losses", losses.len());
+    (off, losses)
+}
+
+fn scene(text: &str, extension: &str, folder: &Path) -> PathBuf {
+    let path = folder.join(format!("scene.{extension}"));
+    std::fs::write(&path, text).expect("written");
+    path
+}
+
+/// Everything in it has an exact counterpart.
+const MITSUBA: &str = r#"<scene version="3.0.0">
+<integrator type="path"><integer name="max_depth" value="5"/></integrator>
+<sensor type="thinlens"><float name="fov" value="40"/><float name="aperture_radius" value="0.02"/><float name="focus_distance" value="5"/>
+ <transform name="to_world"><lookat origin="0.5,1.5,5" target="0,0.3,0" up="0,1,0"/></transform>
+ <film type="hdrfilm"><integer name="width" value="48"/><integer name="height" value="32"/><rfilter type="tent"/></film>
+ <sampler type="independent"><integer name="sample_count" value="16"/></sampler></sensor>
+<bsdf type="twosided" id="board"><bsdf type="diffuse"><texture type="checkerboard" name="reflectance"><rgb name="color0" value="0.8,0.4,0.2"/>
+ <rgb name="color1" value="0.1,0.2,0.3"/><transform name="to_uv"><scale x="4" y="3"/></transform></texture></bsdf></bsdf>
+<shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/></transform><ref id="board"/></shape>
+<shape type="sphere"><point name="center" x="-1" y="0.5" z="0"/><float name="radius" value="0.5"/>
+ <bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.2"/></bsdf></shape>
+<shape type="sphere"><point name="center" x="0.3" y="0.5" z="0.4"/><float name="radius" value="0.5"/>
+ <bsdf type="dielectric"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf></shape>
+<shape type="cylinder"><point name="p0" x="1.5" y="0" z="0"/><point name="p1" x="1.5" y="1" z="0"/><float name="radius" value="0.3"/>
+ <bsdf type="mask"><float name="opacity" value="0.6"/><bsdf type="twosided"><bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.2,0.5,0.3"/></bsdf></bsdf></bsdf></shape>
+<shape type="shapegroup" id="g"><shape type="cube"><transform name="to_world"><scale value="0.2"/></transform>
+ <bsdf type="blendbsdf"><float name="weight" value="0.3"/><bsdf type="diffuse"/><bsdf type="plastic"><boolean name="nonlinear" value="true"/></bsdf></bsdf></shape></shape>
+<shape type="instance"><ref id="g"/><transform name="to_world"><translate x="-0.3" y="0.2" z="1.5"/></transform></shape>
+<shape type="instance"><ref id="g"/><transform name="to_world"><rotate y="1" angle="30"/><translate x="1" y="0.2" z="1.3"/></transform></shape>
+<shape type="disk"><transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform><emitter type="area"><rgb name="radiance" value="9,8,7"/></emitter></shape>
+<emitter type="constant"><rgb name="radiance" value="0.2,0.3,0.4"/></emitter>
+<emitter type="spot"><rgb name="intensity" value="10,9,8"/><transform name="to_world"><lookat origin="2,3,2" target="0,0,0" up="0,1,0"/></transform></emitter>
+<emitter type="directional"><vector name="direction" x="0.3" y="-1" z="-0.5"/><rgb name="irradiance" value="1,1,1.2"/></emitter>
+<emitter type="point"><point name="position" x="-2" y="2" z="2"/><spectrum name="intensity" value="400:3, 500:5, 700:4"/></emitter>
+</scene>"#;
+
+#[test]
+fn mitsubas_own_scenes_are_written_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = scene(MITSUBA, "xml", folder.path());
+    let (off, losses) = difference(&path, &["xml"]);
+    assert!(losses.is_empty(), "{losses:?}");
+    assert!(off < 1e-5, "{off}");
+}
+
+#[test]
+fn our_scenes_go_around() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    for name in ["showcase.pbrt", "showcase.xml"] {
+        for steps in [&["xml"][..], &["steradian", "xml"]] {
+            let (off, losses) = difference(&root.join(name), steps);
+            assert!(off < 5e-3 || !losses.is_empty(), "{name} {steps:?}: {off} without a named loss");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_expressed_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "Film \"rgb\" \"integer xresolution\" [8] \"integer yresolution\" [8]\nCamera \"perspective\"\nWorldBegin\n\
+        LightSource \"infinite\"\nTexture \"t\" \"spectrum\" \"marble\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n\
+        Shape \"sphere\" \"float phimax\" [200]\nMaterial \"coatedconductor\"\nShape \"disk\"\n";
+    let path = scene(text, "pbrt", folder.path());
+    let (_, losses) = gone(&path, &["xml"], folder.path());
+    for word in ["texture 'marble'", "'sphere' that is cut", "'coated_conductor'"] {
+        assert!(losses.iter().any(|l| l.contains(word)), "{word} is not in {losses:?}");
+    }
+}
