@@ -1,7 +1,8 @@
 //! Where an object is, and where it is once it has been placed.
 
+use crate::Instance;
 use glam::Vec3A;
-use steradian_math::{Bounds3, Vec3, transform::Affine};
+use steradian_math::{Bounds3, Motion, Vec3, transform::Affine};
 
 /// Boxes that contain an object.
 pub(crate) struct Outline {
@@ -41,6 +42,20 @@ impl Outline {
         let error = world_from_object.inverse().point_error(greatest(&bounds), Vec3::ZERO);
         let error = world_from_object.point_error(self.reach, error) * 2.0;
         Bounds3 { min: bounds.min - error, max: bounds.max + error }
+    }
+
+    /// [`Self::placed`] where an instance is, at all moments from zero to one.
+    pub fn of(&self, instance: &Instance) -> Bounds3 {
+        instance.motion.as_ref().map_or_else(|| self.placed(&instance.world_from_object), |motion| self.moved(motion))
+    }
+
+    fn moved(&self, motion: &Motion) -> Bounds3 {
+        let (times, beyond) = motion.steps(self.reach.length());
+        let places = times.iter().filter_map(|time| motion.at(*time));
+        let bounds = places.fold(Bounds3::EMPTY, |bounds, place| bounds.union(self.placed(&place)));
+        // Also of the numbers that this one is made of.
+        let beyond = Vec3::splat(beyond * 1.001);
+        Bounds3 { min: bounds.min - beyond, max: bounds.max + beyond }
     }
 }
 

@@ -7,27 +7,12 @@ use crate::dispatch::{
 use crate::geometry::WORLD;
 use crate::outline::Outline;
 use crate::packet::{Found, Packet};
+use crate::placement::{Instance, Placement};
 use crate::traverse::{Nearest, UserLeaves};
 use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, build, stream};
 use glam::Mat4;
 use rayon::prelude::*;
-use steradian_math::{Bounds3, Ray, transform::Affine};
-
-/// A placement of an object. Instances whose transform is not finite are left out.
-#[derive(Clone, Copy, Debug)]
-pub struct Instance {
-    /// Index among the objects of the [`TopLevel`].
-    pub object: u32,
-    /// Where it is placed.
-    pub world_from_object: Affine,
-}
-
-/// What traversal needs of an instance.
-#[derive(Clone, Debug)]
-struct Placement {
-    object_from_world: Mat4,
-    object: u32,
-}
+use steradian_math::{Bounds3, Ray};
 
 /// World-space geometry and instances of objects. The instances are user primitives of the tree over the geometry, so
 /// that both are visited in the order of distance, and a scene without instances costs what its [`Bvh`] costs.
@@ -39,6 +24,8 @@ pub struct TopLevel {
     placements: Vec<Placement>,
     /// Whether instances, and triangles here and in the objects, are all there is.
     only_triangles: bool,
+    /// Whether instances move: rays then go one by one.
+    moves: bool,
     /// Index of the first instance among the primitives of the tree.
     first_instance: u32,
 }
@@ -71,7 +58,8 @@ impl TopLevel {
             isa: SupportedIsa::best(),
             only_triangles: only_triangles(world, &objects),
             objects,
-            placements: placements(instances),
+            moves: instances.iter().any(|i| i.motion.is_some()),
+            placements: instances.iter().map(Placement::of).collect(),
         })
     }
 
@@ -84,7 +72,8 @@ impl TopLevel {
         let boxes = boxes(&self.objects, instances)?;
         let kept = self.tree.update(&[world, &[Geometry::boxes(&boxes)]].concat())?;
         self.first_instance = self.tree.first[world.len()];
-        self.placements = placements(instances);
+        self.placements = instances.iter().map(Placement::of).collect();
+        self.moves = instances.iter().any(|i| i.motion.is_some());
         self.only_triangles = only_triangles(world, &self.objects);
         Ok(kept)
     }
@@ -153,6 +142,10 @@ impl TopLevel {
     /// When the slices differ in length.
     pub fn intersect_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
         match self.world_alone(user) {
+            None if self.moves => {
+                assert_eq!(rays.len(), hits.len(), "one place for each ray");
+                rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray, user));
+            }
             Some(world) => nearest_hits(self.isa, &self.tree, rays, &world, hits),
             None => nearest_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, hits),
         }
@@ -164,6 +157,10 @@ impl TopLevel {
     /// When the slices differ in length.
     pub fn occluded_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
         match self.world_alone(user) {
+            None if self.moves => {
+                assert_eq!(rays.len(), occluded.len(), "one place for each ray");
+                rays.iter().zip(occluded).for_each(|(ray, is)| *is = self.occluded(ray, user));
+            }
             Some(world) => any_hits(self.isa, &self.tree, rays, &world, occluded),
             None => any_hits(self.isa, &self.tree, rays, &Leaves { scene: self, user }, occluded),
         }
@@ -226,14 +223,8 @@ fn boxes(objects: &[Bvh], instances: &[Instance]) -> Result<Vec<Bounds3>, Error>
     }
     let outline = |object: &Bvh| Outline::new(&object.tree().upper_boxes(BOXES));
     let outlines: Vec<Outline> = objects.par_iter().map(outline).collect();
-    let placed = |i: &Instance| outlines[i.object as usize].placed(&i.world_from_object);
+    let placed = |i: &Instance| outlines[i.object as usize].of(i);
     Ok(instances.par_iter().map(placed).collect())
-}
-
-/// What traversal needs of instances.
-fn placements(instances: &[Instance]) -> Vec<Placement> {
-    let place = |i: &Instance| Placement { object_from_world: i.world_from_object.inv, object: i.object };
-    instances.iter().map(place).collect()
 }
 
 /// How many boxes of an object the box of an instance is made from.
@@ -250,19 +241,15 @@ impl<'a, U> Leaves<'a, U> {
     #[inline(always)]
     fn instance(&self, index: u32) -> Option<(u32, &'a Bvh, &'a Mat4)> {
         let number = index.checked_sub(self.scene.first_instance)?;
-        let Placement { object_from_world, object } = &self.scene.placements[number as usize];
-        Some((number, &self.scene.objects[*object as usize], object_from_world))
+        let place = &self.scene.placements[number as usize];
+        Some((number, &self.scene.objects[place.object as usize], &place.object_from_world))
     }
 
     /// The instance with an index in the tree: its number, its object, and the ray in the object's space.
     #[inline(always)]
     fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &'a Bvh, Ray)> {
-        let (number, object, place) = self.instance(index)?;
-        let ray = Ray {
-            origin: place.transform_point3(ray.origin),
-            direction: place.transform_vector3(ray.direction),
-            t_max: ray.t_max,
-        };
+        let (number, object, _) = self.instance(index)?;
+        let ray = self.scene.placements[number as usize].enter(ray);
         Some((number, object, ray))
     }
 }

@@ -81,6 +81,9 @@ pub fn run(args: &RenderArgs, job: &Job<'_>, options: &raster::Options, terminal
     let integrator = raster::RASTER.0;
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let done = raster::render(scene, quality, options).map_err(|e| Failure::bad_input(e.to_string()))?;
+    if job.scene.moves() {
+        terminal.say("note: raster shows the moment at which the shutter opens; things move in this scene");
+    }
     done.notes.iter().for_each(|note| terminal.say(note));
     let saving = Instant::now();
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };

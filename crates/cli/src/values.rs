@@ -181,7 +181,7 @@ impl FromStr for Layers {
         let known = Layer::ALL.iter().map(|l| l.name()).chain(["all"]);
         for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
             if ["motion", "motionvector", "vector"].contains(&name) {
-                return Err("there is no layer of motion, since nothing moves during the exposure".into());
+                return Err("there is no layer of motion vectors yet".into());
             }
             match known_name(name, "layer", known.clone())? {
                 "all" => layers.extend(Layer::ALL.into_iter().filter(|l| *l != Layer::LightGroups)),
@@ -287,7 +287,7 @@ mod tests {
         let all: Layers = "all".parse().unwrap();
         assert!(all.0.len() + 1 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
-        assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("nothing moves")));
+        assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("motion vectors")));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
         assert!("relmse=x".parse::<Threshold>().is_err() && "relms=1".parse::<Threshold>().is_err());
         assert!(definition("=x").is_err() && definition("x").is_err());

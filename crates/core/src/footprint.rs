@@ -181,11 +181,7 @@ impl Scene {
             Shape::Sdf(_) => Vec3::ZERO,
             Shape::Plane(p) => p.dpdv(),
         };
-        if i.id.instance == WORLD {
-            local
-        } else {
-            self.placements[i.id.instance as usize].world_from_group.vector(local)
-        }
+        if i.id.instance == WORLD { local } else { self.placements[i.id.instance as usize].at(i.time).vector(local) }
     }
 
     /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches,
@@ -193,7 +189,7 @@ impl Scene {
     fn normal_derivative(&self, i: &Interaction, dp: Vec3) -> Vec3 {
         match &self.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) if !m.normals.is_empty() => {
-                let place = (i.id.instance != WORLD).then(|| &self.placements[i.id.instance as usize].world_from_group);
+                let place = self.place(i.id, i.time);
                 let into = |v: Vec3| place.map_or(v, |a| a.inverse().vector(v));
                 let change = m.normal_change(i.id.prim, into(dp));
                 let change = place.map_or(change, |a| a.normal(change));
@@ -224,7 +220,7 @@ impl Scene {
     fn local_point(&self, i: &Interaction) -> Vec3 {
         match i.id.instance {
             WORLD => i.surface.p,
-            instance => self.placements[instance as usize].world_from_group.inverse().point(i.surface.p),
+            instance => self.placements[instance as usize].at(i.time).inverse().point(i.surface.p),
         }
     }
 }

@@ -16,7 +16,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
 use steradian_math::{
-    Bounds3, Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
+    Bounds3, Frame, Motion, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
 };
 
 /// The geometry of a shape.
@@ -89,14 +89,27 @@ impl Geometry {
 }
 
 /// A placed group.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Placement {
-    /// Where it is.
+    /// Where it is as the shutter opens.
     pub world_from_group: Affine,
+    /// How it moves while the shutter is open.
+    pub motion: Option<Arc<Motion>>,
     /// First geometry of the group in [`Scene::geometries`].
     pub base: u32,
     /// How many geometries the group has.
     pub count: u32,
+}
+
+impl Placement {
+    /// Where it is at a moment of the exposure.
+    #[inline]
+    pub fn at(&self, time: f32) -> Affine {
+        match &self.motion {
+            None => self.world_from_group,
+            Some(motion) => motion.at(time).unwrap_or(self.world_from_group),
+        }
+    }
 }
 
 /// What a scene asks of the renderer; what the user asks goes before it.
@@ -180,6 +193,8 @@ pub struct Interaction {
     pub wo: Vec3,
     /// Distance along the ray, in units of its direction.
     pub t: f32,
+    /// The moment of the exposure.
+    pub time: f32,
     /// Index of the geometry.
     pub geometry: u32,
     /// The primitive.
@@ -193,7 +208,7 @@ impl Interaction {
     #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {
         let s = &self.surface;
-        Ray::new(offset_ray_origin(s.p, s.error, s.n, direction), direction)
+        Ray { time: self.time, ..Ray::new(offset_ray_origin(s.p, s.error, s.n, direction), direction) }
     }
 
     /// A ray to a point at a distance in a unit direction, that ends just before it.
@@ -263,6 +278,17 @@ impl Scene {
         if id.instance == WORLD { id.geom } else { self.placements[id.instance as usize].base + id.geom }
     }
 
+    /// Where the group of a primitive is at a moment; `None` in the world.
+    #[inline]
+    pub fn place(&self, id: PrimId, time: f32) -> Option<Affine> {
+        (id.instance != WORLD).then(|| self.placements[id.instance as usize].at(time))
+    }
+
+    /// Whether anything moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        self.camera.motion.is_some() || self.placements.iter().any(|p| p.motion.is_some())
+    }
+
     /// Whether a hit counts that was found otherwise than by [`Scene::intersect`]: not where the opacity of its shape
     /// lets the ray through. The ray is in the space of the shape's group.
     #[inline]
@@ -290,7 +316,7 @@ impl Scene {
             && matches!(alpha, FloatTexture::Texture(id) if self.textures.effort(*id).is_filtered)
         {
             // Nothing is known of how the ray came: the footprint is that which the camera would have here.
-            let place = (hit.id.instance != WORLD).then(|| &self.placements[hit.id.instance as usize].world_from_group);
+            let place = self.place(hit.id, ray.time);
             let i = self.interaction(&place.map_or(*ray, |place| place.ray(ray)), hit);
             (at.p, at.n, at.footprint) = (i.surface.p, i.surface.ns, self.footprint(&i, None));
         }
@@ -401,7 +427,7 @@ impl Scene {
         let surface = if hit.id.instance == WORLD {
             surface(geometry, ray)
         } else {
-            let place = &self.placements[hit.id.instance as usize].world_from_group;
+            let place = self.placements[hit.id.instance as usize].at(ray.time);
             let s = surface(geometry, &place.inverse().ray(ray));
             // Normals keep to their side: the inverse transpose does not turn them over against each other.
             SurfacePoint {
@@ -417,6 +443,7 @@ impl Scene {
             surface,
             wo: -ray.direction,
             t: hit.t,
+            time: ray.time,
             geometry: index,
             id: hit.id,
             coordinates: Vec2::new(hit.u, hit.v),
@@ -516,7 +543,7 @@ impl Scene {
         let Shape::Mesh(m) = &self.geometries[i.geometry as usize].shape else {
             return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: self.dpdv(i), tangent: None };
         };
-        let place = (i.id.instance != WORLD).then(|| &self.placements[i.id.instance as usize].world_from_group);
+        let place = self.place(i.id, i.time);
         let vector = |v: Vec3| place.map_or(v, |a| a.vector(v));
         let tangent = m.tangent_frame(i.id.prim, i.coordinates).map(|(t, sign)| {
             let turned = place.is_some_and(|a| a.m.determinant() < 0.0);

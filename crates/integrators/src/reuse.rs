@@ -85,9 +85,9 @@ impl PixelSample {
         let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
         let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
         let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
-        let ray = scene.camera.ray(film, point, lens);
         let lambda = scene.mode.wavelengths(|| common(dimension::WAVELENGTH));
         let lambda = if scene.is_timed { lambda.at_time(common(dimension::TIME)) } else { lambda };
+        let ray = scene.camera.ray_at(film, point, lens, lambda.time);
         (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO }, weight)
     }
 }

@@ -87,7 +87,7 @@ const LIGHT_EVENTS: u32 = 2000;
 impl PathState {
     /// One that leads nowhere.
     pub const NONE: Self = Self {
-        ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_max: 0.0 },
+        ray: Ray { t_max: 0.0, ..Ray::new(Vec3::ZERO, Vec3::Z) },
         beta: Spectrum::ZERO,
         for_roulette: 1.0,
         origin: None,
@@ -240,6 +240,8 @@ pub(crate) enum Vertex<'s> {
         p: Vec3,
         /// Back along the path.
         wo: Vec3,
+        /// The moment of the exposure.
+        time: f32,
         /// How it scatters.
         scattering: &'s Medium,
         /// Its index.
@@ -306,7 +308,7 @@ impl Vertex<'_> {
     pub fn spawn(&self, direction: Vec3) -> Ray {
         match self {
             Self::Surface { i, .. } => i.spawn(direction),
-            Self::Medium { p, .. } => Ray::new(*p, direction),
+            Self::Medium { p, time, .. } => Ray { time: *time, ..Ray::new(*p, direction) },
         }
     }
 
@@ -514,7 +516,7 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
             if let Some(t) = t {
                 if path_state.events < depth.max {
                     let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
-                    *arrival = Arrival::Vertex(Vertex::Medium { p, wo, scattering, medium });
+                    *arrival = Arrival::Vertex(Vertex::Medium { p, wo, time: path_state.ray.time, scattering, medium });
                 }
                 return;
             }

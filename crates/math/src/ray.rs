@@ -11,12 +11,14 @@ pub struct Ray {
     pub direction: Vec3,
     /// Exclusive end of the interval in which hits count.
     pub t_max: f32,
+    /// The moment of the exposure: 0 as the shutter opens, 1 as it closes.
+    pub time: f32,
 }
 
 impl Ray {
-    /// A ray without end.
-    pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY }
+    /// A ray without end, as the shutter opens.
+    pub const fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY, time: 0.0 }
     }
 
     /// The point at parameter `t`.

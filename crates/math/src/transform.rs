@@ -171,7 +171,7 @@ impl Affine {
     /// Image of a ray; the direction is not normalised, so `t` keeps its meaning.
     #[inline]
     pub fn ray(&self, r: &Ray) -> Ray {
-        Ray { origin: self.point(r.origin), direction: self.vector(r.direction), t_max: r.t_max }
+        Ray { origin: self.point(r.origin), direction: self.vector(r.direction), ..*r }
     }
 
     /// The box around the images of the eight corners; empty stays empty.

@@ -86,10 +86,29 @@ pub struct Group {
 pub struct Instance {
     /// Index into [`SceneDesc::groups`].
     pub group: usize,
-    /// Places group space in the world.
+    /// Places group space in the world; where it moves, at the beginning of its motion.
     pub world_from_group: Transform,
+    /// How it moves, if it does.
+    pub movement: Option<Movement>,
     /// Where the file says so.
     pub span: Option<Span>,
+}
+
+impl Instance {
+    /// One that stands still.
+    pub fn new(group: usize, world_from_group: Transform) -> Self {
+        Self { group, world_from_group, movement: None, span: None }
+    }
+}
+
+/// The end of a motion: between its times translation, rotation and stretch are interpolated
+/// ([`steradian_math::Motion`]); before and after it nothing moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Movement {
+    /// The transform at the end.
+    pub end: Transform,
+    /// When it begins and ends, on the clock of the camera's `shutter_open` and `shutter_close`.
+    pub times: [f64; 2],
 }
 
 /// A scene as pure data. Importers make it, `compile` turns it into what is rendered.

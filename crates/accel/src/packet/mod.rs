@@ -106,11 +106,11 @@ impl Packet {
         packet
     }
 
-    /// One of the rays, up to a distance.
+    /// One of the rays, up to a distance. Packets are of scenes in which nothing moves.
     #[inline(always)]
     pub fn ray(&self, lane: usize, t_max: f32) -> Ray {
         let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
-        Ray { origin: vector(&self.origin), direction: vector(&self.direction), t_max }
+        Ray { t_max, ..Ray::new(vector(&self.origin), vector(&self.direction)) }
     }
 }
 

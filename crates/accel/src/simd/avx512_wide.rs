@@ -143,8 +143,8 @@ impl Lanes for Avx512Wide {
         // SAFETY: see above, and there are as many rows as lanes.
         unsafe {
             let [a, b, c, d] = transposed(quarters(rows, 0));
-            let [_, e, f, g] = transposed(quarters(rows, COLUMNS - 4));
-            [a, b, c, d, e, f, g]
+            let [e, f, g, h] = transposed(quarters(rows, 4));
+            [a, b, c, d, e, f, g, h]
         }
     }
 }

@@ -47,7 +47,7 @@ pub(crate) struct Row(pub [f32; LANES]);
 pub(crate) const WIDE: usize = 32;
 
 /// Columns of a table of rays.
-pub(crate) const COLUMNS: usize = 7;
+pub(crate) const COLUMNS: usize = 8;
 
 /// Numbers of as many lanes as there may be, as they lie in memory; what follows these has no meaning.
 #[repr(C, align(64))]

@@ -5,18 +5,11 @@ use super::partition::Partition;
 use super::search::{Steps, Tally};
 use crate::geometry::WORLD;
 use crate::outline::Outline;
+use crate::placement::Placement;
 use crate::traverse::{Nearest, UserLeaves};
 use crate::{Error, Geometry, Hit, Instance, PrimId, UserHit, UserPrimitives};
-use glam::Mat4;
 use std::cell::Cell;
 use steradian_math::{Bounds3, Ray};
-
-/// What a walk needs of an instance.
-#[derive(Clone, Debug)]
-struct Placement {
-    object_from_world: Mat4,
-    object: u32,
-}
 
 /// Geometry and instances of objects.
 #[derive(Clone, Debug)]
@@ -43,18 +36,17 @@ impl PartitionedScene {
         }
         let bounds = |i: &Instance| {
             let bounds = objects[i.object as usize].bounds();
-            if bounds.is_empty() { Bounds3::EMPTY } else { Outline::new(&[bounds]).placed(&i.world_from_object) }
+            if bounds.is_empty() { Bounds3::EMPTY } else { Outline::new(&[bounds]).of(i) }
         };
         let boxes: Vec<Bounds3> = instances.iter().map(bounds).collect();
         let mut geometries = world.to_vec();
         geometries.push(Geometry::boxes(&boxes));
         let partition = Partition::build(accelerator, &geometries)?;
-        let place = |i: &Instance| Placement { object_from_world: i.world_from_object.inv, object: i.object };
         Ok(Self {
             first_instance: partition.items().first[world.len()],
             world: partition,
             objects,
-            placements: instances.iter().map(place).collect(),
+            placements: instances.iter().map(Placement::of).collect(),
         })
     }
 
@@ -117,13 +109,8 @@ impl<'a, U, T: Tally + Total> Leaves<'a, U, T> {
     /// The instance with an index: its number, its object, and the ray in the object's space.
     fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &'a Partition, Ray)> {
         let number = index.checked_sub(self.scene.first_instance)?;
-        let Placement { object_from_world, object } = &self.scene.placements[number as usize];
-        let ray = Ray {
-            origin: object_from_world.transform_point3(ray.origin),
-            direction: object_from_world.transform_vector3(ray.direction),
-            t_max: ray.t_max,
-        };
-        Some((number, &self.scene.objects[*object as usize], ray))
+        let place = &self.scene.placements[number as usize];
+        Some((number, &self.scene.objects[place.object as usize], place.enter(ray)))
     }
 
     fn id(&self, index: u32) -> PrimId {

@@ -151,7 +151,7 @@ mod tests {
             let scale = [1.0, 1e-3, 1e5, 1e20][i % 4];
             let mut point = |by: f32| Vec3::from_array([0; 3].map(|_| number(&mut rng, coarse))) * by;
             let corners = [0; 3].map(|_| point(scale));
-            let ray = Ray { origin: point(scale), direction: point(1.0), t_max: [f32::INFINITY, scale][i % 2] };
+            let ray = Ray { t_max: [f32::INFINITY, scale][i % 2], ..Ray::new(point(scale), point(1.0)) };
             if !ray.is_valid() || !crate::triangle::is_hittable(corners) {
                 continue;
             }

@@ -2,7 +2,8 @@
 
 use super::testing::{Mesh, assorted_rays, direction, icosphere, in_cube, soup};
 use crate::{Accel, Accelerator, Geometry, Hit, Instance, Object, PrimId, UserHit, UserPrimitives};
-use steradian_math::{Bounds3, DVec3, Ray, Transform, Vec3, hash::HashRng};
+use std::sync::Arc;
+use steradian_math::{Bounds3, DVec3, Motion, Ray, Transform, Vec3, hash::HashRng};
 
 fn build(accelerator: Accelerator, geometries: &[Geometry]) -> Accel {
     Accel::build(accelerator, geometries, Vec::new(), &[]).expect("few primitives")
@@ -159,7 +160,12 @@ fn user_primitives_filters_and_instances_are_the_same() {
         let scale = DVec3::new(0.3, 0.4, 0.5) * (0.5 + f64::from(rng.next_f32()));
         let turn = Transform::rotate_y(f64::from(rng.next_f32()) * 6.0) * Transform::scale(scale);
         let m = Transform::translate(in_cube(&mut rng).as_dvec3() * 3.0) * turn;
-        Instance { object: 0, world_from_object: m.affine().expect("not singular") }
+        let still = Instance::new(0, m.affine().expect("not singular"));
+        // Some move, and turn by up to three quarters.
+        let turn = Transform::rotate_y(f64::from(rng.next_f32()) * 4.5);
+        let end = Transform::translate(in_cube(&mut rng).as_dvec3()) * m * turn * Transform::scale(scale + 0.5);
+        let motion = (rng.next_f32() < 0.4).then(|| Motion::new([(-0.2, m), (0.9, end)]).expect("not singular"));
+        Instance { motion: motion.map(Arc::new), ..still }
     };
     let instances: Vec<Instance> = (0..40).map(place).collect();
     let all = Accelerator::ALL.map(|a| {
@@ -167,16 +173,23 @@ fn user_primitives_filters_and_instances_are_the_same() {
         (a, Accel::build(a, &geometries, vec![object], &instances).expect("valid"))
     });
     let expected = &all[0].1;
-    let mut instanced = 0;
-    for ray in assorted_rays(Vec3::ZERO, 3.0, 3000, 13) {
+    let (mut instanced, mut moved) = (0, 0);
+    let rays = assorted_rays(Vec3::ZERO, 3.0, 3000, 13).into_iter();
+    let rays: Vec<Ray> = rays.map(|ray| Ray { time: rng.next_f32(), ..ray }).collect();
+    let mut batch = vec![None; rays.len()];
+    expected.intersect_batch(&rays, &user, &mut batch);
+    for (ray, of_batch) in rays.into_iter().zip(batch) {
         let hit = bits(expected.intersect(&ray, &user));
+        assert_eq!(bits(of_batch), hit, "{ray:?}");
         instanced += usize::from(hit.is_some_and(|h| h.1.instance < 40));
+        moved +=
+            usize::from(hit.is_some_and(|h| instances.get(h.1.instance as usize).is_some_and(|i| i.motion.is_some())));
         for (name, accel) in &all[1..] {
             assert_eq!(bits(accel.intersect(&ray, &user)), hit, "{name:?} {ray:?}");
             assert_eq!(accel.occluded(&ray, &user), hit.is_some(), "{name:?} {ray:?}");
         }
     }
-    assert!(instanced > 300, "{instanced}");
+    assert!(instanced > 300 && moved > 100, "{instanced} {moved}");
     let unknown = Accel::build(Accelerator::Grid, &geometries, Vec::new(), &instances);
     assert!(unknown.is_err());
 }
@@ -199,7 +212,7 @@ fn garbage_builds_and_traces() {
         let all = Accelerator::ALL.map(|a| build(a, &geometries));
         let user = Mixed(vec![(Vec3::ZERO, 1.0); 10]);
         for _ in 0..60 {
-            let ray = Ray { origin: point(&mut rng), direction: point(&mut rng), t_max: any(&mut rng) };
+            let ray = Ray { t_max: any(&mut rng), ..Ray::new(point(&mut rng), point(&mut rng)) };
             for accel in &all {
                 let hit = accel.intersect(&ray, &user);
                 assert!(hit.is_none_or(|h| h.t > 0.0 && h.t < ray.t_max), "{hit:?} {ray:?}");

@@ -56,7 +56,7 @@ fn bundles(count: usize, size: f32, seed: u64) -> Vec<Ray> {
             let start = if from_one { origin } else { origin + in_cube(&mut rng) * spread };
             let direction = target + in_cube(&mut rng) * spread - start;
             let t_max = if bounded { rng.next_f32() * 1.5 } else { f32::INFINITY };
-            rays.push(Ray { origin: start, direction, t_max });
+            rays.push(Ray { t_max, ..Ray::new(start, direction) });
         }
     }
     rays
@@ -147,7 +147,7 @@ fn instances_user_primitives_and_filters() {
     let instances: Vec<_> = places
         .iter()
         .enumerate()
-        .map(|(i, &world_from_object)| Instance { object: u32::from(i % 10 >= 5), world_from_object })
+        .map(|(i, &world_from_object)| Instance::new(u32::from(i % 10 >= 5), world_from_object))
         .collect();
     let world = [Geometry::triangles(&mesh.0, &mesh.1).filtered(true), Geometry::boxes(&mixed.0)];
     let top = TopLevel::build(&world, objects, &instances).expect("valid");

@@ -87,7 +87,7 @@ fn the_interval_is_open_at_both_ends() {
     let mesh =
         (vec![Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)], vec![[0, 1, 2]]);
     let bvh = build(&mesh);
-    let ray = |t_max| Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_max };
+    let ray = |t_max| Ray { t_max, ..Ray::new(Vec3::ZERO, Vec3::Z) };
     assert_eq!(bvh.intersect(&ray(f32::INFINITY), &()).map(|hit| hit.t), Some(2.0));
     assert!(bvh.intersect(&ray(2.0), &()).is_none() && !bvh.occluded(&ray(2.0), &()));
     assert!(bvh.intersect(&ray(2.0_f32.next_up()), &()).is_some() && bvh.occluded(&ray(2.0_f32.next_up()), &()));

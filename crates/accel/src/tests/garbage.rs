@@ -125,7 +125,7 @@ fn messes_are_placed_and_traced() {
         let mut place = |i: u32| {
             let (shift, turn) = (in_cube(&mut rng).as_dvec3(), in_cube(&mut rng).as_dvec3());
             let m = Transform::translate(shift) * Transform::rotate(turn, 200.0 * turn.x);
-            Instance { object: i % 2, world_from_object: m.affine().expect("not singular") }
+            Instance::new(i % 2, m.affine().expect("not singular"))
         };
         let mut instances: Vec<_> = (0..20).map(&mut place).collect();
         // Instances at one place tie.

@@ -19,7 +19,7 @@ fn placements(count: usize) -> Vec<Affine> {
 }
 
 fn instance(object: u32, world_from_object: Affine) -> Instance {
-    Instance { object, world_from_object }
+    Instance::new(object, world_from_object)
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_scene_without_instances_is_its_world() {
 fn ties_go_to_the_smaller_name() {
     // The same object at the same place, four times: the first instance wins, whatever the order of traversal.
     let objects = vec![build(&icosphere(1))];
-    let instances = [instance(0, Affine::IDENTITY); 4];
+    let instances = [0; 4].map(|object| instance(object, Affine::IDENTITY));
     let top = TopLevel::build(&[], objects, &instances).expect("valid");
     for ray in assorted_rays(Vec3::ZERO, 0.5, 500, 4) {
         if let Some(hit) = top.intersect(&ray, &()) {

@@ -97,8 +97,8 @@ pub(crate) fn assorted_rays(center: Vec3, size: f32, count: usize, seed: u64) ->
             1 => Ray::new(origin, Vec3::new(d.x, 0.0, d.z)),
             2 => Ray::new(origin, Vec3::new(-0.0, d.y, 0.0)),
             3 => Ray::new(center + d * size * 3.0, origin - (center + d * size * 3.0)),
-            4 => Ray { origin, direction: d * 1e-3, t_max: 300.0 * size },
-            5 => Ray { origin, direction: d * 1e3, t_max: 1e-3 * size },
+            4 => Ray { t_max: 300.0 * size, ..Ray::new(origin, d * 1e-3) },
+            5 => Ray { t_max: 1e-3 * size, ..Ray::new(origin, d * 1e3) },
             _ => Ray::new(origin, d),
         }
     };

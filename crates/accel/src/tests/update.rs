@@ -20,7 +20,7 @@ fn assert_same(a: &TopLevel, b: &TopLevel) -> usize {
 
 fn alone(bvh: Bvh) -> TopLevel {
     let still = Transform::translate(DVec3::ZERO).affine().expect("not singular");
-    TopLevel::build(&[], vec![bvh], &[Instance { object: 0, world_from_object: still }]).expect("valid")
+    TopLevel::build(&[], vec![bvh], &[Instance::new(0, still)]).expect("valid")
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn moved_instances_are_followed() {
     let mut places = |count: usize| -> Vec<Instance> {
         let place = |_| {
             let m = Transform::translate(in_cube(&mut rng).as_dvec3() * 2.0) * Transform::scale(DVec3::splat(0.3));
-            Instance { object: 0, world_from_object: m.affine().expect("not singular") }
+            Instance::new(0, m.affine().expect("not singular"))
         };
         (0..count).map(place).collect()
     };
@@ -78,6 +78,6 @@ fn moved_instances_are_followed() {
         let fresh = TopLevel::build(&world, vec![build(&sphere)], &instances).expect("valid");
         assert!(assert_same(&top, &fresh) > 1000);
     }
-    let unknown = Instance { object: 1, ..places(1)[0] };
+    let unknown = Instance { object: 1, ..places(1)[0].clone() };
     assert!(top.update(&world, &[unknown]).is_err());
 }

@@ -64,7 +64,7 @@ fn user_primitives_mix_with_triangles_and_instances() {
     let both = [triangles, Geometry::boxes(&boxes)];
     let bvh = Bvh::build(&both).expect("few primitives");
     let m = Transform::translate(DVec3::new(5.0, 0.0, 0.0)).affine().expect("not singular");
-    let instance = Instance { object: 0, world_from_object: m };
+    let instance = Instance::new(0, m);
     let top = TopLevel::build(&both, vec![bvh.clone()], &[instance]).expect("valid");
     for ray in assorted_rays(Vec3::ZERO, 1.0, 5000, 24) {
         let on_mesh = only_mesh.intersect(&ray, &()).map(|h| (h.t, 0, h.id.prim));
@@ -125,7 +125,7 @@ fn answers_outside_of_the_interval_are_ignored() {
         }
     }
     let bvh = Bvh::build(&[Geometry::boxes(&[Bounds3 { min: -Vec3::ONE, max: Vec3::ONE }])]).expect("few primitives");
-    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
+    let ray = Ray { t_max: 10.0, ..Ray::new(Vec3::ZERO, Vec3::X) };
     for t in [f32::NAN, -1.0, 0.0, 10.0, f32::INFINITY] {
         assert!(bvh.intersect(&ray, &Liar(t)).is_none(), "{t}");
     }
@@ -141,7 +141,7 @@ fn all_hits_are_found_in_order() {
     let alone: Vec<_> = mesh.1.iter().map(|&t| super::build(&(mesh.0.clone(), vec![t]))).collect();
     let object = Bvh::build(&geometry).expect("few primitives");
     let still = Transform::translate(DVec3::ZERO).affine().expect("not singular");
-    let instances = [Instance { object: 0, world_from_object: still }; 2];
+    let instances = [0; 2].map(|object| Instance::new(object, still));
     let top = TopLevel::build(&geometry, vec![object.clone()], &instances).expect("valid");
     let mut most = 0;
     for ray in assorted_rays(Vec3::ZERO, 1.0, 1500, 27) {

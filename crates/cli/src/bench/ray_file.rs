@@ -36,7 +36,7 @@ pub fn read(bytes: &[u8]) -> Result<Vec<Ray>, String> {
     let ray = |ray: &[u8]| {
         let number = |i: usize| f32::from_le_bytes([ray[4 * i], ray[4 * i + 1], ray[4 * i + 2], ray[4 * i + 3]]);
         let vector = |i: usize| Vec3::new(number(i), number(i + 1), number(i + 2));
-        Ray { origin: vector(0), direction: vector(3), t_max: number(6) }
+        Ray { t_max: number(6), ..Ray::new(vector(0), vector(3)) }
     };
     Ok(rays.chunks_exact(RAY).map(ray).collect())
 }

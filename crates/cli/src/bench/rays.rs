@@ -220,7 +220,7 @@ fn build(geometry: &[Geometry], instances: u32) -> Result<TopLevel, steradian::a
     if instances == 0 {
         return TopLevel::build(geometry, Vec::new(), &[]);
     }
-    let place = |world_from_object| Instance { object: 0, world_from_object };
+    let place = |world_from_object| Instance::new(0, world_from_object);
     let instances: Vec<_> = placement::lattice(instances).into_iter().map(place).collect();
     TopLevel::build(&[], vec![Bvh::build(geometry)?], &instances)
 }

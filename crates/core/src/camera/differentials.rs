@@ -155,6 +155,7 @@ mod tests {
     fn cameras() -> Vec<Camera> {
         let place = Transform::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.3, 0.2), DVec3::Y).unwrap();
         let base = Camera {
+            motion: None,
             projection: Projection::Perspective,
             world_from_camera: place.affine().unwrap(),
             window: [-0.8, 0.8, -0.6, 0.6],

@@ -163,6 +163,7 @@ mod tests {
             let planar = matches!(projection, Projection::Perspective | Projection::Orthographic);
             for lens_radius in [0.0, 0.2].into_iter().take(if planar { 2 } else { 1 }) {
                 all.push(Camera {
+                    motion: None,
                     projection,
                     lens_radius,
                     near: if planar { 0.05 } else { 0.0 },

@@ -6,7 +6,8 @@ pub mod importance;
 pub use differentials::ViewFootprint;
 
 use crate::film::FilmSpec;
-use steradian_math::{Ray, Vec2, Vec3, transform::Affine, warp};
+use std::sync::Arc;
+use steradian_math::{Motion, Ray, Vec2, Vec3, transform::Affine, warp};
 
 /// The cameras by name, for the registry.
 pub const CAMERAS: &[(&str, &str)] = &[
@@ -36,8 +37,10 @@ pub enum Projection {
 pub struct Camera {
     /// How the film maps to directions.
     pub projection: Projection,
-    /// Places camera space in the world.
+    /// Places camera space in the world, as the shutter opens.
     pub world_from_camera: Affine,
+    /// How it moves while the shutter is open.
+    pub motion: Option<Arc<Motion>>,
     /// Window on the plane z = 1 that the frame covers: x0, x1 (left to right), y0, y1 (bottom to top).
     pub window: [f32; 4],
     /// Radius of the thin lens; zero for a pinhole.
@@ -125,6 +128,15 @@ impl Camera {
         Ray::new(self.world_from_camera.point(origin), d.normalize())
     }
 
+    /// [`Self::ray`] at a moment of the exposure.
+    #[inline]
+    pub fn ray_at(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2, time: f32) -> Ray {
+        let ray = Ray { time, ..self.ray(film, pixel, lens) };
+        let Some(place) = self.motion.as_ref().and_then(|motion| motion.at(time)) else { return ray };
+        let ray = place.ray(&self.world_from_camera.inverse().ray(&ray));
+        Ray { direction: ray.direction.normalize(), ..ray }
+    }
+
     /// The camera's forward axis in the world, unit length.
     pub fn forward(&self) -> Vec3 {
         self.world_from_camera.vector(Vec3::Z).normalize()
@@ -150,6 +162,7 @@ impl Camera {
         Some(Self {
             projection: Projection::Perspective,
             world_from_camera: m.affine()?,
+            motion: None,
             window: [-x, x, -y, y],
             lens_radius: 0.0,
             focal_distance: 1.0,

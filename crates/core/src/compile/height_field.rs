@@ -115,7 +115,7 @@ mod tests {
         if instanced {
             desc.groups.push(Group { name: "field".into(), shapes: vec![shape] });
             let world_from_group = Transform::translate(DVec3::new(0.0, 0.0, 0.25));
-            desc.instances.push(Instance { group: 0, world_from_group, span: None });
+            desc.instances.push(Instance::new(0, world_from_group));
         } else {
             desc.shapes.push(shape);
         }

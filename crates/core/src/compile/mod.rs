@@ -12,6 +12,7 @@ mod lights;
 mod mapping;
 mod materials;
 mod measured;
+mod motion;
 mod params;
 mod patterns;
 mod pbr;
@@ -217,7 +218,12 @@ impl Compiler<'_> {
             .iter()
             .map(|i| {
                 let (base, group) = &groups[i.object as usize];
-                Placement { world_from_group: i.world_from_object, base: *base, count: group.len() as u32 }
+                Placement {
+                    world_from_group: i.world_from_object,
+                    motion: i.motion.clone(),
+                    base: *base,
+                    count: group.len() as u32,
+                }
             })
             .collect();
         let planes = (0..world.len() as u32)
@@ -259,7 +265,7 @@ impl Compiler<'_> {
                 .materials
                 .iter()
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
-            is_timed: textures.is_timed(),
+            is_timed: textures.is_timed() || camera.motion.is_some() || instances.iter().any(|i| i.motion.is_some()),
             has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
             object_names: self.object_names(),
             light_groups,
@@ -308,7 +314,10 @@ impl Compiler<'_> {
                 self.error(instance.span, "this instance refers to a group that does not exist");
                 continue;
             }
-            out.push(steradian_accel::Instance { object: instance.group as u32, world_from_object });
+            let motion = instance.movement.and_then(|m| self.motion(instance.world_from_group, m, instance.span));
+            let world_from_object = motion.as_ref().and_then(|m| m.at(0.0)).unwrap_or(world_from_object);
+            let motion = motion.filter(|m| !m.is_still()).map(Arc::new);
+            out.push(steradian_accel::Instance { object: instance.group as u32, world_from_object, motion });
         }
         out
     }

@@ -8,7 +8,7 @@ use crate::{
     scene::Settings,
 };
 use steradian_math::Vec2;
-use steradian_scene::{Family, Format, Node, names};
+use steradian_scene::{Family, Format, Node, NodeId, names};
 
 impl Compiler<'_> {
     /// The frame: the user's size or the film's.
@@ -23,25 +23,24 @@ impl Compiler<'_> {
         }
     }
 
+    /// The camera that renders: the one asked for, or the first.
+    pub(super) fn chosen_camera(&self) -> Option<NodeId> {
+        let cameras = &self.desc.cameras;
+        let Some(want) = &self.options.camera else { return cameras.first().copied() };
+        let by_name = cameras.iter().find(|c| self.desc.node(**c).name.as_ref() == Some(want));
+        by_name.copied().or_else(|| cameras.get(want.parse::<usize>().ok()?).copied())
+    }
+
     /// Compiles the chosen camera.
     pub(super) fn camera(&mut self) -> Option<Camera> {
-        let cameras = &self.desc.cameras;
-        let id = match &self.options.camera {
-            None => cameras.first().copied(),
-            Some(want) => {
-                let by_name = cameras.iter().find(|c| self.desc.node(**c).name.as_ref() == Some(want));
-                let by_number = want.parse::<usize>().ok().and_then(|i| cameras.get(i));
-                let found = by_name.or(by_number).copied();
-                if found.is_none() {
-                    let what = format!("the scene has no camera '{want}'; it has {}", cameras.len());
-                    self.error(None, what);
-                    return None;
-                }
-                found
-            }
-        };
-        let Some(id) = id else {
-            self.error(None, "the scene has no camera");
+        let Some(id) = self.chosen_camera() else {
+            self.error(
+                None,
+                match &self.options.camera {
+                    Some(want) => format!("the scene has no camera '{want}'; it has {}", self.desc.cameras.len()),
+                    None => "the scene has no camera".into(),
+                },
+            );
             return None;
         };
         let node = self.node(id);
@@ -49,6 +48,9 @@ impl Compiler<'_> {
             self.error(node.span, "the camera's transform is singular or not finite");
             return None;
         };
+        let motion = self.camera_motion(node);
+        let place = motion.as_ref().and_then(|motion| motion.at(0.0)).unwrap_or(place);
+        let motion = motion.filter(|motion| !motion.is_still());
         let (w, h) = self.frame();
         let aspect = match node.get("frame_aspect") {
             Some(_) => self.positive(node, "frame_aspect", 1.0),
@@ -119,6 +121,7 @@ impl Compiler<'_> {
         Some(Camera {
             projection,
             world_from_camera: place,
+            motion,
             window,
             lens_radius,
             focal_distance,

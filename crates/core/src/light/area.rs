@@ -279,7 +279,7 @@ impl AreaLight {
             AreaShape::Quadric(q) => {
                 let center = q.surface_at(q.sample(Vec2::splat(0.5)));
                 let distance = center.n.dot(p - center.p);
-                let hit = q.intersect(&Ray { origin: p, direction: -center.n, t_max: f32::INFINITY });
+                let hit = q.intersect(&Ray::new(p, -center.n));
                 (center.n, hit.is_some(), distance)
             }
             AreaShape::Sphere(..) => return None,

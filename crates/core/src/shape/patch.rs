@@ -6,6 +6,8 @@ use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, hash::ONE_MINUS_EPSILON, ray::gamma, transform::Affine};
 use steradian_scene::Mesh;
 
+/// Distances to a patch are known to so much of its reach from the origin: far less than the coordinates of either.
+const NOISE: f64 = 1e-10;
 /// How far outside `[0, 1]` a parameter may come out of the intersection before the hit is dropped. It covers the
 /// rounding of `f64`, so that rays do not slip between patches that share an edge.
 const EDGE: f64 = 1e-9;
@@ -62,6 +64,11 @@ impl PatchMesh {
         let d = ray.direction.as_dvec3();
         let [p00, p10, p01, p11] = self.corners(patch).map(|p| p.as_dvec3() - o);
 
+        // Nearer hits are rounding: of a ray that leaves the patch from a point that lies exactly on it, as on a floor
+        // at y = 0, where nothing moves the origin off.
+        let reach = [p00, p10, p01, p11].iter().fold(0.0_f64, |reach, p| reach.max(p.abs().max_element()));
+        let least = NOISE * reach / d.abs().max_element();
+
         // The volume spanned by the ray and the line of constant u is zero where they meet: its values at u = 0 and u =
         // 1 and its leading coefficient.
         let c = p00.cross(d).dot(p01 - p00);
@@ -80,8 +87,13 @@ impl PatchMesh {
             let normal = d.cross(along);
             let scale = 1.0 / normal.length_squared();
             let v = from.cross(d).dot(normal) * scale;
-            let t = (from.cross(along).dot(normal) * scale) as f32;
-            if (-EDGE..=1.0 + EDGE).contains(&v) && t > 0.0 && t < best.map_or(ray.t_max, |hit| hit.t) {
+            let distance = from.cross(along).dot(normal) * scale;
+            let t = distance as f32;
+            if (-EDGE..=1.0 + EDGE).contains(&v)
+                && distance > least
+                && t > 0.0
+                && t < best.map_or(ray.t_max, |hit| hit.t)
+            {
                 best = Some(UserHit { t, u: u as f32, v: v.clamp(0.0, 1.0) as f32 });
             }
         }

@@ -7,17 +7,12 @@ use serde_json::{Value, json};
 /// What a channel sets, as a JSON pointer, and its value.
 type Change = (String, Value);
 
-/// Replaces animated values by those at the moment that `-D at=SECONDS` names; without it the scene stays as it stands
-/// in the document.
-pub(super) fn pose(reader: &mut Reader<'_>, root: &mut Value) {
+/// Replaces animated values by those at the moment that `-D at=SECONDS` names, or `later`, seconds; without it the scene
+/// stays as it stands in the document.
+pub(super) fn pose(reader: &mut Reader<'_>, root: &mut Value, later: f64) {
     let at = At::root(root);
-    let Some(text) = reader.options.defines.get("at") else {
-        return;
-    };
-    let Some(time) = text.trim().trim_end_matches('s').parse::<f64>().ok().filter(|t| t.is_finite()) else {
-        reader.error(&at, format!("'at={text}' is not a time in seconds"));
-        return;
-    };
+    let Some(time) = seconds(reader, &at, "at") else { return };
+    let time = time + later;
     let wanted = reader.options.defines.get("animation").cloned();
     let mut changes: Vec<Change> = Vec::new();
     let mut found = wanted.is_none();
@@ -40,6 +35,29 @@ pub(super) fn pose(reader: &mut Reader<'_>, root: &mut Value) {
     for (pointer, value) in changes {
         set(root, &pointer, value);
     }
+}
+
+/// How long the shutter is open, as `-D shutter=SECONDS` says.
+pub(super) fn shutter(reader: &mut Reader<'_>, root: &At<'_>) -> Option<f64> {
+    let shutter = seconds(reader, root, "shutter")?;
+    if reader.options.defines.contains_key("at") && shutter >= 0.0 {
+        return Some(shutter).filter(|s| *s > 0.0);
+    }
+    reader.error(
+        root,
+        "'shutter' is how long the picture of the moment 'at' is exposed, seconds: it needs -D at=SECONDS",
+    );
+    None
+}
+
+/// A define that is a time.
+fn seconds(reader: &mut Reader<'_>, root: &At<'_>, name: &str) -> Option<f64> {
+    let text = reader.options.defines.get(name)?.clone();
+    let time = text.trim().trim_end_matches('s').parse::<f64>().ok().filter(|t| t.is_finite());
+    if time.is_none() {
+        reader.error(root, format!("'{name}={text}' is not a time in seconds"));
+    }
+    time
 }
 
 /// What a channel changes; `None` where it targets nothing, or after a fault was reported.

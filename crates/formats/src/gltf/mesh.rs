@@ -4,7 +4,7 @@ use super::{Reader, json::At, material::Look};
 use glam::DMat3;
 use std::sync::Arc;
 use steradian_math::{DMat4, DVec3, Transform};
-use steradian_scene::{Attribute, Domain, Family, Group, Instance, Mesh, Node, Shape};
+use steradian_scene::{Attribute, Domain, Family, Group, Instance, Mesh, Movement, Node, Shape};
 
 /// From so many places on, a mesh is stored once and placed as instances.
 const INSTANCED_FROM: usize = 16;
@@ -114,14 +114,19 @@ impl Reader<'_> {
             ..Shape::new(desc.add(node))
         };
         // Instances give no light and bound no medium.
-        if visible.len() >= INSTANCED_FROM && look.emission.is_none() && look.interior.is_none() {
+        let is_grouped = visible.len() >= INSTANCED_FROM || self.moved.is_some();
+        if is_grouped && look.emission.is_none() && look.interior.is_none() {
             desc.groups.push(Group { name: String::new(), shapes: vec![shape] });
             let group = desc.groups.len() - 1;
-            desc.instances.extend(visible.into_iter().map(|matrix| Instance {
-                group,
-                world_from_group: Transform { matrix },
-                span: None,
-            }));
+            let movement = |matrix: DMat4| {
+                self.moved.map(|moved| Movement { end: Transform { matrix: moved * matrix }, times: [0.0, 1.0] })
+            };
+            desc.instances.extend(
+                visible.into_iter().map(|matrix| Instance {
+                    movement: movement(matrix),
+                    ..Instance::new(group, Transform { matrix })
+                }),
+            );
         } else {
             desc.shapes.extend(
                 visible.into_iter().map(|matrix| Shape { world_from_object: Transform { matrix }, ..shape.clone() }),

@@ -29,13 +29,13 @@ use crate::{
 use json::At;
 use serde_json::Value;
 use std::{collections::HashMap, path::Path, sync::Arc};
-use steradian_math::DVec3;
+use steradian_math::{DMat4, DVec3};
 use steradian_scene::{FileId, Format, Span};
 
 /// Opens a .gltf or .glb file. What the file is decides, not what it is called.
 ///
 /// `-D scene=N` chooses another scene than the default one, `-D variant=NAME` a variant of the materials,
-/// `-D at=SECONDS` the moment of the animations (0) and `-D animation=NAME` one of them (all).
+/// `-D at=SECONDS` the moment of the animations (0), `-D shutter=SECONDS` how long after it the shutter closes, and `-D animation=NAME` one of them (all).
 pub fn import(path: &Path, options: &Options) -> Import {
     match files::read(path, &options.limits) {
         Ok(bytes) => import_bytes(path, bytes, options),
@@ -86,6 +86,8 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         meshes: HashMap::new(),
         uses_lights: false,
         bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
+        ends: HashMap::new(),
+        moved: None,
         strokes: Vec::new(),
     };
     reader.read(&mut root);
@@ -120,6 +122,10 @@ struct Reader<'a> {
     uses_lights: bool,
     /// Of all vertices that are drawn, in the world.
     bounds: [DVec3; 2],
+    /// Where nodes are as the shutter closes, where `-D shutter` opens it for a while.
+    ends: HashMap<usize, DMat4>,
+    /// How the node that is being placed moves: what brings its place to that as the shutter closes.
+    moved: Option<DMat4>,
     /// Points and lines, until their radius is known.
     strokes: Vec<mesh::Strokes>,
 }
@@ -132,7 +138,12 @@ impl Reader<'_> {
             return;
         }
         self.load_buffers(&At::root(root));
-        animation::pose(self, root);
+        if let Some(shutter) = animation::shutter(self, &At::root(root)) {
+            let mut end = root.clone();
+            animation::pose(self, &mut end, shutter);
+            self.ends = self.places(&At::root(&end));
+        }
+        animation::pose(self, root, 0.0);
         let root = At::root(root);
         self.scene(&root);
         if self.import.diagnostics.has_errors() {

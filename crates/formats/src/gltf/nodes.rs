@@ -25,8 +25,7 @@ impl Reader<'_> {
             }
             return;
         }
-        let roots = self.roots(root);
-        let world = self.world_transforms(root, &roots);
+        let world = self.places(root);
         let mut order: Vec<(usize, DMat4)> = world.iter().map(|(index, place)| (*index, *place)).collect();
         order.sort_by_key(|node| node.0);
         for (index, place) in order {
@@ -34,16 +33,25 @@ impl Reader<'_> {
             if node.extension("KHR_node_visibility").is_some_and(|v| v.value["visible"] == false) {
                 continue;
             }
+            let end = self.ends.get(&index).copied().filter(|end| *end != place);
             if node.get("mesh").is_some() {
+                self.moved = end.filter(|_| place.determinant().abs() > 1e-30).map(|end| end * place.inverse());
                 self.mesh_node(root, &node, place, &world);
+                self.moved = None;
             }
             if node.get("camera").is_some() {
-                self.camera(root, &node, place);
+                self.camera(root, &node, place, end);
             }
             if let Some(light) = node.extension("KHR_lights_punctual") {
                 self.light(root, &light, place);
             }
         }
+    }
+
+    /// Where the nodes of the chosen scene are in the world.
+    pub(super) fn places(&mut self, root: &At<'_>) -> HashMap<usize, DMat4> {
+        let roots = self.roots(root);
+        self.world_transforms(root, &roots)
     }
 
     fn roots(&mut self, root: &At<'_>) -> Vec<usize> {
@@ -199,13 +207,15 @@ impl Reader<'_> {
             .collect()
     }
 
-    fn camera(&mut self, root: &At<'_>, node: &At<'_>, place: DMat4) {
+    fn camera(&mut self, root: &At<'_>, node: &At<'_>, place: DMat4, end: Option<DMat4>) {
         let Some((_, camera)) = self.index(root, node, "camera", "cameras") else { return };
         let span = self.span(&camera);
         // A camera keeps its shape whatever the scale of its nodes is.
-        let (_, rotation, translation) = place.to_scale_rotation_translation();
-        let rotation = if rotation.is_finite() { rotation.normalize() } else { DQuat::IDENTITY };
-        let to_world = Transform { matrix: DMat4::from_rotation_translation(rotation, translation) * TURN };
+        let to_world = |place: DMat4| {
+            let (_, rotation, translation) = place.to_scale_rotation_translation();
+            let rotation = if rotation.is_finite() { rotation.normalize() } else { DQuat::IDENTITY };
+            Transform { matrix: DMat4::from_rotation_translation(rotation, translation) * TURN }
+        };
         let kind = camera.text("type").unwrap_or_default();
         let mut aspect = 4.0 / 3.0;
         let description = match (kind, camera.get(kind)) {
@@ -225,7 +235,10 @@ impl Reader<'_> {
                 return;
             }
         };
-        let mut description = description.with("to_world", to_world);
+        let mut description = description.with("to_world", to_world(place));
+        if let Some(end) = end {
+            description.set("to_world_end", to_world(end), None);
+        }
         description.name = node.label().or_else(|| camera.label());
         let desc = &mut self.import.desc;
         let id = desc.add(description);

@@ -171,6 +171,13 @@ fn animations_pose_the_scene() {
     assert!((x(&[("at", "0.5s")]) - 2.5).abs() < 1e-6);
     assert!((x(&[("at", "9"), ("animation", "slide")]) - 10.0).abs() < 1e-6);
     assert!(read_with(&text, &[("at", "1"), ("animation", "jump")]).diagnostics.has_errors());
+    // With a shutter that is open for half a second it moves.
+    let moving = read_with(&text, &[("at", "0.5"), ("shutter", "0.5s")]).desc;
+    let instance = &moving.instances[0];
+    let [start, end] = [instance.world_from_group, instance.movement.unwrap().end].map(|t| t.matrix.w_axis.x);
+    assert!((start - 2.5).abs() < 1e-6 && (end - 5.0).abs() < 1e-6, "{start} {end}");
+    assert!(read_with(&text, &[("shutter", "1")]).diagnostics.has_errors());
+    assert!(read_with(&text, &[("at", "1"), ("shutter", "long")]).diagnostics.has_errors());
 }
 
 #[test]

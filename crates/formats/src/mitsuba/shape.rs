@@ -115,7 +115,7 @@ impl Reader<'_> {
             return self.error(span, format!("more than {} instances", self.options.limits.instances));
         }
         let group = self.group(child);
-        self.desc.instances.push(Instance { group, world_from_group, span: Some(span) });
+        self.desc.instances.push(Instance { span: Some(span), ..Instance::new(group, world_from_group) });
     }
 
     fn shape(&mut self, object: ObjectId) -> Option<Shape> {

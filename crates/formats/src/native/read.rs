@@ -14,8 +14,8 @@ use crate::{
 use std::{collections::HashMap, sync::Arc};
 use steradian_math::Transform;
 use steradian_scene::{
-    Attribute, Diagnostics, Domain, Family, Format, Group, Instance, Mesh, Node, NodeId, SceneDesc, Shape, Span, Value,
-    names::did_you_mean,
+    Attribute, Diagnostics, Domain, Family, Format, Group, Instance, Mesh, Movement, Node, NodeId, SceneDesc, Shape,
+    Span, Value, names::did_you_mean,
 };
 
 /// Families by the key that begins a node.
@@ -392,6 +392,7 @@ impl<'a> Reader<'a> {
             ));
         };
         let (mut group, mut world_from_group) = (None, Transform::IDENTITY);
+        let (mut end, mut times) = (None, [0.0, 1.0]);
         for (key, item) in pairs {
             match key.text.as_str() {
                 "group" => {
@@ -402,14 +403,23 @@ impl<'a> Reader<'a> {
                         Some(found.ok_or_else(|| (format!("there is no group '{name}' above {}", hint()), item.span))?);
                 }
                 "to_world" => world_from_group = value::transform(item)?,
-                other => return Err((format!("an instance has no '{other}', but 'group' and 'to_world'"), key.span)),
+                "to_world_end" => end = Some(value::transform(item)?),
+                "motion_times" => times = value::array(item)?,
+                other => {
+                    let known = "'group', 'to_world', 'to_world_end' and 'motion_times'";
+                    return Err((format!("an instance has no '{other}', but {known}"), key.span));
+                }
             }
         }
         let group = group.ok_or_else(|| ("this instance lacks its 'group'".to_owned(), item.span))?;
         if self.desc.instances.len() >= self.options.limits.instances {
             return Err((format!("there are more than {} instances", self.options.limits.instances), item.span));
         }
-        self.desc.instances.push(Instance { group, world_from_group, span: Some(item.span) });
+        self.desc.instances.push(Instance {
+            movement: end.map(|end| Movement { end, times }),
+            span: Some(item.span),
+            ..Instance::new(group, world_from_group)
+        });
         Ok(())
     }
 

@@ -153,7 +153,7 @@ fn everything() -> SceneDesc {
     let group = steradian_scene::Group { name: "g".into(), shapes: d.shapes.clone() };
     d.groups = vec![group.clone(), group];
     let place = steradian_math::Transform::translate([1.0, 2.0, 3.0].into());
-    d.instances.push(steradian_scene::Instance { group: 1, world_from_group: place, span: None });
+    d.instances.push(steradian_scene::Instance::new(1, place));
     d
 }
 

@@ -19,7 +19,7 @@ fn known(family: Family) -> &'static str {
              falloff texture direction illuminance parametrization rows portal fov fov_axis"
         }
         Family::Camera => {
-            "to_world medium shutter_open shutter_close fov fov_axis lens_radius focal_distance screen_window
+            "to_world medium shutter_open shutter_close to_world_end motion_times fov fov_axis lens_radius focal_distance screen_window
              frame_aspect near far principal_x principal_y mapping"
         }
         Family::Film => "width height crop iso exposure_time sensor white_balance max_component filename",

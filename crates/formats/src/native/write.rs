@@ -12,7 +12,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use steradian_math::Transform;
-use steradian_scene::{Domain, Format, Mesh, Node, NodeId, SceneDesc, Shape, Value};
+use steradian_scene::{Domain, Format, Mesh, Movement, Node, NodeId, SceneDesc, Shape, Value};
 
 /// Meshes of up to so many vertices stand in the text.
 const SMALL_MESH: usize = 32;
@@ -122,6 +122,11 @@ impl Writer<'_> {
             let mut out = String::from("{group: ");
             value::string(&mut out, &names[instance.group]);
             placement(&mut out, &instance.world_from_group);
+            if let Some(Movement { end, times: [begin, finish] }) = &instance.movement {
+                out.push_str(", to_world_end: ");
+                value::matrix(&mut out, end);
+                let _ = write!(out, ", motion_times: [{begin}, {finish}]");
+            }
             out + "}"
         });
     }

@@ -78,9 +78,7 @@ impl Reader<'_> {
         if self.object.is_some() {
             return self.refuse(span, "an object cannot contain an instance");
         }
-        self.warn_if_animated(span);
-        let transform = self.state.transform();
-        self.scene.add_instance(name, transform);
+        self.scene.add_instance(name, &self.state);
         Ok(())
     }
 }

@@ -1,12 +1,14 @@
 //! `Camera`.
 
-use super::{build::Build, dict::Dict, param::Type, scene::Scene, state::NameRef};
-use steradian_scene::{Family, NodeId, Transform, names};
+use super::{build::Build, dict::Dict, param::Type, scene::Scene, state::State};
+use steradian_scene::{Family, Movement, NodeId, names};
 
 const KINDS: [&str; 4] = ["perspective", "orthographic", "spherical", "realistic"];
 
-/// Translates the camera; `ctm` takes the world to camera space.
-pub(super) fn translate(scene: &mut Scene, dict: &Dict, ctm: Transform, medium: Option<&NameRef>) -> Option<NodeId> {
+/// Translates the camera; the transforms of `state` take the world to camera space.
+pub(super) fn translate(scene: &mut Scene, dict: &Dict, state: &State) -> Option<NodeId> {
+    let medium = state.exterior.as_ref();
+    let movement = scene.movement(state);
     let given = dict.kind.as_str();
     if !KINDS.contains(&given) {
         let help = names::did_you_mean(given, KINDS);
@@ -15,11 +17,15 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, ctm: Transform, medium: 
     }
     let kind = if given == "realistic" { "perspective" } else { given };
     let mut b = Build::new(scene, dict, Family::Camera, kind);
-    let Some(to_world) = ctm.inverse() else {
+    let [Some(to_world), Some(end)] = state.ctm.map(|ctm| ctm.inverse()) else {
         b.scene.report.error(dict.span, "the transform in force at the camera cannot be inverted");
         return None;
     };
     b.set("to_world", to_world);
+    if let Some(Movement { times, .. }) = movement {
+        b.set("to_world_end", end);
+        b.set("motion_times", times.to_vec());
+    }
     match given {
         "perspective" => {
             b.positive("fov", "fov", 90.0);

@@ -122,7 +122,13 @@ impl Reader<'_> {
             "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform"
             | "CoordinateSystem" | "CoordSysTransform" => self.transform(&word, span),
             "ActiveTransform" => self.active_transform(),
-            "TransformTimes" => self.numbers::<2>().map(|_| ()),
+            "TransformTimes" => {
+                self.scene.transform_times = self.numbers::<2>()?;
+                if self.scene.transform_times[0] >= self.scene.transform_times[1] {
+                    return self.refuse(span, "the end of the motion is not after its beginning");
+                }
+                Ok(())
+            }
             "Attribute" => self.attribute(),
             "ColorSpace" => {
                 let (name, span) = self.quoted()?;
@@ -148,7 +154,6 @@ impl Reader<'_> {
             }
             "Camera" => {
                 let dict = self.dict(None)?;
-                self.warn_if_animated(dict.span);
                 if let Some(inverse) = self.state.ctm[0].inverse() {
                     let end = self.state.ctm[1].inverse().unwrap_or(inverse);
                     self.coordinate_systems.insert("camera".into(), [inverse, end]);
@@ -216,13 +221,12 @@ impl Reader<'_> {
 
     pub(super) fn warn_if_animated(&mut self, span: Span) {
         if self.state.is_animated() {
-            self.scene.report.approximated(span, "moving things are rendered as they stand at the start");
+            self.scene.report.approximated(span, state::STANDS_STILL);
         }
     }
 
     pub(super) fn shape(&mut self) -> Done {
         let dict = self.dict(Some(Target::Shape))?;
-        self.warn_if_animated(dict.span);
         self.scene.add_shape(&dict, &self.state, self.object.map(|(index, _)| index));
         Ok(())
     }

@@ -9,7 +9,7 @@ use super::{
     mesh_files::MeshFiles,
     report::Report,
     shape,
-    state::{MaterialRef, NameRef, State},
+    state::{self, MaterialRef, NameRef, State},
     texture::{self, Values},
 };
 use crate::{Options, files::SearchPath};
@@ -18,7 +18,9 @@ use std::{
     path::PathBuf,
     sync::Arc,
 };
-use steradian_scene::{Family, Group, Instance, Node, NodeId, SceneDesc, Shape, Span, SpectrumValue, Transform};
+use steradian_scene::{
+    Family, Group, Instance, Movement, Node, NodeId, SceneDesc, Shape, Span, SpectrumValue, Transform,
+};
 
 /// A texture to be translated.
 struct PendingTexture {
@@ -39,6 +41,7 @@ struct Attached {
 struct PendingInstance {
     name: NameRef,
     transform: Transform,
+    movement: Option<Movement>,
 }
 
 /// The scene so far.
@@ -48,6 +51,8 @@ pub(super) struct Scene<'o> {
     pub desc: SceneDesc,
     pub search: SearchPath,
     pub meshes: MeshFiles,
+    /// When transforms that change begin and end to do so.
+    pub transform_times: [f64; 2],
     /// Spectrum files that were read; `None` for faulty ones.
     pub spectra: HashMap<PathBuf, Option<SpectrumValue>>,
     textures: HashMap<(Values, String), Option<NodeId>>,
@@ -74,6 +79,7 @@ impl<'o> Scene<'o> {
             desc: SceneDesc::default(),
             search,
             meshes: MeshFiles::default(),
+            transform_times: [0.0, 1.0],
             spectra: HashMap::new(),
             textures: HashMap::new(),
             pending_textures: Vec::new(),
@@ -149,11 +155,16 @@ impl<'o> Scene<'o> {
         if object.is_some() && emission.take().is_some() {
             self.report.dropped(dict.span, "shapes of objects do not emit light: pbrt has no area lights in them");
         }
+        let mut movement = self.movement(state);
+        if movement.is_some() && (object.is_some() || emission.is_some()) {
+            self.report.approximated(dict.span, state::STANDS_STILL);
+            movement = None;
+        }
         let media = state.medium_boundary();
         let shape = Shape {
             node,
             mesh,
-            world_from_object: transform,
+            world_from_object: if movement.is_some() { Transform::IDENTITY } else { transform },
             reverse_orientation: state.reverse_orientation,
             material: None,
             emission,
@@ -162,6 +173,13 @@ impl<'o> Scene<'o> {
             is_medium_boundary: media.is_some(),
         };
         let attached = Attached { material: state.material.clone(), media, span: dict.span };
+        // What moves by itself is the one instance of an object of its own.
+        let object = object.or_else(|| {
+            let group = movement.is_some().then(|| self.add_hidden_object())?;
+            let span = Some(dict.span);
+            self.desc.instances.push(Instance { movement, span, ..Instance::new(group, transform) });
+            Some(group)
+        });
         match object {
             None => {
                 self.desc.shapes.push(shape);
@@ -194,7 +212,13 @@ impl<'o> Scene<'o> {
         self.desc.groups.len() - 1
     }
 
-    pub fn add_instance(&mut self, name: NameRef, transform: Transform) {
+    /// How something moves under a state.
+    pub fn movement(&self, state: &State) -> Option<Movement> {
+        state.is_animated().then(|| Movement { end: state.ctm[1], times: self.transform_times })
+    }
+
+    pub fn add_instance(&mut self, name: NameRef, state: &State) {
+        let (transform, movement) = (state.transform(), self.movement(state));
         if self.instances.len() >= self.options.limits.instances {
             if self.report.first_time("instances") {
                 let message = format!("more than {} instances", self.options.limits.instances);
@@ -206,7 +230,7 @@ impl<'o> Scene<'o> {
             self.report.error(name.span, "the transform in force at the instance cannot be inverted");
             return;
         }
-        self.instances.push(PendingInstance { name, transform });
+        self.instances.push(PendingInstance { name, transform, movement });
     }
 
     /// Sets the medium around a camera or light when all media are known.
@@ -389,7 +413,11 @@ impl<'o> Scene<'o> {
         for instance in std::mem::take(&mut self.instances) {
             let NameRef { name, span } = instance.name;
             if let Some(&group) = self.object_names.get(&*name) {
-                let placed = Instance { group, world_from_group: instance.transform, span: Some(span) };
+                let placed = Instance {
+                    movement: instance.movement,
+                    span: Some(span),
+                    ..Instance::new(group, instance.transform)
+                };
                 self.desc.instances.push(placed);
             } else if unknown.insert(name.clone()) {
                 let help = self.report.did_you_mean(&name, self.object_names.keys().map(String::as_str));

@@ -35,6 +35,10 @@ pub(super) enum Target {
     Texture,
 }
 
+/// What is said of things that cannot move.
+pub(super) const STANDS_STILL: &str =
+    "this is rendered as it stands at the beginning of its motion; cameras, shapes and instances move, lights do not";
+
 /// Which of the two transforms directives change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Active {
@@ -91,7 +95,7 @@ impl State {
         self.change(|ctm| ctm * t);
     }
 
-    /// The transform that is used: motion is not rendered, so it is the one at the start.
+    /// The transform at the start of the motion.
     pub fn transform(&self) -> Transform {
         self.ctm[0]
     }

@@ -114,10 +114,13 @@ fn trace<const MEDIA: bool>(
 ) -> Contributions {
     let film = &scene.film;
     let mut lambda = scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+    if scene.is_timed {
+        lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
+    }
     let within = sampler.get_2d(dimension::FILM);
     let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
     let place = Vec2::new(place(0, film.width), place(1, film.height));
-    let ray = scene.camera.ray(film, place, sampler.get_2d(dimension::LENS));
+    let ray = scene.camera.ray_at(film, place, sampler.get_2d(dimension::LENS), lambda.time);
     let luminance = |s: Spectrum, lambda: &Wavelengths| f64::from(scene.mode.luminance(s, lambda) * film.imaging_ratio);
     let counters = &mut Counters::until(&precomputed.stop);
     let mut path_state = PathState::camera(scene, ray);

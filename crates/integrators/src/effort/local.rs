@@ -259,7 +259,8 @@ fn trace<const MEDIA: bool, S: PathContinuation<MEDIA>>(
         lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
     }
     let place = sampler.get_2d(dimension::FILM) * Vec2::new(film.width as f32, film.height as f32);
-    let mut path_state = PathState::camera(scene, scene.camera.ray(film, place, sampler.get_2d(dimension::LENS)));
+    let mut path_state =
+        PathState::camera(scene, scene.camera.ray_at(film, place, sampler.get_2d(dimension::LENS), lambda.time));
     let (mut visits, mut next) = (Vec::new(), Arrival::End);
     let counters = &mut Counters::until(&precomputed.stop);
     loop {

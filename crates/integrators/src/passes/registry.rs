@@ -69,6 +69,9 @@ impl PassKind {
 
     /// What of a scene it cannot do; `None` where it can do all.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
+        if scene.camera.motion.is_some() {
+            return Some("a camera that moves".into());
+        }
         match self {
             Self::Bidirectional(m) => m.cannot(scene),
             Self::Sppm(m) => m.cannot(scene),

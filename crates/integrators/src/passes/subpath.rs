@@ -210,7 +210,7 @@ impl Subpath {
         let d = scene.camera.ray_density(&scene.film, &ray);
         let vcm = if ways.to_camera { squared(ways.light_paths / d.density) } else { 0.0 };
         Self {
-            ray,
+            ray: Ray { time: lambda.time, ..ray },
             beta: Spectrum::ONE,
             lambda,
             events: 0,
@@ -244,7 +244,7 @@ impl Subpath {
         let live = live_max(beta, &lambda);
         let vc = if kind.is_delta { 0.0 } else { squared(emitted.cos / emitted.pdf) };
         (live > 0.0 && live.is_finite()).then(|| Self {
-            ray: emitted.ray,
+            ray: Ray { time: lambda.time, ..emitted.ray },
             beta,
             lambda,
             events: 0,

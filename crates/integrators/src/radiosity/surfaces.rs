@@ -60,6 +60,9 @@ pub enum Refusal {
     /// Light is lost or scattered between surfaces.
     #[error("radiosity knows light between surfaces only; the scene has participating media")]
     Media,
+    /// Light is not the same at all moments.
+    #[error("radiosity knows one moment; things move in the scene while the shutter is open")]
+    Motion,
     /// There is nothing to cut.
     #[error("radiosity needs surfaces; the scene has none that can be cut into patches")]
     NoSurfaces,
@@ -237,6 +240,9 @@ impl Surfaces {
     pub fn seen_from(scene: &Scene, eye: DVec3) -> Result<Self, Refusal> {
         if scene.has_media {
             return Err(Refusal::Media);
+        }
+        if scene.placements.iter().any(|p| p.motion.is_some()) {
+            return Err(Refusal::Motion);
         }
         let mut all = Self { eye, ..Self::default() };
         let world = scene.placements.iter().map(|p| p.base).min().unwrap_or(scene.geometries.len() as u32);

@@ -18,6 +18,7 @@ mod lights;
 mod masks;
 mod materials;
 mod media;
+mod motion;
 mod occlusion;
 mod polarization;
 mod radiosity;

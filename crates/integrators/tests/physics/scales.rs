@@ -6,6 +6,7 @@ use crate::{
     stage::{Stage, cuboid, diffuse, icosphere, rectangle, shape, sphere, white},
 };
 use steradian_math::{DVec3, Transform};
+use steradian_scene::Mesh;
 
 /// Scales, and distances from the origin in units of the scale.
 const PLACES: [(f64, f64); 10] = [
@@ -77,7 +78,7 @@ fn convex_bodies_have_no_acne() {
             s.desc.groups.push(steradian_scene::Group { name: String::new(), shapes });
             let world_from_group = at * Transform::rotate(DVec3::Z, 0.3) * Transform::scale(DVec3::new(r, 0.8 * r, r));
             let group = s.desc.groups.len() - 1;
-            s.desc.instances.push(steradian_scene::Instance { group, world_from_group, span: None });
+            s.desc.instances.push(steradian_scene::Instance::new(group, world_from_group));
         }),
     ];
     for (name, add) in bodies {
@@ -92,18 +93,25 @@ fn convex_bodies_have_no_acne() {
     }
 }
 
-/// A floor of 10⁴ at y = 0, as rectangle, disk and infinite plane, with the camera near it, far above it, and at
+/// A floor of 10⁴ at y = 0, as rectangle, bilinear patch, disk and infinite plane, with the camera near it, far above it, and at
 /// grazing angles: exactly ρ.
 #[test]
 fn large_floors_are_flat() {
     let e = 1e4;
-    for kind in ["rectangle", "disk", "plane"] {
+    for kind in ["rectangle", "patch", "disk", "plane"] {
         let mut stage = Stage::new();
         match kind {
             "rectangle" => {
                 let made_of = stage.add(diffuse(0.8));
                 stage.place_mesh(rectangle([-e, 0.0, -e], [0.0, 0.0, 2.0 * e], [2.0 * e, 0.0, 0.0])).material =
                     Some(made_of);
+            }
+            "patch" => {
+                let made_of = stage.add(diffuse(0.8));
+                let positions = vec![[-e, 0.0, -e], [e, 0.0, -e], [-e, 0.0, e], [e, 0.0, e]];
+                let positions = positions.into_iter().map(|p| p.map(|x| x as f32)).collect();
+                let floor = stage.place_mesh(Mesh { positions, patches: vec![[0, 1, 2, 3]], ..Mesh::default() });
+                (floor.material, floor.reverse_orientation) = (Some(made_of), true);
             }
             "disk" => {
                 let turn = Transform::rotate(DVec3::X, -std::f64::consts::FRAC_PI_2);

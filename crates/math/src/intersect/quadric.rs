@@ -80,7 +80,7 @@ impl Quadric {
 /// The ordered roots for the axis-aligned ellipsoid: the ray is scaled to the unit sphere, where `t` means the same.
 #[inline]
 pub fn ellipsoid(center: Vec3, radii: Vec3, ray: &Ray) -> Option<[f32; 2]> {
-    let scaled = Ray { origin: (ray.origin - center) / radii, direction: ray.direction / radii, t_max: ray.t_max };
+    let scaled = Ray { t_max: ray.t_max, ..Ray::new((ray.origin - center) / radii, ray.direction / radii) };
     sphere(Vec3::ZERO, 1.0, &scaled)
 }
 

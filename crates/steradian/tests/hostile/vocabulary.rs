@@ -233,7 +233,7 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
             if kind != "plane" {
                 scene.groups.push(Group { name: "group".into(), shapes: vec![more.clone()] });
                 let at = |x: f64| Transform::translate(DVec3::new(x, 0.0, 0.0));
-                let instance = |x| Instance { group: 0, world_from_group: at(x), span: None };
+                let instance = |x| Instance::new(0, at(x));
                 scene.instances.extend([instance(-0.5), instance(0.5)]);
             }
         }
@@ -277,7 +277,7 @@ fn unsound() -> Vec<Case> {
             d.shapes.push(Shape { mesh: Some(mesh), ..Shape::new(node) });
         }),
         ("a group", |d, _| {
-            let instance = Instance { group: 3, world_from_group: Transform::IDENTITY, span: None };
+            let instance = Instance::new(3, Transform::IDENTITY);
             d.instances.push(instance);
         }),
     ];

@@ -60,7 +60,7 @@ impl Case {
         if self.places.is_empty() {
             return TopLevel::build_by(builder, &geometry, Vec::new(), &[]);
         }
-        let instance = |&world_from_object| Instance { object: 0, world_from_object };
+        let instance = |&world_from_object| Instance::new(0, world_from_object);
         let instances: Vec<_> = self.places.iter().map(instance).collect();
         TopLevel::build_by(builder, &[], vec![Bvh::build_by(builder, &geometry)?], &instances)
     }

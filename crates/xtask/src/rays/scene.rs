@@ -211,7 +211,7 @@ impl View {
         let (center, half) = self.light;
         let ray = |&(p, _): &Spot| {
             let to = DVec3::new(center.x + rng.signed() * half, center.y, center.z + rng.signed() * half);
-            Ray { origin: p.as_vec3(), direction: (to - p).as_vec3(), t_max: 0.9999 }
+            Ray { t_max: 0.9999, ..Ray::new(p.as_vec3(), (to - p).as_vec3()) }
         };
         spots.iter().map(ray).collect()
     }
