@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
-SIZE = (96, 64)
+PIXELS = 6144
 
 
 def run(*command):
@@ -38,23 +38,35 @@ def read(path):
     return np.stack([np.array(channels[c].pixels) for c in "RGB"], -1)
 
 
-def ours(program, scene, folder, spp, more=()):
+def size_of(program, scene, folder):
+    """A small frame of the film's shape, since angles of view may be of either axis."""
+    film = folder / "film.pbrt"
+    run(program, "convert", scene, film)
+    text = film.read_text() if film.exists() else ""
+    found = [re.search(rf'"integer {axis}resolution" \[ (\d+) \]', text) for axis in "xy"]
+    width, height = (int(f[1]) for f in found) if all(found) else (96, 64)
+    scale = (PIXELS / (width * height)) ** 0.5
+    # Even shares of the film: a common divisor keeps the shape where there is one.
+    return max(8, round(width * scale / 4) * 4), max(8, round(width * scale / 4) * 4 * height // width)
+
+
+def ours(program, scene, folder, spp, size):
     """Mean colour and its standard error, from four renders."""
     means = []
     for seed in range(4):
         out = folder / f"{seed}.exr"
-        code, text = run(program, "render", scene, "--color", "rgb", "--size", "x".join(map(str, SIZE)), "--spp", max(1, spp // 4), "--seed", seed,
-                         "--threads", 3, "-q", "-o", out, *more)
+        code, text = run(program, "render", scene, "--color", "rgb", "--size", "x".join(map(str, size)), "--spp", max(1, spp // 4), "--seed", seed,
+                         "--threads", 3, "-q", "-o", out)
         if code:
             raise RuntimeError(text.strip().splitlines()[0] if text.strip() else "no picture")
         means.append(read(out).mean((0, 1)))
     return np.mean(means, 0), np.std(means, 0, ddof=1) / 2
 
 
-def small(scene):
+def small(scene, size):
     """A copy with the size that both programs render, and a filter that does not reach across the film's edge."""
     text = Path(scene).read_text()
-    for name, value in zip(("width", "height"), SIZE):
+    for name, value in zip(("width", "height"), size):
         text = re.sub(rf'<integer name="{name}" value="\d+"/>', f'<integer name="{name}" value="{value}"/>', text)
     text = re.sub(r'<integer name="crop_\w+" value="\d+"/>', "", text)
     text = re.sub(r'<rfilter [^>]*/>|<rfilter .*?</rfilter>', '<rfilter type="box"/>', text, flags=re.S)
@@ -114,23 +126,24 @@ def main():
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
             try:
-                before, error = ours(options.program, scene, folder, options.spp)
+                size = size_of(options.program, scene, folder)
+                before, error = ours(options.program, scene, folder, options.spp, size)
             except RuntimeError:
                 continue  # Parts of scenes are not scenes.
             for steps in trips:
                 label = " → ".join([scene.suffix[1:], *steps])
                 try:
                     last, mitsuba, losses = convert(options.program, scene, steps, folder)
-                    after, other = ours(options.program, last, folder, options.spp)
+                    after, other = ours(options.program, last, folder, options.spp, size)
                     ratio = (after + 1e-9) / (before + 1e-9)
                     sigma = np.hypot(error, other) / (before + 1e-9)
                     cells = [" ".join(f"{r:.4f}" for r in ratio), f"{sigma.max():.4f}", "", ""]
                     off = np.any(np.abs(ratio - 1) > np.maximum(0.005, 4 * sigma))
                     if mitsuba is not None and not options.no_mitsuba:
                         try:
-                            copy = small(mitsuba)
+                            copy = small(mitsuba, size)
                             mean, spread = theirs(copy, options.spp)
-                            against, width = ours(options.program, copy, folder, options.spp)
+                            against, width = ours(options.program, copy, folder, options.spp, size)
                             quotient = (mean + 1e-9) / (against + 1e-9)
                             cells[2] = " ".join(f"{r:.4f}" for r in quotient)
                             cells[3] = f"{(np.hypot(spread, width) / (against + 1e-9)).max():.4f}"

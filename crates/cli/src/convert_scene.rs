@@ -19,8 +19,8 @@ use steradian::{
     scene::{Diagnostic, Diagnostics, Fidelity, SceneDesc, Severity},
 };
 
-/// Size of the pictures that are compared, and their samples per pixel.
-const CHECKED: ((u32, u32), u32) = ((96, 64), 16);
+/// Pixels of the pictures that are compared, and their samples per pixel.
+const CHECKED: (f64, u32) = (6144.0, 16);
 
 /// Whether a file is a scene, by its extension.
 pub fn is_scene(path: &Path) -> bool {
@@ -85,10 +85,11 @@ fn check(desc: &SceneDesc, output: &Path) -> Result<String, Failure> {
     if let Some(fault) = again.diagnostics.iter().find(|d| d.severity == Severity::Error) {
         return Err(Failure::failed(format!("what was written cannot be read: {fault}")));
     }
-    let (before, mode) = picture(desc, None)?;
-    let (after, _) = picture(&again.desc, Some(mode))?;
+    let size = small(desc);
+    let (before, mode) = picture(desc, size, None)?;
+    let (after, _) = picture(&again.desc, size, Some(mode))?;
     let c = metrics::compare(&after, &before).map_err(|e| Failure::failed(e.to_string()))?;
-    let ((width, height), spp) = CHECKED;
+    let ((width, height), spp) = (size, CHECKED.1);
     let ratio = c.ratio.map(|r| format!("{r:.6}")).join(" ");
     Ok(format!(
         "check at {width} x {height}, {spp} spp: ratio of means (R G B) {ratio}, relMSE {:.3e}, largest difference {:.3e}",
@@ -96,8 +97,17 @@ fn check(desc: &SceneDesc, output: &Path) -> Result<String, Failure> {
     ))
 }
 
-fn picture(desc: &SceneDesc, mode: Option<ColorMode>) -> Result<(Image, ColorMode), Failure> {
-    let options = CompileOptions { size: Some(CHECKED.0), mode, ..CompileOptions::default() };
+/// A small frame of the shape of the scene's film.
+fn small(desc: &SceneDesc) -> (u32, u32) {
+    let film = desc.film.map(|f| desc.node(f));
+    let side = |name: &str, default: f64| film.and_then(|f| f.float(name)).filter(|v| *v >= 1.0).unwrap_or(default);
+    let aspect = (side("width", 96.0) / side("height", 64.0)).clamp(1e-2, 1e2);
+    let width = (CHECKED.0 * aspect).sqrt().round().max(1.0);
+    (width as u32, (width / aspect).round().max(1.0) as u32)
+}
+
+fn picture(desc: &SceneDesc, size: (u32, u32), mode: Option<ColorMode>) -> Result<(Image, ColorMode), Failure> {
+    let options = CompileOptions { size: Some(size), mode, ..CompileOptions::default() };
     let scene = steradian::compile(desc, &options).scene;
     let scene = scene.ok_or_else(|| Failure::bad_input("the scene cannot be rendered, so it is not compared"))?;
     let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };

@@ -13,7 +13,11 @@ use steradian::{
 };
 
 fn picture(desc: &SceneDesc, name: &str) -> Image {
-    let options = CompileOptions { size: Some((48, 32)), mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
+    // Of the film's shape: angles of view may be of either axis.
+    let film = desc.film.map(|f| desc.node(f));
+    let side = |name: &str| film.and_then(|f| f.float(name)).unwrap_or(48.0);
+    let size = (48, (48.0 * side("height") / side("width")).round() as u32);
+    let options = CompileOptions { size: Some(size), mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
     let compiled = compile(desc, &options);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{name}: {:?}", compiled.diagnostics));
     let integrator = Some("volpath:reuse=1,caustics=false,effort=even,max_depth=4".to_owned());
@@ -113,10 +117,24 @@ fn mitsubas_own_scenes_are_written_exactly() {
 }
 
 #[test]
+fn mitsubas_scenes_go_through_pbrt() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = scene(MITSUBA, "xml", folder.path());
+    for steps in [&["pbrt"][..], &["pbrt", "xml"], &["steradian", "pbrt"]] {
+        let (off, losses) = difference(&path, steps);
+        // Named are: sides that reflect, masking and shadowing, the coat, the spot's edge.
+        assert!(off < 0.02, "{steps:?}: {off} {losses:?}");
+        for word in ["on both sides", "masking and shadowing", "'coateddiffuse'", "spot's edge"] {
+            assert!(losses.iter().any(|l| l.contains(word)), "{word} is not in {losses:?}");
+        }
+    }
+}
+
+#[test]
 fn our_scenes_go_around() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     for name in ["showcase.pbrt", "showcase.xml"] {
-        for steps in [&["xml"][..], &["steradian", "xml"]] {
+        for steps in [&["xml"][..], &["pbrt"], &["xml", "pbrt"], &["pbrt", "xml"], &["steradian", "pbrt"]] {
             let (off, losses) = difference(&root.join(name), steps);
             assert!(off < 5e-3 || !losses.is_empty(), "{name} {steps:?}: {off} without a named loss");
         }
@@ -131,6 +149,8 @@ fn what_cannot_be_expressed_is_named() {
         Shape \"sphere\" \"float phimax\" [200]\nMaterial \"coatedconductor\"\nShape \"disk\"\n";
     let path = scene(text, "pbrt", folder.path());
     let (_, losses) = gone(&path, &["xml"], folder.path());
+    let (off, losses_of_pbrt) = difference(&path, &["pbrt"]);
+    assert!(off < 1e-5 && losses_of_pbrt.is_empty(), "{off} {losses_of_pbrt:?}");
     for word in ["texture 'marble'", "'sphere' that is cut", "'coated_conductor'"] {
         assert!(losses.iter().any(|l| l.contains(word)), "{word} is not in {losses:?}");
     }

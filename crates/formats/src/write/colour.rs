@@ -114,6 +114,18 @@ impl Colour {
         }
     }
 
+    /// Linear Rec.709 of emission.
+    pub fn emitted_rgb(&self) -> [f64; 3] {
+        match self {
+            Self::Rgb(c) => *c,
+            Self::Grey(v) => {
+                let flat = Self::Curve(vec![360.0, 830.0], vec![*v as f32; 2]);
+                flat.emitted_rgb()
+            }
+            Self::Curve(l, v) => self.curve(l, v, |s| s.to_rgb()),
+        }
+    }
+
     fn curve(&self, l: &[f32], v: &[f32], rgb: impl Fn(&spectra::Spd) -> Vec3) -> [f64; 3] {
         match Curve::new(l.to_vec(), v.to_vec()) {
             Ok(curve) => rgb(&spectra::Spd::Curve(curve.into())).to_array().map(f64::from),

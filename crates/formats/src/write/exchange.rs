@@ -7,6 +7,7 @@ use std::{
     f64::consts::PI,
     path::Path,
 };
+use steradian_math::{DVec3, Transform};
 use steradian_scene::{Diagnostics, Node, NodeId, SceneDesc, Value};
 
 /// A parameter that may be textured.
@@ -186,4 +187,43 @@ impl<'a> Exchange<'a> {
 pub(crate) fn spot_flux(cone: f64, start: f64) -> f64 {
     let (c, s) = (cone.to_radians().cos(), start.to_radians().cos());
     2.0 * PI * ((1.0 - s) + 0.5 * (s - c))
+}
+
+/// The affine map of texture coordinates: scale and offset first, then the matrix or glTF's transform.
+pub(crate) fn uv_map(node: &Node) -> Transform {
+    let number = |name: &str, default: f64| node.float(name).unwrap_or(default);
+    let scale = Transform::scale(DVec3::new(number("scale_u", 1.0), number("scale_v", 1.0), 1.0));
+    let moved = Transform::translate(DVec3::new(number("delta_u", 0.0), number("delta_v", 0.0), 0.0)) * scale;
+    let pair = |name: &str, default: f64| match node.get(name) {
+        Some(Value::Floats(v)) if v.len() == 2 => [v[0], v[1]],
+        _ => [default; 2],
+    };
+    let khr = ["khr_offset", "khr_rotation", "khr_scale"].iter().any(|n| node.get(n).is_some());
+    let then = match node.get("to_uv") {
+        _ if khr => {
+            let (offset, size) = (pair("khr_offset", 0.0), pair("khr_scale", 1.0));
+            let (sin, cos) = number("khr_rotation", 0.0).to_radians().sin_cos();
+            Transform::from_rows([
+                cos * size[0],
+                sin * size[1],
+                0.0,
+                offset[0], //
+                -sin * size[0],
+                cos * size[1],
+                0.0,
+                offset[1], //
+                0.0,
+                0.0,
+                1.0,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                1.0,
+            ])
+        }
+        Some(Value::Transform(t)) => *t,
+        _ => Transform::IDENTITY,
+    };
+    then * moved
 }

@@ -7,7 +7,9 @@ mod beside;
 mod coat;
 mod colour;
 mod exchange;
+mod frame;
 mod mitsuba;
+mod pbrt;
 mod picture;
 mod solid;
 pub(crate) mod surface;
@@ -30,7 +32,8 @@ pub struct Written {
 }
 
 /// The extensions of documents that can be written, and what they are.
-pub const EXTENSIONS: &[(&str, &str)] = &[("steradian", "Steradian's own language"), ("xml", "Mitsuba 3")];
+pub const EXTENSIONS: &[(&str, &str)] =
+    &[("steradian", "Steradian's own language"), ("xml", "Mitsuba 3"), ("pbrt", "pbrt-v4")];
 
 /// Writes a description in the format that the extension of `path` names; `path` is where the document will be, so that
 /// files are named from there.
@@ -46,6 +49,7 @@ pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
             Ok(Written { bytes: text.into_bytes(), files, diagnostics: Diagnostics::default() })
         }
         "xml" => mitsuba::write(desc, path),
+        "pbrt" => pbrt::write(desc, path),
         _ => {
             let known = EXTENSIONS.iter().map(|(e, what)| format!(".{e} ({what})")).collect::<Vec<_>>().join(", ");
             Err(format!("'{}': scenes are written as {known}; other formats are read only", path.display()))

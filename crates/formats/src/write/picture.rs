@@ -86,6 +86,18 @@ impl Exchange<'_> {
         Some(name)
     }
 
+    /// A picture of one colour; its name.
+    pub fn plain_picture(&mut self, color: [f64; 3]) -> Option<String> {
+        let key = format!("plain {color:?}");
+        if let Some(name) = self.made.get(&key) {
+            return Some(name.clone());
+        }
+        let image = Image::from_rgb(2, 2, &[color.map(|v| v as f32); 4]).ok()?;
+        let name = self.keep(&image, Precision::Float)?;
+        self.made.insert(key, name.clone());
+        Some(name)
+    }
+
     fn keep(&mut self, image: &Image, precision: Precision) -> Option<String> {
         let options = WriteOptions { exr_precision: precision, ..WriteOptions::default() };
         let bytes = encode(FileKind::Exr, image, &options).ok()?;

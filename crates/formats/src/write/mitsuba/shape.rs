@@ -11,7 +11,7 @@ use crate::{
 };
 use std::fmt::Write;
 use steradian_math::{DVec3, Transform};
-use steradian_scene::{Family, Group, Instance, Mesh, Node, Shape, Value};
+use steradian_scene::{Family, Group, Instance, Mesh, Node, Shape};
 
 impl Writer<'_> {
     /// Notes how far things reach, and whether light passes some of them.
@@ -145,7 +145,7 @@ impl Writer<'_> {
                 Some(out)
             }
             "height_field" => {
-                let mesh = height_field(node);
+                let mesh = solid::height_field(node);
                 match mesh {
                     Some(mesh) => self.mesh(node, &mesh, world, shape.reverse_orientation, false, format!("{node:?}")),
                     None => {
@@ -270,28 +270,4 @@ impl Writer<'_> {
         out.push(matrix("to_world", &shape.world_from_object));
         Some(out)
     }
-}
-
-/// Heights in the description as a mesh over the unit square.
-fn height_field(node: &Node) -> Option<Mesh> {
-    let Some(Value::Floats(heights)) = node.get("heights") else { return None };
-    let (nu, nv) = (node.int("nu")? as usize, node.int("nv")? as usize);
-    if nu < 2 || nv < 2 || nu.checked_mul(nv) != Some(heights.len()) {
-        return None;
-    }
-    let scale = node.float("scale").unwrap_or(1.0);
-    let mut mesh = Mesh::default();
-    for j in 0..nv {
-        for i in 0..nu {
-            let (u, v) = (i as f32 / (nu - 1) as f32, j as f32 / (nv - 1) as f32);
-            mesh.positions.push([u, v, (heights[j * nu + i] * scale) as f32]);
-            mesh.uvs.push([u, v]);
-            if i + 1 < nu && j + 1 < nv {
-                let a = (j * nu + i) as u32;
-                let (b, c, d) = (a + 1, a + nu as u32, a + nu as u32 + 1);
-                mesh.triangles.extend([[a, b, d], [a, d, c]]);
-            }
-        }
-    }
-    Some(mesh)
 }
