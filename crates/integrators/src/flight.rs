@@ -2,7 +2,7 @@
 //! weighted by the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin
 //! pane on their way.
 
-use crate::{Counters, walk::MAX_PASSES};
+use crate::{Counters, tracking, walk::MAX_PASSES};
 use steradian_core::{
     ColorMode, Scene,
     medium::{Medium, transmittance},
@@ -19,7 +19,7 @@ pub(crate) enum Flight {
 }
 
 /// Lanes that carry something.
-fn lanes(scene: &Scene, lambda: &Wavelengths) -> usize {
+pub(crate) fn lanes(scene: &Scene, lambda: &Wavelengths) -> usize {
     match scene.mode {
         ColorMode::Rgb => 3,
         ColorMode::Spectral if lambda.is_secondary_terminated() => 1,
@@ -77,26 +77,43 @@ pub(crate) fn towards(
     scene: &Scene,
     ray: Ray,
     distance: f32,
-    medium: Option<u32>,
+    (medium, number): (Option<u32>, f32),
     lambda: &Wavelengths,
     counters: &mut Counters,
 ) -> Spectrum {
     let ray = Ray { t_max: distance * SHADOW_END, ..ray };
     if scene.is_see_through {
-        return visibility(scene, ray, medium, lambda, counters);
+        return visibility(scene, ray, (medium, number), lambda, counters);
     }
     counters.rays += 1;
     if scene.occluded(&ray) {
         return Spectrum::ZERO;
     }
-    medium.map_or(Spectrum::ONE, |m| scene.media[m as usize].transmittance(distance, lambda))
+    medium.map_or(Spectrum::ONE, |m| passed(scene, m, &ray, distance, number, lambda))
+}
+
+/// What passes a distance through a medium: the transmittance, or where the medium varies an estimate of it that is a
+/// function of the ray and of a random number.
+pub(crate) fn passed(
+    scene: &Scene,
+    medium: u32,
+    ray: &Ray,
+    distance: f32,
+    number: f32,
+    lambda: &Wavelengths,
+) -> Spectrum {
+    let medium = &scene.media[medium as usize];
+    match &medium.field {
+        None => medium.transmittance(distance, lambda),
+        Some(field) => tracking::estimate_transmittance(scene, (medium, field), ray, distance, number, lambda),
+    }
 }
 
 /// Transmittance through whatever light passes straight.
 fn visibility(
     scene: &Scene,
     mut ray: Ray,
-    mut medium: Option<u32>,
+    (mut medium, number): (Option<u32>, f32),
     lambda: &Wavelengths,
     counters: &mut Counters,
 ) -> Spectrum {
@@ -109,7 +126,7 @@ fn visibility(
         let hit = scene.intersect(&ray);
         if let Some(m) = medium {
             let distance = hit.as_ref().map_or(ray.t_max, |h| h.t);
-            t *= scene.media[m as usize].transmittance(distance, lambda);
+            t *= passed(scene, m, &ray, distance, number, lambda);
             if t.is_black() {
                 return t;
             }

@@ -23,6 +23,7 @@ mod partition;
 mod precomputed;
 mod probe;
 mod splitting;
+mod tracking;
 mod walk;
 
 #[cfg(test)]

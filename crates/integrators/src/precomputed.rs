@@ -85,7 +85,10 @@ impl Precomputed {
         }
         let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(plan.sampler.spp);
         let is_open = !(MEDIA && scene.has_media) && is_open(scene);
+        // Densities of ways through media that vary are not known, which sharing would need.
+        let varies = MEDIA && scene.media.iter().any(|m| m.field.is_some());
         precomputed.group = match variance_reduction.reuse {
+            _ if varies => 1,
             Some(group) => group,
             None if samples < FEWEST_SHARING => 1,
             None => reuse::trial::trial(paths, scene, &Self { is_open, ..precomputed.clone() }, samples),

@@ -6,7 +6,7 @@ use crate::{
     caustics::GuidedDirection,
     dimension,
     flight::{self, Flight},
-    live_max, nee, power_heuristic,
+    live_max, nee, power_heuristic, tracking,
 };
 use steradian_core::{
     Scene,
@@ -383,7 +383,8 @@ impl Vertex<'_> {
         counters: &mut Counters,
     ) -> Spectrum {
         let Some((light, wi, distance)) = self.unoccluded(scene, event, sampler, lambda) else { return Spectrum::ZERO };
-        self.transmitted::<MEDIA>(scene, light, wi, distance, lambda, counters)
+        let number = shadow_number::<MEDIA>(sampler, event);
+        self.transmitted::<MEDIA>(scene, light, (wi, distance), number, lambda, counters)
     }
 
     /// What arrives here of light that comes from a distance in a direction.
@@ -392,14 +393,14 @@ impl Vertex<'_> {
         &self,
         scene: &Scene,
         light: Spectrum,
-        wi: Vec3,
-        distance: f32,
+        (wi, distance): (Vec3, f32),
+        number: f32,
         lambda: &Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
         if MEDIA {
             let medium = self.medium_towards(scene, wi);
-            return light * flight::towards(scene, self.spawn(wi), distance, medium, lambda, counters);
+            return light * flight::towards(scene, self.spawn(wi), distance, (medium, number), lambda, counters);
         }
         counters.rays += 1;
         if scene.occluded(&self.spawn_towards(wi, distance)) { Spectrum::ZERO } else { light }
@@ -416,7 +417,8 @@ impl Vertex<'_> {
     ) -> Option<(Spectrum, Ray)> {
         let (mut light, wi, distance) = self.unoccluded(scene, event, sampler, lambda)?;
         if let (true, Some(m)) = (MEDIA, self.medium_towards(scene, wi)) {
-            light *= scene.media[m as usize].transmittance(distance, lambda);
+            let number = shadow_number::<MEDIA>(sampler, event);
+            light *= flight::passed(scene, m, &self.spawn(wi), distance, number, lambda);
         }
         Some((light, self.spawn_towards(wi, distance)))
     }
@@ -448,6 +450,12 @@ impl Vertex<'_> {
             }
         }
     }
+}
+
+/// A random number for the way of a shadow ray through media that vary.
+#[inline]
+fn shadow_number<const MEDIA: bool>(sampler: &PixelSampler, event: u32) -> f32 {
+    if MEDIA { sampler.get_1d(dimension::at(event, dimension::FLIGHT)) } else { 0.0 }
 }
 
 /// What a ray leads to. In place, since nothing is allocated per sample.
@@ -505,7 +513,20 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
-            let (factor, t) = match flight::sample_flight(scene, scattering, distance, lane, u, lambda) {
+            let flight = match &scattering.field {
+                None => {
+                    *sum += path_state.beta * scattering.glow_over(distance, lambda);
+                    flight::sample_flight(scene, scattering, distance, lane, u, lambda)
+                }
+                Some(field) => {
+                    let (mut glow, ray) = (Spectrum::ZERO, &path_state.ray);
+                    let way = (scattering, &**field);
+                    let flight = tracking::sample_flight(scene, way, ray, distance, (lane, u), lambda, &mut glow);
+                    *sum += path_state.beta * glow;
+                    flight
+                }
+            };
+            let (factor, t) = match flight {
                 Flight::Passed(factor) => (factor, None),
                 Flight::Scattered(t, factor) => (factor, Some(t)),
             };

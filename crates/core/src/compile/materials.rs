@@ -8,7 +8,6 @@ use crate::{
         Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
         normal_code::{NORMAL_CODES, NormalCode},
     },
-    medium::{MEDIA, Medium},
     texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
 use std::sync::Arc;
@@ -472,69 +471,6 @@ impl Compiler<'_> {
             let s = ((1.0 - albedo) / (1.0 - albedo * g)).sqrt();
             (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
         }))
-    }
-
-    /// The index of a compiled medium; `None` for none, and for media that are not implemented (reported).
-    pub(super) fn medium(&mut self, id: Option<NodeId>) -> Option<u32> {
-        let id = id?;
-        if let Some(&m) = self.medium_ids.get(&id) {
-            return m;
-        }
-        let node = self.node(id);
-        let compiled = match node.kind.as_str() {
-            "homogeneous" => {
-                let medium = self.homogeneous(node);
-                self.media.push(medium);
-                Some(self.media.len() as u32 - 1)
-            }
-            other => {
-                let known = MEDIA.iter().map(|m| m.0).collect::<Vec<_>>().join(", ");
-                let what = format!("medium '{other}' is not implemented (there is {known}); it is left out");
-                self.diagnostics.dropped(&self.desc.sources, node.span, what);
-                None
-            }
-        };
-        self.medium_ids.insert(id, compiled);
-        compiled
-    }
-
-    fn homogeneous(&mut self, node: &Node) -> Medium {
-        let zero = SpectrumValue::Constant(0.0);
-        let (sigma_a, sigma_s) = if node.get("sigma_t").is_some() || node.get("albedo").is_some() {
-            let t = self.constant_color(node, "sigma_t", Role::Unbounded, ONE);
-            let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.75));
-            (combine(&t, &albedo, |t, a| t * (1.0 - a)), combine(&t, &albedo, |t, a| t * a))
-        } else {
-            (
-                self.constant_color(node, "sigma_a", Role::Unbounded, zero.clone()),
-                self.constant_color(node, "sigma_s", Role::Unbounded, zero),
-            )
-        };
-        if let Some(p) = node.param("Le") {
-            self.diagnostics.dropped(&self.desc.sources, p.span, "emission of media is not implemented");
-        }
-        let mut g = self.float(node, "g", 0.0);
-        if let Some(phase) = self.reference(node, "phase") {
-            let phase = self.node(phase);
-            match phase.kind.as_str() {
-                "isotropic" => g = 0.0,
-                "hg" => g = self.float(phase, "g", 0.8),
-                other => {
-                    let what = format!("phase function '{other}' is not implemented; Henyey–Greenstein stands in");
-                    self.approximated(phase.span, what);
-                    g = self.float(phase, "g", 0.0);
-                }
-            }
-        }
-        if g.abs() >= 1.0 {
-            self.error(node.span, format!("the mean cosine g of a phase function lies between -1 and 1, not at {g}"));
-            g = 0.0;
-        }
-        let scale = self.float(node, "scale", 1.0);
-        if scale < 0.0 {
-            self.error(node.span, format!("a medium's scale of {scale} is negative"));
-        }
-        Medium { sigma_a, sigma_s, scale: scale.max(0.0), g }
     }
 }
 

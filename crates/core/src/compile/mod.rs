@@ -12,6 +12,7 @@ mod lights;
 mod mapping;
 mod materials;
 mod measured;
+mod media;
 mod motion;
 mod params;
 mod patterns;

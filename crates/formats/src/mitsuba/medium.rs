@@ -15,7 +15,7 @@ impl Reader<'_> {
 
     fn medium_node(&mut self, object: ObjectId) -> Option<NodeId> {
         match self.plugin(object) {
-            "homogeneous" => {}
+            "homogeneous" | "heterogeneous" => {}
             _ if self.is_known(object) => return self.verbatim(object, Family::Medium),
             _ => {
                 self.unknown_plugin(object);
@@ -29,6 +29,9 @@ impl Reader<'_> {
         } else {
             self.put(&mut node, "sigma_t", object, "sigma_t", Role::Unbounded, 1.0);
             self.put(&mut node, "albedo", object, "albedo", Role::Reflectance, 0.75);
+            if node.node("sigma_t").is_some() {
+                node.kind = "heterogeneous".into();
+            }
         }
         if self.graph.has(object, "material") {
             let span = self.value_span(object, "material");

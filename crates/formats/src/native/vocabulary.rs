@@ -24,7 +24,10 @@ fn known(family: Family) -> &'static str {
         }
         Family::Film => "width height crop iso exposure_time sensor white_balance max_component filename",
         Family::Filter => "radius_x radius_y sigma b c tau",
-        Family::Medium => "sigma_a sigma_s sigma_t albedo scale phase g",
+        Family::Medium => {
+            "sigma_a sigma_s sigma_t albedo scale phase g Le Lescale density wispiness frequency nx ny nz p0 p1 to_world temperature
+            temperatureoffset temperaturescale"
+        },
         Family::Phase => "g",
         Family::Shape => {
             "alpha flat displacement displacement_vector displacement_scale displacement_middle edge_length

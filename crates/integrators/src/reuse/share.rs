@@ -201,8 +201,14 @@ fn scattered<const MEDIA: bool, S: PathContinuation<MEDIA>>(
         let (values, density) = towards_all(s.wi);
         let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, density) };
         if values[..group.len()].iter().any(|v| !v.is_black()) {
-            let light =
-                y.transmitted::<MEDIA>(scene, s.radiance * (weight / s.pdf), s.wi, s.distance, &lambda, counters);
+            let light = y.transmitted::<MEDIA>(
+                scene,
+                s.radiance * (weight / s.pdf),
+                (s.wi, s.distance),
+                0.0,
+                &lambda,
+                counters,
+            );
             sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
         }
     }

@@ -30,3 +30,4 @@ mod splitting;
 mod stage;
 mod textures;
 mod transport;
+mod varying_media;

@@ -1,17 +1,37 @@
-//! Participating media: Beer–Lambert attenuation and scattering.
+//! Participating media: Beer–Lambert attenuation, scattering and emission.
+
+mod field;
 
 use crate::color::Color;
+pub use field::{Cloud, Field, Glow, Grid, Variation};
+use std::sync::Arc;
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
 /// The media by name, for the registry.
-pub const MEDIA: &[(&str, &str)] = &[(
-    "homogeneous",
-    "constant coefficients: sigma_a, sigma_s (per scene unit) or sigma_t and albedo; scale; phase (isotropic, or hg with g)",
-)];
+pub const MEDIA: &[(&str, &str)] = &[
+    (
+        "homogeneous",
+        "constant coefficients: sigma_a, sigma_s (per scene unit) or sigma_t and albedo; scale; phase (isotropic, or hg with g); Le, Lescale",
+    ),
+    (
+        "uniformgrid",
+        "those coefficients times density, nx × ny × nz numbers in the box from p0 to p1 of the medium's to_world; Le, Lescale (as many numbers)",
+    ),
+    ("rgbgrid", "sigma_a, sigma_s: nx × ny × nz colours in the box; scale; phase"),
+    (
+        "cloud",
+        "sigma_a, sigma_s times the density of a cloud of noise in the box: density, wispiness, frequency (pbrt)",
+    ),
+    ("heterogeneous", "sigma_t (a grid), albedo; scale; phase"),
+];
 
-/// A homogeneous medium with a Henyey–Greenstein phase function.
+/// A medium with a Henyey–Greenstein phase function.
 #[derive(Clone, Debug)]
 pub struct Medium {
+    /// Where it varies: the coefficients are for a variation of one then.
+    pub field: Option<Arc<Field>>,
+    /// The light that it gives off.
+    pub glow: Option<Glow>,
     /// Absorption coefficient per unit length.
     pub sigma_a: Color,
     /// Scattering coefficient per unit length.
@@ -27,6 +47,29 @@ impl Medium {
     #[inline]
     pub fn coefficients(&self, lambda: &Wavelengths) -> (Spectrum, Spectrum) {
         (self.sigma_a.eval(lambda) * self.scale, self.sigma_s.eval(lambda) * self.scale)
+    }
+
+    /// What bounds on the variation are multiplied with.
+    #[inline]
+    pub fn majorant(&self, lambda: &Wavelengths) -> Spectrum {
+        let (a, s) = self.coefficients(lambda);
+        a + s
+    }
+
+    /// Whether it scatters at all, in the first lanes.
+    pub fn scatters(&self, lambda: &Wavelengths, lanes: usize) -> bool {
+        let (_, s) = self.coefficients(lambda);
+        (0..lanes).any(|l| s[l] > 0.0)
+    }
+
+    /// The light that a way of a length brings to its beginning, where nothing varies: `σ_a L (1 − e^(−σ_t d))/σ_t`.
+    pub fn glow_over(&self, distance: f32, lambda: &Wavelengths) -> Spectrum {
+        let Some(glow) = &self.glow else { return Spectrum::ZERO };
+        let (a, s) = self.coefficients(lambda);
+        let extinction = (a + s) * distance.min(f32::MAX);
+        // Of thin media the length; of infinite ones one over the extinction.
+        let part = (a + s).map(|t| if t * distance < 1e-4 { distance } else { -(-t * distance).exp_m1() / t });
+        if extinction.is_black() { Spectrum::ZERO } else { a * glow.color.eval(lambda) * part }
     }
 
     /// Beer–Lambert transmittance over a distance; 1 over no distance, 0 over an infinite one where there is any
@@ -64,7 +107,8 @@ mod tests {
     #[test]
     fn phase_is_the_density_of_its_samples() {
         for g in [-0.7, 0.0, 0.4, 0.9] {
-            let m = Medium { sigma_a: Color::BLACK, sigma_s: Color::constant(1.0), scale: 1.0, g };
+            let m =
+                Medium { field: None, glow: None, sigma_a: Color::BLACK, sigma_s: Color::constant(1.0), scale: 1.0, g };
             let wo = Vec3::new(0.36, -0.48, 0.8);
             for i in 0..64 {
                 let (wi, pdf) = m.sample_phase(wo, Vec2::new((i as f32 + 0.5) / 64.0, 0.3));
@@ -77,12 +121,20 @@ mod tests {
 
     #[test]
     fn transmittance_multiplies_over_segments() {
-        let m = Medium { sigma_a: Color::constant(0.3), sigma_s: Color::constant(0.2), scale: 2.0, g: 0.0 };
+        let m = Medium {
+            field: None,
+            glow: None,
+            sigma_a: Color::constant(0.3),
+            sigma_s: Color::constant(0.2),
+            scale: 2.0,
+            g: 0.0,
+        };
         let w = Wavelengths::sample_uniform(0.3);
         let (a, b) = (m.transmittance(0.7, &w)[0], m.transmittance(1.1, &w)[0]);
         assert!((a * b - m.transmittance(1.8, &w)[0]).abs() < 1e-6);
         assert!((a - (-0.7_f32).exp()).abs() < 1e-6);
-        let empty = Medium { sigma_a: Color::BLACK, sigma_s: Color::BLACK, scale: 1.0, g: 0.0 };
+        let empty =
+            Medium { field: None, glow: None, sigma_a: Color::BLACK, sigma_s: Color::BLACK, scale: 1.0, g: 0.0 };
         assert_eq!(empty.transmittance(f32::INFINITY, &w), Spectrum::ONE);
     }
 }

@@ -1,0 +1,338 @@
+//! Media that vary: coefficients at points, and bounds on them along rays.
+
+use crate::{
+    color::{self, Color, ColorMode, Role},
+    texture::noise::gradient_noise,
+};
+use steradian_math::{Bounds3, Ray, Spectrum, Vec3, spectra::Wavelengths, transform::Affine};
+
+/// Cells of bounds along each axis, at most.
+const CELLS: usize = 16;
+
+/// Numbers at the centres of the cells of a box, interpolated linearly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    size: [usize; 3],
+    values: Vec<f32>,
+    /// Whether what is beyond the outermost numbers is as they are; else it is zero (pbrt).
+    is_clamped: bool,
+}
+
+impl Grid {
+    /// Of `x × y × z` numbers, x fastest; `None` where their count is another one.
+    pub fn new(size: [usize; 3], values: Vec<f32>, is_clamped: bool) -> Option<Self> {
+        let count = size.iter().try_fold(1_usize, |n, s| n.checked_mul(*s));
+        (count == Some(values.len()) && count != Some(0)).then_some(Self { size, values, is_clamped })
+    }
+
+    fn at(&self, [x, y, z]: [i64; 3]) -> f32 {
+        let inside = |v: i64, axis: usize| {
+            let last = self.size[axis] as i64 - 1;
+            if self.is_clamped { Some(v.clamp(0, last)) } else { Some(v).filter(|v| (0..=last).contains(v)) }
+        };
+        let (Some(x), Some(y), Some(z)) = (inside(x, 0), inside(y, 1), inside(z, 2)) else { return 0.0 };
+        self.values[(z as usize * self.size[1] + y as usize) * self.size[0] + x as usize]
+    }
+
+    /// The value at a point of the unit cube.
+    pub fn lookup(&self, p: Vec3) -> f32 {
+        let scaled = [0, 1, 2].map(|axis| p[axis] * self.size[axis] as f32 - 0.5);
+        let base = scaled.map(f32::floor);
+        let part: [f32; 3] = std::array::from_fn(|axis| scaled[axis] - base[axis]);
+        let base = base.map(|v| v as i64);
+        let mut sum = 0.0;
+        for corner in 0..8 {
+            let bit = |axis: usize| corner >> axis & 1;
+            let weight: f32 = (0..3).map(|a| if bit(a) == 1 { part[a] } else { 1.0 - part[a] }).product();
+            if weight > 0.0 {
+                sum += weight * self.at(std::array::from_fn(|axis| base[axis] + bit(axis) as i64));
+            }
+        }
+        sum
+    }
+
+    /// The largest value in a part of the unit cube.
+    fn most(&self, low: Vec3, high: Vec3) -> f32 {
+        let first: [i64; 3] = std::array::from_fn(|a| (low[a] * self.size[a] as f32 - 0.5).floor() as i64);
+        let last: [i64; 3] = std::array::from_fn(|a| (high[a] * self.size[a] as f32 - 0.5).floor() as i64 + 1);
+        let mut most = 0.0_f32;
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    most = most.max(self.at([x, y, z]));
+                }
+            }
+        }
+        most
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.values[..])
+    }
+}
+
+/// Clouds of gradient noise (Pharr, Jakob, Humphreys, PBR 4th ed., 11.4.5), denser towards the ground y = 0 of their
+/// space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cloud {
+    /// Factor on the noise.
+    pub density: f32,
+    /// How far the noise is bent by other noise.
+    pub wispiness: f32,
+    /// Cycles of the coarsest octave per unit.
+    pub frequency: f32,
+}
+
+impl Cloud {
+    /// The density at a point of its space, from zero to one.
+    pub fn density(&self, p: Vec3) -> f32 {
+        let noise = |p: Vec3| gradient_noise(p, 0);
+        let mut at = p * self.frequency;
+        if self.wispiness > 0.0 {
+            const STEP: f32 = 0.01;
+            let (mut amplitude, mut frequency) = (0.05 * self.wispiness, 10.0);
+            for _ in 0..2 {
+                let q = at * frequency;
+                let here = noise(q);
+                let slope = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (noise(q + axis * STEP) - here) / STEP);
+                at += Vec3::from_array(slope) * amplitude;
+                (amplitude, frequency) = (amplitude * 0.5, frequency * 1.99);
+            }
+        }
+        let (mut sum, mut amplitude, mut frequency) = (0.0, 0.5, 1.0);
+        for _ in 0..5 {
+            sum += amplitude * noise(at * frequency);
+            (amplitude, frequency) = (amplitude * 0.5, frequency * 1.99);
+        }
+        let sum = ((1.0 - p.y) * 4.5 * self.density * sum).clamp(0.0, 1.0);
+        (sum + 2.0 * (0.5 - p.y).max(0.0)).clamp(0.0, 1.0)
+    }
+}
+
+/// What varies.
+#[derive(Clone, Debug)]
+pub enum Variation {
+    /// Both coefficients by the density of a cloud.
+    Cloud(Cloud),
+    /// Both coefficients by one factor.
+    Density(Grid),
+    /// Absorption and scattering, each as three channels of linear Rec.709.
+    Rgb(Box<[[Grid; 3]; 2]>),
+}
+
+/// Light that a medium gives off, as a factor of a colour; times the absorption coefficient it is radiance per length.
+#[derive(Clone, Debug)]
+pub struct Glow {
+    /// The colour.
+    pub color: Color,
+    /// How much of it, from place to place.
+    pub scale: Option<Grid>,
+}
+
+/// A medium in a box, whose coefficients are functions of the place.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Into the unit cube that stands for the box.
+    cube_from_world: Affine,
+    variation: Variation,
+    /// Bounds on the variation in cells of the cube.
+    cells: [usize; 3],
+    most: Vec<f32>,
+    /// The box, in the space of the medium.
+    bounds: Bounds3,
+    mode: ColorMode,
+}
+
+impl Field {
+    /// What fills a box, which `world_from_medium` places.
+    pub fn new(bounds: &Bounds3, world_from_medium: &Affine, variation: Variation, mode: ColorMode) -> Option<Self> {
+        let extent = bounds.max - bounds.min;
+        let cube_from_medium = steradian_math::Transform::scale((Vec3::ONE / extent).as_dvec3())
+            * steradian_math::Transform::translate(-bounds.min.as_dvec3());
+        let cube = cube_from_medium.affine()?;
+        let into = world_from_medium.inverse();
+        let cube_from_world = Affine { m: cube.m * into.m, inv: into.inv * cube.inv };
+        let grids: Vec<&Grid> = match &variation {
+            Variation::Cloud(_) => Vec::new(),
+            Variation::Density(grid) => vec![grid],
+            Variation::Rgb(grids) => grids.iter().flatten().collect(),
+        };
+        let cells: [usize; 3] = std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS));
+        let mut most = Vec::with_capacity(cells.iter().product());
+        let scale = Vec3::from_array(cells.map(|c| 1.0 / c as f32));
+        for z in 0..cells[2] {
+            for y in 0..cells[1] {
+                for x in 0..cells[0] {
+                    let low = Vec3::new(x as f32, y as f32, z as f32) * scale;
+                    // Rounding of the place of a point may lead into the next cell.
+                    let (low, high) = (low - scale * 1e-3, low + scale * 1.001);
+                    most.push(match &variation {
+                        Variation::Cloud(_) => 1.0,
+                        Variation::Density(grid) => grid.most(low, high),
+                        Variation::Rgb(grids) => {
+                            let largest = |c: &[Grid; 3]| c.iter().map(|g| g.most(low, high)).fold(0.0, f32::max);
+                            largest(&grids[0]) + largest(&grids[1])
+                        }
+                    });
+                }
+            }
+        }
+        (cube_from_world.m.is_finite()).then_some(Self {
+            cube_from_world,
+            variation,
+            cells,
+            most,
+            bounds: *bounds,
+            mode,
+        })
+    }
+
+    /// A point of the world in the unit cube.
+    pub fn place(&self, p: Vec3) -> Vec3 {
+        self.cube_from_world.point(p)
+    }
+
+    /// Absorption and scattering at a point of the unit cube, for the coefficients that the medium has where the
+    /// variation is one.
+    pub fn coefficients(&self, (a, s): (Spectrum, Spectrum), p: Vec3, lambda: &Wavelengths) -> (Spectrum, Spectrum) {
+        match &self.variation {
+            Variation::Cloud(cloud) => {
+                let density = cloud.density(self.bounds.min + p * (self.bounds.max - self.bounds.min));
+                (a * density, s * density)
+            }
+            Variation::Density(grid) => {
+                let density = grid.lookup(p).max(0.0);
+                (a * density, s * density)
+            }
+            Variation::Rgb(grids) => {
+                let [absorbed, scattered] = [0, 1].map(|k| {
+                    let rgb = Vec3::from_array([0, 1, 2].map(|c| grids[k][c].lookup(p).max(0.0)));
+                    color::texel(rgb, Role::Unbounded, lambda, self.mode)
+                });
+                (a * absorbed, s * scattered)
+            }
+        }
+    }
+
+    /// Goes through the cells along a ray up to a distance: `visit` is given where each begins and ends, and the bound
+    /// on the variation there, until it says `false`.
+    pub fn walk(&self, ray: &Ray, distance: f32, mut visit: impl FnMut(f32, f32, f32) -> bool) {
+        let (o, d) = (self.cube_from_world.point(ray.origin), self.cube_from_world.vector(ray.direction));
+        let (mut begin, mut end) = (0.0_f32, distance);
+        for axis in 0..3 {
+            let (a, b) = (-o[axis] / d[axis], (1.0 - o[axis]) / d[axis]);
+            if d[axis] == 0.0 {
+                if !(0.0..=1.0).contains(&o[axis]) {
+                    return;
+                }
+                continue;
+            }
+            (begin, end) = (begin.max(a.min(b)), end.min(a.max(b)));
+        }
+        if !(begin < end) {
+            return;
+        }
+        let p = o + d * begin;
+        let count = Vec3::from_array(self.cells.map(|c| c as f32));
+        let mut cell: [i64; 3] =
+            std::array::from_fn(|a| ((p[a] * count[a]).floor() as i64).clamp(0, self.cells[a] as i64 - 1));
+        let step: [i64; 3] = std::array::from_fn(|a| if d[a] < 0.0 { -1 } else { 1 });
+        let border = |cell: &[i64; 3], a: usize| {
+            let edge = (cell[a] + i64::from(step[a] > 0)) as f32 / count[a];
+            if d[a] == 0.0 { f32::INFINITY } else { (edge - o[a]) / d[a] }
+        };
+        let mut at = begin;
+        loop {
+            let axis = (0..3).min_by(|a, b| border(&cell, *a).total_cmp(&border(&cell, *b))).unwrap_or(0);
+            let next = border(&cell, axis).min(end).max(at);
+            let [x, y, z] = cell.map(|c| c as usize);
+            if next > at && !visit(at, next, self.most[(z * self.cells[1] + y) * self.cells[0] + x]) {
+                return;
+            }
+            at = next;
+            cell[axis] += step[axis];
+            if at >= end || !(0..self.cells[axis] as i64).contains(&cell[axis]) {
+                return;
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let grids = match &self.variation {
+            Variation::Cloud(_) => 0,
+            Variation::Density(grid) => grid.bytes(),
+            Variation::Rgb(grids) => grids.iter().flatten().map(Grid::bytes).sum(),
+        };
+        grids + size_of_val(&self.most[..])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_math::{Transform, hash::HashRng};
+
+    fn field(size: [usize; 3], is_clamped: bool) -> Field {
+        let mut rng = HashRng::new(5);
+        let values = (0..size.iter().product()).map(|_| rng.next_f32()).collect();
+        let grid = Grid::new(size, values, is_clamped).unwrap();
+        let bounds = Bounds3 { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(3.0, 1.0, 2.5) };
+        let place = Transform::rotate(glam::DVec3::new(1.0, 2.0, 0.5), 0.8) * Transform::scale(glam::DVec3::splat(1.7));
+        Field::new(&bounds, &place.affine().unwrap(), Variation::Density(grid), ColorMode::Rgb).unwrap()
+    }
+
+    /// Along any ray cells follow each other without a gap, cover the way through the box, and bound the density.
+    #[test]
+    fn cells_bound_what_is_in_them() {
+        let mut rng = HashRng::new(8);
+        for (size, is_clamped) in [([5, 7, 3], true), ([40, 1, 23], false), ([1, 1, 1], true)] {
+            let field = field(size, is_clamped);
+            let world_from_cube = field.cube_from_world.inverse();
+            let mut total = 0;
+            for _ in 0..400 {
+                let mut v = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+                let (a, b) = (world_from_cube.point(v() * 3.0 - 1.0), world_from_cube.point(v()));
+                let ray = Ray::new(a, (b - a).normalize());
+                let (mut last, mut length) = (None, 0.0);
+                field.walk(&ray, f32::INFINITY, |from, to, most| {
+                    assert!(last.is_none_or(|last| last == from) && to > from);
+                    (last, length) = (Some(to), length + to - from);
+                    for i in 0..8 {
+                        let t = from + (to - from) * (i as f32 + 0.5) / 8.0;
+                        let (density, _) = field.coefficients(
+                            (Spectrum::ONE, Spectrum::ONE),
+                            field.place(ray.at(t)),
+                            &Wavelengths::RGB,
+                        );
+                        assert!(density[0] <= most * 1.0001 + 1e-6, "{} > {most}", density[0]);
+                        total += 1;
+                    }
+                    true
+                });
+                // The ray goes through the point b, which is within: the way through the box is that of many samples.
+                let inside = |t: &f32| {
+                    let p = field.place(ray.at(*t));
+                    p.min_element() >= 0.0 && p.max_element() <= 1.0
+                };
+                let far = (b - a).length() + 20.0;
+                let steps: Vec<f32> = (0..4000).map(|i| far * (i as f32 + 0.5) / 4000.0).collect();
+                let expected = steps.iter().filter(|t| inside(t)).count() as f32 * far / 4000.0;
+                assert!((length - expected).abs() < 0.02, "{length} {expected}");
+            }
+            assert!(total > 3000);
+        }
+    }
+
+    /// Numbers stand at the centres of cells; beyond the outermost they go on or fade to zero.
+    #[test]
+    fn grids_interpolate_between_centres() {
+        let values = vec![1.0, 3.0];
+        let [clamped, fading] = [true, false].map(|c| Grid::new([2, 1, 1], values.clone(), c).unwrap());
+        let at = |grid: &Grid, x: f32| grid.lookup(Vec3::new(x, 0.5, 0.5));
+        assert_eq!((at(&clamped, 0.25), at(&clamped, 0.5), at(&clamped, 0.75)), (1.0, 2.0, 3.0));
+        assert_eq!((at(&clamped, 0.0), at(&fading, 0.0), at(&fading, 0.5)), (1.0, 0.5, 2.0));
+        assert!(Grid::new([2, 2, 1], values, true).is_none());
+    }
+}

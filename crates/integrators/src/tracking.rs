@@ -1,0 +1,145 @@
+//! Flights through media that vary, by tracking: distances are drawn from a bound on the extinction, and what is met
+//! there is real or null (Woodcock and others 1965). Along a way value and density are kept for every lane, so that
+//! colours are combined by the balance heuristic of lanes (Miller, Georgiev, Jarosz 2019, "A Null-Scattering Path
+//! Integral Formulation of Light Transport").
+
+use crate::flight::{Flight, lanes};
+use steradian_core::{
+    Scene,
+    medium::{Field, Medium, transmittance},
+};
+use steradian_math::{
+    Ray, Spectrum,
+    hash::{HashRng, combine64},
+    spectra::Wavelengths,
+};
+
+/// Random numbers for a way: a function of the ray and of a number of the path.
+fn numbers(ray: &Ray, number: f32) -> HashRng {
+    let mut seed = u64::from(number.to_bits());
+    for v in [ray.origin, ray.direction] {
+        seed = v.to_array().iter().fold(seed, |seed, x| combine64(seed, x.to_bits().into()));
+    }
+    HashRng::new(seed)
+}
+
+/// What a way through a medium has gathered.
+struct Way {
+    /// Throughput, and the density with which each lane would have drawn it; of both only the ratio counts.
+    value: Spectrum,
+    density: Spectrum,
+    lanes: usize,
+}
+
+impl Way {
+    fn mean(&self, s: Spectrum) -> f32 {
+        (0..self.lanes).map(|l| s[l]).sum::<f32>() / self.lanes as f32
+    }
+
+    /// Goes on: both by factors of their own.
+    fn pass(&mut self, value: Spectrum, density: Spectrum) {
+        self.value *= value;
+        self.density *= density;
+        let mean = self.mean(self.density);
+        if mean > 0.0 {
+            self.value = self.value / mean;
+            self.density = self.density / mean;
+        }
+    }
+
+    /// The weight of an event with a value and a density.
+    fn weight(&self, value: Spectrum, density: Spectrum) -> Spectrum {
+        let mean = self.mean(self.density * density);
+        if mean > 0.0 { self.value * value / mean } else { Spectrum::ZERO }
+    }
+}
+
+/// Draws a free flight over at most `distance`; adds the light that the medium gives off on the way. `number` is a
+/// random number, `lane` another one.
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn sample_flight(
+    scene: &Scene,
+    (medium, field): (&Medium, &Field),
+    ray: &Ray,
+    distance: f32,
+    (lane, number): (f32, f32),
+    lambda: &Wavelengths,
+    emitted: &mut Spectrum,
+) -> Flight {
+    let lanes = lanes(scene, lambda);
+    let scatters = medium.scatters(lambda, lanes);
+    let chosen = ((lane * lanes as f32) as usize).min(lanes - 1);
+    track((medium, field), ray, distance, (chosen, lanes), numbers(ray, number), lambda, scatters, emitted)
+}
+
+/// What passes a distance: an estimate whose mean is the transmittance.
+pub(crate) fn estimate_transmittance(
+    scene: &Scene,
+    (medium, field): (&Medium, &Field),
+    ray: &Ray,
+    distance: f32,
+    number: f32,
+    lambda: &Wavelengths,
+) -> Spectrum {
+    let lanes = lanes(scene, lambda);
+    let mut rng = numbers(ray, number);
+    let chosen = ((rng.next_f32() * lanes as f32) as usize).min(lanes - 1);
+    match track((medium, field), ray, distance, (chosen, lanes), rng, lambda, false, &mut Spectrum::ZERO.clone()) {
+        Flight::Passed(part) => part,
+        Flight::Scattered(..) => Spectrum::ZERO,
+    }
+}
+
+/// With `scatters` real events end the way (delta tracking), else they take their part of the light (ratio tracking).
+#[allow(clippy::too_many_arguments)]
+fn track(
+    (medium, field): (&Medium, &Field),
+    ray: &Ray,
+    distance: f32,
+    (chosen, lanes): (usize, usize),
+    mut rng: HashRng,
+    lambda: &Wavelengths,
+    scatters: bool,
+    emitted: &mut Spectrum,
+) -> Flight {
+    let (a, s) = medium.coefficients(lambda);
+    let unit = medium.majorant(lambda);
+    let mut way = Way { value: Spectrum::ONE, density: Spectrum::ONE, lanes };
+    let mut event = None;
+    field.walk(ray, distance, |begin, end, most| {
+        let majorant = unit * most;
+        let mut t = begin;
+        loop {
+            let step =
+                if majorant[chosen] > 0.0 { -(1.0 - rng.next_f32()).ln() / majorant[chosen] } else { f32::INFINITY };
+            let left = end - t;
+            let passed = transmittance(majorant, step.min(left));
+            way.pass(passed, passed);
+            if step >= left {
+                return true;
+            }
+            t += step;
+            let p = field.place(ray.at(t));
+            let (absorbed, scattered) = field.coefficients((a, s), p, lambda);
+            let real = absorbed + scattered;
+            if let Some(glow) = &medium.glow {
+                let scale = glow.scale.as_ref().map_or(1.0, |grid| grid.lookup(p));
+                *emitted += way.weight(absorbed * glow.color.eval(lambda) * scale, majorant);
+            }
+            let null = (majorant - real).max(0.0);
+            if !scatters {
+                way.pass(null, majorant);
+            } else if rng.next_f32() * majorant[chosen] < real[chosen] {
+                event = Some(Flight::Scattered(t, way.weight(scattered, real)));
+                return false;
+            } else {
+                way.pass(null, null);
+            }
+            if !(way.mean(way.value) > 0.0) {
+                event = Some(Flight::Passed(Spectrum::ZERO));
+                return false;
+            }
+        }
+    });
+    event.unwrap_or_else(|| Flight::Passed(way.weight(Spectrum::ONE, Spectrum::ONE)))
+}
