@@ -135,7 +135,8 @@ fn track(
             } else {
                 way.pass(null, null);
             }
-            if !(way.mean(way.value) > 0.0) {
+            let left = way.mean(way.value);
+            if left <= 0.0 || left.is_nan() {
                 event = Some(Flight::Passed(Spectrum::ZERO));
                 return false;
             }

@@ -4,6 +4,7 @@ use crate::{
     color::{self, Color, ColorMode, Role},
     texture::noise::gradient_noise,
 };
+use std::cmp::Ordering;
 use steradian_math::{Bounds3, Ray, Spectrum, Vec3, spectra::Wavelengths, transform::Affine};
 
 /// Cells of bounds along each axis, at most.
@@ -230,7 +231,7 @@ impl Field {
             }
             (begin, end) = (begin.max(a.min(b)), end.min(a.max(b)));
         }
-        if !(begin < end) {
+        if begin.partial_cmp(&end) != Some(Ordering::Less) {
             return;
         }
         let p = o + d * begin;
