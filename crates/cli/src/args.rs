@@ -452,7 +452,7 @@ pub struct CompareArgs {
 pub struct ConvertArgs {
     /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2; or a scene
     pub input: PathBuf,
-    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian .xml .pbrt
+    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian .xml .pbrt .gltf .glb
     pub output: PathBuf,
     /// Layer of the picture to write: a name of `steradian list layers`, or of channels in the file (N, diffuse, Z, …)
     #[arg(long, value_name = "NAME")]

@@ -141,6 +141,87 @@ fn our_scenes_go_around() {
     }
 }
 
+/// A quad with a picture over it, a metal ball, a lamp and a sun.
+const SIMPLE: &str = r#"<scene version="3.0.0">
+<integrator type="path"/>
+<sensor type="perspective"><float name="fov" value="40"/><string name="fov_axis" value="y"/>
+ <transform name="to_world"><lookat origin="0.5,1.5,5" target="0,0.3,0" up="0,1,0"/></transform>
+ <film type="hdrfilm"><integer name="width" value="48"/><integer name="height" value="36"/><rfilter type="box"/></film></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/></transform>
+ <bsdf type="twosided"><bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="floor.png"/>
+ <transform name="to_uv"><scale x="2" y="3"/><rotate z="1" angle="30"/></transform></texture></bsdf></bsdf></shape>
+<shape type="cube"><transform name="to_world"><scale x="-0.5" y="0.5" z="0.5"/><translate y="0.6"/></transform>
+ <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.3,0.5,0.7"/></bsdf></bsdf></shape>
+<shape type="shapegroup" id="g"><shape type="rectangle"><transform name="to_world"><scale value="0.3"/></transform>
+ <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape></shape>
+<shape type="instance"><ref id="g"/><transform name="to_world"><translate x="-1.3" y="0.4" z="0.5"/></transform></shape>
+<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
+ <emitter type="area"><rgb name="radiance" value="9,8,7"/></emitter></shape>
+<emitter type="directional"><vector name="direction" x="0.3" y="-1" z="-0.5"/><rgb name="irradiance" value="1,1,1.2"/></emitter>
+<emitter type="point"><point name="position" x="-2" y="2" z="2"/><rgb name="intensity" value="4,5,6"/></emitter>
+</scene>"#;
+
+#[test]
+fn what_gltf_holds_is_written_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pixels: Vec<[f32; 3]> = (0..64).map(|i| [(i % 8) as f32 / 8.0, (i / 8) as f32 / 8.0, 0.5]).collect();
+    let picture = Image::from_rgb(8, 8, &pixels).expect("a picture");
+    steradian::image::write(&folder.path().join("floor.png"), &picture, &Default::default()).expect("written");
+    let path = scene(SIMPLE, "xml", folder.path());
+    for steps in [&["glb"][..], &["gltf"], &["steradian", "glb"], &["glb", "steradian", "gltf"]] {
+        let (off, losses) = difference(&path, steps);
+        assert!(losses.is_empty(), "{steps:?}: {losses:?}");
+        // Samples of lights are drawn in another order.
+        assert!(off < 5e-3, "{steps:?}: {off}");
+    }
+}
+
+#[test]
+fn gltf_files_keep_the_rules_of_buffers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = scene(MITSUBA, "xml", folder.path());
+    let (file, _) = written(&opened(&path), folder.path(), "out.glb");
+    let bytes = std::fs::read(file).expect("written");
+    let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
+    assert_eq!((&bytes[..4], u32_at(4), u32_at(8)), (&b"glTF"[..], 2, bytes.len()));
+    let json = u32_at(12);
+    assert_eq!((&bytes[16..20], json % 4), (&b"JSON"[..], 0));
+    let bin = u32_at(20 + json);
+    assert_eq!((&bytes[24 + json..28 + json], bin % 4), (&b"BIN\0"[..], 0));
+    let root: serde_json::Value = serde_json::from_slice(&bytes[20..20 + json]).expect("JSON");
+    let list = |name: &str| root[name].as_array().cloned().unwrap_or_default();
+    assert!(root["buffers"][0]["byteLength"].as_u64().expect("a length") as usize <= bin);
+    let views = list("bufferViews");
+    for view in &views {
+        let (start, length) = (view["byteOffset"].as_u64().expect("set"), view["byteLength"].as_u64().expect("set"));
+        assert!(start % 4 == 0 && (start + length) as usize <= bin, "{view}");
+    }
+    let accessors = list("accessors");
+    for mesh in list("meshes") {
+        for primitive in mesh["primitives"].as_array().expect("primitives") {
+            let position = &accessors[primitive["attributes"]["POSITION"].as_u64().expect("positions") as usize];
+            let indices = &accessors[primitive["indices"].as_u64().expect("indices") as usize];
+            let view = &views[position["bufferView"].as_u64().expect("a view") as usize];
+            let start = 28 + json + view["byteOffset"].as_u64().expect("set") as usize;
+            let count = position["count"].as_u64().expect("a count") as usize;
+            let floats = bytes[start..start + 12 * count].chunks_exact(4);
+            let floats: Vec<f32> = floats.map(|c| f32::from_le_bytes(c.try_into().expect("four"))).collect();
+            for axis in 0..3 {
+                let values = floats.iter().skip(axis).step_by(3).copied();
+                let (low, high) = values.fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(v), h.max(v)));
+                assert_eq!(position["min"][axis].as_f64().map(|v| v as f32), Some(low));
+                assert_eq!(position["max"][axis].as_f64().map(|v| v as f32), Some(high));
+            }
+            assert!(indices["count"].as_u64().expect("a count") % 3 == 0 && position["componentType"] == 5126);
+        }
+    }
+    let used: Vec<String> = list("extensionsUsed").iter().map(|e| e.as_str().unwrap_or_default().to_owned()).collect();
+    let text = String::from_utf8_lossy(&bytes[20..20 + json]).into_owned();
+    for part in text.split('"').filter(|p| p.starts_with("KHR_")) {
+        assert!(used.iter().any(|u| u == part), "{part} is not in {used:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_expressed_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -151,6 +232,10 @@ fn what_cannot_be_expressed_is_named() {
     let (_, losses) = gone(&path, &["xml"], folder.path());
     let (off, losses_of_pbrt) = difference(&path, &["pbrt"]);
     assert!(off < 1e-5 && losses_of_pbrt.is_empty(), "{off} {losses_of_pbrt:?}");
+    let (_, gltf) = gone(&path, &["glb"], folder.path());
+    for word in ["texture 'marble'", "light 'environment'", "'coated_conductor'"] {
+        assert!(gltf.iter().any(|l| l.contains(word)), "{word} is not in {gltf:?}");
+    }
     for word in ["texture 'marble'", "'sphere' that is cut", "'coated_conductor'"] {
         assert!(losses.iter().any(|l| l.contains(word)), "{word} is not in {losses:?}");
     }

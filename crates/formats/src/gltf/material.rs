@@ -345,9 +345,27 @@ fn single_scattering_albedo(multiple: f64) -> f64 {
     (1.0 - s * s).clamp(0.0, 1.0)
 }
 
+/// The albedo of a thick medium from that of one scattering event.
+pub(crate) fn multiple_scattering_albedo(single: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if single_scattering_albedo(middle) < single { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn albedos_go_there_and_back() {
+        for k in 1..10 {
+            let multiple = f64::from(k) / 10.0;
+            assert!((multiple_scattering_albedo(single_scattering_albedo(multiple)) - multiple).abs() < 1e-6);
+        }
+    }
 
     #[test]
     fn albedos_of_one_event_are_larger() {

@@ -27,6 +27,7 @@ use crate::{
     mesh::model::stage,
 };
 use json::At;
+pub(crate) use material::multiple_scattering_albedo;
 use serde_json::Value;
 use std::{collections::HashMap, path::Path, sync::Arc};
 use steradian_math::{DMat4, DVec3};

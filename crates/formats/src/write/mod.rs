@@ -8,6 +8,7 @@ mod coat;
 mod colour;
 mod exchange;
 mod frame;
+mod gltf;
 mod mitsuba;
 mod pbrt;
 mod picture;
@@ -32,8 +33,13 @@ pub struct Written {
 }
 
 /// The extensions of documents that can be written, and what they are.
-pub const EXTENSIONS: &[(&str, &str)] =
-    &[("steradian", "Steradian's own language"), ("xml", "Mitsuba 3"), ("pbrt", "pbrt-v4")];
+pub const EXTENSIONS: &[(&str, &str)] = &[
+    ("steradian", "Steradian's own language"),
+    ("xml", "Mitsuba 3"),
+    ("pbrt", "pbrt-v4"),
+    ("gltf", "glTF 2.0"),
+    ("glb", "glTF 2.0 in one file"),
+];
 
 /// Writes a description in the format that the extension of `path` names; `path` is where the document will be, so that
 /// files are named from there.
@@ -50,6 +56,8 @@ pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
         }
         "xml" => mitsuba::write(desc, path),
         "pbrt" => pbrt::write(desc, path),
+        "gltf" => gltf::write(desc, path, false),
+        "glb" => gltf::write(desc, path, true),
         _ => {
             let known = EXTENSIONS.iter().map(|(e, what)| format!(".{e} ({what})")).collect::<Vec<_>>().join(", ");
             Err(format!("'{}': scenes are written as {known}; other formats are read only", path.display()))
