@@ -118,7 +118,7 @@ fn lossy_surfaces_show_their_albedo() {
             }
             let expected = albedo(&s.bsdf, frame.to_local(i.wo));
             assert!(expected.iter().all(|a| (0.0..=1.0 + 1e-3).contains(a)), "{}: {expected:?}", case.label);
-            let got = mean(&Shot::of("path", 20_000).take(&scene));
+            let got = mean(&Shot::of("path", 8_000).take(&scene));
             // Quadrature is granted 10⁻³.
             for c in 0..3 {
                 let allowed = 4.0 * got.sigma[c] + 1e-3 * expected[c];

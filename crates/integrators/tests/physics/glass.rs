@@ -58,7 +58,7 @@ fn glass_slab() {
                         (whitted - expected).abs() < 2e-4 + lost,
                         "{name}, {below} below: {whitted} for {expected}"
                     );
-                    let path = mean(&Shot::of("path", 20_000).roulette_after(30).take(&scene));
+                    let path = mean(&Shot::of("path", 12_000).roulette_after(30).take(&scene));
                     path.is_near_grey(&name, expected, 0.05);
                 }
             }
