@@ -123,8 +123,7 @@ fn track(
             let (absorbed, scattered) = field.coefficients((a, s), p, lambda);
             let real = absorbed + scattered;
             if let Some(glow) = &medium.glow {
-                let scale = glow.scale.as_ref().map_or(1.0, |grid| grid.lookup(p));
-                *emitted += way.weight(absorbed * glow.color.eval(lambda) * scale, majorant);
+                *emitted += way.weight(absorbed * glow.eval(p, lambda), majorant);
             }
             let null = (majorant - real).max(0.0);
             if !scatters {

@@ -2,11 +2,15 @@
 
 use super::{Compiler, materials::combine};
 use crate::{
-    color::Role,
-    medium::{Cloud, Field, Glow, Grid, MEDIA, Medium, Variation},
+    color::{Color, Role},
+    medium::{Cloud, Field, Glow, Grid, Heat, MEDIA, Medium, Variation},
 };
 use std::sync::Arc;
-use steradian_math::{Bounds3, Vec3, transform::Affine};
+use steradian_math::{
+    Bounds3, Vec3,
+    spectra::{Blackbody, Spd},
+    transform::Affine,
+};
 use steradian_scene::{Node, NodeId, SpectrumValue};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
@@ -86,17 +90,11 @@ impl Compiler<'_> {
             _ => 1.0,
         };
         let color = color.scaled(if luminance > 0.0 { scale / luminance } else { 0.0 });
-        (!color.is_black()).then_some(Glow { color, scale: None })
+        (!color.is_black()).then_some(Glow { color, scale: None, heat: None })
     }
 
     /// A medium in a box whose coefficients vary.
     fn varying(&mut self, node: &Node) -> Option<Medium> {
-        for name in ["temperature"] {
-            if let Some(p) = node.param(name) {
-                let what = format!("'{name}' of media is not implemented: they do not glow by it");
-                self.diagnostics.dropped(&self.desc.sources, p.span, what);
-            }
-        }
         let (variation, bounds, place) = match node.kind.as_str() {
             "heterogeneous" => self.extinction(node)?,
             _ => {
@@ -127,6 +125,17 @@ impl Compiler<'_> {
             }
             self.homogeneous(&plain)
         };
+        if let Some(values) = self.list(node, "temperature") {
+            let (offset, scale) =
+                (self.float(node, "temperatureoffset", 0.0), self.float(node, "temperaturescale", 1.0));
+            let kelvin = values.into_iter().map(|t| (t - offset) * scale).collect();
+            let temperatures = self.grid_of(node, "temperature", kelvin, 1)?.pop()?;
+            let color = |kelvin: f32| {
+                Color::curve(&Spd::Blackbody(Blackbody::normalized(kelvin.into())), Role::Illuminant, self.mode)
+            };
+            let heat = Some(Heat::new(temperatures, color));
+            base.glow = Some(Glow { color: Color::constant(1.0), scale: None, heat });
+        }
         if let (Some(glow), Some(values)) = (&mut base.glow, self.list(node, "Lescale")) {
             glow.scale = self.grid_of(node, "Lescale", values, 1)?.pop();
         }

@@ -129,6 +129,52 @@ pub struct Glow {
     pub color: Color,
     /// How much of it, from place to place.
     pub scale: Option<Grid>,
+    /// That of a black body instead, by the temperature from place to place.
+    pub heat: Option<Heat>,
+}
+
+/// Temperatures, K, and the colours of black bodies, whose largest value over the spectrum is one.
+#[derive(Clone, Debug)]
+pub struct Heat {
+    temperatures: Grid,
+    /// Colours at even steps from [`Heat::COLDEST`] to the highest temperature.
+    colors: Vec<Color>,
+    step: f32,
+}
+
+impl Heat {
+    /// Below this nothing glows, K (pbrt).
+    const COLDEST: f32 = 100.0;
+    const STEPS: usize = 256;
+
+    /// Of temperatures, with the colour of a black body at any.
+    pub fn new(temperatures: Grid, color: impl Fn(f32) -> Color) -> Self {
+        let hottest = temperatures.values.iter().copied().fold(Self::COLDEST, f32::max);
+        let step = (hottest - Self::COLDEST) / (Self::STEPS - 1) as f32;
+        let colors = (0..Self::STEPS).map(|i| color(Self::COLDEST + step * i as f32)).collect();
+        Self { temperatures, colors, step }
+    }
+
+    fn eval(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
+        let above = self.temperatures.lookup(p) - Self::COLDEST;
+        if above <= 0.0 || self.step <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        let at = (above / self.step).min((Self::STEPS - 1) as f32);
+        let first = (at as usize).min(Self::STEPS - 2);
+        self.colors[first].eval(lambda).lerp(self.colors[first + 1].eval(lambda), at - first as f32)
+    }
+}
+
+impl Glow {
+    /// At a point of the unit cube.
+    pub fn eval(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
+        let scale = self.scale.as_ref().map_or(1.0, |grid| grid.lookup(p));
+        match &self.heat {
+            None => self.color.eval(lambda) * scale,
+            Some(heat) => heat.eval(p, lambda) * scale,
+        }
+    }
 }
 
 /// A medium in a box, whose coefficients are functions of the place.

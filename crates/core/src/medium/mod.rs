@@ -3,7 +3,7 @@
 mod field;
 
 use crate::color::Color;
-pub use field::{Cloud, Field, Glow, Grid, Variation};
+pub use field::{Cloud, Field, Glow, Grid, Heat, Variation};
 use std::sync::Arc;
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
@@ -15,7 +15,7 @@ pub const MEDIA: &[(&str, &str)] = &[
     ),
     (
         "uniformgrid",
-        "those coefficients times density, nx × ny × nz numbers in the box from p0 to p1 of the medium's to_world; Le, Lescale (as many numbers)",
+        "those coefficients times density, nx × ny × nz numbers in the box from p0 to p1 of the medium's to_world; Le, Lescale, temperature (K, as many numbers)",
     ),
     ("rgbgrid", "sigma_a, sigma_s: nx × ny × nz colours in the box; scale; phase"),
     (

@@ -107,6 +107,32 @@ fn a_glowing_slab_has_its_radiance() {
     shot(&scene).agrees("with scattering", shot(&plain), 0.02);
 }
 
+/// A hot medium that is opaque looks like the black body it is, by the numbers of `Le` of the same spectrum.
+#[test]
+fn hot_media_are_black_bodies() {
+    let hot = |kelvin: f64| {
+        let node = absorbing(grid([1; 3], vec![1.0]), [30.0; 3]).with("temperature", vec![kelvin + 500.0]);
+        let node = node.with("temperatureoffset", 500.0).with("Lescale", vec![3.0]);
+        let wide = |p: f64| steradian_scene::Value::Vec3([p; 3]);
+        filled(node.with("p0", wide(-1e7)).with("p1", wide(1e7)), 0.1, 0.2, ColorMode::Rgb)
+    };
+    let lamp = |kelvin: f64| {
+        let mut stage = Stage::new();
+        let glow = Node::new(Family::Light, "area", None)
+            .with("radiance", steradian_scene::Value::Spectrum(steradian_scene::SpectrumValue::Blackbody(kelvin)));
+        let glow = stage.add(glow.with("two_sided", true));
+        stage.place_mesh(cuboid([-1.0; 3], [1.0; 3])).emission = Some(glow);
+        let node = Node::new(Family::Camera, "perspective", None).with("fov", 1e-4);
+        stage.film(1, 1).camera(node.with("to_world", look_at([0.1, 0.2, -4.0], [0.1, 0.2, 0.0])));
+        stage.scene()
+    };
+    for kelvin in [2000.0, 6500.0] {
+        let expected = mean(&Shot::of("path", 4).take(&lamp(kelvin))).mean.map(|v| 3.0 * v);
+        mean(&Shot::of("volpath", 20_000).take(&hot(kelvin))).is_near(&format!("{kelvin} K"), expected, 0.02);
+    }
+    assert!(mean(&Shot::of("volpath", 64).take(&hot(90.0))).mean[0] < 1e-6, "nothing glows below 100 K");
+}
+
 /// Coefficients of each colour for itself: a grid of colours that are all equal is the homogeneous medium.
 #[test]
 fn a_grid_of_colours_is_homogeneous_where_they_are_equal() {
