@@ -9,7 +9,7 @@ use steradian::{
     formats::{Options, write},
     image::Image,
     load, render,
-    scene::{Fidelity, SceneDesc},
+    scene::{Fidelity, Instance, SceneDesc},
 };
 
 fn picture(desc: &SceneDesc, name: &str) -> Image {
@@ -238,5 +238,39 @@ fn what_cannot_be_expressed_is_named() {
     }
     for word in ["texture 'marble'", "'sphere' that is cut", "'coated_conductor'"] {
         assert!(losses.iter().any(|l| l.contains(word)), "{word} is not in {losses:?}");
+    }
+}
+
+/// What moves keeps moving in pbrt's language, and its exposure; other formats say that it stands still.
+#[test]
+fn motion_goes_through_pbrt_and_is_reported_elsewhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("moving.pbrt");
+    let text = "TransformTimes 2 4 LookAt 0 0 -4  0 0 0  0 1 0\n\
+         ActiveTransform EndTime Translate 0.2 0 0 ActiveTransform All\n\
+         Camera \"perspective\" \"float shutteropen\" 2.5 \"float shutterclose\" 3.5\nWorldBegin\n\
+         LightSource \"infinite\" \"rgb L\" [1 1 1]\n\
+         AttributeBegin ActiveTransform EndTime Translate 1 0.3 0 Rotate 80 0 0 1 ActiveTransform All\n\
+         Shape \"bilinearmesh\" \"point3 P\" [-1 -0.2 0 1 -0.2 0 -1 0.2 0 1 0.2 0] AttributeEnd";
+    std::fs::write(&file, text).expect("written");
+    let desc = opened(&file);
+    let before = picture(&desc, "before");
+    let (again, losses) = gone(&file, &["pbrt", "steradian", "pbrt"], folder.path());
+    assert!(losses.is_empty(), "{losses:?}");
+    let after = picture(&again, "after");
+    let [a, b] = [&before, &after].map(|p| p.channel("G").expect("green"));
+    let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32;
+    assert!(apart < 1e-4, "{apart}");
+    let still = SceneDesc {
+        instances: desc.instances.iter().cloned().map(|i| Instance { movement: None, ..i }).collect(),
+        ..desc
+    };
+    let still = picture(&still, "still");
+    let moved =
+        a.iter().zip(still.channel("G").expect("green")).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32;
+    assert!(moved > 3e-3, "nothing moves: {moved}");
+    for extension in ["xml", "gltf"] {
+        let (_, losses) = written(&opened(&file), folder.path(), &format!("moving.{extension}"));
+        assert_eq!(losses.iter().filter(|l| l.contains("stands still")).count(), 2, "{extension}: {losses:?}");
     }
 }

@@ -58,6 +58,37 @@ impl<'a> Exchange<'a> {
         self.diagnostics.dropped(&self.desc.sources, node.span, message);
     }
 
+    /// Says that what moves stands still in the format, as at the beginning of its motion.
+    pub fn stands_still(&mut self, format: &str) {
+        let moving = self.desc.instances.iter().filter(|i| i.movement.is_some()).map(|i| i.span);
+        let cameras = self.desc.cameras.iter().map(|c| self.desc.node(*c));
+        let cameras = cameras.filter(|c| c.get("to_world_end").is_some()).map(|c| c.span);
+        for span in moving.chain(cameras).collect::<Vec<_>>() {
+            let what = format!("{format} has no motion: this stands still, as at the beginning of its motion");
+            self.diagnostics.dropped(&self.desc.sources, span, what);
+        }
+    }
+
+    /// When motions begin and end, as parts of the exposure; where they differ that of the first counts, which is said.
+    /// `None` where nothing moves while the shutter is open.
+    pub fn motion_times(&mut self) -> Option<[f64; 2]> {
+        let camera = self.desc.cameras.first().map(|c| self.desc.node(*c));
+        let shutter = |name, default| camera.and_then(|c| c.float(name)).unwrap_or(default);
+        let (open, close) = (shutter("shutter_open", 0.0), shutter("shutter_close", 1.0));
+        let of_camera = camera.filter(|c| c.get("to_world_end").is_some()).map(|c| {
+            let times = c.floats("motion_times").and_then(|t| <[f64; 2]>::try_from(t).ok()).unwrap_or([0.0, 1.0]);
+            (times, c.span)
+        });
+        let of_instances = self.desc.instances.iter().filter_map(|i| Some((i.movement?.times, i.span)));
+        let all: Vec<_> = of_camera.into_iter().chain(of_instances).collect();
+        let (first, _) = *all.first()?;
+        for (_, span) in all.iter().filter(|(times, _)| *times != first) {
+            let what = "all motions last as long as the first: the format has one pair of times";
+            self.diagnostics.approximated(&self.desc.sources, *span, what);
+        }
+        (close > open).then(|| first.map(|t| (t - open) / (close - open)))
+    }
+
     /// Says what changes nothing in the expected picture.
     pub fn note(&mut self, node: &Node, message: impl Into<String>) {
         self.diagnostics.note(&self.desc.sources, node.span, message);

@@ -13,6 +13,7 @@ use steradian_scene::{Domain, Mesh, NodeId, Shape, Value};
 impl Writer<'_> {
     pub(super) fn scene(&mut self) {
         let desc = self.x.desc;
+        self.x.stands_still("this glTF");
         let mut roots: Vec<usize> = Vec::new();
         for shape in &desc.shapes {
             if let Some(node) = self.shape(shape) {

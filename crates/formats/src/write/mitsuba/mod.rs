@@ -75,6 +75,7 @@ struct Writer<'a> {
 impl Writer<'_> {
     fn scene(&mut self) {
         let desc = self.x.desc;
+        self.x.stands_still("Mitsuba");
         self.look_around();
         let head = std::mem::replace(&mut self.scene, Element::new("scene"));
         for (i, group) in desc.groups.iter().enumerate() {

@@ -28,6 +28,7 @@ pub(super) fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
         meshes: HashMap::new(),
         open: HashSet::new(),
         passes: false,
+        motion: None,
     };
     writer.scene();
     match writer.x.beside.fault {
@@ -53,6 +54,8 @@ struct Writer<'a> {
     open: HashSet<NodeId>,
     /// Whether there are media.
     passes: bool,
+    /// When what moves begins and ends to do so.
+    motion: Option<[f64; 2]>,
 }
 
 impl Writer<'_> {
@@ -64,6 +67,12 @@ impl Writer<'_> {
         self.sampler();
         self.filter();
         self.film();
+        self.motion = self.x.motion_times();
+        if let Some([begin, end]) = self.motion {
+            self.line(&format!("TransformTimes {begin} {end}"));
+        } else {
+            self.x.stands_still("an exposure without length");
+        }
         self.camera();
         self.line("\nWorldBegin\n");
         for &light in &desc.lights {
@@ -85,7 +94,7 @@ impl Writer<'_> {
         for instance in &desc.instances {
             self.line("AttributeBegin");
             self.depth += 1;
-            self.transform(&instance.world_from_group);
+            self.moving_transform(&instance.world_from_group, instance.movement.map(|m| m.end).as_ref());
             self.line(&format!("ObjectInstance \"group{}\"", instance.group));
             self.depth -= 1;
             self.line("AttributeEnd");
@@ -101,6 +110,20 @@ impl Writer<'_> {
     fn put(&mut self, directive: &Directive) {
         let text = directive.text(self.depth);
         self.line(&text);
+    }
+
+    /// Sets the transforms at both ends of a motion, where there is one.
+    fn moving_transform(&mut self, start: &Transform, end: Option<&Transform>) {
+        match end.filter(|_| self.motion.is_some()) {
+            None => self.transform(start),
+            Some(end) => {
+                for (which, transform) in [("StartTime", start), ("EndTime", end)] {
+                    self.line(&format!("ActiveTransform {which}"));
+                    self.transform(transform);
+                }
+                self.line("ActiveTransform All");
+            }
+        }
     }
 
     /// Sets the current transform; the numbers column by column.

@@ -132,7 +132,8 @@ impl Writer<'_> {
             self.line(&Directive::new("MediumInterface", &["", &name]).text(0));
         }
         let Some(inverse) = place(node, "to_world").inverse() else { return };
-        self.transform(&inverse);
+        let end = node.get("to_world_end").and_then(|_| place(node, "to_world_end").inverse());
+        self.moving_transform(&inverse, end.as_ref());
         let kind = match node.kind.as_str() {
             known @ ("perspective" | "orthographic" | "spherical") => known,
             other => {
