@@ -262,7 +262,7 @@ fn motion_goes_through_pbrt_and_is_reported_elsewhere() {
     let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32;
     assert!(apart < 1e-4, "{apart}");
     let still = SceneDesc {
-        instances: desc.instances.iter().cloned().map(|i| Instance { movement: None, ..i }).collect(),
+        instances: desc.instances.iter().map(|i| Instance { movement: None, ..i.clone() }).collect(),
         ..desc
     };
     let still = picture(&still, "still");
