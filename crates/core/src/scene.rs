@@ -267,6 +267,12 @@ impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
 }
 
 impl Scene {
+    /// A scene to be made in code, by types (`steradian_scene::build`). What it builds is a description, which
+    /// [`crate::compile::compile`] turns into a scene.
+    pub fn builder() -> steradian_scene::build::SceneBuilder {
+        steradian_scene::build::Scene::builder()
+    }
+
     /// The geometry of a primitive.
     #[inline]
     pub fn geometry(&self, id: PrimId) -> &Geometry {

@@ -178,6 +178,17 @@ impl Diagnostics {
         self.add(Severity::Warning, Some(Fidelity::Approximated), sources, span, message, None);
     }
 
+    /// Reports that something is rendered as the nearest thing there is, with advice.
+    pub fn approximated_help(
+        &mut self,
+        sources: &Sources,
+        span: Option<Span>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) {
+        self.add(Severity::Warning, Some(Fidelity::Approximated), sources, span, message, help);
+    }
+
     /// Reports that something is left out.
     pub fn dropped(&mut self, sources: &Sources, span: Option<Span>, message: impl Into<String>) {
         self.add(Severity::Warning, Some(Fidelity::Dropped), sources, span, message, None);

@@ -1,10 +1,12 @@
 #![doc = include_str!("../README.md")]
 
+pub mod build;
 pub mod diagnostic;
 pub mod mesh;
 pub mod names;
 pub mod node;
 pub mod source;
+pub mod vocabulary;
 
 mod desc;
 mod lines;

@@ -5,13 +5,13 @@ use crate::{
     bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
     color::{Color, ColorMode, Role},
     material::{
-        Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
+        Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail, catalog,
         normal_code::{NORMAL_CODES, NormalCode},
     },
     texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
 };
 use std::sync::Arc;
-use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value, names};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 const HALF: SpectrumValue = SpectrumValue::Constant(0.5);
@@ -263,7 +263,10 @@ impl Compiler<'_> {
             _ => None,
         });
         let say = |c: &mut Self, stand_in: &str| {
-            c.approximated(node.span, format!("material '{}' is not implemented; {stand_in} stands in", node.kind));
+            let what = format!("material '{}' is not implemented; {stand_in} stands in", node.kind);
+            let known = catalog::MATERIALS.iter().map(|m| m.name);
+            let help = names::did_you_mean(&node.kind, known).filter(|_| node.span.is_none());
+            c.diagnostics.approximated_help(&c.desc.sources, node.span, what, help);
         };
         if let Some(inner) = inner {
             say(self, "the material inside it");

@@ -3,6 +3,7 @@
 
 mod classical;
 mod coats;
+mod code;
 mod dispersion;
 mod displacement;
 mod hair;
@@ -181,6 +182,7 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
 
 impl Compiler<'_> {
     fn run(&mut self) -> (Option<Scene>, Duration) {
+        self.check_names();
         self.check_soundness();
         if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);

@@ -13,7 +13,6 @@ mod read;
 #[cfg(test)]
 mod tests;
 mod value;
-mod vocabulary;
 mod write;
 
 pub use write::{Written, write};

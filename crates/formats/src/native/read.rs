@@ -4,7 +4,6 @@ use super::{
     VERSION,
     parse::{Item, Key, Kind},
     value::{self, Slip, VALUES},
-    vocabulary,
 };
 use crate::{
     Limits, Options,
@@ -297,7 +296,7 @@ impl<'a> Reader<'a> {
     }
 
     fn parameter(&mut self, node: &mut Node, key: &Key, item: &Item) -> Read<()> {
-        if let Some(help) = vocabulary::unknown(node.family, &node.kind, &key.text) {
+        if let Some(help) = steradian_scene::vocabulary::unknown(node.family, &node.kind, &key.text) {
             let message = format!("{} '{}' has no parameter '{}'", node.family.noun(), node.kind, key.text);
             self.diagnostics.unused(&self.desc.sources, Some(key.span), message, help);
         }

@@ -1,9 +1,9 @@
 //! The parameters that nodes have, to tell misspelt ones. `crates/scene/README.md` says what they mean.
 
-use steradian_scene::{Family, names::did_you_mean};
+use crate::{names::did_you_mean, node::Family};
 
 /// Whether a node of a family has no parameter of that name; then with the nearest one, if there is any.
-pub(super) fn unknown(family: Family, kind: &str, name: &str) -> Option<Option<String>> {
+pub fn unknown(family: Family, kind: &str, name: &str) -> Option<Option<String>> {
     let known = || known(family).split_whitespace();
     // Spectra of coats have names of two parts; kinds that are not ours keep their own parameters.
     if known().any(|k| k == name) || known().next().is_none() || kind.is_empty() {
