@@ -43,8 +43,8 @@ fn a_round_trip_through_formats_keeps_the_picture() {
 fn conversion_refuses_what_it_cannot_do() {
     let place = place();
     place.file("broken.png", "\u{89}PNG").file("s.pbrt", "");
-    place.refuse(2, &["convert", "s.pbrt", "s.xml"], &["as .steradian"]);
-    place.refuse(2, &["convert", "a.exr", "a.gltf"], &["as .steradian"]);
+    place.refuse(2, &["convert", "s.pbrt", "s.obj"], &["as .steradian"]);
+    place.refuse(2, &["convert", "a.exr", "a.obj"], &["as .steradian"]);
     place.refuse(2, &["convert", "a.exr", "a.gif"], &["a.gif"]);
     place.refuse(2, &["convert", "none.exr", "a.png"], &["none.exr"]);
     place.refuse(2, &["convert", "broken.png", "a.exr"], &["broken.png"]);
