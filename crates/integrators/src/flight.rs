@@ -2,7 +2,7 @@
 //! weighted by the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin
 //! pane on their way.
 
-use crate::{Counters, tracking, walk::MAX_PASSES};
+use crate::{Counters, Stop, tracking, walk::MAX_PASSES};
 use steradian_core::{
     ColorMode, Scene,
     medium::{Medium, transmittance},
@@ -89,7 +89,7 @@ pub(crate) fn towards(
     if scene.occluded(&ray) {
         return Spectrum::ZERO;
     }
-    medium.map_or(Spectrum::ONE, |m| passed(scene, m, &ray, distance, number, lambda))
+    medium.map_or(Spectrum::ONE, |m| passed(scene, m, (&ray, distance), number, lambda, &counters.stop))
 }
 
 /// What passes a distance through a medium: the transmittance, or where the medium varies an estimate of it that is a
@@ -97,15 +97,15 @@ pub(crate) fn towards(
 pub(crate) fn passed(
     scene: &Scene,
     medium: u32,
-    ray: &Ray,
-    distance: f32,
+    (ray, distance): (&Ray, f32),
     number: f32,
     lambda: &Wavelengths,
+    stop: &Stop,
 ) -> Spectrum {
     let medium = &scene.media[medium as usize];
     match &medium.field {
         None => medium.transmittance(distance, lambda),
-        Some(field) => tracking::estimate_transmittance(scene, (medium, field), ray, distance, number, lambda),
+        Some(field) => tracking::estimate_transmittance(scene, (medium, field), ray, distance, number, lambda, stop),
     }
 }
 
@@ -126,7 +126,7 @@ fn visibility(
         let hit = scene.intersect(&ray);
         if let Some(m) = medium {
             let distance = hit.as_ref().map_or(ray.t_max, |h| h.t);
-            t *= passed(scene, m, &ray, distance, number, lambda);
+            t *= passed(scene, m, (&ray, distance), number, lambda, &counters.stop);
             if t.is_black() {
                 return t;
             }

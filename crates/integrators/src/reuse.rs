@@ -330,7 +330,8 @@ fn direct<const MEDIA: bool>(
         let (Arrival::Vertex(x), PixelSample { own, lambda, .. }) = (x, &pixel_samples[*pixel_sample]) else {
             continue;
         };
-        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, path_state.event_of_light(k), own, lambda) {
+        let event = path_state.event_of_light(k);
+        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, event, own, lambda, &counters.stop) {
             (rays[count], light[count]) = (ray, (*pixel_sample, path_state.beta * value / path_state.lights as f32));
             count += 1;
         }

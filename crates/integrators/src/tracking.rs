@@ -3,7 +3,10 @@
 //! colours are combined by the balance heuristic of lanes (Miller, Georgiev, Jarosz 2019, "A Null-Scattering Path
 //! Integral Formulation of Light Transport").
 
-use crate::flight::{Flight, lanes};
+use crate::{
+    Stop,
+    flight::{Flight, lanes},
+};
 use steradian_core::{
     Scene,
     medium::{Field, Medium, transmittance},
@@ -13,6 +16,11 @@ use steradian_math::{
     hash::{HashRng, combine64},
     spectra::Wavelengths,
 };
+
+/// Most extinctions that a cell of bounds is worth.
+const MOST_DEPTH: f32 = 4000.0;
+/// Events between looks at whether to stop.
+const STEPS_UNWATCHED: u32 = 1024;
 
 /// Random numbers for a way: a function of the ray and of a number of the path.
 fn numbers(ray: &Ray, number: f32) -> HashRng {
@@ -64,12 +72,13 @@ pub(crate) fn sample_flight(
     distance: f32,
     (lane, number): (f32, f32),
     lambda: &Wavelengths,
+    stop: &Stop,
     emitted: &mut Spectrum,
 ) -> Flight {
     let lanes = lanes(scene, lambda);
     let scatters = medium.scatters(lambda, lanes);
     let chosen = ((lane * lanes as f32) as usize).min(lanes - 1);
-    track((medium, field), ray, distance, (chosen, lanes), numbers(ray, number), lambda, scatters, emitted)
+    track((medium, field), ray, distance, (chosen, lanes), numbers(ray, number), lambda, stop, scatters, emitted)
 }
 
 /// What passes a distance: an estimate whose mean is the transmittance.
@@ -80,11 +89,13 @@ pub(crate) fn estimate_transmittance(
     distance: f32,
     number: f32,
     lambda: &Wavelengths,
+    stop: &Stop,
 ) -> Spectrum {
     let lanes = lanes(scene, lambda);
     let mut rng = numbers(ray, number);
     let chosen = ((rng.next_f32() * lanes as f32) as usize).min(lanes - 1);
-    match track((medium, field), ray, distance, (chosen, lanes), rng, lambda, false, &mut Spectrum::ZERO.clone()) {
+    let mut emitted = Spectrum::ZERO;
+    match track((medium, field), ray, distance, (chosen, lanes), rng, lambda, stop, false, &mut emitted) {
         Flight::Passed(part) => part,
         Flight::Scattered(..) => Spectrum::ZERO,
     }
@@ -99,15 +110,18 @@ fn track(
     (chosen, lanes): (usize, usize),
     mut rng: HashRng,
     lambda: &Wavelengths,
+    stop: &Stop,
     scatters: bool,
     emitted: &mut Spectrum,
 ) -> Flight {
     let (a, s) = medium.coefficients(lambda);
     let unit = medium.majorant(lambda);
     let mut way = Way { value: Spectrum::ONE, density: Spectrum::ONE, lanes };
-    let mut event = None;
+    // Where bounds are far above what there is, a way may have any number of null events.
+    let (mut event, mut steps) = (None, 0_u32);
     field.walk(ray, distance, |begin, end, most| {
-        let majorant = unit * most;
+        // What is opaque many times over is taken to be so a thousand times, so that ways have so many events at most.
+        let majorant = (unit * most).map(|m| m.min(MOST_DEPTH / (end - begin)));
         let mut t = begin;
         loop {
             let step =
@@ -119,9 +133,17 @@ fn track(
                 return true;
             }
             t += step;
+            steps = steps.wrapping_add(1);
+            if steps.is_multiple_of(STEPS_UNWATCHED) && stop.is_asked() {
+                event = Some(Flight::Passed(Spectrum::ZERO));
+                return false;
+            }
             let p = field.place(ray.at(t));
             let (absorbed, scattered) = field.coefficients((a, s), p, lambda);
             let real = absorbed + scattered;
+            let part = |l: usize| if real[l] > majorant[l] { majorant[l] / real[l] } else { 1.0 };
+            let part = Spectrum::new([0, 1, 2, 3].map(part));
+            let (absorbed, scattered, real) = (absorbed * part, scattered * part, real * part);
             if let Some(glow) = &medium.glow {
                 *emitted += way.weight(absorbed * glow.eval(p, lambda), majorant);
             }
@@ -142,4 +164,46 @@ fn track(
         }
     });
     event.unwrap_or_else(|| Flight::Passed(way.weight(Spectrum::ONE, Spectrum::ONE)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, atomic::AtomicBool};
+    use steradian_core::{
+        ColorMode,
+        color::Color,
+        medium::{Grid, Variation},
+    };
+    use steradian_math::{Bounds3, Vec3, transform::Affine};
+
+    /// A way of thousands of null events through an empty part of a cell ends where that is asked for, and else by itself.
+    #[test]
+    fn ways_of_null_events_end_where_they_are() {
+        let mut densities = vec![0.0; 64 * 64];
+        densities[63] = 1e8;
+        let grid = Grid::new([64, 64, 1], densities, false).unwrap();
+        let unit = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
+        let field = Field::new(&unit, &Affine::IDENTITY, Variation::Density(grid), ColorMode::Rgb).unwrap();
+        let medium = Medium {
+            field: None,
+            glow: None,
+            sigma_a: Color::constant(1.0),
+            sigma_s: Color::BLACK,
+            scale: 1.0,
+            g: 0.0,
+        };
+        // Above the number that is not zero, within its cell of the bounds.
+        let ray = Ray::new(Vec3::new(-1.0, 3.5 / 64.0, 0.5), Vec3::X);
+        let passed = |stop: &Stop| {
+            let mut emitted = Spectrum::ZERO;
+            let way = (&medium, &field);
+            match track(way, &ray, 9.0, (0, 3), HashRng::new(1), &Wavelengths::RGB, stop, false, &mut emitted) {
+                Flight::Passed(part) => part[0],
+                Flight::Scattered(..) => f32::NAN,
+            }
+        };
+        assert_eq!(passed(&Stop::by(&Arc::new(AtomicBool::new(true)))), 0.0, "it went on");
+        assert!((passed(&Stop::default()) - 1.0).abs() < 1e-3, "nothing is there to take light");
+    }
 }

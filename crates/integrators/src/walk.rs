@@ -2,7 +2,7 @@
 //! says whether light is scattered between surfaces, and seen through thin panes; without, media are ignored.
 
 use crate::{
-    Counters, Depth, Precomputed,
+    Counters, Depth, Precomputed, Stop,
     caustics::GuidedDirection,
     dimension,
     flight::{self, Flight},
@@ -414,11 +414,12 @@ impl Vertex<'_> {
         event: u32,
         sampler: &PixelSampler,
         lambda: &Wavelengths,
+        stop: &Stop,
     ) -> Option<(Spectrum, Ray)> {
         let (mut light, wi, distance) = self.unoccluded(scene, event, sampler, lambda)?;
         if let (true, Some(m)) = (MEDIA, self.medium_towards(scene, wi)) {
             let number = shadow_number::<MEDIA>(sampler, event);
-            light *= flight::passed(scene, m, &self.spawn(wi), distance, number, lambda);
+            light *= flight::passed(scene, m, (&self.spawn(wi), distance), number, lambda, stop);
         }
         Some((light, self.spawn_towards(wi, distance)))
     }
@@ -521,7 +522,16 @@ pub(crate) fn meet<'s, const MEDIA: bool>(
                 Some(field) => {
                     let (mut glow, ray) = (Spectrum::ZERO, &path_state.ray);
                     let way = (scattering, &**field);
-                    let flight = tracking::sample_flight(scene, way, ray, distance, (lane, u), lambda, &mut glow);
+                    let flight = tracking::sample_flight(
+                        scene,
+                        way,
+                        ray,
+                        distance,
+                        (lane, u),
+                        lambda,
+                        &counters.stop,
+                        &mut glow,
+                    );
                     *sum += path_state.beta * glow;
                     flight
                 }
