@@ -168,13 +168,6 @@ fn bsdfs_that_steradian_lacks_keep_their_parameters() {
     // Its extinction is one everywhere.
     assert_eq!((cloud.kind.as_str(), child(&desc, cloud, "phase").kind.as_str()), ("homogeneous", "rayleigh"));
     assert_eq!(cloud.get("albedo"), Some(&rgb([0.5; 3])));
-    let desc = good(
-        "<shape type=\"cube\"><medium name=\"interior\" type=\"heterogeneous\"><float name=\"scale\" value=\"3\"/>
-         <volume name=\"sigma_t\" type=\"gridvolume\"><string name=\"filename\" value=\"a.vol\"/></volume></medium></shape>",
-    );
-    let cloud = desc.node(desc.shapes[0].interior.unwrap());
-    assert_eq!((cloud.kind.as_str(), cloud.float("scale")), ("heterogeneous", Some(3.0)));
-    assert_eq!(child(&desc, cloud, "sigma_t").kind, "grid");
 }
 
 #[test]
