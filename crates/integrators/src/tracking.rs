@@ -17,12 +17,12 @@ use steradian_math::{
     spectra::Wavelengths,
 };
 
-/// Most extinctions that a cell of bounds is worth.
+/// Largest optical depth of a cell of the majorant grid.
 const MOST_DEPTH: f32 = 4000.0;
-/// Events between looks at whether to stop.
+/// Collisions, real and null, between looks at whether to stop.
 const STEPS_UNWATCHED: u32 = 1024;
 
-/// Random numbers for a way: a function of the ray and of a number of the path.
+/// Random numbers for a path segment: a function of the ray and of one number of the path.
 fn numbers(ray: &Ray, number: f32) -> HashRng {
     let mut seed = u64::from(number.to_bits());
     for v in [ray.origin, ray.direction] {
@@ -31,7 +31,7 @@ fn numbers(ray: &Ray, number: f32) -> HashRng {
     HashRng::new(seed)
 }
 
-/// What a way through a medium has gathered.
+/// A path segment through a medium, under way: throughput and density by lanes.
 struct Way {
     /// Throughput, and the density with which each lane would have drawn it; of both only the ratio counts.
     value: Spectrum,
@@ -117,10 +117,10 @@ fn track(
     let (a, s) = medium.coefficients(lambda);
     let unit = medium.majorant(lambda);
     let mut way = Way { value: Spectrum::ONE, density: Spectrum::ONE, lanes };
-    // Where bounds are far above what there is, a way may have any number of null events.
+    // Where majorants are far above the extinction, a segment may have thousands of null collisions.
     let (mut event, mut steps) = (None, 0_u32);
     field.walk(ray, distance, |begin, end, most| {
-        // What is opaque many times over is taken to be so a thousand times, so that ways have so many events at most.
+        // Bounds the number of events: beyond an optical depth of MOST_DEPTH a cell is opaque in any case.
         let majorant = (unit * most).map(|m| m.min(MOST_DEPTH / (end - begin)));
         let mut t = begin;
         loop {
