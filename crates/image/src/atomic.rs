@@ -4,10 +4,12 @@ use crate::{Error, Result};
 use std::fs::{self, File, Metadata, Permissions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use tempfile::{NamedTempFile, TempDir};
 
 const PREFIX: &str = ".steradian-";
 const SUFFIX: &str = ".part";
+const FOLDER_SUFFIX: &str = ".parts";
 
 /// Writes `bytes` to `path`: into a temporary file beside it, synced to the disk, then renamed over the old file, if
 /// any, whose permissions it takes. When anything fails (full disk, missing directory, no permission) the old file is
@@ -29,13 +31,23 @@ pub fn stream_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
 
 /// [`stream_whole`] of what can fail for other reasons as well.
 pub(crate) fn place(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    place_after(path, write, || Ok(()))
+}
+
+/// [`place`], with something to be done just before the file gets its name.
+pub(crate) fn place_after(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<()>,
+    settle: impl FnOnce() -> Result<()>,
+) -> Result<()> {
     let fill = |target: Target| match target {
         Target::Stream(file) => {
             let mut out = BufWriter::new(file);
             write(&mut out)?;
-            out.flush().map_err(io("write"))
+            out.flush().map_err(io("write"))?;
+            settle()
         }
-        Target::File { path, old, draft } => {
+        Target::File { path, old, draft, listed: _listed } => {
             let mut out = BufWriter::new(draft);
             write(&mut out)?;
             let draft = out.into_inner().map_err(|failed| io("write")(failed.into_error()))?;
@@ -43,6 +55,8 @@ pub(crate) fn place(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()
                 draft.as_file().set_permissions(old).map_err(io("keep the permissions"))?;
             }
             draft.as_file().sync_all().map_err(io("write"))?;
+            let _naming = drafts();
+            settle()?;
             draft.persist(&path).map_err(|failed| io("rename the finished file")(failed.error))?;
             Ok(())
         }
@@ -62,12 +76,49 @@ pub fn check_place(path: &Path) -> Result<()> {
     }
 }
 
+/// The temporary files and folders that this process has now. Files get their names while it is locked.
+fn drafts() -> MutexGuard<'static, Vec<PathBuf>> {
+    static DRAFTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    DRAFTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A place among the [`drafts`] for as long as this is there.
+#[derive(Debug)]
+struct Listed(PathBuf);
+
+impl Listed {
+    /// Makes a temporary file or folder that is among the drafts from its first moment.
+    fn new<T>(make: impl FnOnce() -> io::Result<T>, path: fn(&T) -> &Path) -> io::Result<(T, Self)> {
+        let mut drafts = drafts();
+        let made = make()?;
+        let path = path(&made).to_path_buf();
+        drafts.push(path.clone());
+        Ok((made, Self(path)))
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        drafts().retain(|path| *path != self.0);
+    }
+}
+
+/// Removes all temporary files of this process, which is about to end. As long as what this returns lives, no file gets
+/// its name.
+pub fn discard_drafts() -> impl Sized {
+    let drafts = drafts();
+    for path in drafts.iter() {
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    }
+    drafts
+}
+
 /// Where the bytes go.
 enum Target {
     /// A device or a pipe.
     Stream(File),
     /// A file: the draft that will replace what is at the path.
-    File { path: PathBuf, old: Option<Permissions>, draft: NamedTempFile },
+    File { path: PathBuf, old: Option<Permissions>, draft: NamedTempFile, listed: Listed },
 }
 
 /// The system's answer to something that was tried.
@@ -101,13 +152,13 @@ fn open(path: &Path) -> Result<Target> {
     if target.file_name().is_none() {
         return Err(io("write")(io::ErrorKind::IsADirectory.into()));
     }
-    let draft = draft(&directory).map_err(io("create a file in its directory"))?;
-    remove_dead(&directory, &draft);
-    Ok(Target::File { path: target, old: old.map(|old| old.permissions()), draft })
+    let (draft, listed) = draft(&directory).map_err(io("create a file in its directory"))?;
+    remove_dead(&directory, draft.path(), SUFFIX);
+    Ok(Target::File { path: target, old: old.map(|old| old.permissions()), draft, listed })
 }
 
 /// A new temporary file in a folder, locked for as long as this process writes it.
-fn draft(directory: &Path) -> io::Result<NamedTempFile> {
+fn draft(directory: &Path) -> io::Result<(NamedTempFile, Listed)> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
@@ -117,35 +168,77 @@ fn draft(directory: &Path) -> io::Result<NamedTempFile> {
         builder.permissions(Permissions::from_mode(0o666));
     }
     loop {
-        let draft = builder.tempfile_in(directory)?;
+        let (draft, listed) = Listed::new(|| builder.tempfile_in(directory), NamedTempFile::path)?;
         match draft.as_file().lock() {
             // Another process may have taken it for a dead one before it was locked.
             Ok(()) if !draft.path().exists() => {}
             // File systems without locks have none that tell.
-            _ => return Ok(draft),
+            _ => return Ok((draft, listed)),
         }
     }
 }
 
-/// Removes the drafts of processes of this user that ended before they could: nobody has them locked. What cannot be
-/// looked at stays.
-fn remove_dead(directory: &Path, own: &NamedTempFile) {
-    let Ok(ours) = own.as_file().metadata() else { return };
+/// A temporary folder in another one, for files that are to appear together; locked for as long as this process fills
+/// it.
+#[derive(Debug)]
+pub(crate) struct Staging {
+    folder: TempDir,
+    _lock: Option<File>,
+    _listed: Listed,
+}
+
+impl Staging {
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// A new [`Staging`]. Those of processes that ended before they could remove them go.
+pub(crate) fn staging(directory: &Path) -> io::Result<Staging> {
+    loop {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PREFIX).suffix(FOLDER_SUFFIX);
+        let (folder, listed) = Listed::new(|| builder.tempdir_in(directory), TempDir::path)?;
+        // Not every system opens folders, and not every file system has locks.
+        let lock = File::open(folder.path()).ok().filter(|lock| lock.lock().is_ok());
+        // Another process may have taken it for a dead one before it was locked.
+        if folder.path().exists() {
+            remove_dead(directory, folder.path(), FOLDER_SUFFIX);
+            return Ok(Staging { folder, _lock: lock, _listed: listed });
+        }
+    }
+}
+
+/// Writes a new file, and does not return before it is on the disk.
+pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> Result<()> {
+    let write = || -> io::Result<()> {
+        let mut file = File::create_new(path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
+    };
+    write().map_err(io("write"))
+}
+
+/// Removes the drafts, or the folders of them, of processes of this user that ended before they could: nobody has them
+/// locked. What cannot be looked at stays.
+fn remove_dead(directory: &Path, own: &Path, suffix: &str) {
+    let Ok(ours) = fs::metadata(own) else { return };
     for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
         let name = entry.file_name();
-        let is_draft = name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
+        let is_draft = name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(suffix));
         let path = entry.path();
-        if !is_draft || path.file_name() == own.path().file_name() {
+        if !is_draft || path.file_name() == own.file_name() {
             continue;
         }
-        // Only a plain file is opened.
-        if !entry.metadata().is_ok_and(|m| m.is_file() && has_same_owner(&m, &ours)) {
+        // Only a plain file, or a folder, is opened: no link and no pipe.
+        let is_alike = |m: &Metadata| m.file_type() == ours.file_type() && has_same_owner(m, &ours);
+        if !entry.metadata().is_ok_and(|m| is_alike(&m)) {
             continue;
         }
         if let Ok(file) = File::open(&path)
             && file.try_lock().is_ok()
         {
-            let _ = fs::remove_file(&path);
+            let _ = if ours.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }
     }
 }
@@ -175,7 +268,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name);
         fs::write(at(".steradian-dead.part"), b"half").unwrap();
         fs::write(at(".steradian-other"), b"not ours").unwrap();
-        let living = draft(folder.path()).unwrap();
+        let (living, _listed) = draft(folder.path()).unwrap();
         write_whole(&at("a.exr"), b"whole").unwrap();
         assert!(living.path().exists() && at(".steradian-other").exists() && at("a.exr").exists());
         assert_eq!(names(folder.path()).len(), 3, "{:?}", names(folder.path()));

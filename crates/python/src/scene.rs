@@ -8,7 +8,7 @@ use crate::{
     render::{self, Request},
 };
 use pyo3::{
-    exceptions::{PyKeyError, PyValueError},
+    exceptions::{PyIOError, PyKeyError, PyValueError},
     prelude::*,
 };
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
@@ -228,6 +228,13 @@ impl Scene {
     fn text(&self, path: PathBuf) -> PyResult<(String, Files)> {
         let written = native::write(&self.desc, &path).map_err(PyValueError::new_err)?;
         Ok((written.text, written.files))
+    }
+
+    /// Writes the scene in Steradian's own language, and what goes beside it, whole or not at all.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        let written = native::write(&self.desc, &path).map_err(PyValueError::new_err)?;
+        let done = steradian::image::write_together(&path, written.text.as_bytes(), &written.files);
+        done.map_err(|e| PyIOError::new_err(e.to_string()))
     }
 
     /// A material by its name, to be evaluated.

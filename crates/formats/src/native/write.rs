@@ -46,9 +46,9 @@ pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
         text: String::new(),
     };
     writer.document();
-    match writer.fault.or(writer.beside.fault) {
+    match writer.fault.or(writer.beside.fault.take()) {
         Some(fault) => Err(fault),
-        None => Ok(Written { text: writer.text, files: writer.beside.files }),
+        None => Ok(Written { text: writer.text, files: writer.beside.take_files() }),
     }
 }
 
@@ -256,7 +256,7 @@ impl Writer<'_> {
         if mesh.positions.len() > SMALL_MESH
             && let Some(bytes) = ply::exact(mesh)
         {
-            let name = self.beside.add(format!("{}.meshes/mesh{i}.ply", self.beside.stem), bytes);
+            let name = self.beside.add("meshes", "mesh.ply", bytes);
             let mut out = String::from("{file: ");
             value::quoted(&mut out, &name);
             return out + "}";

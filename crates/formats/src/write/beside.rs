@@ -6,6 +6,9 @@ use std::{
 };
 use steradian_scene::SceneDesc;
 
+/// Digits of a hash in a name.
+const HASH_DIGITS: usize = 16;
+
 /// Names files as seen from a document that is about to be written, and collects those that go beside it.
 #[derive(Debug)]
 pub(crate) struct Beside<'a> {
@@ -14,8 +17,7 @@ pub(crate) struct Beside<'a> {
     /// The document's name without its extension.
     pub stem: String,
     embedded: BTreeMap<PathBuf, String>,
-    /// What is written beside the document.
-    pub files: Vec<(PathBuf, Vec<u8>)>,
+    files: BTreeMap<PathBuf, Vec<u8>>,
     /// The first name that the document cannot hold.
     pub fault: Option<String>,
 }
@@ -30,15 +32,25 @@ impl<'a> Beside<'a> {
             base: folder.canonicalize().unwrap_or(folder),
             stem: path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene").to_owned(),
             embedded: BTreeMap::new(),
-            files: Vec::new(),
+            files: BTreeMap::new(),
             fault: None,
         }
     }
 
-    /// Adds a file; its name for the document.
-    pub fn add(&mut self, name: String, bytes: Vec<u8>) -> String {
-        self.files.push((name.clone().into(), bytes));
+    /// Adds a file in one of the document's folders (`meshes`, `pictures`); its name for the document. The name holds
+    /// the hash of the bytes, so no file with other bytes, of this document or of another, has it.
+    pub fn add(&mut self, folder: &str, wanted: &str, bytes: Vec<u8>) -> String {
+        let (stem, extension) = wanted.rsplit_once('.').unwrap_or((wanted, ""));
+        let hash = &blake3::hash(&bytes).to_hex()[..HASH_DIGITS];
+        let dot = if extension.is_empty() { "" } else { "." };
+        let name = format!("{}.{folder}/{stem}-{hash}{dot}{extension}", self.stem);
+        self.files.entry(name.clone().into()).or_insert(bytes);
         name
+    }
+
+    /// What is written beside the document.
+    pub fn take_files(&mut self) -> Vec<(PathBuf, Vec<u8>)> {
+        std::mem::take(&mut self.files).into_iter().collect()
     }
 
     /// A file of the scene as seen from the document. What is in memory only is written beside it.
@@ -48,9 +60,9 @@ impl<'a> Beside<'a> {
                 return name.clone();
             }
             let last = path.file_name().map(|n| n.to_string_lossy().replace(['#', ':'], "-")).unwrap_or_default();
-            let name = format!("{}.pictures/{}-{last}", self.stem, self.embedded.len());
+            let name = self.add("pictures", &last, bytes.to_vec());
             self.embedded.insert(path.into(), name.clone());
-            return self.add(name, bytes.to_vec());
+            return name;
         }
         let full = path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.into());
         match relative(&full, &self.base).to_str() {

@@ -101,8 +101,7 @@ impl Exchange<'_> {
     fn keep(&mut self, image: &Image, precision: Precision) -> Option<String> {
         let options = WriteOptions { exr_precision: precision, ..WriteOptions::default() };
         let bytes = encode(FileKind::Exr, image, &options).ok()?;
-        let name = format!("{}.pictures/made{}.exr", self.beside.stem, self.made.len());
-        Some(self.beside.add(name, bytes))
+        Some(self.beside.add("pictures", "made.exr", bytes))
     }
 
     /// An environment in pbrt's octahedral map as one by longitude and latitude with +y up, rows at the poles and

@@ -148,14 +148,7 @@ class Scene(Mapping[str, Node]):
 
     def save(self, path: StrPath) -> None:
         """Writes the scene in Steradian's own language, and meshes and embedded pictures into folders beside it."""
-        text, files = self._inner.text(path)
-        folder = os.path.dirname(os.path.abspath(path))
-        for name, data in files:
-            os.makedirs(os.path.dirname(os.path.join(folder, name)), exist_ok=True)
-            with open(os.path.join(folder, name), "wb") as out:
-                out.write(data)
-        with open(path, "w", encoding="utf-8") as out:
-            out.write(text)
+        self._inner.save(path)
 
     def __repr__(self) -> str:
         return repr(self._inner)

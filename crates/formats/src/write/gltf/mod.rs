@@ -30,7 +30,7 @@ pub(super) fn write(desc: &SceneDesc, path: &Path, binary: bool) -> Result<Writt
         shines: false,
     };
     writer.scene();
-    if let Some(fault) = writer.x.beside.fault {
+    if let Some(fault) = writer.x.beside.fault.take() {
         return Err(fault);
     }
     let mut root = Map::new();
@@ -47,15 +47,13 @@ pub(super) fn write(desc: &SceneDesc, path: &Path, binary: bool) -> Result<Writt
         root.insert(name.into(), Json::Array(list));
     }
     let Buffer { views, accessors, bytes } = writer.buffer;
-    let mut files = writer.x.beside.files;
     if !bytes.is_empty() {
         root.insert("bufferViews".into(), Json::Array(views));
         root.insert("accessors".into(), Json::Array(accessors));
         let mut buffer = json!({ "byteLength": bytes.len() });
         if !binary {
-            let name = format!("{}.bin", writer.x.beside.stem);
+            let name = writer.x.beside.add("meshes", "buffer.bin", bytes.clone());
             buffer["uri"] = json!(texture::uri(&name));
-            files.push((name.into(), bytes.clone()));
         }
         root.insert("buffers".into(), json!([buffer]));
     }
@@ -64,7 +62,7 @@ pub(super) fn write(desc: &SceneDesc, path: &Path, binary: bool) -> Result<Writt
     let text = if binary { serde_json::to_vec(&root) } else { serde_json::to_vec_pretty(&root) };
     let text = text.map_err(|e| e.to_string())?;
     let bytes = if binary { buffer::glb(text, bytes)? } else { text };
-    Ok(Written { bytes, files, diagnostics: writer.x.diagnostics })
+    Ok(Written { bytes, files: writer.x.beside.take_files(), diagnostics: writer.x.diagnostics })
 }
 
 struct Writer<'a> {

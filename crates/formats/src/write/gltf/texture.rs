@@ -213,8 +213,7 @@ impl Writer<'_> {
                     self.x.dropped(node, format!("'{}' cannot be read and is left out: {e}", file.display()));
                 });
                 let last = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-                name = format!("{}.pictures/{}-{last}", self.x.beside.stem, self.known.len());
-                name = self.x.beside.add(name, bytes.ok()?);
+                name = self.x.beside.add("pictures", &last, bytes.ok()?);
             }
             json!({ "uri": uri(&name) })
         };
@@ -239,8 +238,7 @@ impl Writer<'_> {
         let image = if self.binary {
             json!({ "bufferView": self.buffer.view(&bytes, None), "mimeType": "image/png" })
         } else {
-            let name = format!("{}.pictures/made{}.png", self.x.beside.stem, self.known.len());
-            json!({ "uri": uri(&self.x.beside.add(name, bytes)) })
+            json!({ "uri": uri(&self.x.beside.add("pictures", "made.png", bytes)) })
         };
         let index = self.push("images", image);
         self.known.insert(key, index);

@@ -44,12 +44,16 @@ pub(super) fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
         reach: 0.0,
     };
     writer.scene();
-    match writer.x.beside.fault {
+    match writer.x.beside.fault.take() {
         Some(fault) => Err(fault),
         None => {
             let mut text = String::from("<?xml version=\"1.0\" encoding=\"utf-8\"?>\n");
             writer.scene.write(&mut text, 0);
-            Ok(Written { bytes: text.into_bytes(), files: writer.x.beside.files, diagnostics: writer.x.diagnostics })
+            Ok(Written {
+                bytes: text.into_bytes(),
+                files: writer.x.beside.take_files(),
+                diagnostics: writer.x.diagnostics,
+            })
         }
     }
 }

@@ -187,8 +187,7 @@ impl Writer<'_> {
         let file = match self.meshes.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let name = format!("{}.meshes/mesh{}.ply", self.x.beside.stem, self.meshes.len());
-                let name = self.x.beside.add(name, surface::ply(&oriented));
+                let name = self.x.beside.add("meshes", "mesh.ply", surface::ply(&oriented));
                 self.meshes.insert(key, name.clone());
                 name
             }
@@ -263,8 +262,7 @@ impl Writer<'_> {
             }
             text.push('\n');
         }
-        let name = format!("{}.meshes/curve{}.txt", self.x.beside.stem, self.x.beside.files.len());
-        let file = self.x.beside.add(name, text.into_bytes());
+        let file = self.x.beside.add("meshes", "curve.txt", text.into_bytes());
         let mut out = self.plugin("bsplinecurve", node);
         out.string("filename", &file);
         out.push(matrix("to_world", &shape.world_from_object));

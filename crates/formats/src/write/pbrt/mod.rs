@@ -31,11 +31,11 @@ pub(super) fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
         motion: None,
     };
     writer.scene();
-    match writer.x.beside.fault {
+    match writer.x.beside.fault.take() {
         Some(fault) => Err(fault),
         None => Ok(Written {
             bytes: writer.out.into_bytes(),
-            files: writer.x.beside.files,
+            files: writer.x.beside.take_files(),
             diagnostics: writer.x.diagnostics,
         }),
     }

@@ -165,8 +165,7 @@ impl Writer<'_> {
         let file = match self.meshes.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let name = format!("{}.meshes/mesh{}.ply", self.x.beside.stem, self.meshes.len());
-                let name = self.x.beside.add(name, surface::ply(&mesh));
+                let name = self.x.beside.add("meshes", "mesh.ply", surface::ply(&mesh));
                 self.meshes.insert(key, name.clone());
                 name
             }
