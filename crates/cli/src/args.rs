@@ -2,7 +2,7 @@
 
 use crate::bench::BenchArgs;
 use crate::experiment::ExperimentArgs;
-use crate::values::{self, Frames, Layers, MAX_SPP, Rectangle, Size, Threshold};
+use crate::values::{self, Frames, Layers, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
 use steradian::image::{
@@ -336,8 +336,8 @@ pub struct MaterialArgs {
     /// Render a ball of the material into this file (for SCENE:NAME, the scene)
     #[arg(long, value_name = "OUT")]
     pub picture: Option<PathBuf>,
-    /// Samples per pixel of the picture
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    /// Samples per pixel of the picture; 1k is 1000
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = values::spp, allow_hyphen_values = true)]
     pub spp: u32,
     /// Print reflected and transmitted albedo by angle of incidence
     #[arg(long)]
@@ -391,13 +391,13 @@ pub struct MaterialArgs {
     divided among them (Sidak). Biased integrators may differ, if they differ less than with twice the radius. Exit code 4 if one disagrees."
 )]
 pub struct VerifyArgs {
-    /// Scene file, or builtin:NAME
+    /// Scene file, - for standard input, or builtin:NAME
     pub scene: PathBuf,
     /// Integrator to verify, with options. Repeatable. Default: all
     #[arg(short, long, value_name = "NAME[:key=value,...]")]
     pub integrator: Vec<String>,
-    /// Samples per pixel
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
+    /// Samples per pixel; 1k is 1000
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = values::spp_with_variance, allow_hyphen_values = true)]
     pub spp: u32,
     /// Random seed
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -418,7 +418,8 @@ pub struct VerifyArgs {
 #[command(
     after_help = "Without --reference B is what A is compared to; with it, A and B are each compared to every reference.\n\
     The z-test needs the variance of one sample per pixel (as Mitsuba stores it) and the number of samples of A. Pictures that carry\n\
-    `variance` layers and `samplesPerPixel` of their own are tested without being asked."
+    `variance` layers and `samplesPerPixel` of their own are tested without being asked; both need them. With --variance the reference\n\
+    counts as exact."
 )]
 pub struct CompareArgs {
     /// First picture
@@ -450,7 +451,8 @@ pub struct CompareArgs {
 /// `steradian convert`.
 #[derive(Args, Debug)]
 pub struct ConvertArgs {
-    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2; or a scene
+    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2; or a scene: a file, - for standard
+    /// input, or builtin:NAME
     pub input: PathBuf,
     /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian .xml .pbrt .gltf .glb
     pub output: PathBuf,
@@ -466,6 +468,12 @@ pub struct ConvertArgs {
     /// Scenes: write nothing if anything is approximated, dropped, or unused
     #[arg(long)]
     pub strict: bool,
+    /// Scenes: set what -D sets in render. Repeatable
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition)]
+    pub define: Vec<(String, String)>,
+    /// Scenes: format of standard input; default: detected from its first bytes
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::EXTENSIONS.iter().map(|e| e.0)))]
+    pub format: Option<String>,
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,
@@ -511,6 +519,22 @@ mod tests {
         let Command::Render(args) = cli.command else { panic!("render was asked for") };
         assert_eq!((args.scene_options.threads, args.spp), (3, Some(8)));
         assert_eq!(args.output, [PathBuf::from("x.exr")]);
+    }
+
+    #[test]
+    fn samples_are_written_alike() {
+        let parse = |line: &[&str]| Cli::try_parse_from([&["steradian"], line].concat());
+        for line in [&["render", "a.xml"][..], &["verify", "a.xml"], &["material", "diffuse"]] {
+            let spp = match parse(&[line, &["--spp", "4k"]].concat()).unwrap().command {
+                Command::Render(args) => args.spp,
+                Command::Verify(args) => Some(args.spp),
+                Command::Material(args) => Some(args.spp),
+                _ => None,
+            };
+            assert_eq!(spp, Some(4000), "{line:?}");
+            assert!(parse(&[line, &["--spp", "-1"]].concat()).is_err(), "{line:?}");
+        }
+        assert!(parse(&["verify", "a.xml", "--spp", "1"]).is_err());
     }
 
     #[test]

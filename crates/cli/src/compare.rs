@@ -93,8 +93,7 @@ pub fn run(args: &CompareArgs) -> Outcome {
         }
         output::kind(output)?;
         let inputs = Inputs::of(tests.iter().chain(&references).copied().chain(args.variance.as_deref()));
-        output::keep_inputs([output.as_path()], &inputs)?;
-        output::check_writable(output)?;
+        output::claim([output.as_path()], &inputs)?;
     }
     let mut pairs = Vec::new();
     for reference_path in references {

@@ -18,14 +18,13 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     if convert_scene::is_scene(&args.input) || convert_scene::is_scene(&args.output) {
         return convert_scene::run(args, terminal);
     }
-    if args.check || args.strict || args.report.is_some() {
+    if args.check || args.strict || args.report.is_some() || !args.define.is_empty() || args.format.is_some() {
         return Err(Failure::bad_input(
-            "--check, --strict and --report are for scenes; 'steradian compare' compares pictures",
+            "--check, --strict, --report, -D and --format are for scenes; 'steradian compare' compares pictures",
         ));
     }
     output::kind(&args.output)?;
-    output::keep_inputs([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
-    output::check_writable(&args.output)?;
+    output::claim([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
     let options = args.files.write_options().map_err(Failure::bad_input)?;
     let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
     let options = WriteOptions { premultiplied, ..options };

@@ -4,11 +4,11 @@ use crate::{
     args::ConvertArgs,
     diagnostics,
     failure::{self, Failure, Outcome},
-    output,
+    open, output,
     terminal::Terminal,
 };
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
     fmt::Write,
     path::{Path, PathBuf},
 };
@@ -16,15 +16,18 @@ use steradian::{
     ColorMode, CompileOptions, Inputs, Loaded, Quality,
     formats::{Options, write},
     image::{self, Image, metrics},
-    scene::{Diagnostic, Diagnostics, Fidelity, SceneDesc, Severity},
+    scene::{Diagnostic, Diagnostics, Fidelity, Location, Node, SceneDesc, Severity},
 };
 
 /// Pixels of the pictures that are compared, and their samples per pixel.
 const CHECKED: (f64, u32) = (6144.0, 16);
 
-/// Whether a file is a scene, by its extension.
+/// Whether a name stands for a scene: by its extension, as a built-in one, or as standard input.
 pub fn is_scene(path: &Path) -> bool {
     let name = path.to_string_lossy().to_ascii_lowercase();
+    if open::is_stdin(path) || name.starts_with("builtin:") {
+        return true;
+    }
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     let extension = Path::new(name).extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| steradian::load::EXTENSIONS.iter().any(|known| known.0 == e))
@@ -38,23 +41,20 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
         return Err(Failure::bad_input(format!("{what}; other formats are read only")));
     }
     let outputs = || [args.output.as_path()].into_iter().chain(args.report.as_deref());
-    outputs().try_for_each(output::check_writable)?;
-    let Loaded { desc, diagnostics, .. } = steradian::load(&args.input, &Options::default());
+    output::claim(outputs(), &Inputs::of([args.input.as_path()]))?;
+    let Loaded { desc, diagnostics, .. } = open::load(&args.input, args.format.as_deref(), &args.define);
     let (desc, diagnostics) = (&desc, told(&diagnostics, args, terminal)?);
     let written = write::write(desc, &args.output).map_err(Failure::failed)?;
     let losses = told(&written.diagnostics, args, terminal)?;
+    // What lies beside the document is named by what it holds: to write it again changes nothing.
     let folder = args.output.parent().unwrap_or(Path::new(""));
     let beside: Vec<PathBuf> = written.files.iter().map(|(name, _)| folder.join(name)).collect();
-    let inputs = Inputs::of(desc.files());
-    output::keep_inputs(outputs().chain(beside.iter().map(PathBuf::as_path)), &inputs)?;
-    for (path, (_, bytes)) in beside.iter().zip(&written.files) {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::failed(format!("cannot make the folder '{}': {e}", folder.display())))?;
-        image::write_whole(path, bytes).map_err(|e| Failure::failed(e.to_string()))?;
-    }
-    image::write_whole(&args.output, &written.bytes).map_err(|e| Failure::failed(e.to_string()))?;
-    let beside = if beside.is_empty() { String::new() } else { format!(" and {} files beside it", beside.len()) };
+    output::claim(outputs(), &Inputs::of(desc.files().chain(beside.iter().map(PathBuf::as_path))))?;
+    image::write_together(&args.output, &written.bytes, &written.files).map_err(|e| Failure::failed(e.to_string()))?;
+    let beside = match written.files.len() {
+        0 => String::new(),
+        n => format!(" and {n} file{} beside it", if n == 1 { "" } else { "s" }),
+    };
     terminal.say(&format!("wrote {}{beside}", args.output.display()));
     let check = if args.check { Some(check(desc, &args.output)?) } else { None };
     if let Some(check) = &check {
@@ -74,7 +74,7 @@ fn told(diagnostics: &Diagnostics, args: &ConvertArgs, terminal: Terminal) -> Re
     let diagnostics = if args.strict { diagnostics::refuse_losses(diagnostics) } else { diagnostics.clone() };
     diagnostics::tell(&diagnostics, terminal);
     if diagnostics.has_errors() {
-        return Err(Failure::bad_input(format!("'{}' has errors; nothing is written", args.input.display())));
+        return Err(Failure::bad_input(format!("'{}' has errors; nothing is written", open::shown(&args.input))));
     }
     Ok(diagnostics)
 }
@@ -115,9 +115,14 @@ fn picture(desc: &SceneDesc, size: (u32, u32), mode: Option<ColorMode>) -> Resul
     Ok((picture, scene.mode))
 }
 
+/// A place in a file, to be compared.
+fn place(l: &Location) -> (&str, u32, u32) {
+    (l.path.as_str(), l.line, l.column)
+}
+
 /// What became of each construct.
 fn report(args: &ConvertArgs, desc: &SceneDesc, messages: &[&Diagnostic], check: Option<&str>) -> String {
-    let mut out = format!("# {} → {}\n", args.input.display(), args.output.display());
+    let mut out = format!("# {} → {}\n", open::shown(&args.input), args.output.display());
     let of = |fidelity| messages.iter().filter(move |d| d.fidelity == Some(fidelity));
     for (title, fidelity) in
         [("Approximated", Fidelity::Approximated), ("Dropped", Fidelity::Dropped), ("Without effect", Fidelity::Unused)]
@@ -131,13 +136,20 @@ fn report(args: &ConvertArgs, desc: &SceneDesc, messages: &[&Diagnostic], check:
             let _ = writeln!(out, "- {}{}", d.message, place.unwrap_or_default());
         }
     }
+    let lossy: HashSet<(&str, u32, u32)> =
+        messages.iter().filter(|d| d.fidelity.is_some()).filter_map(|d| d.location.as_ref().map(place)).collect();
+    let is_exact = |node: &Node| {
+        let spans = node.params.iter().map(|p| p.span).chain([node.span]).flatten();
+        let mut places = spans.filter_map(|span| desc.sources.locate(span));
+        !places.any(|location| lossy.contains(&place(&location)))
+    };
     let mut kinds: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-    for node in &desc.nodes {
+    for node in desc.nodes.iter().filter(|node| is_exact(node)) {
         *kinds.entry((node.family.noun(), node.kind.as_str())).or_default() += 1;
     }
     let triangles: usize = desc.meshes.iter().map(|m| m.triangles.len() + m.patches.len()).sum();
     out.push_str(
-        "\n## Exact\n\nEverything that is read and not named above is written as it is.\n\n| what | kind | how many |\n|---|---|---|\n",
+        "\n## Exact\n\nEverything that is read and not named above is written as it is. The table counts what no message is about.\n\n| what | kind | how many |\n|---|---|---|\n",
     );
     for ((family, kind), n) in kinds {
         let _ = writeln!(out, "| {family} | `{kind}` | {n} |");

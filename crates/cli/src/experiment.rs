@@ -14,6 +14,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use steradian::{
+    Inputs,
     image::{self, Limits, write_whole},
     instruments::experiment::{Chart, Error, Experiment, FAMILIES, Picture, Quantity, Report, find},
 };
@@ -68,12 +69,9 @@ pub fn run(family: &'static str, args: &ExperimentArgs, terminal: Terminal) -> O
         return Ok(failure::DONE);
     }
     let options = args.files.write_options().map_err(Failure::bad_input)?;
-    for path in args.output.iter().chain(&args.table) {
-        output::check_writable(path)?;
-        if args.output.contains(path) && !is_svg(path) {
-            output::kind(path)?;
-        }
-    }
+    args.output.iter().filter(|path| !is_svg(path)).try_for_each(|path| output::kind(path).map(drop))?;
+    let outputs = args.output.iter().chain(&args.table).map(PathBuf::as_path);
+    output::claim(outputs, &Inputs::of(args.picture.as_deref()))?;
     let picture = args.picture.as_deref().map(read).transpose()?;
     let report = experiment.run(&args.params, picture.as_ref()).map_err(|e| match e {
         Error::UnknownParameter { .. } | Error::BadValue { .. } => {

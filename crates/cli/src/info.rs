@@ -104,7 +104,7 @@ struct Memory {
 pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     if let Some(path) = &args.thumbnail {
         output::kind(path)?;
-        output::check_writable(path)?;
+        output::claim([path.as_path()], &Inputs::of([args.scene.as_path()]))?;
     }
     open::limit_threads(args.scene_options.threads);
     let name = open::shown(&args.scene);
@@ -113,7 +113,7 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
     }
     if let Some(path) = &args.thumbnail {
-        output::keep_inputs([path.as_path()], &Inputs::of(opened.desc.files()))?;
+        output::claim([path.as_path()], &opened.inputs())?;
     }
     let info = Info::of(&name, &opened);
     if args.json {

@@ -74,14 +74,17 @@ struct Evaluated {
 pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene.threads);
     let outputs = || [&args.plot, &args.table, &args.picture].into_iter().flatten().map(PathBuf::as_path);
-    outputs().try_for_each(output::check_writable)?;
+    output::claim(
+        outputs(),
+        &Inputs::of(args.eval.as_deref().into_iter().chain(args.geometry.as_deref().map(Path::new))),
+    )?;
     let write = |path: &Path, text: String| {
         steradian::image::write_whole(path, text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
         terminal.say(&format!("wrote {}", path.display()));
         Ok::<(), Failure>(())
     };
     if let Some(relief) = relief::Relief::asked_for(args, terminal)? {
-        output::keep_inputs(outputs(), &relief.inputs)?;
+        output::claim(outputs(), &relief.inputs)?;
         if let Some(path) = &args.table {
             write(path, relief.table(args.samples))?;
         }
@@ -94,8 +97,7 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         return tell(&report, args.json);
     }
     let Glass { scene, index, inputs } = under_glass(args, terminal)?;
-    output::keep_inputs(outputs(), &inputs)?;
-    output::keep_inputs(outputs(), &Inputs::of(args.eval.as_deref()))?;
+    output::claim(outputs(), &inputs)?;
     let mut specimen = Specimen::new(&scene, index).at(args.uv.into());
     if let Some(lambda) = args.wavelengths {
         specimen = specimen.with_wavelengths(lambda);

@@ -63,13 +63,8 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
 pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
-    let reading = Options { defines: options.define.iter().cloned().collect(), ..Options::default() };
-    let loaded = if is_stdin(name) { from_stdin(options, &reading) } else { steradian::load(name, &reading) };
-    let (desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
-    if !options.define.is_empty() && !matches!(desc.format, Format::Mitsuba | Format::Gltf | Format::Model) {
-        let message = "-D sets parameters of Mitsuba and glTF scenes and models; it has no effect on this one";
-        diagnostics.unused(&desc.sources, None, message, None);
-    }
+    let loaded = load(name, options.format.as_deref(), &options.define);
+    let (desc, diagnostics) = (loaded.desc, loaded.diagnostics);
     let (files, load) = (Vec::new(), loaded.time);
     let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
     if opened.diagnostics.has_errors() {
@@ -87,6 +82,11 @@ pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
 }
 
 impl Opened {
+    /// All files that were read.
+    pub fn inputs(&self) -> Inputs {
+        Inputs::of(self.desc.files().chain(self.files.iter().map(PathBuf::as_path)))
+    }
+
     /// The tone curve that suits the scene: models are lit so that no colour burns out with this one.
     pub fn tone(&self) -> Tone {
         match self.desc.format {
@@ -106,10 +106,16 @@ pub fn is_stdin(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-fn from_stdin(options: &SceneOptions, reading: &Options) -> Loaded {
+/// Reads a scene of a file, or of standard input in a format.
+pub fn load(name: &Path, format: Option<&str>, define: &[(String, String)]) -> Loaded {
+    let reading = Options { defines: define.iter().cloned().collect(), ..Options::default() };
+    if is_stdin(name) { from_stdin(format, &reading) } else { steradian::load(name, &reading) }
+}
+
+fn from_stdin(format: Option<&str>, reading: &Options) -> Loaded {
     let mut bytes = Vec::new();
     let read = std::io::stdin().lock().take(reading.limits.file_bytes + 1).read_to_end(&mut bytes);
-    let mut loaded = steradian::load_bytes(STDIN, bytes, options.format.as_deref(), reading);
+    let mut loaded = steradian::load_bytes(STDIN, bytes, format, reading);
     if let Err(e) = read {
         loaded.diagnostics.error(&Default::default(), None, format!("cannot read {STDIN}: {e}"));
     }
@@ -126,10 +132,9 @@ impl Opened {
             self.diagnostics = diagnostics::refuse_losses(&self.diagnostics);
         }
         diagnostics::tell(&self.diagnostics, terminal);
-        let counts = Counts::of(&self.diagnostics);
+        let (counts, inputs) = (Counts::of(&self.diagnostics), self.inputs());
         match self.scene {
             Some(scene) if !self.diagnostics.has_errors() => {
-                let inputs = Inputs::of(self.desc.files().chain(self.files.iter().map(PathBuf::as_path)));
                 Ok(Ready { scene, inputs, counts, load: self.load, build: self.build })
             }
             _ => {

@@ -64,6 +64,11 @@ pub fn free_names(names: Vec<PathBuf>, inputs: &Inputs) -> Vec<PathBuf> {
     free
 }
 
+/// The name that a picture has beside an older one, where it is not whole.
+pub fn partial(path: &Path) -> PathBuf {
+    marked(path, "partial")
+}
+
 /// A name with a word before its extension: `a.part.exr`.
 fn marked(path: &Path, word: &str) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
@@ -75,11 +80,14 @@ fn marked(path: &Path, word: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Refuses outputs that are files which are read, whatever they are called.
+/// The guard of every command that writes files: refuses outputs that are files which are read, whatever they are called,
+/// that are one file under two names, or that cannot be written. To be asked before anything takes long, and again when
+/// all files that are read are known.
 ///
 /// # Errors
 /// [`Failure`] naming the first of them.
-pub fn keep_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &Inputs) -> Result<(), Failure> {
+pub fn claim<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &Inputs) -> Result<(), Failure> {
+    let mut claimed = Inputs::default();
     for output in outputs {
         if let Some(input) = inputs.find(output) {
             let (output, input) = (output.display(), input.display());
@@ -87,15 +95,21 @@ pub fn keep_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &Inp
                 "'{output}' is a file that is read here ('{input}') and would be overwritten; give another name"
             )));
         }
+        // Devices and pipes take several outputs one after the other.
+        let is_stream = std::fs::metadata(output).is_ok_and(|there| !there.is_file() && !there.is_dir());
+        if let Some(other) = claimed.add(output).filter(|_| !is_stream) {
+            let (output, other) = (output.display(), other.display());
+            return Err(Failure::bad_input(format!(
+                "'{output}' and '{other}' are one file, and one output would overwrite the other; give each its own name"
+            )));
+        }
+        check_writable(output)?;
     }
     Ok(())
 }
 
 /// Finds out now, not after hours, that a file cannot be written.
-///
-/// # Errors
-/// [`Failure`] naming the file and the system's answer.
-pub fn check_writable(path: &Path) -> Result<(), Failure> {
+fn check_writable(path: &Path) -> Result<(), Failure> {
     let refuse = |why: &str| Err(Failure::failed(format!("cannot write '{}': {why}", path.display())));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match std::fs::metadata(path) {
@@ -209,7 +223,7 @@ pub fn save(
     let (mut written, mut faults) = (Vec::new(), Vec::new());
     for path in paths {
         let replaces = std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0);
-        let path = if is_whole || !replaces { path.clone() } else { marked(path, "partial") };
+        let path = if is_whole || !replaces { path.clone() } else { partial(path) };
         match image::write(&path, picture, options) {
             Ok(()) => written.push(path),
             Err(e) => faults.push(e.to_string()),

@@ -21,9 +21,8 @@ use std::{
     time::Instant,
 };
 use steradian::{
-    ColorMode, Layer, Quality, Scene, Session,
+    ColorMode, Inputs, Layer, Quality, Scene, Session,
     image::{FileKind, Image, WriteOptions},
-    inputs::is_same_file,
     integrators::{Doubt, SCALES},
     radiosity,
     resume::{self, Recipe, StateError},
@@ -49,10 +48,10 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         terminal
             .warn("--tonemap and --exposure have no effect: no output (-o) has display values, as .png and .jpg have");
     }
-    outputs.iter().chain(&args.resume).chain(&quality.solution()).try_for_each(|o| output::check_writable(o))?;
-    if let Some(state) = &args.resume {
-        check_state(state, &outputs)?;
-    }
+    let solution = quality.solution();
+    let kept = || args.resume.iter().chain(&solution).map(PathBuf::as_path);
+    output::claim(outputs.iter().map(PathBuf::as_path).chain(kept()), &Inputs::of([path]))?;
+    args.resume.as_deref().map_or(Ok(()), check_state)?;
 
     open::limit_threads(args.scene_options.threads);
     let opened = open::open(path, &scene_options, quality.spp);
@@ -60,7 +59,6 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
     let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
     let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
-    let solution = quality.solution();
     let lit = solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
     let lit = lit.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
     let ready = opened.into_scene(path, args.scene_options.strict, terminal)?;
@@ -74,7 +72,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         }
         outputs = free;
     }
-    output::keep_inputs(outputs.iter().chain(&args.resume).chain(&solution).map(PathBuf::as_path), &inputs)?;
+    let partial: Vec<PathBuf> = outputs.iter().map(|output| output::partial(output)).collect();
+    output::claim(outputs.iter().chain(&partial).map(PathBuf::as_path).chain(kept()), &inputs)?;
     if let Some(options) =
         steradian::raster::options(&quality, &scene).map_err(|e| Failure::bad_input(e.to_string()))?
     {
@@ -293,15 +292,14 @@ impl Making<'_> {
     }
 }
 
-/// Refuses names under which a render cannot be kept.
-fn check_state(state: &Path, outputs: &[PathBuf]) -> Result<(), Failure> {
-    let refuse = |why: String| Err(Failure::bad_input(format!("--resume '{}': {why}", state.display())));
-    if let Some(output) = outputs.iter().find(|output| is_same_file(state, output)) {
-        return refuse(format!("the picture would overwrite it, for it is written to '{}'", output.display()));
-    }
+/// Refuses what a render cannot be kept in.
+fn check_state(state: &Path) -> Result<(), Failure> {
     // To open a pipe waits for someone to write.
     match std::fs::metadata(state) {
-        Ok(there) if !there.is_file() => refuse("it is not a regular file, and a render cannot be kept in it".into()),
+        Ok(there) if !there.is_file() => {
+            let why = "it is not a regular file, and a render cannot be kept in it";
+            Err(Failure::bad_input(format!("--resume '{}': {why}", state.display())))
+        }
         _ => Ok(()),
     }
 }

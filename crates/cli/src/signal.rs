@@ -39,7 +39,7 @@ struct Spectrum {
 
 /// Reads, transforms, tells, draws.
 pub fn run(args: &SignalArgs, terminal: Terminal) -> Outcome {
-    output::keep_inputs(args.output.iter().map(PathBuf::as_path), &Inputs::of([args.input.as_path()]))?;
+    output::claim(args.output.iter().map(PathBuf::as_path), &Inputs::of([args.input.as_path()]))?;
     let limits = Limits { pixels: MOST_PIXELS, ..Limits::default() };
     let picture = image::read(&args.input, &limits).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height, step) = (picture.width(), picture.height(), args.step as usize);

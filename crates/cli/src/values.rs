@@ -154,14 +154,23 @@ pub fn integrator(text: &str) -> Result<String, String> {
 
 /// Samples per pixel: a whole number from 1 to [`MAX_SPP`], perhaps with a `k` for thousands.
 pub fn spp(text: &str) -> Result<u32, String> {
+    samples(text, 1)
+}
+
+/// Samples per pixel that have a variance, so at least two.
+pub fn spp_with_variance(text: &str) -> Result<u32, String> {
+    samples(text, 2)
+}
+
+fn samples(text: &str, least: u32) -> Result<u32, String> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1000),
         None => (text, 1),
     };
     let value = digits.parse::<u32>().ok().and_then(|n| n.checked_mul(factor));
     value
-        .filter(|n| (1..=MAX_SPP).contains(n))
-        .ok_or_else(|| format!("a number of samples is a whole number from 1 to {MAX_SPP}"))
+        .filter(|n| (least..=MAX_SPP).contains(n))
+        .ok_or_else(|| format!("a number of samples is a whole number from {least} to {MAX_SPP}, or 4k for 4000"))
 }
 
 /// A tone curve with its parameters.

@@ -7,9 +7,12 @@ use crate::{
     terminal::{self, Terminal},
 };
 use serde::Serialize;
-use std::{fmt::Write, path::Path};
+use std::{
+    fmt::Write,
+    path::{Path, PathBuf},
+};
 use steradian::{
-    Control, Film, Layer, Quality, Scene,
+    Control, Film, INTEGRATORS, Inputs, Layer, Quality, Scene,
     image::WriteOptions,
     verify::{self, Comparison, Verdict},
 };
@@ -51,6 +54,9 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::failed(format!("cannot make the folder {}: {e}", folder.display())))?;
+        // What is written has the names of integrators.
+        let paths: Vec<PathBuf> = INTEGRATORS.iter().flat_map(|i| files(folder, i.0)).collect();
+        output::claim(paths.iter().map(PathBuf::as_path), &ready.inputs)?;
     }
     let quality = Quality {
         spp: Some(args.spp),
@@ -62,7 +68,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     let report = verify::verify(&mut scene, &quality, &args.integrator, &Control::default(), told)
         .map_err(|e| Failure::bad_input(e.to_string()))?;
     if let Some(folder) = &args.output {
-        save(&scene, &report, folder)?;
+        save(&scene, &report, folder, ready.inputs)?;
     }
     let rows: Vec<Row<'_>> = report.verified.iter().map(row).collect();
     if args.json {
@@ -157,17 +163,36 @@ fn table(reference: &str, rows: &[Row<'_>]) -> String {
     out
 }
 
+/// The picture of an integrator, and what it is more or less than the reference.
+fn files(folder: &Path, integrator: &str) -> [PathBuf; 2] {
+    [folder.join(format!("{integrator}.exr")), folder.join(format!("{integrator}-difference.exr"))]
+}
+
+/// Files for an integrator that none of `taken` is; with a number where it comes with other options again.
+fn free_files(folder: &Path, integrator: &str, taken: &mut Inputs) -> [PathBuf; 2] {
+    let name = integrator.split(':').next().unwrap_or(integrator);
+    let mut free = files(folder, name);
+    for n in 2.. {
+        if free.iter().all(|path| taken.find(path).is_none()) {
+            break;
+        }
+        free = files(folder, &format!("{name}-{n}"));
+    }
+    free.iter().for_each(|path| drop(taken.add(path)));
+    free
+}
+
 /// Saves the pictures, and what they are more or less than the reference.
-fn save(scene: &Scene, report: &verify::Report, folder: &Path) -> Result<(), Failure> {
-    let write = |name: &str, film: &Film| {
-        let name = name.split(':').next().unwrap_or(name);
-        let path = folder.join(format!("{name}.exr"));
+fn save(scene: &Scene, report: &verify::Report, folder: &Path, mut taken: Inputs) -> Result<(), Failure> {
+    let write = |path: PathBuf, film: &Film| {
         output::save(&[path], &steradian::develop(scene, film, &[Layer::Variance]), &WriteOptions::default(), true)
     };
-    write(&report.reference, &report.film)?;
+    let [path, _] = free_files(folder, &report.reference, &mut taken);
+    write(path, &report.film)?;
     for v in &report.verified {
         let verify::Outcome::Compared(c) = &v.outcome else { continue };
-        write(&v.integrator, &c.film)?;
+        let [path, path_of_difference] = free_files(folder, &v.integrator, &mut taken);
+        write(path, &c.film)?;
         let mut difference = c.film.clone();
         for (ours, theirs) in difference.pixels.iter_mut().zip(&report.film.pixels) {
             let (a, b, v, w) = (ours.mean(), theirs.mean(), ours.variance_of_mean(), theirs.variance_of_mean());
@@ -178,7 +203,7 @@ fn save(scene: &Scene, report: &verify::Report, folder: &Path) -> Result<(), Fai
                 samples,
             );
         }
-        write(&format!("{}-difference", v.integrator.split(':').next().unwrap_or_default()), &difference)?;
+        write(path_of_difference, &difference)?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The files that are read, so that none of them is overwritten.
+//! The files that are read or written, so that none of them is overwritten.
 
 use std::{
     collections::HashMap,
@@ -36,7 +36,7 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
     Identity::of(a) == Identity::of(b)
 }
 
-/// Files that something reads.
+/// Files that something reads, or writes.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs(HashMap<Identity, PathBuf>);
 
@@ -44,6 +44,11 @@ impl Inputs {
     /// These files; those that are not there count too.
     pub fn of<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Self {
         Self(paths.into_iter().map(|path| (Identity::of(path), path.to_path_buf())).collect())
+    }
+
+    /// Adds a file; what it is called already, if it is one of these files.
+    pub fn add(&mut self, path: &Path) -> Option<PathBuf> {
+        self.0.insert(Identity::of(path), path.to_path_buf())
     }
 
     /// What a file is called among those that are read, if it is one of them.

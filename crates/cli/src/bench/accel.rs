@@ -22,7 +22,7 @@ use steradian::{
     lights (shadow).\nRates are for one thread. With structure `none` every ray tests every primitive: leave it out of large scenes."
 )]
 pub struct AccelArgs {
-    /// Scene file, or builtin:NAME
+    /// Scene file, - for standard input, or builtin:NAME
     pub scene: PathBuf,
     /// Structures to compare, a comma-separated list of `steradian list accelerators`; by default all, but `none` in
     /// scenes of more than 20000 faces

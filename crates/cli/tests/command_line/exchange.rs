@@ -1,6 +1,12 @@
 //! `steradian convert` for scenes, and thumbnails.
 
 use crate::Place;
+use std::{
+    collections::BTreeMap,
+    io::Write,
+    path::{Path, PathBuf},
+    process::Stdio,
+};
 
 const BALL: &str = "Film \"rgb\" \"integer xresolution\" [40] \"integer yresolution\" [20]\nLookAt 0 0 -5 0 0 0 0 1 0\n\
     Camera \"perspective\" \"float fov\" [40]\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n\
@@ -89,4 +95,86 @@ fn base64(bytes: &[u8]) -> String {
         all.into_iter().enumerate().map(|(i, d)| if i > c.len() { '=' } else { d }).collect::<String>()
     };
     bytes.chunks(3).map(digits).collect()
+}
+
+/// A mesh that no format holds in place, of a size.
+fn cloth(size: f32) -> String {
+    let n = 12;
+    let points = (0..n * n).map(|i| format!("{} {} 0", size * (i % n) as f32 - 1.0, size * (i / n) as f32 - 1.0));
+    let quads = (0..n * n).filter(|i| i % n + 1 < n && i / n + 1 < n);
+    let corners = quads.map(|i| format!("{i} {} {} {i} {} {}", i + 1, i + n + 1, i + n + 1, i + n));
+    let (points, corners) = (points.collect::<Vec<_>>().join(" "), corners.collect::<Vec<_>>().join(" "));
+    format!("Shape \"trianglemesh\" \"point3 P\" [{points}] \"integer indices\" [{corners}]\n")
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let each = |path: PathBuf| match path.is_dir() {
+        true => files(&path),
+        false => [(path.clone(), std::fs::read(&path).unwrap())].into(),
+    };
+    entries.flat_map(each).collect()
+}
+
+/// Documents of one stem share folders; none changes what another one names.
+#[test]
+fn what_lies_beside_a_document_is_its_own() {
+    let place = Place::new();
+    place.file("small.pbrt", &format!("{BALL}{}", cloth(0.1))).file("large.pbrt", &format!("{BALL}{}", cloth(0.3)));
+    let mut before = files(place.0.path());
+    for (scene, extension) in ["steradian", "xml", "pbrt", "gltf", "glb"]
+        .map(|e| ("small.pbrt", e))
+        .into_iter()
+        .chain([("large.pbrt", "steradian"), ("large.pbrt", "xml"), ("large.pbrt", "gltf")])
+    {
+        let name = format!("a.{extension}");
+        place.succeed(&["convert", scene, &name]);
+        let after = files(place.0.path());
+        for (path, bytes) in before.iter().filter(|(path, _)| !path.ends_with(&name)) {
+            assert_eq!(after.get(path), Some(bytes), "{scene} as {name} changes {}", path.display());
+        }
+        before = after;
+    }
+    assert!(before.len() > 10, "meshes are files beside the documents");
+    // A document beside its own meshes is converted in place.
+    place.succeed(&["convert", "a.pbrt", "a.xml"]);
+    // What cannot be written leaves nothing: neither files nor folders.
+    std::fs::create_dir(place.path("b.pbrt")).unwrap();
+    let before = files(place.0.path());
+    place.refuse(1, &["convert", "small.pbrt", "b.pbrt"], &["b.pbrt"]);
+    assert!(files(place.0.path()) == before && !place.path("b.meshes").exists());
+}
+
+/// Standard input and -D are read as `render` reads them.
+#[test]
+fn scenes_are_converted_from_standard_input() {
+    let place = Place::new();
+    let xml = "<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'><integer name='width' value='$w'/>\
+               </film></sensor><emitter type='constant'/></scene>";
+    place.file("s.xml", xml);
+    let mut command = place.command(&["convert", "-", "piped.steradian", "-D", "w=31"]);
+    let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(xml.as_bytes()).unwrap();
+    assert!(child.wait().unwrap().success());
+    place.succeed(&["convert", "s.xml", "file.steradian", "-D", "w=31"]);
+    place.succeed(&["convert", "builtin:cornell-box", "box.pbrt"]);
+    let [piped, file] = ["piped.steradian", "file.steradian"].map(|f| std::fs::read_to_string(place.path(f)).unwrap());
+    assert!(piped.contains("31") && piped == file, "{piped}\n{file}");
+}
+
+/// The report counts as exact what no message is about, and a message is printed once, with the number of its places.
+#[test]
+fn a_report_counts_what_is_exact() {
+    let place = Place::new();
+    let coats = "Material \"coatedconductor\" Shape \"sphere\"\n".repeat(4);
+    place.file("s.pbrt", &format!("{BALL}{coats}"));
+    let run = place.succeed(&["convert", "s.pbrt", "s.xml", "--report", "s.md"]);
+    let report = std::fs::read_to_string(place.path("s.md")).unwrap();
+    assert!(
+        report.contains("| material | `diffuse` | 1 |") && !report.contains("| material | `coated_conductor`"),
+        "{report}"
+    );
+    assert_eq!(run.stderr.matches("the coat of 'coated_conductor'").count(), 1, "{}", run.stderr);
+    assert!(run.stderr.contains("at 3 more places"), "{}", run.stderr);
 }

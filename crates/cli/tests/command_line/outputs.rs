@@ -14,6 +14,11 @@ const SPECTRUM: &str = "400 0.1\n500 0.5\n700 0.9\n";
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
                    property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
+const SKY: &str = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\"\nWorldBegin\n\
+     LightSource \"infinite\" \"string filename\" \"sky.exr\"\nTexture \"w\" \"spectrum\" \"imagemap\" \"string filename\" \
+     \"wall.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"w\"\nShape \"plymesh\" \"string filename\" \"part.ply\"\n\
+     Material \"diffuse\" \"spectrum reflectance\" \"red.spd\"\nInclude \"more.pbrt\"\n";
+
 /// A model with a texture of its own name, a scene with a sky of its own name, and one of each kind of file that scenes
 /// name.
 fn place() -> Place {
@@ -27,13 +32,7 @@ fn place() -> Place {
         .file("red.spd", SPECTRUM)
         .file("part.ply", PLY)
         .file("more.pbrt", "Shape \"sphere\"\n")
-        .file(
-            "sky.pbrt",
-            "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\"\nWorldBegin\n\
-             LightSource \"infinite\" \"string filename\" \"sky.exr\"\nTexture \"w\" \"spectrum\" \"imagemap\" \"string filename\" \
-             \"wall.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"w\"\nShape \"plymesh\" \"string filename\" \"part.ply\"\n\
-             Material \"diffuse\" \"spectrum reflectance\" \"red.spd\"\nInclude \"more.pbrt\"\n",
-        )
+        .file("sky.pbrt", SKY)
         .file(
             "room.xml",
             "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/><shape type='ply'>\
@@ -131,5 +130,73 @@ fn places_that_cannot_be_written_are_refused_beforehand() {
         refuse(1, &["-o", "loop.exr"], &["loop.exr"]);
         assert!(std::process::Command::new("mkfifo").arg(place.path("pipe")).status().unwrap().success());
         refuse(2, &["-o", "a.png", "--resume", "pipe"], &["pipe", "not a regular file"]);
+    }
+}
+
+/// Commands that write files, each with an output that is read, and with two outputs that are one file.
+const CLASHES: &[(&str, &[&str], &[&str])] = &[
+    ("render", &["sky.pbrt", "-o", "wall.png"], &["sky.pbrt", "-o", "n.png", "-o", "./n.png"]),
+    (
+        "render",
+        &["sky.pbrt", "-o", "n.png", "--resume", "sky.exr"],
+        &["sky.pbrt", "-o", "n.exr", "--resume", "./n.exr"],
+    ),
+    (
+        "render",
+        &["sky.pbrt", "--integrator", "radiosity:solution=wall.png", "-o", "n.png"],
+        &["sky.pbrt", "--integrator", "radiosity:solution=n.exr", "-o", "./n.exr"],
+    ),
+    ("verify", &["path.pbrt", "-o", "."], &[]),
+    ("info", &["sky.pbrt", "--thumbnail", "wall.png"], &[]),
+    (
+        "material",
+        &["diffuse", "-p", "reflectance=wall.png", "--picture", "wall.png"],
+        &["diffuse", "--plot", "n.svg", "--table", "./n.svg"],
+    ),
+    (
+        "material",
+        &["diffuse", "--eval", "pairs.json", "--plot", "pairs.json"],
+        &["diffuse", "--plot", "n.png", "--picture", "./n.png"],
+    ),
+    ("material", &["diffuse", "--geometry", "part.ply", "--table", "part.ply"], &[]),
+    ("compare", &["wall.png", "wall.png", "-o", "wall.png"], &[]),
+    ("convert", &["wall.png", "wall.png"], &[]),
+    ("convert", &["sky.pbrt", "sky.pbrt"], &["sky.pbrt", "n.steradian", "--report", "./n.steradian"]),
+    ("convert", &["sky.pbrt", "n.xml", "--report", "wall.png"], &[]),
+    ("signal", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
+    ("vision", &["cones", "wall.png", "-o", "wall.png"], &["cones", "wall.png", "-o", "n.png", "-o", "./n.png"]),
+    (
+        "vision",
+        &["glare", "wall.png", "-o", "wall.png"],
+        &["contrast-sensitivity", "-o", "n.svg", "--table", "./n.svg"],
+    ),
+    ("optics", &["rainbow", "wall.png", "-o", "wall.png"], &["rainbow", "-o", "n.svg", "--table", "./n.svg"]),
+    ("estimate", &["importance", "wall.png", "-o", "wall.png"], &["importance", "-o", "n.svg", "--table", "./n.svg"]),
+];
+
+/// Commands that write nothing but to stdout.
+const WITHOUT_FILES: [&str; 5] = ["list", "bench", "completions", "man", "help"];
+
+/// One guard holds for all commands: what is read stays, and each output has a file of its own.
+#[test]
+fn no_command_overwrites_what_it_reads_or_writes() {
+    let place = place();
+    place.file("pairs.json", "[]").file("path.pbrt", &SKY.replace("sky.exr", "path.exr"));
+    paint(&place.path("path.exr"));
+    let before = contents(&place);
+    for (command, over_input, over_output) in CLASHES {
+        place.refuse(2, &[&[*command][..], over_input].concat(), &["overwritten"]);
+        if !over_output.is_empty() {
+            place.refuse(2, &[&[*command][..], over_output].concat(), &["are one file"]);
+        }
+        assert!(contents(&place) == before, "{command} {over_input:?} {over_output:?}");
+    }
+    let help = place.succeed(&["--help"]).stdout;
+    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    for command in
+        commands.filter_map(|line| line.strip_prefix("  ")?.split(' ').next().filter(|name| !name.is_empty()))
+    {
+        let is_known = WITHOUT_FILES.contains(&command) || CLASHES.iter().any(|clash| clash.0 == command);
+        assert!(is_known, "'{command}' is in no table");
     }
 }
