@@ -40,6 +40,7 @@ use steradian::scene::names;
 use terminal::Terminal;
 
 fn main() -> ExitCode {
+    signals::take_over();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(answer) => {
@@ -49,7 +50,6 @@ fn main() -> ExitCode {
         }
     };
     let terminal = Terminal::new(cli.command.is_quiet());
-    signals::answer_limits();
     panics::explain(terminal);
     let code = match panics::contain(|| run(&cli.command, terminal)) {
         Ok(Ok(code)) => code,

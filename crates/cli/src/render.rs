@@ -117,8 +117,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {
         terminal.say("note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the whole picture");
     }
+    let signals = Signals::watch();
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
-    let signals = Signals::watch().map_err(|e| Failure::failed(format!("cannot watch for signals: {e}")))?;
     let precomputed = solving::precomputed(&scene, &plan, solution.as_deref().zip(lit), &signals, terminal)?;
     let mut session = match precomputed {
         Some(precomputed) => Session::with_precomputed(&scene, plan, precomputed),

@@ -1,63 +1,93 @@
-//! SIGINT and SIGTERM: the first asks for an orderly end, the second does not ask. SIGUSR1 asks for the picture as it is.
+//! SIGINT and SIGTERM end every command, with a message and the code 128 + signal: at once, or in order where
+//! the command [watches](Signals::watch) for them, as a render does that saves what it has. The second one ends it at
+//! once in any case. SIGUSR1 asks for the picture as it is, and ends nothing.
 
-use signal_hook::{
-    consts::{SIGINT, SIGTERM},
-    flag,
-};
+use crate::terminal::Terminal;
+use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::{
-    Arc,
+    Arc, LazyLock,
     atomic::{AtomicBool, AtomicUsize, Ordering},
 };
 
-/// Which signals came, if any.
-#[derive(Clone, Debug)]
-pub struct Signals {
-    end: Arc<AtomicUsize>,
-    picture: Arc<AtomicBool>,
+static END: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
+static PICTURE: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// How many [`Signals`] there are.
+static WATCHERS: AtomicUsize = AtomicUsize::new(0);
+
+/// Takes over the signals of the process. What it is not allowed to take over acts as usual.
+pub fn take_over() {
+    #[cfg(unix)]
+    let _ = unix::take_over();
 }
 
-impl Signals {
-    /// Takes over the signals. Until then they end the process as usual.
-    ///
-    /// # Errors
-    /// When the system does not allow it.
-    pub fn watch() -> std::io::Result<Self> {
-        let came = Arc::new(AtomicUsize::new(0));
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use signal_hook::{consts::SIGUSR1, flag, iterator};
+
+    pub fn take_over() -> std::io::Result<()> {
+        // Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end the
+        // process.
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+        flag::register(SIGUSR1, Arc::clone(&PICTURE))?;
         let again = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             // Handlers run in this order: the first signal arms what the second one meets.
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))?;
             flag::register(signal, Arc::clone(&again))?;
-            flag::register_usize(signal, Arc::clone(&came), signal as usize)?;
+            flag::register_usize(signal, Arc::clone(&END), signal as usize)?;
         }
-        let picture = Arc::default();
-        #[cfg(unix)]
-        flag::register(signal_hook::consts::SIGUSR1, Arc::clone(&picture))?;
-        Ok(Self { end: came, picture })
+        let mut signals = iterator::Signals::new([SIGINT, SIGTERM])?;
+        std::thread::Builder::new().name("signals".into()).spawn(move || {
+            for signal in signals.forever() {
+                if WATCHERS.load(Ordering::SeqCst) == 0 {
+                    end(signal as u8);
+                }
+            }
+        })?;
+        Ok(())
+    }
+}
+
+/// Ends the process between two writings of files, and leaves no temporary ones.
+fn end(signal: u8) -> ! {
+    let _writing = steradian::image::discard_drafts();
+    Terminal::new(false).error(&format!("stopped by {}", name(signal)));
+    std::process::exit(128 + i32::from(signal))
+}
+
+/// As long as this is there, SIGINT and SIGTERM are for the command to answer.
+#[derive(Debug)]
+pub struct Signals(());
+
+impl Signals {
+    /// Watches for signals.
+    pub fn watch() -> Self {
+        WATCHERS.fetch_add(1, Ordering::SeqCst);
+        Self(())
     }
 
     /// Whether SIGUSR1 came since this was last asked.
     pub fn wants_picture(&self) -> bool {
-        self.picture.swap(false, Ordering::Relaxed)
+        PICTURE.swap(false, Ordering::Relaxed)
     }
 
     /// The number of the signal that asks for the end.
     pub fn came(&self) -> Option<u8> {
-        match self.end.load(Ordering::Relaxed) {
+        match END.load(Ordering::Relaxed) {
             0 => None,
             signal => Some(signal as u8),
         }
     }
 }
 
-/// Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end the
-/// process.
-pub fn answer_limits() {
-    #[cfg(unix)]
-    let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+impl Drop for Signals {
+    fn drop(&mut self) {
+        WATCHERS.fetch_sub(1, Ordering::SeqCst);
+    }
 }
 
-/// The name of a signal that [`Signals`] watches.
+/// The name of a signal that ends commands.
 pub fn name(signal: u8) -> &'static str {
     match i32::from(signal) {
         SIGINT => "SIGINT",

@@ -2,7 +2,7 @@
 
 use crate::Place;
 use std::{
-    io::{BufRead, BufReader, Read},
+    io::{BufRead, BufReader, Read, Write},
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
 };
@@ -186,5 +186,60 @@ fn pictures_are_written_on_the_way() {
         let mut rest = String::new();
         stderr.read_to_string(&mut rest).unwrap();
         assert_eq!(code(&mut child), Some(130), "{rest}");
+    }
+}
+
+/// A command that reads a scene from standard input, with so much of it written that the command must be reading.
+fn reading(place: &Place, arguments: &[&str], scene: &str) -> (Child, std::process::ChildStdin) {
+    let mut command = place.command(arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(scene.as_bytes()).unwrap();
+    // More than a pipe holds: the last of it can be written only when the first was read.
+    stdin.write_all("# and nothing more\n".repeat(1 << 16).as_bytes()).unwrap();
+    (child, stdin)
+}
+
+const SCENE: &str = "Film \"rgb\" \"integer xresolution\" [8] \"integer yresolution\" [8]\nCamera \"perspective\"\nWorldBegin\n\
+    LightSource \"infinite\"\nTranslate 0 0 3 Shape \"sphere\"\n";
+
+/// Commands that read a scene from standard input.
+const READERS: [&[&str]; 6] = [
+    &["render", "-", "--spp", "1", "-q", "-o", "a.exr"],
+    &["render", "-", "--integrator", "raster", "-o", "a.exr"],
+    &["info", "-"],
+    &["verify", "-", "-i", "direct", "--spp", "2"],
+    &["convert", "-", "a.xml", "--check"],
+    &["bench", "accel", "-", "--structures", "bvh", "--each", "1ms", "--rays", "64"],
+];
+
+#[test]
+fn a_signal_ends_every_command_with_a_message() {
+    for arguments in READERS {
+        for (signal, expected, name) in [("-INT", 130, "SIGINT"), ("-TERM", 143, "SIGTERM")] {
+            let place = Place::new();
+            let (mut child, _stdin) = reading(&place, arguments, SCENE);
+            send(signal, &child);
+            assert_eq!(code(&mut child), Some(expected), "{arguments:?} {signal}");
+            let mut said = String::new();
+            child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+            assert!(said.contains(&format!("stopped by {name}")), "{arguments:?}: {said}");
+            assert_eq!(std::fs::read_dir(&place.0).unwrap().count(), 0, "{arguments:?}");
+        }
+    }
+}
+
+/// Who asks for the picture while there is none yet does not end the render, nor any other command.
+#[test]
+fn a_wish_for_a_picture_ends_nothing() {
+    for arguments in READERS {
+        let place = Place::new();
+        let (child, stdin) = reading(&place, arguments, SCENE);
+        send("-USR1", &child);
+        drop(stdin);
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(matches!(output.status.code(), Some(0 | 4)), "{arguments:?}: {:?} {said}", output.status);
     }
 }
