@@ -20,6 +20,9 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     if args.resume.is_some() {
         return Err(Failure::bad_input("--resume keeps one picture; it cannot go with --frames"));
     }
+    if args.scene_options.define.iter().any(|(name, _)| name == "at") {
+        return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
+    }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
     for frame in frames.first..=frames.last {
         let mut one = args.clone();

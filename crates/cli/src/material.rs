@@ -83,6 +83,14 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         terminal.say(&format!("wrote {}", path.display()));
         Ok::<(), Failure>(())
     };
+    if let Some((name, _)) = args.scene.define.first().filter(|_| scene_and_name(&args.material).is_none()) {
+        let message =
+            format!("-D is for materials of scenes (SCENE:NAME), so '{name}' has no effect; -p sets parameters");
+        if args.scene.strict {
+            return Err(Failure::bad_input(format!("{message} (unused, which --strict refuses)")));
+        }
+        terminal.warn(&message);
+    }
     if let Some(relief) = relief::Relief::asked_for(args, terminal)? {
         output::claim(outputs(), &relief.inputs)?;
         if let Some(path) = &args.table {
@@ -180,11 +188,16 @@ struct Glass {
     inputs: Inputs,
 }
 
-/// The material of a scene file, or of a kind with the parameters given.
-fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure> {
+/// The scene file and the name in it, where a material is one of a scene.
+fn scene_and_name(material: &str) -> Option<(&str, &str)> {
     // What has an extension is a file, whether it is there or not.
     let is_scene = |file: &str| file.starts_with("builtin:") || Path::new(file).extension().is_some();
-    if let Some((file, name)) = args.material.rsplit_once(':').filter(|(file, _)| is_scene(file)) {
+    material.rsplit_once(':').filter(|(file, _)| is_scene(file))
+}
+
+/// The material of a scene file, or of a kind with the parameters given.
+fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure> {
+    if let Some((file, name)) = scene_and_name(&args.material) {
         if !args.params.is_empty() {
             return Err(Failure::bad_input("--params sets parameters of a material by kind, not of one in a scene"));
         }

@@ -52,7 +52,9 @@ impl Relief {
     pub fn asked_for(args: &MaterialArgs, terminal: Terminal) -> Result<Option<Self>, Failure> {
         let bare = match (&args.geometry, args.microsurface) {
             (Some(file), _) => {
-                let defines = [("ground".to_owned(), "false".to_owned())].into();
+                // Models alone get a ground of ours.
+                let is_model = [".obj", ".ply", ".gltf", ".glb"].iter().any(|e| file.to_ascii_lowercase().ends_with(e));
+                let defines = is_model.then(|| ("ground".to_owned(), "false".to_owned())).into_iter().collect();
                 let loaded = steradian::load(file, &Options { defines, ..Options::default() });
                 diagnostics::tell(&loaded.diagnostics, terminal);
                 if loaded.diagnostics.has_errors() || loaded.desc.shapes.is_empty() {

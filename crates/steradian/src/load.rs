@@ -44,14 +44,15 @@ pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Op
     let import = match steradian_formats::files::inflated(path, bytes, &options.limits) {
         Ok(bytes) => {
             let format = format.map(str::to_ascii_lowercase).unwrap_or_else(|| sniffed(&bytes).into());
-            match format.as_str() {
+            let import = match format.as_str() {
                 "pbrt" => steradian_formats::pbrt::import_text(name, bytes, Path::new("."), options),
                 "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
                 "obj" | "ply" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
                 "gltf" | "glb" => steradian_formats::gltf::import_bytes(path, bytes, options),
                 "steradian" => checked(steradian_formats::native::import_bytes(path, bytes, options)),
                 _ => unknown(name),
-            }
+            };
+            with_definitions_told(import, &format, options)
         }
         Err(e) => failed(e.to_string(), None),
     };
@@ -85,7 +86,9 @@ fn read(path: &Path, options: &Options) -> Import {
     let name = path.to_string_lossy();
     if let Some(builtin) = name.strip_prefix("builtin:") {
         return match cornell::builtin(builtin) {
-            Some(desc) => Import { desc, diagnostics: Diagnostics::default() },
+            Some(desc) => {
+                with_definitions_told(Import { desc, diagnostics: Diagnostics::default() }, "builtin", options)
+            }
             None => {
                 let known = cornell::BUILTIN.iter().map(|b| b.0).collect::<Vec<_>>().join(", ");
                 failed(format!("there is no built-in scene '{builtin}'"), Some(format!("built in are {known}")))
@@ -100,14 +103,48 @@ fn read(path: &Path, options: &Options) -> Import {
     }
     let lower = name.to_ascii_lowercase();
     let stem = lower.strip_suffix(".gz").unwrap_or(&lower);
-    match Path::new(stem).extension().and_then(|e| e.to_str()) {
-        Some("pbrt") => steradian_formats::pbrt::import(path, options),
-        Some("xml") => steradian_formats::mitsuba::import(path, options),
-        Some("obj" | "ply") => steradian_formats::mesh::model::import(path, options),
-        Some("gltf" | "glb") => steradian_formats::gltf::import(path, options),
-        Some("steradian") => checked(steradian_formats::native::import(path, options)),
+    let format = Path::new(stem).extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let import = match format {
+        "pbrt" => steradian_formats::pbrt::import(path, options),
+        "xml" => steradian_formats::mitsuba::import(path, options),
+        "obj" | "ply" => steradian_formats::mesh::model::import(path, options),
+        "gltf" | "glb" => steradian_formats::gltf::import(path, options),
+        "steradian" => checked(steradian_formats::native::import(path, options)),
         _ => unknown(&name),
+    };
+    with_definitions_told(import, format, options)
+}
+
+/// Tells the definitions (`-D name=value`) that nothing uses. Mitsuba's reader, which alone knows the names that a file
+/// asks for, does so itself.
+fn with_definitions_told(mut import: Import, format: &str, options: &Options) -> Import {
+    let known: &[&str] = match format {
+        "xml" => return import,
+        "obj" | "ply" => &["ground"],
+        "gltf" | "glb" => &["animation", "at", "ground", "scene", "shutter", "variant"],
+        _ => &[],
+    };
+    if import.diagnostics.has_errors() {
+        return import;
     }
+    for name in options.defines.keys() {
+        let is_known = known.contains(&name.as_str());
+        let (message, help) = match name.as_str() {
+            "animation" if is_known && !options.defines.contains_key("at") => (
+                "'animation' chooses what moves, and has no effect without a moment, -D at=SECONDS".to_owned(),
+                Some("the scene stands as in the document".to_owned()),
+            ),
+            _ if is_known => continue,
+            _ if known.is_empty() => (format!("nothing in this scene is set by -D, so '{name}' has no effect"), None),
+            _ => {
+                let list = known.join("', '");
+                let hint = did_you_mean(name, known.iter().copied());
+                (format!("-D sets nothing called '{name}' here"), hint.or(Some(format!("there are '{list}'"))))
+            }
+        };
+        import.diagnostics.unused(&import.desc.sources, None, message, help);
+    }
+    import
 }
 
 /// Tells the parameters that materials do not have: unlike other readers, that of Steradian's own language has no names
@@ -138,6 +175,37 @@ fn failed(message: String, help: Option<String>) -> Import {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use steradian_scene::Fidelity;
+
+    /// What a user defines and nothing uses is told, whatever the format.
+    #[test]
+    fn definitions_without_effect_are_told() {
+        let xml = "<scene version='3.0.0'><sensor type='perspective'/></scene>";
+        let gltf = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "animations": []}"#;
+        let (obj, pbrt) = ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "Camera \"perspective\" WorldBegin");
+        for (text, defined, about) in [
+            (obj, "gruond", "did you mean 'ground'?"),
+            (obj, "at", "'at'"),
+            (gltf, "gruond", "did you mean 'ground'?"),
+            (gltf, "foo", "'foo'"),
+            (gltf, "animation", "-D at=SECONDS"),
+            (pbrt, "ground", "'ground'"),
+            (xml, "foo", "'foo'"),
+            ("steradian: 1", "foo", "'foo'"),
+        ] {
+            let said = |defines: &[&str]| {
+                let defines = defines.iter().map(|name| ((*name).to_owned(), "true".to_owned())).collect();
+                let options = Options { defines, ..Options::default() };
+                let loaded = load_bytes("text", text.as_bytes().to_vec(), None, &options);
+                let unused = loaded.diagnostics.iter().filter(|d| d.fidelity == Some(Fidelity::Unused));
+                unused.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+            };
+            assert_eq!(said(&[]), "", "{text}");
+            assert!(said(&[defined]).contains(about), "{text} -D {defined}: {}", said(&[defined]));
+        }
+        let options = Options { defines: [("foo".into(), "1".into())].into(), ..Options::default() };
+        assert_eq!(load("builtin:cornell-box", &options).diagnostics.iter().count(), 1);
+    }
 
     #[test]
     fn formats_are_told_by_their_beginning() {

@@ -70,7 +70,10 @@ impl Quality {
             return self.plan_of(scene, IntegratorKind::Radiosity(view), spp);
         }
         if name == "ao" {
-            let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options)?);
+            let of_file =
+                scene.settings.options.iter().find(|(key, _)| name == scene.settings.integrator && key == "distance");
+            let distance = of_file.and_then(|(_, value)| value.parse().ok()).unwrap_or(f32::INFINITY);
+            let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
             return self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
         }
         for option in options.split(',').filter(|o| !o.is_empty()) {
@@ -248,8 +251,8 @@ fn unknown_option(integrator: &str, option: &str) -> Error {
 }
 
 /// The options of ambient occlusion.
-fn ambient_occlusion(options: &str) -> Result<AmbientOcclusion, Error> {
-    let mut asked = AmbientOcclusion { distance: f32::INFINITY };
+fn ambient_occlusion(options: &str, distance: f32) -> Result<AmbientOcclusion, Error> {
+    let mut asked = AmbientOcclusion { distance };
     for option in options.split(',').filter(|o| !o.is_empty()) {
         let distance = option.trim().strip_prefix("distance=").and_then(|v| v.parse::<f32>().ok());
         asked.distance = distance.filter(|d| *d > 0.0).ok_or_else(|| Error::AmbientOcclusionOption(option.into()))?;
@@ -288,6 +291,16 @@ mod tests {
         let said = plan(&of_file, Some("sppm:radius=0.25"), false).unwrap();
         assert!(said.contains("photons: 700") && said.contains("Fixed(0.25)"), "{said}");
         assert!(plan(&of_file, Some("vcm"), false).unwrap().contains("Pixels"));
+    }
+
+    #[test]
+    fn the_distance_of_a_file_is_that_of_its_occlusion() {
+        let of_file = scene(Node::new(Family::Integrator, "ao", None).with("distance", 2.5));
+        assert!(plan(&of_file, None, false).unwrap().contains("distance: 2.5"));
+        assert!(plan(&of_file, Some("ao"), false).unwrap().contains("distance: 2.5"));
+        assert!(plan(&of_file, Some("ao:distance=7"), false).unwrap().contains("distance: 7"));
+        let another = scene(Node::new(Family::Integrator, "path", None));
+        assert!(plan(&another, Some("ao"), false).unwrap().contains("distance: inf"));
     }
 
     #[test]

@@ -125,7 +125,7 @@ fn strict_refuses_what_is_not_used() {
     for (scene, more, about) in [
         ("slip.pbrt", "-q", "did you mean 'fov'?"),
         ("slip.xml", "-q", "fovv"),
-        ("ball.pbrt", "-Dsp=4", "it has no effect on this one"),
+        ("ball.pbrt", "-Dsp=4", "'sp' has no effect"),
     ] {
         let small = ["render", scene, "--size", "4x4", "--spp", "1", "-o", "a.exr", more];
         place.succeed(&small);

@@ -149,3 +149,50 @@ fn published_scenes_render() {
         assert!(picture.channel("G").unwrap().iter().any(|v| *v > 0.0), "{scene} is black");
     }
 }
+
+/// What -D names and nothing uses is told, and refused with --strict, by all commands that take it.
+#[test]
+fn definitions_without_effect_are_told() {
+    let place = Place::new();
+    place.file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for command in [&["render", "m.obj"][..], &["convert", "m.obj", "m.steradian"], &["verify", "m.obj", "--spp", "2"]]
+    {
+        let strict = [command, &["-D", "gruond=false", "--strict"]].concat();
+        place.refuse(2, &strict, &["did you mean 'ground'?", "--strict"]);
+    }
+    place.refuse(2, &["material", "diffuse", "-D", "foo=1", "--strict"], &["'foo' has no effect", "--strict"]);
+    let run = place.succeed(&["info", "m.obj", "-D", "gruond=false"]);
+    assert!(run.stderr.contains("unused: -D sets nothing called 'gruond' here"), "{}", run.stderr);
+    assert_eq!(place.succeed(&["info", "m.obj", "-D", "ground=false"]).stderr, "");
+}
+
+/// Ambient occlusion of a pbrt scene is grey, as in pbrt, and its rays have the length that the file names.
+#[test]
+fn ambient_occlusion_is_rendered_as_such() {
+    let place = Place::new();
+    // A floor seen from above, before an endless wall 2 away. Directions of density cosθ/π are evenly spread over the unit
+    // disk when they are projected onto the floor; rays of length d meet the wall where x > 2/d.
+    let open = 0.5 + 0.02 * std::f64::consts::FRAC_2_PI;
+    for (distance, open) in [("1", 1.0), ("100", open)] {
+        place.file(
+            "ao.pbrt",
+            &format!(
+                "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nSampler \"zsobol\" \"integer pixelsamples\" 256\n\
+                 Integrator \"ambientocclusion\" \"float maxdistance\" {distance}\n\
+                 LookAt 0 1 0  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 1\nWorldBegin\n\
+                 Shape \"bilinearmesh\" \"point3 P\" [-9 0 -9 9 0 -9 -9 0 9 9 0 9]\n\
+                 Shape \"bilinearmesh\" \"point3 P\" [2 0 -9999 2 0 9999 2 9999 -9999 2 9999 9999]\n"
+            ),
+        );
+        place.succeed(&["render", "ao.pbrt", "-q", "-o", "ao.exr"]);
+        let picture = place.picture("ao.exr");
+        let mean = |name: &str| {
+            let plane = picture.channel(name).unwrap();
+            plane.iter().map(|v| f64::from(*v)).sum::<f64>() / plane.len() as f64
+        };
+        let [r, g, b] = ["R", "G", "B"].map(mean);
+        assert!(r == g && g == b, "{r} {g} {b}");
+        // Four standard errors of 8 x 8 x 256 samples that are 0 or 1.
+        assert!((g - open).abs() < 4.0 * 0.5 / 128.0, "{distance}: {g}");
+    }
+}

@@ -247,7 +247,7 @@ impl Compiler<'_> {
                 _ => u32::MAX,
             };
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
-            let own = ["photons", "radius", "large_step"];
+            let own = ["photons", "radius", "large_step", "distance"];
             settings.options =
                 own.into_iter().filter_map(|name| Some((name.to_owned(), node.float(name)?.to_string()))).collect();
         }

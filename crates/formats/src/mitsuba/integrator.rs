@@ -36,7 +36,8 @@ impl Reader<'_> {
             "path" => "path",
             "volpath" | "volpathmis" => "volpath",
             "volpath_simple" | "prbvolpath" => "volpath",
-            "field" | "depth" | "ao" | "irrcache" | "vpl" => {
+            "ao" => return Some(self.ambient_occlusion(object)),
+            "field" | "depth" | "irrcache" | "vpl" => {
                 self.approximated(self.span(object), format!("there is no integrator '{plugin}'; 'path' is used"));
                 "path"
             }
@@ -106,6 +107,23 @@ impl Reader<'_> {
             self.settings_of_another(object, kind);
         }
         Some(self.desc.add(node))
+    }
+
+    /// Mitsuba 0.6's `ao`: its rays have by default half the radius of the scene's bounding sphere, and where the camera
+    /// sees nothing it is white.
+    fn ambient_occlusion(&mut self, object: ObjectId) -> NodeId {
+        let span = self.span(object);
+        let mut node = self.node(Family::Integrator, "ao", object);
+        self.ignore(object, &["shading_samples"]);
+        if let Some(length) = self.float(object, "ray_length").filter(|length| *length > 0.0) {
+            node.set("distance", length, Some(self.value_span(object, "ray_length")));
+        } else {
+            let what =
+                "rays of ambient occlusion have no limit here; Mitsuba's default is half the radius of the scene";
+            self.approximated(span, what);
+        }
+        self.approximated(span, "where the camera sees nothing, ambient occlusion is black here, and white in Mitsuba");
+        self.desc.add(node)
     }
 
     /// Says which settings of another estimator of the same picture change nothing here.

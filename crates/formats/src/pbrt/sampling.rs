@@ -60,7 +60,7 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
         "bdpt" => ("bdpt", &[("visualizestrategies", Type::Bool), ("visualizeweights", Type::Bool)]),
         "mlt" => ("pssmlt", &[("bootstrapsamples", Type::Integer), ("chains", Type::Integer), ("sigma", Type::Float)]),
         "sppm" => ("sppm", &[("seed", Type::Integer)]),
-        "ambientocclusion" => ("path", &[("cossample", Type::Bool), ("maxdistance", Type::Float)]),
+        "ambientocclusion" => ("ao", &[("cossample", Type::Bool)]),
         "function" => (
             "path",
             &[
@@ -93,7 +93,7 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
         }
     };
     // All others are there, or estimate the same light as a path tracer, by simpler means.
-    let same_light = !matches!(given, "randomwalk" | "ambientocclusion" | "function");
+    let same_light = !matches!(given, "randomwalk" | "function");
     if !same_light {
         scene.report.approximated(dict.span, format!("integrator '{given}' is rendered as '{kind}'"));
     }
@@ -120,6 +120,11 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
             if b.node.float("large_step").is_some_and(|p| !(p > 0.0 && p <= 1.0)) {
                 b.error("largestepprobability", "a probability above 0 and up to 1 was expected");
             }
+        }
+        "ao" => {
+            b.positive("maxdistance", "distance", None);
+            let what = "occlusion counts directions about the shading normal; pbrt takes the geometric one";
+            b.scene.report.note(dict.span, what);
         }
         _ => {}
     }

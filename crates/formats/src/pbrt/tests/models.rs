@@ -167,7 +167,7 @@ fn samplers_and_integrators() {
         ("sppm", "sppm", false),
         ("lightpath", "light", false),
         ("randomwalk", "path", true),
-        ("ambientocclusion", "path", true),
+        ("ambientocclusion", "ao", false),
         ("function", "path", true),
     ] {
         let i = load(&format!(
@@ -183,7 +183,11 @@ fn samplers_and_integrators() {
     );
     check(i.desc.node(i.desc.integrator.unwrap()), "pssmlt", &[("samples", some(200)), ("large_step", some(0.5))]);
     assert!(i.diagnostics.iter().any(|d| d.message.contains("'chains'")), "what has no effect is told");
+    let i = load("Integrator \"ambientocclusion\" \"bool cossample\" false \"float maxdistance\" 2 WorldBegin");
+    check(i.desc.node(i.desc.integrator.unwrap()), "ao", &[("distance", some(2.0))]);
+    assert!(i.diagnostics.iter().any(|d| d.message.contains("'cossample'")), "what has no effect is told");
     for wrong in [
+        "\"ambientocclusion\" \"float maxdistance\" 0",
         "\"sppm\" \"float radius\" 0",
         "\"mlt\" \"integer mutationsperpixel\" 0",
         "\"mlt\" \"float largestepprobability\" 2",

@@ -228,7 +228,9 @@ impl Writer<'_> {
         } else {
             "path"
         };
-        if let Some(node) = node.filter(|_| !matches!(kind, "path" | "volpath" | "direct")) {
+        if let Some(node) = node.filter(|_| kind == "ao") {
+            self.x.approximated(node, "Mitsuba 3 has no ambient occlusion; 'path' stands for it");
+        } else if let Some(node) = node.filter(|_| !matches!(kind, "path" | "volpath" | "direct")) {
             self.x.note(node, format!("Mitsuba's '{plugin}' stands for the integrator '{kind}'"));
         }
         let mut out = Element::plugin("integrator", plugin);

@@ -16,6 +16,7 @@ impl Writer<'_> {
             "path" | "volpath" | "bdpt" | "sppm" => given,
             "light" => "lightpath",
             "pssmlt" => "mlt",
+            "ao" => return self.ambient_occlusion(node),
             _ => usual,
         };
         let mut out = Directive::new("Integrator", &[kind]);
@@ -39,6 +40,14 @@ impl Writer<'_> {
             if let Some(r) = node.float("radius").filter(|_| kind == "sppm") {
                 out.float("radius", r);
             }
+        }
+        self.put(&out);
+    }
+
+    fn ambient_occlusion(&mut self, node: Option<&Node>) {
+        let mut out = Directive::new("Integrator", &["ambientocclusion"]);
+        if let Some(distance) = node.and_then(|n| n.float("distance")) {
+            out.float("maxdistance", distance);
         }
         self.put(&out);
     }
