@@ -57,6 +57,8 @@ struct Pair {
     ratio: [f64; 3],
     nonfinite: usize,
     z_test: Option<Z>,
+    /// Why there is no z-test, where one of the pictures tells its variance.
+    no_z_test: Option<String>,
 }
 
 /// The z-test, with what it was made from.
@@ -131,7 +133,10 @@ fn judge(pairs: &[Pair], args: &CompareArgs) -> Outcome {
     for pair in pairs {
         for threshold in &args.fail_above {
             let Some(value) = pair.metric(threshold.metric) else {
-                return Err(Failure::bad_input("z_rejected needs a z-test: give --variance and --samples"));
+                let why = pair.no_z_test.as_ref().map(|why| format!(" ({why})")).unwrap_or_default();
+                let what =
+                    "z_rejected needs a z-test: render both with --aov variance, or give --variance and --samples";
+                return Err(Failure::bad_input(format!("{what}{why}")));
             };
             if value.is_nan() || value > threshold.limit {
                 let (name, limit) = (threshold.metric, threshold.limit);
@@ -157,6 +162,7 @@ fn compare(
         metrics::compare(picture, reference).map_err(about)?;
     let flip = metrics::flip(picture, reference, metrics::DEFAULT_PIXELS_PER_DEGREE).map_err(about)?;
     let DeltaE { cie76, cie94, ciede2000, max_ciede2000 } = metrics::delta_e(picture, reference).map_err(about)?;
+    let mut no_z_test = None;
     let z_test = match variance {
         Some(variance) => {
             let samples = samples.or_else(|| samples_per_pixel(picture)).ok_or_else(|| {
@@ -165,7 +171,13 @@ fn compare(
             })?;
             Some(Z::of(samples, metrics::z_test(picture, reference, variance, samples).map_err(about)?))
         }
-        None => own_z_test(picture, reference).transpose().map_err(about)?,
+        None => match own_z_test((path, picture), (reference_path, reference)) {
+            Ok(test) => test.transpose().map_err(about)?,
+            Err(why) => {
+                no_z_test = Some(why);
+                None
+            }
+        },
     };
     Ok(Pair {
         picture: path.into(),
@@ -187,21 +199,33 @@ fn compare(
         ratio,
         nonfinite: non_finite,
         z_test,
+        no_z_test,
     })
 }
 
-/// The z-test by the variance layers of the pictures themselves, where the first has them. A reference without them
-/// counts as exact.
-fn own_z_test(picture: &Image, reference: &Image) -> Option<image::Result<Z>> {
-    let samples = samples_per_pixel(picture)?;
-    let own = picture.layer_rgb("variance")?;
-    let other = reference.layer_rgb("variance");
+/// The z-test by the variance layers of the pictures themselves; `Ok(None)` where neither has them.
+///
+/// # Errors
+/// Which picture lacks what the test needs, where the other one has it: to take a picture of unknown noise for an exact
+/// one would find differences where there are none.
+fn own_z_test(
+    (path, picture): (&Path, &Image),
+    (reference_path, reference): (&Path, &Image),
+) -> Result<Option<image::Result<Z>>, String> {
+    let lacks = |path: &Path, what: &str| format!("'{}' has no {what}", path.display());
+    let (own, other) = match (picture.layer_rgb("variance"), reference.layer_rgb("variance")) {
+        (Some(own), Some(other)) => (own, other),
+        (None, None) => return Ok(None),
+        (None, _) => return Err(lacks(path, "layer 'variance'")),
+        (_, None) => return Err(lacks(reference_path, "layer 'variance'")),
+    };
+    let samples = samples_per_pixel(picture).ok_or_else(|| lacks(path, "number of samples ('samplesPerPixel')"))?;
     // The layers hold variances of means; the test wants that of one sample. Variances of independent pictures add up.
     let one_sample = |i: usize| {
-        let (a, b) = (own.at(i), other.map_or([0.0; 3], |o| o.at(i)));
+        let (a, b) = (own.at(i), other.at(i));
         std::array::from_fn(|c| (f64::from(a[c]) + f64::from(b[c])) * samples)
     };
-    Some(metrics::z_test_with(picture, reference, one_sample, samples).map(|t| Z::of(samples, t)))
+    Ok(Some(metrics::z_test_with(picture, reference, one_sample, samples).map(|t| Z::of(samples, t))))
 }
 
 /// Samples per pixel, as the picture's metadata say.
@@ -280,6 +304,9 @@ impl Pair {
                 z.min_p, z.samples
             );
         }
+        if let Some(why) = &self.no_z_test {
+            let _ = writeln!(out, "  z-test    none: {why}");
+        }
         out
     }
 }
@@ -300,15 +327,22 @@ mod tests {
     #[test]
     fn variance_layers_decide_by_themselves() {
         // A deviation of one tenth, with standard deviations of the mean of a tenth and of a thousandth.
-        let test = |variance| own_z_test(&picture(0.6, variance), &picture(0.5, None)).map(|t| t.unwrap().passes);
-        assert_eq!(test(Some(0.01)), Some(true));
-        assert_eq!(test(Some(1e-6)), Some(false));
-        assert_eq!(test(None), None);
+        let test = |variance, of_reference| {
+            let (a, b) = (picture(0.6, variance), picture(0.5, of_reference));
+            own_z_test((Path::new("a.exr"), &a), (Path::new("b.exr"), &b)).map(|z| z.map(|z| z.unwrap().passes))
+        };
+        assert_eq!(test(Some(0.01), Some(0.0)), Ok(Some(true)));
+        assert_eq!(test(Some(1e-6), Some(0.0)), Ok(Some(false)));
+        assert_eq!(test(Some(1e-6), Some(0.01)), Ok(Some(true)));
+        assert_eq!(test(None, None), Ok(None));
+        // Of a picture without variances nothing is known: neither side counts as exact.
+        assert!(test(Some(1e-6), None).unwrap_err().contains("'b.exr'"));
+        assert!(test(None, Some(1e-6)).unwrap_err().contains("'a.exr'"));
     }
 
     #[test]
     fn every_metric_has_a_value() {
-        let (a, b) = (picture(0.6, Some(0.01)), picture(0.5, None));
+        let (a, b) = (picture(0.6, Some(0.01)), picture(0.5, Some(0.0)));
         let pair = compare((Path::new("a"), &a), (Path::new("b"), &b), None, None).unwrap();
         assert!(METRICS.iter().all(|m| pair.metric(m).is_some_and(f64::is_finite)));
         assert!((pair.metric("mean_ratio_error").unwrap() - 0.2).abs() < 1e-6);

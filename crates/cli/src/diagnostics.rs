@@ -66,27 +66,31 @@ pub fn refuse_losses(diagnostics: &Diagnostics) -> Diagnostics {
     refused
 }
 
-/// How many messages that differ in nothing but their place are told.
-const REPEATS: usize = 5;
+/// How many errors that differ in nothing but their place are told. Of other messages one is told, and how many there
+/// are.
+const ERRORS: usize = 5;
 
 /// Tells the messages; only errors when the terminal is quiet.
 pub fn tell(diagnostics: &Diagnostics, terminal: Terminal) {
-    let mut told: HashMap<(bool, &str), usize> = HashMap::new();
+    let alike = |d: &'_ Diagnostic| (d.severity == Severity::Error, d.message.clone());
+    let mut counts: HashMap<(bool, String), usize> = HashMap::new();
+    diagnostics.iter().for_each(|d| *counts.entry(alike(d)).or_default() += 1);
+    let mut told: HashMap<(bool, String), usize> = HashMap::new();
     for d in diagnostics.iter() {
         let is_error = d.severity == Severity::Error;
-        let times = told.entry((is_error, &d.message)).or_default();
+        let most = if is_error { ERRORS } else { 1 };
+        let times = told.entry(alike(d)).or_default();
         *times += 1;
-        if *times > REPEATS {
+        if *times > most {
             continue;
         }
-        let text = painted(d, terminal);
+        let mut text = painted(d, terminal);
+        let more = counts[&alike(d)].saturating_sub(most);
+        if *times == most && more > 0 {
+            let places = if more == 1 { "place" } else { "places" };
+            text += &format!("\n  = and at {more} more {places} (`steradian info --json` has them all)");
+        }
         if is_error { terminal.insist(&text) } else { terminal.say(&text) }
-    }
-    let repeated: usize = told.values().map(|n| n.saturating_sub(REPEATS)).sum();
-    if repeated > 0 {
-        terminal.say(&format!(
-            "… and {repeated} more like those above at other places; `steradian info --json` has them all"
-        ));
     }
     if diagnostics.suppressed() > 0 {
         terminal.say(&format!("… and {} further messages that were not kept", diagnostics.suppressed()));

@@ -94,9 +94,10 @@ impl<'a> Exchange<'a> {
         self.diagnostics.note(&self.desc.sources, node.span, message);
     }
 
-    /// Says of parameters that are set and that the format has no word for that they are left out.
+    /// Says of parameters that are set, to anything but what they are without being set, and that the format has no
+    /// word for that they are left out.
     pub fn without(&mut self, node: &Node, names: &[&str]) {
-        for name in names.iter().filter(|n| node.get(n).is_some()) {
+        for name in names.iter().filter(|n| node.get(n).is_some_and(|value| !is_default(n, value))) {
             let what = format!("'{name}' of {} '{}' is left out", node.family.noun(), node.kind);
             self.dropped(node, what);
         }
@@ -214,6 +215,33 @@ impl<'a> Exchange<'a> {
     }
 }
 
+/// Whether a value changes nothing: it is what counts where the parameter is absent.
+fn is_default(name: &str, value: &Value) -> bool {
+    let number = match value {
+        Value::Float(v) => Some(*v),
+        Value::Int(v) => Some(*v as f64),
+        _ => None,
+    };
+    match name {
+        "lens_radius"
+        | "anisotropy_rotation"
+        | "displacement_middle"
+        | "edge_pixels"
+        | "film_thickness"
+        | "bump"
+        | "displacement" => number == Some(0.0),
+        "normal_map_strength" | "displacement_scale" | "alpha" => number == Some(1.0),
+        "gamma" => number == Some(2.0),
+        "film_eta" => number == Some(1.33),
+        "max_component" => number == Some(f64::INFINITY),
+        "displacement_vector" => matches!(value, Value::Bool(false)),
+        "normal_map_filter" | "compensation" => matches!(value, Value::String(word) if word == "none"),
+        "fresnel" => matches!(value, Value::String(word) if word == "exact" || word == "dielectric"),
+        "normal_map_code" => matches!(value, Value::String(word) if word == "xyz"),
+        _ => false,
+    }
+}
+
 /// Flux of a spot of intensity one with smooth falloff.
 pub(crate) fn spot_flux(cone: f64, start: f64) -> f64 {
     let (c, s) = (cone.to_radians().cos(), start.to_radians().cos());
@@ -257,4 +285,32 @@ pub(crate) fn uv_map(node: &Node) -> Transform {
         _ => Transform::IDENTITY,
     };
     then * moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_scene::Family;
+
+    /// A parameter at its default is no loss: the picture without it is the same.
+    #[test]
+    fn defaults_are_not_dropped() {
+        let desc = SceneDesc::default();
+        let told = |name: &str, value: Value| {
+            let node = Node::new(Family::Material, "conductor", None).with(name, value);
+            let mut x = Exchange::new(&desc, Path::new("a.xml"));
+            x.without(&node, &[name]);
+            x.diagnostics.iter().count()
+        };
+        for (name, default, other) in [
+            ("lens_radius", Value::Float(0.0), Value::Float(0.1)),
+            ("normal_map_strength", Value::Float(1.0), Value::Float(2.0)),
+            ("compensation", Value::String("none".into()), Value::String("turquin".into())),
+            ("fresnel", Value::String("exact".into()), Value::String("large_k".into())),
+            ("displacement_vector", Value::Bool(false), Value::Bool(true)),
+            ("gamma", Value::Int(2), Value::Float(3.0)),
+        ] {
+            assert_eq!((told(name, default), told(name, other)), (0, 1), "{name}");
+        }
+    }
 }
