@@ -51,6 +51,11 @@ impl Shape {
             Self::Plane(_) => Bounds3::EMPTY,
         }
     }
+
+    /// Whether it turns towards every ray: curves of all kinds, since the width of ribbons is measured across the ray.
+    pub fn faces_rays(&self) -> bool {
+        matches!(self, Self::Curves(_))
+    }
 }
 
 /// A shape with what is attached to it.
@@ -182,6 +187,8 @@ pub struct Scene {
     pub has_media: bool,
     /// Whether there are surfaces that light passes straight: interfaces and thin panes.
     pub is_see_through: bool,
+    /// Whether there are curves, which face the ray ([`Scene::faces_rays`]).
+    pub has_curves: bool,
 }
 
 /// A point of a surface that a ray met.
@@ -214,12 +221,23 @@ impl Interaction {
     /// A ray to a point at a distance in a unit direction, that ends just before it.
     #[inline]
     pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {
-        Ray { t_max: distance * SHADOW_END, ..self.spawn(direction) }
+        let ray = self.spawn(direction);
+        // Rays start off curves by their width: there the direction to the point is another.
+        let moved = ray.origin - self.surface.p;
+        if moved.length_squared() > (MOVED * distance) * (MOVED * distance) {
+            let to = direction * distance - moved;
+            let distance = to.length();
+            return Ray { direction: to / distance, t_max: distance * SHADOW_END, ..ray };
+        }
+        Ray { t_max: distance * SHADOW_END, ..ray }
     }
 }
 
 /// Shadow rays end this share of the way to the light, so that they do not meet it.
 pub const SHADOW_END: f32 = 1.0 - 1e-4;
+
+/// Shadow rays that start off the surface by less than this share of the way keep their direction.
+const MOVED: f32 = 1e-5;
 
 /// The callbacks of the hierarchy. `SHADOW` queries pass through shapes that scatter nothing.
 struct Query<'a, const SHADOW: bool>(&'a Scene);
@@ -290,6 +308,11 @@ impl Scene {
         (id.instance != WORLD).then(|| self.placements[id.instance as usize].at(time))
     }
 
+    /// Whether a geometry turns towards every ray, so that a point of it is one of its surface only from one side.
+    pub fn faces_rays(&self, geometry: u32) -> bool {
+        self.geometries[geometry as usize].shape.faces_rays()
+    }
+
     /// Whether anything moves while the shutter is open.
     pub fn moves(&self) -> bool {
         self.camera.motion.is_some() || self.placements.iter().any(|p| p.motion.is_some())
@@ -307,6 +330,26 @@ impl Scene {
         if let FloatTexture::Constant(a @ (..=0.0 | 1.0..)) = *alpha {
             return a >= 1.0;
         }
+        let (a, p) = self.alpha_at(geometry, alpha, hit, ray);
+        a >= 1.0 || (a > 0.0 && hash_point(p, ray.direction, hit.id.prim) < a)
+    }
+
+    /// The probability with which a ray that met a surface met it, in (0, 1].
+    #[inline]
+    pub fn opacity(&self, i: &Interaction) -> f32 {
+        let geometry = &self.geometries[i.geometry as usize];
+        let Some(alpha) = &geometry.alpha else { return 1.0 };
+        let ray = Ray { time: i.time, ..Ray::new(i.surface.p + i.wo * i.t, -i.wo) };
+        let ray = self.place(i.id, i.time).map_or(ray, |place| place.inverse().ray(&ray));
+        let hit = Hit { t: i.t, u: i.coordinates.x, v: i.coordinates.y, id: i.id };
+        match self.alpha_at(geometry, alpha, &hit, &ray).0 {
+            a @ f32::MIN_POSITIVE..1.0 => a,
+            _ => 1.0,
+        }
+    }
+
+    /// Opacity at a hit, and the point at which it was looked up. The ray is in the space of the shape's group.
+    fn alpha_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> (f32, Vec3) {
         let mut at = match &geometry.shape {
             Shape::Mesh(m) => TextureContext {
                 mesh: Some((m, hit.id.prim, Vec2::new(hit.u, hit.v))),
@@ -326,8 +369,7 @@ impl Scene {
             let i = self.interaction(&place.map_or(*ray, |place| place.ray(ray)), hit);
             (at.p, at.n, at.footprint) = (i.surface.p, i.surface.ns, self.footprint(&i, None));
         }
-        let a = alpha.eval(&self.textures, &at);
-        a >= 1.0 || (a > 0.0 && hash_point(p, ray.direction, hit.id.prim) < a)
+        (alpha.eval(&self.textures, &at), p)
     }
 
     /// The nearest surface along a ray.

@@ -6,7 +6,6 @@ use crate::{Counters, Stop, tracking, walk::MAX_PASSES};
 use steradian_core::{
     ColorMode, Scene,
     medium::{Medium, transmittance},
-    scene::SHADOW_END,
 };
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths, warp};
 
@@ -72,7 +71,7 @@ pub(crate) fn member_density(
     }
 }
 
-/// Transmittance towards a light at a distance along `ray`: zero behind anything that scatters.
+/// Transmittance towards a light at a distance, before which `ray` ends: zero behind anything that scatters.
 pub(crate) fn towards(
     scene: &Scene,
     ray: Ray,
@@ -81,7 +80,6 @@ pub(crate) fn towards(
     lambda: &Wavelengths,
     counters: &mut Counters,
 ) -> Spectrum {
-    let ray = Ray { t_max: distance * SHADOW_END, ..ray };
     if scene.is_see_through {
         return visibility(scene, ray, (medium, number), lambda, counters);
     }

@@ -315,7 +315,10 @@ impl Vertex<'_> {
     /// A ray to a point at a distance in a unit direction, that ends just before it.
     #[inline]
     pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {
-        Ray { t_max: distance * SHADOW_END, ..self.spawn(direction) }
+        match self {
+            Self::Surface { i, .. } => i.spawn_towards(direction, distance),
+            Self::Medium { .. } => Ray { t_max: distance * SHADOW_END, ..self.spawn(direction) },
+        }
     }
 
     /// The medium that a direction leads through.
@@ -400,7 +403,15 @@ impl Vertex<'_> {
     ) -> Spectrum {
         if MEDIA {
             let medium = self.medium_towards(scene, wi);
-            return light * flight::towards(scene, self.spawn(wi), distance, (medium, number), lambda, counters);
+            return light
+                * flight::towards(
+                    scene,
+                    self.spawn_towards(wi, distance),
+                    distance,
+                    (medium, number),
+                    lambda,
+                    counters,
+                );
         }
         counters.rays += 1;
         if scene.occluded(&self.spawn_towards(wi, distance)) { Spectrum::ZERO } else { light }

@@ -271,6 +271,7 @@ impl Compiler<'_> {
                 .iter()
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
             is_timed: textures.is_timed() || camera.motion.is_some() || instances.iter().any(|i| i.motion.is_some()),
+            has_curves: self.geometries.iter().any(|g| g.shape.faces_rays()),
             has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
             object_names: self.object_names(),
             light_groups,

@@ -80,6 +80,12 @@ impl SurfaceDetail {
         Some(self.normal_map.as_ref()?.filtered.as_ref()?.normal(at).1)
     }
 
+    /// Whether the shading normal may depend on where it is seen from.
+    #[inline]
+    pub fn depends_on_viewer(&self) -> bool {
+        self.facing != Facing::AsItIs && (self.normal_map.is_some() || self.bump.is_some())
+    }
+
     /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the
     /// surface.
     pub fn shading_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Vec3 {

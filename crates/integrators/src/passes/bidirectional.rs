@@ -6,7 +6,8 @@ use super::{
     CameraSample, PassFilm, PassIntegrator, Run, Splat,
     photons::{Grid, Photon},
     radius::{self, Radius},
-    subpath::{Arrival, LIGHT_EVENTS, Numbers, Scattered, Subpath, Sums, Vertex, Ways, squared},
+    subpath::{Arrival, LIGHT_EVENTS, Numbers, Subpath, Sums, Ways, squared},
+    vertex::{Scattered, Vertex},
 };
 use crate::{Counters, Depth, dimension, nee};
 use steradian_core::{
@@ -55,6 +56,9 @@ impl Bidirectional {
         }
         if self.strategy != Strategy::Light {
             return None;
+        }
+        if scene.has_curves {
+            return Some("curves: they face the ray, and light paths do not pass them".into());
         }
         if !scene.camera.can_receive() {
             return Some("a spherical camera with a lens".into());
@@ -131,7 +135,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     fn light(&self, lambda: Wavelengths, to_camera: bool, found: &mut Found<'s>, counters: &mut Counters) {
         let (scene, depth) = (self.scene(), &self.tracer.settings.depth);
         let Some(emission) = &self.tracer.emission else { return };
-        let Some(mut path) = Subpath::from_light(scene, emission, self.numbers, lambda, &self.ways) else { return };
+        let Some(mut path) = Subpath::from_light(scene, emission, self.numbers, lambda) else { return };
         while let Arrival::Vertex(v) = path.arrive(scene, self.numbers, counters, |_, _, _, _| ()) {
             if v.events >= self.most_events() {
                 return;
@@ -142,7 +146,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
                 }
                 found.vertices.push(v);
             }
-            if !path.scatter(&v, self.numbers, &self.ways, depth) {
+            if !path.scatter(scene, &v, self.numbers, &self.ways, depth) {
                 return;
             }
         }
@@ -153,12 +157,12 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let scene = self.scene();
         let lens = self.numbers.two(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
         let Some(seen) = scene.camera.receive(&scene.film, v.i.surface.p, lens) else { return };
-        let Some(e) = v.eval(seen.to_camera, Importance) else { return };
+        let Some(e) = v.eval(scene, seen.to_camera, Importance) else { return };
         let weight = match self.tracer.settings.strategy {
             Strategy::Light => 1.0,
             _ => {
                 let camera = squared(seen.density * v.cos(seen.to_camera) / self.ways.light_paths);
-                1.0 / (1.0 + camera * (self.ways.merge + v.sums.vcm + v.sums.vc * squared(e.reverse)))
+                1.0 / (1.0 + camera * (v.merge(&self.ways) + v.sums.vcm + v.sums.vc * squared(e.reverse)))
             }
         };
         counters.rays += 1;
@@ -202,7 +206,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
                     found.own += self.merged(&v, photons, radius);
                 }
             }
-            if !path.scatter(&v, self.numbers, &self.ways, &settings.depth) {
+            if !path.scatter(scene, &v, self.numbers, &self.ways, &settings.depth) {
                 return;
             }
         }
@@ -267,7 +271,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let Some((light, choice)) = lights.choose(&context, u) else { return Spectrum::ZERO };
         let u = self.numbers.two(at(dimension::LIGHT_POINT));
         let Some(s) = lights.sample(light, &context, u, &v.lambda, &scene.textures) else { return Spectrum::ZERO };
-        let Some(e) = v.eval(s.wi, Radiance) else { return Spectrum::ZERO };
+        let Some(e) = v.eval(scene, s.wi, Radiance) else { return Spectrum::ZERO };
         let kind = lights.lights[light as usize].kind();
         let pdf = s.pdf * choice;
         let n = lights.normal_at(light, v.i.surface.p + s.wi * s.distance.min(f32::MAX), -s.wi);
@@ -276,8 +280,8 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let asked = if kind.is_delta && !kind.is_parallel { pdf * s.distance * s.distance } else { pdf * cos_at_light };
         let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(scene, light, n, -s.wi));
         let by_scattering = if kind.is_delta { 0.0 } else { squared(e.pdf / pdf) };
-        let by_light =
-            squared(emitted * v.cos(s.wi) / asked) * (self.ways.merge + v.sums.vcm + v.sums.vc * squared(e.reverse));
+        let by_light = squared(emitted * v.cos(s.wi) / asked)
+            * (v.merge(&self.ways) + v.sums.vcm + v.sums.vc * squared(e.reverse));
         counters.rays += 1;
         if scene.occluded(&v.i.spawn_towards(s.wi, s.distance)) {
             return Spectrum::ZERO;
@@ -287,6 +291,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
 
     /// A connection of a camera vertex and a light vertex.
     fn connection(&self, v: &Vertex<'_>, y: &Vertex<'_>, counters: &mut Counters) -> Vec3 {
+        let scene = self.scene();
         let to = y.i.surface.p - v.i.surface.p;
         let d2 = to.length_squared();
         let distance = d2.sqrt();
@@ -294,17 +299,20 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
             return Vec3::ZERO;
         }
         let w = to / distance;
-        let (Some(at_v), Some(at_y)) = (v.eval(w, Radiance), y.eval(-w, Importance)) else { return Vec3::ZERO };
+        let (Some(at_v), Some(at_y)) = (v.eval(scene, w, Radiance), y.eval(scene, -w, Importance)) else {
+            return Vec3::ZERO;
+        };
         let light = v.beta * y.beta * at_v.value * at_y.value / d2;
         if light.is_black() {
             return Vec3::ZERO;
         }
         let side = |from: &Scattered, to: &Vertex<'_>, back: &Scattered| {
-            squared(from.pdf * to.cos(w) / d2) * (self.ways.merge + to.sums.vcm + to.sums.vc * squared(back.reverse))
+            squared(from.pdf * to.cos(w) / d2)
+                * (to.merge(&self.ways) + to.sums.vcm + to.sums.vc * squared(back.reverse))
         };
         let weight = 1.0 / (1.0 + side(&at_v, y, &at_y) + side(&at_y, v, &at_v));
         counters.rays += 1;
-        if self.scene().occluded(&v.i.spawn_towards(w, distance)) {
+        if scene.occluded(&v.i.spawn_towards(w, distance)) {
             return Vec3::ZERO;
         }
         self.run.developed(light * weight as f32, common(&v.lambda, &y.lambda))
@@ -313,16 +321,20 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     /// Light that photons near a camera vertex bring.
     fn merged(&self, v: &Vertex<'_>, photons: &Grid, radius: f32) -> Vec3 {
         let mut sum = Vec3::ZERO;
-        let scale = 1.0 / (std::f32::consts::PI * radius * radius * self.ways.light_paths);
+        let (scale, merge) =
+            (1.0 / (std::f32::consts::PI * radius * radius * self.ways.light_paths), v.merge(&self.ways));
+        if merge == 0.0 {
+            return sum;
+        }
         photons.near(v.i.surface.p, radius, |photon| {
             if v.events + photon.events + 1 > self.most_events() || !photon.lies_on(&v.i) {
                 return;
             }
-            let Some(e) = v.eval(photon.wi, Radiance) else { return };
+            let Some(e) = v.eval(self.scene(), photon.wi, Radiance) else { return };
             let cos = v.cos(photon.wi);
-            let by_light = photon.sums.vcm * self.ways.connect + photon.sums.vm * squared(e.pdf);
-            let by_camera = v.sums.vcm * self.ways.connect + v.sums.vm * squared(e.reverse);
-            let weight = 1.0 / (1.0 + by_light + by_camera);
+            let by_light = photon.sums.vcm + photon.sums.vc * squared(e.pdf);
+            let by_camera = v.sums.vcm + v.sums.vc * squared(e.reverse);
+            let weight = 1.0 / (1.0 + (by_light + by_camera) / merge);
             let light = v.beta * photon.beta * e.value * (scale * weight as f32 / cos.max(1e-4));
             sum += self.run.developed(light, common(&v.lambda, &photon.lambda));
         });

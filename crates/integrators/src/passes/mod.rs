@@ -16,6 +16,7 @@ mod sppm;
 mod subpath;
 #[cfg(test)]
 mod tests;
+mod vertex;
 
 pub use bidirectional::{Bidirectional, Strategy};
 pub use film::{PassFilm, Splat};

@@ -8,7 +8,8 @@ use super::{
     photons::{Grid, Photon},
     radius::{self, Radius},
     sppm::{brought, direct, gathered, land, next, paths},
-    subpath::{Subpath, Vertex, Ways},
+    subpath::{Subpath, Ways},
+    vertex::{Vertex, View},
 };
 use crate::{Counters, Depth};
 use std::f32::consts::PI;
@@ -106,57 +107,65 @@ impl Mapped {
         let sample = run.camera_sample(x, y, maps.number);
         let (ways, sampler) = (Ways::connections(1.0, false), &sample.sampler);
         let mut path = Subpath::from_camera(scene, sample.ray, super::pass_wavelengths(run, maps.number), &ways);
-        let mut sum = Vec3::ZERO;
+        let (mut sum, mut stage) = (Vec3::ZERO, Stage::Open);
         loop {
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);
-            sum += run.developed(seen, &path.lambda);
+            if path.context.is_none() && matches!(stage, Stage::Open | Stage::PastCurve) {
+                sum += run.developed(seen, &path.lambda);
+            }
             let Some(v) = v else { break };
-            if v.scattering.bsdf.is_specular() {
-                if path.scatter(&v, sampler, &ways, depth) {
-                    continue;
-                }
+            let is_curve = v.view == View::Curve;
+            if is_curve {
+                sum += direct(run, &v, sampler, counters);
+            } else if !v.scattering.bsdf.is_specular() {
+                sum += match stage {
+                    Stage::Open => self.lit(run, &v, maps, sampler, counters),
+                    Stage::Bounce | Stage::PastCurve => self.estimate(&v, &maps.global, maps.radius, run),
+                    Stage::Gathered => Vec3::ZERO,
+                };
+            }
+            if !path.scatter(scene, &v, sampler, &ways, depth) {
                 break;
             }
-            sum += direct(run, &v, sampler, counters);
-            sum += self.estimate(&v, &maps.caustics, maps.radius, run);
-            if !self.settings.gather {
-                sum += self.estimate(&v, &maps.global, maps.radius, run);
-            }
-            if !path.scatter(&v, sampler, &ways, depth) {
+            stage = match (is_curve, self.settings.gather) {
+                (true, true) => Stage::PastCurve,
+                (true, false) => Stage::Open,
+                // Of surfaces that have a specular lobe too, that lobe goes on.
+                _ if path.context.is_none() => stage,
+                (false, true) if stage == Stage::Open => Stage::Bounce,
+                (false, _) => Stage::Gathered,
+            };
+            if stage == Stage::Gathered && !scene.has_curves {
                 break;
             }
-            if path.context.is_none() {
-                continue;
-            }
-            if self.settings.gather {
-                sum += self.bounce(run, maps, path, sampler, counters);
-            }
-            break;
         }
         sum * sample.weight
     }
 
-    /// Light that a bounce on to the next surface that is not specular brings: all that leaves it, by the global map.
-    fn bounce(
-        &self,
-        run: &Run<'_>,
-        maps: &Maps,
-        mut path: Subpath,
-        sampler: &PixelSampler,
-        counters: &mut Counters,
-    ) -> Vec3 {
-        let (depth, ways) = (&self.settings.depth, Ways::connections(1.0, false));
-        loop {
-            // Lights that are met count in what is seen from where the bounce began.
-            let (Some(v), _) = next(run.scene, &mut path, sampler, depth, counters) else { return Vec3::ZERO };
-            if !v.scattering.bsdf.is_specular() {
-                return self.estimate(&v, &maps.global, maps.radius, run);
-            }
-            if !path.scatter(&v, sampler, &ways, depth) || path.context.is_some() {
-                return Vec3::ZERO;
-            }
+    /// Light of a surface that is seen, but for what a bounce brings.
+    fn lit(&self, run: &Run<'_>, v: &Vertex<'_>, maps: &Maps, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
+        let focused = self.estimate(v, &maps.caustics, maps.radius, run);
+        let direct = direct(run, v, sampler, counters);
+        if self.settings.gather {
+            return direct + focused;
         }
+        direct + focused + self.estimate(v, &maps.global, maps.radius, run)
     }
+}
+
+/// What is still to be found along a camera path. Photons do not pass curves that face the ray; where there are some,
+/// paths go on to them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// All light.
+    Open,
+    /// What leaves the next surface that is not specular: the global map has it. Light straight from lights, also by
+    /// mirrors, was found where the bounce began.
+    Bounce,
+    /// As for a bounce, but of mirrors.
+    PastCurve,
+    /// What passes a curve.
+    Gathered,
 }
 
 impl PassIntegrator for Mapped {

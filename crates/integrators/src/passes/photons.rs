@@ -1,6 +1,6 @@
 //! Photons where they landed, in a grid.
 
-use super::subpath::{Sums, Vertex};
+use super::{subpath::Sums, vertex::Vertex};
 use steradian_core::scene::Interaction;
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
@@ -12,7 +12,8 @@ pub(super) struct Photon {
     pub wi: Vec3,
     /// Geometric normal.
     n: Vec3,
-    /// Flux.
+    /// Flux that arrived, also what the surface let pass: photons that land on it by chance count for those that did
+    /// not.
     pub beta: Spectrum,
     pub lambda: Wavelengths,
     /// Events before it landed.
@@ -26,7 +27,16 @@ impl Photon {
     /// At a vertex of a light subpath, all of whose events may have been specular.
     pub fn of(v: &Vertex<'_>, is_specular: bool) -> Self {
         let (p, n, is_focused) = (v.i.surface.p, v.i.surface.n, is_specular && v.events > 0);
-        Self { p, wi: v.i.wo, n, beta: v.beta, lambda: v.lambda, events: v.events, sums: v.sums, is_focused }
+        Self {
+            p,
+            wi: v.i.wo,
+            n,
+            beta: v.beta / v.opacity,
+            lambda: v.lambda,
+            events: v.events,
+            sums: v.sums,
+            is_focused,
+        }
     }
 
     /// Whether it lies on a surface, rather than on another one about the corner.

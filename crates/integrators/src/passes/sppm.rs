@@ -6,7 +6,8 @@ use super::{
     bidirectional::common,
     photons::{Grid, Photon},
     radius::{self, Radius},
-    subpath::{Arrival, Subpath, Vertex, Ways},
+    subpath::{Arrival, Subpath, Ways},
+    vertex::{Vertex, View},
 };
 use crate::{Counters, Depth, dimension, nee, walk::MAX_PASSES};
 use std::f32::consts::PI;
@@ -75,7 +76,7 @@ pub(super) fn land(
         let mut photons = Vec::new();
         for k in piece * PIECE..count.min((piece + 1) * PIECE) {
             let (sampler, lambda) = seed(k as u32);
-            let Some(mut path) = Subpath::from_light(run.scene, emission, &sampler, lambda, &ways) else { continue };
+            let Some(mut path) = Subpath::from_light(run.scene, emission, &sampler, lambda) else { continue };
             while let Arrival::Vertex(v) = path.arrive(run.scene, &sampler, counters, |_, _, _, _| ()) {
                 if v.events >= depth.max {
                     break;
@@ -83,7 +84,7 @@ pub(super) fn land(
                 if !v.scattering.bsdf.is_specular() && keeps(&v) {
                     photons.push(Photon::of(&v, path.is_specular));
                 }
-                if !path.scatter(&v, &sampler, &ways, depth) {
+                if !path.scatter(run.scene, &v, &sampler, &ways, depth) {
                     break;
                 }
             }
@@ -107,7 +108,7 @@ pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, 
 
 /// Radiance that a photon stands for.
 pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>) -> Vec3 {
-    let Some(e) = v.eval(photon.wi, Radiance) else { return Vec3::ZERO };
+    let Some(e) = v.eval(run.scene, photon.wi, Radiance) else { return Vec3::ZERO };
     let light = v.beta * photon.beta * e.value * (scale / v.cos(photon.wi).max(1e-4));
     run.developed(light, common(&v.lambda, &photon.lambda))
 }
@@ -197,25 +198,36 @@ struct Landed {
 }
 
 impl Progressive {
-    /// A camera path: through what is specular to the first surface that is not, where photons are gathered.
+    /// A camera path: through what is specular to the first surface that is not, where photons are gathered. Photons do
+    /// not pass curves; where there are some, paths go on to them.
     fn pixel(&self, run: &Run<'_>, x: u32, y: u32, landed: &Landed, counters: &mut Counters) -> Vec3 {
         let (scene, depth) = (run.scene, &self.settings.depth);
         let sample = run.camera_sample(x, y, landed.number);
         let (ways, sampler) = (Ways::connections(landed.paths, false), &sample.sampler);
         let mut path = Subpath::from_camera(scene, sample.ray, landed.lambda, &ways);
         let mut sum = Vec3::ZERO;
+        // Whether photons brought all light that comes without passing a curve.
+        let mut is_gathered = false;
         loop {
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);
-            sum += run.developed(seen, &path.lambda);
+            if !is_gathered && path.context.is_none() {
+                sum += run.developed(seen, &path.lambda);
+            }
             let Some(v) = v else { break };
-            if !v.scattering.bsdf.is_specular() {
+            let is_curve = v.view == View::Curve;
+            is_gathered &= !is_curve;
+            if !v.scattering.bsdf.is_specular() && !is_gathered {
                 sum += direct(run, &v, sampler, counters);
-                sum += gathered(&v, &landed.photons, landed.radius, landed.paths, depth, run);
-                // Of surfaces that have a specular lobe too, that lobe goes on.
-                if !path.scatter(&v, sampler, &ways, depth) || path.context.is_some() {
-                    break;
+                if !is_curve {
+                    sum += gathered(&v, &landed.photons, landed.radius, landed.paths, depth, run);
                 }
-            } else if !path.scatter(&v, sampler, &ways, depth) {
+            }
+            if !path.scatter(scene, &v, sampler, &ways, depth) {
+                break;
+            }
+            // Of surfaces that have a specular lobe too, that lobe goes on.
+            is_gathered |= !is_curve && path.context.is_some();
+            if is_gathered && !scene.has_curves {
                 break;
             }
         }

@@ -6,19 +6,19 @@
 //! carried along a subpath (Georgiev 2012, "Implementing Vertex Connection and Merging", equations 31 to 38). Roulette
 //! is left out of densities, which changes no mean.
 
-use crate::{Counters, Depth, dimension, live_max, nee, walk::MAX_PASSES};
+use super::vertex::{Vertex, View};
+use crate::{Counters, Depth, dimension, live_max, walk::MAX_PASSES};
 use steradian_core::{
     Scene,
-    bsdf::{BsdfEval, BsdfSample, TransportMode},
+    bsdf::TransportMode,
     light::{
         LightContext,
         emission::{Emission, EmittedRay},
     },
-    material::Scattering,
     sampler::PixelSampler,
     scene::Interaction,
 };
-use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_math::{Ray, Spectrum, Vec2, spectra::Wavelengths};
 
 /// Events of paths from lights take numbers from this one on.
 pub(super) const LIGHT_EVENTS: u32 = 4096;
@@ -47,12 +47,12 @@ pub(super) fn squared(v: f32) -> f64 {
     f64::from(v) * f64::from(v)
 }
 
-/// The partial sums of weights (`dVCM`, `dVC` and `dVM` of the source).
+/// The partial sums of weights (`dVCM` and `dVC` of the source). Its `dVM` is `dVC` over the expected number of paths
+/// that merge, which is not the same at all vertices.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
     pub vcm: f64,
     pub vc: f64,
-    pub vm: f64,
 }
 
 /// How many ways there are, and how often each is tried.
@@ -60,10 +60,9 @@ pub(super) struct Sums {
 pub(super) struct Ways {
     /// Paths from lights for all camera rays of a pass.
     pub light_paths: f32,
-    /// Square of the expected number of paths from lights that merge, per unit density; 0 where none does.
+    /// Square of the expected number of paths from lights that merge at an opaque surface, per unit density; 0 where
+    /// none does.
     pub merge: f64,
-    /// Its inverse; 0 where none merges.
-    pub connect: f64,
     /// Whether vertices are connected to the camera.
     pub to_camera: bool,
 }
@@ -71,102 +70,13 @@ pub(super) struct Ways {
 impl Ways {
     /// Without merging.
     pub fn connections(light_paths: f32, to_camera: bool) -> Self {
-        Self { light_paths, merge: 0.0, connect: 0.0, to_camera }
+        Self { light_paths, merge: 0.0, to_camera }
     }
 
     /// With merging within a radius.
     pub fn merging(light_paths: f32, to_camera: bool, radius: f32) -> Self {
-        let merge = squared(std::f32::consts::PI * radius * radius * light_paths);
-        Self { light_paths, merge, connect: 1.0 / merge, to_camera }
+        Self { light_paths, merge: squared(std::f32::consts::PI * radius * radius * light_paths), to_camera }
     }
-}
-
-/// Where a subpath scatters.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Vertex<'s> {
-    pub i: Interaction,
-    pub scattering: Scattering<'s>,
-    pub frame: Frame,
-    /// What the subpath carries there.
-    pub beta: Spectrum,
-    pub lambda: Wavelengths,
-    /// Scattering events before this one.
-    pub events: u32,
-    pub sums: Sums,
-}
-
-/// `f |cos|` of a vertex for a direction, and the densities of the subpath going on and of another one coming back.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scattered {
-    pub value: Spectrum,
-    pub pdf: f32,
-    pub reverse: f32,
-}
-
-impl Vertex<'_> {
-    /// The cosine between a direction and the surface.
-    #[inline]
-    pub fn cos(&self, w: Vec3) -> f32 {
-        self.i.surface.n.dot(w).abs()
-    }
-
-    /// Scattering from where the subpath came towards `w`; `None` where it is nothing.
-    #[inline]
-    pub fn eval(&self, w: Vec3, mode: TransportMode) -> Option<Scattered> {
-        let (wo, wi) = (self.frame.to_local(self.i.wo), self.frame.to_local(w));
-        let e = eval(&self.scattering, wo, wi, mode);
-        let value = e.value * adjoint(mode, &self.i, &self.frame, w);
-        (!value.is_black() && value.is_finite()).then(|| Scattered {
-            value,
-            pdf: e.pdf,
-            reverse: self.scattering.bsdf.pdf(wi, wo, mode.adjoint()),
-        })
-    }
-
-    /// Where light is asked for.
-    #[inline]
-    pub fn context(&self) -> LightContext {
-        nee::context(&self.i, &self.frame, &self.scattering.bsdf)
-    }
-}
-
-/// Scattering under the surface's cover, which hides part of the light's directions: those of `wi` for radiance, of
-/// `wo` for importance.
-#[inline]
-fn eval(s: &Scattering<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-    match (mode, &s.cover) {
-        (TransportMode::Importance, Some(cover)) => match cover.passes(wo) {
-            Some(share) => {
-                let e = s.bsdf.eval(wo, wi, mode);
-                BsdfEval { value: e.value * share, ..e }
-            }
-            None => BsdfEval::ZERO,
-        },
-        _ => s.eval(wo, wi, mode),
-    }
-}
-
-/// A direction, as [`eval`] has it.
-#[inline]
-fn sample(s: &Scattering<'_>, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-    match (mode, &s.cover) {
-        (TransportMode::Importance, Some(cover)) => {
-            let drawn = s.bsdf.sample(wo, u, u2, mode)?;
-            Some(BsdfSample { weight: drawn.weight * cover.passes(wo)?, ..drawn })
-        }
-        _ => s.sample(wo, u, u2, mode),
-    }
-}
-
-/// What shading normals change for importance: `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19).
-#[inline]
-fn adjoint(mode: TransportMode, i: &Interaction, frame: &Frame, wi: Vec3) -> f32 {
-    let (n, ns) = (i.surface.n, frame.z);
-    if mode == TransportMode::Radiance || n == ns || n == -ns {
-        return 1.0;
-    }
-    let below = n.dot(i.wo) * ns.dot(wi);
-    if below == 0.0 { 0.0 } else { (ns.dot(i.wo) * n.dot(wi) / below).abs() }
 }
 
 /// A subpath on its way.
@@ -228,13 +138,7 @@ impl Subpath {
     }
 
     /// From a light.
-    pub fn from_light(
-        scene: &Scene,
-        emission: &Emission,
-        numbers: &impl Numbers,
-        lambda: Wavelengths,
-        ways: &Ways,
-    ) -> Option<Self> {
+    pub fn from_light(scene: &Scene, emission: &Emission, numbers: &impl Numbers, lambda: Wavelengths) -> Option<Self> {
         let at = |decision| dimension::at(LIGHT_EVENTS - 1, decision);
         let place = numbers.two(at(dimension::LIGHT_POINT));
         let direction = numbers.two(at(dimension::DIRECTION));
@@ -250,7 +154,7 @@ impl Subpath {
             events: 0,
             context: None,
             is_specular: true,
-            sums: Sums { vcm: 0.0, vc, vm: vc * ways.connect },
+            sums: Sums { vcm: 0.0, vc },
             mode: TransportMode::Importance,
             emitted: Some(emitted),
             is_parallel: kind.is_parallel,
@@ -277,7 +181,7 @@ impl Subpath {
         if !(self.is_parallel && self.events == 0) {
             sums.vcm *= squared(distance) * squared(distance);
         }
-        Sums { vcm: sums.vcm / cos, vc: sums.vc / cos, vm: sums.vm / cos }
+        Sums { vcm: sums.vcm / cos, vc: sums.vc / cos }
     }
 
     /// Follows the ray to the next point that scatters; `met` is told of every surface on the way.
@@ -294,19 +198,26 @@ impl Subpath {
             let i = scene.interaction_of_light(&self.ray, &hit);
             let distance = self.distance + hit.t;
             let cos = i.surface.n.dot(i.wo).abs().max(1e-12);
-            let mut sums = self.sums_at(distance, cos);
+            let sums = self.sums_at(distance, cos);
             met(self, &i, distance, sums);
             let choice = if scene.has_mixtures { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
-            if let Some((scattering, frame)) = scene.scattering(&i, choice, &mut self.lambda) {
+            if let Some(side) = scene.scattering(&i, choice, &mut self.lambda) {
+                let carried = (self.beta, self.lambda);
+                let mut v = Vertex::new(scene, i, side, choice, carried, (self.events, sums));
+                if v.view == View::Curve {
+                    // Only camera subpaths pass here.
+                    if self.mode == TransportMode::Importance {
+                        return Arrival::Ended;
+                    }
+                    v.sums = Sums::default();
+                }
                 if let Some(e) = self.emitted.take() {
                     if !scene.lights.reaches(e.light, i.surface.p, i.wo, &self.lambda) {
                         return Arrival::Ended;
                     }
-                    let context = nee::context(&i, &frame, &scattering.bsdf);
-                    sums.vcm = squared(asked(scene, &e, &context, distance) / (e.pdf * cos));
+                    v.sums.vcm = squared(asked(scene, &e, &v.context(), distance) / (e.pdf * cos));
                 }
-                let (beta, lambda, events) = (self.beta, self.lambda, self.events);
-                return Arrival::Vertex(Vertex { i, scattering, frame, beta, lambda, events, sums });
+                return Arrival::Vertex(v);
             }
             self.passes += 1;
             self.distance = distance;
@@ -316,31 +227,35 @@ impl Subpath {
     }
 
     /// On from a vertex; whether the subpath goes on.
-    pub fn scatter(&mut self, v: &Vertex<'_>, numbers: &impl Numbers, ways: &Ways, depth: &Depth) -> bool {
-        let wo = v.frame.to_local(v.i.wo);
+    pub fn scatter(
+        &mut self,
+        scene: &Scene,
+        v: &Vertex<'_>,
+        numbers: &impl Numbers,
+        ways: &Ways,
+        depth: &Depth,
+    ) -> bool {
         let (u, u2) = (numbers.one(self.at(dimension::LOBE)), numbers.two(self.at(dimension::DIRECTION)));
-        let Some(s) = sample(&v.scattering, wo, u, u2, self.mode) else { return false };
-        let wi = v.frame.to_world(s.wi);
-        let cos = v.cos(wi);
-        let sums = &mut self.sums;
-        if s.lobe.is_specular() {
-            *sums = Sums { vcm: 0.0, vc: v.sums.vc * squared(cos), vm: v.sums.vm * squared(cos) };
-            self.context = None;
-        } else {
-            let (on, back) = (squared(cos / s.pdf), squared(v.scattering.bsdf.pdf(s.wi, wo, self.mode.adjoint())));
-            *sums = Sums {
-                vcm: 1.0 / squared(s.pdf),
-                vc: on * (v.sums.vc * back + v.sums.vcm + ways.merge),
-                vm: on * (v.sums.vm * back + v.sums.vcm * ways.connect + 1.0),
-            };
-            self.context = Some(v.context());
-            self.is_specular = false;
+        let Some(s) = v.sample(scene, u, u2, self.mode) else { return false };
+        let cos = v.cos(s.wi);
+        match s.densities {
+            None => {
+                let vc = if s.is_two_way { v.sums.vc * squared(cos) } else { 0.0 };
+                self.sums = Sums { vcm: 0.0, vc };
+                self.context = None;
+            }
+            Some((pdf, back)) => {
+                let vc = squared(cos / pdf) * (v.sums.vc * squared(back) + v.sums.vcm + v.merge(ways));
+                self.sums = Sums { vcm: 1.0 / squared(pdf), vc };
+                self.context = Some(v.context());
+                self.is_specular = false;
+            }
         }
-        self.beta *= s.weight * adjoint(self.mode, &v.i, &v.frame, wi);
+        self.beta *= s.weight;
         if self.mode == TransportMode::Radiance {
             self.scale *= s.eta * s.eta;
         }
-        self.ray = v.i.spawn(wi);
+        self.ray = v.i.spawn(s.wi);
         self.distance = 0.0;
         self.events += 1;
         let live = live_max(self.beta, &self.lambda) * self.scale;
@@ -369,7 +284,7 @@ fn survival(live: f32, events: u32, depth: &Depth) -> f32 {
 }
 
 fn sums_are_sound(s: &Sums) -> bool {
-    s.vcm.is_finite() && s.vc.is_finite() && s.vm.is_finite()
+    s.vcm.is_finite() && s.vc.is_finite()
 }
 
 /// The density with which a light sample for a context finds the light that emitted a ray, so that it can be divided by

@@ -28,16 +28,17 @@ fn sky(scene: &Scene, x: &Vertex<'_>, w: Vec3, pdf: f32, lambda: &Wavelengths) -
     nee::background(scene, x.p(), w, &Some((x.context(), pdf)), lambda)
 }
 
-/// Whether bumps bend the shading normal at y, which they do as the viewer's direction asks.
-fn is_bent(y: &Vertex<'_>) -> bool {
-    matches!(y, Vertex::Surface { scattering, .. } if scattering.detail.is_some())
+/// Whether y is another point of a surface for each viewer: bumps bend the shading normal as the viewer's direction
+/// asks, and curves turn towards the ray.
+fn is_bent(scene: &Scene, y: &Vertex<'_>) -> bool {
+    matches!(y, Vertex::Surface { scattering, i, .. } if scattering.detail.is_some() || scene.faces_rays(i.geometry))
 }
 
 /// Whether light that leaves y is the same in all directions of a side.
-fn is_lambertian(y: &Vertex<'_>) -> bool {
+fn is_lambertian(scene: &Scene, y: &Vertex<'_>) -> bool {
     match y {
         Vertex::Surface { scattering, .. } => {
-            matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_)) && !is_bent(y)
+            matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_)) && !is_bent(scene, y)
         }
         Vertex::Medium { scattering, .. } => scattering.g == 0.0,
     }
@@ -55,12 +56,12 @@ enum Shared {
 }
 
 impl Shared {
-    fn of(member: &Member<'_>, y: &Vertex<'_>, pixel_sample: &PixelSample) -> Self {
+    fn of(scene: &Scene, member: &Member<'_>, y: &Vertex<'_>, pixel_sample: &PixelSample) -> Self {
         if member.sample.lobe.is_specular() || member.lambda != pixel_sample.lambda {
             Self::No
-        } else if is_lambertian(y) {
+        } else if is_lambertian(scene, y) {
             Self::Alike
-        } else if is_shareable(y) && !is_bent(y) {
+        } else if is_shareable(y) && !is_bent(scene, y) {
             Self::ByDirection
         } else {
             Self::No
@@ -90,7 +91,7 @@ pub(super) fn share<const MEDIA: bool, S: PathContinuation<MEDIA>>(
             Arrival::Vertex(y) => y,
         };
         let (joint, mut lambda) = (pixel_sample.joint, finder.lambda);
-        let shared = Shared::of(finder, y, pixel_sample);
+        let shared = Shared::of(scene, finder, y, pixel_sample);
         let roulette_below = precomputed.effort.roulette_below;
         let mut path_state = match shared {
             Shared::No => finder.path_state,

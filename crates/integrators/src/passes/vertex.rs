@@ -1,0 +1,307 @@
+//! Where a subpath scatters, and how it does towards another one.
+//!
+//! What a camera sees there may depend on where it looks from: normal and bump maps turn the shading normal by the
+//! viewer (`SurfaceDetail`), and curves turn towards the ray. The light that a path carries is that of the camera's
+//! side, whichever way the path was found:
+//!
+//! - With **detail** both sides have a shading frame of their own. Values are those of the camera's frame; a light
+//!   subpath draws directions by its own frame, and some evenly about the surface as it is, since its frame may leave
+//!   out what the camera's has.
+//! - **Curves** that face the ray are met at other points from the other side: light subpaths end there, and what
+//!   weighs the ways to find a path knows it.
+
+use super::subpath::{Sums, Ways, squared};
+use crate::nee;
+use std::f32::consts::FRAC_1_PI;
+use steradian_core::{
+    Scene,
+    bsdf::{BsdfEval, BsdfSample, TransportMode},
+    light::LightContext,
+    material::Scattering,
+    scene::Interaction,
+};
+use steradian_math::{Frame, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+
+/// How far a surface depends on where it is seen from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum View {
+    /// Not at all.
+    Fixed,
+    /// Its shading normal does.
+    Detail,
+    /// The points at which it is met do.
+    Curve,
+}
+
+/// Where a subpath scatters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex<'s> {
+    pub i: Interaction,
+    pub scattering: Scattering<'s>,
+    pub frame: Frame,
+    /// What the subpath carries there.
+    pub beta: Spectrum,
+    pub lambda: Wavelengths,
+    /// Scattering events before this one.
+    pub events: u32,
+    pub sums: Sums,
+    pub view: View,
+    /// The probability with which rays meet the surface.
+    pub opacity: f32,
+    /// What chose among the materials of a mixture.
+    choice: f32,
+}
+
+/// `f |cos|` of a vertex for a direction, and the densities of the subpath going on and of another one coming back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scattered {
+    pub value: Spectrum,
+    pub pdf: f32,
+    pub reverse: f32,
+}
+
+/// A direction in which a subpath goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drawn {
+    pub wi: Vec3,
+    /// What the subpath's throughput is multiplied by.
+    pub weight: Spectrum,
+    /// The relative index of refraction that was passed.
+    pub eta: f32,
+    /// Densities of going on and of coming back; `None` for specular events.
+    pub densities: Option<(f32, f32)>,
+    /// Whether light subpaths come this way too.
+    pub is_two_way: bool,
+}
+
+/// The share of directions that light subpaths draw evenly where the shading normal depends on the viewer.
+const EVEN: f32 = 0.125;
+
+/// Scattering and its frame, as seen from one side.
+type Side<'s> = (Scattering<'s>, Frame);
+
+impl<'s> Vertex<'s> {
+    /// Where a subpath meets a surface that scatters.
+    pub fn new(
+        scene: &'s Scene,
+        i: Interaction,
+        (scattering, frame): Side<'s>,
+        choice: f32,
+        (beta, lambda): (Spectrum, Wavelengths),
+        (events, sums): (u32, Sums),
+    ) -> Self {
+        let view = if scene.faces_rays(i.geometry) {
+            View::Curve
+        } else if scattering.detail.is_some_and(|d| d.depends_on_viewer()) {
+            View::Detail
+        } else {
+            View::Fixed
+        };
+        let opacity = scene.opacity(&i);
+        Self { i, scattering, frame, beta, lambda, events, sums, view, opacity, choice }
+    }
+
+    /// The cosine between a direction and the surface.
+    #[inline]
+    pub fn cos(&self, w: Vec3) -> f32 {
+        self.i.surface.n.dot(w).abs()
+    }
+
+    /// The square of the expected number of photons that merge here, per unit density: of [`Ways::merge`].
+    #[inline]
+    pub fn merge(&self, ways: &Ways) -> f64 {
+        if self.view == View::Curve { 0.0 } else { ways.merge * squared(self.opacity) }
+    }
+
+    /// The surface seen from another side.
+    fn seen_from<'a>(&self, scene: &'a Scene, w: Vec3) -> Option<Side<'a>> {
+        scene.scattering(&Interaction { wo: w, ..self.i }, self.choice, &mut self.lambda.clone())
+    }
+
+    /// Scattering from where the subpath came towards `w`; `None` where it is nothing.
+    #[inline]
+    pub fn eval(&self, scene: &Scene, w: Vec3, mode: TransportMode) -> Option<Scattered> {
+        let own = (self.scattering, self.frame);
+        if self.view != View::Detail {
+            let (s, frame) = &own;
+            let (wo, wi) = (frame.to_local(self.i.wo), frame.to_local(w));
+            let e = self.value(&own, self.i.wo, w, mode);
+            let reverse = || s.bsdf.pdf(wi, wo, mode.adjoint());
+            return is_light(e.value).then(|| Scattered { value: e.value, pdf: e.pdf, reverse: reverse() });
+        }
+        let other = self.seen_from(scene, w)?;
+        let (camera, light, to_camera, to_light) = match mode {
+            TransportMode::Radiance => (&own, &other, self.i.wo, w),
+            TransportMode::Importance => (&other, &own, w, self.i.wo),
+        };
+        let e = self.value(camera, self.i.wo, w, mode);
+        if !is_light(e.value) {
+            return None;
+        }
+        let from_camera = pdf(camera, to_camera, to_light, TransportMode::Radiance);
+        let from_light = self.light_pdf(light, to_light, to_camera);
+        let (pdf, reverse) = match mode {
+            TransportMode::Radiance => (from_camera, from_light),
+            TransportMode::Importance => (from_light, from_camera),
+        };
+        Some(Scattered { value: e.value, pdf, reverse })
+    }
+
+    /// `f |cos|` for what is carried, by the camera's side of the surface.
+    #[inline]
+    fn value(&self, (s, frame): &Side<'_>, from: Vec3, to: Vec3, mode: TransportMode) -> BsdfEval {
+        let (wo, wi) = (frame.to_local(from), frame.to_local(to));
+        let e = match (mode, &s.cover) {
+            // The cover hides part of the light's directions: of `wi` for radiance, of `wo` for importance.
+            (TransportMode::Importance, Some(cover)) => match cover.passes(wo) {
+                Some(share) => {
+                    let e = s.bsdf.eval(wo, wi, mode);
+                    BsdfEval { value: e.value * share, ..e }
+                }
+                None => BsdfEval::ZERO,
+            },
+            _ => s.eval(wo, wi, mode),
+        };
+        BsdfEval { value: e.value * self.adjoint(frame, to, mode), ..e }
+    }
+
+    /// What shading normals change for importance: `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19).
+    #[inline]
+    fn adjoint(&self, frame: &Frame, wi: Vec3, mode: TransportMode) -> f32 {
+        let (n, ns, wo) = (self.i.surface.n, frame.z, self.i.wo);
+        if mode == TransportMode::Radiance || n == ns || n == -ns {
+            return 1.0;
+        }
+        let below = n.dot(wo) * ns.dot(wi);
+        if below == 0.0 { 0.0 } else { (ns.dot(wo) * n.dot(wi) / below).abs() }
+    }
+
+    /// The density with which a light subpath draws directions where the shading normal depends on the viewer.
+    fn light_pdf(&self, side: &Side<'_>, wo: Vec3, wi: Vec3) -> f32 {
+        (1.0 - EVEN) * pdf(side, wo, wi, TransportMode::Importance) + EVEN * self.even_pdf(&side.0, wo, wi)
+    }
+
+    /// The density of even draws: by the cosine about the normal without detail, on the sides to which the model
+    /// scatters.
+    fn even_pdf(&self, s: &Scattering<'_>, wo: Vec3, wi: Vec3) -> f32 {
+        let n = self.i.surface.ns;
+        let cos = n.dot(wi).abs() * FRAC_1_PI;
+        match (s.bsdf.has_transmission(), n.dot(wo) * n.dot(wi) > 0.0) {
+            (true, _) => 0.5 * cos,
+            (false, true) => cos,
+            (false, false) => 0.0,
+        }
+    }
+
+    /// An even draw.
+    fn draw_even(&self, u: f32, u2: Vec2) -> Vec3 {
+        let n = self.i.surface.ns;
+        let up = if n.dot(self.i.wo) < 0.0 { -n } else { n };
+        let crosses = self.scattering.bsdf.has_transmission() && u < 0.5;
+        let z = if crosses { -up } else { up };
+        Frame::from_z(z).to_world(warp::cosine_hemisphere(u2))
+    }
+
+    /// A direction to go on in.
+    pub fn sample(&self, scene: &Scene, u: f32, u2: Vec2, mode: TransportMode) -> Option<Drawn> {
+        match (self.view, mode) {
+            (View::Detail, TransportMode::Importance) => self.sample_by_light(scene, u, u2),
+            (View::Detail, TransportMode::Radiance) => self.sample_by_camera(scene, u, u2),
+            _ => {
+                let wo = self.frame.to_local(self.i.wo);
+                let s = self.drawn(u, u2, mode)?;
+                let wi = self.frame.to_world(s.wi);
+                let back = || self.scattering.bsdf.pdf(s.wi, wo, mode.adjoint());
+                Some(Drawn {
+                    wi,
+                    weight: s.weight * self.adjoint(&self.frame, wi, mode),
+                    eta: s.eta,
+                    densities: (!s.lobe.is_specular()).then(|| (s.pdf, back())),
+                    is_two_way: true,
+                })
+            }
+        }
+    }
+
+    /// What the model draws in its own frame, under the surface's cover.
+    #[inline]
+    fn drawn(&self, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let (s, wo) = (&self.scattering, self.frame.to_local(self.i.wo));
+        match (mode, &s.cover) {
+            (TransportMode::Importance, Some(cover)) => {
+                let drawn = s.bsdf.sample(wo, u, u2, mode)?;
+                Some(BsdfSample { weight: drawn.weight * cover.passes(wo)?, ..drawn })
+            }
+            _ => s.sample(wo, u, u2, mode),
+        }
+    }
+
+    fn sample_by_camera(&self, scene: &Scene, u: f32, u2: Vec2) -> Option<Drawn> {
+        let s = self.drawn(u, u2, TransportMode::Radiance)?;
+        let wi = self.frame.to_world(s.wi);
+        let light = self.seen_from(scene, wi);
+        let is_specular = s.lobe.is_specular();
+        // Where the frames differ, a light subpath is not mirrored into this way.
+        let is_two_way = !is_specular || light.as_ref().is_some_and(|(_, frame)| same(frame, &self.frame));
+        let back = || light.as_ref().map_or(0.0, |side| self.light_pdf(side, wi, self.i.wo));
+        let densities = (!is_specular).then(|| (s.pdf, back()));
+        Some(Drawn { wi, weight: s.weight, eta: s.eta, densities, is_two_way })
+    }
+
+    fn sample_by_light(&self, scene: &Scene, u: f32, u2: Vec2) -> Option<Drawn> {
+        const MODE: TransportMode = TransportMode::Importance;
+        let own = (self.scattering, self.frame);
+        let (wi, eta) = if u < EVEN {
+            (self.draw_even(u / EVEN, u2), 1.0)
+        } else {
+            let s = self.drawn((u - EVEN) / (1.0 - EVEN), u2, MODE)?;
+            let wi = self.frame.to_world(s.wi);
+            if s.lobe.is_specular() {
+                let (_, frame) = self.seen_from(scene, wi)?;
+                let weight = s.weight * (self.adjoint(&self.frame, wi, MODE) / (1.0 - EVEN));
+                return same(&frame, &self.frame).then_some(Drawn {
+                    wi,
+                    weight,
+                    eta: s.eta,
+                    densities: None,
+                    is_two_way: true,
+                });
+            }
+            (wi, s.eta)
+        };
+        let camera = self.seen_from(scene, wi)?;
+        let value = self.value(&camera, self.i.wo, wi, MODE).value;
+        let density = self.light_pdf(&own, self.i.wo, wi);
+        let weight = value / density;
+        (density > 0.0 && is_light(weight)).then(|| Drawn {
+            wi,
+            weight,
+            eta,
+            densities: Some((density, pdf(&camera, wi, self.i.wo, TransportMode::Radiance))),
+            is_two_way: true,
+        })
+    }
+
+    /// Where light is asked for: the same from both sides.
+    #[inline]
+    pub fn context(&self) -> LightContext {
+        match self.view {
+            View::Detail => LightContext { p: self.i.surface.p, n: Vec3::ZERO },
+            _ => nee::context(&self.i, &self.frame, &self.scattering.bsdf),
+        }
+    }
+}
+
+/// The density with which one side's model draws a direction.
+fn pdf((s, frame): &Side<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
+    s.bsdf.pdf(frame.to_local(wo), frame.to_local(wi), mode)
+}
+
+/// Whether two frames have one normal.
+fn same(a: &Frame, b: &Frame) -> bool {
+    a.z.dot(b.z) > 1.0 - 1e-6
+}
+
+fn is_light(value: Spectrum) -> bool {
+    !value.is_black() && value.is_finite()
+}
