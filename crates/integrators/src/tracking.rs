@@ -174,6 +174,7 @@ mod tests {
         ColorMode,
         color::Color,
         medium::{Grid, Variation},
+        texture::Wrap,
     };
     use steradian_math::{Bounds3, Vec3, transform::Affine};
 
@@ -182,7 +183,7 @@ mod tests {
     fn ways_of_null_events_end_where_they_are() {
         let mut densities = vec![0.0; 64 * 64];
         densities[63] = 1e8;
-        let grid = Grid::new([64, 64, 1], densities, false).unwrap();
+        let grid = Grid::new([64, 64, 1], densities, Wrap::Border).unwrap();
         let unit = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
         let field = Field::new(&unit, &Affine::IDENTITY, Variation::Density(grid), ColorMode::Rgb).unwrap();
         let medium = Medium {

@@ -3,15 +3,16 @@
 use super::{Compiler, materials::combine};
 use crate::{
     color::{Color, Role},
-    medium::{Cloud, Field, Glow, Grid, Heat, MEDIA, Medium, Variation},
+    medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, MEDIA, Medium, Variation},
+    texture::{Wrap, grid::Interpolation},
 };
 use std::sync::Arc;
 use steradian_math::{
-    Bounds3, Vec3,
+    Bounds3, Transform, Vec3,
     spectra::{Blackbody, Spd},
     transform::Affine,
 };
-use steradian_scene::{Node, NodeId, SpectrumValue};
+use steradian_scene::{Node, NodeId, SpectrumValue, Value};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 
@@ -80,23 +81,52 @@ impl Compiler<'_> {
 
     /// What a medium gives off: `Le`, as bright as `Lescale` says.
     fn glow(&mut self, node: &Node) -> Option<Glow> {
-        let spectrum = node.param("Le").filter(|p| matches!(p.value, steradian_scene::Value::Spectrum(_)))?;
+        let spectrum = node.param("Le").filter(|p| matches!(p.value, Value::Spectrum(_)))?;
         let color = self.constant_color(node, "Le", Role::Illuminant, ONE);
         // As pbrt has it, other spectra than colours are of luminance one first.
-        let is_color = matches!(spectrum.value, steradian_scene::Value::Spectrum(SpectrumValue::Rgb(..)));
+        let is_color = matches!(spectrum.value, Value::Spectrum(SpectrumValue::Rgb(..)));
         let luminance = if is_color { 1.0 } else { color.luminance(self.mode) };
-        let scale = match node.get("Lescale") {
-            Some(steradian_scene::Value::Float(v)) => *v as f32,
-            _ => 1.0,
-        };
+        let scale = self.glow_scale(node);
         let color = color.scaled(if luminance > 0.0 { scale / luminance } else { 0.0 });
-        (!color.is_black()).then_some(Glow { color, scale: None, heat: None })
+        (!color.is_black()).then_some(Glow { source: GlowSource::Even(color), scale: None })
+    }
+
+    /// `Lescale` where it is a number, not below zero; one where it is a grid or absent.
+    fn glow_scale(&mut self, node: &Node) -> f32 {
+        match node.get("Lescale") {
+            Some(Value::Floats(_)) => 1.0,
+            _ => self.float(node, "Lescale", 1.0).max(0.0),
+        }
+    }
+
+    /// What the grids of a medium give off: black bodies by `temperature`, or the colours `Le`.
+    fn varying_glow(&mut self, node: &Node) -> Option<GlowSource> {
+        let factor = self.glow_scale(node);
+        if let Some(kelvin) = self.list(node, "temperature") {
+            let (offset, scale) =
+                (self.float(node, "temperatureoffset", 0.0), self.float(node, "temperaturescale", 1.0));
+            let temperatures = self.grid_of(node, "temperature", kelvin, 1)?.pop()?;
+            let color = |kelvin: f32| {
+                let body = Spd::Blackbody(Blackbody::normalized(kelvin.into()));
+                Color::curve(&body, Role::Illuminant, self.mode).scaled(factor)
+            };
+            return Some(GlowSource::Heat(Box::new(Heat::new(temperatures, (offset, scale), color))));
+        }
+        let colors = match node.get("Le") {
+            Some(Value::Floats(_)) => self.list(node, "Le")?.into_iter().map(|v| v * factor).collect(),
+            _ => return None,
+        };
+        let channels = self.grid_of(node, "Le", colors, 3)?.try_into().ok()?;
+        Some(GlowSource::Rgb(Box::new(channels), self.mode))
     }
 
     /// A medium in a box whose coefficients vary.
     fn varying(&mut self, node: &Node) -> Option<Medium> {
         let (variation, bounds, place) = match node.kind.as_str() {
-            "heterogeneous" => self.extinction(node)?,
+            "heterogeneous" => {
+                let (variation, bounds) = self.heterogeneous(node)?;
+                (variation, bounds, Affine::IDENTITY)
+            }
             _ => {
                 let variation = self.grids(node)?;
                 let [p0, p1] = [("p0", Vec3::ZERO), ("p1", Vec3::ONE)].map(|(name, p)| self.vec3(node, name, p));
@@ -112,8 +142,9 @@ impl Compiler<'_> {
         } else {
             // The grids have the coefficients.
             let mut plain = Node::new(node.family, "homogeneous", node.span);
-            for name in ["scale", "phase", "g", "albedo"] {
-                if let Some(p) = node.param(name) {
+            for name in ["scale", "phase", "g", "albedo", "sigma_t"] {
+                let is_grid = self.grid_reference(node, name).is_some();
+                if let Some(p) = node.param(name).filter(|_| !is_grid) {
                     plain.set(name, p.value.clone(), p.span);
                 }
             }
@@ -121,22 +152,20 @@ impl Compiler<'_> {
                 plain.set("sigma_a", ONE, None);
                 plain.set("sigma_s", ONE, None);
             } else {
-                plain.set("sigma_t", ONE, None);
+                for name in ["sigma_t", "albedo"].into_iter().filter(|name| self.grid_reference(node, name).is_some()) {
+                    plain.set(name, ONE, None);
+                }
+                if plain.get("sigma_t").is_none() {
+                    plain.set("sigma_t", ONE, None);
+                }
             }
             self.homogeneous(&plain)
         };
-        if let Some(values) = self.list(node, "temperature") {
-            let (offset, scale) =
-                (self.float(node, "temperatureoffset", 0.0), self.float(node, "temperaturescale", 1.0));
-            let kelvin = values.into_iter().map(|t| (t - offset) * scale).collect();
-            let temperatures = self.grid_of(node, "temperature", kelvin, 1)?.pop()?;
-            let color = |kelvin: f32| {
-                Color::curve(&Spd::Blackbody(Blackbody::normalized(kelvin.into())), Role::Illuminant, self.mode)
-            };
-            let heat = Some(Heat::new(temperatures, color));
-            base.glow = Some(Glow { color: Color::constant(1.0), scale: None, heat });
+        if let Some(source) = self.varying_glow(node) {
+            base.glow = Some(Glow { source, scale: None });
         }
-        if let (Some(glow), Some(values)) = (&mut base.glow, self.list(node, "Lescale")) {
+        if let (Some(glow), Some(Value::Floats(_))) = (&mut base.glow, node.get("Lescale")) {
+            let values = self.list(node, "Lescale")?;
             glow.scale = self.grid_of(node, "Lescale", values, 1)?.pop();
         }
         Some(Medium { field: Some(Arc::new(field)), ..base })
@@ -160,9 +189,6 @@ impl Compiler<'_> {
         if node.kind == "uniformgrid" {
             let density = self.list(node, "density")?;
             return self.grid_of(node, "density", density, 1)?.pop().map(Variation::Density);
-        }
-        if let Some(p) = node.param("Le") {
-            self.diagnostics.dropped(&self.desc.sources, p.span, "emission of 'rgbgrid' is not implemented");
         }
         let mut channels = |name: &str| -> Option<[Grid; 3]> {
             let values = match self.list(node, name) {
@@ -188,8 +214,8 @@ impl Compiler<'_> {
     /// Grids of the channels of a list of numbers.
     fn grid_of(&mut self, node: &Node, name: &str, values: Vec<f32>, channels: usize) -> Option<Vec<Grid>> {
         let size = self.cells(node);
-        let channel = |c: usize| values.iter().skip(c).step_by(channels).map(|v| v.max(0.0)).collect::<Vec<f32>>();
-        let grids = size.and_then(|size| (0..channels).map(|c| Grid::new(size, channel(c), false)).collect());
+        let channel = |c: usize| values.iter().skip(c).step_by(channels).copied().collect::<Vec<f32>>();
+        let grids = size.and_then(|size| (0..channels).map(|c| Grid::new(size, channel(c), Wrap::Border)).collect());
         if grids.is_none() {
             let span = node.param(name).and_then(|p| p.span).or(node.span);
             self.error(span, format!("'{name}' has {} numbers, which are no grid of nx × ny × nz", values.len()));
@@ -197,29 +223,74 @@ impl Compiler<'_> {
         grids
     }
 
-    /// The grid of Mitsuba's `heterogeneous`.
-    fn extinction(&mut self, node: &Node) -> Option<(Variation, Bounds3, Affine)> {
-        let Some(volume) = self.reference(node, "sigma_t").map(|id| self.node(id)) else {
-            self.error(node.span, "a heterogeneous medium needs 'sigma_t', a volume");
+    /// Mitsuba's `heterogeneous`: extinction, and albedo where that is a grid, in the box around the extinction's unit
+    /// cube, which is parallel to the axes of the world.
+    fn heterogeneous(&mut self, node: &Node) -> Option<(Variation, Bounds3)> {
+        let (mut density, unit, place) = match node.get("sigma_t") {
+            Some(Value::Node(id)) => self.volume(*id, "extinction")?,
+            _ => {
+                let unit = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
+                (vec![Grid::new([1; 3], vec![1.0], Wrap::Clamp)?], unit, self.place(node)?)
+            }
+        };
+        if density.len() > 1 {
+            self.approximated(node.span, "the extinction of a medium has one channel; the first is used");
+        }
+        let bounds = place.bounds(&unit);
+        let world_from_cube =
+            Transform::translate(bounds.min.as_dvec3()) * Transform::scale(bounds.diagonal().as_dvec3());
+        let Some(world_from_cube) = world_from_cube.affine() else {
+            self.error(node.span, "the box of this medium has no volume");
             return None;
         };
+        let placed = |mut grid: Grid, (unit, place): (&Bounds3, &Affine)| {
+            let unit_from_box =
+                Transform::scale((Vec3::ONE / unit.diagonal()).as_dvec3()) * Transform::translate(-unit.min.as_dvec3());
+            let (unit_from_box, into) = (unit_from_box.affine()?, place.inverse());
+            let m = unit_from_box.m * into.m * world_from_cube.m;
+            let inv = world_from_cube.inv * into.inv * unit_from_box.inv;
+            grid.from_cube = Some(Affine { m, inv });
+            Some(grid)
+        };
+        let density = placed(density.swap_remove(0), (&unit, &place))?;
+        let Some(albedo) = self.grid_reference(node, "albedo") else {
+            return Some((Variation::Density(density), bounds));
+        };
+        let (albedo, unit, place) = self.volume(albedo, "albedo")?;
+        let albedo = albedo.into_iter().map(|grid| placed(grid, (&unit, &place))).collect::<Option<_>>()?;
+        Some((Variation::Albedo(density, albedo), bounds))
+    }
+
+    /// The node of a parameter that is a `grid`.
+    fn grid_reference(&self, node: &Node, name: &str) -> Option<NodeId> {
+        node.node(name).filter(|id| self.node(*id).kind == "grid")
+    }
+
+    /// The channels of a grid of space, its box, and where that is in the world.
+    fn volume(&mut self, id: NodeId, what: &str) -> Option<(Vec<Grid>, Bounds3, Affine)> {
+        let volume = self.node(id);
         if volume.kind != "grid" {
-            let what = format!("the extinction of a medium is a grid, not '{}'; this medium is left out", volume.kind);
+            let what = format!("the {what} of a medium is a grid, not '{}'; this medium is left out", volume.kind);
             self.diagnostics.dropped(&self.desc.sources, volume.span, what);
             return None;
         }
-        let voxels = self.voxel_grid(volume)?;
-        let first: Vec<f32> = voxels.data.iter().step_by(voxels.channels.max(1)).map(|v| v.max(0.0)).collect();
-        if voxels.channels > 1 {
-            self.approximated(volume.span, "the extinction of a medium has one channel; the first is used");
-        }
-        let grid = Grid::new(voxels.size, first, true)?;
+        let texture = self.grid(volume)?;
+        let voxels = &texture.grid;
+        let channels = if voxels.channels >= 3 { 3 } else { 1 };
+        let grids: Option<Vec<Grid>> = (0..channels)
+            .map(|c| {
+                let values = voxels.data.iter().skip(c).step_by(voxels.channels.max(1)).map(|v| v * texture.scale);
+                let mut grid = Grid::new(voxels.size, values.collect(), texture.wrap)?;
+                grid.is_nearest = texture.interpolation == Interpolation::Nearest;
+                Some(grid)
+            })
+            .collect();
         let Some(place) = self.transform(volume, "texture_from_world").inverse().and_then(|t| t.affine()) else {
             self.error(volume.span, "the transform of this grid is singular or not finite");
             return None;
         };
         let unit = [[0.0; 3], [1.0; 3]];
         let bounds = if self.bool(volume, "use_grid_bounds", false) { voxels.bounds } else { unit };
-        Some((Variation::Density(grid), Bounds3::from_points(bounds.map(Vec3::from_array)), place))
+        Some((grids?, Bounds3::from_points(bounds.map(Vec3::from_array)), place))
     }
 }

@@ -239,7 +239,8 @@ impl Compiler<'_> {
             Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode, &textures);
         let mut light_groups = std::mem::take(&mut self.light_groups);
         light_groups.assign(&lights, &self.grouped);
-        if lights.lights.is_empty() && lights.emitters.is_empty() {
+        let glows = self.media.iter().any(|m| m.glow.is_some());
+        if lights.lights.is_empty() && lights.emitters.is_empty() && !glows {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
         let has_media =

@@ -275,7 +275,7 @@ impl Compiler<'_> {
     }
 
     /// Numbers on a grid of space.
-    fn grid(&mut self, node: &Node) -> Option<GridTexture> {
+    pub(super) fn grid(&mut self, node: &Node) -> Option<GridTexture> {
         let span = node.param("file").and_then(|p| p.span).or(node.span);
         let grid = self.voxel_grid(node)?;
         let interpolations = [

@@ -2,7 +2,7 @@
 
 use crate::{
     color::{self, Color, ColorMode, Role},
-    texture::noise::gradient_noise,
+    texture::{Wrap, noise::gradient_noise},
 };
 use std::cmp::Ordering;
 use steradian_math::{Bounds3, Ray, Spectrum, Vec3, spectra::Wavelengths, transform::Affine};
@@ -10,52 +10,70 @@ use steradian_math::{Bounds3, Ray, Spectrum, Vec3, spectra::Wavelengths, transfo
 /// Cells of bounds along each axis, at most.
 const CELLS: usize = 16;
 
-/// Numbers at the centres of the cells of a box, interpolated linearly.
-#[derive(Clone, Debug, PartialEq)]
+/// Numbers at the centres of the cells of a box.
+#[derive(Clone, Debug)]
 pub struct Grid {
     size: [usize; 3],
     values: Vec<f32>,
-    /// Whether what is beyond the outermost numbers is as they are; else it is zero (pbrt).
-    is_clamped: bool,
+    /// What is beyond the outermost numbers: [`Wrap::Border`] is zero (pbrt).
+    pub wrap: Wrap,
+    /// Whether the nearest number is taken; else they are interpolated linearly.
+    pub is_nearest: bool,
+    /// From the unit cube of the medium into that of the grid, where it is another one.
+    pub from_cube: Option<Affine>,
 }
 
 impl Grid {
-    /// Of `x × y × z` numbers, x fastest; `None` where their count is another one.
-    pub fn new(size: [usize; 3], values: Vec<f32>, is_clamped: bool) -> Option<Self> {
+    /// Of `x × y × z` numbers, x fastest, interpolated; `None` where their count is another one.
+    pub fn new(size: [usize; 3], values: Vec<f32>, wrap: Wrap) -> Option<Self> {
         let count = size.iter().try_fold(1_usize, |n, s| n.checked_mul(*s));
-        (count == Some(values.len()) && count != Some(0)).then_some(Self { size, values, is_clamped })
+        let is_whole = count == Some(values.len()) && count != Some(0);
+        is_whole.then_some(Self { size, values, wrap, is_nearest: false, from_cube: None })
     }
 
-    fn at(&self, [x, y, z]: [i64; 3]) -> f32 {
-        let inside = |v: i64, axis: usize| {
-            let last = self.size[axis] as i64 - 1;
-            if self.is_clamped { Some(v.clamp(0, last)) } else { Some(v).filter(|v| (0..=last).contains(v)) }
-        };
-        let (Some(x), Some(y), Some(z)) = (inside(x, 0), inside(y, 1), inside(z, 2)) else { return 0.0 };
-        self.values[(z as usize * self.size[1] + y as usize) * self.size[0] + x as usize]
+    fn at(&self, c: [i32; 3]) -> f32 {
+        let inside = |axis: usize| self.wrap.apply(c[axis], self.size[axis]);
+        let (Some(x), Some(y), Some(z)) = (inside(0), inside(1), inside(2)) else { return 0.0 };
+        self.values[(z * self.size[1] + y) * self.size[0] + x]
     }
 
-    /// The value at a point of the unit cube.
+    /// The value at a point of the unit cube of the medium.
     pub fn lookup(&self, p: Vec3) -> f32 {
+        let p = self.from_cube.as_ref().map_or(p, |t| t.point(p));
+        if self.is_nearest {
+            return self.at(std::array::from_fn(|axis| (p[axis] * self.size[axis] as f32).floor() as i32));
+        }
         let scaled = [0, 1, 2].map(|axis| p[axis] * self.size[axis] as f32 - 0.5);
         let base = scaled.map(f32::floor);
         let part: [f32; 3] = std::array::from_fn(|axis| scaled[axis] - base[axis]);
-        let base = base.map(|v| v as i64);
+        let base = base.map(|v| v as i32);
         let mut sum = 0.0;
         for corner in 0..8 {
-            let bit = |axis: usize| corner >> axis & 1;
+            let bit = |axis: usize| corner >> axis & 1_i32;
             let weight: f32 = (0..3).map(|a| if bit(a) == 1 { part[a] } else { 1.0 - part[a] }).product();
             if weight > 0.0 {
-                sum += weight * self.at(std::array::from_fn(|axis| base[axis] + bit(axis) as i64));
+                sum += weight * self.at(std::array::from_fn(|axis| base[axis].saturating_add(bit(axis))));
             }
         }
         sum
     }
 
-    /// The largest value in a part of the unit cube.
+    /// The largest value in a part of the unit cube of the medium.
     fn most(&self, low: Vec3, high: Vec3) -> f32 {
-        let first: [i64; 3] = std::array::from_fn(|a| (low[a] * self.size[a] as f32 - 0.5).floor() as i64);
-        let last: [i64; 3] = std::array::from_fn(|a| (high[a] * self.size[a] as f32 - 0.5).floor() as i64 + 1);
+        let part = Bounds3 { min: low, max: high };
+        let part = self.from_cube.as_ref().map_or(part, |t| t.bounds(&part));
+        let range: [[i32; 2]; 3] = std::array::from_fn(|a| {
+            let index = |v: f32| (v * self.size[a] as f32 - 0.5).floor() as i32;
+            let (first, last) = (index(part.min[a]), index(part.max[a]).saturating_add(1));
+            let n = self.size[a] as i32;
+            match self.wrap {
+                // All that there is.
+                Wrap::Repeat | Wrap::Mirror if first < 0 || last >= n => [0, n - 1],
+                // Everything beyond the outermost numbers is like the first of it.
+                _ => [first.clamp(-1, n), last.clamp(-1, n)],
+            }
+        });
+        let [first, last] = [0, 1].map(|end| range.map(|r| r[end]));
         let mut most = 0.0_f32;
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
@@ -118,25 +136,40 @@ pub enum Variation {
     Cloud(Cloud),
     /// Both coefficients by one factor.
     Density(Grid),
+    /// Extinction, and the part of it that is scattering in one or three channels of linear Rec.709: of media that
+    /// scatter only where the variation is one.
+    Albedo(Grid, Vec<Grid>),
     /// Absorption and scattering, each as three channels of linear Rec.709.
     Rgb(Box<[[Grid; 3]; 2]>),
 }
 
-/// Light that a medium gives off, as a factor of a colour; times the absorption coefficient it is radiance per length.
+/// Light that a medium gives off; times the absorption coefficient it is radiance per length.
 #[derive(Clone, Debug)]
 pub struct Glow {
-    /// The colour.
-    pub color: Color,
-    /// How much of it, from place to place.
+    /// The light where the factor is one.
+    pub source: GlowSource,
+    /// The factor on it, from place to place.
     pub scale: Option<Grid>,
-    /// That of a black body instead, by the temperature from place to place.
-    pub heat: Option<Heat>,
 }
 
-/// Temperatures, K, and the colours of black bodies, whose largest value over the spectrum is one.
+/// Where the colour of a glow comes from.
+#[derive(Clone, Debug)]
+pub enum GlowSource {
+    /// The same everywhere.
+    Even(Color),
+    /// A black body, by the temperature from place to place.
+    Heat(Box<Heat>),
+    /// Three channels of linear Rec.709.
+    Rgb(Box<[Grid; 3]>, ColorMode),
+}
+
+/// Temperatures, K, and the colours of black bodies.
 #[derive(Clone, Debug)]
 pub struct Heat {
     temperatures: Grid,
+    /// What an interpolated temperature is less, and then times (pbrt).
+    offset: f32,
+    scale: f32,
     /// Colours at even steps from [`Heat::COLDEST`] to the highest temperature.
     colors: Vec<Color>,
     step: f32,
@@ -147,16 +180,18 @@ impl Heat {
     const COLDEST: f32 = 100.0;
     const STEPS: usize = 256;
 
-    /// Of temperatures, with the colour of a black body at any.
-    pub fn new(temperatures: Grid, color: impl Fn(f32) -> Color) -> Self {
-        let hottest = temperatures.values.iter().copied().fold(Self::COLDEST, f32::max);
+    /// Of a grid of temperatures, less `offset`, times `scale`, with the colour of a black body at any.
+    pub fn new(temperatures: Grid, (offset, scale): (f32, f32), color: impl Fn(f32) -> Color) -> Self {
+        // Outside of the grid the temperature is zero.
+        let kelvin = temperatures.values.iter().chain(&[0.0]).map(|t| (t - offset) * scale);
+        let hottest = kelvin.fold(Self::COLDEST, f32::max);
         let step = (hottest - Self::COLDEST) / (Self::STEPS - 1) as f32;
         let colors = (0..Self::STEPS).map(|i| color(Self::COLDEST + step * i as f32)).collect();
-        Self { temperatures, colors, step }
+        Self { temperatures, offset, scale, colors, step }
     }
 
     fn eval(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
-        let above = self.temperatures.lookup(p) - Self::COLDEST;
+        let above = (self.temperatures.lookup(p) - self.offset) * self.scale - Self::COLDEST;
         if above <= 0.0 || self.step <= 0.0 {
             return Spectrum::ZERO;
         }
@@ -169,11 +204,15 @@ impl Heat {
 impl Glow {
     /// At a point of the unit cube.
     pub fn eval(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
-        let scale = self.scale.as_ref().map_or(1.0, |grid| grid.lookup(p));
-        match &self.heat {
-            None => self.color.eval(lambda) * scale,
-            Some(heat) => heat.eval(p, lambda) * scale,
-        }
+        let source = match &self.source {
+            GlowSource::Even(color) => color.eval(lambda),
+            GlowSource::Heat(heat) => heat.eval(p, lambda),
+            GlowSource::Rgb(grids, mode) => {
+                let rgb = Vec3::from_array([0, 1, 2].map(|c| grids[c].lookup(p).max(0.0)));
+                color::texel(rgb, Role::Illuminant, lambda, *mode)
+            }
+        };
+        source * self.scale.as_ref().map_or(1.0, |grid| grid.lookup(p).max(0.0))
     }
 }
 
@@ -202,7 +241,7 @@ impl Field {
         let cube_from_world = Affine { m: cube.m * into.m, inv: into.inv * cube.inv };
         let grids: Vec<&Grid> = match &variation {
             Variation::Cloud(_) => Vec::new(),
-            Variation::Density(grid) => vec![grid],
+            Variation::Density(grid) | Variation::Albedo(grid, _) => vec![grid],
             Variation::Rgb(grids) => grids.iter().flatten().collect(),
         };
         let cells: [usize; 3] = std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS));
@@ -216,7 +255,7 @@ impl Field {
                     let (low, high) = (low - scale * 1e-3, low + scale * 1.001);
                     most.push(match &variation {
                         Variation::Cloud(_) => 1.0,
-                        Variation::Density(grid) => grid.most(low, high),
+                        Variation::Density(grid) | Variation::Albedo(grid, _) => grid.most(low, high),
                         Variation::Rgb(grids) => {
                             let largest = |c: &[Grid; 3]| c.iter().map(|g| g.most(low, high)).fold(0.0, f32::max);
                             largest(&grids[0]) + largest(&grids[1])
@@ -251,6 +290,12 @@ impl Field {
             Variation::Density(grid) => {
                 let density = grid.lookup(p).max(0.0);
                 (a * density, s * density)
+            }
+            Variation::Albedo(grid, albedo) => {
+                let rgb = [0, 1, 2].map(|c: usize| albedo.get(c).or(albedo.first()).map_or(0.0, |g| g.lookup(p)));
+                let albedo = color::texel(Vec3::from_array(rgb), Role::Albedo, lambda, self.mode);
+                let extinction = s * grid.lookup(p).max(0.0);
+                (extinction * (Spectrum::ONE - albedo), extinction * albedo)
             }
             Variation::Rgb(grids) => {
                 let [absorbed, scattered] = [0, 1].map(|k| {
@@ -310,6 +355,7 @@ impl Field {
         let grids = match &self.variation {
             Variation::Cloud(_) => 0,
             Variation::Density(grid) => grid.bytes(),
+            Variation::Albedo(grid, albedo) => grid.bytes() + albedo.iter().map(Grid::bytes).sum::<usize>(),
             Variation::Rgb(grids) => grids.iter().flatten().map(Grid::bytes).sum(),
         };
         grids + size_of_val(&self.most[..])
@@ -321,10 +367,10 @@ mod tests {
     use super::*;
     use steradian_math::{Transform, hash::HashRng};
 
-    fn field(size: [usize; 3], is_clamped: bool) -> Field {
+    fn field(size: [usize; 3], wrap: Wrap, from_cube: Option<Affine>) -> Field {
         let mut rng = HashRng::new(5);
         let values = (0..size.iter().product()).map(|_| rng.next_f32()).collect();
-        let grid = Grid::new(size, values, is_clamped).unwrap();
+        let grid = Grid { from_cube, ..Grid::new(size, values, wrap).unwrap() };
         let bounds = Bounds3 { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(3.0, 1.0, 2.5) };
         let place = Transform::rotate(glam::DVec3::new(1.0, 2.0, 0.5), 0.8) * Transform::scale(glam::DVec3::splat(1.7));
         Field::new(&bounds, &place.affine().unwrap(), Variation::Density(grid), ColorMode::Rgb).unwrap()
@@ -334,8 +380,18 @@ mod tests {
     #[test]
     fn cells_bound_what_is_in_them() {
         let mut rng = HashRng::new(8);
-        for (size, is_clamped) in [([5, 7, 3], true), ([40, 1, 23], false), ([1, 1, 1], true)] {
-            let field = field(size, is_clamped);
+        let turned =
+            Transform::rotate(glam::DVec3::new(1.0, 0.3, 0.5), 0.9) * Transform::scale(glam::DVec3::splat(2.5));
+        for (size, wrap, is_turned) in [
+            ([5, 7, 3], Wrap::Clamp, false),
+            ([40, 1, 23], Wrap::Border, false),
+            ([1, 1, 1], Wrap::Clamp, false),
+            ([5, 7, 3], Wrap::Clamp, true),
+            ([9, 4, 17], Wrap::Border, true),
+            ([9, 4, 17], Wrap::Repeat, true),
+            ([4, 2, 5], Wrap::Mirror, true),
+        ] {
+            let field = field(size, wrap, is_turned.then(|| turned.affine().unwrap()));
             let world_from_cube = field.cube_from_world.inverse();
             let mut total = 0;
             for _ in 0..400 {
@@ -376,10 +432,13 @@ mod tests {
     #[test]
     fn grids_interpolate_between_centres() {
         let values = vec![1.0, 3.0];
-        let [clamped, fading] = [true, false].map(|c| Grid::new([2, 1, 1], values.clone(), c).unwrap());
+        let [clamped, fading] =
+            [Wrap::Clamp, Wrap::Border].map(|wrap| Grid::new([2, 1, 1], values.clone(), wrap).unwrap());
         let at = |grid: &Grid, x: f32| grid.lookup(Vec3::new(x, 0.5, 0.5));
         assert_eq!((at(&clamped, 0.25), at(&clamped, 0.5), at(&clamped, 0.75)), (1.0, 2.0, 3.0));
         assert_eq!((at(&clamped, 0.0), at(&fading, 0.0), at(&fading, 0.5)), (1.0, 0.5, 2.0));
-        assert!(Grid::new([2, 2, 1], values, true).is_none());
+        let nearest = Grid { is_nearest: true, ..clamped.clone() };
+        assert_eq!([0.0, 0.49, 0.51, 1.0].map(|x| at(&nearest, x)), [1.0, 1.0, 3.0, 3.0]);
+        assert!(Grid::new([2, 2, 1], values, Wrap::Clamp).is_none());
     }
 }

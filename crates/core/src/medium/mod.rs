@@ -3,7 +3,7 @@
 mod field;
 
 use crate::color::Color;
-pub use field::{Cloud, Field, Glow, Grid, Heat, Variation};
+pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation};
 use std::sync::Arc;
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
@@ -17,12 +17,12 @@ pub const MEDIA: &[(&str, &str)] = &[
         "uniformgrid",
         "those coefficients times density, nx × ny × nz numbers in the box from p0 to p1 of the medium's to_world; Le, Lescale, temperature (K, as many numbers)",
     ),
-    ("rgbgrid", "sigma_a, sigma_s: nx × ny × nz colours in the box; scale; phase"),
+    ("rgbgrid", "sigma_a, sigma_s, Le: nx × ny × nz colours in the box; Lescale; scale; phase"),
     (
         "cloud",
         "sigma_a, sigma_s times the density of a cloud of noise in the box: density, wispiness, frequency (pbrt)",
     ),
-    ("heterogeneous", "sigma_t (a grid), albedo; scale; phase"),
+    ("heterogeneous", "sigma_t, albedo (grids or constant), within the box around sigma_t's cube; scale; phase"),
 ];
 
 /// A medium with a Henyey–Greenstein phase function.
@@ -64,12 +64,12 @@ impl Medium {
 
     /// The light that a way of a length brings to its beginning, where nothing varies: `σ_a L (1 − e^(−σ_t d))/σ_t`.
     pub fn glow_over(&self, distance: f32, lambda: &Wavelengths) -> Spectrum {
-        let Some(glow) = &self.glow else { return Spectrum::ZERO };
+        let Some(Glow { source: GlowSource::Even(color), .. }) = &self.glow else { return Spectrum::ZERO };
         let (a, s) = self.coefficients(lambda);
         let extinction = (a + s) * distance.min(f32::MAX);
         // Of thin media the length; of infinite ones one over the extinction.
         let part = (a + s).map(|t| if t * distance < 1e-4 { distance } else { -(-t * distance).exp_m1() / t });
-        if extinction.is_black() { Spectrum::ZERO } else { a * glow.color.eval(lambda) * part }
+        if extinction.is_black() { Spectrum::ZERO } else { a * color.eval(lambda) * part }
     }
 
     /// Beer–Lambert transmittance over a distance; 1 over no distance, 0 over an infinite one where there is any

@@ -1,11 +1,11 @@
 //! Participating media and phase functions.
 
 use super::{
-    graph::{Category, ObjectId},
+    graph::{Category, ObjectId, Raw},
     reader::Reader,
     texture::Role,
 };
-use steradian_scene::{Family, NodeId};
+use steradian_scene::{Family, NodeId, Span, Transform};
 
 impl Reader<'_> {
     /// A medium node; `None` after an error.
@@ -27,10 +27,14 @@ impl Reader<'_> {
             self.put(&mut node, "sigma_s", object, "sigma_s", Role::Unbounded, 0.0);
             self.put(&mut node, "sigma_a", object, "sigma_a", Role::Unbounded, 0.0);
         } else {
+            let place = self.constant_volume_place(object);
             self.put(&mut node, "sigma_t", object, "sigma_t", Role::Unbounded, 1.0);
             self.put(&mut node, "albedo", object, "albedo", Role::Reflectance, 0.75);
-            if node.node("sigma_t").is_some() {
+            if self.plugin(object) == "heterogeneous" {
                 node.kind = "heterogeneous".into();
+                if let Some((place, span)) = place {
+                    node.set("to_world", place, Some(span));
+                }
             }
         }
         if self.graph.has(object, "material") {
@@ -51,6 +55,15 @@ impl Reader<'_> {
         };
         node.set("phase", phase, None);
         Some(self.desc.add(node))
+    }
+
+    /// Where the unit cube of a `constvolume` of extinction is, which bounds a heterogeneous medium.
+    fn constant_volume_place(&mut self, medium: ObjectId) -> Option<(Transform, Span)> {
+        let Raw::Object(volume) = self.graph.take(medium, "sigma_t")?.value else { return None };
+        if self.plugin(volume) != "constvolume" {
+            return None;
+        }
+        Some((self.some_transform(volume, "to_world")?, self.value_span(volume, "to_world")))
     }
 
     /// A phase function node; `None` after an error.

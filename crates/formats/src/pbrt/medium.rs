@@ -7,6 +7,7 @@ use super::{
     scene::Scene,
     spectrum::Role,
 };
+use steradian_math::spectra::cie::CIE_Y_INTEGRAL;
 use steradian_scene::{Family, Node, NodeId, SpectrumValue, Transform, names};
 
 const KINDS: [&str; 5] = ["homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"];
@@ -27,6 +28,12 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str, ctm: Transfo
             coefficients(&mut b);
             bounds(&mut b);
             grid(&mut b, "density", 1);
+            if b.node.get("temperature").is_some() {
+                if b.node.get("Le").is_some() {
+                    b.error("Le", "a medium glows by 'Le' or by 'temperature', not by both");
+                }
+                photometric(&mut b);
+            }
         }
         "rgbgrid" => {
             b.fields(&[
@@ -39,6 +46,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str, ctm: Transfo
             bounds(&mut b);
             let which = if b.node.get("sigma_a").is_some() { "sigma_a" } else { "sigma_s" };
             grid(&mut b, which, 3);
+            photometric(&mut b);
         }
         "cloud" => {
             b.fields(&[
@@ -106,6 +114,15 @@ fn temperature(b: &mut Build) {
     b.float("temperaturecutoff", "temperatureoffset", None);
     b.float("temperatureoffset", "temperatureoffset", None);
     b.float("temperaturescale", "temperaturescale", 1.0);
+}
+
+/// pbrt makes `Le` of one spectrum of luminance one, but not the emission of grids of temperatures and colours; its
+/// film weighs with ȳ, ours with ȳ/∫ȳ.
+fn photometric(b: &mut Build) {
+    match b.node.floats("Lescale") {
+        Some(list) => b.set("Lescale", list.iter().map(|v| v * CIE_Y_INTEGRAL).collect::<Vec<_>>()),
+        None => b.set("Lescale", b.node.float("Lescale").unwrap_or(1.0) * CIE_Y_INTEGRAL),
+    }
 }
 
 fn bounds(b: &mut Build) {

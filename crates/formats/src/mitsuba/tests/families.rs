@@ -165,8 +165,9 @@ fn bsdfs_that_steradian_lacks_keep_their_parameters() {
          <volume name=\"albedo\" type=\"constvolume\"><rgb name=\"value\" value=\".5\"/></volume></medium></shape>",
     );
     let cloud = desc.node(desc.shapes[0].interior.unwrap());
-    // Its extinction is one everywhere.
-    assert_eq!((cloud.kind.as_str(), child(&desc, cloud, "phase").kind.as_str()), ("homogeneous", "rayleigh"));
+    // Its extinction is one in the unit cube.
+    assert_eq!((cloud.kind.as_str(), child(&desc, cloud, "phase").kind.as_str()), ("heterogeneous", "rayleigh"));
+    assert_eq!(cloud.float("sigma_t"), Some(1.0));
     assert_eq!(cloud.get("albedo"), Some(&rgb([0.5; 3])));
 }
 
