@@ -103,6 +103,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         let named = &scene.settings.integrator;
         terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
     }
+    if let Some(what) = quality.leaves_out(&scene) {
+        terminal.warn(&format!("integrator '{integrator}' leaves out {what}; 'volpath' renders them"));
+    }
     let pixels = u64::from(width) * u64::from(height);
     let spp = plan.sampler.spp;
     let takes_none = args.time.is_some_and(|time| time.is_zero());

@@ -231,6 +231,12 @@ impl Quality {
         }
     }
 
+    /// What of the scene the integrator that is asked for does not see. (Of a file's own integrator compiling says it.)
+    pub fn leaves_out(&self, scene: &Scene) -> Option<&'static str> {
+        let is_blind = matches!(self.integrator_name(scene), "path" | "path-recursive" | "direct");
+        (scene.has_media && is_blind && self.integrator.is_some()).then_some("participating media")
+    }
+
     /// The integrator's name in the plan, without options.
     pub fn integrator_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
         let asked = self.integrator_or_scene(scene);

@@ -132,3 +132,55 @@ fn glowing_grids_are_as_bright_as_in_pbrt() {
         "point3 p0" [-1e4 -1e4 -1e4] "point3 p1" [1e4 1e4 1e4]"#;
     is_near("colours", seen(&boxed(even, "")), [2.0 * part, part, 0.5 * part]);
 }
+
+/// Scenes that have media are rendered with them where the file names no integrator, and where one is named that leaves
+/// them out, that is said: of each format.
+#[test]
+fn media_are_rendered_unless_a_path_tracer_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let read = |path: &Path| {
+        let loaded = load(path, &Options::default());
+        let compiled = compile(&loaded.desc, &CompileOptions::default());
+        let said: Vec<_> = compiled.diagnostics.iter().map(|d| d.message.clone()).collect();
+        (compiled.scene.unwrap_or_else(|| panic!("{said:?}")), said)
+    };
+    let pbrt = boxed(r#""homogeneous""#, LAMP);
+    let named = pbrt.replace("\"volpath\"", "\"path\"");
+    let unnamed = pbrt.replace("Integrator \"volpath\" \"integer maxdepth\" 100", "");
+    let mitsuba = |integrator: &str| {
+        format!(
+            "<scene version='3.0.0'>{integrator}<sensor type='perspective'/><emitter type='constant'/>
+             <shape type='cube'><bsdf type='null'/><medium name='interior' type='homogeneous'/></shape></scene>"
+        )
+    };
+    let triangle = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let gltf = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "extensionsUsed":["KHR_materials_transmission","KHR_materials_volume"],
+        "materials":[{{"extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}},
+        "KHR_materials_volume":{{"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[0.1,0.5,0.9]}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36,"uri":"{triangle}"}}]}}"#
+    );
+    for (name, text) in [("u.pbrt", unnamed), ("u.xml", mitsuba("")), ("u.gltf", gltf)] {
+        let (scene, said) = read(&file(name, &text));
+        let quality = Quality::default();
+        assert_eq!((scene.has_media, quality.integrator_name(&scene)), (true, "volpath"), "{name}");
+        assert!(!said.iter().any(|m| m.contains("leaves out")), "{name}: {said:?}");
+        assert_eq!(quality.leaves_out(&scene), None);
+        let asked = Quality { integrator: Some("path".into()), ..Quality::default() };
+        assert_eq!(asked.leaves_out(&scene), Some("participating media"), "{name}");
+    }
+    for (name, text) in [("n.pbrt", named), ("n.xml", mitsuba("<integrator type='path'/>"))] {
+        let (scene, said) = read(&file(name, &text));
+        assert_eq!(Quality::default().integrator_name(&scene), "path", "{name}");
+        let what = "integrator 'path' leaves out participating media; 'volpath' renders them";
+        assert!(said.iter().any(|m| m == what), "{name}: {said:?}");
+    }
+}

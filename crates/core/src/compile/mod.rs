@@ -200,7 +200,7 @@ impl Compiler<'_> {
             let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
             self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));
         }
-        let settings = self.settings();
+        let mut settings = self.settings();
         let world = self.shapes(&self.desc.shapes, true);
         let mut groups = Vec::new();
         for group in &self.desc.groups {
@@ -245,6 +245,15 @@ impl Compiler<'_> {
         }
         let has_media =
             camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
+        match self.desc.integrator.map(|i| self.desc.node(i)) {
+            _ if !has_media => {}
+            None => settings.integrator = "volpath".into(),
+            Some(node) if matches!(node.kind.as_str(), "path" | "path-recursive" | "direct") => {
+                let what = format!("integrator '{}' leaves out participating media; 'volpath' renders them", node.kind);
+                self.diagnostics.warn(&self.desc.sources, node.span, what);
+            }
+            Some(_) => {}
+        }
         let spp = self.options.spp.unwrap_or(settings.spp);
         // Bump maps take their differences over the footprint, and normal maps their roughness.
         let has_detail = self.materials.iter().any(|m| {

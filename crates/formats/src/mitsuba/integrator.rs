@@ -138,16 +138,6 @@ impl Reader<'_> {
         }
     }
 
-    /// Says so where the file asks for an integrator that sees no media.
-    pub fn ignored_media(&mut self) {
-        let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) else { return };
-        let (blind, span) = (node.kind != "volpath", node.span);
-        let boundary = self.desc.shapes.iter().any(|s| s.is_medium_boundary);
-        if let (true, true, Some(span)) = (blind, boundary, span) {
-            self.note(span, "this integrator does not see participating media; 'volpath' does");
-        }
-    }
-
     /// Says so where Mitsuba's estimator takes surfaces that light passes straight for others than Steradian does.
     pub fn passed_surfaces(&mut self) {
         let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) else { return };
@@ -169,10 +159,12 @@ impl Reader<'_> {
         );
     }
 
-    /// Mitsuba renders scenes without an integrator with `path`.
+    /// Mitsuba renders scenes without an integrator with `path`; media are rendered here.
     pub fn default_integrator(&mut self) {
         if self.desc.integrator.is_none() {
-            let node = Node::new(Family::Integrator, "path", None).with("max_depth", -1i64).with("rr_depth", 5i64);
+            let media = self.graph.objects.iter().any(|o| o.category == Category::Medium);
+            let kind = if media { "volpath" } else { "path" };
+            let node = Node::new(Family::Integrator, kind, None).with("max_depth", -1i64).with("rr_depth", 5i64);
             self.desc.integrator = Some(self.desc.add(node));
         }
     }

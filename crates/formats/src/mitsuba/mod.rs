@@ -120,7 +120,6 @@ impl Reader<'_> {
             self.default_recording();
         }
         self.default_integrator();
-        self.ignored_media();
         self.passed_surfaces();
     }
 }
