@@ -1,8 +1,9 @@
 //! Isotropic polarimetric BRDFs (`.pbsdf`): Mueller matrices over half–difference angles and wavelength, of which
 //! unpolarised transport uses the first element.
 //!
-//! Fields of the tensor file: `phi_d`, `theta_d`, `theta_h` (radians, increasing), `wvls` (nm) and `M` in
-//! `[phi_d][theta_d][theta_h][wvls][4][4]`. Baek et al., "Image-Based Acquisition and Modeling of Polarimetric
+//! Fields of the tensor file: `phi_d`, `theta_d`, `theta_h` (radians, increasing; lists, or rows of a matrix as the
+//! authors' files have them), `wvls` (nm) and `M` in `[phi_d][theta_d][theta_h][wvls][4][4]`, where what was not measured
+//! is NaN. Files with angles of no rows have them spaced evenly over their ranges. Baek et al., "Image-Based Acquisition and Modeling of Polarimetric
 //! Reflectance" (2020); read by Mitsuba as `measured_polarized`.
 
 use super::{
@@ -11,7 +12,7 @@ use super::{
     rusinkiewicz::HalfDifference,
     tensor::TensorFile,
 };
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use steradian_math::{Spectrum, Vec3};
 
 /// A measurement's intensities.
@@ -42,8 +43,18 @@ impl Polarimetric {
     /// # Errors
     /// What is missing or does not fit.
     pub fn read(file: &TensorFile<'_>, wanted: Wanted) -> Result<Self, MeasuredError> {
-        let axis = |name: &str| file.need(name, 1)?.floats(name).map(|v| v.to_vec());
-        let [phi_d, theta_d, theta_h] = [axis("phi_d")?, axis("theta_d")?, axis("theta_h")?];
+        let axis = |name: &str, from: f32, to: f32| {
+            let field = file.get(name).ok_or_else(|| MeasuredError::Fault(format!("it lacks the field '{name}'")))?;
+            match field.shape[..] {
+                [n] | [1, n] if n > 0 => field.floats(name),
+                [0, n] if (2..1 << 16).contains(&n) => {
+                    Ok((0..n).map(|i| from + (to - from) * i as f32 / (n - 1) as f32).collect())
+                }
+                _ => Err(MeasuredError::Fault(format!("field '{name}' has the shape {:?}", field.shape))),
+            }
+        };
+        let (phi_d, theta_d, theta_h) =
+            (axis("phi_d", -PI, PI)?, axis("theta_d", 0.0, FRAC_PI_2)?, axis("theta_h", 0.0, FRAC_PI_2)?);
         let lambda = file.need("wvls", 1)?.axis("wvls")?;
         let increases = |v: &[f32]| v.windows(2).all(|w| w[0] < w[1]);
         if [&phi_d, &theta_d, &theta_h].iter().any(|v| !increases(v)) {
@@ -53,7 +64,8 @@ impl Polarimetric {
         if m.shape != [phi_d.len(), theta_d.len(), theta_h.len(), lambda.len(), 4, 4] {
             return Err(MeasuredError::Fault(format!("'M' has the shape {:?}", m.shape)));
         }
-        let intensities: Vec<f32> = m.floats("M")?.chunks_exact(16).map(|m| m[0].max(0.0)).collect();
+        let measured = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+        let intensities: Vec<f32> = m.numbers("M")?.chunks_exact(16).map(|m| measured(m[0])).collect();
         if wanted == Wanted::Spectral {
             return Ok(Self { phi_d, theta_d, theta_h, lambda, values: intensities });
         }
@@ -105,11 +117,11 @@ impl Polarimetric {
 mod tests {
     use super::*;
     use crate::bsdf::measured::{synthetic::METAL, tensor::write};
-    use std::f32::consts::FRAC_PI_2;
     use steradian_math::{DVec3, hash::HashRng, warp};
 
-    /// A file with the intensities of the synthetic metal and nonsense in all other elements.
-    fn file() -> Vec<u8> {
+    /// A file with the intensities of the synthetic metal and nonsense in all other elements; its angles are lists, or
+    /// matrices of so many rows.
+    fn file(rows: Option<usize>) -> Vec<u8> {
         let spaced = |n: usize, from: f32, to: f32| -> Vec<f32> {
             (0..n).map(|i| from + (to - from) * i as f32 / (n - 1) as f32).collect()
         };
@@ -132,10 +144,15 @@ mod tests {
             }
         }
         let sizes = vec![phi.len(), theta_d.len(), theta_h.len(), 3, 4, 4];
+        let angles = |v: Vec<f32>| match rows {
+            None => (vec![v.len()], v),
+            Some(rows) => (vec![rows, v.len()], v.repeat(rows)),
+        };
+        let [phi, theta_d, theta_h] = [phi, theta_d, theta_h].map(angles);
         write::file(&[
-            ("phi_d", vec![phi.len()], phi, false),
-            ("theta_d", vec![theta_d.len()], theta_d, false),
-            ("theta_h", vec![theta_h.len()], theta_h, false),
+            ("phi_d", phi.0, phi.1, false),
+            ("theta_d", theta_d.0, theta_d.1, false),
+            ("theta_h", theta_h.0, theta_h.1, false),
             ("wvls", vec![3], vec![450.0, 550.0, 650.0], false),
             ("M", sizes, m, false),
         ])
@@ -143,7 +160,7 @@ mod tests {
 
     #[test]
     fn intensities_come_back_at_their_wavelengths() {
-        let bytes = file();
+        let bytes = file(None);
         let tensor = TensorFile::read(&bytes).expect("sound");
         let table = Polarimetric::read(&tensor, Wanted::Spectral).expect("sound");
         let mut rng = HashRng::new(2);
@@ -160,5 +177,62 @@ mod tests {
         assert!(errors[errors.len() / 2] < 0.01, "{}", errors[errors.len() / 2]);
         let grey = Polarimetric::read(&tensor, Wanted::Rgb).expect("sound").eval(Vec3::Z, Vec3::Z, [0.0; 4]);
         assert!(grey[0] > 0.0 && grey.is_finite());
+    }
+
+    /// Angles as a row, and angles of no rows, are those of a list; two rows are none.
+    #[test]
+    fn angles_may_be_rows() {
+        let read = |rows| {
+            let bytes = file(rows);
+            Polarimetric::read(&TensorFile::read(&bytes).expect("sound"), Wanted::Rgb)
+        };
+        let list = read(None).expect("sound");
+        for rows in [0, 1] {
+            let table = read(Some(rows)).expect("sound");
+            for (a, b) in
+                [(&table.phi_d, &list.phi_d), (&table.theta_d, &list.theta_d), (&table.theta_h, &list.theta_h)]
+            {
+                assert!(a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{rows}: {a:?}");
+            }
+        }
+        assert!(read(Some(2)).is_err());
+    }
+
+    /// One azimuth is for all; and what was not measured is NaN.
+    #[test]
+    fn one_azimuth_is_isotropic_and_gaps_are_black() {
+        let values = |f: f32| [f, 0.0, 0.0, 0.0].into_iter().chain([0.0; 12]);
+        let m: Vec<f32> = [0.1, f32::NAN, 0.3, 0.4].into_iter().flat_map(values).collect();
+        let bytes = write::file(&[
+            ("phi_d", vec![1, 1], vec![0.5], false),
+            ("theta_d", vec![1, 2], vec![0.0, FRAC_PI_2], false),
+            ("theta_h", vec![1, 2], vec![0.0, FRAC_PI_2], false),
+            ("wvls", vec![1], vec![550.0], false),
+            ("M", vec![1, 2, 2, 1, 4, 4], m, false),
+        ]);
+        let table = Polarimetric::read(&TensorFile::read(&bytes).expect("sound"), Wanted::Spectral).expect("sound");
+        let f = |theta: f32, phi: f32| {
+            let at = |phi: f32| Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+            table.eval(at(phi), at(phi + PI), [550.0; 4])[0]
+        };
+        for phi in [0.0, 0.7, 2.0, -1.5] {
+            // θ_h = 0; half of the way from 0.1 to 0.3.
+            assert!((f(0.25 * PI, phi) - 0.2).abs() < 1e-5, "{}", f(0.25 * PI, phi));
+        }
+        let tilted = Vec3::new(0.6, 0.0, 0.8);
+        // θ_d = 0, towards θ_h = 90°, where there is a gap.
+        assert!((table.eval(tilted, tilted, [550.0; 4])[0] - 0.1 * (1.0 - 0.6_f32.asin() / FRAC_PI_2)).abs() < 1e-5);
+    }
+
+    /// The example of Mitsuba's tests, whose arrays of angles have no rows: white, and a mirror's peak towards grazing.
+    #[test]
+    fn the_example_of_mitsuba_is_white() {
+        let Ok(bytes) = std::fs::read("../../../shared/assets/brdf/spectralon_lowres.pbsdf") else {
+            return eprintln!("skipped");
+        };
+        let table = Polarimetric::read(&TensorFile::read(&bytes).expect("sound"), Wanted::Rgb).expect("sound");
+        let f = table.eval(Vec3::Z, Vec3::Z, [0.0; 4]).to_array();
+        // The first intensities of the table are 0.2224 to 0.2390 over the wavelengths.
+        assert!(f[..3].iter().all(|v| (0.2..0.25).contains(v)), "{f:?}");
     }
 }

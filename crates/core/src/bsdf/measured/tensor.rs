@@ -115,18 +115,26 @@ impl<'a> TensorFile<'a> {
 }
 
 impl Tensor<'_> {
-    /// The numbers, which must be finite floats.
+    /// The numbers, whatever they are.
     ///
     /// # Errors
-    /// Another type, or numbers that are not finite.
-    pub fn floats(&self, name: &str) -> Result<Vec<f32>, MeasuredError> {
-        let values: Vec<f32> = match self.kind {
+    /// Another type.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f32>, MeasuredError> {
+        Ok(match self.kind {
             10 => self.bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect(),
             11 => self.bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b) as f32).collect(),
             3 => self.bytes.as_chunks::<2>().0.iter().map(|b| f32::from(u16::from_le_bytes(*b))).collect(),
             1 => self.bytes.iter().map(|b| f32::from(*b)).collect(),
             _ => return Err(MeasuredError::Fault(format!("field '{name}' is not of a type that is read here"))),
-        };
+        })
+    }
+
+    /// The numbers, which must be finite floats.
+    ///
+    /// # Errors
+    /// Another type, or numbers that are not finite.
+    pub fn floats(&self, name: &str) -> Result<Vec<f32>, MeasuredError> {
+        let values = self.numbers(name)?;
         if values.iter().any(|v| !v.is_finite()) {
             return Err(MeasuredError::Fault(format!("field '{name}' has values that are not finite")));
         }
