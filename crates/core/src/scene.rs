@@ -67,6 +67,8 @@ pub struct Geometry {
     pub material: u32,
     /// Opacity that lets rays through by chance.
     pub alpha: Option<FloatTexture>,
+    /// Whether rays pass that meet it from behind, against the geometric normal.
+    pub is_single_sided: bool,
     /// Index of what it emits.
     pub emitter: Option<u32>,
     /// For emitting shapes the light of each primitive; one entry when all belong to the same.
@@ -82,6 +84,12 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// Whether rays pass some of its points.
+    #[inline]
+    pub fn is_masked(&self) -> bool {
+        self.alpha.is_some() || self.is_single_sided
+    }
+
     /// The light that a primitive belongs to.
     #[inline]
     pub fn light(&self, prim: u32) -> Option<u32> {
@@ -247,6 +255,15 @@ impl<const SHADOW: bool> Query<'_, SHADOW> {
     fn passes(&self, geometry: &Geometry, hit: &Hit, ray: &Ray) -> bool {
         if SHADOW && geometry.is_interface {
             return false;
+        }
+        if geometry.is_single_sided {
+            let front = match &geometry.shape {
+                Shape::Mesh(m) => m.front(hit.id.prim),
+                shape => surface(shape, hit, ray).n,
+            };
+            if front.dot(ray.direction) > 0.0 {
+                return false;
+            }
         }
         match &geometry.alpha {
             None => true,

@@ -212,7 +212,7 @@ impl Stage<'_> {
     fn meshes(&mut self, masked: bool) -> Result<(), Error> {
         let (scene, list) = (self.scene, self.list);
         let (start, end) = self.number(|item, shape| match shape {
-            Shape::Mesh(mesh) if list.geometry(scene, item).alpha.is_some() == masked => mesh.triangles.len() as u32,
+            Shape::Mesh(mesh) if list.geometry(scene, item).is_masked() == masked => mesh.triangles.len() as u32,
             _ => 0,
         })?;
         if start == end {
@@ -256,7 +256,7 @@ impl Stage<'_> {
     fn ordered(&mut self, method: Method) -> Result<(), Error> {
         let (scene, list) = (self.scene, self.list);
         let (start, end) = self.number(|item, shape| match shape {
-            Shape::Mesh(mesh) if list.geometry(scene, item).alpha.is_none() => mesh.triangles.len() as u32,
+            Shape::Mesh(mesh) if !list.geometry(scene, item).is_masked() => mesh.triangles.len() as u32,
             _ => 0,
         })?;
         let mut triangles = Vec::with_capacity((end - start) as usize);

@@ -30,7 +30,7 @@ fn known(family: Family) -> &'static str {
         },
         Family::Phase => "g",
         Family::Shape => {
-            "alpha flat displacement displacement_vector displacement_scale displacement_middle edge_length
+            "alpha single_sided flat displacement displacement_vector displacement_scale displacement_middle edge_length
              edge_pixels tangents center radius z_min z_max phi_max height inner_radius p0 p1 levels points
              degree basis type width0 width1 normals split_depth heights nu nv file scale smooth normal distance"
         }

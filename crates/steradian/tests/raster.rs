@@ -112,9 +112,7 @@ fn what_is_seen_is_what_rays_meet() {
             }
             (None, None) => equal += 1,
             // Where a mask is half open, chance decides by the bits of the point.
-            (seen, hit)
-                if [seen.map(|s| s.hit), hit].iter().flatten().any(|h| scene.geometry(h.id).alpha.is_some()) =>
-            {
+            (seen, hit) if [seen.map(|s| s.hit), hit].iter().flatten().any(|h| scene.geometry(h.id).is_masked()) => {
                 masked += 1;
             }
             _ => {

@@ -35,7 +35,7 @@ pub(super) fn accel_geometries<'g>(
                 Shape::Mesh(m) => AccelGeometry::triangles(&m.positions, &m.triangles),
                 _ => AccelGeometry::boxes(boxes),
             };
-            shape.filtered(g.alpha.is_some() || g.is_interface)
+            shape.filtered(g.is_masked() || g.is_interface)
         })
         .collect()
 }
@@ -69,6 +69,7 @@ impl Compiler<'_> {
         if matches!(alpha, Some(FloatTexture::Constant(v)) if v >= 1.0) {
             alpha = None;
         }
+        let is_single_sided = self.bool(node, "single_sided", false);
         let media = shape.is_medium_boundary.then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
         let emission = shape.emission.map(|id| self.node(id));
         let swaps = shape.world_from_object.swaps_handedness();
@@ -95,6 +96,7 @@ impl Compiler<'_> {
                 shape: part,
                 material: material.id,
                 alpha,
+                is_single_sided,
                 emitter: None,
                 lights: Box::default(),
                 media,

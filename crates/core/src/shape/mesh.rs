@@ -68,6 +68,15 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// The side from which the corners of a triangle are counter-clockwise in the space of the file, by a normal that
+    /// has not unit length.
+    #[inline]
+    pub fn front(&self, triangle: u32) -> Vec3 {
+        let [p0, p1, p2] = self.corners(triangle);
+        let n = (p1 - p0).cross(p2 - p0);
+        if self.flip { -n } else { n }
+    }
+
     /// Places a mesh. `reverse` turns normals over; vertex normals are left out where `flat` is set.
     pub fn new(mesh: &Mesh, place: &Affine, swaps_handedness: bool, reverse: bool, flat: bool) -> Self {
         let sign = if reverse { -1.0 } else { 1.0 };

@@ -19,6 +19,8 @@ pub(super) struct Look {
     pub interior: Option<NodeId>,
     /// Whether it has a normal map or is anisotropic.
     pub uses_tangents: bool,
+    /// Whether it is not there from behind: not `doubleSided`, and no light passes it.
+    pub is_single_sided: bool,
 }
 
 fn rgb(c: [f64; 3]) -> SpectrumValue {
@@ -82,10 +84,14 @@ impl Reader<'_> {
         let base_color = self.tinted(&[base_map, vertex_color], base);
         let is_two_sided = m.value["doubleSided"] == true;
 
-        let mut look = Look::default();
+        let passes = ["KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_diffuse_transmission"]
+            .iter()
+            .any(|name| m.extension(name).is_some());
+        let mut look = Look { is_single_sided: !is_two_sided && !passes, ..Look::default() };
         let mut node = if m.extension("KHR_materials_unlit").is_some() {
             // Surfaces that look the same in any light: they are black and emit their colour.
-            let light = Node::new(Family::Light, "area", span).with("radiance", base_color).with("two_sided", true);
+            let light = Node::new(Family::Light, "area", span).with("radiance", base_color);
+            let light = light.with("two_sided", is_two_sided);
             look.emission = Some(self.import.desc.add(light));
             Node::new(Family::Material, "diffuse", span).with("reflectance", rgb([0.0; 3]))
         } else {

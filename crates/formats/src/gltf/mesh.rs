@@ -101,6 +101,9 @@ impl Reader<'_> {
         }
         let mut node = Node::new(Family::Shape, "mesh", None);
         node.name = name;
+        if look.is_single_sided {
+            node.set("single_sided", true, None);
+        }
         if look.uses_tangents {
             node.set("tangents", if data.channels.tangent { "tangent" } else { "mikktspace_down" }, None);
         }

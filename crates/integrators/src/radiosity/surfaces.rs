@@ -405,7 +405,7 @@ fn face_of(scene: &Scene, index: u32, plane: &Plane, eye: DVec3) -> Option<Polyg
         .iter()
         .filter(|g| **g != index)
         .map(|g| &scene.geometries[*g as usize])
-        .filter(|g| g.alpha.is_none() && !g.is_interface)
+        .filter(|g| !g.is_masked() && !g.is_interface)
         .filter_map(|g| if let Shape::Plane(p) = &g.shape { Some(p) } else { None })
         .collect();
     let origin = |p: &Plane| (-p.n * p.d).as_dvec3();

@@ -37,7 +37,7 @@ impl Casters {
                 casters.others = true;
                 continue;
             };
-            if geometry.alpha.is_some() {
+            if geometry.is_masked() {
                 casters.others = true;
                 continue;
             }
