@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn the_example_of_mitsuba_is_white() {
         let Ok(bytes) = std::fs::read("../../../shared/assets/brdf/spectralon_lowres.pbsdf") else {
-            return eprintln!("skipped");
+            return;
         };
         let table = Polarimetric::read(&TensorFile::read(&bytes).expect("sound"), Wanted::Rgb).expect("sound");
         let f = table.eval(Vec3::Z, Vec3::Z, [0.0; 4]).to_array();
