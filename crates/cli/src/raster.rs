@@ -120,6 +120,7 @@ pub fn run(args: &RenderArgs, job: &Job<'_>, options: &raster::Options, terminal
         relative_error: None,
         unreliable: None,
         relative_error_of_means: None,
+        missing_light: None,
         width,
         height,
         threads: rayon::current_num_threads(),

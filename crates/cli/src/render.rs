@@ -120,6 +120,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {
         terminal.say("note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the whole picture");
     }
+    let kind = plan.integrator;
     let signals = Signals::watch();
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
     let precomputed = solving::precomputed(&scene, &plan, solution.as_deref().zip(lit), &signals, terminal)?;
@@ -202,6 +203,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         relative_error: error,
         unreliable: doubt.map(|d| d.to_string()),
         relative_error_of_means: of_means.clone(),
+        missing_light: steradian::missing_light(&kind, &scene, &session.film()),
         width,
         height,
         threads: session.threads(),
@@ -404,6 +406,13 @@ pub fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
     }
     if let Some(doubt) = &report.unreliable {
         terminal.warn(&format!("the estimated error is unreliable: {doubt}"));
+    }
+    if let Some(share) = report.missing_light {
+        terminal.warn(&format!(
+            "about {:.0} % of the light is missing: '{}' finds no caustics of lights without size, as 'bdpt', 'vcm', 'sppm' and 'photon' do",
+            100.0 * share,
+            report.integrator
+        ));
     }
     if report.empty_pixels > 0 {
         terminal.warn(&format!("{} pixels have no sample yet and are black", report.empty_pixels));

@@ -3,7 +3,7 @@
 use crate::{
     Depth, Plan, Precomputed, Stop, VarianceReduction,
     ao::AmbientOcclusion,
-    passes::PassKind,
+    passes::{PassKind, missed_caustics},
     path::{Path, VolPath},
     path_recursive::PathRecursive,
     radiosity::{self, View},
@@ -14,6 +14,7 @@ use crate::{
 
 use std::sync::Arc;
 use steradian_core::Scene;
+use steradian_math::Vec3;
 
 /// The integrators: name, and what it does.
 pub const INTEGRATORS: &[(&str, &str)] = &[
@@ -27,7 +28,7 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
     ("radiosity", "radiosity of Lambertian patches; method, factors, patches (2000), gather (0), solution, …"),
     ("light", "light tracing: paths from lights to the camera; max_depth, rr_depth, hide_emitters"),
     ("bdpt", "bidirectional path tracing; max_depth, rr_depth, hide_emitters"),
-    ("vcm", "vertex connection and merging; max_depth, rr_depth, hide_emitters, radius or pixels (3)"),
+    ("vcm", "vertex connection and merging; max_depth, rr_depth, hide_emitters, radius or pixels (0.6)"),
     ("sppm", "stochastic progressive photon mapping; max_depth, hide_emitters, radius or pixels (3), photons"),
     ("photon", "photon mapping; max_depth, radius or pixels (1), photons, nearest (all), gather (true)"),
     ("pssmlt", "Metropolis light transport in primary sample space; max_depth, rr_depth, large_step (0.3)"),
@@ -61,6 +62,19 @@ pub enum IntegratorKind {
 }
 
 impl IntegratorKind {
+    /// What caustics of lights without size add to the mean of the picture where this method cannot find them; `None`
+    /// of methods that can, or that do not claim to find all light.
+    pub fn missed_caustics(&self, scene: &Scene) -> Option<Vec3> {
+        let depth = match self {
+            Self::Path(i) => i.depth,
+            Self::VolPath(i) => i.depth,
+            Self::PathRecursive(i) => i.depth,
+            Self::Stokes(i) => i.depth,
+            _ => return None,
+        };
+        Some(missed_caustics(scene, &depth))
+    }
+
     /// By name; `None` for names that are not in [`INTEGRATORS`].
     pub fn named(name: &str, depth: Depth, variance_reduction: VarianceReduction) -> Option<Self> {
         Some(match name {

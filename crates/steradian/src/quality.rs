@@ -233,7 +233,9 @@ impl Quality {
 
     /// What of the scene the integrator that is asked for does not see. (Of a file's own integrator compiling says it.)
     pub fn leaves_out(&self, scene: &Scene) -> Option<&'static str> {
-        let is_blind = matches!(self.integrator_name(scene), "path" | "path-recursive" | "direct");
+        let name = self.integrator_name(scene);
+        let is_blind =
+            matches!(name, "path" | "path-recursive" | "direct" | "whitted" | "raster") || name.starts_with("stokes");
         (scene.has_media && is_blind && self.integrator.is_some()).then_some("participating media")
     }
 

@@ -40,7 +40,7 @@ pub struct Metropolis {
 
 impl Metropolis {
     fn paths(&self) -> Bidirectional {
-        Bidirectional { depth: self.depth, strategy: Strategy::Connections, radius: Radius::default() }
+        Bidirectional { depth: self.depth, strategy: Strategy::Connections, radius: Radius::Pixels(1.0) }
     }
 
     /// What of the scene it cannot do.

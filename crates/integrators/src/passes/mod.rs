@@ -7,6 +7,7 @@
 
 mod bidirectional;
 mod film;
+mod missed;
 mod mlt;
 mod photon_map;
 mod photons;
@@ -20,6 +21,7 @@ mod vertex;
 
 pub use bidirectional::{Bidirectional, Strategy};
 pub use film::{PassFilm, Splat};
+pub use missed::missed_caustics;
 pub use mlt::Metropolis;
 pub use photon_map::PhotonMap;
 pub use radius::Radius;

@@ -12,12 +12,6 @@ pub enum Radius {
     Pixels(f32),
 }
 
-impl Default for Radius {
-    fn default() -> Self {
-        Self::Pixels(3.0)
-    }
-}
-
 impl Radius {
     /// Twice as far.
     pub(super) fn twice(self) -> Self {

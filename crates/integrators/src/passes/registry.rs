@@ -27,13 +27,14 @@ pub enum PassKind {
 impl PassKind {
     /// By name.
     pub fn named(name: &str, depth: Depth) -> Option<Self> {
-        let radius = Radius::default();
+        // Where paths are connected too, narrower merging leaves less bias and no more noise.
+        let radius = Radius::Pixels(0.6);
         let paths = |strategy| Self::Bidirectional(Bidirectional { depth, strategy, radius });
         Some(match name {
             "light" => paths(Strategy::Light),
             "bdpt" => paths(Strategy::Connections),
             "vcm" => paths(Strategy::Merging),
-            "sppm" => Self::Sppm(Sppm { depth, radius, photons: 0 }),
+            "sppm" => Self::Sppm(Sppm { depth, radius: Radius::Pixels(3.0), photons: 0 }),
             "photon" => {
                 Self::PhotonMap(PhotonMap { depth, radius: Radius::Pixels(1.0), photons: 0, nearest: 0, gather: true })
             }

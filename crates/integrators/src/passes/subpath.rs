@@ -165,6 +165,11 @@ impl Subpath {
         })
     }
 
+    /// Whether it comes from a light without size; asked before it arrives anywhere.
+    pub fn is_from_delta(&self, scene: &Scene) -> bool {
+        self.emitted.as_ref().is_some_and(|e| scene.lights.lights[e.light as usize].kind().is_delta)
+    }
+
     /// The dimension of a decision at the next event.
     fn at(&self, decision: u32) -> u32 {
         dimension::at(self.first_event + self.events, decision) ^ (self.passes << 16)

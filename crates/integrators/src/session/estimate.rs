@@ -58,6 +58,13 @@ fn around(mut levels: Vec<f64>) -> f64 {
     levels.iter().sum::<f64>().max(0.0) / levels.len().max(1) as f64
 }
 
+/// The sum over channels of squared relative errors of places that lie near each other, by their squared errors and
+/// means.
+pub(super) fn relative_of(places: &[([f64; 3], [f64; 3])]) -> f64 {
+    let around = around(places.iter().map(|(v, m)| (0..3).map(|c| m[c] * m[c] - v[c]).sum::<f64>() / 3.0).collect());
+    places.iter().map(|(v, m)| (0..3).map(|c| relative(v[c], m[c], around)).sum::<f64>()).sum()
+}
+
 /// The squared relative errors of some pixels, added up.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sum {

@@ -5,8 +5,8 @@
 //! others errs as their mean does, whatever the pixels have in common and however well samples are spread, so with `a`
 //! and `b` samples the mean over a square has the squared error `(A − B)² ab/(a + b)²`, in the mean over squares.
 
-use super::{Session, lock};
-use crate::{adaptive::FLOOR, partition::TILE};
+use super::{Session, estimate::relative_of, lock};
+use crate::partition::TILE;
 
 /// Edges of the squares, pixels.
 pub const SCALES: [u32; 4] = [1, 4, 8, TILE];
@@ -42,8 +42,8 @@ impl Session<'_> {
         }
     }
 
-    /// The estimated relative error of means over squares of pixels with the edges [`SCALES`], by samples of the first
-    /// round: the root of the mean of squared errors over `I² + 0.01` of the square. `None` before there are two
+    /// The estimated relative error of means over squares of pixels with the edges [`SCALES`], of which the first is
+    /// [`Session::error`], by samples of the first round: the root of the mean of squared errors over `I² + 0.01` of the square, as [`Session::error`] has it. `None` before there are two
     /// samples, and where no tile lies in the picture as a whole.
     pub fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
         if self.round.number > 0 {
@@ -55,9 +55,9 @@ impl Session<'_> {
             if tile.even.is_empty() {
                 continue;
             }
-            for (sum, edge) in sums.iter_mut().zip(SCALES) {
+            for (sum, edge) in sums.iter_mut().zip(SCALES).skip(1) {
                 let of = TILE / edge;
-                let mut squares = 0.0;
+                let mut places = Vec::with_capacity((of * of) as usize);
                 for square in 0..of * of {
                     let (mut level, mut error) = ([0.0; 3], [0.0; 3]);
                     for pixel in 0..edge * edge {
@@ -75,12 +75,15 @@ impl Session<'_> {
                         }
                     }
                     let n = f64::from(edge * edge);
-                    squares += (0..3).map(|c| (error[c] / n).powi(2) / ((level[c] / n).powi(2) + FLOOR)).sum::<f64>();
+                    places.push((error.map(|e| (e / n).powi(2)), level.map(|l| l / n)));
                 }
-                *sum += squares / f64::from(3 * of * of);
+                *sum += relative_of(&places) / f64::from(3 * of * of);
             }
             count += 1;
         }
-        (count > 0).then(|| sums.map(|s| (s / f64::from(count)).sqrt()))
+        let mut errors = sums.map(|s| (s / f64::from(count.max(1))).sqrt());
+        // Halves of a pixel's samples may be those of halves of the pixel: at edges they differ by more than they err.
+        errors[0] = self.error()?;
+        (count > 0).then_some(errors)
     }
 }

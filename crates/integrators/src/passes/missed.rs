@@ -1,0 +1,74 @@
+//! Light that path tracing from the camera cannot find: that of points and parallel lights that mirrors or glass focus.
+//! No light sample passes a mirror, and no path meets a light without size.
+
+use super::{
+    Run,
+    subpath::{Arrival, LIGHT_EVENTS, Subpath, Ways},
+    vertex::Vertex,
+};
+use crate::{Control, Counters, Depth, dimension};
+use steradian_core::{
+    Scene,
+    bsdf::TransportMode,
+    light::emission::Emission,
+    sampler::{PixelSampler, Sampler, SamplerKind},
+};
+use steradian_math::Vec3;
+
+/// Light paths of the estimate.
+const PATHS: u32 = 1 << 14;
+
+/// What the caustics of lights without size add to the mean of the picture, in linear Rec.709, where the camera sees
+/// them on surfaces that are not specular: an estimate to a few per cent of itself, always the same for a scene.
+pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
+    let lights = &scene.lights.lights;
+    if scene.has_media || !scene.camera.can_receive() || !lights.iter().any(|l| l.kind().is_delta) {
+        return Vec3::ZERO;
+    }
+    let Some(emission) = Emission::new(scene) else { return Vec3::ZERO };
+    let control = Control::default();
+    let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
+    let run = Run { scene, sampler, threads: 1, control: &control };
+    let sum: Vec3 = (0..PATHS).map(|k| path(&run, &emission, depth, &sampler.pixel(k & 0xff, k >> 8, 0))).sum();
+    sum / (scene.film.crop.width() as f32 * scene.film.crop.height() as f32)
+}
+
+/// What a light path brings to the crop.
+fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSampler) -> Vec3 {
+    let (scene, ways) = (run.scene, Ways::connections(PATHS as f32, true));
+    let (mut counters, mut sum) = (Counters::default(), Vec3::ZERO);
+    let Some(mut path) = Subpath::from_light(scene, emission, numbers, run.wavelengths(numbers)) else { return sum };
+    if !path.is_from_delta(scene) {
+        return sum;
+    }
+    let mut is_focused = false;
+    while let Arrival::Vertex(v) = path.arrive(scene, numbers, &mut counters, |_, _, _, _| ()) {
+        is_focused |= path.is_specular && v.events > 0;
+        if v.events >= depth.max {
+            break;
+        }
+        if is_focused && !v.scattering.bsdf.is_specular() {
+            sum += seen(run, &v, numbers);
+        }
+        if !path.scatter(scene, &v, numbers, &ways, depth) || !(is_focused || path.is_specular) {
+            break;
+        }
+    }
+    sum
+}
+
+/// What a vertex of a light path brings to the crop.
+fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler) -> Vec3 {
+    let (scene, crop) = (run.scene, run.scene.film.crop);
+    let lens = numbers.get_2d(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
+    let Some(seen) = scene.camera.receive(&scene.film, v.i.surface.p, lens) else { return Vec3::ZERO };
+    let within = |at: f32, from: u32, to: u32| at >= from as f32 && at < to as f32;
+    if !within(seen.at.x, crop.x0, crop.x1) || !within(seen.at.y, crop.y0, crop.y1) {
+        return Vec3::ZERO;
+    }
+    let Some(e) = v.eval(scene, seen.to_camera, TransportMode::Importance) else { return Vec3::ZERO };
+    if scene.occluded(&v.i.spawn_towards(seen.to_camera, seen.distance)) {
+        return Vec3::ZERO;
+    }
+    run.developed(v.beta * e.value * (seen.density / PATHS as f32), &v.lambda)
+}

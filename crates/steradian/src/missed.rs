@@ -1,0 +1,63 @@
+//! Light that a picture lacks, since its integrator cannot find it.
+
+use crate::{Film, Scene, integrators::IntegratorKind};
+use steradian_math::{Vec3, color::luminance};
+
+/// Less than this part of the light is not worth a word.
+const LEAST: f64 = 0.01;
+
+/// The part of the light that is missing in a picture of an integrator: caustics of points and parallel lights, which
+/// no path from the camera finds. `None` where it is less than a hundredth, by an estimate.
+pub fn missing_light(integrator: &IntegratorKind, scene: &Scene, film: &Film) -> Option<f64> {
+    let missed = f64::from(luminance(integrator.missed_caustics(scene)?));
+    let taken = film.pixels.iter().filter(|p| p.samples > 0);
+    let (sum, count) = taken.fold((0.0, 0_usize), |(sum, n), p| {
+        (sum + f64::from(luminance(Vec3::from_array(p.mean().map(|v| v as f32)))), n + 1)
+    });
+    let share = missed / (missed + sum / count.max(1) as f64);
+    (share >= LEAST).then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Control, Quality, Session};
+
+    /// The missing part of a room with a glass ball of a radius under a point light, and the mean of its picture.
+    fn room(radius: f64, integrator: &str, spp: u32) -> (Option<f64>, f64) {
+        let text = format!(
+            r#"LookAt 0 0 -3.2  0 0 0  0 1 0  Camera "perspective" "float fov" 40
+            Film "rgb" "integer xresolution" 24 "integer yresolution" 24  Sampler "independent"
+            Integrator "path" "integer maxdepth" 5  WorldBegin
+            LightSource "point" "point3 from" [0.4 0.9 0.1] "rgb I" [1 1 1]
+            Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+            Shape "trianglemesh" "point3 P" [-1 -1 -1 -1 -1 1 1 -1 1 1 -1 -1] "integer indices" [0 1 2 0 2 3]
+            Shape "trianglemesh" "point3 P" [-1 -1 1 -1 1 1 1 1 1 1 -1 1] "integer indices" [0 1 2 0 2 3]
+            Material "dielectric"  Translate 0 -0.4 0.1  Shape "sphere" "float radius" {radius}"#
+        );
+        let loaded = crate::load_bytes("room.pbrt", text.into_bytes(), Some("pbrt"), &Default::default());
+        let scene = crate::compile(&loaded.desc, &Default::default()).scene.expect("a sound scene");
+        let quality =
+            Quality { integrator: Some(integrator.to_owned()), spp: Some(spp), threads: 2, ..Quality::default() };
+        let plan = quality.plan(&scene).expect("a known integrator");
+        let kind = plan.integrator;
+        let mut session = Session::new(&scene, plan);
+        session.step(u32::MAX, &Control::default());
+        let film = session.film();
+        let mean = film.pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / film.pixels.len() as f64;
+        (missing_light(&kind, &scene, &film), mean)
+    }
+
+    /// What is said to be missing is what another method finds more.
+    #[test]
+    fn caustics_of_points_are_missed() {
+        let (share, mean) = room(0.5, "path", 256);
+        let (none, truth) = room(0.5, "bdpt", 256);
+        let share = share.expect("a caustic");
+        let found = 1.0 - mean / truth;
+        assert!(found > 0.03 && (share / found - 1.0).abs() < 0.1, "{share} is said to be missing, {found} is");
+        assert_eq!(none, None);
+        // A hundredth and less is not worth a word.
+        assert_eq!(room(0.06, "path", 64).0, None);
+    }
+}
