@@ -9,6 +9,9 @@ pub const BAD_INPUT: u8 = 2;
 /// Exit code: pictures differ by more than was allowed.
 pub const DIFFERENT: u8 = 4;
 
+/// Exit code: nothing differs, but not everything could be decided.
+pub const UNDECIDED: u8 = 5;
+
 /// The exit code of a command that ran to its end, or why it did not.
 pub type Outcome = Result<u8, Failure>;
 

@@ -1,7 +1,7 @@
 //! `steradian verify`: whether integrators agree on a scene.
 
 use crate::{
-    args::VerifyArgs,
+    args::{Color, VerifyArgs},
     failure::{self, Failure, Outcome},
     open, output,
     terminal::{self, Terminal},
@@ -14,7 +14,7 @@ use std::{
 use steradian::{
     Control, Film, INTEGRATORS, Inputs, Layer, Quality, Scene,
     image::WriteOptions,
-    verify::{self, Comparison, Verdict},
+    verify::{self, Difference, Verdict},
 };
 
 #[derive(Debug, Serialize)]
@@ -22,7 +22,10 @@ struct Answer<'a> {
     schema: u32,
     scene: &'a Path,
     reference: &'a str,
+    /// What light no reference finds; nothing is decided then.
+    reference_lacks: Option<&'a str>,
     integrators: Vec<Row<'a>>,
+    /// Whether all were decided, and none differs.
     agrees: bool,
 }
 
@@ -31,24 +34,30 @@ struct Row<'a> {
     integrator: &'a str,
     /// What of the scene it cannot do; nothing else is known then.
     cannot: Option<&'a str>,
-    /// `agrees`, `converges` (biased, by less with a smaller radius or smaller patches), `undecided` or `differs`.
+    /// `agrees`, `converges` (biased, and the limit of small radii or patches agrees), `undecided` or `differs`.
     verdict: Option<&'static str>,
     mean_ratio: Option<f64>,
-    mean_z: Option<f64>,
     /// The smallest difference of `mean_ratio` from 1 that is told from noise.
     detectable_difference: Option<f64>,
     difference: Option<f64>,
     noise: Option<f64>,
-    coarser_difference: Option<f64>,
+    /// By how much `mean_ratio` changed when the radius or the edges of patches were halved.
+    change: Option<f64>,
     largest_z: Option<f64>,
     allowed_z: Option<f64>,
+    spp: Option<u32>,
     cpu_seconds: Option<f64>,
 }
 
 /// Renders, compares, tells.
 pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
-    let opened = open::open(&args.scene, &args.scene_options, Some(args.spp));
+    let mut options = args.scene_options.clone();
+    // Of spectra all paths of a pass share the wavelengths in some methods: noise that says nothing of how light is found.
+    if options.color == Color::Auto {
+        options.color = Color::Rgb;
+    }
+    let opened = open::open(&args.scene, &options, Some(args.spp));
     let ready = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?;
     let mut scene = ready.scene;
     if let Some(folder) = &args.output {
@@ -77,26 +86,33 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
             schema: 1,
             scene,
             reference,
+            reference_lacks: report.incomplete.as_deref(),
             integrators: rows,
-            agrees: report.with(Verdict::Differs).is_empty(),
+            agrees: report.with(Verdict::Differs).is_empty() && report.with(Verdict::Undecided).is_empty(),
         })?;
     } else {
         terminal::data(table(&report.reference, &rows).as_bytes())?;
     }
-    let unsure = report.with(Verdict::Undecided);
-    if !unsure.is_empty() {
-        let percent = 100.0 * verify::POWER;
-        let names = unsure.join(", ");
+    let (unsure, wrong) = (report.with(Verdict::Undecided), report.with(Verdict::Differs));
+    if let Some(what) = &report.incomplete {
+        terminal.warn(&format!("nothing is decided: no method with a known error finds {what}"));
+    } else if !unsure.is_empty() {
         terminal.warn(&format!(
-            "not decided for {names}: noise may hide differences of {percent} % and more of the mean; a higher --spp tells"
+            "not decided for {} with {} times the samples: noise may hide differences of {} % and more of the mean; a higher --spp tells",
+            unsure.join(", "),
+            verify::BUDGET,
+            100.0 * verify::POWER
         ));
     }
-    let wrong = report.with(Verdict::Differs);
-    if wrong.is_empty() {
-        return Ok(failure::DONE);
+    match (wrong.is_empty(), unsure.is_empty()) {
+        (false, _) => {
+            let message =
+                format!("{} and {} do not agree on {}", report.reference, wrong.join(", "), args.scene.display());
+            Err(Failure { code: failure::DIFFERENT, message })
+        }
+        (true, false) => Ok(failure::UNDECIDED),
+        (true, true) => Ok(failure::DONE),
     }
-    let message = format!("{} and {} do not agree on {}", report.reference, wrong.join(", "), args.scene.display());
-    Err(Failure { code: failure::DIFFERENT, message })
 }
 
 /// A verdict in JSON.
@@ -114,44 +130,45 @@ fn row(v: &verify::Verified) -> Row<'_> {
         verify::Outcome::Compared(c) => (None, Some(c)),
         verify::Outcome::Cannot(what) => (Some(what.as_str()), None),
     };
-    let of = |f: fn(&Comparison) -> f64| c.map(f);
+    let of = |f: fn(&Difference) -> f64| c.map(|c| f(&c.difference));
     Row {
         integrator: &v.integrator,
         cannot,
-        verdict: c.map(|c| named(c.verdict)),
-        mean_ratio: of(|c| c.ratio),
-        mean_z: of(|c| c.mean_z),
-        detectable_difference: of(|c| c.detects),
-        difference: of(|c| c.difference),
-        noise: of(|c| c.noise),
-        coarser_difference: c.and_then(|c| c.wider),
-        largest_z: of(|c| c.largest),
-        allowed_z: of(|c| c.allowed),
-        cpu_seconds: of(|c| c.seconds),
+        verdict: c.map(|c| named(c.difference.verdict)),
+        mean_ratio: of(|d| d.ratio),
+        detectable_difference: of(|d| d.detects),
+        difference: of(|d| d.difference),
+        noise: of(|d| d.noise),
+        change: c.and_then(|c| c.difference.change),
+        largest_z: of(|d| d.largest),
+        allowed_z: of(|d| d.allowed),
+        spp: c.map(|c| c.spp),
+        cpu_seconds: c.map(|c| c.seconds),
     }
 }
 
 /// Differences are root mean squares over blocks, as parts of the picture's mean.
 fn table(reference: &str, rows: &[Row<'_>]) -> String {
     let mut out = format!(
-        "{:<14} {:>9} {:>9} {:>12} {:>9} {:>10} {:>9} {:>8}  agrees with {reference}\n",
-        "integrator", "mean", "detects", "difference", "noise", "coarser", "largest z", "CPU s"
+        "{:<14} {:>9} {:>9} {:>12} {:>9} {:>10} {:>9} {:>6} {:>8}  agrees with {reference}\n",
+        "integrator", "mean", "detects", "difference", "noise", "change", "largest z", "spp", "CPU s"
     );
     for r in rows {
         let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.3} %", 100.0 * v));
         let line = match (r.cannot, r.verdict) {
             (None, Some(verdict)) => format!(
-                "{:>9.4} {:>9} {:>12} {:>9} {:>10} {:>9.2} {:>8.2}  {}",
+                "{:>9.4} {:>9} {:>12} {:>9} {:>10} {:>9.2} {:>6} {:>8.2}  {}",
                 r.mean_ratio.unwrap_or(f64::NAN),
                 percent(r.detectable_difference),
                 percent(r.difference),
                 percent(r.noise),
-                percent(r.coarser_difference),
+                percent(r.change),
                 r.largest_z.unwrap_or(f64::NAN),
+                r.spp.unwrap_or(0),
                 r.cpu_seconds.unwrap_or(f64::NAN),
                 match verdict {
                     "agrees" => "yes",
-                    "converges" => "yes, its bias shrinks",
+                    "converges" => "yes, in the limit",
                     "undecided" => "not decided",
                     _ => "NO",
                 }

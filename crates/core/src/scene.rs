@@ -325,6 +325,12 @@ impl Scene {
         (id.instance != WORLD).then(|| self.placements[id.instance as usize].at(time))
     }
 
+    /// Whether normal or bump maps change the shading of any material.
+    pub fn has_surface_detail(&self) -> bool {
+        let bends = |d: &material::SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();
+        self.materials.iter().any(|m| m.detail.as_ref().is_some_and(bends))
+    }
+
     /// Whether a geometry turns towards every ray, so that a point of it is one of its surface only from one side.
     pub fn faces_rays(&self, geometry: u32) -> bool {
         self.geometries[geometry as usize].shape.faces_rays()

@@ -114,6 +114,7 @@ impl IntegratorKind {
         match self {
             Self::Passes(kind) => kind.cannot(scene),
             Self::Path(_) | Self::PathRecursive(_) if scene.has_media => Some("participating media".into()),
+            Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
             Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {
                 Ok(names) if names.is_empty() => None,
                 Ok(names) => Some(format!("materials that are not Lambertian: '{}'", names.join("', '"))),

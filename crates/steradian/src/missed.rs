@@ -9,13 +9,18 @@ const LEAST: f64 = 0.01;
 /// The part of the light that is missing in a picture of an integrator: caustics of points and parallel lights, which
 /// no path from the camera finds. `None` where it is less than a hundredth, by an estimate.
 pub fn missing_light(integrator: &IntegratorKind, scene: &Scene, film: &Film) -> Option<f64> {
-    let missed = f64::from(luminance(integrator.missed_caustics(scene)?));
+    let share = share_of(integrator.missed_caustics(scene)?, film);
+    (share >= LEAST).then_some(share)
+}
+
+/// The part of all light that is missing in a film.
+pub(crate) fn share_of(missed: Vec3, film: &Film) -> f64 {
+    let missed = f64::from(luminance(missed));
     let taken = film.pixels.iter().filter(|p| p.samples > 0);
     let (sum, count) = taken.fold((0.0, 0_usize), |(sum, n), p| {
         (sum + f64::from(luminance(Vec3::from_array(p.mean().map(|v| v as f32)))), n + 1)
     });
-    let share = missed / (missed + sum / count.max(1) as f64);
-    (share >= LEAST).then_some(share)
+    if missed > 0.0 { missed / (missed + sum / count.max(1) as f64) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -191,7 +191,7 @@ fn light_reaches_all(scene: &Scene) -> Option<String> {
 }
 
 /// The material of a surface that the camera sees and that reflects or refracts in one direction, by a grid of rays.
-fn specular_material(scene: &Scene) -> Option<String> {
+pub fn specular_material(scene: &Scene) -> Option<String> {
     const EDGE: u32 = 48;
     let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
     (0..EDGE * EDGE).find_map(|k| {

@@ -13,11 +13,11 @@ pub enum Radius {
 }
 
 impl Radius {
-    /// Twice as far.
-    pub(super) fn twice(self) -> Self {
+    /// So many times as far.
+    pub(super) fn times(self, factor: f32) -> Self {
         match self {
-            Self::Fixed(r) => Self::Fixed(2.0 * r),
-            Self::Pixels(r) => Self::Pixels(2.0 * r),
+            Self::Fixed(r) => Self::Fixed(factor * r),
+            Self::Pixels(r) => Self::Pixels(factor * r),
         }
     }
 

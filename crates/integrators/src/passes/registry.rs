@@ -81,16 +81,17 @@ impl PassKind {
         }
     }
 
-    /// Where its mean differs from the true picture, by less the smaller its radius is: the same with twice the radius.
-    pub fn coarser(&self) -> Option<Self> {
-        let mut coarser = *self;
-        match &mut coarser {
-            Self::Bidirectional(b) if b.strategy == Strategy::Merging => b.radius = b.radius.twice(),
-            Self::Sppm(s) => s.radius = s.radius.twice(),
-            Self::PhotonMap(p) => p.radius = p.radius.twice(),
+    /// Where its mean differs from the true picture, by less the smaller its radius is: the same with a radius so many
+    /// times as large.
+    pub fn with_radius(&self, factor: f32) -> Option<Self> {
+        let mut other = *self;
+        match &mut other {
+            Self::Bidirectional(b) if b.strategy == Strategy::Merging => b.radius = b.radius.times(factor),
+            Self::Sppm(s) => s.radius = s.radius.times(factor),
+            Self::PhotonMap(p) => p.radius = p.radius.times(factor),
             Self::Bidirectional(_) | Self::Metropolis(_) => return None,
         }
-        Some(coarser)
+        Some(other)
     }
 
     /// What a session runs.

@@ -11,6 +11,7 @@ use steradian_core::{
     Scene,
     scene::{Geometry, Hit, Interaction, PrimId, Shape, WORLD},
     shape::{Plane, Quadric, QuadricKind},
+    texture::FloatTexture,
 };
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, transform::Affine};
 
@@ -63,6 +64,9 @@ pub enum Refusal {
     /// Light is not the same at all moments.
     #[error("radiosity knows one moment; things move in the scene while the shutter is open")]
     Motion,
+    /// Rays pass a surface by chance: what a patch sends and what it receives are not the same share.
+    #[error("radiosity does not know surfaces that rays pass by chance (masks, 'alpha')")]
+    Masks,
     /// There is nothing to cut.
     #[error("radiosity needs surfaces; the scene has none that can be cut into patches")]
     NoSurfaces,
@@ -243,6 +247,10 @@ impl Surfaces {
         }
         if scene.placements.iter().any(|p| p.motion.is_some()) {
             return Err(Refusal::Motion);
+        }
+        let is_masked = |alpha: &FloatTexture| !matches!(alpha, FloatTexture::Constant(a) if *a >= 1.0);
+        if scene.geometries.iter().any(|g| g.alpha.as_ref().is_some_and(is_masked)) {
+            return Err(Refusal::Masks);
         }
         let mut all = Self { eye, ..Self::default() };
         let world = scene.placements.iter().map(|p| p.base).min().unwrap_or(scene.geometries.len() as u32);

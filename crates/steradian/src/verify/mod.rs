@@ -1,0 +1,316 @@
+//! Whether integrators agree on a scene: each is rendered, and held against a reference by statistical tests.
+//!
+//! - **The reference** finds all light of the scene, and its error is known: path tracing guided by photons, or
+//!   bidirectional path tracing, whichever errs less. Path tracing does not find caustics of lights without size, nor
+//!   connections those that are seen in mirrors and through glass; where neither is complete nothing is decided.
+//! - **Errors** come from the spread of parts of the samples, since pixels that share photons do not err independently.
+//!   Where few bright paths make them they are not known, and nothing is decided.
+//! - **Effort** is added until a method is seen to agree: the samples are doubled, up to [`BUDGET`] times those asked
+//!   for. What differs then differs.
+//! - **Tests** compare blocks of pixels, at a level that is divided among all of them (Šidák 1967), and the mean.
+//!   Agreement says little where noise is large: a difference of [`POWER`] must be one that would be seen.
+//! - **Bias** is tested by its limit. Integrators with a radius or patches are rendered twice, photons with half their radius and
+//!   with all of it; what they differ from the reference by is little more than what they changed by when the radius
+//!   was halved, in that direction.
+//!
+//! What the camera sees of lights is left out: all show it alike, and the noise of its edges would hide the rest.
+
+mod judge;
+mod picture;
+mod quantile;
+#[cfg(test)]
+mod tests;
+
+pub use judge::{Difference, POWER, Verdict};
+
+use crate::{Control, Error, Film, INTEGRATORS, Plan, Quality, Scene, missed};
+use picture::Picture;
+use std::sync::atomic::Ordering;
+use steradian_integrators::{
+    Depth, IntegratorKind,
+    passes::{missed_caustics, specular_material},
+};
+
+/// Most rounds of the samples asked for.
+pub const BUDGET: u32 = 16;
+/// The part of the light that a reference may leave out.
+const COMPLETE: f64 = 1e-3;
+/// Integrators that are not compared by default: those that do not compute all light, and parts of polarised light.
+const OTHERS: &[&str] =
+    &["ao", "direct", "whitted", "raycast", "stokes-s1", "stokes-s2", "stokes-s3", "path-recursive"];
+
+/// What came of an integrator.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// It was compared with the reference.
+    Compared(Box<Comparison>),
+    /// What of the scene it cannot do.
+    Cannot(String),
+}
+
+/// How an integrator compares with the reference.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// How its picture differs.
+    pub difference: Difference,
+    /// CPU seconds.
+    pub seconds: f64,
+    /// Samples per pixel of its picture.
+    pub spp: u32,
+    /// The picture.
+    pub film: Film,
+}
+
+/// An integrator with its outcome.
+#[derive(Clone, Debug)]
+pub struct Verified {
+    /// Its name.
+    pub integrator: String,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// The reference, and what came of every integrator.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The integrator that all others are held against.
+    pub reference: String,
+    /// Its picture.
+    pub film: Film,
+    /// Why nothing is decided, where no reference finds all light.
+    pub incomplete: Option<String>,
+    /// By the order of the registry.
+    pub verified: Vec<Verified>,
+}
+
+impl Report {
+    /// The integrators with a verdict.
+    pub fn with(&self, verdict: Verdict) -> Vec<&str> {
+        let is = |v: &&Verified| matches!(&v.outcome, Outcome::Compared(c) if c.difference.verdict == verdict);
+        self.verified.iter().filter(is).map(|v| v.integrator.as_str()).collect()
+    }
+}
+
+/// What renders a round of a method; tests put faulty ones in its place.
+type Render<'r> = &'r dyn Fn(&str, &Scene, Plan, &Control, &mut Picture);
+
+/// Renders a scene by every integrator that can, or those that are named, with independent pixels and lights that the
+/// camera does not see (they stay hidden in `scene`); `told` hears which one is next.
+///
+/// # Errors
+/// [`Error`] for unknown names and options.
+pub fn verify(
+    scene: &mut Scene,
+    quality: &Quality,
+    named: &[String],
+    control: &Control,
+    told: impl FnMut(&str),
+) -> Result<Report, Error> {
+    let render: Render<'_> = &|_, scene, plan, control, picture| picture.add(scene, plan, control);
+    verify_by(render, scene, quality, named, control, told)
+}
+
+/// [`verify`], with what renders.
+fn verify_by(
+    render: Render<'_>,
+    scene: &mut Scene,
+    quality: &Quality,
+    named: &[String],
+    control: &Control,
+    mut told: impl FnMut(&str),
+) -> Result<Report, Error> {
+    scene.settings.hide_emitters = true;
+    let scene = &*scene;
+    let seed = quality.seed.unwrap_or(scene.settings.seed);
+    let maker = Maker { render, scene, quality, control, seed };
+    let (mut reference, has_caustics) = maker.reference(&mut told)?;
+    let incomplete = reference.lacks(scene);
+    let is_default = |name: &&str| !OTHERS.contains(name) && (*name != "volpath" || scene.has_media);
+    let default: Vec<String> = INTEGRATORS.iter().map(|i| i.0).filter(is_default).map(str::to_owned).collect();
+    let mut verified = Vec::new();
+    for (k, name) in (1..).zip(if named.is_empty() { &default } else { named }) {
+        told(name);
+        let outcome = match maker.method(name, k) {
+            Err(Error::CannotRender { what, .. }) => Outcome::Cannot(what),
+            Err(refusal) if named.is_empty() => Outcome::Cannot(refusal.to_string()),
+            Err(refusal) => return Err(refusal),
+            Ok(method) => match method.plan.integrator.cannot(scene) {
+                Some(what) => Outcome::Cannot(what),
+                None => {
+                    let unsure = Unsure { of_all: incomplete.is_some(), of_paths: has_caustics };
+                    Outcome::Compared(Box::new(maker.decide(method, &mut reference, unsure)))
+                }
+            },
+        };
+        verified.push(Verified { integrator: name.clone(), outcome });
+    }
+    let film = reference.picture.film.unwrap_or_else(|| empty(scene));
+    Ok(Report { reference: reference.name, film, incomplete, verified })
+}
+
+/// A method, and what it has rendered.
+#[derive(Clone, Debug)]
+struct Method {
+    name: String,
+    plan: Plan,
+    picture: Picture,
+    rounds: u32,
+    /// With more of its bias, for methods that have some.
+    wider: Option<(IntegratorKind, Picture)>,
+}
+
+/// What cannot be decided.
+#[derive(Clone, Copy, Debug)]
+struct Unsure {
+    /// Anything: no reference finds all light.
+    of_all: bool,
+    /// Differences of paths that photons do not guide: they hardly find some of the light.
+    of_paths: bool,
+}
+
+impl Method {
+    /// Whether it follows paths from the camera without a guide.
+    fn is_unguided(&self) -> bool {
+        !matches!(self.plan.integrator, IntegratorKind::Passes(_) | IntegratorKind::Radiosity(_))
+            && !self.picture.is_guided
+    }
+
+    /// Of a reference, what light it does not find.
+    fn lacks(&self, scene: &Scene) -> Option<String> {
+        let settings = &scene.settings;
+        let depth = Depth { max: settings.max_depth, roulette_after: settings.rr_depth, hide_emitters: true };
+        let missed = missed_caustics(scene, &depth);
+        if missed::share_of(missed, self.picture.film.as_ref()?) <= COMPLETE {
+            return None;
+        }
+        match self.plan.integrator {
+            IntegratorKind::Passes(_) => specular_material(scene)
+                .map(|name| format!("caustics of lights without size, seen by way of the material '{name}'")),
+            _ => Some("caustics of lights without size".into()),
+        }
+    }
+}
+
+/// What all methods are rendered with.
+struct Maker<'a> {
+    render: Render<'a>,
+    scene: &'a Scene,
+    quality: &'a Quality,
+    control: &'a Control,
+    seed: u64,
+}
+
+impl Maker<'_> {
+    /// A method by name; those of a report have seeds of their own.
+    fn method(&self, name: &str, number: u64) -> Result<Method, Error> {
+        let quality = Quality {
+            integrator: Some(name.to_owned()),
+            sampler: Some("independent".to_owned()),
+            // Rounds and wider radii lie between the numbers of methods.
+            seed: Some(self.seed.wrapping_add(number << 8)),
+            ..self.quality.clone()
+        };
+        if let Some(what) = quality.leaves_out(self.scene) {
+            return Err(Error::CannotRender { integrator: name.to_owned(), what: what.to_owned() });
+        }
+        let mut plan = quality.plan(self.scene)?;
+        let mut wider = None;
+        if let Some((finer, coarser)) = with_less_bias(&plan.integrator) {
+            plan.integrator = finer;
+            wider = Some((coarser, Picture::default()));
+        }
+        Ok(Method { name: name.to_owned(), plan, picture: Picture::default(), rounds: 0, wider })
+    }
+
+    /// Renders until a method has so many rounds.
+    fn extend(&self, method: &mut Method, rounds: u32) {
+        while method.rounds < rounds {
+            let mut plan = method.plan;
+            plan.sampler.seed = plan.sampler.seed.wrapping_add(2 * u64::from(method.rounds));
+            (self.render)(&method.name, self.scene, plan, self.control, &mut method.picture);
+            if let Some((integrator, picture)) = &mut method.wider {
+                plan.sampler.seed = plan.sampler.seed.wrapping_add(1);
+                (self.render)(
+                    &method.name,
+                    self.scene,
+                    Plan { integrator: *integrator, ..plan },
+                    self.control,
+                    picture,
+                );
+            }
+            method.rounds += 1;
+        }
+    }
+
+    /// The method that all others are held against: of those that find all light the one that errs least; and whether
+    /// paths alone hardly find some of it.
+    fn reference(&self, told: &mut impl FnMut(&str)) -> Result<(Method, bool), Error> {
+        let path = if self.scene.has_media { "volpath" } else { "path" };
+        let mut found: Vec<Method> = Vec::new();
+        // Pixels that share paths have errors that are not independent of each other.
+        for (number, name) in [(0, &*format!("{path}:reuse=1,effort=even")), (u64::from(u16::MAX), "bdpt")] {
+            let method = match self.method(name, number) {
+                Ok(method) if method.plan.integrator.cannot(self.scene).is_none() => method,
+                Ok(_) => continue,
+                Err(_) if number > 0 => continue,
+                Err(refusal) => return Err(refusal),
+            };
+            told(&format!("{name} for reference"));
+            let mut method = Method { wider: None, ..method };
+            self.extend(&mut method, 1);
+            found.push(method);
+        }
+        let has_caustics = found.iter().any(|m| m.picture.is_guided);
+        let worth = |m: &Method| {
+            let v = m.picture.values();
+            let error = v.blocks.iter().map(|b| b.variance).sum::<f64>() * m.picture.seconds;
+            (m.lacks(self.scene).is_some(), !v.is_reliable, error)
+        };
+        found.sort_by(|a, b| worth(a).partial_cmp(&worth(b)).unwrap_or(std::cmp::Ordering::Equal));
+        found.truncate(1);
+        let none = || Error::CannotRender { integrator: path.to_owned(), what: "this scene".into() };
+        Ok((found.pop().ok_or_else(none)?, has_caustics))
+    }
+
+    /// Compares a method with the reference, with more and more samples of both.
+    fn decide(&self, mut method: Method, reference: &mut Method, unsure: Unsure) -> Comparison {
+        let mut rounds = 1;
+        let difference = loop {
+            self.extend(&mut method, rounds);
+            self.extend(reference, rounds);
+            let wider = method.wider.as_ref().map(|w| w.1.values());
+            let found = judge::compare(&reference.picture.values(), &method.picture.values(), wider.as_ref());
+            let is_over = unsure.of_all || rounds >= BUDGET || self.control.cancel.load(Ordering::Relaxed);
+            // A difference may be that of rare light, which few samples do not find: it must remain.
+            if is_over || matches!(found.verdict, Verdict::Agrees | Verdict::Converges) {
+                let is_blind = unsure.of_paths && method.is_unguided();
+                let is_unsure = unsure.of_all || is_blind && found.verdict == Verdict::Differs;
+                break Difference { verdict: if is_unsure { Verdict::Undecided } else { found.verdict }, ..found };
+            }
+            rounds *= 2;
+        };
+        let seconds = method.picture.seconds + method.wider.map_or(0.0, |w| w.1.seconds);
+        let spp = method.rounds.saturating_mul(method.plan.sampler.spp);
+        let film = method.picture.film.unwrap_or_else(|| empty(self.scene));
+        Comparison { difference, seconds, spp, film }
+    }
+}
+
+/// A biased integrator with about half of its bias, and with twice that: half its radius, or patches of half the edge.
+fn with_less_bias(integrator: &IntegratorKind) -> Option<(IntegratorKind, IntegratorKind)> {
+    match integrator {
+        IntegratorKind::Passes(kind) => Some((IntegratorKind::Passes(kind.with_radius(0.5)?), *integrator)),
+        IntegratorKind::Radiosity(view) => {
+            let mut coarser = *view;
+            coarser.settings.patches /= 4;
+            Some((*integrator, IntegratorKind::Radiosity(coarser)))
+        }
+        _ => None,
+    }
+}
+
+/// The film of a render that was cancelled before it began.
+fn empty(scene: &Scene) -> Film {
+    let crop = scene.film.crop;
+    Film { crop, pixels: Vec::new(), features: Vec::new(), mattes: Vec::new(), by_light: Vec::new() }
+}
