@@ -20,6 +20,7 @@ mod nodes;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod validate;
 
 use crate::{
     Import, Options,
@@ -134,6 +135,15 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn read(&mut self, root: &mut Value) {
         self.check_version(&At::root(root));
+        if self.import.diagnostics.has_errors() {
+            return;
+        }
+        let issues = self.issues(root);
+        self.build(root);
+        self.report(issues);
+    }
+
+    fn build(&mut self, root: &mut Value) {
         extensions::check(self, &At::root(root));
         if self.import.diagnostics.has_errors() {
             return;
@@ -174,11 +184,15 @@ impl Reader<'_> {
 
     /// Where a value stands in the file.
     fn span(&self, at: &At<'_>) -> Option<Span> {
+        self.span_of(&at.pointer)
+    }
+
+    fn span_of(&self, pointer: &str) -> Option<Span> {
         // Messages past the limit are not shown: to find their place takes reading the file.
         if self.import.diagnostics.iter().count() > 500 {
             return None;
         }
-        let (start, end) = locate::value(&self.text, &at.pointer)?;
+        let (start, end) = locate::value(&self.text, pointer)?;
         Some(Span::new(self.source, start, end))
     }
 
@@ -187,22 +201,28 @@ impl Reader<'_> {
     }
 
     fn error_help(&mut self, at: &At<'_>, message: impl Into<String>, help: Option<String>) {
-        let (span, message) = (self.span(at), named(at, message.into()));
+        let (span, message) = (self.span(at), named(&at.pointer, message.into()));
         self.import.diagnostics.error_help(&self.import.desc.sources, span, message, help);
     }
 
     fn approximated(&mut self, at: &At<'_>, message: impl Into<String>) {
-        let (span, message) = (self.span(at), named(at, message.into()));
+        let (span, message) = (self.span(at), named(&at.pointer, message.into()));
         self.import.diagnostics.approximated(&self.import.desc.sources, span, message);
     }
 
+    /// Warns of a broken rule of the specification.
+    fn broken_rule(&mut self, pointer: &str, message: String) {
+        let (span, message) = (self.span_of(pointer), named(pointer, message));
+        self.import.diagnostics.warn(&self.import.desc.sources, span, message);
+    }
+
     fn dropped(&mut self, at: &At<'_>, message: impl Into<String>) {
-        let (span, message) = (self.span(at), named(at, message.into()));
+        let (span, message) = (self.span(at), named(&at.pointer, message.into()));
         self.import.diagnostics.dropped(&self.import.desc.sources, span, message);
     }
 }
 
 /// A message with the JSON pointer of what it is about.
-fn named(at: &At<'_>, message: String) -> String {
-    if at.pointer.is_empty() { message } else { format!("{}: {message}", at.pointer) }
+fn named(pointer: &str, message: String) -> String {
+    if pointer.is_empty() { message } else { format!("{pointer}: {message}") }
 }

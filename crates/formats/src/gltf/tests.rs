@@ -6,7 +6,7 @@ use steradian_math::DVec3;
 use steradian_scene::{Fidelity, SpectrumValue, Value};
 
 /// Floats as a data URI.
-fn data(bytes: &[u8]) -> String {
+pub(super) fn data(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::from("data:application/octet-stream;base64,");
     for chunk in bytes.chunks(3) {
@@ -246,7 +246,6 @@ fn the_assets_are_read() {
             // Whatever a file is called: glTF begins like this.
             let begin = std::fs::read(&path).unwrap();
             if !begin.starts_with(b"glTF") && !begin.trim_ascii_start().starts_with(b"{") {
-                println!("skipped: {} is no glTF", path.display());
                 continue;
             }
             count += 1;

@@ -1,0 +1,40 @@
+//! Holds documents against the rules of the glTF 2.0 specification: its schema, what its objects refer to, and the data.
+//!
+//! A broken rule is a warning. What cannot be read is an error of the reader, and is not told twice.
+
+mod extensions;
+mod issues;
+mod kinds;
+mod schema;
+#[cfg(test)]
+mod tests;
+mod uri;
+mod walk;
+
+use super::Reader;
+use issues::Issues;
+use serde_json::Value;
+use steradian_scene::{Fidelity, Severity};
+
+impl Reader<'_> {
+    /// What breaks the rules in the document.
+    pub(super) fn issues(&self, root: &Value) -> Issues {
+        let mut issues = Issues::default();
+        walk::check(root, &mut issues);
+        issues
+    }
+
+    /// Warns of broken rules whose places no message of the reader names.
+    pub(super) fn report(&mut self, issues: Issues) {
+        let told: Vec<String> = (self.import.diagnostics.iter())
+            .filter(|d| d.severity == Severity::Error || d.fidelity == Some(Fidelity::Approximated))
+            .map(|d| d.message.clone())
+            .collect();
+        for issue in issues.finish() {
+            let start = format!("{}: ", issue.pointer);
+            if issue.pointer.is_empty() || !told.iter().any(|message| message.starts_with(&start)) {
+                self.broken_rule(&issue.pointer, issue.message);
+            }
+        }
+    }
+}
