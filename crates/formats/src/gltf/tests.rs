@@ -33,7 +33,7 @@ fn triangle(root: &str, node: &str, primitive: &str, material: &str) -> String {
   "asset": {{ "version": "2.0" }},
   "buffers": [{{ "byteLength": 36, "uri": "{}" }}],
   "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
-  "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }}],
+  "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }}],
   "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }}, "material": 0 {primitive} }}] }}],
   "materials": [{{ "name": "paint" {material} }}],
   "nodes": [{{ "mesh": 0 {node} }}]

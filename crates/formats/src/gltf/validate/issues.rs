@@ -45,8 +45,8 @@ impl Issues {
         more.sort_by_key(|(_, first)| *first);
         for (count, first) in more {
             let Issue { pointer, message } = &self.kept[first];
-            let message = format!("{} more places of this kind break the rule: {message}", count - MOST_ALIKE);
-            self.kept.push(Issue { pointer: pointer.clone(), message });
+            let message = format!("{} more places like {pointer} break the rule: {message}", count - MOST_ALIKE);
+            self.kept.push(Issue { pointer: String::new(), message });
         }
         if self.left_out > 0 {
             let message = format!("glTF's rules are broken at {} more places", self.left_out);
@@ -91,7 +91,7 @@ mod tests {
         }
         let list = issues.finish();
         assert_eq!(list.len(), MOST_ALIKE + 1);
-        assert_eq!(list[5].message, "15 more places of this kind break the rule: 0 is wrong");
+        assert_eq!(list[5].message, "15 more places like /nodes/0 break the rule: 0 is wrong");
         let mut issues = Issues::default();
         for k in 0..1_000 {
             issues.add("/a", "x".repeat(k));

@@ -2,25 +2,47 @@
 //!
 //! A broken rule is a warning. What cannot be read is an error of the reader, and is not told twice.
 
+mod animations;
+mod attributes;
+mod document;
 mod extensions;
+mod graph;
 mod issues;
 mod kinds;
+mod layout;
+mod meshes;
+mod objects;
 mod schema;
 #[cfg(test)]
 mod tests;
 mod uri;
+mod usage;
 mod walk;
 
 use super::Reader;
-use issues::Issues;
+use document::Document;
+use issues::{Issues, shown};
 use serde_json::Value;
 use steradian_scene::{Fidelity, Severity};
+use usage::{Use, Uses};
 
 impl Reader<'_> {
     /// What breaks the rules in the document.
     pub(super) fn issues(&self, root: &Value) -> Issues {
         let mut issues = Issues::default();
         walk::check(root, &mut issues);
+        let document = Document::new(root);
+        objects::check(&document, &mut issues);
+        layout::check(&document, &mut issues);
+        let mut uses = Uses::default();
+        meshes::check(&document, &mut uses, &mut issues);
+        graph::check(&document, &mut uses, &mut issues);
+        animations::check(&document, &mut uses, &mut issues);
+        for (k, image) in document.list("images").iter().enumerate() {
+            if let Some((view, _)) = document.item(image, "bufferView", "bufferViews") {
+                uses.view(&document, view, Use::Image, &format!("/images/{k}/bufferView"), &mut issues);
+            }
+        }
         issues
     }
 

@@ -40,3 +40,9 @@ fn base64(body: &str) -> Result<(), String> {
     }
     Ok(())
 }
+
+/// The media type of a data URI.
+pub(super) fn media_type(text: &str) -> Option<&str> {
+    let head = text.strip_prefix("data:")?.split_once(',')?.0;
+    head.split(';').next()
+}

@@ -1,5 +1,6 @@
 //! Documents that break one rule each.
 
+mod links;
 mod schema;
 
 use super::super::tests::data;
