@@ -138,17 +138,19 @@ impl Reader<'_> {
         if self.import.diagnostics.has_errors() {
             return;
         }
+        extensions::check(self, &At::root(root));
+        let is_readable = !self.import.diagnostics.has_errors();
+        if is_readable {
+            self.load_buffers(&At::root(root));
+        }
         let issues = self.issues(root);
-        self.build(root);
+        if is_readable {
+            self.build(root);
+        }
         self.report(issues);
     }
 
     fn build(&mut self, root: &mut Value) {
-        extensions::check(self, &At::root(root));
-        if self.import.diagnostics.has_errors() {
-            return;
-        }
-        self.load_buffers(&At::root(root));
         if let Some(shutter) = animation::shutter(self, &At::root(root)) {
             let mut end = root.clone();
             animation::pose(self, &mut end, shutter);

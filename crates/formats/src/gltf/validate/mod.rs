@@ -4,15 +4,19 @@
 
 mod animations;
 mod attributes;
+mod data;
 mod document;
+mod elements;
 mod extensions;
 mod graph;
+mod images;
 mod issues;
 mod kinds;
 mod layout;
 mod meshes;
 mod objects;
 mod schema;
+mod skinning;
 #[cfg(test)]
 mod tests;
 mod uri;
@@ -21,13 +25,14 @@ mod walk;
 
 use super::Reader;
 use document::Document;
+use elements::Data;
 use issues::{Issues, shown};
 use serde_json::Value;
 use steradian_scene::{Fidelity, Severity};
 use usage::{Use, Uses};
 
 impl Reader<'_> {
-    /// What breaks the rules in the document.
+    /// What breaks the rules in the document and the data of its loaded buffers.
     pub(super) fn issues(&self, root: &Value) -> Issues {
         let mut issues = Issues::default();
         walk::check(root, &mut issues);
@@ -43,6 +48,10 @@ impl Reader<'_> {
                 uses.view(&document, view, Use::Image, &format!("/images/{k}/bufferView"), &mut issues);
             }
         }
+        let mut data = Data::new(&self.buffers);
+        data::check(&document, &mut data, &mut issues);
+        skinning::check(&document, &mut data, &mut issues);
+        images::check(&document, &data, &self.search, &mut issues);
         issues
     }
 

@@ -1,5 +1,6 @@
 //! Documents that break one rule each.
 
+mod data;
 mod links;
 mod schema;
 
@@ -7,8 +8,8 @@ use super::super::tests::data;
 use crate::{Options, gltf::import_bytes};
 use serde_json::{Value, json};
 
-/// A valid document that has one of nearly everything.
-fn sound() -> Value {
+/// The buffer of the sound document.
+fn buffer() -> Vec<u8> {
     let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let mut bytes = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]); // 0: positions
     bytes.extend([0.0, 0.0, 1.0].repeat(3).iter().flat_map(|v: &f32| v.to_le_bytes())); // 36: normals
@@ -20,6 +21,11 @@ fn sound() -> Value {
     bytes.extend([1.0, 0.0, 0.0, 0.0].repeat(3).iter().flat_map(|v: &f32| v.to_le_bytes())); // 156: weights
     bytes.extend(floats(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0])); // 204
     bytes.extend([1.0, 0.0, 0.0, 1.0].repeat(3).iter().flat_map(|v: &f32| v.to_le_bytes())); // 268: tangents
+    bytes
+}
+
+/// A valid document that has one of nearly everything.
+fn sound(bytes: &[u8]) -> Value {
     json!({
         "asset": { "version": "2.0" },
         "scene": 0,
@@ -54,7 +60,7 @@ fn sound() -> Value {
             "channels": [{ "sampler": 0, "target": { "node": 1, "path": "rotation" } }],
             "samplers": [{ "input": 4, "output": 8 }],
         }],
-        "buffers": [{ "byteLength": bytes.len(), "uri": data(&bytes) }],
+        "buffers": [{ "byteLength": bytes.len(), "uri": data(bytes) }],
         "bufferViews": [
             { "buffer": 0, "byteLength": 36, "target": 34962 },
             { "buffer": 0, "byteOffset": 36, "byteLength": 36, "target": 34962 },
@@ -82,8 +88,8 @@ fn sound() -> Value {
 }
 
 /// The sound document with values set at pointers; `null` removes.
-fn changed(changes: &[(&str, Value)]) -> Value {
-    let mut root = sound();
+fn changed(changes: &[(&str, Value)], bytes: &[u8]) -> Value {
+    let mut root = sound(bytes);
     for (pointer, value) in changes {
         let (above, last) = pointer.rsplit_once('/').unwrap();
         let last = last.replace("~1", "/");
@@ -111,7 +117,7 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0
 
 /// The messages of the sound document with a change.
 fn messages(changes: &[(&str, Value)]) -> Vec<String> {
-    messages_of(changed(changes).to_string().into_bytes())
+    messages_of(changed(changes, &buffer()).to_string().into_bytes())
 }
 
 /// Asserts that changes give a message that names a place and says something.
