@@ -38,12 +38,17 @@ impl Bytes {
 pub(super) struct Parts {
     pub json: Range<usize>,
     pub bin: Option<Range<usize>>,
+    /// What breaks the rules of the container, but does not hinder reading.
+    pub faults: Vec<String>,
 }
+
+/// Most faults that are told.
+const MOST_FAULTS: usize = 10;
 
 /// Tells the parts of a .glb apart; any other file is JSON as a whole.
 pub(super) fn split(bytes: &[u8]) -> Result<Parts, String> {
     if !bytes.starts_with(b"glTF") {
-        return Ok(Parts { json: 0..bytes.len(), bin: None });
+        return Ok(Parts { json: 0..bytes.len(), bin: None, faults: Vec::new() });
     }
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
     let version = word(4).ok_or("the header of the .glb file is cut off")?;
@@ -54,21 +59,56 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts, String> {
     if length > bytes.len() {
         return Err(format!("the file is cut off: it holds {} of {length} bytes", bytes.len()));
     }
-    let (mut json, mut bin, mut at) = (None, None, 12);
+    let mut faults = Vec::new();
+    let mut fault = |message: String| {
+        if faults.len() < MOST_FAULTS {
+            faults.push(message);
+        }
+    };
+    if length < bytes.len() {
+        fault(format!("the header of the .glb file declares {length} bytes, but it holds {}", bytes.len()));
+    }
+    let (mut json, mut bin, mut at, mut number) = (None, None, 12, 0);
     while at + 8 <= length {
         let size = word(at).unwrap_or(0);
         let chunk = at + 8..(at + 8).saturating_add(size);
         if chunk.end > length {
             return Err(format!("a chunk of {size} bytes at byte {at} reaches past the end of the file"));
         }
-        match &bytes[at + 4..at + 8] {
+        let kind = &bytes[at + 4..at + 8];
+        if number == 0 && kind != b"JSON" {
+            fault("the first chunk of a .glb file must be JSON".into());
+        }
+        if !size.is_multiple_of(4) {
+            fault(format!("the chunk at byte {at} has {size} bytes, which is no multiple of four"));
+        }
+        match kind {
             b"JSON" if json.is_none() => json = Some(chunk.clone()),
-            b"BIN\0" if bin.is_none() => bin = Some(chunk.clone()),
+            b"BIN\0" if bin.is_none() => {
+                bin = Some(chunk.clone());
+                if number != 1 {
+                    fault("the binary chunk of a .glb file must be the second chunk".into());
+                }
+            }
+            b"JSON" | b"BIN\0" => {
+                fault(format!("the chunk at byte {at} repeats a type of which there is one; it is left out"))
+            }
             _ => {}
         }
         at = chunk.end.next_multiple_of(4);
+        number += 1;
     }
-    Ok(Parts { json: json.ok_or("the .glb file has no JSON chunk")?, bin })
+    if at < length {
+        fault(format!("{} bytes at the end of the .glb file are no chunk", length - at));
+    }
+    let json = json.ok_or_else(|| match length {
+        0..20 => format!("the header of the .glb file declares {length} bytes, too few for a JSON chunk"),
+        _ => "the .glb file has no JSON chunk".into(),
+    })?;
+    if json.is_empty() {
+        return Err("the JSON chunk of the .glb file is empty".into());
+    }
+    Ok(Parts { json, bin, faults })
 }
 
 /// What a URI stands for.
@@ -225,6 +265,7 @@ mod tests {
         let mut glb = b"glTF\x02\0\0\0\x20\0\0\0\x04\0\0\0JSON{}  \0\0\0\0BIN\0".to_vec();
         let parts = split(&glb).unwrap();
         assert_eq!((parts.json, parts.bin), (20..24, Some(32..32)));
+        assert_eq!(parts.faults, [""; 0]);
         for cut in 1..glb.len() {
             let _ = split(&glb[..cut]);
         }
@@ -233,5 +274,42 @@ mod tests {
         assert!(split(&glb).is_err());
         glb[4] = 1;
         assert!(split(&glb).unwrap_err().contains("version 1"));
+    }
+    #[test]
+    fn rules_of_the_container_are_told() {
+        let glb = |chunks: &[(&[u8; 4], &[u8])], rest: &[u8]| {
+            let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+            for (kind, data) in chunks {
+                bytes.extend((data.len() as u32).to_le_bytes());
+                bytes.extend(*kind);
+                bytes.extend(*data);
+            }
+            bytes.extend(rest);
+            let length = (bytes.len() as u32).to_le_bytes();
+            bytes[8..12].copy_from_slice(&length);
+            bytes
+        };
+        let told = |bytes: &[u8], words: &str| {
+            let faults = split(bytes).unwrap().faults;
+            assert!(faults.iter().any(|f| f.contains(words)), "{words}: {faults:?}");
+        };
+        let refused = |bytes: &[u8], words: &str| {
+            let why = split(bytes).unwrap_err();
+            assert!(why.contains(words), "{words}: {why}");
+        };
+        let json: (&[u8; 4], &[u8]) = (b"JSON", b"{}  ");
+        told(&glb(&[(b"JSON", b"{} ")], b""), "3 bytes, which is no multiple of four");
+        told(&glb(&[json, json], b""), "repeats a type");
+        told(&glb(&[json, (b"BIN\0", b""), (b"BIN\0", b"")], b""), "repeats a type");
+        told(&glb(&[json, (b"XXXX", b""), (b"BIN\0", b"")], b""), "must be the second chunk");
+        told(&glb(&[(b"BIN\0", b""), json], b""), "first chunk of a .glb file must be JSON");
+        told(&glb(&[json], b"abc"), "3 bytes at the end");
+        let mut long = glb(&[json], b"");
+        long.extend(b"more");
+        told(&long, "declares 24 bytes, but it holds 28");
+        refused(&glb(&[], b""), "12 bytes, too few");
+        refused(&glb(&[(b"BIN\0", b"")], b""), "no JSON chunk");
+        refused(&glb(&[(b"JSON", b"")], b""), "is empty");
+        refused(b"glTF\x02\0", "header of the .glb file is cut off");
     }
 }

@@ -62,6 +62,9 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
             return import;
         }
     };
+    for fault in parts.faults {
+        import.diagnostics.warn(&import.desc.sources, None, format!("'{}': {fault}", path.display()));
+    }
     let text: Arc<[u8]> = bytes[parts.json.clone()].into();
     let source = import.desc.sources.add(path, text.clone());
     let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
@@ -70,7 +73,12 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         Ok(root) => root,
         Err(e) => {
             let at = locate::line(&text, e.line(), e.column());
-            let why = format!("this is not JSON: {}", strip_place(&e.to_string()));
+            let why = match path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb")) && parts.bin.is_none() {
+                true if !bytes.starts_with(b"glTF") => {
+                    "a .glb file begins with 'glTF', and this is not JSON either".into()
+                }
+                _ => format!("this is not JSON: {}", strip_place(&e.to_string())),
+            };
             import.diagnostics.error(&import.desc.sources, Some(Span::new(source, at, at + 1)), why);
             return import;
         }
