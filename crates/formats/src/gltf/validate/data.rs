@@ -88,6 +88,10 @@ fn roles(document: &Document<'_>) -> Roles {
 /// Numbers are finite, and `min` and `max` are what they say.
 fn check_bounds(document: &Document<'_>, data: &mut Data<'_>, number: usize, issues: &mut Issues) {
     let (accessor, value) = (&document.accessors[number], &document.list("accessors")[number]);
+    // What has no data is zero, unless an extension brings data.
+    if accessor.view.is_none() && value.get("sparse").is_none() {
+        return;
+    }
     if accessor.component != 5126 && value.get("min").is_none() && value.get("max").is_none() {
         return;
     }

@@ -16,6 +16,9 @@ pub(super) fn check(text: &str) -> Result<(), String> {
         let Some((head, body)) = body.split_once(',') else {
             return Err("the data URI has no comma before its data".into());
         };
+        if head.split(';').skip(1).any(|part| part != "base64" && !part.contains('=')) {
+            return Err(format!("'{}' is no media type of a data URI", shown(head)));
+        }
         if head.ends_with(";base64") {
             return base64(body);
         }

@@ -36,6 +36,8 @@ fn bounds_are_what_they_say() {
         "0.5 is declared, but 2 elements are less",
     );
     breaks(&[("/accessors/0/min", json!([0, -1, 0]))], "/accessors/0/min/1", "no element reaches it");
+    let empty = json!({ "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1] });
+    assert_eq!(messages(&[("/accessors/-", empty)]), [""; 0]);
     // Integers are compared as they are stored, and single precision is what counts.
     breaks(&[("/accessors/3/max", json!([9]))], "/accessors/3/max/0", "the right value is 2");
     let tenth = [("/accessors/4/max", json!([0.1]))];

@@ -58,6 +58,7 @@ fn uris_are_well_formed() {
         ("a%zz.png", "hexadecimal"),
         ("1:a.png", "a colon follows a scheme"),
         ("data:image/png;base64", "no comma"),
+        ("data:image/png;;base64,AAAA", "no media type"),
         ("data:image/png;base64,a!bc", "not base64"),
         ("data:image/png;base64,abcde", "cut off"),
     ] {
