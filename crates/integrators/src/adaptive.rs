@@ -108,6 +108,11 @@ pub struct Need {
     pub rays: f64,
 }
 
+/// No pixel gets more samples than this for `mean` over all pixels: the next power of two of the most is taken.
+pub(crate) fn most(mean: u32) -> u32 {
+    mean.saturating_mul(2 * MOST as u32)
+}
+
 /// How many samples a pixel of each cell gets, for `mean` over all pixels. Cells are given by rows of `columns`.
 pub fn allocate(needs: &[Need], columns: usize, mean: u32) -> Vec<u32> {
     let mut demand: Vec<f64> = (0..needs.len())

@@ -11,6 +11,7 @@ pub(crate) mod estimate;
 mod scales;
 #[cfg(test)]
 mod sizes_tests;
+pub(crate) mod sound;
 pub(crate) mod state;
 #[cfg(test)]
 mod stop_tests;

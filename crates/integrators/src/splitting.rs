@@ -21,7 +21,7 @@ use steradian_core::Scene;
 use steradian_math::hash::{combine32, mix32};
 
 /// Most paths of a sample.
-const MOST: u32 = 4;
+pub(crate) const MOST: u32 = 4;
 /// Variance × cost has to become less by this factor.
 const WORTH: f64 = 1.35;
 /// The same by a pilot of a quarter of the cells, from which on all of them are asked.

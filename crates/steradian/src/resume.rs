@@ -94,7 +94,11 @@ pub(crate) fn fingerprint_of(
 /// Why the file is of no use.
 pub fn samples(path: &Path) -> Result<u32, StateError> {
     let settings = Saved::open(path)?.settings()?;
-    settings.get(SAMPLES).and_then(|samples| samples.parse().ok()).ok_or(StateError::Damaged)
+    settings
+        .get(SAMPLES)
+        .and_then(|samples| samples.parse().ok())
+        .filter(|samples| *samples > 0)
+        .ok_or(StateError::Damaged)
 }
 
 /// A state in a file whose contents match their checksum.
@@ -383,6 +387,70 @@ mod tests {
         assert!(matches!(restore(&own), Err(StateError::Damaged)));
         std::fs::write(&path, b"P6 1 1 255 abc, and more than a hash of anything that follows").unwrap();
         assert!(matches!(restore(&own), Err(StateError::NotAState)));
+    }
+
+    /// A state tells lies, and its checksum is right: whatever one number says, it is refused, or the render goes on from
+    /// it to a picture.
+    #[test]
+    fn forged_states_are_refused_or_rendered() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        let (scene, print) = scene(16);
+        let pixels = 16 * 16;
+        let layers = ["albedo", "position", "cryptomatte"].map(|name| crate::Layer::named(name).unwrap());
+        let plain = Quality { spp: Some(40), threads: 1, integrator: Some("direct".into()), ..Quality::default() };
+        let paths = |integrator: &str| Quality { integrator: Some(integrator.into()), ..plain.clone() };
+        for (quality, left_at) in [
+            (Quality { layers: layers.to_vec(), ..plain.clone() }, 3),
+            (Quality { adaptive: true, error: Some(0.01), ..paths("path") }, 2),
+            (Quality { adaptive: true, ..paths("path") }, 20),
+            (paths("path:reuse=4"), 3),
+            (Quality { error: Some(0.01), ..paths("light") }, 3),
+        ] {
+            let plan = quality.plan(&scene).unwrap();
+            let mut session = Session::new(&scene, plan);
+            session.step(left_at, &Control::default());
+            let own = recipe(&scene, print, &quality);
+            own.save(&mut session, &path).unwrap();
+            let bytes = std::fs::read(&path).unwrap();
+            let body = bytes.len() - HASH as usize;
+            let mut state = Vec::new();
+            session.save(&mut state).unwrap();
+            let ends = [[0; 8], [0xff; 8]];
+            let one = [1, 0, 0, 0, 0, 0, 0, 0];
+            let single = [f32::NAN, f32::INFINITY, f32::MAX, 1e-45].map(|v| [v.to_le_bytes(), [0; 4]].concat());
+            let double = [f64::NAN, f64::INFINITY, f64::MAX, 1.0].map(|v| v.to_le_bytes().to_vec());
+            let values = ends.into_iter().chain([one]).map(|v| v.to_vec()).chain(single).chain(double);
+            let values: Vec<Vec<u8>> = values.collect();
+            let mut refused = 0;
+            // All of what comes first, and every so many of the many pixels.
+            for at in (0..state.len()).step_by(4).filter(|at| *at < 400 || at / 4 % 61 == 0) {
+                for (value, width) in values.iter().flat_map(|v| [(v, 4), (v, 8)]) {
+                    let width = width.min(state.len() - at);
+                    let mut forged = bytes[..body].to_vec();
+                    let field = body - state.len() + at;
+                    forged[field..field + width].copy_from_slice(&value[..width]);
+                    let hash = blake3::hash(&forged);
+                    forged.extend(hash.as_bytes());
+                    std::fs::write(&path, forged).unwrap();
+                    let mut session = Session::new(&scene, plan);
+                    if own.restore(&mut session, &path).is_err() {
+                        refused += 1;
+                        continue;
+                    }
+                    let before = session.counters().samples;
+                    session.step(1, &Control::default());
+                    let what = format!("{quality:?}: {value:?} at {at}");
+                    assert!(session.counters().samples - before <= 64 * 2 * pixels, "{what}");
+                    let film = session.film();
+                    assert!(film.pixels.iter().flat_map(|p| p.mean()).all(f64::is_finite), "{what}");
+                    let picture = crate::develop(&scene, &film, &quality.layers);
+                    let is_finite = |v: &f32| v.is_finite();
+                    assert!(picture.channels().iter().flat_map(|c| &c.data).all(is_finite), "{what}");
+                }
+            }
+            assert!(refused > 0);
+        }
     }
 
     #[test]

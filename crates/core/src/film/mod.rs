@@ -115,7 +115,12 @@ impl FirstHitSums {
     /// Adds the first hit of a sample.
     pub fn add(&mut self, hit: &FirstHit) {
         let add = |a: &mut [f32], b: &[f32]| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += if b.is_finite() { *b } else { 0.0 })
+            let finite = |(a, b): (&mut f32, &f32)| {
+                if b.is_finite() {
+                    *a = (*a + b).clamp(f32::MIN, f32::MAX);
+                }
+            };
+            a.iter_mut().zip(b).for_each(finite);
         };
         let s = &mut self.sum;
         add(&mut s.albedo, &hit.albedo);

@@ -33,6 +33,7 @@ use crate::{
     session::{
         FIRST_LOOK, cpu_time,
         estimate::Sum,
+        sound,
         state::{Codec, In, Out, State},
     },
 };
@@ -385,7 +386,15 @@ impl Method for Passes<'_> {
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.pass_state(&mut In(from))?;
-        let is_sound = self.pixels.iter().all(|p| p.samples == self.passes);
+        let (plan, passes) = (&self.plan, self.passes);
+        let is_sound = sound::is_total(self.total, plan.sampler.spp)
+            && passes <= self.total.div_ceil(self.integrator.samples_per_pass().max(1))
+            && sound::is_look(self.look, passes, plan.error)
+            && !(self.is_good_enough && plan.error.is_none())
+            && sound::are_counters(&self.counters)
+            && self.pixels.iter().all(|p| p.samples == passes && sound::is_pixel(p))
+            && self.features.iter().all(|sums| sums.samples == passes && sound::are_hits(sums))
+            && self.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums));
         if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
     }
 }

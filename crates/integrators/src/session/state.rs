@@ -9,7 +9,6 @@ use super::{
 use crate::{Counters, adaptive::Round};
 use std::{
     io::{self, Error, ErrorKind, Read, Write},
-    sync::atomic::Ordering,
     time::Duration,
 };
 use steradian_core::film::{FirstHit, FirstHitSums, Hits, MatteSums, Pixel};
@@ -126,15 +125,8 @@ impl Session<'_> {
     /// use then.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.pass(&mut In(from))?;
-        let round = self.round;
         self.aim();
-        let ticks = round.share(self.ticks, self.next);
-        let is_sound = round.start <= round.end && round.end <= self.total && self.next <= round.end;
-        if is_sound && self.done.iter().all(|done| done.load(Ordering::Relaxed) <= ticks) {
-            Ok(())
-        } else {
-            Err(Error::from(ErrorKind::InvalidData))
-        }
+        if self.is_sound() { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
     }
 
     fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {

@@ -118,7 +118,7 @@ impl Tile {
     }
 
     /// The cell of the pixel that is stored at an index.
-    fn cell_at(&self, at: usize) -> usize {
+    pub(super) fn cell_at(&self, at: usize) -> usize {
         let (at, width) = (at as u32, self.area.width());
         cell_of(self.area.x0 + at % width, self.area.y0 + at / width)
     }
