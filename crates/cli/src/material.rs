@@ -11,7 +11,6 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::{
     fmt::Write,
-    fs,
     path::{Path, PathBuf},
 };
 use steradian::{
@@ -151,6 +150,9 @@ fn tell(report: &Report, json: bool) -> Outcome {
     Ok(failure::DONE)
 }
 
+/// Largest file of pairs, bytes.
+const MOST_PAIRS: u64 = 1 << 30;
+
 fn read_pairs(path: &Path) -> Result<Vec<Pair>, Failure> {
     let fault = |e: &dyn std::fmt::Display| {
         Failure::bad_input(format!(
@@ -158,7 +160,7 @@ fn read_pairs(path: &Path) -> Result<Vec<Pair>, Failure> {
             path.display()
         ))
     };
-    let text = fs::read(path).map_err(|e| fault(&e))?;
+    let text = steradian::image::read_regular(path, MOST_PAIRS).map_err(|e| fault(&e))?;
     let pairs: Vec<Pair> = serde_json::from_slice(&text).map_err(|e| fault(&e))?;
     let bad = |w: &[f32; 3]| !Vec3::from(*w).is_normalized();
     match pairs.iter().position(|p| bad(&p.wo) || bad(&p.wi)) {

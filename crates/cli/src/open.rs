@@ -10,7 +10,7 @@ use crate::{
 };
 use std::{
     borrow::Cow,
-    io::Read,
+    io::{self, Read},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -20,6 +20,9 @@ use steradian::{
     image::tone::Tone,
     scene::{Diagnostic, Diagnostics, Format, SceneDesc, Severity},
 };
+
+/// Most bytes that are read from standard input, of which nobody tells how much is to come.
+const MOST_OF_STDIN: u64 = 1 << 30;
 
 /// What standard input is called.
 pub const STDIN: &str = "standard input";
@@ -108,18 +111,39 @@ pub fn is_stdin(name: &Path) -> bool {
 
 /// Reads a scene of a file, or of standard input in a format.
 pub fn load(name: &Path, format: Option<&str>, define: &[(String, String)]) -> Loaded {
-    let reading = Options { defines: define.iter().cloned().collect(), ..Options::default() };
+    let mut reading = Options { defines: define.iter().cloned().collect(), ..Options::default() };
+    // No larger file has a place.
+    reading.limits.file_bytes = reading.limits.file_bytes.min(memory::available().unwrap_or(u64::MAX));
     if is_stdin(name) { from_stdin(format, &reading) } else { steradian::load(name, &reading) }
 }
 
 fn from_stdin(format: Option<&str>, reading: &Options) -> Loaded {
-    let mut bytes = Vec::new();
-    let read = std::io::stdin().lock().take(reading.limits.file_bytes + 1).read_to_end(&mut bytes);
-    let mut loaded = steradian::load_bytes(STDIN, bytes, format, reading);
-    if let Err(e) = read {
-        loaded.diagnostics.error(&Default::default(), None, format!("cannot read {STDIN}: {e}"));
+    let read = read_at_most(&mut io::stdin().lock(), MOST_OF_STDIN);
+    let refused = |e: io::Error| {
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.error(&Default::default(), None, format!("cannot read {STDIN}: {e}"));
+        Loaded { desc: SceneDesc::default(), diagnostics, time: Duration::ZERO }
+    };
+    read.map_or_else(refused, |bytes| steradian::load_bytes(STDIN, bytes, format, reading))
+}
+
+/// Everything that comes, if it is not too much.
+fn read_at_most(from: &mut impl Read, most: u64) -> io::Result<Vec<u8>> {
+    let (mut bytes, mut piece) = (Vec::new(), vec![0; 1 << 20]);
+    loop {
+        let count = match from.read(&mut piece) {
+            Ok(0) => return Ok(bytes),
+            Ok(count) => count,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+            Err(e) => return Err(e),
+        };
+        if (bytes.len() + count) as u64 > most {
+            let what = format!("it holds more than {most} bytes, the most that is read from there; give a file");
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, what));
+        }
+        bytes.try_reserve(count)?;
+        bytes.extend_from_slice(&piece[..count]);
     }
-    loaded
 }
 
 impl Opened {
@@ -171,4 +195,16 @@ pub struct Ready {
 pub fn limit_threads(threads: u16) {
     // Fails only when a pool is there already, and nothing has started one before.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_without_end_is_refused() {
+        let endless = read_at_most(&mut io::repeat(0), 5 << 20).unwrap_err();
+        assert!(endless.to_string().starts_with("it holds more than 5242880 bytes"), "{endless}");
+        assert_eq!(read_at_most(&mut &[7; 5][..], 5).unwrap(), [7; 5]);
+    }
 }

@@ -6,10 +6,11 @@ use crate::{
 };
 use std::{
     collections::HashMap,
-    io::Read,
+    io::{ErrorKind, Read},
     path::{Path, PathBuf},
     sync::Arc,
 };
+use steradian_image::read_regular;
 
 /// Why a file could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -96,20 +97,11 @@ impl SearchPath {
 /// # Errors
 /// [`FileError::Io`] (also for what is not a regular file), [`FileError::TooLarge`] or [`FileError::Bomb`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
-    let io = |cause| FileError::Io { path: path.into(), cause };
-    let too_large = || FileError::TooLarge { path: path.into(), limit: limits.file_bytes };
-    // Asked before it is opened: to open a pipe waits for someone to write.
-    let meta = std::fs::metadata(path).map_err(io)?;
-    if !meta.is_file() {
-        return Err(io(std::io::Error::other("it is not a regular file")));
-    }
-    if meta.len() > limits.file_bytes {
-        return Err(too_large());
-    }
-    let mut bytes = Vec::with_capacity(meta.len() as usize);
-    let file = std::fs::File::open(path).map_err(io)?;
-    file.take(limits.file_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
-    inflated(path, bytes, limits)
+    let fault = |cause: std::io::Error| match cause.kind() {
+        ErrorKind::FileTooLarge => FileError::TooLarge { path: path.into(), limit: limits.file_bytes },
+        _ => FileError::Io { path: path.into(), cause },
+    };
+    inflated(path, read_regular(path, limits.file_bytes).map_err(fault)?, limits)
 }
 
 /// Bytes as they are, or unpacked if they start as gzip; `path` is named in errors.

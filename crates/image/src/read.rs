@@ -1,7 +1,7 @@
 //! Which format a file has, and reading it.
 
 use crate::limits::{PIXELS, with_room, within};
-use crate::{Error, Image, Limits, Result, Texels};
+use crate::{Error, Image, Limits, Result, Texels, open_regular};
 use std::io::Read;
 use std::path::Path;
 
@@ -176,8 +176,8 @@ pub fn declared_bytes(path: &Path) -> Option<u64> {
     /// Longer than the header of any sensible file.
     const BEGINNING: u64 = 1 << 18;
     let mut bytes = Vec::new();
-    let meta = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
-    std::fs::File::open(path).ok()?.take(BEGINNING).read_to_end(&mut bytes).ok()?;
+    let (file, length) = open_regular(path).ok()?;
+    file.take(BEGINNING).read_to_end(&mut bytes).ok()?;
     let kind = FileKind::of(&bytes, Some(path)).ok()?;
     let pixel = match kind {
         // Depth and kind of colour, of the header.
@@ -198,7 +198,7 @@ pub fn declared_bytes(path: &Path) -> Option<u64> {
     // Decoders hold what is declared against the limits before they do anything else.
     match decode(kind, &bytes, &Limits { pixels: 0, ..Limits::default() }) {
         Err(Error::Limit { what: PIXELS, declared, .. }) => Some(declared.saturating_mul(pixel)),
-        _ => Some(meta.len()),
+        _ => Some(length),
     }
 }
 
@@ -218,13 +218,7 @@ fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
 /// The whole file, when it is not above the limit.
 pub(crate) fn load(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let io = |action| move |error| Error::Io { action, error }.at(path);
-    // Asked before it is opened: to open a pipe waits for someone to write, and devices may not end.
-    let meta = std::fs::metadata(path).map_err(io("open"))?;
-    if !meta.is_file() {
-        return Err(io("open")(std::io::Error::other("it is not a regular file")));
-    }
-    let file = std::fs::File::open(path).map_err(io("open"))?;
-    let size = meta.len();
+    let (file, size) = open_regular(path).map_err(io("open"))?;
     within("the file's size in bytes", size, limits.bytes).map_err(|e| e.at(path))?;
     let mut bytes = with_room(size as usize).map_err(|e| e.at(path))?;
     // A device or a file that grows does not end where its metadata say.

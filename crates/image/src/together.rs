@@ -1,7 +1,7 @@
 //! Files that appear together or not at all: a document and what lies beside it.
 
 use crate::atomic::{self, io};
-use crate::{Error, Result};
+use crate::{Error, Result, read_regular};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,10 +18,10 @@ pub fn write_together(document: &Path, bytes: &[u8], beside: &[(PathBuf, Vec<u8>
     let mut missing = Vec::new();
     for (name, bytes) in beside {
         let path = folder.join(name);
-        match fs::read(&path) {
+        match read_regular(&path, bytes.len() as u64) {
             Ok(there) if there == *bytes => {}
-            Ok(_) => return Err(changed().at(&path)),
-            Err(_) => missing.push((path, bytes)),
+            Err(_) if fs::symlink_metadata(&path).is_err() => missing.push((path, bytes)),
+            _ => return Err(changed().at(&path)),
         }
     }
     if missing.is_empty() {

@@ -2,8 +2,7 @@
 
 use crate::{Error, Scene, resume};
 use std::{
-    fs::File,
-    io::{self, BufWriter, Read, Write},
+    io::{self, BufWriter, Write},
     path::{Path, PathBuf},
 };
 use steradian_integrators::{
@@ -33,7 +32,7 @@ pub struct Asked {
 #[non_exhaustive]
 pub enum KeptError {
     /// The system's answer.
-    #[error("{0}")]
+    #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
     /// Something else is in the file.
     #[error("is no kept solution of radiosity")]
@@ -147,8 +146,7 @@ pub fn keep(
 /// # Errors
 /// [`KeptError`].
 pub fn load(scene: &Scene, fingerprint: &[u8; HASH], settings: &Settings, path: &Path) -> Result<Solution, KeptError> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(LARGEST).read_to_end(&mut bytes)?;
+    let bytes = steradian_image::read_regular(path, LARGEST)?;
     if !bytes.starts_with(MAGIC) || bytes.len() < MAGIC.len() + 2 * HASH + 4 {
         return Err(KeptError::NotASolution);
     }
@@ -210,6 +208,16 @@ mod tests {
         assert!(matches!(load(&there, &other, &settings, &path), Err(KeptError::OtherScene)));
         let more = Settings { patches: 200, ..settings };
         assert!(matches!(load(&there, &print, &more, &path), Err(KeptError::OtherSettings(_))));
+        // What has no end, or waits for somebody, is not read.
+        #[cfg(unix)]
+        {
+            let pipe = folder.path().join("pipe");
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            for special in [pipe.as_path(), Path::new("/dev/zero"), folder.path()] {
+                let said = load(&there, &print, &settings, special).unwrap_err().to_string();
+                assert_eq!(said, "cannot be read: it is not a regular file", "{}", special.display());
+            }
+        }
         let bytes = std::fs::read(&path).unwrap();
         for at in (0..bytes.len()).step_by(311) {
             let mut changed = bytes.clone();

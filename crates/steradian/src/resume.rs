@@ -10,6 +10,7 @@ use std::{
     io::{self, BufReader, BufWriter, Read, Seek, Write},
     path::Path,
 };
+use steradian_image::open_regular;
 use steradian_integrators::Plan;
 use steradian_scene::{Node, SceneDesc, Value};
 
@@ -28,7 +29,7 @@ const READABLE: usize = 60;
 #[non_exhaustive]
 pub enum StateError {
     /// The system's answer.
-    #[error("{0}")]
+    #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
     /// Something else is in the file.
     #[error("is no saved state of a render")]
@@ -78,9 +79,8 @@ pub(crate) fn fingerprint_of(
     drop(out);
     for param in nodes.iter().flat_map(|node| &node.params) {
         let Value::Path(path) = &param.value else { continue };
-        match File::open(path) {
-            Ok(file) if file.metadata()?.is_file() => drop(hasher.update_reader(file)?),
-            _ => {}
+        if let Ok((file, _)) = open_regular(path) {
+            hasher.update_reader(file)?;
         }
         hasher.update(&[0]);
     }
@@ -112,8 +112,7 @@ struct Saved {
 
 impl Saved {
     fn open(path: &Path) -> Result<Self, StateError> {
-        let file = File::open(path)?;
-        let length = file.metadata()?.len();
+        let (file, length) = open_regular(path)?;
         let mut file = BufReader::new(file);
         let mut magic = [0; MAGIC.len()];
         if length < MAGIC.len() as u64 + HASH || file.read_exact(&mut magic).is_err() || magic != *MAGIC {

@@ -211,7 +211,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
 /// What is in a file; errors name it.
 fn in_file<T>(path: &Path, read: impl Fn(&[u8]) -> Result<T, String>) -> Result<T, Failure> {
     let located = |e: String| Failure::bad_input(format!("{}: {e}", path.display()));
-    let bytes = std::fs::read(path).map_err(|e| located(e.to_string()))?;
+    let bytes = steradian::image::read_regular(path, 8 << 30).map_err(|e| located(e.to_string()))?;
     read(&bytes).map_err(located)
 }
 

@@ -7,7 +7,8 @@ use crate::{
     material::Model,
     texture::SpectrumTexture,
 };
-use std::{fs::File, io::Read, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
+use steradian_image::read_regular;
 use steradian_math::Vec3;
 use steradian_scene::{Node, Value};
 
@@ -36,7 +37,7 @@ impl Compiler<'_> {
     }
 
     fn read_measured(&mut self, path: &Path, wanted: Wanted) -> Result<MeasuredData, String> {
-        let bytes = read(path).map_err(|e| e.to_string())?;
+        let bytes = read_regular(path, MAX_BYTES).map_err(|e| e.to_string())?;
         if let Some(text) = std::str::from_utf8(&bytes).ok().filter(|t| is_btf_index(t)) {
             let lines = btf::index(text).map_err(|e| e.to_string())?;
             let folder = path.parent().unwrap_or(Path::new(""));
@@ -60,18 +61,4 @@ fn is_btf_index(text: &str) -> bool {
     let first = text.lines().map(str::trim).find(|l| !l.is_empty() && !l.starts_with('#'));
     let cells: Vec<&str> = first.map(|l| l.split_whitespace().collect()).unwrap_or_default();
     cells.len() >= 5 && cells[..4].iter().all(|c| c.parse::<f32>().is_ok()) && cells[4].parse::<f32>().is_err()
-}
-
-fn read(path: &Path) -> std::io::Result<Vec<u8>> {
-    // Asked before it is opened: pipes wait and devices do not end.
-    let meta = std::fs::metadata(path)?;
-    if !meta.is_file() {
-        return Err(std::io::Error::other("it is not a regular file"));
-    }
-    if meta.len() > MAX_BYTES {
-        return Err(std::io::Error::other("it is larger than 2 GiB"));
-    }
-    let mut bytes = Vec::with_capacity(meta.len() as usize);
-    File::open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }

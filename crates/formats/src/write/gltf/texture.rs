@@ -7,9 +7,12 @@ use crate::write::{
 };
 use serde_json::json;
 use std::path::Path;
-use steradian_image::{FileKind, WriteOptions, encode};
+use steradian_image::{FileKind, WriteOptions, encode, open_regular, read_regular};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Node, NodeId};
+
+/// Largest picture that is copied.
+const MOST_BYTES: u64 = 2 << 30;
 
 /// A colour as glTF has it: a factor, times a picture, times the colour of vertices.
 #[derive(Clone, Debug, Default)]
@@ -105,7 +108,7 @@ impl Writer<'_> {
         match self.x.desc.embedded.get(file) {
             Some(bytes) => head.iter_mut().zip(bytes.iter()).for_each(|(h, b)| *h = *b),
             None => {
-                let read = std::fs::File::open(file).and_then(|mut f| f.read_exact(&mut head));
+                let read = open_regular(file).and_then(|(mut f, _)| f.read_exact(&mut head));
                 if read.is_err() {
                     return false;
                 }
@@ -195,7 +198,7 @@ impl Writer<'_> {
         let image = if self.binary {
             let bytes = match self.x.desc.embedded.get(file) {
                 Some(bytes) => bytes.to_vec(),
-                None => match std::fs::read(file) {
+                None => match read_regular(file, MOST_BYTES) {
                     Ok(bytes) => bytes,
                     Err(e) => {
                         self.x.dropped(node, format!("'{}' cannot be read and is left out: {e}", file.display()));
@@ -209,7 +212,7 @@ impl Writer<'_> {
             let mut name = self.x.beside.path(file);
             if name.starts_with("..") || Path::new(&name).is_absolute() {
                 // What glTF names lies in the document's folder or below.
-                let bytes = std::fs::read(file).map_err(|e| {
+                let bytes = read_regular(file, MOST_BYTES).map_err(|e| {
                     self.x.dropped(node, format!("'{}' cannot be read and is left out: {e}", file.display()));
                 });
                 let last = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

@@ -1,0 +1,58 @@
+//! Regular files, which have an end. To open a pipe waits for someone to write, and devices may go on for ever.
+
+use std::{
+    fs::File,
+    io::{Error, ErrorKind, Read, Result},
+    path::Path,
+};
+
+/// Opens a file and tells its length.
+///
+/// # Errors
+/// The system's answer, and for what is no regular file.
+pub fn open_regular(path: &Path) -> Result<(File, u64)> {
+    // Asked before it is opened.
+    let meta = std::fs::metadata(path)?;
+    if meta.is_file() { Ok((File::open(path)?, meta.len())) } else { Err(Error::other("it is not a regular file")) }
+}
+
+/// All of a file.
+///
+/// # Errors
+/// As [`open_regular`], for a file of more than `most` bytes, and where there is no memory for it.
+pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let too_large = || Error::new(ErrorKind::FileTooLarge, format!("it holds more than the {most} bytes allowed"));
+    let (file, length) = open_regular(path)?;
+    if length > most {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize)?;
+    // What the system makes up as it is read, and what grows, does not end where its metadata say.
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most { Err(too_large()) } else { Ok(bytes) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_regular_files_are_read_and_only_so_far() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        std::fs::write(&path, b"four").unwrap();
+        assert_eq!(read_regular(&path, 4).unwrap(), b"four");
+        assert_eq!(read_regular(&path, 3).unwrap_err().kind(), ErrorKind::FileTooLarge);
+        let refused = |path: &Path| read_regular(path, 4).unwrap_err().to_string();
+        assert_eq!(refused(folder.path()), "it is not a regular file");
+        #[cfg(unix)]
+        {
+            assert_eq!(refused(Path::new("/dev/zero")), "it is not a regular file");
+            // To open it would wait for ever.
+            let pipe = folder.path().join("pipe");
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            assert_eq!(refused(&pipe), "it is not a regular file");
+        }
+    }
+}
