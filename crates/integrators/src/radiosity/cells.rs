@@ -142,21 +142,27 @@ impl Cells {
     }
 
     /// Splits the largest leaves until there are so many. Those that lie beyond a sphere count for less, by the square
-    /// of the distance, as they look smaller from within.
-    pub fn split_to(&mut self, surfaces: &Surfaces, count: usize, center: DVec3, radius: f64) {
+    /// of the distance, as they look smaller from within. Ends early where `tell` says to stop.
+    pub fn split_to(
+        &mut self,
+        surfaces: &Surfaces,
+        count: usize,
+        (center, radius): (DVec3, f64),
+        tell: &dyn Fn(usize) -> bool,
+    ) {
         let need = |cells: &Self, k: u32| {
             let cell = &cells.cells[k as usize];
             let distance = cell.polygon(&surfaces.pieces).center().distance(center) / radius;
             cell.area / distance.max(1.0).powi(2) as f32
         };
         let needs: Vec<f32> = self.leaves().map(|k| need(self, k)).collect();
-        self.split_most_needed(surfaces, count, &needs, |cells, k, _| need(cells, k));
+        self.split_most_needed(surfaces, count, &needs, tell, |cells, k, _| need(cells, k));
     }
 
     /// Splits the leaves with the largest needs, which are given in the order of leaves and of which each child
-    /// inherits a quarter, until there are so many or none has any.
-    pub fn split_by(&mut self, surfaces: &Surfaces, count: usize, needs: &[f32]) {
-        self.split_most_needed(surfaces, count, needs, |_, _, parent| 0.25 * parent);
+    /// inherits a quarter, until there are so many or none has any. Ends early where `tell` says to stop.
+    pub fn split_by(&mut self, surfaces: &Surfaces, count: usize, needs: &[f32], tell: &dyn Fn(usize) -> bool) {
+        self.split_most_needed(surfaces, count, needs, tell, |_, _, parent| 0.25 * parent);
     }
 
     fn split_most_needed(
@@ -164,11 +170,12 @@ impl Cells {
         surfaces: &Surfaces,
         count: usize,
         needs: &[f32],
+        tell: &dyn Fn(usize) -> bool,
         of_child: impl Fn(&Self, u32, f32) -> f32,
     ) {
         let mut heap: BinaryHeap<Urgent> = self.leaves().zip(needs).map(|(k, need)| Urgent(*need, k)).collect();
         let mut leaves = self.leaf_count(surfaces);
-        while leaves + 3 <= count {
+        while leaves + 3 <= count && tell(0) {
             let Some(Urgent(need, cell)) = heap.pop() else { break };
             if need.is_nan() || need <= 0.0 {
                 break;

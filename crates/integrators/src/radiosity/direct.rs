@@ -23,7 +23,14 @@ pub fn sharp_lights(scene: &Scene) -> Vec<u32> {
 }
 
 /// Irradiance by patch and band, the mean over the points of each: from lights without extent, or from environments.
-pub fn irradiance(scene: &Scene, patches: &[Patch], bands: &Bands, sharp: bool) -> Vec<DVec4> {
+/// Zero from where `tell` says to stop.
+pub fn irradiance(
+    scene: &Scene,
+    patches: &[Patch],
+    bands: &Bands,
+    sharp: bool,
+    tell: &(dyn Fn(usize) -> bool + Sync),
+) -> Vec<DVec4> {
     let lights = if sharp { sharp_lights(scene) } else { scene.lights.environments.clone() };
     if lights.is_empty() {
         return vec![DVec4::ZERO; patches.len() * bands.count()];
@@ -32,7 +39,8 @@ pub fn irradiance(scene: &Scene, patches: &[Patch], bands: &Bands, sharp: bool) 
         .par_iter()
         .flat_map_iter(|patch| {
             let mut sum = vec![Spectrum::ZERO; bands.count()];
-            for (k, point) in patch.points.iter().enumerate() {
+            let points = if tell(0) { &patch.points[..] } else { &[] };
+            for (k, point) in points.iter().enumerate() {
                 let seed = patch.cell.wrapping_mul(2).wrapping_add(u32::from(patch.front));
                 for &light in &lights {
                     at_point(scene, light, point, seed, k as u32, bands.wavelengths(), &mut sum);

@@ -44,12 +44,16 @@ pub struct Exchange<'a> {
     pub seed: u32,
     /// Rays traced so far.
     pub rays: &'a AtomicU64,
+    /// Told of parts that are done; whether to go on. What is found after it says no counts for nothing.
+    pub tell: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
 /// Pairs of points that are looked at first; where these disagree, all are.
 const FIRST_PAIRS: usize = 4;
 /// Pairs of points that are looked at at most.
 pub const PAIRS: usize = 16;
+/// Rays through pixels of a half cube that are traced together, about.
+const RAYS_AT_ONCE: u32 = 1 << 14;
 /// Interfaces that a ray passes at most.
 const PASSES: u32 = 16;
 
@@ -67,7 +71,7 @@ impl Exchange<'_> {
     }
 
     /// All rows. `A_i F_ij = A_j F_ji` holds exactly for the closed form.
-    pub fn rows(&self, tell: &(dyn Fn(usize) -> bool + Sync)) -> Option<Vec<Row>> {
+    pub fn rows(&self) -> Option<Vec<Row>> {
         let n = self.patches.len();
         let cancelled = std::sync::atomic::AtomicBool::new(false);
         let parallel = |make: &(dyn Fn(usize) -> Row + Sync)| -> Vec<Row> {
@@ -78,7 +82,7 @@ impl Exchange<'_> {
                         return Row::new();
                     }
                     let row = make(i);
-                    if !tell(1) {
+                    if !(self.tell)(1) {
                         cancelled.store(true, Ordering::Relaxed);
                     }
                     row
@@ -217,34 +221,35 @@ impl Exchange<'_> {
         let seen = piece.seen(self.scene, cell.at(Vec2::splat(0.5)), patch.front);
         let point = super::patches::Point { p: seen.surface.p, error: seen.surface.error, n: seen.wo };
         let frame = Frame::from_z(point.n);
-        let pixels = hemicube_pixels(edge);
-        let rays: Vec<Ray> = pixels.iter().map(|(w, _)| spawn(&point, frame.to_world(*w))).collect();
-        collected(self.met(&rays).into_iter().zip(&pixels).map(|(j, (_, share))| (j, *share)))
+        let edge = (edge.max(2) / 2) * 2;
+        let sum: f64 = (0..edge).flat_map(|j| hemicube_pixels(edge, j)).map(|pixel| pixel.1).sum();
+        let mut row = Row::new();
+        // By some lines at a time, so that memory is for few of the rays.
+        let lines: Vec<u32> = (0..edge).collect();
+        for lines in lines.chunks((RAYS_AT_ONCE / (3 * edge)).max(1) as usize).take_while(|_| (self.tell)(0)) {
+            let pixels = lines.iter().flat_map(|j| hemicube_pixels(edge, *j));
+            let (rays, shares): (Vec<Ray>, Vec<f64>) =
+                pixels.map(|(w, share)| (spawn(&point, frame.to_world(w)), share / sum)).unzip();
+            row = collected(row.into_iter().chain(self.met(&rays).into_iter().zip(shares)));
+        }
+        row
     }
 }
 
-/// Directions through the pixels of a half cube, and their form factors, which add up to one.
-fn hemicube_pixels(edge: u32) -> Vec<(Vec3, f64)> {
-    let edge = (edge.max(2) / 2) * 2;
-    let at = |k: u32| (f64::from(k) + 0.5) / f64::from(edge) * 2.0 - 1.0;
-    let mut pixels = Vec::with_capacity((3 * edge * edge) as usize);
-    for j in 0..edge {
-        for i in 0..edge {
-            let (x, y) = (at(i), at(j));
-            let r2 = x * x + y * y + 1.0;
-            let direction = |v: [f64; 3]| (glam::DVec3::from(v) / r2.sqrt()).as_vec3();
-            // π cosθ cosθ' / r² of the top, and of the four sides in so far as they stand above the plane.
-            pixels.push((direction([x, y, 1.0]), 1.0 / (r2 * r2)));
-            if y > 0.0 {
-                for side in [[1.0, x, y], [-1.0, x, y], [x, 1.0, y], [x, -1.0, y]] {
-                    pixels.push((direction(side), y / (r2 * r2)));
-                }
-            }
-        }
-    }
-    let sum: f64 = pixels.iter().map(|p| p.1).sum();
-    pixels.iter_mut().for_each(|p| p.1 /= sum);
-    pixels
+/// Directions through the pixels of a line of a half cube, of the top and of the sides in so far as they stand above
+/// the plane, and their form factors but for the factor by which all of them add up to one.
+fn hemicube_pixels(edge: u32, j: u32) -> impl Iterator<Item = (Vec3, f64)> {
+    let at = move |k: u32| (f64::from(k) + 0.5) / f64::from(edge) * 2.0 - 1.0;
+    (0..edge).flat_map(move |i| {
+        let (x, y) = (at(i), at(j));
+        let r2 = x * x + y * y + 1.0;
+        let direction = move |v: [f64; 3]| (glam::DVec3::from(v) / r2.sqrt()).as_vec3();
+        // π cosθ cosθ' / r².
+        let top = ([x, y, 1.0], 1.0 / (r2 * r2));
+        let sides = [[1.0, x, y], [-1.0, x, y], [x, 1.0, y], [x, -1.0, y]].map(|w| (w, y / (r2 * r2)));
+        let sides = sides.into_iter().filter(move |_| y > 0.0);
+        std::iter::once(top).chain(sides).map(move |(w, share)| (direction(w), share))
+    })
 }
 
 /// No patch sends more than it has, whatever flat polygons that stand for curved surfaces come to.

@@ -93,13 +93,11 @@ pub struct Refined {
     pub rounds: usize,
 }
 
+/// Pairs of nodes that are linked before it is asked whether to go on.
+const AT_ONCE: usize = 1 << 16;
+
 /// Solves a scene; `exchange` is asked for visibility only. `None` where told to stop.
-pub fn solve(
-    exchange: &Exchange<'_>,
-    bands: &Bands,
-    wanted: Wanted,
-    tell: &(dyn Fn(usize) -> bool + Sync),
-) -> Option<Refined> {
+pub fn solve(exchange: &Exchange<'_>, bands: &Bands, wanted: Wanted) -> Option<Refined> {
     let (scene, surfaces) = (exchange.scene, exchange.surfaces);
     let mut all = Hierarchy { scene, surfaces, bands, exchange, cells: exchange.cells.clone(), nodes: Vec::new() };
     all.grow();
@@ -112,7 +110,7 @@ pub fn solve(
     all.iterate(wanted.precision);
     let mut rounds = 0;
     while rounds < ROUNDS {
-        if !tell(rounds) {
+        if !(exchange.tell)(1) {
             return None;
         }
         rounds += 1;
@@ -120,6 +118,9 @@ pub fn solve(
             break;
         }
         all.iterate(wanted.precision);
+    }
+    if !(exchange.tell)(0) {
+        return None;
     }
     let n = bands.count();
     let mut irradiance = vec![DVec4::ZERO; all.nodes.len() * n];
@@ -143,13 +144,23 @@ impl Hierarchy<'_> {
     }
 
     fn node(&self, k: u32) -> Option<Box<Node>> {
+        if !self.goes_on() {
+            return None;
+        }
         let made = make(self.scene, self.surfaces, &self.cells, self.bands, k / 2, k.is_multiple_of(2));
         let (patch, matter) = made.patch?;
-        let of = |sharp: bool| direct::irradiance(self.scene, std::slice::from_ref(&patch), self.bands, sharp);
+        let of = |sharp: bool| {
+            direct::irradiance(self.scene, std::slice::from_ref(&patch), self.bands, sharp, self.exchange.tell)
+        };
         let direct = of(true).into_iter().zip(of(false)).map(|(a, b)| a + b).collect();
         let none = vec![DVec4::ZERO; matter.len()];
         let (gathered, irradiance) = (none.clone(), none.clone());
         Some(Box::new(Node { patch, matter, direct, links: Vec::new(), gathered, irradiance, radiosity: none }))
+    }
+
+    /// Whether it was not told to stop; else what is found counts for nothing.
+    fn goes_on(&self) -> bool {
+        (self.exchange.tell)(0)
     }
 
     fn at(&self, k: u32) -> Option<&Node> {
@@ -158,6 +169,12 @@ impl Hierarchy<'_> {
 
     /// Links receivers to sources, where anything is exchanged.
     fn link(&mut self, pairs: &[(u32, u32)]) {
+        for pairs in pairs.chunks(AT_ONCE).take_while(|_| (self.exchange.tell)(0)) {
+            self.link_some(pairs);
+        }
+    }
+
+    fn link_some(&mut self, pairs: &[(u32, u32)]) {
         let links: Vec<Option<Link>> = pairs
             .par_iter()
             .map(|&(p, q)| {
@@ -179,6 +196,9 @@ impl Hierarchy<'_> {
     /// Gathers, pushes down and pulls up until radiosities change no more.
     fn iterate(&mut self, precision: f64) {
         for _ in 0..MOST_ITERATIONS {
+            if !self.goes_on() {
+                break;
+            }
             let gathered: Vec<Vec<DVec4>> = self
                 .nodes
                 .par_iter()

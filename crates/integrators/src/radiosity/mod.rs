@@ -172,8 +172,8 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
 /// [`Refusal`] for scenes that cannot be cut into patches.
 pub fn beyond_lambert(scene: &Scene) -> Result<Vec<String>, Refusal> {
     let surfaces = Surfaces::new(scene)?;
-    let patches = Patches::new(scene, &surfaces, &Cells::new(&surfaces), &Bands::new(scene.mode, 1));
-    Ok(patches.impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect())
+    let patches = Patches::new(scene, &surfaces, &Cells::new(&surfaces), &Bands::new(scene.mode, 1), &|_| true);
+    Ok(patches.unwrap_or_default().impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect())
 }
 
 fn within(what: &'static str, count: usize, limit: usize) -> Result<(), Refusal> {
@@ -191,14 +191,14 @@ pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Resul
     check(scene, settings)?;
     let surfaces = Surfaces::new(scene)?;
     let bands = Bands::new(scene.mode, settings.bands);
+    let tell = |parts: usize| watcher.advances(parts as u64);
     let mut cells = Cells::new(&surfaces);
     let is_adaptive = settings.adaptive > 0 && settings.method != Method::Hierarchical;
     // Of the hierarchy's leaves some are made beforehand, for light that does not come over links.
     {
-        let (center, radius) = surfaces.middle(scene);
         let is_even = settings.method != Method::Hierarchical && !is_adaptive;
         let count = if is_even { settings.patches } else { settings.patches / 4 };
-        cells.split_to(&surfaces, count, center, radius);
+        cells.split_to(&surfaces, count, surfaces.middle(scene), &tell);
     }
     let passes = if is_adaptive { settings.adaptive } else { 0 };
     for pass in 0..=passes {
@@ -209,7 +209,7 @@ pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Resul
         // The number of patches grows evenly, by factors.
         let left = f64::from(passes - pass - 1) / f64::from(passes);
         let count = settings.patches as f64 * 0.25_f64.powf(left);
-        cells.split_by(&surfaces, count as usize, &solution.needs());
+        cells.split_by(&surfaces, count as usize, &solution.needs(), &tell);
     }
     Ok(None)
 }
@@ -223,25 +223,23 @@ fn solve_cells(
     watcher: &dyn Watcher,
 ) -> Result<Option<Solution>, Refusal> {
     watcher.begins("patches", 1);
-    let patches = if settings.method == Method::Hierarchical {
-        Patches::default()
-    } else {
-        Patches::new(scene, surfaces, cells, bands)
+    let tell = |parts: usize| watcher.advances(parts as u64);
+    let patches = match settings.method {
+        Method::Hierarchical => Some(Patches::default()),
+        _ => Patches::new(scene, surfaces, cells, bands, &tell),
     };
-    if !watcher.advances(1) {
-        return Ok(None);
-    }
+    let Some(patches) = patches.filter(|_| tell(1)) else { return Ok(None) };
     let rays = AtomicU64::new(0);
     let seed = steradian_math::hash::mix64(settings.seed) as u32;
-    let exchange = Exchange { scene, surfaces, cells, patches: &patches, method: settings.factors, seed, rays: &rays };
-    let tell = |parts: usize| watcher.advances(parts as u64);
+    let method = settings.factors;
+    let exchange = Exchange { scene, surfaces, cells, patches: &patches, method, seed, rays: &rays, tell: &tell };
     let (cells, patches, exchanged, mut report) = match settings.method {
         Method::Hierarchical => {
             watcher.begins("links", 0);
             let wanted =
                 hierarchy::Wanted { tolerance: settings.tolerance, patches: settings.patches, precision: 1e-6 };
-            let Some(refined) = hierarchy::solve(&exchange, bands, wanted, &tell) else { return Ok(None) };
-            let patches = Patches::new(scene, surfaces, &refined.cells, bands);
+            let Some(refined) = hierarchy::solve(&exchange, bands, wanted) else { return Ok(None) };
+            let Some(patches) = Patches::new(scene, surfaces, &refined.cells, bands, &tell) else { return Ok(None) };
             let exchanged = hierarchy::by_patch(&patches, &refined.irradiance);
             let report = Report { steps: refined.rounds, factors: refined.links, ..Report::default() };
             (refined.cells, patches, exchanged, report)
@@ -250,7 +248,7 @@ fn solve_cells(
             let system = system(&patches);
             let count = u64::from(settings.rays) * patches.len() as u64;
             watcher.begins("rays", 0);
-            let Some(solved) = stochastic::solve(&system, &exchange, count.div_ceil(4), 4, &tell) else {
+            let Some(solved) = stochastic::solve(&system, &exchange, count.div_ceil(4), 4) else {
                 return Ok(None);
             };
             let report = Report { steps: solved.steps, ..Report::default() };
@@ -276,7 +274,7 @@ fn solve_cells(
         }
         Method::Jacobi | Method::GaussSeidel | Method::Direct => {
             watcher.begins("form factors", patches.len() as u64);
-            let Some(rows) = exchange.rows(&tell) else { return Ok(None) };
+            let Some(rows) = exchange.rows() else { return Ok(None) };
             let system = System { rows, ..system(&patches) };
             let entries = system.rows.iter().map(Vec::len).sum::<usize>() * system.bands;
             let most = (MOST_PRODUCTS / entries.max(1)).clamp(100, MOST_STEPS);
@@ -285,6 +283,7 @@ fn solve_cells(
                 Method::Direct => system.direct(&tell),
                 _ => Some(system.gauss_seidel(settings.tolerance, most, &tell)),
             };
+            // Iterations that were told to stop have come nowhere.
             let Some(Solved { irradiance, steps, residual, .. }) = solved else { return Ok(None) };
             let factors = system.rows.iter().map(Vec::len).sum();
             (cells.clone(), patches, irradiance, Report { steps, residual, factors, ..Report::default() })
@@ -295,7 +294,7 @@ fn solve_cells(
     report.impure = patches.impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect();
     report.left_out = surfaces.left_out.iter().map(|s| (*s).into()).collect();
     let light = Light::new(&patches, &exchanged);
-    Ok(Some(Solution::new(scene, surfaces.clone(), cells, bands.clone(), light, report)))
+    Ok(Solution::new(scene, surfaces.clone(), cells, bands.clone(), light, report, &tell))
 }
 
 /// The equation without form factors.

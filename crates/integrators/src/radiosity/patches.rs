@@ -74,13 +74,19 @@ fn lanes(s: Spectrum) -> DVec4 {
 }
 
 impl Patches {
-    /// The patches of the leaves.
-    pub fn new(scene: &Scene, surfaces: &Surfaces, cells: &Cells, bands: &Bands) -> Self {
+    /// The patches of the leaves; `None` where told to stop.
+    pub fn new(
+        scene: &Scene,
+        surfaces: &Surfaces,
+        cells: &Cells,
+        bands: &Bands,
+        tell: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Option<Self> {
         let leaves: Vec<u32> = cells.leaves().collect();
         let sides: Vec<[Made; 2]> = leaves
             .par_iter()
-            .map(|&k| [true, false].map(|front| make(scene, surfaces, cells, bands, k, front)))
-            .collect();
+            .map(|&k| tell(0).then(|| [true, false].map(|front| make(scene, surfaces, cells, bands, k, front))))
+            .collect::<Option<_>>()?;
         let mut all = Self { bands: bands.count(), of_cell: vec![[NONE; 2]; cells.cells.len()], ..Self::default() };
         for (leaf, sides) in leaves.iter().zip(sides) {
             let mut twins = [NONE; 2];
@@ -108,9 +114,9 @@ impl Patches {
         }
         all.impure.sort_unstable();
         all.impure.dedup();
-        all.sharp = direct::irradiance(scene, &all.list, bands, true);
-        all.sky = direct::irradiance(scene, &all.list, bands, false);
-        all
+        all.sharp = direct::irradiance(scene, &all.list, bands, true, tell);
+        all.sky = direct::irradiance(scene, &all.list, bands, false, tell);
+        tell(0).then_some(all)
     }
 
     /// How many there are.

@@ -103,10 +103,14 @@ impl Solution {
                 for lane in &mut lanes {
                     *lane = f32::from_le_bytes(word()?);
                 }
+                if !lanes.iter().all(|lane| lane.is_finite()) {
+                    return Err(LoadError::OtherScene("light that is no number"));
+                }
                 values.push(Spectrum::new(lanes));
             }
         }
         let report = Report { patches: sides as usize, ..Report::default() };
-        Ok(Self::new(scene, surfaces, cells, of_scene, light, report))
+        let solution = Self::new(scene, surfaces, cells, of_scene, light, report, &|_| true);
+        solution.ok_or(LoadError::OtherScene("other patches"))
     }
 }

@@ -92,7 +92,7 @@ impl Light {
 }
 
 impl Solution {
-    /// Makes what is looked up.
+    /// Makes what is looked up; `None` where told to stop.
     pub(super) fn new(
         scene: &Scene,
         surfaces: Surfaces,
@@ -100,15 +100,16 @@ impl Solution {
         bands: Bands,
         light: Light,
         report: Report,
-    ) -> Self {
-        let vertices = Vertices::new(scene, &surfaces, &cells, &light.sides);
+        tell: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Option<Self> {
+        let vertices = Vertices::new(scene, &surfaces, &cells, &light.sides, tell)?;
         let at_vertices = vertices.values(&cells, &light.sides, bands.count(), &light.irradiance);
         let mut of_cell = vec![[NONE; 2]; cells.cells.len()];
         for (k, side) in light.sides.iter().enumerate() {
             of_cell[side.cell as usize][usize::from(!side.front)] = k as u32;
         }
         let sharp_lights = sharp_lights(scene);
-        Self { surfaces, cells, bands, light, of_cell, vertices, at_vertices, sharp_lights, report }
+        Some(Self { surfaces, cells, bands, light, of_cell, vertices, at_vertices, sharp_lights, report })
     }
 
     /// The patch on a side of a cell, or [`NONE`].

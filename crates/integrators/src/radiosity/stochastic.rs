@@ -10,20 +10,29 @@ use super::{
 };
 use glam::DVec4;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Iterations end when less than this share of the first light is left.
 const LEAST: f64 = 1e-6;
 /// Most iterations of a run.
 const MOST: usize = 256;
+/// Rays of a patch that are traced together, and of all of them before what they met is added up.
+const TOGETHER: u32 = 1 << 12;
+const AT_ONCE: u64 = 1 << 22;
+
+/// Numbers of a patch's rays.
+type Piece = (usize, Range<u32>);
+
+/// Rays of patches, which have so many, in pieces.
+fn pieces(counts: impl Iterator<Item = u32>) -> impl Iterator<Item = Piece> {
+    counts.enumerate().flat_map(|(i, count)| {
+        let starts = (0..count).step_by(TOGETHER as usize);
+        starts.map(move |start| (i, start..count.min(start.saturating_add(TOGETHER))))
+    })
+}
 
 /// One run with so many rays for the first iteration; irradiance by patch and band.
-pub fn run(
-    system: &System,
-    exchange: &Exchange<'_>,
-    rays: u64,
-    seed: u32,
-    tell: &(dyn Fn(usize) -> bool + Sync),
-) -> Option<Vec<DVec4>> {
+pub fn run(system: &System, exchange: &Exchange<'_>, rays: u64, seed: u32) -> Option<Vec<DVec4>> {
     let n = system.bands;
     let mut unshot = system.sources.clone();
     let mut irradiance = vec![DVec4::ZERO; unshot.len()];
@@ -51,33 +60,31 @@ pub fn run(
                 (p / total * budget, ((upto + chance).floor() - (before + chance).floor()) as u32)
             })
             .collect();
-        let met: Vec<Vec<u32>> = (0..system.len())
-            .into_par_iter()
-            .map(|i| {
-                if shares[i].1 == 0 || !tell(shares[i].1 as usize) {
-                    return Vec::new();
-                }
-                let patch = &exchange.patches.list[i];
-                let rays: Vec<_> = (0..shares[i].1).map(|k| exchange.ray_from(patch, k, seed)).collect();
-                exchange.met(&rays)
+        let mut next = vec![DVec4::ZERO; unshot.len()];
+        let mut pieces = pieces(shares.iter().map(|share| share.1)).peekable();
+        while pieces.peek().is_some() {
+            let mut room = AT_ONCE;
+            let some: Vec<Piece> = std::iter::from_fn(|| {
+                pieces.next_if(|piece| piece.1.len() as u64 <= room).inspect(|piece| room -= piece.1.len() as u64)
             })
             .collect();
-        if !tell(0) {
-            return None;
-        }
-        let mut next = vec![DVec4::ZERO; unshot.len()];
-        for (i, met) in met.iter().enumerate() {
-            for &j in met.iter().filter(|j| **j != NONE) {
-                let j = j as usize;
-                for b in 0..n {
-                    // What the ray carries: the patch's light over the expected number of its rays.
-                    let more = unshot[i * n + b] * (system.areas[i] / shares[i].0 / system.areas[j]);
-                    let k = j * n + b;
-                    irradiance[k] += more;
-                    next[k] += system.reflectance[k] * more;
-                    if system.twins[j] != NONE {
-                        let other = system.twins[j] as usize * n + b;
-                        next[other] += system.transmittance[other] * more;
+            let met: Vec<Vec<u32>> = some.par_iter().map(|piece| met(exchange, piece, seed)).collect();
+            if !(exchange.tell)(0) {
+                return None;
+            }
+            for (&(i, _), met) in some.iter().zip(&met) {
+                for &j in met.iter().filter(|j| **j != NONE) {
+                    let j = j as usize;
+                    for b in 0..n {
+                        // What the ray carries: the patch's light over the expected number of its rays.
+                        let more = unshot[i * n + b] * (system.areas[i] / shares[i].0 / system.areas[j]);
+                        let k = j * n + b;
+                        irradiance[k] += more;
+                        next[k] += system.reflectance[k] * more;
+                        if system.twins[j] != NONE {
+                            let other = system.twins[j] as usize * n + b;
+                            next[other] += system.transmittance[other] * more;
+                        }
                     }
                 }
             }
@@ -87,18 +94,22 @@ pub fn run(
     Some(irradiance)
 }
 
+/// The patches that rays meet; none where told to stop.
+fn met(exchange: &Exchange<'_>, (i, numbers): &Piece, seed: u32) -> Vec<u32> {
+    if !(exchange.tell)(numbers.len()) {
+        return Vec::new();
+    }
+    let patch = &exchange.patches.list[*i];
+    let rays: Vec<_> = numbers.clone().map(|k| exchange.ray_from(patch, k, seed)).collect();
+    exchange.met(&rays)
+}
+
 /// The mean of runs.
-pub fn solve(
-    system: &System,
-    exchange: &Exchange<'_>,
-    rays: u64,
-    runs: u32,
-    tell: &(dyn Fn(usize) -> bool + Sync),
-) -> Option<Solved> {
+pub fn solve(system: &System, exchange: &Exchange<'_>, rays: u64, runs: u32) -> Option<Solved> {
     let mut irradiance = vec![DVec4::ZERO; system.sources.len()];
     for k in 0..runs.max(1) {
         let seed = steradian_math::hash::combine32(exchange.seed, k ^ 0x6c07_8965);
-        let one = run(system, exchange, rays, seed, tell)?;
+        let one = run(system, exchange, rays, seed)?;
         irradiance.iter_mut().zip(one).for_each(|(sum, h)| *sum += h / f64::from(runs.max(1)));
     }
     Some(Solved { irradiance, steps: runs as usize, residual: 0.0 })

@@ -128,6 +128,9 @@ impl System {
         while solved.steps < most && solved.residual > tolerance && !is_hopeless && tell(solved.steps) {
             let (mut largest, mut moved, mut power) = (0.0_f64, 0.0_f64, 0.0);
             for k in 0..n {
+                if k.is_multiple_of(256) && !tell(0) {
+                    break;
+                }
                 let i = if solved.steps.is_multiple_of(2) { k } else { n - 1 - k };
                 self.gather(i, &radiosity, &mut into);
                 irradiance[i * self.bands..(i + 1) * self.bands].copy_from_slice(&into);

@@ -22,11 +22,20 @@ pub struct Vertices {
 }
 
 impl Vertices {
-    /// Finds them.
-    pub fn new(scene: &Scene, surfaces: &Surfaces, cells: &Cells, sides: &[Side]) -> Self {
+    /// Finds them; `None` where told to stop.
+    pub fn new(
+        scene: &Scene,
+        surfaces: &Surfaces,
+        cells: &Cells,
+        sides: &[Side],
+        tell: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Option<Self> {
         let corners: Vec<Vec<(Vec3, Vec3)>> = sides
             .par_iter()
             .map(|patch| {
+                if !tell(0) {
+                    return None;
+                }
                 let cell = &cells.cells[patch.cell as usize];
                 let piece = &surfaces.pieces[cell.piece as usize];
                 let corner = |uv: &steradian_math::Vec2| {
@@ -34,9 +43,9 @@ impl Vertices {
                     let n = s.surface.ns;
                     (piece.point(*uv).as_vec3(), if n.dot(s.wo) < 0.0 { -n } else { n })
                 };
-                cell.corners().iter().map(corner).collect()
+                Some(cell.corners().iter().map(corner).collect())
             })
-            .collect();
+            .collect::<Option<_>>()?;
         let all = || corners.iter().flatten().map(|c| c.0);
         let (low, high) = all().fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
         let grain = ((high - low).max_element() * NEAR).max(f32::MIN_POSITIVE);
@@ -45,6 +54,9 @@ impl Vertices {
         let mut known: HashMap<[i64; 3], Vec<(Vec3, u32)>> = HashMap::new();
         let mut vertices = Self { of_patch: Vec::with_capacity(corners.len()), count: 0 };
         for corners in &corners {
+            if !tell(0) {
+                return None;
+            }
             let mut of_patch = [0; 4];
             for (slot, (p, n)) in of_patch.iter_mut().zip(corners) {
                 let here = known.entry(place(*p)).or_default();
@@ -59,7 +71,7 @@ impl Vertices {
             }
             vertices.of_patch.push(of_patch);
         }
-        vertices
+        Some(vertices)
     }
 
     /// Values at the vertices from those of the patches, by `n` bands.

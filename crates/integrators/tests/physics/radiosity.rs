@@ -4,14 +4,17 @@ use crate::{
     shot::{Shot, mean},
     stage::{Stage, cuboid, diffuse, light, material, plane, rectangle, rgb, sphere, white},
 };
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
 };
 use steradian_integrators::{
     Counters, Depth, Integrator, Precomputed,
-    radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, solve},
+    radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, Watcher, solve},
 };
 use steradian_math::{Ray, Vec2};
 
@@ -243,4 +246,68 @@ fn limits_are_named() {
     let refused = solve(&scene, &settings(Method::Direct, 1 << 20), &()).expect_err("too many");
     assert!(matches!(refused, Refusal::TooManyPatches { .. }));
     assert!(refused.to_string().contains("stochastic"), "{refused}");
+}
+
+/// Counts how often it is asked whether to go on, and says no from one of these times on.
+struct Asked {
+    times: AtomicU64,
+    until: u64,
+    /// How often it was asked before the last exchange of light began.
+    before: AtomicU64,
+}
+
+impl Asked {
+    fn until(until: u64) -> Self {
+        Self { times: AtomicU64::new(0), until, before: AtomicU64::new(0) }
+    }
+
+    fn times(&self) -> u64 {
+        self.times.load(Ordering::Relaxed)
+    }
+}
+
+impl Watcher for Asked {
+    fn begins(&self, phase: &'static str, _: u64) {
+        if phase != "patches" {
+            self.before.store(self.times(), Ordering::Relaxed);
+        }
+    }
+
+    fn advances(&self, _: u64) -> bool {
+        self.times.fetch_add(1, Ordering::Relaxed) < self.until
+    }
+}
+
+/// All methods ask again and again whether to go on, at least once for every 2¹⁴ rays, and end without a solution when
+/// they are told to stop, at whatever time.
+#[test]
+fn solving_ends_when_it_is_told_to() {
+    let mut stage = Stage::new();
+    let grey = stage.add(diffuse(0.5));
+    stage.place_mesh(rectangle([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0])).material = Some(grey);
+    stage.place_mesh(rectangle([-1.0, 0.0, 1.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0])).material = Some(grey);
+    stage.mesh_lamp(rectangle([-0.5, 1.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), 1.0);
+    stage.film(8, 8).look([0.0, 0.5, -3.0], [0.0, 0.5, 0.0], 40.0);
+    let scene = stage.scene();
+    let fine = [FormFactors::Analytic, FormFactors::MonteCarlo(4096), FormFactors::Hemicube(256)];
+    for (name, method) in METHODS {
+        for factors in fine.into_iter().take(if *method == Method::GaussSeidel { 3 } else { 1 }) {
+            let settings = Settings { factors, rays: 20_000, adaptive: 1, tolerance: 1e-3, ..settings(*method, 24) };
+            let whole = Asked::until(u64::MAX);
+            let solution = solve(&scene, &settings, &whole).unwrap().unwrap();
+            let all = whole.times();
+            let (rays, patches) = (solution.report.rays, solution.report.patches as u64);
+            let meanwhile = all - whole.before.load(Ordering::Relaxed);
+            assert!(rays / meanwhile <= 1 << 14, "{name} {factors:?}: {rays} rays, asked {meanwhile} times");
+            for until in (0..5).map(|k| all * k / 5).chain([all - 1]) {
+                let asked = Asked::until(until);
+                let found = solve(&scene, &settings, &asked).unwrap();
+                let more = asked.times() - until;
+                assert!(
+                    found.is_none() && more <= 4 * patches + 64,
+                    "{name} {factors:?}: {until} of {all}, {more} more"
+                );
+            }
+        }
+    }
 }
