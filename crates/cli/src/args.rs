@@ -11,6 +11,7 @@ use steradian::image::{
     signal::Prefilter,
     tone::Tone,
 };
+use steradian::quality::MAX_THREADS;
 
 /// A physically based renderer for pbrt-v4, Mitsuba and glTF scenes and for OBJ and PLY models.
 #[derive(Debug, Parser)]
@@ -112,7 +113,7 @@ pub struct SceneOptions {
     #[arg(long, help_heading = "Scene")]
     pub strict: bool,
     /// Number of threads; 0 is one per processor. Does not change the picture
-    #[arg(long, alias = "nthreads", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, alias = "nthreads", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
     pub threads: u16,
 }
 

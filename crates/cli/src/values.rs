@@ -1,10 +1,8 @@
 //! The values of options: sizes, rectangles, durations, names.
 
 use std::{str::FromStr, time::Duration};
+pub use steradian::quality::MAX_SPP;
 use steradian::{Layer, image::tone::Tone, scene::names};
-
-/// Most samples per pixel.
-pub const MAX_SPP: u32 = 1 << 24;
 
 /// A frame, `WxH`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

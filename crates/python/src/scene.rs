@@ -10,8 +10,13 @@ use crate::{
 use pyo3::{
     exceptions::{PyIOError, PyKeyError, PyValueError},
     prelude::*,
+    sync::MutexExt,
 };
-use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
 use steradian::{
     ColorMode, CompileOptions, Layer, Loaded, Quality,
     formats::{Options, native},
@@ -89,11 +94,16 @@ struct Ready {
 }
 
 /// A scene: nodes with parameters, which may be read and set, and rendered again without reading files of
-/// scenes and meshes anew.
-#[pyclass(module = "steradian")]
+/// scenes and meshes anew. Threads may share it: what one does with it another one waits for, but for rendering.
+#[pyclass(frozen, module = "steradian")]
 pub struct Scene {
-    desc: Arc<SceneDesc>,
     options: Options,
+    state: Mutex<State>,
+}
+
+/// What changes.
+struct State {
+    desc: Arc<SceneDesc>,
     diagnostics: Diagnostics,
     ready: Option<Ready>,
 }
@@ -107,9 +117,23 @@ impl Scene {
             let lost = loaded.diagnostics.iter().filter(|d| d.fidelity.is_some());
             return Err(SceneError::new_err(lost.map(ToString::to_string).collect::<Vec<_>>().join("\n")));
         }
-        Ok(Self { desc: Arc::new(loaded.desc), options, diagnostics: loaded.diagnostics, ready: None })
+        let state = State { desc: Arc::new(loaded.desc), diagnostics: loaded.diagnostics, ready: None };
+        Ok(Self { options, state: Mutex::new(state) })
     }
 
+    /// The state, for this thread alone; the interpreter goes on while another one has it. It is whole even if that one
+    /// panicked.
+    fn state(&self, py: Python<'_>) -> MutexGuard<'_, State> {
+        self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The scene as it is rendered, compiled anew only where something changed.
+    fn ready(&self, py: Python<'_>, options: &CompileOptions) -> PyResult<Arc<steradian::Scene>> {
+        self.state(py).ready(py, options)
+    }
+}
+
+impl State {
     fn find(&self, node: &str) -> PyResult<NodeId> {
         let ids = native::ids(&self.desc);
         let found = ids.iter().position(|id| id == node);
@@ -120,8 +144,8 @@ impl Scene {
         })
     }
 
-    /// The scene as it is rendered, compiled anew only where something changed.
-    pub fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Arc<steradian::Scene>> {
+    /// As [`Scene::ready`].
+    fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Arc<steradian::Scene>> {
         let key = format!("{options:?}");
         if let Some(ready) = self.ready.as_ref().filter(|r| r.key == key) {
             return Ok(ready.scene.clone());
@@ -183,63 +207,70 @@ impl Scene {
 
     /// Everything that reading and compiling had to say so far.
     #[getter]
-    fn messages(&self) -> Vec<Message> {
-        self.diagnostics.iter().map(Message::from).collect()
+    fn messages(&self, py: Python<'_>) -> Vec<Message> {
+        self.state(py).diagnostics.iter().map(Message::from).collect()
     }
 
     /// Families and kinds of all nodes by their names; a node without a name of its own has one that begins with '#'.
     #[getter]
-    fn nodes(&self) -> Vec<(String, (String, String))> {
-        let ids = native::ids(&self.desc);
+    fn nodes(&self, py: Python<'_>) -> Vec<(String, (String, String))> {
+        let desc = &self.state(py).desc;
+        let ids = native::ids(desc);
         let family = |n: &steradian::scene::Node| n.family.noun().split(' ').next().unwrap_or_default().to_owned();
-        ids.into_iter().zip(&self.desc.nodes).map(|(id, n)| (id, (family(n), n.kind.clone()))).collect()
+        ids.into_iter().zip(&desc.nodes).map(|(id, n)| (id, (family(n), n.kind.clone()))).collect()
     }
 
     /// The names of the cameras.
     #[getter]
-    fn cameras(&self) -> Vec<String> {
-        let ids = native::ids(&self.desc);
-        self.desc.cameras.iter().map(|id| ids[id.0 as usize].clone()).collect()
+    fn cameras(&self, py: Python<'_>) -> Vec<String> {
+        let desc = &self.state(py).desc;
+        let ids = native::ids(desc);
+        desc.cameras.iter().map(|id| ids[id.0 as usize].clone()).collect()
     }
 
     /// The names of the parameters that a node sets.
-    fn parameters(&self, node: &str) -> PyResult<Vec<String>> {
-        let id = self.find(node)?;
-        Ok(self.desc.node(id).params.iter().map(|p| p.name.clone()).collect())
+    fn parameters(&self, py: Python<'_>, node: &str) -> PyResult<Vec<String>> {
+        let state = self.state(py);
+        let id = state.find(node)?;
+        Ok(state.desc.node(id).params.iter().map(|p| p.name.clone()).collect())
     }
 
     /// The value of a node's parameter; `None` where it is not set.
     fn get<'py>(&self, py: Python<'py>, node: &str, parameter: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let id = self.find(node)?;
-        let ids = native::ids(&self.desc);
-        self.desc.node(id).get(parameter).map(|value| to_python(py, value, &ids)).transpose()
+        let state = self.state(py);
+        let id = state.find(node)?;
+        let ids = native::ids(&state.desc);
+        state.desc.node(id).get(parameter).map(|value| to_python(py, value, &ids)).transpose()
     }
 
     /// Sets a parameter to a value in Steradian's own language; `null` takes it away.
-    fn set_text(&mut self, node: &str, parameter: &str, value: &str) -> PyResult<()> {
-        let id = self.find(node)?;
-        let desc = Arc::make_mut(&mut self.desc);
+    fn set_text(&self, py: Python<'_>, node: &str, parameter: &str, value: &str) -> PyResult<()> {
+        let mut state = self.state(py);
+        let id = state.find(node)?;
+        let desc = Arc::make_mut(&mut state.desc);
         native::set(desc, id, parameter, value, &self.options).map_err(|diagnostics| error(&diagnostics))?;
-        self.ready = None;
+        state.ready = None;
         Ok(())
     }
 
     /// The scene in Steradian's own language, for a file at `path`; with what goes beside it by name.
-    fn text(&self, path: PathBuf) -> PyResult<(String, Files)> {
-        let written = native::write(&self.desc, &path).map_err(PyValueError::new_err)?;
+    fn text(&self, py: Python<'_>, path: PathBuf) -> PyResult<(String, Files)> {
+        let desc = self.state(py).desc.clone();
+        let written = py.detach(|| native::write(&desc, &path)).map_err(PyValueError::new_err)?;
         Ok((written.text, written.files))
     }
 
     /// Writes the scene in Steradian's own language, and what goes beside it, whole or not at all.
-    fn save(&self, path: PathBuf) -> PyResult<()> {
-        let written = native::write(&self.desc, &path).map_err(PyValueError::new_err)?;
-        let done = steradian::image::write_together(&path, written.text.as_bytes(), &written.files);
-        done.map_err(|e| PyIOError::new_err(e.to_string()))
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let desc = self.state(py).desc.clone();
+        let written = py.detach(|| native::write(&desc, &path)).map_err(PyValueError::new_err)?;
+        let write = || steradian::image::write_together(&path, written.text.as_bytes(), &written.files);
+        py.detach(write).map_err(|e| PyIOError::new_err(e.to_string()))
     }
 
     /// A material by its name, to be evaluated.
     #[pyo3(signature = (name, *, color = "auto"))]
-    fn material(&mut self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
+    fn material(&self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
         let mode = self::color(color)?;
         let scene = self.ready(py, &CompileOptions { mode, ..CompileOptions::default() })?;
         Material::named(scene, name)
@@ -250,7 +281,7 @@ impl Scene {
         seed = None, threads = 0, color = "auto", adaptive = false, error = None, time = None, layers = Vec::new(), transparent = false, progress = None))]
     #[allow(clippy::too_many_arguments)]
     fn render(
-        &mut self,
+        &self,
         py: Python<'_>,
         spp: Option<u32>,
         size: Option<(u32, u32)>,
@@ -277,16 +308,13 @@ impl Scene {
             })
         };
         let layers = layers.iter().map(layer).collect::<PyResult<Vec<_>>>()?;
-        if spp == Some(0) || size.is_some_and(|(w, h)| w == 0 || h == 0) {
-            return Err(PyValueError::new_err("spp and size are whole numbers above 0"));
+        if size.is_some_and(|(w, h)| w == 0 || h == 0) {
+            return Err(PyValueError::new_err("size is two whole numbers above 0"));
         }
         if [error, time].into_iter().flatten().any(|v| !(v > 0.0 && v < 1e9)) {
             return Err(PyValueError::new_err("error and time are numbers above 0"));
         }
         let endless = spp.is_none() && (error.is_some() || time.is_some());
-        let options =
-            CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
-        let scene = self.ready(py, &options)?;
         let quality = Quality {
             integrator,
             spp: if endless { Some(1 << 20) } else { spp },
@@ -299,11 +327,15 @@ impl Scene {
             layers,
             transparent,
         };
+        quality.check().map_err(|e| PyValueError::new_err(e.to_string()))?;
+        let options =
+            CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
+        let scene = self.ready(py, &options)?;
         render::run(py, &Request { scene: &scene, quality: &quality, time, progress: progress.as_ref() })
     }
 
-    fn __repr__(&self) -> String {
-        let d = &self.desc;
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let d = &self.state(py).desc;
         let (shapes, nodes, lights) = (d.shapes.len(), d.nodes.len(), d.lights.len());
         format!("<steradian.Scene: {nodes} nodes, {shapes} shapes, {} faces, {lights} lights>", d.face_count())
     }

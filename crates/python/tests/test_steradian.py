@@ -158,6 +158,49 @@ def test_other_threads_run_meanwhile():
     assert counted[0] > at_start
 
 
+def test_a_scene_may_be_used_while_it_is_rendered():
+    scene, seen = st.scene(BALL), []
+
+    def look(p):
+        scene["clay"]["reflectance"] = {"rgb": [0.1, 0.2, 0.3]}
+        seen.append((len(scene.cameras), repr(scene), scene.text()))
+        return p.spp < 1
+
+    assert scene.render(spp=1 << 20, progress=look).stopped == "progress" and seen
+    assert "0.2" in str(scene["clay"]["reflectance"])
+
+
+def test_threads_share_a_scene():
+    scene, failed = st.scene(BALL), []
+    expected = np.asarray(scene.render(spp=2, size=(24, 24)))
+
+    def work(k):
+        try:
+            for n in range(5):
+                scene["clay"]["reflectance"] = {"rgb": [0.7, 0.3, 0.2]}
+                scene.material("clay")
+                size = (24 + (k + n) % 2, 24)
+                picture = np.asarray(scene.render(spp=2, size=size, threads=1))
+                assert size != (24, 24) or np.array_equal(picture, expected)
+        except BaseException as e:
+            failed.append(e)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    [t.start() for t in threads]
+    [t.join() for t in threads]
+    assert not failed
+
+
+def test_numbers_that_no_render_can_have_are_refused():
+    scene = st.scene(BALL)
+    for threads in [1025, 2**31, 2**63]:
+        with pytest.raises(ValueError, match=f"threads are whole numbers from 0 to 1024, not {threads}"):
+            scene.render(spp=1, threads=threads)
+    for spp in [0, 2**24 + 1]:
+        with pytest.raises(ValueError, match=f"samples per pixel are whole numbers from 1 to 16777216, not {spp}"):
+            scene.render(spp=spp)
+
+
 def test_a_diffuse_material_is_its_cosine():
     clay = st.material("diffuse", reflectance=(0.5, 0.25, 1.0))
     theta = np.linspace(0, 1.5, 7)

@@ -24,6 +24,18 @@ pub enum Error {
         /// All names.
         known: String,
     },
+    /// More threads, or samples per pixel, than there may be.
+    #[error("{what} are whole numbers from {least} to {most}, not {asked}")]
+    OutOfRange {
+        /// Of what.
+        what: &'static str,
+        /// The least number.
+        least: usize,
+        /// The largest.
+        most: usize,
+        /// What was asked for.
+        asked: usize,
+    },
     /// An integrator cannot do what is in the scene.
     #[error("integrator '{integrator}' cannot do {what}")]
     CannotRender {

@@ -16,6 +16,11 @@ use steradian_scene::names::did_you_mean;
 /// Most groups of lights that layers are made of: each takes memory for a picture.
 const MOST_LIGHT_GROUPS: usize = 64;
 
+/// Most samples per pixel.
+pub const MAX_SPP: u32 = 1 << 24;
+/// Most threads.
+pub const MAX_THREADS: usize = 1024;
+
 /// Integrator, samples, depth, threads and layers.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
@@ -25,7 +30,7 @@ pub struct Quality {
     /// roulette pay, and where more paths (`auto`), or not (`even`), or whether roulette and splitting go by what is
     /// known of each vertex (`vertex`).
     pub integrator: Option<String>,
-    /// Samples per pixel; their mean with `adaptive`.
+    /// Samples per pixel, up to [`MAX_SPP`]; their mean with `adaptive`.
     pub spp: Option<u32>,
     /// Whether parts of the picture that err more get more samples.
     pub adaptive: bool,
@@ -33,7 +38,7 @@ pub struct Quality {
     pub error: Option<f64>,
     /// Random seed.
     pub seed: Option<u64>,
-    /// Threads; 0 for one per processor.
+    /// Threads, up to [`MAX_THREADS`]; 0 for one per processor.
     pub threads: usize,
     /// Most scattering events.
     pub max_depth: Option<u32>,
@@ -49,7 +54,7 @@ impl Quality {
     /// The plan for a scene.
     ///
     /// # Errors
-    /// [`Error`] for unknown names and options.
+    /// [`Error`] for unknown names and options, and numbers that are too large.
     pub fn plan(&self, scene: &Scene) -> Result<Plan, Error> {
         let asked = self.integrator_or_scene(scene);
         let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
@@ -171,8 +176,22 @@ impl Quality {
         Ok(())
     }
 
+    /// Refuses numbers that no render can have.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn check(&self) -> Result<(), Error> {
+        let within = |what, least: usize, most: usize, asked: usize| match (least..=most).contains(&asked) {
+            true => Ok(()),
+            false => Err(Error::OutOfRange { what, least, most, asked }),
+        };
+        within("samples per pixel", 1, MAX_SPP as usize, self.spp.unwrap_or(1) as usize)?;
+        within("threads", 0, MAX_THREADS, self.threads)
+    }
+
     /// The plan with an integrator and so many samples per pixel.
     fn plan_of(&self, scene: &Scene, mut integrator: IntegratorKind, spp: u32) -> Result<Plan, Error> {
+        self.check()?;
         if self.layers.contains(&Layer::LightGroups) {
             let kept = self.keep_lights_apart(scene, &mut integrator);
             kept.map_err(|what| Error::CannotRender { integrator: self.integrator_name(scene).into(), what })?;
@@ -309,6 +328,20 @@ mod tests {
         assert!(plan(&of_file, Some("ao:distance=7"), false).unwrap().contains("distance: 7"));
         let another = scene(Node::new(Family::Integrator, "path", None));
         assert!(plan(&another, Some("ao"), false).unwrap().contains("distance: inf"));
+    }
+
+    #[test]
+    fn numbers_that_no_render_can_have_are_refused() {
+        let scene = scene(Node::new(Family::Integrator, "path", None));
+        let said = |quality: Quality| quality.plan(&scene).unwrap_err().to_string();
+        let threads = said(Quality { threads: 1 << 31, ..Quality::default() });
+        assert_eq!(threads, "threads are whole numbers from 0 to 1024, not 2147483648");
+        for (spp, integrator) in [(0, None), (u32::MAX, None), (u32::MAX, Some("vcm".into()))] {
+            let said = said(Quality { spp: Some(spp), integrator, ..Quality::default() });
+            assert!(said.starts_with("samples per pixel are whole numbers from 1 to 16777216"), "{said}");
+        }
+        let raster = Quality { spp: Some(u32::MAX), integrator: Some("raster".into()), ..Quality::default() };
+        assert!(matches!(crate::raster::options(&raster, &scene), Err(Error::OutOfRange { .. })));
     }
 
     #[test]

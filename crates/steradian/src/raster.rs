@@ -34,8 +34,9 @@ pub struct Rendered {
 /// The options of the integrator `raster`, where it is the one that the quality or the scene asks for.
 ///
 /// # Errors
-/// [`Error::Raster`] for options that do not exist.
+/// [`Error::Raster`] for options that do not exist, [`Error::OutOfRange`] for a number that is too large.
 pub fn options(quality: &Quality, scene: &Scene) -> Result<Option<Options>, Error> {
+    quality.check()?;
     let asked = quality.integrator.as_deref().unwrap_or(&scene.settings.integrator);
     let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
     if name == RASTER.0 { Ok(Some(Options::parse(options)?)) } else { Ok(None) }
