@@ -9,12 +9,7 @@ use steradian_image::{
 
 /// The folder with real pictures, where there is one.
 fn assets(sub: &str) -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets")).join(sub);
-    if !folder.is_dir() {
-        println!("skipped: the assets are not here");
-        return None;
-    }
-    Some(folder)
+    steradian_testkit::asset(sub)
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {

@@ -13,12 +13,7 @@ use steradian::{
 };
 
 fn assets() -> Option<PathBuf> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets"));
-    if !folder.is_dir() {
-        println!("skipped: there are no assets beside the project");
-        return None;
-    }
-    Some(folder)
+    steradian_testkit::asset("")
 }
 
 /// As the program renders where nothing else is asked for.

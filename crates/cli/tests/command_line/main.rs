@@ -18,7 +18,7 @@ mod scenes;
 mod stopping;
 
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Output, Stdio},
 };
 use steradian::image::{Image, Limits, read};
@@ -93,10 +93,5 @@ impl Run {
 
 /// A file of the assets, where these are.
 fn asset(name: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets")).join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: {name} is not here");
-    None
+    steradian_testkit::asset(name)
 }

@@ -5,15 +5,7 @@ use steradian_math::hash::HashRng;
 
 /// The folder of shared test files; says so where it is absent.
 pub(crate) fn assets() -> Option<PathBuf> {
-    let root = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets"));
-    if !root.is_dir() {
-        #[allow(clippy::print_stdout)]
-        {
-            println!("skipped: the shared test files are not here");
-        }
-        return None;
-    }
-    Some(root)
+    steradian_testkit::asset("")
 }
 
 /// Calls `check` with damaged copies of a file: bytes changed, runs removed, runs repeated.

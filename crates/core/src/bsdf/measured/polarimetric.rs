@@ -227,9 +227,8 @@ mod tests {
     /// The example of Mitsuba's tests, whose arrays of angles have no rows: white, and a mirror's peak towards grazing.
     #[test]
     fn the_example_of_mitsuba_is_white() {
-        let Ok(bytes) = std::fs::read("../../../shared/assets/brdf/spectralon_lowres.pbsdf") else {
-            return;
-        };
+        let Some(path) = steradian_testkit::asset("brdf/spectralon_lowres.pbsdf") else { return };
+        let bytes = std::fs::read(path).expect("a file that can be read");
         let table = Polarimetric::read(&TensorFile::read(&bytes).expect("sound"), Wanted::Rgb).expect("sound");
         let f = table.eval(Vec3::Z, Vec3::Z, [0.0; 4]).to_array();
         // The first intensities of the table are 0.2224 to 0.2390 over the wavelengths.

@@ -2,18 +2,11 @@
 
 use super::*;
 
-const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets/pbrt");
 pub const SCENES: [&str; 6] = ["coffee", "cornell-box", "hair-curl", "staircase2", "veach-mis", "volumetric-caustic"];
 
 /// The file of a published scene, or `None` with a word about it.
-#[allow(clippy::print_stdout, reason = "says that it was skipped")]
 pub fn path(name: &str) -> Option<std::path::PathBuf> {
-    let path = Path::new(ASSETS).join(name).join("scene-v4.pbrt");
-    if path.is_file() {
-        return Some(path);
-    }
-    println!("skipped: no {name}");
-    None
+    steradian_testkit::asset(&format!("pbrt/{name}/scene-v4.pbrt"))
 }
 
 fn scene(name: &str) -> Option<SceneDesc> {
