@@ -240,6 +240,7 @@ fn a_wish_for_a_picture_ends_nothing() {
         drop(stdin);
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
-        assert!(matches!(output.status.code(), Some(0 | 4)), "{arguments:?}: {:?} {said}", output.status);
+        // What `verify` finds of so few samples is not the question.
+        assert!(matches!(output.status.code(), Some(0 | 4 | 5)), "{arguments:?}: {:?} {said}", output.status);
     }
 }
