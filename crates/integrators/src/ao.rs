@@ -2,7 +2,7 @@
 //! distance, `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
 
 use crate::{Counters, Integrator, Precomputed, dimension, walk::MAX_PASSES};
-use steradian_core::{Scene, sampler::PixelSampler};
+use steradian_core::{Scene, color, sampler::PixelSampler};
 use steradian_math::{Frame, Ray, Spectrum, spectra::Wavelengths, warp};
 
 /// Ambient occlusion.
@@ -36,7 +36,8 @@ impl Integrator for AmbientOcclusion {
             let w = Frame::from_z(up).to_world(local);
             counters.rays += 1;
             let is_open = !scene.occluded(&Ray { t_max: self.distance, ..i.spawn(w) });
-            return Spectrum::splat(f32::from(is_open));
+            // Grey is the grey of a picture, in spectra too.
+            return color::under_white(Spectrum::splat(f32::from(is_open)), lambda, scene.mode);
         }
         Spectrum::ZERO
     }

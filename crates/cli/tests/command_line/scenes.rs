@@ -190,9 +190,10 @@ fn ambient_occlusion_is_rendered_as_such() {
             let plane = picture.channel(name).unwrap();
             plane.iter().map(|v| f64::from(*v)).sum::<f64>() / plane.len() as f64
         };
-        let [r, g, b] = ["R", "G", "B"].map(mean);
-        assert!(r == g && g == b, "{r} {g} {b}");
-        // Four standard errors of 8 x 8 x 256 samples that are 0 or 1.
-        assert!((g - open).abs() < 4.0 * 0.5 / 128.0, "{distance}: {g}");
+        // Four standard errors of 8 x 8 x 256 samples that are 0 or 1, by wavelengths whose colours vary as much again. A
+        // flat spectrum would be 1.205 times as red.
+        for name in ["R", "G", "B"] {
+            assert!((mean(name) - open).abs() < 4.0 / 128.0, "{distance}: {name} {}", mean(name));
+        }
     }
 }

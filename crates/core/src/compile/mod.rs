@@ -50,7 +50,7 @@ use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
 /// What the user decides about a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Colour mode; `None` follows the format: spectral for pbrt scenes but those of ambient occlusion, RGB for others.
+    /// Colour mode; `None` follows the format: spectral for pbrt scenes, RGB for others.
     pub mode: Option<ColorMode>,
     /// Frame size instead of the scene's.
     pub size: Option<(u32, u32)>,
@@ -143,10 +143,8 @@ struct Compiler<'a> {
 
 /// Compiles a description.
 pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
-    // Occlusion has no colour.
-    let has_color = desc.integrator.is_none_or(|i| desc.node(i).kind != "ao");
     let mode = options.mode.unwrap_or(match desc.format {
-        Format::Pbrt if has_color => ColorMode::Spectral,
+        Format::Pbrt => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
     let mut c = Compiler {
