@@ -24,7 +24,8 @@ use steradian::quality::MAX_THREADS;
     arg_required_else_help = true
 )]
 #[command(
-    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures differ (compare), 130/143 stopped."
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures or methods differ (compare, verify), 5 undecided \
+                  (verify), 130/143 stopped."
 )]
 pub struct Cli {
     /// What to do.

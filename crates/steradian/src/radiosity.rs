@@ -89,6 +89,9 @@ pub fn options(text: &str, mut depth: Depth) -> Result<Asked, Error> {
         "hemicube" => FormFactors::Hemicube(resolution.unwrap_or(64)),
         _ => FormFactors::Analytic,
     };
+    // The last bounce is that at the surface that is seen; with a final gather the last two are followed.
+    let carried = depth.max.saturating_sub(u32::from(gather > 0));
+    settings.bounces = (depth.max != u32::MAX).then_some(carried);
     Ok(Asked { view: View { settings, depth, gather, smooth }, file })
 }
 

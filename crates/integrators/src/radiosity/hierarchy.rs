@@ -34,6 +34,8 @@ pub struct Wanted {
     pub patches: usize,
     /// The change at which iteration ends.
     pub precision: f64,
+    /// How often light is carried from node to node at most, where there is a limit.
+    pub bounces: Option<u32>,
 }
 
 /// A side of a cell.
@@ -107,7 +109,7 @@ pub fn solve(exchange: &Exchange<'_>, bands: &Bands, wanted: Wanted) -> Option<R
     let pairs: Vec<(u32, u32)> =
         roots.iter().flat_map(|p| roots.iter().filter(move |q| *q / 2 != *p / 2).map(move |q| (*p, *q))).collect();
     all.link(&pairs);
-    all.iterate(wanted.precision);
+    all.iterate(wanted);
     let mut rounds = 0;
     while rounds < ROUNDS {
         if !(exchange.tell)(1) {
@@ -117,7 +119,7 @@ pub fn solve(exchange: &Exchange<'_>, bands: &Bands, wanted: Wanted) -> Option<R
         if !all.refine(wanted) {
             break;
         }
-        all.iterate(wanted.precision);
+        all.iterate(wanted);
     }
     if !(exchange.tell)(0) {
         return None;
@@ -194,8 +196,15 @@ impl Hierarchy<'_> {
     }
 
     /// Gathers, pushes down and pulls up until radiosities change no more.
-    fn iterate(&mut self, precision: f64) {
-        for _ in 0..MOST_ITERATIONS {
+    fn iterate(&mut self, wanted: Wanted) {
+        let mut most = MOST_ITERATIONS;
+        if let Some(bounces) = wanted.bounces {
+            // The sum of all bounces up to a limit begins with what is emitted.
+            self.nodes.par_iter_mut().flatten().for_each(|node| node.irradiance.fill(DVec4::ZERO));
+            self.pull(false);
+            most = most.min(bounces as usize);
+        }
+        for _ in 0..most {
             if !self.goes_on() {
                 break;
             }
@@ -219,16 +228,16 @@ impl Hierarchy<'_> {
                     node.gathered = gathered;
                 }
             }
-            let (moved, largest) = self.push_pull();
-            if moved <= precision * largest {
+            self.push();
+            let (moved, largest) = self.pull(true);
+            if moved <= wanted.precision * largest {
                 break;
             }
         }
     }
 
-    /// Irradiances go down to the leaves, radiosities up to the roots; the largest change of a leaf, and the largest
-    /// value.
-    fn push_pull(&mut self) -> (f64, f64) {
+    /// Irradiances go down to the leaves.
+    fn push(&mut self) {
         // Children come after their parents.
         for cell in 0..self.cells.cells.len() as u32 {
             let children = self.cells.cells[cell as usize].children;
@@ -241,6 +250,12 @@ impl Hierarchy<'_> {
                 }
             }
         }
+    }
+
+    /// Radiosities go from the leaves up to the roots, with what lights that are no patches add, or without; the largest
+    /// change of a leaf, and the largest value.
+    fn pull(&mut self, with_direct: bool) -> (f64, f64) {
+        let direct = f64::from(u8::from(with_direct));
         let (mut moved, mut largest) = (0.0_f64, 0.0_f64);
         for cell in (0..self.cells.cells.len() as u32).rev() {
             let children = self.cells.cells[cell as usize].children;
@@ -253,9 +268,9 @@ impl Hierarchy<'_> {
                         .map(|b| {
                             let m = &node.matter[b];
                             let through = other.map_or(DVec4::ZERO, |o| {
-                                (o.irradiance[b] + o.direct[b]) * m.transmittance.0.as_dvec4()
+                                (o.irradiance[b] + o.direct[b] * direct) * m.transmittance.0.as_dvec4()
                             });
-                            let back = (node.irradiance[b] + node.direct[b]) * m.reflectance.0.as_dvec4();
+                            let back = (node.irradiance[b] + node.direct[b] * direct) * m.reflectance.0.as_dvec4();
                             m.emission.0.as_dvec4() + back + through
                         })
                         .collect()

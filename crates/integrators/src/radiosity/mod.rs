@@ -93,6 +93,9 @@ pub struct Settings {
     pub bands: usize,
     /// Whether light that is not shot yet is shown as ambient light.
     pub ambient: bool,
+    /// How often light is carried from patch to patch at most; `None` for any number. The methods `direct` and
+    /// `shooting` have no order of bounces and refuse it; `gauss-seidel` becomes `jacobi`.
+    pub bounces: Option<u32>,
     /// Chooses the random numbers.
     pub seed: u64,
 }
@@ -108,6 +111,7 @@ impl Default for Settings {
             rays: 1000,
             bands: 8,
             ambient: false,
+            bounces: None,
             seed: 0,
         }
     }
@@ -157,6 +161,14 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
     let surfaces = Surfaces::new(scene)?;
     // A leaf has two sides.
     let count = surfaces.pieces.len().max(settings.patches);
+    let method = match settings.method {
+        Method::Direct => Some("direct"),
+        Method::Shooting => Some("shooting"),
+        _ => None,
+    };
+    if let (Some(method), Some(limit)) = (method, settings.bounces) {
+        return Err(Refusal::Bounces { method, limit });
+    }
     match settings.method {
         Method::Hierarchical => within("hierarchical", surfaces.pieces.len(), hierarchy::LIMIT),
         Method::Shooting => within("shooting", count, SHOOTING_LIMIT),
@@ -236,8 +248,8 @@ fn solve_cells(
     let (cells, patches, exchanged, mut report) = match settings.method {
         Method::Hierarchical => {
             watcher.begins("links", 0);
-            let wanted =
-                hierarchy::Wanted { tolerance: settings.tolerance, patches: settings.patches, precision: 1e-6 };
+            let Settings { tolerance, patches, bounces, .. } = *settings;
+            let wanted = hierarchy::Wanted { tolerance, patches, precision: 1e-6, bounces };
             let Some(refined) = hierarchy::solve(&exchange, bands, wanted) else { return Ok(None) };
             let Some(patches) = Patches::new(scene, surfaces, &refined.cells, bands, &tell) else { return Ok(None) };
             let exchanged = hierarchy::by_patch(&patches, &refined.irradiance);
@@ -247,8 +259,9 @@ fn solve_cells(
         Method::Stochastic => {
             let system = system(&patches);
             let count = u64::from(settings.rays) * patches.len() as u64;
+            let shots = stochastic::Shots { rays: count.div_ceil(4), bounces: settings.bounces };
             watcher.begins("rays", 0);
-            let Some(solved) = stochastic::solve(&system, &exchange, count.div_ceil(4), 4) else {
+            let Some(solved) = stochastic::solve(&system, &exchange, shots, 4) else {
                 return Ok(None);
             };
             let report = Report { steps: solved.steps, ..Report::default() };
@@ -279,6 +292,10 @@ fn solve_cells(
             let entries = system.rows.iter().map(Vec::len).sum::<usize>() * system.bands;
             let most = (MOST_PRODUCTS / entries.max(1)).clamp(100, MOST_STEPS);
             let solved = match settings.method {
+                Method::Jacobi | Method::GaussSeidel if settings.bounces.is_some() => {
+                    let most = settings.bounces.map_or(most, |bounces| most.min(bounces as usize));
+                    Some(system.jacobi_from(patches.emission.clone(), settings.tolerance, most, &tell))
+                }
                 Method::Jacobi => Some(system.jacobi(settings.tolerance, most, &tell)),
                 Method::Direct => system.direct(&tell),
                 _ => Some(system.gauss_seidel(settings.tolerance, most, &tell)),

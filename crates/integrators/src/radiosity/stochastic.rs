@@ -31,23 +31,37 @@ fn pieces(counts: impl Iterator<Item = u32>) -> impl Iterator<Item = Piece> {
     })
 }
 
-/// One run with so many rays for the first iteration; irradiance by patch and band.
-pub fn run(system: &System, exchange: &Exchange<'_>, rays: u64, seed: u32) -> Option<Vec<DVec4>> {
+/// How light is shot.
+#[derive(Clone, Copy, Debug)]
+pub struct Shots {
+    /// Rays for light as strong as the sources.
+    pub rays: u64,
+    /// How often light is carried from patch to patch at most, where there is a limit.
+    pub bounces: Option<u32>,
+}
+
+/// One run; irradiance by patch and band.
+pub fn run(system: &System, exchange: &Exchange<'_>, shots: Shots, seed: u32) -> Option<Vec<DVec4>> {
     let n = system.bands;
-    let mut unshot = system.sources.clone();
+    // What lights that are no patches send to a patch has been scattered once where it leaves: with a limit it is shot
+    // one iteration later than what patches emit.
+    let emission = &exchange.patches.emission;
+    let (mut unshot, mut later) = match shots.bounces {
+        None => (system.sources.clone(), None),
+        Some(_) => (emission.clone(), Some(system.sources.iter().zip(emission).map(|(s, e)| *s - *e))),
+    };
     let mut irradiance = vec![DVec4::ZERO; unshot.len()];
     let power = |unshot: &[DVec4], i: usize| {
         unshot[i * n..(i + 1) * n].iter().map(|u| u.element_sum()).sum::<f64>() * system.areas[i]
     };
-    let mut first = 0.0;
-    for iteration in 0..MOST {
+    let first: f64 = (0..system.len()).map(|i| power(&system.sources, i)).sum();
+    for iteration in 0..MOST.min(shots.bounces.map_or(MOST, |b| b as usize)) {
         let powers: Vec<f64> = (0..system.len()).map(|i| power(&unshot, i)).collect();
         let total: f64 = powers.iter().sum();
-        first = if iteration == 0 { total } else { first };
-        if total <= 0.0 || total < LEAST * first {
+        if total <= LEAST * first && later.is_none() {
             break;
         }
-        let budget = (rays as f64 * total / first).ceil().max(64.0);
+        let budget = (shots.rays as f64 * total / first).ceil().max(64.0);
         // Systematic sampling: each patch has the rounded number of rays, up or down by one chance for all.
         let seed = steradian_math::hash::combine32(seed, iteration as u32);
         let chance = f64::from(steradian_math::hash::unit_f32(seed));
@@ -56,8 +70,9 @@ pub fn run(system: &System, exchange: &Exchange<'_>, rays: u64, seed: u32) -> Op
             .iter()
             .map(|p| {
                 let before = upto;
-                upto += p / total * budget;
-                (p / total * budget, ((upto + chance).floor() - (before + chance).floor()) as u32)
+                let share = if total > 0.0 { p / total * budget } else { 0.0 };
+                upto += share;
+                (share, ((upto + chance).floor() - (before + chance).floor()) as u32)
             })
             .collect();
         let mut next = vec![DVec4::ZERO; unshot.len()];
@@ -89,6 +104,9 @@ pub fn run(system: &System, exchange: &Exchange<'_>, rays: u64, seed: u32) -> Op
                 }
             }
         }
+        for (next, more) in next.iter_mut().zip(later.take().into_iter().flatten()) {
+            *next += more;
+        }
         unshot = next;
     }
     Some(irradiance)
@@ -105,11 +123,11 @@ fn met(exchange: &Exchange<'_>, (i, numbers): &Piece, seed: u32) -> Vec<u32> {
 }
 
 /// The mean of runs.
-pub fn solve(system: &System, exchange: &Exchange<'_>, rays: u64, runs: u32) -> Option<Solved> {
+pub fn solve(system: &System, exchange: &Exchange<'_>, shots: Shots, runs: u32) -> Option<Solved> {
     let mut irradiance = vec![DVec4::ZERO; system.sources.len()];
     for k in 0..runs.max(1) {
         let seed = steradian_math::hash::combine32(exchange.seed, k ^ 0x6c07_8965);
-        let one = run(system, exchange, rays, seed)?;
+        let one = run(system, exchange, shots, seed)?;
         irradiance.iter_mut().zip(one).for_each(|(sum, h)| *sum += h / f64::from(runs.max(1)));
     }
     Some(Solved { irradiance, steps: runs as usize, residual: 0.0 })

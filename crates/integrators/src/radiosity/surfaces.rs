@@ -67,6 +67,17 @@ pub enum Refusal {
     /// Rays pass a surface by chance: what a patch sends and what it receives are not the same share.
     #[error("radiosity does not know surfaces that rays pass by chance (masks, 'alpha')")]
     Masks,
+    /// The method has no order of bounces.
+    #[error(
+        "'{method}' solves for light of any number of bounces, and {limit} are asked for; 'gauss-seidel', 'jacobi', \
+         'hierarchical' and 'stochastic' follow a limit, and 'max_depth=-1' takes it away"
+    )]
+    Bounces {
+        /// The method.
+        method: &'static str,
+        /// The limit.
+        limit: u32,
+    },
     /// There is nothing to cut.
     #[error("radiosity needs surfaces; the scene has none that can be cut into patches")]
     NoSurfaces,

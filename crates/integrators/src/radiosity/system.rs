@@ -98,7 +98,18 @@ impl System {
     /// Jacobi's method: all irradiances from the radiosities before. Ends when no radiosity changes by more than
     /// `tolerance` of the largest, and where light is not lost.
     pub fn jacobi(&self, tolerance: f64, most: usize, tell: &dyn Fn(usize) -> bool) -> Solved {
-        let mut radiosity = self.sources.clone();
+        self.jacobi_from(self.sources.clone(), tolerance, most, tell)
+    }
+
+    /// Jacobi's method from other radiosities than the sources. From what is emitted, `most` steps are the irradiances of
+    /// all light that was scattered less than `most` times: the partial sums of Neumann's series.
+    pub fn jacobi_from(
+        &self,
+        mut radiosity: Vec<DVec4>,
+        tolerance: f64,
+        most: usize,
+        tell: &dyn Fn(usize) -> bool,
+    ) -> Solved {
         let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
         let mut solved = Solved { residual: f64::INFINITY, ..Solved::default() };
         let (mut light, mut is_hopeless) = (Moved::default(), false);

@@ -45,7 +45,8 @@ impl Integrator for View {
         let seen = Seen { view: self, solution };
         let (mut beta, mut l) = (Spectrum::ONE, Spectrum::ZERO);
         let mut is_camera_ray = true;
-        for event in 0..self.depth.max.min(MOST_EVENTS) {
+        let most = self.depth.max.min(MOST_EVENTS);
+        for event in 0..=most {
             counters.rays += 1;
             let shows_lights = !(is_camera_ray && self.depth.hide_emitters);
             let Some(hit) = scene.intersect(&ray) else {
@@ -63,6 +64,9 @@ impl Integrator for View {
                 ray = i.spawn(ray.direction);
                 continue;
             };
+            if event == most {
+                break;
+            }
             is_camera_ray = false;
             let wo = frame.to_local(i.wo);
             if let Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_) = s.bsdf {
@@ -192,6 +196,10 @@ impl Seen<'_> {
             }
             let emitted = nee::emission(scene, &y, &origin, lambda);
             let front = y.surface.n.dot(y.wo) > 0.0;
+            // Light is scattered here, and there once more.
+            if event + 2 > self.view.depth.max {
+                return l + drawn.weight * emitted;
+            }
             return l + drawn.weight * (emitted + self.solution.reflected(&y, front, lambda) * FRAC_1_PI);
         }
         l

@@ -29,7 +29,12 @@ fn solved(scene: &Scene, settings: &Settings) -> Solution {
 
 /// The mean of the picture (first three lanes) by so many samples per pixel.
 fn picture(scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3] {
-    let depth = Depth { max: u32::MAX, roulette_after: 8, hide_emitters: false };
+    picture_to(u32::MAX, scene, solution, gather, spp)
+}
+
+/// The same of paths that are scattered so many times at most.
+fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3] {
+    let depth = Depth { max, roulette_after: 8, hide_emitters: false };
     let view = View { settings: Settings::default(), depth, gather, smooth: true };
     let precomputed = Precomputed::of_radiosity(Arc::new(solution));
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 1 };
@@ -308,6 +313,43 @@ fn solving_ends_when_it_is_told_to() {
                     "{name} {factors:?}: {until} of {all}, {more} more"
                 );
             }
+        }
+    }
+}
+
+/// With a limit on bounces the picture is the partial sum of Neumann's series: in a closed box of albedo ½ that glows,
+/// `2 − ½^d`; under a point light the same as that of paths. Elimination and shooting have no bounces, and refuse.
+#[test]
+fn a_limit_on_bounces_is_followed() {
+    let mut glowing = Stage::new();
+    let made_of = glowing.add(diffuse(0.5));
+    let mut inwards = cuboid([-1.0; 3], [1.0; 3]);
+    inwards.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    let shape = glowing.mesh_lamp(inwards, 1.0);
+    shape.material = Some(made_of);
+    glowing.look([0.1, 0.2, -0.3], [0.3, 0.1, 1.0], 80.0);
+    glowing.film(8, 8);
+    let pointed = lab_box(false);
+    for (scene, precision) in [(glowing.scene(), 0.01), (pointed.scene(), 0.03)] {
+        for depth in [0_u32, 1, 3] {
+            let expected = mean(&Shot::of("path", 512).depth(depth).take(&scene)).mean;
+            for gather in [0, 1] {
+                let bounces = Some(depth.saturating_sub(gather));
+                for method in [Method::GaussSeidel, Method::Jacobi, Method::Stochastic] {
+                    let solution = solved(&scene, &Settings { bounces, ..settings(method, 600) });
+                    let seen = picture_to(depth, &scene, solution, gather, 16);
+                    let off = seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= precision * b);
+                    assert!(off, "{method:?}, {depth} bounces, {gather} rays of a gather: {seen:?}, {expected:?}");
+                }
+            }
+        }
+        let expected = mean(&Shot::of("path", 512).depth(2).take(&scene)).mean;
+        let solution = solved(&scene, &Settings { bounces: Some(2), ..settings(Method::Hierarchical, 4000) });
+        let seen = picture_to(2, &scene, solution, 0, 16);
+        assert!(relative(seen, expected) < precision, "the hierarchy: {seen:?}, {expected:?}");
+        for method in [Method::Direct, Method::Shooting] {
+            let refused = solve(&scene, &Settings { bounces: Some(3), ..settings(method, 100) }, &());
+            assert!(matches!(refused, Err(Refusal::Bounces { limit: 3, .. })), "{method:?}");
         }
     }
 }
