@@ -43,12 +43,12 @@ pub struct Due {
     pub picture: bool,
 }
 
-/// Time beyond the budget for a picture without trials, where these took all of it.
-const GRACE: Duration = Duration::from_secs(1);
+/// The part of the budget that trials may take; the rest is for a picture without them.
+const TRIALS: f64 = 0.5;
 
 /// Takes all samples of the plan, or those that the time and the user allow. Between steps `on_the_way` does what is
 /// due: to save the state every half minute, and to write the picture at intervals of `every` or when SIGUSR1 came.
-/// Where the time is up before the first sample, there is some more for a picture without trials.
+/// Trials that take half of the time are broken off, for a picture without them.
 pub fn render(
     session: &mut Session<'_>,
     (pixels, planned): (u64, u64),
@@ -57,6 +57,7 @@ pub fn render(
     progress: impl Fn() -> Progress,
     mut on_the_way: impl FnMut(&mut Session<'_>, Due),
 ) -> Option<Stop> {
+    let start = Instant::now();
     let mut passes = |session: &mut Session<'_>, control: &Control| {
         steps(session, control, (pixels, every), signals, &mut on_the_way);
     };
@@ -65,7 +66,8 @@ pub fn render(
     if !(is_empty && matches!(stop, Some(Stop::Time)) && session.skip_trials()) {
         return stop;
     }
-    samples(session, (pixels, planned), Some(GRACE), signals, progress(), &mut passes)
+    let left = budget.map(|budget| budget.saturating_sub(start.elapsed()));
+    samples(session, (pixels, planned), left, signals, progress(), &mut passes)
 }
 
 fn samples(
@@ -87,18 +89,19 @@ fn samples(
         let watcher = scope.spawn(move || {
             while !finished.load(Ordering::Acquire) {
                 let elapsed = start.elapsed();
+                let is_trying = control.trials.load(Ordering::Relaxed);
+                let allowed = budget.map(|budget| if is_trying { budget.mul_f64(TRIALS) } else { budget });
                 let reason = match signals.came() {
                     Some(signal) => Some(Stop::Signal(signal)),
-                    None => budget.filter(|b| elapsed >= *b).map(|_| Stop::Time),
+                    None => allowed.filter(|b| elapsed >= *b).map(|_| Stop::Time),
                 };
                 if let Some(reason) = reason {
                     let _ = stop.set(reason);
                     control.cancel.store(true, Ordering::Relaxed);
                 }
                 let (samples, rays) = (control.samples.load(Ordering::Relaxed), control.rays.load(Ordering::Relaxed));
-                let is_trying = control.trials.load(Ordering::Relaxed);
                 progress.show(&Snapshot { is_trying, before, samples, rays, planned, pixels, elapsed, budget });
-                let until_budget = budget.map_or(LOOK_EVERY, |b| b.saturating_sub(elapsed));
+                let until_budget = allowed.map_or(LOOK_EVERY, |b| b.saturating_sub(elapsed));
                 thread::park_timeout(LOOK_EVERY.min(until_budget.max(Duration::from_millis(1))));
             }
             progress.finish();

@@ -13,7 +13,6 @@ use steradian_raster::{
     glam::{UVec4, Vec4},
     output::WithDepth,
     state::{Compare, Cull, DepthState, FrontFace, RasterState},
-    varyings,
 };
 
 use crate::{
@@ -23,13 +22,6 @@ use crate::{
     order,
     projection::Projected,
 };
-
-varyings! {
-    /// The number of a piece's primitive.
-    struct OfPrimitive {
-        number: u32 => flat,
-    }
-}
 
 /// What a pixel sees.
 #[derive(Clone, Copy, Debug)]
@@ -274,22 +266,29 @@ impl Stage<'_> {
             view: [f64::from(viewport.width), f64::from(viewport.height)],
             start: [f64::from(viewport.x), f64::from(viewport.y)],
         };
-        let (found, scale) = order::solve(method, &triangles, self.projected, frame)?;
-        let Self { state, target, .. } = self;
+        let (found, largest) = order::solve(method, &triangles, self.projected, frame)?;
+        let Self { state, target, projected, .. } = self;
         let state = State { depth: Some(DepthState { compare: Compare::Always, write: true }), ..state.clone() };
         self.counters += match found {
-            order::Found::Ordered(polygons) => {
-                let mut corners = Vec::new();
-                for polygon in polygons {
-                    let at = |i: usize| (scale.undo(polygon.corners[i]), polygon.number);
-                    corners.extend((2..polygon.corners.len()).flat_map(|i| [at(0), at(i - 1), at(i)]));
-                }
+            order::Found::Ordered(polygons, space) => {
                 let vertex = |input: VertexInput| {
-                    let (position, number) = corners[input.vertex as usize];
-                    Vertex::new(position, OfPrimitive { number })
+                    let polygon = &polygons[(input.vertex / 3) as usize];
+                    let (_, corners) = triangles[(polygon.number - start) as usize];
+                    Vertex::new(projected.clip(corners[(input.vertex % 3) as usize]), ())
                 };
-                let shader = fragment(|f: &Fragment<OfPrimitive>| UVec4::splat(f.varyings().number + 1));
-                let count = u32::try_from(corners.len())
+                let shader = fragment(|f: &Fragment<()>| {
+                    let polygon = &polygons[f.primitive_id() as usize];
+                    let is_in = polygon.cuts.is_empty()
+                        || polygon.has(match space {
+                            order::Space::World => {
+                                let (_, corners) = triangles[(polygon.number - start) as usize];
+                                order::meet(&projected.ray(scene, f.pixel()), corners)
+                            }
+                            order::Space::Picture => frame.position(f.pixel()).extend(0.0),
+                        });
+                    is_in.then(|| UVec4::splat(polygon.number + 1))
+                });
+                let count = u32::try_from(3 * polygons.len())
                     .map_err(|_| Error::Scene("more than 1431 million pieces to draw".into()))?;
                 Pipeline::new(Program::new(vertex, shader), state, target.layout())?
                     .draw(target, &Draw::vertices(0..count))?
@@ -297,7 +296,7 @@ impl Stage<'_> {
             order::Found::Painted(painted) => {
                 let mut pixels = vec![(0, 0.0); (extent.width * extent.height) as usize];
                 for one in painted {
-                    let depth = (one.z * scale.0).clamp(0.0, 1.0) as f32;
+                    let depth = (one.z * largest).clamp(0.0, 1.0) as f32;
                     pixels[(one.pixel[1] * extent.width + one.pixel[0]) as usize] = (one.number + 1, depth);
                 }
                 let vertex = |input: VertexInput| {

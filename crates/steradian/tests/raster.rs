@@ -463,6 +463,23 @@ fn every_order_shows_what_the_depth_buffer_shows() {
     }
 }
 
+/// In a room of 36 000 triangles, many of them thin, the orders show what the depth buffer shows, at every pixel: parts of
+/// a triangle leave no gaps, and are ordered right however small they are.
+#[test]
+fn orders_of_a_room_are_those_of_the_depth_buffer() {
+    let Some(path) = steradian_testkit::asset("pbrt/staircase2/scene-v4.pbrt") else { return };
+    let loaded = load(path.to_str().unwrap(), &Default::default());
+    let options = CompileOptions { size: Some((320, 480)), ..CompileOptions::default() };
+    let scene = compile(&loaded.desc, &options).scene.unwrap();
+    let (list, projected) = (DrawList::new(&scene), Projected::new(&scene, Vec2::splat(0.5)).unwrap());
+    let by = |method| Visibility::draw_with(&scene, &list, &projected, Some(method)).unwrap();
+    let expected = by(Method::ZBuffer);
+    for method in [Method::Bsp, Method::Newell, Method::Warnock] {
+        assert_eq!(by(method).differing(&expected), 0, "{method:?}");
+    }
+    assert!(by(Method::Painter).differing(&expected) > 1000);
+}
+
 /// Overdraw counts the triangles that the ray of a pixel meets, and tiles list as many primitives as the pipeline bins
 /// (M46, M47).
 #[test]

@@ -46,7 +46,8 @@ pub fn ordered(polygons: Vec<Polygon>, from: From) -> Result<Vec<Polygon>, Error
                 Side::Above => sides[0].push(polygon),
                 Side::Below => sides[1].push(polygon),
                 Side::Across => {
-                    let [above, below] = polygon.cut(plane, within).unwrap_or_else(|| [polygon.clone(), polygon]);
+                    let [above, below] =
+                        polygon.cut(plane, within, polygon.normal()).unwrap_or_else(|| [polygon.clone(), polygon]);
                     sides[0].push(above);
                     sides[1].push(below);
                 }

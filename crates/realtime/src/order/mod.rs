@@ -3,13 +3,16 @@
 //!
 //! All work on triangles of meshes, in the picture: x right and y up from −1 to 1, z the reversed depth, where more is
 //! nearer, scaled to at most 1. Planes of space are planes there, and what is behind what is told by z alone.
+//!
+//! Parts of a polygon that was cut are drawn as the whole triangle, of which each pixel belongs to one of them by its side
+//! of the cuts: outlines of the parts themselves would be rounded to the pipeline's grid, and leave gaps.
 
 mod bsp;
 mod newell;
 mod painter;
 mod warnock;
 
-use steradian_math::{Vec3, Vec4};
+use steradian_math::{Ray, Vec3};
 use steradian_raster::glam::{DVec3, DVec4};
 
 use crate::{Error, options::Method, projection::Projected};
@@ -21,21 +24,35 @@ pub use warnock::{Frame, Painted};
 pub struct Polygon {
     pub number: u32,
     pub corners: Vec<DVec3>,
+    /// The cuts that this part is left of, where it is not the whole triangle.
+    pub cuts: Vec<Cut>,
+}
+
+/// A plane that a polygon was cut by, and the side that is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    plane: DVec4,
+    above: bool,
 }
 
 /// What a method found.
 pub enum Found {
-    /// Polygons of the picture from the back to the front.
-    Ordered(Vec<Polygon>),
+    /// Polygons from the back to the front, and the space of their cuts.
+    Ordered(Vec<Polygon>, Space),
     /// Pixels.
     Painted(Vec<Painted>),
 }
 
-/// The largest z of the picture, by which depths are scaled, and what it takes to undo that.
+/// Where cuts are.
 #[derive(Clone, Copy, Debug)]
-pub struct Scale(pub f64);
+pub enum Space {
+    /// In the world.
+    World,
+    /// In the picture, where they are lines.
+    Picture,
+}
 
-/// What is seen of triangles of the world.
+/// What is seen of triangles of the world, and by what depths were divided.
 ///
 /// # Errors
 /// More triangles than the method is good for, or more cuts than it may make.
@@ -44,7 +61,7 @@ pub fn solve(
     triangles: &[(u32, [Vec3; 3])],
     projected: &Projected,
     frame: Frame,
-) -> Result<(Found, Scale), Error> {
+) -> Result<(Found, f64), Error> {
     let (most, name) = match method {
         Method::ZBuffer | Method::Painter => (usize::MAX, "painter"),
         Method::Bsp => (200_000, "bsp"),
@@ -57,41 +74,43 @@ pub fn solve(
             "visibility={name} takes up to {most} triangles, and {count} are in the view"
         )));
     }
-    let whole = |(number, corners): &(u32, [Vec3; 3])| (*number, corners.map(Vec3::as_dvec3).to_vec());
-    let pieces: Vec<(u32, Vec<DVec3>)> = if method == Method::Bsp {
-        let polygons = triangles.iter().map(whole).map(|(number, corners)| Polygon { number, corners }).collect();
+    let whole = |(number, corners): &(u32, [Vec3; 3])| Polygon {
+        number: *number,
+        corners: corners.map(Vec3::as_dvec3).to_vec(),
+        cuts: Vec::new(),
+    };
+    let mut polygons: Vec<Polygon> = triangles.iter().map(whole).collect();
+    if method == Method::Bsp {
         let (eye, axis) = projected.eye();
         let from = if projected.is_perspective() {
             bsp::From::Point(eye.as_dvec3())
         } else {
             bsp::From::Direction(axis.as_dvec3())
         };
-        bsp::ordered(polygons, from)?.into_iter().map(|p| (p.number, p.corners)).collect()
-    } else {
-        triangles.iter().map(whole).collect()
-    };
-    let in_picture = |(number, corners): (u32, Vec<DVec3>)| {
-        let corners = corners.into_iter().map(|p| projected.clip(p.as_vec3()).as_dvec4()).collect();
+        polygons = bsp::ordered(polygons, from)?;
+    }
+    let in_picture = |polygon: Polygon| {
+        let corners = polygon.corners.into_iter().map(|p| projected.clip(p.as_vec3()).as_dvec4()).collect();
         let corners = clipped(corners);
-        (corners.len() >= 3).then_some(Polygon { number, corners })
+        (corners.len() >= 3).then_some(Polygon { corners, ..polygon })
     };
-    let mut polygons: Vec<Polygon> = pieces.into_iter().filter_map(in_picture).collect();
+    let mut polygons: Vec<Polygon> = polygons.into_iter().filter_map(in_picture).collect();
     let largest = polygons.iter().flat_map(|p| &p.corners).fold(0f64, |z, c| z.max(c.z)).max(f64::MIN_POSITIVE);
     polygons.iter_mut().flat_map(|p| &mut p.corners).for_each(|c| c.z /= largest);
     let found = match method {
-        Method::ZBuffer | Method::Bsp => Found::Ordered(polygons),
-        Method::Painter => Found::Ordered(painter::sorted(polygons)),
-        Method::Newell => Found::Ordered(newell::ordered(polygons)?),
+        Method::ZBuffer | Method::Bsp => Found::Ordered(polygons, Space::World),
+        Method::Painter => Found::Ordered(painter::sorted(polygons), Space::World),
+        Method::Newell => Found::Ordered(newell::ordered(polygons)?, Space::Picture),
         Method::Warnock => Found::Painted(warnock::paint(&polygons, frame)),
     };
-    Ok((found, Scale(largest)))
+    Ok((found, largest))
 }
 
-impl Scale {
-    /// A corner in clip space.
-    pub fn undo(self, corner: DVec3) -> Vec4 {
-        Vec4::new(corner.x as f32, corner.y as f32, (corner.z * self.0) as f32, 1.0)
-    }
+/// The point of a triangle's plane that a ray meets; not finite where it runs along it.
+pub fn meet(ray: &Ray, triangle: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(Vec3::as_dvec3);
+    let (o, d, n) = (ray.origin.as_dvec3(), ray.direction.as_dvec3(), (b - a).cross(c - a));
+    o + d * (n.dot(a - o) / n.dot(d))
 }
 
 /// Polygons are cut where they leave this many times the picture.
@@ -125,9 +144,9 @@ fn half<T: Copy>(corners: &[T], distance: impl Fn(&T) -> f64, between: impl Fn(&
             kept.push(*a);
         }
         // From the inside outwards, so that both neighbours of an edge find the same point.
-        if da >= 0.0 && db < 0.0 {
+        if da > 0.0 && db < 0.0 {
             kept.push(between(a, b, da / (da - db)));
-        } else if da < 0.0 && db >= 0.0 {
+        } else if da < 0.0 && db > 0.0 {
             kept.push(between(b, a, db / (db - da)));
         }
     }
@@ -135,6 +154,12 @@ fn half<T: Copy>(corners: &[T], distance: impl Fn(&T) -> f64, between: impl Fn(&
 }
 
 impl Polygon {
+    /// Whether a point of the whole triangle, in the space of the cuts, is of this part. What is not finite is of the
+    /// lower ones.
+    pub fn has(&self, p: DVec3) -> bool {
+        self.cuts.iter().all(|cut| (cut.plane.dot(p.extend(1.0)) >= 0.0) == cut.above)
+    }
+
     /// The normal, as long as twice the area (Newell's sum).
     fn normal(&self) -> DVec3 {
         let next = |i: usize| self.corners[(i + 1) % self.corners.len()];
@@ -149,8 +174,10 @@ impl Polygon {
         Some(n.extend(-n.dot(middle)))
     }
 
-    /// The parts on both sides of a plane, the upper first; `None` where it lies on one, within `within`.
-    fn cut(&self, plane: DVec4, within: f64) -> Option<[Self; 2]> {
+    /// The parts on both sides of a plane, the upper first; `None` where it lies on one, within `within`. The cut that
+    /// the parts keep is the plane through their common edge along `up`: what is within rounding of a plane that is
+    /// nearly the polygon's own may be far from where the two meet.
+    fn cut(&self, plane: DVec4, within: f64, up: DVec3) -> Option<[Self; 2]> {
         let distance = |c: &DVec3| {
             let d = plane.dot(c.extend(1.0));
             if d.abs() <= within { 0.0 } else { d }
@@ -162,19 +189,36 @@ impl Polygon {
         let between = |a: &DVec3, b: &DVec3, t: f64| *a + (*b - *a) * t;
         let above = half(&self.corners, distance, between);
         // The same cuts: both sides begin at the same points.
-        let mut below = Vec::new();
+        let (mut below, mut edge) = (Vec::new(), Vec::new());
         for (i, a) in self.corners.iter().enumerate() {
             let b = &self.corners[(i + 1) % self.corners.len()];
             let (da, db) = (distance(a), distance(b));
             if da <= 0.0 {
                 below.push(*a);
             }
+            if da == 0.0 {
+                edge.push(*a);
+            }
             if da > 0.0 && db < 0.0 {
                 below.push(between(a, b, da / (da - db)));
+                edge.extend(below.last());
             } else if da < 0.0 && db > 0.0 {
                 below.push(between(b, a, db / (db - da)));
+                edge.extend(below.last());
             }
         }
-        Some([above, below].map(|corners| Self { number: self.number, corners }))
+        let across =
+            edge[..].split_first().and_then(|(p, rest)| Some((*p, up.cross(*rest.last()? - *p).try_normalize()?)));
+        let line = across.map_or(plane, |(p, n)| {
+            let highest = self.corners.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let n = if highest.is_some_and(|c| n.dot(*c - p) < 0.0) { -n } else { n };
+            n.extend(-n.dot(p))
+        });
+        let part = |corners, above| {
+            let mut cuts = self.cuts.clone();
+            cuts.push(Cut { plane: line, above });
+            Self { number: self.number, corners, cuts }
+        };
+        Some([part(above, true), part(below, false)])
     }
 }

@@ -4,13 +4,16 @@
 
 use std::collections::VecDeque;
 
-use steradian_raster::glam::{DVec2, DVec4};
+use steradian_raster::glam::{DVec2, DVec3, DVec4};
 
 use super::Polygon;
 use crate::Error;
 
 /// Distances from planes that count as none, in a picture from −1 to 1: corners are rounded to 24 bits.
 const WITHIN: f64 = 3e-7;
+
+/// Edges whose direction is known so well that lines along them are right within [`WITHIN`].
+const SHORTEST: f64 = 1e-9;
 
 struct Entry {
     polygon: Polygon,
@@ -54,7 +57,9 @@ impl Entry {
             (0..corners.len()).any(|i| {
                 let (p, q) = (corners[i].truncate(), corners[(i + 1) % corners.len()].truncate());
                 let across = (q - p).perp() * a.polygon.normal().z.signum();
-                b.polygon.corners.iter().all(|c| across.dot(c.truncate() - p) <= WITHIN * across.length())
+                // The direction of shorter edges is not known.
+                across.length() > SHORTEST
+                    && b.polygon.corners.iter().all(|c| across.dot(c.truncate() - p) <= WITHIN * across.length())
             })
         };
         let boxes = (self.low.cmpge(other.high) | other.low.cmpge(self.high)).any();
@@ -116,7 +121,8 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
             };
             (0..corners.len()).map(edge).collect()
         };
-        let of = |one: &Entry, planes: &[DVec4]| planes.iter().find_map(|plane| one.polygon.cut(*plane, WITHIN));
+        let of =
+            |one: &Entry, planes: &[DVec4]| planes.iter().find_map(|plane| one.polygon.cut(*plane, WITHIN, DVec3::Z));
         let parts = of(&next, &[other.plane]).map(|parts| (parts, true));
         let parts = parts.or_else(|| of(&other, &[next.plane]).map(|parts| (parts, false)));
         let parts = parts.or_else(|| of(&next, &outlines(&other)).map(|parts| (parts, true)));

@@ -1,6 +1,8 @@
 //! Warnock's subdivision (1969, "A Hidden Surface Algorithm for Computer Generated Halftone Pictures"): a part of the
 //! picture is divided into four until nothing is in it, one polygon covers it before all others, or it is one pixel.
 
+use steradian_raster::glam::DVec2;
+
 use super::Polygon;
 
 /// Size of the picture in pixels, and of the view and its start in it.
@@ -9,6 +11,14 @@ pub struct Frame {
     pub size: [u32; 2],
     pub view: [f64; 2],
     pub start: [f64; 2],
+}
+
+impl Frame {
+    /// Where the centre of a pixel is: x right and y up from −1 to 1.
+    pub fn position(&self, pixel: [u32; 2]) -> DVec2 {
+        let share = |axis: usize| (f64::from(pixel[axis]) + 0.5 - self.start[axis]) / self.view[axis];
+        DVec2::new(2.0 * share(0) - 1.0, 1.0 - 2.0 * share(1))
+    }
 }
 
 /// A pixel's primitive, and its z.
