@@ -21,7 +21,7 @@ use std::{
     time::Instant,
 };
 use steradian::{
-    ColorMode, Inputs, Layer, Quality, Scene, Session,
+    ColorMode, Inputs, Layer, LeftOut, Quality, Scene, Session,
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -103,8 +103,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         let named = &scene.settings.integrator;
         terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
     }
-    if let Some(what) = quality.leaves_out(&scene) {
-        terminal.warn(&format!("integrator '{integrator}' leaves out {what}; 'volpath' renders them"));
+    if let Some(LeftOut { what, instead }) = quality.leaves_out(&scene) {
+        terminal.warn(&format!("integrator '{integrator}' leaves out {what}; '{instead}' renders it"));
     }
     let pixels = u64::from(width) * u64::from(height);
     let spp = plan.sampler.spp;

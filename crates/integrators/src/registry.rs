@@ -112,7 +112,7 @@ impl IntegratorKind {
     /// What of a scene it cannot do, or only in part; `None` where it can do all.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         match self {
-            Self::Passes(kind) => kind.cannot(scene),
+            Self::Passes(kind) => kind.cannot(scene).or_else(|| kind.leaves_out(scene)),
             Self::Path(_) | Self::PathRecursive(_) if scene.has_media => Some("participating media".into()),
             Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
             Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {

@@ -32,7 +32,7 @@ pub use error::Error;
 pub use inputs::Inputs;
 pub use load::{Loaded, load, load_bytes};
 pub use missed::missing_light;
-pub use quality::Quality;
+pub use quality::{LeftOut, Quality};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
 pub use steradian_core::film::Pixel;

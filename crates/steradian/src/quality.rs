@@ -50,6 +50,15 @@ pub struct Quality {
     pub transparent: bool,
 }
 
+/// Something of a scene that an integrator does not render.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// What.
+    pub what: String,
+    /// The integrator that renders it.
+    pub instead: &'static str,
+}
+
 impl Quality {
     /// The plan for a scene.
     ///
@@ -135,7 +144,9 @@ impl Quality {
         if self.adaptive && matches!(integrator, IntegratorKind::Passes(_)) {
             return Err(Error::NotAdaptive(name.into()));
         }
-        if let Some(what) = integrator.cannot(scene).filter(|_| matches!(integrator, IntegratorKind::Passes(_))) {
+        if let IntegratorKind::Passes(kind) = &integrator
+            && let Some(what) = kind.cannot(scene)
+        {
             return Err(Error::CannotRender { integrator: name.into(), what });
         }
         if self.transparent {
@@ -245,17 +256,22 @@ impl Quality {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
         match IntegratorKind::named(&scene.settings.integrator, depth, VarianceReduction::default())? {
-            IntegratorKind::Passes(kind) if self.integrator.is_none() => kind.cannot(scene),
+            kind @ IntegratorKind::Passes(_) if self.integrator.is_none() => kind.cannot(scene),
             _ => None,
         }
     }
 
     /// What of the scene the integrator that is asked for does not see. (Of a file's own integrator compiling says it.)
-    pub fn leaves_out(&self, scene: &Scene) -> Option<&'static str> {
+    pub fn leaves_out(&self, scene: &Scene) -> Option<LeftOut> {
+        self.integrator.as_ref()?;
         let name = self.integrator_name(scene);
+        let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
+        if let Some(IntegratorKind::Passes(kind)) = IntegratorKind::named(name, depth, VarianceReduction::default()) {
+            return Some(LeftOut { what: kind.leaves_out(scene)?, instead: "bdpt" });
+        }
         let is_blind =
             matches!(name, "path" | "path-recursive" | "direct" | "whitted" | "raster") || name.starts_with("stokes");
-        (scene.has_media && is_blind && self.integrator.is_some()).then_some("participating media")
+        (scene.has_media && is_blind).then(|| LeftOut { what: "participating media".into(), instead: "volpath" })
     }
 
     /// The integrator's name in the plan, without options.

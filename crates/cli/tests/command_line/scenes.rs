@@ -197,3 +197,15 @@ fn ambient_occlusion_is_rendered_as_such() {
         }
     }
 }
+
+/// Light tracing renders what light paths can bring to the camera, and says that what smooth glass shows is missing.
+#[test]
+fn light_tracing_says_what_is_missing() {
+    let place = Place::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/verify/caustic.pbrt");
+    let run =
+        place.succeed(&["render", scene, "--integrator", "light", "--size", "16x16", "--spp", "4", "-o", "l.exr"]);
+    let what = "integrator 'light' leaves out what smooth surfaces show, such as ";
+    assert!(run.stderr.contains(what) && run.stderr.contains("; 'bdpt' renders it"), "{}", run.stderr);
+    assert!(place.picture("l.exr").channel("G").unwrap().iter().any(|v| *v > 0.0));
+}

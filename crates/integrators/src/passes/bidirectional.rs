@@ -63,10 +63,13 @@ impl Bidirectional {
         if !scene.camera.can_receive() {
             return Some("a spherical camera with a lens".into());
         }
-        super::light_reaches_all(scene).or_else(|| {
-            let specular = super::specular_material(scene)?;
-            Some(format!("seeing the smooth surface '{specular}': no light path meets the camera there"))
-        })
+        super::light_reaches_all(scene)
+    }
+
+    /// What of the scene is missing in its picture.
+    pub fn leaves_out(&self, scene: &Scene) -> Option<String> {
+        let specular = super::specular_material(scene).filter(|_| self.strategy == Strategy::Light)?;
+        Some(format!("what smooth surfaces show, such as '{specular}': no light path meets the camera there"))
     }
 }
 

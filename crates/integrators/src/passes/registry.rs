@@ -68,7 +68,15 @@ impl PassKind {
         done.is_some()
     }
 
-    /// What of a scene it cannot do; `None` where it can do all.
+    /// What of a scene it renders all but.
+    pub fn leaves_out(&self, scene: &Scene) -> Option<String> {
+        match self {
+            Self::Bidirectional(m) => m.leaves_out(scene),
+            _ => None,
+        }
+    }
+
+    /// What of a scene it cannot do and refuses; `None` where there is a picture.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         if scene.camera.motion.is_some() {
             return Some("a camera that moves".into());

@@ -211,7 +211,7 @@ impl Maker<'_> {
             ..self.quality.clone()
         };
         if let Some(what) = quality.leaves_out(self.scene) {
-            return Err(Error::CannotRender { integrator: name.to_owned(), what: what.to_owned() });
+            return Err(Error::CannotRender { integrator: name.to_owned(), what: what.what });
         }
         let mut plan = quality.plan(self.scene)?;
         let mut wider = None;
