@@ -480,8 +480,8 @@ fn orders_of_a_room_are_those_of_the_depth_buffer() {
     assert!(by(Method::Painter).differing(&expected) > 1000);
 }
 
-/// Overdraw counts the triangles that the ray of a pixel meets, and tiles list as many primitives as the pipeline bins
-/// (M46, M47).
+/// Overdraw counts the triangles that the ray of a pixel meets, at every seventh column and fifth row; tiles list as many
+/// primitives together as the pipeline bins; views that need a light refuse scenes without it (M46, M47).
 #[test]
 fn lesson_views_count_what_they_show() {
     let scene = scene_of(TABLE);
