@@ -1,4 +1,4 @@
-//! `cargo xtask`: benchmarks, and generators of what they measure.
+//! `cargo xtask`: benchmarks, generators of what they measure, and counts of what is untidy in the code.
 //!
 //! Nothing here is a test: no figure of time makes a command fail.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -14,6 +14,7 @@ mod report;
 mod rivals;
 mod scaling;
 mod structures;
+mod tidy;
 
 use clap::{Parser, Subcommand};
 use report::Report;
@@ -33,6 +34,8 @@ enum Command {
     Bench(Bench),
     /// Count the instructions of traversal and shading with valgrind, and warn where they grew
     Instructions(instructions::Arguments),
+    /// Count what is untidy in the code, against ceilings that only fall
+    Tidy(tidy::Arguments),
     /// Write a scene or mesh to measure with
     Generate(generate::Arguments),
 }
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bench(bench) => bench.run(),
         Command::Instructions(arguments) => instructions::run(&arguments),
+        Command::Tidy(arguments) => tidy::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
     };
     match result {

@@ -1,0 +1,468 @@
+//! `cargo xtask tidy`: how tidy the code is, in numbers that may only fall. Ceilings are in `tidy.json`; more than a ceiling is an
+//! error, less is a reason to lower it (`--update`).
+
+use proc_macro2::{TokenStream, TokenTree};
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    error::Error,
+    fs,
+    path::{Path, PathBuf},
+};
+use syn::{spanned::Spanned, visit::Visit};
+
+/// Arguments that are too many, lines of a function, columns of a line, and lines of a crate that are still allowed.
+const ARGUMENTS: usize = 8;
+const FUNCTION: usize = 100;
+const COLUMNS: usize = 120;
+const CRATE: usize = 20_000;
+
+/// What `tidy` is told.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Write the counts as the new ceilings
+    #[arg(long)]
+    update: bool,
+    /// List what is counted under these names
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    list: Vec<String>,
+}
+
+/// What was found under each name.
+type Found = BTreeMap<&'static str, Vec<String>>;
+
+/// Ceilings, and public items that stay though only tests use them, with reasons.
+#[derive(Debug, Default, Deserialize, Serialize)]
+struct Baseline {
+    ceilings: BTreeMap<String, usize>,
+    public_items_that_stay: BTreeMap<String, String>,
+}
+
+/// A source file.
+struct Source {
+    /// From the repository's root.
+    path: PathBuf,
+    krate: String,
+    /// Names of the modules it is in, from the crate's root.
+    modules: Vec<String>,
+    text: String,
+    parsed: syn::File,
+    /// Whether it is no test, example or benchmark.
+    is_shipped: bool,
+}
+
+/// Counts and compares.
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let (found, mut baseline) = (counted()?, baseline()?);
+    for (name, items) in &found {
+        let ceiling = baseline.ceilings.get(*name).map_or("none".into(), usize::to_string);
+        println!("{name}: {} (ceiling {ceiling})", items.len());
+        if arguments.list.iter().any(|l| l == name) {
+            items.iter().for_each(|item| println!("    {item}"));
+        }
+    }
+    if arguments.update {
+        baseline.ceilings = found.iter().map(|(name, items)| ((*name).to_owned(), items.len())).collect();
+        return Ok(fs::write(path_of_baseline(), serde_json::to_string_pretty(&baseline)? + "\n")?);
+    }
+    match beyond(&found, &baseline) {
+        complaints if complaints.is_empty() => Ok(()),
+        complaints => Err(complaints.join("\n").into()),
+    }
+}
+
+/// What is more than its ceiling.
+fn beyond(found: &Found, baseline: &Baseline) -> Vec<String> {
+    let ceiling = |name: &str| baseline.ceilings.get(name).copied().unwrap_or(0);
+    let more = found.iter().filter(|(name, items)| items.len() > ceiling(name));
+    more.map(|(name, items)| {
+        format!("{name}: {} where {} are allowed:\n  {}", items.len(), ceiling(name), items.join("\n  "))
+    })
+    .collect()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn path_of_baseline() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tidy.json")
+}
+
+fn baseline() -> Result<Baseline, Box<dyn Error>> {
+    Ok(serde_json::from_slice(&fs::read(path_of_baseline())?)?)
+}
+
+fn counted() -> Result<Found, Box<dyn Error>> {
+    let sources = sources()?;
+    let mut found = Found::new();
+    for source in &sources {
+        of_lines(source, &mut found);
+        let mut functions = Functions { source, found: &mut found };
+        functions.visit_file(&source.parsed);
+    }
+    found.insert("modules in circles", circles(&sources));
+    found.insert("crates over 20000 lines", large(&sources));
+    found.insert("unused dependencies", unused_dependencies(&sources)?);
+    found.insert("public items used by tests alone", unused_items(&sources, &baseline()?));
+    for name in ["long lines", "functions of 8 arguments", "functions over 100 lines", "comments that begin 'The same'"]
+    {
+        found.entry(name).or_default();
+    }
+    Ok(found)
+}
+
+/// All Rust files of the crates.
+fn sources() -> Result<Vec<Source>, Box<dyn Error>> {
+    let mut sources = Vec::new();
+    let mut folders = vec![root().join("crates")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                sources.push(Source::read(&path)?);
+            }
+        }
+    }
+    sources.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(sources)
+}
+
+impl Source {
+    fn read(path: &Path) -> Result<Self, Box<dyn Error>> {
+        let text = fs::read_to_string(path)?;
+        let parsed = syn::parse_file(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+        let path = path.strip_prefix(root())?.to_owned();
+        let parts: Vec<String> = path.with_extension("").iter().map(|p| p.to_string_lossy().into_owned()).collect();
+        // crates/NAME/src/MODULE/…
+        let (krate, folder) = (parts[1].clone(), parts[2].as_str());
+        let is_test = |name: &String| name == "tests" || name.ends_with("_tests") || name.starts_with("test_");
+        let is_shipped = folder == "src" && !parts[3..].iter().any(is_test) && krate != "testkit";
+        let modules = parts[3..].iter().filter(|p| !["mod", "lib", "main"].contains(&p.as_str())).cloned().collect();
+        Ok(Self { path, krate, modules, text, parsed, is_shipped })
+    }
+}
+
+/// Lines that are too long, and comments that say what they are by what they are not.
+fn of_lines(source: &Source, found: &mut Found) {
+    for (number, line) in (1..).zip(source.text.lines()) {
+        let place = || format!("{}:{number}", source.path.display());
+        if line.chars().count() > COLUMNS {
+            found.entry("long lines").or_default().push(place());
+        }
+        let comment = line.trim_start();
+        if comment.strip_prefix("///").or(comment.strip_prefix("//!")).is_some_and(|c| c.starts_with(" The same")) {
+            found.entry("comments that begin 'The same'").or_default().push(place());
+        }
+    }
+}
+
+/// Functions with many arguments or lines.
+struct Functions<'a> {
+    source: &'a Source,
+    found: &'a mut Found,
+}
+
+impl Functions<'_> {
+    fn add(&mut self, signature: &syn::Signature, body: Option<&syn::Block>) {
+        let line = signature.ident.span().start().line;
+        let place = || format!("{}:{line} {}", self.source.path.display(), signature.ident);
+        if signature.inputs.len() >= ARGUMENTS {
+            self.found.entry("functions of 8 arguments").or_default().push(place());
+        }
+        let end = body.map_or(line, |body| body.span().end().line);
+        if end - line + 1 > FUNCTION {
+            self.found.entry("functions over 100 lines").or_default().push(format!(
+                "{}, {} lines",
+                place(),
+                end - line + 1
+            ));
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Functions<'_> {
+    fn visit_item_fn(&mut self, f: &'ast syn::ItemFn) {
+        self.add(&f.sig, Some(&f.block));
+        syn::visit::visit_item_fn(self, f);
+    }
+
+    fn visit_impl_item_fn(&mut self, f: &'ast syn::ImplItemFn) {
+        self.add(&f.sig, Some(&f.block));
+        syn::visit::visit_impl_item_fn(self, f);
+    }
+
+    fn visit_trait_item_fn(&mut self, f: &'ast syn::TraitItemFn) {
+        self.add(&f.sig, f.default.as_ref());
+        syn::visit::visit_trait_item_fn(self, f);
+    }
+}
+
+/// Modules right under a crate's root that depend on each other, directly or by others of the crate.
+fn circles(sources: &[Source]) -> Vec<String> {
+    let mut uses: BTreeMap<(&str, String), BTreeSet<String>> = BTreeMap::new();
+    for source in sources.iter().filter(|s| s.is_shipped && !s.modules.is_empty()) {
+        let mut paths = Paths { source, used: BTreeSet::new() };
+        paths.visit_file(&source.parsed);
+        uses.entry((&source.krate, source.modules[0].clone())).or_default().extend(paths.used);
+    }
+    let reaches = |krate: &str, from: &str, to: &str| {
+        let (mut seen, mut work) = (BTreeSet::new(), vec![from.to_owned()]);
+        while let Some(module) = work.pop() {
+            for next in uses.get(&(krate, module)).into_iter().flatten() {
+                if next == to {
+                    return true;
+                }
+                if seen.insert(next.clone()) {
+                    work.push(next.clone());
+                }
+            }
+        }
+        false
+    };
+    let in_circle = uses.keys().filter(|(krate, module)| reaches(krate, module, module));
+    in_circle.map(|(krate, module)| format!("{krate}: {module}")).collect()
+}
+
+/// Modules of the crate's root that a file names.
+struct Paths<'a> {
+    source: &'a Source,
+    used: BTreeSet<String>,
+}
+
+impl Paths<'_> {
+    /// The module that a path leads to, by its first names.
+    fn add(&mut self, names: &[String]) {
+        let own = &self.source.modules;
+        let ups = names.iter().take_while(|n| *n == "super").count();
+        let target = match names.first().map(String::as_str) {
+            Some("crate") => names.get(1),
+            // From the root's own modules `super` is the root.
+            Some("super") if ups == own.len() => names.get(ups),
+            _ => None,
+        };
+        let is_module = |name: &&String| name.chars().next().is_some_and(char::is_lowercase) && **name != own[0];
+        self.used.extend(target.filter(is_module).cloned());
+    }
+
+    fn tree(&mut self, before: &mut Vec<String>, tree: &syn::UseTree) {
+        match tree {
+            syn::UseTree::Path(p) => {
+                before.push(p.ident.to_string());
+                self.tree(before, &p.tree);
+                before.pop();
+            }
+            syn::UseTree::Group(g) => g.items.iter().for_each(|tree| self.tree(before, tree)),
+            syn::UseTree::Name(n) => {
+                before.push(n.ident.to_string());
+                self.add(before);
+                before.pop();
+            }
+            syn::UseTree::Rename(_) | syn::UseTree::Glob(_) => self.add(before),
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Paths<'_> {
+    fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
+        self.tree(&mut Vec::new(), &item.tree);
+    }
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let names: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
+        if names.len() > 1 {
+            self.add(&names);
+        }
+        syn::visit::visit_path(self, path);
+    }
+
+    fn visit_item_mod(&mut self, module: &'ast syn::ItemMod) {
+        if !is_of_tests(&module.attrs) {
+            syn::visit::visit_item_mod(self, module);
+        }
+    }
+}
+
+fn is_of_tests(attributes: &[syn::Attribute]) -> bool {
+    attributes
+        .iter()
+        .any(|a| a.path().is_ident("cfg") && a.meta.require_list().is_ok_and(|l| l.tokens.to_string().contains("test")))
+}
+
+/// Crates with more lines than are good for one.
+fn large(sources: &[Source]) -> Vec<String> {
+    let mut lines: BTreeMap<&str, usize> = BTreeMap::new();
+    for source in sources.iter().filter(|s| s.is_shipped) {
+        *lines.entry(&source.krate).or_default() += source.text.lines().count();
+    }
+    lines.into_iter().filter(|(_, n)| *n > CRATE).map(|(krate, n)| format!("{krate}: {n} lines")).collect()
+}
+
+/// Dependencies that no file of their crate names.
+fn unused_dependencies(sources: &[Source]) -> Result<Vec<String>, Box<dyn Error>> {
+    let mut unused = Vec::new();
+    for entry in fs::read_dir(root().join("crates"))? {
+        let folder = entry?.path();
+        let krate = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let manifest = fs::read_to_string(folder.join("Cargo.toml"))?;
+        let mut is_in = false;
+        for line in manifest.lines() {
+            if line.starts_with('[') {
+                is_in = line.ends_with("dependencies]");
+            }
+            let name = line.split(['.', ' ', '=']).next().unwrap_or_default();
+            if !is_in || name.is_empty() || line.starts_with(['[', '#']) {
+                continue;
+            }
+            let ident = name.replace('-', "_");
+            let is_named = |s: &Source| s.krate == krate && identifiers(&s.parsed).contains(&ident);
+            if !sources.iter().any(is_named) {
+                unused.push(format!("{krate}: {name}"));
+            }
+        }
+    }
+    unused.sort();
+    Ok(unused)
+}
+
+/// Names in a file, those in macros too.
+fn identifiers(file: &syn::File) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    collect(quote::ToTokens::to_token_stream(file), &mut |name| _ = names.insert(name));
+    names
+}
+
+fn collect(tokens: TokenStream, into: &mut impl FnMut(String)) {
+    for token in tokens {
+        match token {
+            TokenTree::Ident(ident) => into(ident.to_string()),
+            TokenTree::Group(group) => collect(group.stream(), into),
+            _ => {}
+        }
+    }
+}
+
+/// Public items whose names come up nowhere else in what is shipped.
+fn unused_items(sources: &[Source], baseline: &Baseline) -> Vec<String> {
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    let mut items = Vec::new();
+    for source in sources.iter().filter(|s| s.is_shipped) {
+        let kept: Vec<&syn::Item> = source.parsed.items.iter().filter(|item| !is_test_item(item)).collect();
+        for item in &kept {
+            collect(quote::ToTokens::to_token_stream(item), &mut |name| *counts.entry(name).or_default() += 1);
+        }
+        let mut public = Public { source, items: &mut items };
+        kept.into_iter().for_each(|item| public.visit_item(item));
+    }
+    let is_unused = |(name, _): &(String, String)| counts.get(name) == Some(&1);
+    let stays = |(_, place): &(String, String)| baseline.public_items_that_stay.contains_key(place);
+    items.into_iter().filter(|item| is_unused(item) && !stays(item)).map(|(_, place)| place).collect()
+}
+
+fn is_test_item(item: &syn::Item) -> bool {
+    match item {
+        syn::Item::Mod(m) => is_of_tests(&m.attrs),
+        syn::Item::Fn(f) => is_of_tests(&f.attrs),
+        _ => false,
+    }
+}
+
+/// Public items of a file: their names, and those with their crates.
+struct Public<'a> {
+    source: &'a Source,
+    items: &'a mut Vec<(String, String)>,
+}
+
+impl Public<'_> {
+    fn add(&mut self, visibility: &syn::Visibility, ident: &syn::Ident) {
+        if matches!(visibility, syn::Visibility::Public(_)) {
+            let modules = self.source.modules.join("::");
+            self.items.push((ident.to_string(), format!("{}::{modules}::{ident}", self.source.krate)));
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Public<'_> {
+    fn visit_item_fn(&mut self, f: &'ast syn::ItemFn) {
+        self.add(&f.vis, &f.sig.ident);
+    }
+
+    fn visit_impl_item_fn(&mut self, f: &'ast syn::ImplItemFn) {
+        self.add(&f.vis, &f.sig.ident);
+    }
+
+    fn visit_item_struct(&mut self, s: &'ast syn::ItemStruct) {
+        self.add(&s.vis, &s.ident);
+    }
+
+    fn visit_item_enum(&mut self, e: &'ast syn::ItemEnum) {
+        self.add(&e.vis, &e.ident);
+    }
+
+    fn visit_item_const(&mut self, c: &'ast syn::ItemConst) {
+        self.add(&c.vis, &c.ident);
+    }
+
+    fn visit_item_trait(&mut self, t: &'ast syn::ItemTrait) {
+        self.add(&t.vis, &t.ident);
+    }
+
+    fn visit_item_type(&mut self, t: &'ast syn::ItemType) {
+        self.add(&t.vis, &t.ident);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(path: &str, text: &str) -> Source {
+        let parts: Vec<&str> = path.split('/').collect();
+        let modules = parts[1..].iter().map(|p| p.trim_end_matches(".rs").to_owned()).filter(|m| m != "mod").collect();
+        let parsed = syn::parse_file(text).unwrap();
+        let krate = parts[0].to_owned();
+        Source { path: path.into(), krate, modules, text: text.to_owned(), parsed, is_shipped: true }
+    }
+
+    #[test]
+    fn no_count_is_beyond_its_ceiling() {
+        let complaints = beyond(&counted().unwrap(), &baseline().unwrap());
+        assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    }
+
+    #[test]
+    fn circles_are_found() {
+        let circle = [
+            source("k/a.rs", "use crate::b::X;"),
+            source("k/b/mod.rs", "fn f() { crate::c::g(); }"),
+            source("k/b/inner.rs", "use super::super::c;"),
+            source("k/c.rs", "use super::a::Y;"),
+            source("k/d.rs", "use crate::{a, b}; #[cfg(test)] mod tests { use crate::e; }"),
+            source("k/e.rs", "use crate::d;"),
+        ];
+        assert_eq!(circles(&circle), ["k: a", "k: b", "k: c"]);
+    }
+
+    #[test]
+    fn what_is_counted_is_found() {
+        let arguments: String = (0..8).map(|k| format!("a{k}: u8,")).collect();
+        let text = format!("/// The same.\nfn f({arguments}) {{{}}}\n// {}\n", "\n".repeat(120), "x".repeat(130));
+        let source = source("k/a.rs", &text);
+        let mut found = Found::new();
+        of_lines(&source, &mut found);
+        Functions { source: &source, found: &mut found }.visit_file(&source.parsed);
+        let counts: Vec<usize> = found.values().map(Vec::len).collect();
+        assert_eq!((found.len(), counts), (4, vec![1; 4]), "{found:?}");
+    }
+
+    #[test]
+    fn items_that_tests_alone_use_are_found() {
+        let sources = [
+            source("k/a.rs", "pub fn used() {} pub fn unused() {} pub(crate) fn own() {}"),
+            source("k/b.rs", "fn f() { used() } #[cfg(test)] mod tests { fn g() { unused() } }"),
+        ];
+        assert_eq!(unused_items(&sources, &Baseline::default()), ["k::a::unused"]);
+    }
+}
