@@ -303,6 +303,11 @@ fn large(sources: &[Source]) -> Vec<String> {
 /// Dependencies that no file of their crate names.
 fn unused_dependencies(sources: &[Source]) -> Result<Vec<String>, Box<dyn Error>> {
     let mut unused = Vec::new();
+    let mut names: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
+    for source in sources {
+        let names = names.entry(&source.krate).or_default();
+        collect(quote::ToTokens::to_token_stream(&source.parsed), &mut |name| _ = names.insert(name));
+    }
     for entry in fs::read_dir(root().join("crates"))? {
         let folder = entry?.path();
         let krate = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -316,9 +321,8 @@ fn unused_dependencies(sources: &[Source]) -> Result<Vec<String>, Box<dyn Error>
             if !is_in || name.is_empty() || line.starts_with(['[', '#']) {
                 continue;
             }
-            let ident = name.replace('-', "_");
-            let is_named = |s: &Source| s.krate == krate && identifiers(&s.parsed).contains(&ident);
-            if !sources.iter().any(is_named) {
+            let is_named = names.get(&*krate).is_some_and(|names| names.contains(&name.replace('-', "_")));
+            if !is_named {
                 unused.push(format!("{krate}: {name}"));
             }
         }
@@ -327,13 +331,7 @@ fn unused_dependencies(sources: &[Source]) -> Result<Vec<String>, Box<dyn Error>
     Ok(unused)
 }
 
-/// Names in a file, those in macros too.
-fn identifiers(file: &syn::File) -> BTreeSet<String> {
-    let mut names = BTreeSet::new();
-    collect(quote::ToTokens::to_token_stream(file), &mut |name| _ = names.insert(name));
-    names
-}
-
+/// Gives the names in tokens, those in macros too.
 fn collect(tokens: TokenStream, into: &mut impl FnMut(String)) {
     for token in tokens {
         match token {
