@@ -36,7 +36,7 @@ impl Integrator for AmbientOcclusion {
             let w = Frame::from_z(up).to_world(local);
             counters.rays += 1;
             let is_open = !scene.occluded(&Ray { t_max: self.distance, ..i.spawn(w) });
-            // Grey is the grey of a picture, in spectra too.
+            // In spectral mode white is the white of the colour space, not a flat spectrum.
             return color::under_white(Spectrum::splat(f32::from(is_open)), lambda, scene.mode);
         }
         Spectrum::ZERO

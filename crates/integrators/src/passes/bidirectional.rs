@@ -66,7 +66,7 @@ impl Bidirectional {
         super::light_reaches_all(scene)
     }
 
-    /// What of the scene is missing in its picture.
+    /// What of the scene is missing in its picture; `None` where nothing is.
     pub fn leaves_out(&self, scene: &Scene) -> Option<String> {
         let specular = super::specular_material(scene).filter(|_| self.strategy == Strategy::Light)?;
         Some(format!("what smooth surfaces show, such as '{specular}': no light path meets the camera there"))

@@ -68,7 +68,7 @@ impl PassKind {
         done.is_some()
     }
 
-    /// What of a scene it renders all but.
+    /// What of a scene is missing in its picture; `None` where nothing is.
     pub fn leaves_out(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Bidirectional(m) => m.leaves_out(scene),

@@ -24,7 +24,7 @@ pub use warnock::{Frame, Painted};
 pub struct Polygon {
     pub number: u32,
     pub corners: Vec<DVec3>,
-    /// The cuts that this part is left of, where it is not the whole triangle.
+    /// The cuts that made this part; none where it is the whole triangle.
     pub cuts: Vec<Cut>,
 }
 
@@ -43,7 +43,7 @@ pub enum Found {
     Painted(Vec<Painted>),
 }
 
-/// Where cuts are.
+/// The space that the planes of cuts are in.
 #[derive(Clone, Copy, Debug)]
 pub enum Space {
     /// In the world.
@@ -52,7 +52,7 @@ pub enum Space {
     Picture,
 }
 
-/// What is seen of triangles of the world, and by what depths were divided.
+/// What is seen of triangles of the world, and the number that depths of the picture were divided by.
 ///
 /// # Errors
 /// More triangles than the method is good for, or more cuts than it may make.
