@@ -1,4 +1,5 @@
-//! `cargo xtask`: benchmarks, generators of what they measure, and counts of what is untidy in the code.
+//! `cargo xtask`: benchmarks, generators of what they measure, whether pictures are the same, and counts of what is untidy
+//! in the code.
 //!
 //! Nothing here is a test: no figure of time makes a command fail.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -12,6 +13,7 @@ mod raster;
 mod rays;
 mod report;
 mod rivals;
+mod same;
 mod scaling;
 mod structures;
 mod tidy;
@@ -34,6 +36,8 @@ enum Command {
     Bench(Bench),
     /// Count the instructions of traversal and shading with valgrind, and warn where they grew
     Instructions(instructions::Arguments),
+    /// Hash small pictures of every integrator, and count their instructions, before and after a change
+    Same(same::Arguments),
     /// Count what is untidy in the code, against ceilings that only fall
     Tidy(tidy::Arguments),
     /// Write a scene or mesh to measure with
@@ -73,6 +77,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bench(bench) => bench.run(),
         Command::Instructions(arguments) => instructions::run(&arguments),
+        Command::Same(arguments) => same::run(&arguments),
         Command::Tidy(arguments) => tidy::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
     };
