@@ -1,6 +1,7 @@
 //! Colour in the two modes: what a parameter's spectrum becomes on the four lanes.
 
 use std::sync::Arc;
+pub use steradian_math::spectra::ColorMode;
 use steradian_math::{
     Spectrum, Vec3,
     color::{
@@ -10,36 +11,6 @@ use steradian_math::{
     },
     spectra::{Dense, Spd, Wavelengths, cie, d65},
 };
-
-/// What the four lanes of a [`Spectrum`] are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ColorMode {
-    /// Linear Rec.709 in three lanes.
-    #[default]
-    Rgb,
-    /// Radiance at four sampled wavelengths.
-    Spectral,
-}
-
-impl ColorMode {
-    /// The wavelengths of a path: drawn by a number in [0, 1), for which RGB does not ask.
-    #[inline]
-    pub fn wavelengths(self, u: impl FnOnce() -> f32) -> Wavelengths {
-        match self {
-            Self::Rgb => Wavelengths::RGB,
-            Self::Spectral => Wavelengths::sample_visible(u()),
-        }
-    }
-
-    /// The luminance of lanes: that of Rec.709, or an estimate from those at the wavelengths.
-    #[inline]
-    pub fn luminance(self, lanes: Spectrum, lambda: &Wavelengths) -> f32 {
-        match self {
-            Self::Rgb => luminance(Vec3::from(lanes.to_rgb())),
-            Self::Spectral => lambda.luminance(lanes),
-        }
-    }
-}
 
 /// What a value stands for, which decides how RGB becomes a spectrum and a spectrum RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,15 +115,6 @@ impl Color {
             Self::Lanes(s) => luminance(Vec3::from(s.to_rgb())),
             Self::Spectral(s) => cie::to_xyz(|l| s.eval(l)).y as f32,
         }
-    }
-}
-
-/// Linear Rec.709 of lanes, as an estimate: exact in RGB mode, the one-sample estimate in spectral mode.
-#[inline]
-pub fn to_rgb(s: Spectrum, lambda: &Wavelengths, mode: ColorMode) -> Vec3 {
-    match mode {
-        ColorMode::Rgb => Vec3::from(s.to_rgb()),
-        ColorMode::Spectral => lambda.to_rgb(s),
     }
 }
 

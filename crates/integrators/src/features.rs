@@ -24,7 +24,7 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
         };
         let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
             let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
-            color::to_rgb(color::under_white(albedo, lambda, scene.mode), lambda, scene.mode)
+            scene.mode.to_rgb(color::under_white(albedo, lambda, scene.mode), lambda)
         };
         let albedo = match scene.mode {
             ColorMode::Rgb => albedo(&s.bsdf, lambda),
@@ -34,7 +34,7 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
                     let lambda =
                         Wavelengths::sample_visible((set as f32 + 0.5) / (4 * SETS) as f32).at_time(lambda.time);
                     let one = color::under_white(Spectrum::ONE, &lambda, scene.mode);
-                    white += color::to_rgb(one, &lambda, scene.mode);
+                    white += scene.mode.to_rgb(one, &lambda);
                     sum += at(&lambda).map_or(Vec3::ZERO, |(s, _)| albedo(&s.bsdf, &lambda));
                 }
                 sum / white

@@ -33,7 +33,8 @@ pub use effort::PathEffort;
 pub use method::{Method, Session};
 pub use precomputed::{Precomputed, VarianceReduction};
 pub use registry::{INTEGRATORS, IntegratorKind};
-pub use session::{Control, Doubt, Film, Plan, SCALES};
+pub use session::{Control, Doubt, Plan, SCALES};
+pub use steradian_core::film::Film;
 
 use std::sync::{
     Arc,

@@ -35,7 +35,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Crop, FirstHitSums, MatteSums, Pixel},
+    film::{Crop, Film, FirstHitSums, MatteSums, Pixel},
     sampler::Sampler,
 };
 use tile::Tile;
@@ -81,21 +81,6 @@ pub struct Control {
     pub trials: AtomicBool,
     /// Set to stop, wherever paths are.
     pub cancel: Arc<AtomicBool>,
-}
-
-/// The state of a film: what a session gives to be looked at or saved.
-#[derive(Clone, Debug)]
-pub struct Film {
-    /// What of the full frame it shows.
-    pub crop: Crop,
-    /// Pixels by rows.
-    pub pixels: Vec<Pixel>,
-    /// First hits by rows; empty where they were not gathered.
-    pub features: Vec<FirstHitSums>,
-    /// What covers pixels, by rows; empty where it was not counted.
-    pub mattes: Vec<MatteSums>,
-    /// Sums of linear Rec.709 radiance of each group of lights, pixel by pixel; empty where they were not kept.
-    pub by_light: Vec<[f64; 3]>,
 }
 
 /// A render in progress.

@@ -25,7 +25,7 @@ pub use projection::Projected;
 pub use visibility::{Seen, Visibility};
 
 use rayon::prelude::*;
-use steradian_core::{Scene, color, film::Pixel};
+use steradian_core::{Scene, film::Pixel};
 use steradian_math::{Vec2, Vec3};
 use steradian_raster::Counters;
 
@@ -107,11 +107,7 @@ pub fn render(scene: &Scene, spp: u32, options: &Options) -> Result<Picture, Err
                     continue;
                 }
                 let (radiance, lambda) = shader.radiance(&projected.ray(scene, at), seen, at, &mut traced);
-                let mut l = radiance * scene.film.imaging_ratio;
-                if scene.film.max_component.is_finite() && l.max_element() > scene.film.max_component {
-                    l *= scene.film.max_component / l.max_element();
-                }
-                dropped += u64::from(!pixel.add(color::to_rgb(l, &lambda, mode)));
+                dropped += u64::from(!pixel.add(scene.film.developed(radiance, &lambda, mode)));
             }
             (traced, dropped)
         };

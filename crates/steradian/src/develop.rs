@@ -1,212 +1,47 @@
-//! From the sums on a film to a picture with layers.
+//! From a film to a picture that is named after its scene.
 
-use crate::cryptomatte;
-use steradian_core::{Scene, film::FirstHit};
+use crate::{Film, Layer, Scene};
+use std::collections::BTreeMap;
+use steradian_core::material::MATERIALS;
+use steradian_film::Names;
 use steradian_image::{Image, Value};
-use steradian_integrators::Film;
-
-/// An auxiliary layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layer {
-    /// Reflectance of the first surface.
-    Albedo,
-    /// Shading normal.
-    Normal,
-    /// Geometric normal.
-    GeometricNormal,
-    /// World position.
-    Position,
-    /// Distance along the camera's axis.
-    Depth,
-    /// Surface parameters.
-    Uv,
-    /// Shape and material numbers.
-    Ids,
-    /// Variance of the pixel's mean.
-    Variance,
-    /// Samples taken.
-    Samples,
-    /// Part of the pixel that surfaces cover.
-    Alpha,
-    /// Named objects and materials, and the part of the pixel that each covers.
-    Cryptomatte,
-    /// The picture by the light of each group of lights alone.
-    LightGroups,
-}
-
-impl Layer {
-    /// All layers.
-    pub const ALL: [Self; 12] = [
-        Self::Albedo,
-        Self::Normal,
-        Self::GeometricNormal,
-        Self::Position,
-        Self::Depth,
-        Self::Uv,
-        Self::Ids,
-        Self::Variance,
-        Self::Samples,
-        Self::Alpha,
-        Self::Cryptomatte,
-        Self::LightGroups,
-    ];
-
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::GeometricNormal => "geometric_normal",
-            Self::Position => "position",
-            Self::Depth => "depth",
-            Self::Uv => "uv",
-            Self::Ids => "ids",
-            Self::Variance => "variance",
-            Self::Samples => "samples",
-            Self::Alpha => "alpha",
-            Self::Cryptomatte => "cryptomatte",
-            Self::LightGroups => "light_groups",
-        }
-    }
-
-    /// What its channels in a file begin with; of several the first.
-    pub fn prefix(self) -> &'static str {
-        match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "N",
-            Self::GeometricNormal => "Ng",
-            Self::Position => "P",
-            Self::Depth => "Z",
-            Self::Uv => "uv",
-            Self::Ids => "object_id",
-            Self::Variance => "variance",
-            Self::Samples => "samples",
-            Self::Alpha => "A",
-            Self::Cryptomatte => "crypto_object00",
-            Self::LightGroups => "RGBA",
-        }
-    }
-
-    /// What it holds, and the channels it has in a file.
-    pub fn doc(self) -> &'static str {
-        match self {
-            Self::Albedo => "reflectance of the first surface, linear Rec.709 in [0, 1]: albedo.R albedo.G albedo.B",
-            Self::Normal => "shading normal in the world, zero where nothing is hit: N.X N.Y N.Z",
-            Self::GeometricNormal => "geometric normal in the world, towards the camera: Ng.X Ng.Y Ng.Z",
-            Self::Position => "world position of the first surface: P.X P.Y P.Z",
-            Self::Depth => {
-                "distance along the camera's axis (Z) and along the ray (depth.Z); infinite where nothing is hit"
-            }
-            Self::Uv => "surface parameters: uv.U uv.V",
-            Self::Ids => "numbers of shape and material from one, zero for nothing: object_id.Y material_id.Y",
-            Self::Variance => "estimated variance of the pixel's mean: variance.R variance.G variance.B",
-            Self::Samples => "samples taken: samples.Y",
-            Self::Alpha => "part of the pixel that surfaces cover: A; --transparent leaves out the background",
-            Self::LightGroups => {
-                "the light of each light or named group of them, whose sum is the picture: RGBA_NAME.R .G .B; not among 'all'"
-            }
-            Self::Cryptomatte => {
-                "Cryptomatte 1.2, six ranks: crypto_object00..02.rgba crypto_material00..02.rgba, with manifests"
-            }
-        }
-    }
-
-    /// By name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|l| l.name() == name)
-    }
-
-    /// Whether it comes from the first hits of camera rays.
-    pub fn needs_features(self) -> bool {
-        !matches!(self, Self::Variance | Self::Samples | Self::Cryptomatte | Self::LightGroups)
-    }
-}
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
 /// layers asked for. Layers of first hits need a film on which they were gathered.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
-    let (w, h) = (film.crop.width() as usize, film.crop.height() as usize);
-    let mut image = Image::new(w, h);
-    let means: Vec<[f64; 3]> = film.pixels.iter().map(|p| p.mean()).collect();
-    let plane = |c: usize| means.iter().map(|m| held(m[c])).collect::<Vec<_>>();
-    push(&mut image, "R", plane(0));
-    push(&mut image, "G", plane(1));
-    push(&mut image, "B", plane(2));
-    let hits: Vec<FirstHit> = film.features.iter().map(|f| f.mean()).collect();
-    for layer in layers {
-        if layer.needs_features() && hits.is_empty() {
-            continue;
-        }
-        let of = |f: &dyn Fn(&FirstHit) -> f32| hits.iter().map(f).collect::<Vec<f32>>();
-        match layer {
-            Layer::Albedo => ["R", "G", "B"].iter().enumerate().for_each(|(c, n)| {
-                push(&mut image, &format!("albedo.{n}"), of(&|h| h.albedo[c]));
-            }),
-            Layer::Normal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
-                push(&mut image, &format!("N.{n}"), of(&|h| h.normal[c]));
-            }),
-            Layer::GeometricNormal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
-                push(&mut image, &format!("Ng.{n}"), of(&|h| h.geometric_normal[c]));
-            }),
-            Layer::Position => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
-                push(&mut image, &format!("P.{n}"), of(&|h| h.position[c]));
-            }),
-            Layer::Depth => {
-                push(&mut image, "Z", of(&|h| h.depth));
-                push(&mut image, "depth.Z", of(&|h| h.distance));
-            }
-            Layer::Uv => ["U", "V"].iter().enumerate().for_each(|(c, n)| {
-                push(&mut image, &format!("uv.{n}"), of(&|h| h.uv[c]));
-            }),
-            Layer::Ids => {
-                push(&mut image, "object_id.Y", of(&|h| h.shape as f32));
-                push(&mut image, "material_id.Y", of(&|h| h.material as f32));
-            }
-            Layer::Variance => ["R", "G", "B"].iter().enumerate().for_each(|(c, n)| {
-                let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
-                push(&mut image, &format!("variance.{n}"), v);
-            }),
-            Layer::LightGroups => light_groups(&mut image, scene, film),
-            Layer::Cryptomatte if film.mattes.is_empty() => {}
-            Layer::Cryptomatte => cryptomatte::push(&mut image, scene, &film.mattes),
-            Layer::Alpha => push(&mut image, "A", of(&|h| h.coverage)),
-            Layer::Samples => {
-                push(&mut image, "samples.Y", film.pixels.iter().map(|p| p.samples as f32).collect());
-            }
-        }
-    }
+    let names = Names {
+        objects: scene.object_names.clone(),
+        materials: material_names(&scene.material_names),
+        light_groups: scene.light_groups.names.clone(),
+    };
+    let mut image = steradian_film::develop(film, layers, &names);
     let world_from_camera = scene.camera.world_from_camera;
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
 }
 
-/// Adds the light of each group of lights. Dots part layers in names of channels, so that groups lose theirs.
-fn light_groups(image: &mut Image, scene: &Scene, film: &Film) {
-    let names = &scene.light_groups.names;
-    if film.by_light.is_empty() {
-        return;
+/// The names of materials by their numbers from one. Those that a file gave no name are called after their kind, and
+/// numbered.
+fn material_names(names: &[String]) -> BTreeMap<u32, String> {
+    let mut met: BTreeMap<&str, u32> = BTreeMap::new();
+    let mut distinct = BTreeMap::new();
+    for (number, name) in (1..).zip(names) {
+        let count = met.entry(name.as_str()).or_default();
+        *count += 1;
+        let is_kind = MATERIALS.iter().any(|m| m.name == name);
+        distinct.insert(number, if is_kind && *count > 1 { format!("{name}_{count}") } else { name.clone() });
     }
-    for (group, name) in names.iter().enumerate() {
-        let mut name = format!("RGBA_{}", name.replace(['.', '\0'], "_"));
-        name.truncate(name.floor_char_boundary(200));
-        while image.channel(&format!("{name}.R")).is_some() {
-            name.push('_');
-        }
-        for (c, n) in ["R", "G", "B"].iter().enumerate() {
-            let sums = film.by_light.iter().skip(group).step_by(names.len()).zip(&film.pixels);
-            let plane = sums.map(|(sum, p)| held(sum[c] / f64::from(p.samples.max(1)))).collect();
-            push(image, &format!("{name}.{n}"), plane);
-        }
-    }
+    distinct
 }
 
-/// A number as `f32`, held at the ends of its range: the squares of large radiances are beyond it.
-fn held(v: f64) -> f32 {
-    v.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Layers have distinct names and the length of the picture, so this adds them.
-pub(crate) fn push(image: &mut Image, name: &str, data: Vec<f32>) {
-    let added = image.push(name, data);
-    debug_assert!(added.is_ok(), "{name}: {added:?}");
+    #[test]
+    fn unnamed_materials_are_told_apart() {
+        let names = ["default", "diffuse", "Paint", "diffuse", "Paint"].map(String::from);
+        let found: Vec<String> = material_names(&names).into_values().collect();
+        assert_eq!(found, ["default", "diffuse", "Paint", "diffuse_2", "Paint"]);
+    }
 }

@@ -14,7 +14,6 @@
 
 pub mod bench;
 pub mod cornell;
-mod cryptomatte;
 pub mod develop;
 mod error;
 pub mod inputs;
@@ -27,7 +26,7 @@ pub mod resume;
 pub mod specimen;
 pub mod verify;
 
-pub use develop::{Layer, develop};
+pub use develop::develop;
 pub use error::Error;
 pub use inputs::Inputs;
 pub use load::{Loaded, load, load_bytes};
@@ -41,6 +40,7 @@ pub use steradian_core::{
     ColorMode, Compiled, Scene,
     compile::{Options as CompileOptions, compile},
 };
+pub use steradian_film::Layer;
 pub use steradian_formats as formats;
 pub use steradian_image as image;
 pub use steradian_instruments as instruments;

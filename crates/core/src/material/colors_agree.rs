@@ -52,7 +52,7 @@ fn seen(scene: &Scene, wo: Vec3, wi: Vec3) -> Vec3 {
         } else {
             s.bsdf.eval(wo, wi, Radiance).value
         };
-        sum += color::to_rgb(value * white.eval(&lambda), &lambda, scene.mode);
+        sum += scene.mode.to_rgb(value * white.eval(&lambda), &lambda);
     }
     sum / n as f32
 }

@@ -3,7 +3,7 @@
 //! Simulation with Vertex Connection and Merging").
 
 use super::{
-    CameraSample, PassFilm, PassIntegrator, Run, Splat,
+    CameraSample, PassIntegrator, Run,
     photons::{Grid, Photon},
     radius::{self, Radius},
     subpath::{Arrival, LIGHT_EVENTS, Numbers, Subpath, Sums, Ways, squared},
@@ -13,6 +13,7 @@ use crate::{Counters, Depth, dimension, nee};
 use steradian_core::{
     Scene,
     bsdf::TransportMode::{Importance, Radiance},
+    film::{PassFilm, Splat},
     light::{Light, emission::Emission},
     scene::Interaction,
 };

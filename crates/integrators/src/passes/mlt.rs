@@ -6,14 +6,17 @@
 //! and chains are too, given where they begin.
 
 use super::{
-    CameraSample, PassFilm, PassIntegrator, Run, Splat,
+    CameraSample, PassIntegrator, Run,
     bidirectional::{Bidirectional, Strategy, Tracer},
     radius::Radius,
     subpath::Numbers,
 };
 use crate::{Counters, Depth, dimension};
 use std::{cell::RefCell, collections::HashMap};
-use steradian_core::Scene;
+use steradian_core::{
+    Scene,
+    film::{PassFilm, Splat},
+};
 use steradian_math::{
     Vec2,
     color::luminance,

@@ -6,7 +6,6 @@
 //! sums and a count, and nothing depends on threads. A pass that is cancelled counts for nothing.
 
 mod bidirectional;
-mod film;
 mod missed;
 mod mlt;
 mod photon_map;
@@ -20,7 +19,6 @@ mod tests;
 mod vertex;
 
 pub use bidirectional::{Bidirectional, Strategy};
-pub use film::{PassFilm, Splat};
 pub use missed::missed_caustics;
 pub use mlt::Metropolis;
 pub use photon_map::PhotonMap;
@@ -49,8 +47,7 @@ use std::{
 use steradian_core::{
     Scene,
     bsdf::TransportMode,
-    color,
-    film::{FirstHitSums, MatteSums, Pixel},
+    film::{FirstHitSums, MatteSums, PassFilm, Pixel},
     light::Light,
     sampler::{PixelSampler, Sampler},
 };
@@ -145,15 +142,9 @@ impl<'s> Run<'s> {
         if self.scene.is_timed { lambda.at_time(sampler.get_1d(dimension::TIME)) } else { lambda }
     }
 
-    /// Radiance as the film has it: exposed, clamped where the film clamps, in linear Rec.709.
+    /// Radiance as the film has it.
     pub fn developed(&self, radiance: Spectrum, lambda: &Wavelengths) -> Vec3 {
-        let film = &self.scene.film;
-        let mut l = radiance * film.imaging_ratio;
-        let largest = l.max_element();
-        if film.max_component.is_finite() && largest > film.max_component {
-            l *= film.max_component / largest;
-        }
-        color::to_rgb(l, lambda, self.scene.mode)
+        self.scene.film.developed(radiance, lambda, self.scene.mode)
     }
 }
 
@@ -266,8 +257,8 @@ impl<'s> Passes<'s> {
             let done = self.integrator.pass(&run, self.passes, &mut film)?;
             self.first_hits(&run)?;
             include(&mut self.counters, &done);
-            self.counters.nonfinite += film.nonfinite;
-            for (pixel, sum) in self.pixels.iter_mut().zip(&film.sums) {
+            self.counters.nonfinite += film.nonfinite();
+            for (pixel, sum) in self.pixels.iter_mut().zip(film.sums()) {
                 pixel.add_value(*sum);
             }
             self.passes += 1;

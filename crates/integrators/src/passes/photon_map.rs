@@ -4,7 +4,7 @@
 //! converges (Knaus, Zwicker 2011).
 
 use super::{
-    PassFilm, PassIntegrator, Run,
+    PassIntegrator, Run,
     photons::{Grid, Photon},
     radius::{self, Radius},
     sppm::{brought, direct, gathered, land, next, paths},
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{Counters, Depth};
 use std::f32::consts::PI;
-use steradian_core::{Scene, light::emission::Emission, sampler::PixelSampler};
+use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
 use steradian_math::Vec3;
 
 /// The settings.

@@ -2,7 +2,7 @@
 //! within a radius that shrinks from pass to pass (Hachisuka, Jensen 2009; Knaus, Zwicker 2011).
 
 use super::{
-    PassFilm, PassIntegrator, Run,
+    PassIntegrator, Run,
     bidirectional::common,
     photons::{Grid, Photon},
     radius::{self, Radius},
@@ -11,7 +11,9 @@ use super::{
 };
 use crate::{Counters, Depth, dimension, nee, walk::MAX_PASSES};
 use std::f32::consts::PI;
-use steradian_core::{Scene, bsdf::TransportMode::Radiance, light::emission::Emission, sampler::PixelSampler};
+use steradian_core::{
+    Scene, bsdf::TransportMode::Radiance, film::PassFilm, light::emission::Emission, sampler::PixelSampler,
+};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// Light paths and pixels of a piece of work.

@@ -132,5 +132,5 @@ fn splats_that_are_no_numbers_are_black() {
     film.splat(&Splat { at: Vec2::splat(2.5), rgb: Vec3::new(1.0, f32::NAN, 1.0) });
     film.splat(&Splat { at: Vec2::new(f32::INFINITY, 2.5), rgb: Vec3::ONE });
     film.splat(&Splat { at: Vec2::splat(-1e30), rgb: Vec3::ONE });
-    assert!(film.nonfinite == 2 && film.sums.iter().flatten().all(|v| *v == 0.0));
+    assert!(film.nonfinite() == 2 && film.sums().iter().flatten().all(|v| *v == 0.0));
 }

@@ -20,7 +20,7 @@ use std::{
     },
     time::Duration,
 };
-use steradian_core::{color, film::FirstHit, sampler::Sampler};
+use steradian_core::{film::FirstHit, sampler::Sampler};
 use steradian_math::{Spectrum, Vec3, hash::combine64};
 
 /// Rays are counted for pixels in this part of one, so that a group's can be divided among its members.
@@ -268,13 +268,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 pixel_samples => self.integrator.group(scene, precomputed, pixel_samples, buffer, counters),
             }
             for ((number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
-                let mut l = pixel_sample.radiance * film.imaging_ratio;
-                if film.max_component.is_finite() {
-                    let m = l.max_element();
-                    if m > film.max_component {
-                        l *= film.max_component / m;
-                    }
-                }
+                let mut l = film.exposed(pixel_sample.radiance);
                 let hit = (gathers || plan.transparent)
                     .then(|| features::first_hit(scene, pixel_sample.ray, &pixel_sample.lambda));
                 if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
@@ -284,10 +278,9 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 for (sum, light) in lights[begin_of_lights..].iter_mut().zip(&mut counters.by_group) {
                     let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                     let light = std::mem::replace(light, Spectrum::ZERO) * scale;
-                    *sum += color::to_rgb(light, &pixel_sample.lambda, scene.mode)
-                        * (*weight / members[*number].paths as f32);
+                    *sum += scene.mode.to_rgb(light, &pixel_sample.lambda) * (*weight / members[*number].paths as f32);
                 }
-                members[*number].sum += color::to_rgb(l, &pixel_sample.lambda, scene.mode) * *weight;
+                members[*number].sum += scene.mode.to_rgb(l, &pixel_sample.lambda) * *weight;
                 if let Some(hit) = hit.filter(|_| gathers && members[*number].kept.is_some()) {
                     hits.push((*number, hit));
                 }

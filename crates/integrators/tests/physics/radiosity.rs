@@ -47,7 +47,7 @@ fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32
         let ray: Ray = scene.camera.ray(&scene.film, at, Vec2::splat(0.5));
         let mut lambda = scene.mode.wavelengths(|| s.get_1d(2));
         let l = view.radiance(scene, &precomputed, ray, &s, &mut lambda, &mut Counters::default());
-        let c = steradian_core::color::to_rgb(l, &lambda, scene.mode);
+        let c = scene.mode.to_rgb(l, &lambda);
         sum.iter_mut().zip(c.to_array()).for_each(|(s, c)| *s += f64::from(c) / f64::from(w * h * spp));
     }
     sum

@@ -1,6 +1,6 @@
 //! The film of one pass: samples of pixels, and splats, which arrive anywhere.
 
-use steradian_core::film::{Crop, FilmSpec};
+use crate::{Crop, FilmSpec};
 use steradian_math::{Vec2, Vec3};
 
 /// A contribution to a place of the film.
@@ -13,21 +13,31 @@ pub struct Splat {
 }
 
 /// Sums of a pass. Contributions are added in an order that does not depend on threads: the caller adds what chunks of
-/// work found, chunk by chunk ([`super::Run::in_order`]).
+/// work found, chunk by chunk.
 #[derive(Debug)]
 pub struct PassFilm<'s> {
     spec: &'s FilmSpec,
     /// By rows of the crop.
-    pub(super) sums: Vec<[f64; 3]>,
+    sums: Vec<[f64; 3]>,
     /// Contributions that were not finite, which count as black.
-    pub(super) nonfinite: u64,
+    nonfinite: u64,
 }
 
 impl<'s> PassFilm<'s> {
     /// A black film.
-    pub(super) fn new(spec: &'s FilmSpec) -> Self {
+    pub fn new(spec: &'s FilmSpec) -> Self {
         let n = spec.crop.width() as usize * spec.crop.height() as usize;
         Self { spec, sums: vec![[0.0; 3]; n], nonfinite: 0 }
+    }
+
+    /// What was added to each pixel, by rows of the crop.
+    pub fn sums(&self) -> &[[f64; 3]] {
+        &self.sums
+    }
+
+    /// Contributions that were not finite.
+    pub fn nonfinite(&self) -> u64 {
+        self.nonfinite
     }
 
     /// What of the frame is kept.

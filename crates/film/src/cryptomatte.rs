@@ -6,40 +6,15 @@
 //! and coverage each, those that cover most first. Metadata tell how ids were made, and the manifest which name has
 //! which id.
 
+use crate::{Hits, MatteSums};
 use std::collections::BTreeMap;
-use steradian_core::{
-    Scene,
-    film::{Hits, MatteSums},
-    material::MATERIALS,
-};
 use steradian_image::{Image, Value};
 
 /// Pairs of id and coverage that are written: two for each layer of four channels.
 const RANKS: usize = 6;
 
-/// Adds the mattes of objects and materials.
-pub fn push(image: &mut Image, scene: &Scene, mattes: &[MatteSums]) {
-    let objects = &scene.object_names;
-    let materials = material_names(&scene.material_names);
-    push_kind(image, "crypto_object", objects, mattes, |m| &m.objects);
-    push_kind(image, "crypto_material", &materials, mattes, |m| &m.materials);
-}
-
-/// The names of materials by their numbers from one. Those that a file gave no name are called after their kind, and
-/// numbered.
-fn material_names(names: &[String]) -> BTreeMap<u32, String> {
-    let mut met: BTreeMap<&str, u32> = BTreeMap::new();
-    let mut distinct = BTreeMap::new();
-    for (number, name) in (1..).zip(names) {
-        let count = met.entry(name.as_str()).or_default();
-        *count += 1;
-        let is_kind = MATERIALS.iter().any(|m| m.name == name);
-        distinct.insert(number, if is_kind && *count > 1 { format!("{name}_{count}") } else { name.clone() });
-    }
-    distinct
-}
-
-fn push_kind(
+/// Adds the mattes of things with these names, by their numbers from one, in layers that are called after `layer`.
+pub(crate) fn push(
     image: &mut Image,
     layer: &str,
     names: &BTreeMap<u32, String>,
@@ -52,7 +27,7 @@ fn push_kind(
         let (number, channels) = (rank / 2, [["r", "g"], ["b", "a"]][rank % 2]);
         for (k, channel) in channels.into_iter().enumerate() {
             let plane = ranked.iter().map(|r| r[rank][k]).collect();
-            crate::develop::push(image, &format!("{layer}{number:02}.{channel}"), plane);
+            crate::layer::push(image, &format!("{layer}{number:02}.{channel}"), plane);
         }
     }
     let key = format!("{:08x}", murmur3(layer.as_bytes()));
@@ -138,12 +113,5 @@ mod tests {
         let ids = BTreeMap::from([(1, 1.0), (2, 2.0), (3, 1.0)]);
         let found = ranks(&hits, 8, &ids);
         assert_eq!(found[..3], [[1.0, 0.375], [2.0, 0.375], [0.0, 0.0]]);
-    }
-
-    #[test]
-    fn unnamed_materials_are_told_apart() {
-        let names = ["default", "diffuse", "Paint", "diffuse", "Paint"].map(String::from);
-        let found: Vec<String> = material_names(&names).into_values().collect();
-        assert_eq!(found, ["default", "diffuse", "Paint", "diffuse_2", "Paint"]);
     }
 }

@@ -34,9 +34,9 @@ impl Hits {
 /// The things that cover a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MatteSums {
-    /// Objects, by [`super::FirstHit::shape`].
+    /// Objects, by [`crate::FirstHit::shape`].
     pub objects: Hits,
-    /// Materials, by [`super::FirstHit::material`].
+    /// Materials, by [`crate::FirstHit::material`].
     pub materials: Hits,
     /// Samples, those that hit nothing among them.
     pub samples: u32,
@@ -44,7 +44,7 @@ pub struct MatteSums {
 
 impl MatteSums {
     /// Counts what a sample hits first.
-    pub fn add(&mut self, hit: &super::FirstHit) {
+    pub fn add(&mut self, hit: &crate::FirstHit) {
         self.objects.add(hit.shape);
         self.materials.add(hit.material);
         self.samples += 1;

@@ -1,0 +1,82 @@
+//! What camera rays see first, summed over a pixel: the auxiliary layers, and what guides a denoiser.
+
+/// What is seen first by a camera ray: the auxiliary layers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FirstHit {
+    /// Reflectance estimate, linear Rec.709.
+    pub albedo: [f32; 3],
+    /// Shading normal, world space; zero where nothing is hit.
+    pub normal: [f32; 3],
+    /// Geometric normal, world space, on the side of the camera; zero where nothing is hit.
+    pub geometric_normal: [f32; 3],
+    /// World-space position.
+    pub position: [f32; 3],
+    /// Distance along the camera's axis.
+    pub depth: f32,
+    /// Distance along the ray.
+    pub distance: f32,
+    /// Surface parameters.
+    pub uv: [f32; 2],
+    /// Index of the shape, counted from one; 0 for nothing.
+    pub shape: u32,
+    /// Index of the material, counted from one; 0 for nothing.
+    pub material: u32,
+    /// 1 where a surface is hit; in the mean the part of the pixel that surfaces cover.
+    pub coverage: f32,
+}
+
+/// Sums of first hits over the samples of a pixel; ids are those of the first surface that a sample hits.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FirstHitSums {
+    /// Sum of the averaged quantities.
+    pub sum: FirstHit,
+    /// Samples added.
+    pub samples: u32,
+}
+
+impl FirstHitSums {
+    /// Adds the first hit of a sample.
+    pub fn add(&mut self, hit: &FirstHit) {
+        let add = |a: &mut [f32], b: &[f32]| {
+            let finite = |(a, b): (&mut f32, &f32)| {
+                if b.is_finite() {
+                    *a = (*a + b).clamp(f32::MIN, f32::MAX);
+                }
+            };
+            a.iter_mut().zip(b).for_each(finite);
+        };
+        let s = &mut self.sum;
+        add(&mut s.albedo, &hit.albedo);
+        add(&mut s.normal, &hit.normal);
+        add(&mut s.geometric_normal, &hit.geometric_normal);
+        add(&mut s.position, &hit.position);
+        add(&mut s.uv, &hit.uv);
+        add(std::slice::from_mut(&mut s.depth), &[hit.depth]);
+        add(std::slice::from_mut(&mut s.distance), &[hit.distance]);
+        add(std::slice::from_mut(&mut s.coverage), &[hit.coverage]);
+        if s.shape == 0 {
+            (s.shape, s.material) = (hit.shape, hit.material);
+        }
+        self.samples += 1;
+    }
+
+    /// The averages: of albedo (held in [0, 1]), normals and coverage over all samples; of position, parameters and
+    /// distances over those that hit a surface. Distances are infinite where none does.
+    pub fn mean(&self) -> FirstHit {
+        let s = &self.sum;
+        let over_all = 1.0 / self.samples.max(1) as f32;
+        let over_hits = if s.coverage > 0.0 { 1.0 / s.coverage } else { 0.0 };
+        let distance = |sum: f32| if s.coverage > 0.0 { sum * over_hits } else { f32::INFINITY };
+        FirstHit {
+            albedo: s.albedo.map(|v| (v * over_all).clamp(0.0, 1.0)),
+            normal: s.normal.map(|v| v * over_all),
+            geometric_normal: s.geometric_normal.map(|v| v * over_all),
+            position: s.position.map(|v| v * over_hits),
+            uv: s.uv.map(|v| v * over_hits),
+            depth: distance(s.depth),
+            distance: distance(s.distance),
+            coverage: s.coverage * over_all,
+            ..*s
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What a film is like: its size, the part that is rendered, its filter, and how it takes radiance.
+
+use crate::Filter;
+use steradian_math::{
+    Spectrum, Vec3,
+    spectra::{ColorMode, Wavelengths},
+};
+
+/// The rectangle of pixels that is rendered, within the full frame. Half open: `x0 ≤ x < x1`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// First column.
+    pub x0: u32,
+    /// First row.
+    pub y0: u32,
+    /// One past the last column.
+    pub x1: u32,
+    /// One past the last row.
+    pub y1: u32,
+}
+
+impl Crop {
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.x1 - self.x0
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.y1 - self.y0
+    }
+}
+
+/// What the film is like.
+#[derive(Clone, Debug)]
+pub struct FilmSpec {
+    /// Columns of the full frame.
+    pub width: u32,
+    /// Rows of the full frame.
+    pub height: u32,
+    /// What of it is rendered.
+    pub crop: Crop,
+    /// How samples spread around pixel centres.
+    pub filter: Filter,
+    /// Factor from radiance to film value (pbrt's exposure time × ISO / 100).
+    pub imaging_ratio: f32,
+    /// Samples with a larger component are scaled down to it; infinite where nothing is clamped.
+    pub max_component: f32,
+}
+
+impl FilmSpec {
+    /// Most pixels that are rendered: of the crop.
+    pub const MAX_PIXELS: u64 = 1 << 28;
+    /// Most pixels of a side of the frame.
+    pub const MAX_SIDE: i64 = 1 << 20;
+
+    /// A sample's radiance as the film holds it: exposed, and clamped where the film clamps.
+    #[inline]
+    pub fn exposed(&self, radiance: Spectrum) -> Spectrum {
+        let exposed = radiance * self.imaging_ratio;
+        let largest = exposed.max_element();
+        // Where nothing is clamped, infinite radiance stays for the gate to count.
+        if self.max_component.is_finite() && largest > self.max_component {
+            return exposed * (self.max_component / largest);
+        }
+        exposed
+    }
+
+    /// A sample's radiance as it is added to a pixel: [exposed](Self::exposed), in linear Rec.709.
+    #[inline]
+    pub fn developed(&self, radiance: Spectrum, lambda: &Wavelengths, mode: ColorMode) -> Vec3 {
+        mode.to_rgb(self.exposed(radiance), lambda)
+    }
+}
