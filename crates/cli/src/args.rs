@@ -139,8 +139,8 @@ pub struct RenderArgs {
     /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply), - for standard input, or builtin:NAME (see
     /// `steradian list scenes`)
     pub scene: Option<PathBuf>,
-    /// Output file (.exr .png .hdr .pfm .ppm .jpg .dds .ktx2). Repeatable. Default: SCENE.exr and SCENE.png in the current
-    /// folder
+    /// Output file (.exr .png .hdr .pfm .ppm .jpg .dds .ktx2). Repeatable. Default: SCENE.exr and SCENE.png in the
+    /// current folder
     #[arg(short, long = "output", alias = "outfile", value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// Override the scene's integrator (`steradian list integrators`)
@@ -168,8 +168,8 @@ pub struct RenderArgs {
     /// Sampler (`steradian list samplers`); `scene` uses the one that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
-    /// Save the state in FILE every 30 s and at the end; continue from FILE if it exists. The picture has the bits of an
-    /// uninterrupted render. A finished render continues with a larger --spp
+    /// Save the state in FILE every 30 s and at the end; continue from FILE if it exists. The picture has the bits of
+    /// an uninterrupted render. A finished render continues with a larger --spp
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
     /// Write the outputs at these intervals while rendering (10s, 2m); SIGUSR1 writes them at once
@@ -439,8 +439,8 @@ pub struct CompareArgs {
     /// Samples per pixel of the tested pictures, for the z-test; default: from their metadata
     #[arg(long, value_name = "N", requires = "variance")]
     pub samples: Option<f64>,
-    /// Write a picture of the differences: .png and .jpg show FLIP errors from black (0) to light yellow (1); .exr, .hdr
-    /// and .pfm hold absolute differences
+    /// Write a picture of the differences: .png and .jpg show FLIP errors from black (0) to light yellow (1); .exr,
+    /// .hdr and .pfm hold absolute differences
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Exit with code 4 if a metric is above a value, or not a number. Repeatable
@@ -457,7 +457,8 @@ pub struct ConvertArgs {
     /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2; or a scene: a file, - for standard
     /// input, or builtin:NAME
     pub input: PathBuf,
-    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian .xml .pbrt .gltf .glb
+    /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian .xml
+    /// .pbrt .gltf .glb
     pub output: PathBuf,
     /// Layer of the picture to write: a name of `steradian list layers`, or of channels in the file (N, diffuse, Z, …)
     #[arg(long, value_name = "NAME")]

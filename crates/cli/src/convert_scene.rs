@@ -11,6 +11,7 @@ use std::{
     collections::{BTreeMap, HashSet},
     fmt::Write,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 use steradian::{
     ColorMode, CompileOptions, Inputs, Loaded, Quality,
@@ -109,7 +110,8 @@ fn small(desc: &SceneDesc) -> (u32, u32) {
 fn picture(desc: &SceneDesc, size: (u32, u32), mode: Option<ColorMode>) -> Result<(Image, ColorMode), Failure> {
     let options = CompileOptions { size: Some(size), mode, ..CompileOptions::default() };
     let scene = steradian::compile(desc, &options).scene;
-    let scene = scene.ok_or_else(|| Failure::bad_input("the scene cannot be rendered, so it is not compared"))?;
+    let none = || Failure::bad_input("the scene cannot be rendered, so it is not compared");
+    let scene = Arc::new(scene.ok_or_else(none)?);
     let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };
     let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
     Ok((picture, scene.mode))

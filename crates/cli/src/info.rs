@@ -14,6 +14,7 @@ use std::{
     collections::{BTreeMap, HashSet},
     fmt::Write,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 use steradian::{
     ColorMode, CompileOptions, Inputs, Quality, Scene, image,
@@ -141,7 +142,7 @@ fn thumbnail(path: &Path, args: &InfoArgs, opened: &Opened, terminal: Terminal) 
     let scene = steradian::compile(&opened.desc, &options).scene;
     let scene = scene.ok_or_else(|| Failure::failed("the scene cannot be compiled for a small picture"))?;
     let quality = Quality { spp: Some(32), threads: usize::from(args.scene_options.threads), ..Quality::default() };
-    let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
+    let picture = steradian::render(&Arc::new(scene), &quality).map_err(|e| Failure::failed(e.to_string()))?;
     image::write(path, &picture, &image::WriteOptions::default()).map_err(|e| Failure::failed(e.to_string()))?;
     terminal.say(&format!("wrote {}", path.display()));
     Ok(failure::DONE)

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::{
     fmt::Write,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 use steradian::{
     ColorMode, CompileOptions, Inputs, Quality, Scene,
@@ -183,7 +184,7 @@ fn evaluate(specimen: &Specimen<'_>, pairs: &[Pair], importance: bool) -> Vec<Ev
 
 /// The scene that holds a material.
 struct Glass {
-    scene: Scene,
+    scene: Arc<Scene>,
     /// Which of its materials.
     index: u32,
     /// The files that it was made of.
@@ -224,7 +225,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
     match compiled.scene {
         Some(scene) => {
             let inputs = Inputs::of(desc.files().chain(compiled.files.iter().map(PathBuf::as_path)));
-            Ok(Glass { index: scene.geometries[0].material, scene, inputs })
+            Ok(Glass { index: scene.geometries[0].material, scene: Arc::new(scene), inputs })
         }
         None => Err(Failure::bad_input(format!("material '{}' has errors", args.material))),
     }

@@ -12,6 +12,7 @@ use std::{
     borrow::Cow,
     io::{self, Read},
     path::{Path, PathBuf},
+    sync::Arc,
     time::Duration,
 };
 use steradian::{
@@ -159,7 +160,7 @@ impl Opened {
         let (counts, inputs) = (Counts::of(&self.diagnostics), self.inputs());
         match self.scene {
             Some(scene) if !self.diagnostics.has_errors() => {
-                Ok(Ready { scene, inputs, counts, load: self.load, build: self.build })
+                Ok(Ready { scene: Arc::new(scene), inputs, counts, load: self.load, build: self.build })
             }
             _ => {
                 let is_located = |d: &Diagnostic| d.severity == Severity::Error && d.location.is_some();
@@ -180,7 +181,7 @@ impl Opened {
 #[derive(Debug)]
 pub struct Ready {
     /// The scene.
-    pub scene: Scene,
+    pub scene: Arc<Scene>,
     /// All files that were read.
     pub inputs: Inputs,
     /// How many messages of each kind there were.

@@ -80,9 +80,9 @@ fn marked(path: &Path, word: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The guard of every command that writes files: refuses outputs that are files which are read, whatever they are called,
-/// that are one file under two names, or that cannot be written. To be asked before anything takes long, and again when
-/// all files that are read are known.
+/// The guard of every command that writes files: refuses outputs that are files which are read, whatever they are
+/// called, that are one file under two names, or that cannot be written. To be asked before anything takes long, and
+/// again when all files that are read are known.
 ///
 /// # Errors
 /// [`Failure`] naming the first of them.

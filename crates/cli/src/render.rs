@@ -90,10 +90,11 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         };
         return raster::run(args, &job, &options, terminal);
     }
-    let mut plan = quality.plan(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
+    let mut render = quality.render(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
     // Mattes are counted apart from other layers, and have eight times as many planes.
+    let plan = &mut render.plan;
     let mattes = if plan.mattes { 16 } else { 0 };
     let groups = if plan.by_light { 3 * scene.light_groups.names.len() } else { 0 };
     check_memory(&scene, quality.layers.len() + mattes + groups)?;
@@ -120,26 +121,23 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {
         terminal.say("note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the whole picture");
     }
-    let kind = plan.integrator;
+    let render = render;
+    let plan = &render.plan;
     let signals = Signals::watch();
     terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
-    let precomputed = solving::precomputed(&scene, &plan, solution.as_deref().zip(lit), &signals, terminal)?;
-    let mut session = match precomputed {
-        Some(precomputed) => Session::with_precomputed(&scene, plan, precomputed),
-        None => Session::new(&scene, plan),
-    };
+    let mut session = solving::session(&scene, &render, solution.as_deref().zip(lit), &signals, terminal)?;
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
         let options = open::compile_options(&args.scene_options, quality.spp);
-        Keeper { path, recipe: Recipe::new(&scene, fingerprint, &options, &plan), terminal }
+        Keeper { path, recipe: Recipe::new(&scene, fingerprint, &options, &render), terminal }
     });
     if let Some(keeper) = &keeper {
-        keeper.restore(&mut session, pixels, (!takes_none).then_some(spp))?;
+        keeper.restore(&mut *session, pixels, (!takes_none).then_some(spp))?;
     }
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
     let making = Making { scene: &scene, name, integrator, color, seed: plan.sampler.seed, layers: &quality.layers };
     let watched = (!takes_none).then(|| {
         watch::render(
-            &mut session,
+            &mut *session,
             (pixels, planned),
             (args.time, args.watch),
             &signals,
@@ -161,7 +159,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let stop = watched.flatten();
 
     // Before the picture, which may fail to be saved for reasons of its own.
-    let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut session));
+    let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut *session));
 
     if scene.texture_pages.as_ref().is_some_and(|pages| pages.has_failed()) {
         terminal.warn("some textures could not be read back from the temporary file; they are black in places");
@@ -180,7 +178,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
             _ => Err(Failure::failed("the time was up before the first sample: no picture was written")),
         };
     }
-    let Made { picture, empty_pixels, spp, error, doubt, of_means } = making.picture(&session);
+    let Made { picture, empty_pixels, spp, error, doubt, of_means } = making.picture(&*session);
     let written = output::save(&outputs, &picture, &write_options, empty_pixels == 0).map_err(|mut failure| {
         if let (Some(keeper), Ok(())) = (&keeper, &kept) {
             failure.message +=
@@ -203,7 +201,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         relative_error: error,
         unreliable: doubt.map(|d| d.to_string()),
         relative_error_of_means: of_means.clone(),
-        missing_light: steradian::missing_light(&kind, &scene, &session.film()),
+        missing_light: steradian::missing_light(&render.integrator, &scene, &session.film()),
         width,
         height,
         threads: session.threads(),
@@ -268,7 +266,7 @@ struct Made {
 
 impl Making<'_> {
     /// The picture as it is.
-    fn picture(&self, session: &Session<'_>) -> Made {
+    fn picture(&self, session: &dyn Session) -> Made {
         let film = session.film();
         let mut picture = steradian::develop(self.scene, &film, self.layers);
         let empty_pixels = film.pixels.iter().filter(|p| p.samples == 0).count() as u64;
@@ -322,7 +320,7 @@ struct Keeper<'a> {
 
 impl Keeper<'_> {
     /// Lets a session go on from the file, if it is there, to `total` samples per pixel.
-    fn restore(&self, session: &mut Session<'_>, pixels: u64, total: Option<u32>) -> Result<(), Failure> {
+    fn restore(&self, session: &mut dyn Session, pixels: u64, total: Option<u32>) -> Result<(), Failure> {
         if !self.path.exists() {
             return Ok(());
         }
@@ -336,12 +334,12 @@ impl Keeper<'_> {
         Ok(())
     }
 
-    fn save(&self, session: &mut Session<'_>) -> Result<(), String> {
+    fn save(&self, session: &mut dyn Session) -> Result<(), String> {
         self.recipe.save(session, self.path).map_err(|e| format!("the render cannot be kept: {e}"))
     }
 
     /// Saves on the way: what fails now may go well later.
-    fn keep(&self, session: &mut Session<'_>) {
+    fn keep(&self, session: &mut dyn Session) {
         if let Err(message) = self.save(session) {
             self.terminal.warn(&message);
         }

@@ -1,30 +1,30 @@
-//! Radiosity before a render: solved, or taken from the file that keeps it.
+//! The session of a render; radiosity before it: solved, or taken from the file that keeps it.
 
 use crate::{failure::Failure, signals::Signals, terminal::Terminal};
 use std::{path::Path, sync::Arc, time::Instant};
 use steradian::{
-    Plan, Scene,
-    integrators::{IntegratorKind, Precomputed},
+    Render, Scene, Session,
+    integrators::IntegratorKind,
     radiosity::{self, Report, Watcher},
 };
 
-/// What a render with radiosity has to know beforehand; `None` for other integrators.
+/// A render with an empty film, of which all is known that it has to know beforehand.
 ///
 /// # Errors
 /// Where the file is of no use or cannot be written, or a signal came.
-pub fn precomputed(
-    scene: &Scene,
-    plan: &Plan,
+pub fn session(
+    scene: &Arc<Scene>,
+    render: &Render,
     file: Option<(&Path, [u8; 32])>,
     signals: &Signals,
     terminal: Terminal,
-) -> Result<Option<Precomputed>, Failure> {
-    let IntegratorKind::Radiosity(view) = &plan.integrator else { return Ok(None) };
+) -> Result<Box<dyn Session>, Failure> {
+    let IntegratorKind::Radiosity(view) = &render.integrator else { return Ok(render.session(scene)) };
     if let Some((path, fingerprint)) = file.filter(|f| f.0.exists()) {
         let solution = radiosity::load(scene, &fingerprint, &view.settings, path)
             .map_err(|e| Failure::bad_input(format!("'{}' {e}", path.display())))?;
         terminal.say(&format!("light of {} patches from {}", solution.report.patches, path.display()));
-        return Ok(Some(Precomputed::of_radiosity(Arc::new(solution))));
+        return Ok(view.session(scene, render.plan, Arc::new(solution)));
     }
     let start = Instant::now();
     let solved = radiosity::solve(scene, &view.settings, &Watch { signals, terminal })
@@ -39,7 +39,7 @@ pub fn precomputed(
             .map_err(|e| Failure::failed(e.to_string()))?;
         terminal.say(&format!("kept the light in {}", path.display()));
     }
-    Ok(Some(Precomputed::of_radiosity(Arc::new(solution))))
+    Ok(view.session(scene, render.plan, Arc::new(solution)))
 }
 
 /// What was solved, and what takes no part or in part only.

@@ -50,15 +50,15 @@ const TRIALS: f64 = 0.5;
 /// due: to save the state every half minute, and to write the picture at intervals of `every` or when SIGUSR1 came.
 /// Trials that take half of the time are broken off, for a picture without them.
 pub fn render(
-    session: &mut Session<'_>,
+    session: &mut dyn Session,
     (pixels, planned): (u64, u64),
     (budget, every): (Option<Duration>, Option<Duration>),
     signals: &Signals,
     progress: impl Fn() -> Progress,
-    mut on_the_way: impl FnMut(&mut Session<'_>, Due),
+    mut on_the_way: impl FnMut(&mut dyn Session, Due),
 ) -> Option<Stop> {
     let start = Instant::now();
-    let mut passes = |session: &mut Session<'_>, control: &Control| {
+    let mut passes = |session: &mut dyn Session, control: &Control| {
         steps(session, control, (pixels, every), signals, &mut on_the_way);
     };
     let stop = samples(session, (pixels, planned), budget, signals, progress(), &mut passes);
@@ -71,12 +71,12 @@ pub fn render(
 }
 
 fn samples(
-    session: &mut Session<'_>,
+    session: &mut dyn Session,
     (pixels, planned): (u64, u64),
     budget: Option<Duration>,
     signals: &Signals,
     progress: Progress,
-    passes: &mut impl FnMut(&mut Session<'_>, &Control),
+    passes: &mut impl FnMut(&mut dyn Session, &Control),
 ) -> Option<Stop> {
     let before = session.counters().samples;
     let control = Control::default();
@@ -119,11 +119,11 @@ fn samples(
 
 /// Steps of growing size, small enough that a tile does not take long, nor a step much longer than pictures are apart.
 fn steps(
-    session: &mut Session<'_>,
+    session: &mut dyn Session,
     control: &Control,
     (pixels, every): (u64, Option<Duration>),
     signals: &Signals,
-    on_the_way: &mut impl FnMut(&mut Session<'_>, Due),
+    on_the_way: &mut impl FnMut(&mut dyn Session, Due),
 ) {
     let mut samples = 1;
     let (mut kept, mut shown) = (Instant::now(), Instant::now());

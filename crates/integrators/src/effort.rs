@@ -17,10 +17,10 @@ pub(crate) use local::Local;
 
 use crate::{
     adaptive::FLOOR,
-    partition::{Partition, TILE},
+    partition::{MAX_GROUP, Partition, TILE},
     precomputed::Precomputed,
     probe::Probe,
-    reuse::{MAX_GROUP, PathContinuation},
+    reuse::PathContinuation,
 };
 use rayon::prelude::*;
 use steradian_core::Scene;

@@ -3,8 +3,8 @@
 //! find from the first bounce on ([`crate::reuse`]).
 
 use crate::{
-    Counters, Depth, Integrator, Precomputed, VarianceReduction,
-    reuse::{self, GroupBuffer, PathContinuation, PixelSample, for_all_wavelengths},
+    Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction,
+    reuse::{PathContinuation, for_all_wavelengths},
     walk::{Arrival, PathState, Vertex, arrive, escape, escape_by_group},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -140,6 +140,12 @@ impl<const MEDIA: bool> PathContinuation<MEDIA> for PathTracer<MEDIA> {
 }
 
 impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
+    type Prepared = Precomputed;
+
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
+        Precomputed::new(scene, self, plan, stop)
+    }
+
     #[inline]
     fn radiance(
         &self,
@@ -163,16 +169,5 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
                 sum
             }
         }
-    }
-
-    fn group<'s>(
-        &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
-        pixel_samples: &mut [PixelSample],
-        buffer: &mut GroupBuffer<'s>,
-        counters: &mut Counters,
-    ) {
-        reuse::group(self, scene, precomputed, pixel_samples, buffer, counters);
     }
 }

@@ -2,8 +2,8 @@
 //! and what one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, Precomputed, VarianceReduction, dimension, nee,
-    reuse::{self, GroupBuffer, PathContinuation, PixelSample, for_all_wavelengths},
+    Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction, dimension, nee,
+    reuse::{PathContinuation, for_all_wavelengths},
     walk::{MAX_PASSES, PathState, Vertex},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -154,6 +154,12 @@ impl PathContinuation<false> for PathRecursive {
 }
 
 impl Integrator for PathRecursive {
+    type Prepared = Precomputed;
+
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
+        Precomputed::new(scene, self, plan, stop)
+    }
+
     fn radiance(
         &self,
         scene: &Scene,
@@ -164,16 +170,5 @@ impl Integrator for PathRecursive {
         counters: &mut Counters,
     ) -> Spectrum {
         self.follow(scene, precomputed, PathState::camera(scene, ray), Spectrum::ZERO, sampler, lambda, counters)
-    }
-
-    fn group<'s>(
-        &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
-        pixel_samples: &mut [PixelSample],
-        buffer: &mut GroupBuffer<'s>,
-        counters: &mut Counters,
-    ) {
-        reuse::group(self, scene, precomputed, pixel_samples, buffer, counters);
     }
 }

@@ -4,11 +4,9 @@ use crate::{
     Plan, Stop,
     caustics::{Caustics, trial},
     effort::{self, Local, PathEffort},
-    radiosity::Solution,
     reuse::{self, PathContinuation},
     splitting::{self, Splitting},
 };
-use std::sync::Arc;
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
 
@@ -56,16 +54,9 @@ pub struct Precomputed {
     pub splitting: Splitting,
     /// Whether paths are to end at once.
     pub stop: Stop,
-    /// The light that surfaces exchange, for views of it.
-    pub radiosity: Option<Arc<Solution>>,
 }
 
 impl Precomputed {
-    /// Of a scene that radiosity was solved for.
-    pub fn of_radiosity(solution: Arc<Solution>) -> Self {
-        Self { radiosity: Some(solution), ..Self::default() }
-    }
-
     /// Of a scene, for paths of a depth, and the pictures of a plan.
     pub(crate) fn new<const MEDIA: bool, S: PathContinuation<MEDIA>>(
         scene: &Scene,
@@ -74,6 +65,9 @@ impl Precomputed {
         stop: &Stop,
     ) -> Self {
         let (depth, variance_reduction) = (paths.depth(), paths.variance_reduction());
+        if depth.max <= 1 {
+            return Self::default();
+        }
         let mut precomputed = Self { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Self::default() };
         // Where they are not wanted they still tell what the picture lacks.
         if precomputed.caustics.is_some() && variance_reduction.caustics != Some(true) {

@@ -2,14 +2,15 @@
 
 use crate::{
     Counters,
-    partition::{Partition, Place, Window},
+    partition::{MAX_GROUP, Partition, Place, Window},
     precomputed::Precomputed,
-    reuse::{GroupBuffer, MAX_GROUP, PathContinuation, PixelSample},
+    reuse::{self, GroupBuffer, PathContinuation},
 };
 use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
 };
+use steradian_engine::PixelSample;
 
 /// A group of pixels that is tried.
 pub(crate) struct Probe<'a, 's> {
@@ -46,7 +47,7 @@ impl<'a, 's> Probe<'a, 's> {
         self.pixel_samples
             .extend(self.places.iter().map(|p| PixelSample::at(scene, &sampler, self.partition, index, p).0));
         let mut counters = Counters::until(&precomputed.stop);
-        continuation.group(scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
+        reuse::group(continuation, scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
         let mut light = [0.0; MAX_GROUP];
         for (light, pixel_sample) in light.iter_mut().zip(&self.pixel_samples) {
             let l =

@@ -1,6 +1,6 @@
 //! Ray casting: the colour of the first surface, as if white light were everywhere the same.
 
-use crate::{Counters, Integrator, Precomputed, nee, walk::MAX_PASSES};
+use crate::{Counters, Integrator, nee, walk::MAX_PASSES};
 use steradian_core::{Scene, color, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
@@ -9,10 +9,12 @@ use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 pub struct Raycast;
 
 impl Integrator for Raycast {
+    type Prepared = ();
+
     fn radiance(
         &self,
         scene: &Scene,
-        _survey: &Precomputed,
+        (): &(),
         mut ray: Ray,
         _: &PixelSampler,
         lambda: &mut Wavelengths,

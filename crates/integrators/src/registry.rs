@@ -1,19 +1,21 @@
 //! The integrators by name.
 
 use crate::{
-    Depth, Plan, Precomputed, Stop, VarianceReduction,
+    Depth, Plan, Session, VarianceReduction,
     ao::AmbientOcclusion,
     passes::{PassKind, missed_caustics},
     path::{Path, VolPath},
     path_recursive::PathRecursive,
-    radiosity::{self, View},
+    radiosity::{self, Solution, View},
     raycast::Raycast,
+    reuse::Sharing,
     stokes::Stokes,
     whitted::Whitted,
 };
 
 use std::sync::Arc;
 use steradian_core::Scene;
+use steradian_engine::{OneByOne, Tiles};
 use steradian_math::Vec3;
 
 /// The integrators: name, and what it does.
@@ -124,18 +126,41 @@ impl IntegratorKind {
         }
     }
 
-    /// What the integrator wants to know of a scene before a render; of no use where a stop was asked for meanwhile.
-    pub(crate) fn precomputed(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
-        match self {
-            Self::Path(i) if i.depth.max > 1 => Precomputed::new(scene, i, plan, stop),
-            Self::PathRecursive(i) if i.depth.max > 1 => Precomputed::new(scene, i, plan, stop),
-            Self::VolPath(i) if i.depth.max > 1 => Precomputed::new(scene, i, plan, stop),
-            // What cannot be solved is refused before a session is made; it is black here.
-            Self::Radiosity(i) => match radiosity::solve(scene, &i.settings, stop) {
-                Ok(Some(solution)) => Precomputed::of_radiosity(Arc::new(solution)),
-                _ => Precomputed::default(),
-            },
-            _ => Precomputed::default(),
+    /// A render with an empty film.
+    pub fn session(&self, scene: Arc<Scene>, plan: Plan) -> Box<dyn Session> {
+        match *self {
+            Self::Path(i) => Box::new(Tiles::new(scene, Sharing::<false, _>(i), plan)),
+            Self::VolPath(i) => Box::new(Tiles::new(scene, Sharing::<true, _>(i), plan)),
+            Self::PathRecursive(i) => Box::new(Tiles::new(scene, Sharing::<false, _>(i), plan)),
+            Self::Whitted(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
+            Self::Raycast(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
+            Self::Stokes(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
+            Self::AmbientOcclusion(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
+            Self::Radiosity(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
+            Self::Passes(i) => i.session(scene, plan),
         }
+    }
+}
+
+/// An integrator, and what it is to render.
+#[derive(Clone, Copy, Debug)]
+pub struct Render {
+    /// The integrator.
+    pub integrator: IntegratorKind,
+    /// What is asked of it.
+    pub plan: Plan,
+}
+
+impl Render {
+    /// Starts with an empty film.
+    pub fn session(&self, scene: &Arc<Scene>) -> Box<dyn Session> {
+        self.integrator.session(Arc::clone(scene), self.plan)
+    }
+}
+
+impl View {
+    /// Starts a render of a scene that is solved already.
+    pub fn session(self, scene: &Arc<Scene>, plan: Plan, solution: Arc<Solution>) -> Box<dyn Session> {
+        Box::new(Tiles::prepared(Arc::clone(scene), OneByOne(self), plan, Some(solution)))
     }
 }

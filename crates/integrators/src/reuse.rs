@@ -25,8 +25,7 @@ mod share;
 pub(crate) mod trial;
 
 use crate::{
-    Counters, Depth, Integrator, Precomputed, VarianceReduction, dimension, live_max,
-    partition::{Partition, Place},
+    Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction, live_max,
     walk::{Arrival, PathState, Vertex, arrive, escape, meet},
 };
 pub(crate) use share::for_all_wavelengths;
@@ -34,15 +33,13 @@ use share::share;
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
-    sampler::{PixelSampler, Sampler},
+    sampler::PixelSampler,
     scene::Hit,
 };
-use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_engine::{GroupIntegrator, PixelSample, partition::MAX_GROUP};
+use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
 
 const NO_RAY: Ray = PathState::NONE.ray;
-
-/// Most paths that share.
-pub const MAX_GROUP: usize = 16;
 
 /// Mean cosine from which on phase functions count as narrow.
 const FORWARD: f32 = 0.9;
@@ -50,50 +47,8 @@ const FORWARD: f32 = 0.9;
 /// Roughness α below which lobes count as narrow.
 const NARROW: f32 = 0.04;
 
-/// A pixel's part in a group: one sample of it.
-#[derive(Clone, Copy, Debug)]
-pub struct PixelSample {
-    /// The camera ray.
-    pub ray: Ray,
-    /// The pixel's own numbers, for the path up to x and light samples there.
-    pub own: PixelSampler,
-    /// Numbers stratified over the group, for all that follows.
-    pub joint: PixelSampler,
-    /// Wavelengths, the same for the whole group; afterwards without the secondary ones where the path dispersed.
-    pub lambda: Wavelengths,
-    /// The result.
-    pub radiance: Spectrum,
-}
-
-impl PixelSample {
-    /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
-    pub(crate) fn at(
-        scene: &Scene,
-        sampler: &Sampler,
-        partition: &Partition,
-        index: u32,
-        place: &Place,
-    ) -> (Self, f32) {
-        let film = &scene.film;
-        let own = sampler.pixel(place.x, place.y, index);
-        let is_alone = partition.size() == 1;
-        let joint = if is_alone { own } else { partition.joint(sampler, place, index) };
-        let common = |dimension| match is_alone {
-            true => own.get_1d(dimension),
-            false => partition.common(sampler, place, index, dimension),
-        };
-        let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
-        let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
-        let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
-        let lambda = scene.mode.wavelengths(|| common(dimension::WAVELENGTH));
-        let lambda = if scene.is_timed { lambda.at_time(common(dimension::TIME)) } else { lambda };
-        let ray = scene.camera.ray_at(film, point, lens, lambda.time);
-        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO }, weight)
-    }
-}
-
 /// How a path tracer goes on from a vertex.
-pub(crate) trait PathContinuation<const MEDIA: bool>: Integrator {
+pub(crate) trait PathContinuation<const MEDIA: bool>: Integrator<Prepared = Precomputed> {
     /// How far paths are followed.
     fn depth(&self) -> &Depth;
 
@@ -240,6 +195,53 @@ impl<'s> Member<'s> {
             return false;
         }
         live_max(path_state.beta, &pixel_sample.lambda) > 0.0
+    }
+}
+
+/// A path tracer whose paths share what they find, where that pays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sharing<const MEDIA: bool, P>(pub P);
+
+impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Sharing<MEDIA, P> {
+    type Prepared = Precomputed;
+    type Buffer<'s> = GroupBuffer<'s>;
+
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
+        self.0.prepare(scene, plan, stop)
+    }
+
+    fn does_unprepared(&self) -> bool {
+        self.0.does_unprepared()
+    }
+
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut GroupBuffer<'s>,
+        counters: &mut Counters,
+    ) {
+        match pixel_samples {
+            [s] => s.radiance = self.0.radiance(scene, precomputed, s.ray, &s.own, &mut s.lambda, counters),
+            _ => group(&self.0, scene, precomputed, pixel_samples, buffer, counters),
+        }
+    }
+
+    fn group_size(&self, precomputed: &Precomputed) -> u32 {
+        precomputed.reuse()
+    }
+
+    fn paths(&self, precomputed: &Precomputed, pixel: [u32; 2]) -> u32 {
+        precomputed.splitting.paths(pixel)
+    }
+
+    fn rarest(&self, precomputed: &Precomputed) -> Option<f64> {
+        precomputed.rarest
+    }
+
+    fn asks_photons(&self, precomputed: &Precomputed) -> bool {
+        precomputed.caustics.is_some()
     }
 }
 

@@ -18,10 +18,9 @@ use crate::{
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
+use steradian_engine::MOST_PATHS;
 use steradian_math::hash::{combine32, mix32};
 
-/// Most paths of a sample.
-pub(crate) const MOST: u32 = 4;
 /// Variance × cost has to become less by this factor.
 const WORTH: f64 = 1.35;
 /// The same by a pilot of a quarter of the cells, from which on all of them are asked.
@@ -146,7 +145,7 @@ fn demand(variance: f64, need: &Need) -> f64 {
 
 /// The power of two nearest to what is demanded.
 fn paths(demand: f64, unit: f64) -> u8 {
-    (demand / unit).max(1.0).log2().round().exp2().min(f64::from(MOST)) as u8
+    (demand / unit).max(1.0).log2().round().exp2().min(f64::from(MOST_PATHS)) as u8
 }
 
 /// What a square needs, by one of its cells.

@@ -5,7 +5,7 @@
 //! picture: S₁ is positive for light that swings from left to right. In scenes that nothing polarises twice, S₀ is the
 //! picture of `path`.
 
-use crate::{Counters, Depth, Integrator, Precomputed, dimension, live_max, nee, walk};
+use crate::{Counters, Depth, Integrator, dimension, live_max, nee, walk};
 use steradian_core::{
     Scene,
     bsdf::{TransportMode, polarized},
@@ -27,10 +27,12 @@ pub struct Stokes {
 }
 
 impl Integrator for Stokes {
+    type Prepared = ();
+
     fn radiance(
         &self,
         scene: &Scene,
-        _survey: &Precomputed,
+        (): &(),
         ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,

@@ -6,7 +6,10 @@ use pyo3::{
     prelude::*,
 };
 use std::{
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -28,7 +31,7 @@ pub struct Progress {
 
 /// What to render, and how.
 pub struct Request<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a Arc<Scene>,
     pub quality: &'a Quality,
     /// Seconds after which to stop.
     pub time: Option<f64>,
@@ -48,14 +51,14 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
         let picture = steradian::develop(scene, &rendered.film, &[]);
         return Image::new(py, picture, Facts { spp: f64::from(quality.spp.unwrap_or(1)), ..Facts::default() });
     }
-    let plan = quality.plan(scene).map_err(fault)?;
+    let render = quality.render(scene).map_err(fault)?;
     let crop = scene.film.crop;
     let pixels = f64::from(crop.width()) * f64::from(crop.height());
-    let planned = pixels * f64::from(plan.sampler.spp);
+    let planned = pixels * f64::from(render.plan.sampler.spp);
     let ended = py.detach(|| {
-        let mut session = Session::new(scene, plan);
+        let mut session = render.session(scene);
         let control = Control::default();
-        let end = watch(&mut session, &control, request, pixels, planned);
+        let end = watch(&mut *session, &control, request, pixels, planned);
         let facts = Facts {
             spp: session.counters().samples as f64 / pixels,
             seconds: session.wall().as_secs_f64(),
@@ -88,7 +91,7 @@ enum End {
 }
 
 fn watch(
-    session: &mut Session<'_>,
+    session: &mut dyn Session,
     control: &Control,
     request: &Request<'_>,
     pixels: f64,
@@ -139,7 +142,7 @@ fn look(request: &Request<'_>, progress: Progress) -> Option<End> {
 }
 
 /// Passes of growing size, small enough that a stop is answered soon.
-fn passes(session: &mut Session<'_>, control: &Control) {
+fn passes(session: &mut dyn Session, control: &Control) {
     let mut samples = 1;
     while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
         session.step(samples, control);

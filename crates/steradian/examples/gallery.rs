@@ -304,7 +304,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let options = CompileOptions { size: Some((SIDE, SIDE)), mode: Some(mode), ..Default::default() };
                 let compiled = steradian::compile(&desc, &options);
                 let scene = compiled.scene.ok_or_else(|| format!("{kind} {words}: {:?}", compiled.diagnostics))?;
-                let picture = steradian::render(&scene, &Quality { spp: Some(spp), ..Quality::default() })?;
+                let picture =
+                    steradian::render(&std::sync::Arc::new(scene), &Quality { spp: Some(spp), ..Quality::default() })?;
                 image::write(Path::new(&path), &picture, &WriteOptions::default())?;
                 println!("{path}");
             }

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .build();
     let compiled = compile(&desc, &CompileOptions::default());
     let scene = compiled.scene.ok_or_else(|| format!("{:?}", compiled.diagnostics))?;
-    let picture = render(&scene, &Quality { spp: Some(16), ..Quality::default() })?;
+    let picture = render(&std::sync::Arc::new(scene), &Quality { spp: Some(16), ..Quality::default() })?;
     image::write(std::path::Path::new(&output), &picture, &image::WriteOptions::default())?;
     Ok(())
 }

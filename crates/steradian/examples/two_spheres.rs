@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let compiled = compile(&scene, &CompileOptions { size: Some((320, 180)), ..CompileOptions::default() });
     let compiled_scene = compiled.scene.ok_or_else(|| format!("{:?}", compiled.diagnostics))?;
-    let picture = render(&compiled_scene, &Quality { spp: Some(32), ..Quality::default() })?;
+    let picture = render(&std::sync::Arc::new(compiled_scene), &Quality { spp: Some(32), ..Quality::default() })?;
     image::write(std::path::Path::new(&output), &picture, &image::WriteOptions::default())?;
     Ok(())
 }

@@ -5,7 +5,7 @@
 //!
 //! let desc = cornell::point_light();
 //! let compiled = steradian::compile(&desc, &steradian::CompileOptions { size: Some((32, 32)), ..Default::default() });
-//! let scene = compiled.scene.expect("the built-in scene is sound");
+//! let scene = std::sync::Arc::new(compiled.scene.expect("the built-in scene is sound"));
 //! let quality = Quality { spp: Some(4), ..Quality::default() };
 //! let picture = render(&scene, &quality)?;
 //! assert_eq!((picture.width(), picture.height()), (32, 32));
@@ -45,9 +45,11 @@ pub use steradian_formats as formats;
 pub use steradian_image as image;
 pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
-pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Session};
+pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Render, Session};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
+
+use std::sync::Arc;
 
 /// The registry of models of the core, family by family: plural name of the family, and name and description of each
 /// model.
@@ -74,12 +76,11 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
 ///
 /// # Errors
 /// [`Error::UnknownIntegrator`] when the scene or the quality names an integrator that does not exist.
-pub fn render(scene: &Scene, quality: &Quality) -> Result<image::Image, Error> {
+pub fn render(scene: &Arc<Scene>, quality: &Quality) -> Result<image::Image, Error> {
     if let Some(options) = raster::options(quality, scene)? {
         return Ok(develop(scene, &raster::render(scene, quality, &options)?.film, &[]));
     }
-    let plan = quality.plan(scene)?;
-    let mut session = Session::new(scene, plan);
+    let mut session = quality.render(scene)?.session(scene);
     session.step(u32::MAX, &Control::default());
     Ok(develop(scene, &session.film(), &quality.layers))
 }

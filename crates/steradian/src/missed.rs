@@ -26,7 +26,8 @@ pub(crate) fn share_of(missed: Vec3, film: &Film) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Control, Quality, Session};
+    use crate::{Control, Quality};
+    use std::sync::Arc;
 
     /// The missing part of a room with a glass ball of a radius under a point light, and the mean of its picture.
     fn room(radius: f64, integrator: &str, spp: u32) -> (Option<f64>, f64) {
@@ -41,16 +42,15 @@ mod tests {
             Material "dielectric"  Translate 0 -0.4 0.1  Shape "sphere" "float radius" {radius}"#
         );
         let loaded = crate::load_bytes("room.pbrt", text.into_bytes(), Some("pbrt"), &Default::default());
-        let scene = crate::compile(&loaded.desc, &Default::default()).scene.expect("a sound scene");
+        let scene = Arc::new(crate::compile(&loaded.desc, &Default::default()).scene.expect("a sound scene"));
         let quality =
             Quality { integrator: Some(integrator.to_owned()), spp: Some(spp), threads: 2, ..Quality::default() };
-        let plan = quality.plan(&scene).expect("a known integrator");
-        let kind = plan.integrator;
-        let mut session = Session::new(&scene, plan);
+        let render = quality.render(&scene).expect("a known integrator");
+        let mut session = render.session(&scene);
         session.step(u32::MAX, &Control::default());
         let film = session.film();
         let mean = film.pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / film.pixels.len() as f64;
-        (missing_light(&kind, &scene, &film), mean)
+        (missing_light(&render.integrator, &scene, &film), mean)
     }
 
     /// What is said to be missing is what another method finds more.

@@ -6,7 +6,7 @@ use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
-use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, PathEffort, Plan, VarianceReduction};
+use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, PathEffort, Plan, Render, VarianceReduction};
 use steradian_integrators::{
     ao::AmbientOcclusion,
     radiosity::{Settings, View},
@@ -60,11 +60,11 @@ pub struct LeftOut {
 }
 
 impl Quality {
-    /// The plan for a scene.
+    /// The integrator for a scene, and what it is to render.
     ///
     /// # Errors
     /// [`Error`] for unknown names and options, and numbers that are too large.
-    pub fn plan(&self, scene: &Scene) -> Result<Plan, Error> {
+    pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
         let asked = self.integrator_or_scene(scene);
         let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
         let mut depth = Depth {
@@ -81,14 +81,14 @@ impl Quality {
             radiosity::can_solve(scene, &view)?;
             // Without a final gather pixels have no noise but that of edges.
             let spp = self.spp.unwrap_or(if view.gather > 0 { scene.settings.spp } else { scene.settings.spp.min(16) });
-            return self.plan_of(scene, IntegratorKind::Radiosity(view), spp);
+            return self.render_of(scene, IntegratorKind::Radiosity(view), spp);
         }
         if name == "ao" {
             let of_file =
                 scene.settings.options.iter().find(|(key, _)| name == scene.settings.integrator && key == "distance");
             let distance = of_file.and_then(|(_, value)| value.parse().ok()).unwrap_or(f32::INFINITY);
             let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
-            return self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
+            return self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
         }
         for option in options.split(',').filter(|o| !o.is_empty()) {
             let fault = || unknown_option(name, option);
@@ -159,7 +159,7 @@ impl Quality {
                 return Err(Error::CannotRender { integrator: name.into(), what: what.into() });
             }
         }
-        self.plan_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
+        self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
     }
 
     /// Makes paths fit for layers of groups of lights, which share nothing and take one light sample each.
@@ -200,8 +200,8 @@ impl Quality {
         within("threads", 0, MAX_THREADS, self.threads)
     }
 
-    /// The plan with an integrator and so many samples per pixel.
-    fn plan_of(&self, scene: &Scene, mut integrator: IntegratorKind, spp: u32) -> Result<Plan, Error> {
+    /// By an integrator, with so many samples per pixel.
+    fn render_of(&self, scene: &Scene, mut integrator: IntegratorKind, spp: u32) -> Result<Render, Error> {
         self.check()?;
         if self.layers.contains(&Layer::LightGroups) {
             let kept = self.keep_lights_apart(scene, &mut integrator);
@@ -217,8 +217,7 @@ impl Quality {
             })?,
         };
         let sampler = Sampler { kind, spp, seed: self.seed.unwrap_or(scene.settings.seed) };
-        Ok(Plan {
-            integrator,
+        let plan = Plan {
             sampler,
             threads: self.threads,
             features: self.layers.iter().any(|l| l.needs_features()),
@@ -227,7 +226,8 @@ impl Quality {
             transparent: self.transparent,
             adaptive: self.adaptive,
             error: self.error,
-        })
+        };
+        Ok(Render { integrator, plan })
     }
 
     /// The file that keeps the solution of radiosity, where one is named.
@@ -318,7 +318,7 @@ mod tests {
 
     fn plan(scene: &Scene, integrator: Option<&str>, adaptive: bool) -> Result<String, String> {
         let quality = Quality { integrator: integrator.map(Into::into), adaptive, ..Quality::default() };
-        quality.plan(scene).map(|p| format!("{:?} {}", p.integrator, p.sampler.spp)).map_err(|e| e.to_string())
+        quality.render(scene).map(|r| format!("{:?} {}", r.integrator, r.plan.sampler.spp)).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -349,7 +349,7 @@ mod tests {
     #[test]
     fn numbers_that_no_render_can_have_are_refused() {
         let scene = scene(Node::new(Family::Integrator, "path", None));
-        let said = |quality: Quality| quality.plan(&scene).unwrap_err().to_string();
+        let said = |quality: Quality| quality.render(&scene).unwrap_err().to_string();
         let threads = said(Quality { threads: 1 << 31, ..Quality::default() });
         assert_eq!(threads, "threads are whole numbers from 0 to 1024, not 2147483648");
         for (spp, integrator) in [(0, None), (u32::MAX, None), (u32::MAX, Some("vcm".into()))] {

@@ -11,7 +11,7 @@ use std::{
     path::Path,
 };
 use steradian_image::open_regular;
-use steradian_integrators::Plan;
+use steradian_integrators::Render;
 use steradian_scene::{Node, SceneDesc, Value};
 
 const MAGIC: &[u8; 16] = b"Steradian state3";
@@ -147,11 +147,11 @@ impl Saved {
 
 impl Recipe {
     /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
-    pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, plan: &Plan) -> Self {
-        let film = &scene.film;
+    pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, render: &Render) -> Self {
+        let (film, Render { integrator, plan }) = (&scene.film, render);
         // Not threads, memory, or structures, which change no bit.
         let settings = [
-            ("integrator", format!("{:?}", plan.integrator)),
+            ("integrator", format!("{:?}", integrator)),
             ("sampler", format!("{:?}", plan.sampler.kind)),
             (SAMPLES, plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),
@@ -174,7 +174,7 @@ impl Recipe {
     ///
     /// # Errors
     /// The path and the system's answer.
-    pub fn save(&self, session: &mut Session<'_>, path: &Path) -> Result<(), steradian_image::Error> {
+    pub fn save(&self, session: &mut dyn Session, path: &Path) -> Result<(), steradian_image::Error> {
         steradian_image::stream_whole(path, |out| {
             let mut out = BufWriter::new(Hashing { inner: out, hasher: blake3::Hasher::new() });
             out.write_all(MAGIC)?;
@@ -191,7 +191,7 @@ impl Recipe {
     ///
     /// # Errors
     /// Why it cannot; the session is of no use then.
-    pub fn restore(&self, session: &mut Session<'_>, path: &Path) -> Result<(), StateError> {
+    pub fn restore(&self, session: &mut dyn Session, path: &Path) -> Result<(), StateError> {
         let mut saved = Saved::open(path)?;
         let theirs = saved.settings()?;
         if let Some(difference) = self.difference(&theirs) {
@@ -251,20 +251,22 @@ impl Write for Hashing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Plan;
     use crate::{Control, Quality, compile, cornell};
+    use std::sync::Arc;
 
-    fn scene(size: u32) -> (Scene, [u8; blake3::OUT_LEN]) {
+    fn scene(size: u32) -> (Arc<Scene>, [u8; blake3::OUT_LEN]) {
         let desc = cornell::luminous_ceiling();
         let options = CompileOptions { size: Some((size, size)), ..CompileOptions::default() };
-        (compile(&desc, &options).scene.unwrap(), fingerprint(&desc).unwrap())
+        (Arc::new(compile(&desc, &options).scene.unwrap()), fingerprint(&desc).unwrap())
     }
 
-    fn bits(session: &Session<'_>) -> Vec<[[u64; 3]; 2]> {
+    fn bits(session: &dyn Session) -> Vec<[[u64; 3]; 2]> {
         session.film().pixels.iter().map(|p| [p.sum, p.sum_squares].map(|v| v.map(f64::to_bits))).collect()
     }
 
     fn recipe(scene: &Scene, print: [u8; blake3::OUT_LEN], quality: &Quality) -> Recipe {
-        Recipe::new(scene, print, &CompileOptions::default(), &quality.plan(scene).unwrap())
+        Recipe::new(scene, print, &CompileOptions::default(), &quality.render(scene).unwrap())
     }
 
     /// Left at any number of samples, a render comes to the bits of one that was not: even, uneven, and up to an error.
@@ -279,19 +281,19 @@ mod tests {
             Quality { adaptive: true, integrator: Some("direct".into()), ..quality.clone() },
             Quality { error: Some(0.3), layers: vec![crate::Layer::ALL[0]], ..quality },
         ] {
-            let plan = quality.plan(&scene).unwrap();
-            let mut whole = Session::new(&scene, plan);
+            let render = quality.render(&scene).unwrap();
+            let mut whole = render.session(&scene);
             whole.step(40, &Control::default());
             for left_at in [1, 10, 17, 40] {
-                let mut first = Session::new(&scene, plan);
+                let mut first = render.session(&scene);
                 first.step(left_at, &Control::default());
                 let recipe = recipe(&scene, print, &quality);
-                recipe.save(&mut first, &path).unwrap();
-                let mut second = Session::new(&scene, Plan { threads: 3, ..plan });
-                recipe.restore(&mut second, &path).unwrap();
+                recipe.save(&mut *first, &path).unwrap();
+                let mut second = Render { plan: Plan { threads: 3, ..render.plan }, ..render }.session(&scene);
+                recipe.restore(&mut *second, &path).unwrap();
                 assert_eq!((second.samples(), second.counters()), (first.samples(), first.counters()));
                 second.step(40, &Control::default());
-                assert!(second.is_done() && bits(&second) == bits(&whole), "left at {left_at}: {quality:?}");
+                assert!(second.is_done() && bits(&*second) == bits(&*whole), "left at {left_at}: {quality:?}");
                 assert_eq!(second.counters(), whole.counters());
             }
         }
@@ -307,44 +309,44 @@ mod tests {
         for (integrator, adaptive) in [("path", false), ("path:reuse=16", false), ("path", true), ("light", false)] {
             let quality =
                 Quality { spp: Some(32), adaptive, integrator: Some(integrator.into()), ..Quality::default() };
-            let plan = quality.plan(&scene).unwrap();
+            let render = quality.render(&scene).unwrap();
             let recipe = recipe(&scene, print, &quality);
-            let mut first = Session::new(&scene, plan);
+            let mut first = render.session(&scene);
             first.step(32, &Control::default());
-            recipe.save(&mut first, &path).unwrap();
+            recipe.save(&mut *first, &path).unwrap();
             let restored = || {
-                let mut session = Session::new(&scene, plan);
-                recipe.restore(&mut session, &path).unwrap();
+                let mut session = render.session(&scene);
+                recipe.restore(&mut *session, &path).unwrap();
                 session
             };
             let mut second = restored();
             assert!(second.is_done() && !second.extend(16) && second.is_done() && second.extend(96));
-            assert!(!second.is_done() && bits(&second) == bits(&first));
+            assert!(!second.is_done() && bits(&*second) == bits(&*first));
             second.step(96, &Control::default());
             assert!(second.is_done() && second.samples() == 96, "{integrator}");
-            let samples = |s: &Session<'_>| s.film().pixels.iter().map(|p| u64::from(p.samples)).sum::<u64>();
-            assert_eq!(samples(&second), second.counters().samples);
+            let samples = |s: &dyn Session| s.film().pixels.iter().map(|p| u64::from(p.samples)).sum::<u64>();
+            assert_eq!(samples(&*second), second.counters().samples);
             // The state of an extended render is one like any other.
             let mut third = restored();
             third.extend(96);
             third.step(20, &Control::default());
-            recipe.save(&mut third, &path).unwrap();
+            recipe.save(&mut *third, &path).unwrap();
             let mut fourth = restored();
             assert!(!fourth.is_done() && fourth.extend(96));
             fourth.step(96, &Control::default());
-            assert!(bits(&fourth) == bits(&second), "{integrator}");
+            assert!(bits(&*fourth) == bits(&*second), "{integrator}");
             // Against a reference: the mean is right, and errs less than before.
             let many = Quality { spp: Some(4096), seed: Some(5), ..quality.clone() };
-            let mut reference = Session::new(&scene, many.plan(&scene).unwrap());
+            let mut reference = many.render(&scene).unwrap().session(&scene);
             reference.step(4096, &Control::default());
-            let total = |s: &Session<'_>| s.film().pixels.iter().map(|p| p.mean()[0]).sum::<f64>();
-            let variance = |s: &Session<'_>| s.film().pixels.iter().map(|p| p.variance_of_mean()[0]).sum::<f64>();
-            let apart = total(&second) - total(&reference);
+            let total = |s: &dyn Session| s.film().pixels.iter().map(|p| p.mean()[0]).sum::<f64>();
+            let variance = |s: &dyn Session| s.film().pixels.iter().map(|p| p.variance_of_mean()[0]).sum::<f64>();
+            let apart = total(&*second) - total(&*reference);
             // Paths that share err alike over a group of 16.
             let alike = if integrator.contains("reuse") { 16.0 } else { 1.0 };
-            let error = (alike * (variance(&second) + variance(&reference))).sqrt();
+            let error = (alike * (variance(&*second) + variance(&*reference))).sqrt();
             assert!(apart.abs() < 4.5 * error, "{integrator}: {apart} ± {error}");
-            assert!(variance(&second) < 0.6 * variance(&first), "{integrator}: no sample was added");
+            assert!(variance(&*second) < 0.6 * variance(&*first), "{integrator}: no sample was added");
         }
     }
 
@@ -354,12 +356,12 @@ mod tests {
         let path = folder.path().join("state");
         let (scene, print) = scene(16);
         let quality = Quality { spp: Some(8), ..Quality::default() };
-        let plan = quality.plan(&scene).unwrap();
-        let mut session = Session::new(&scene, plan);
+        let render = quality.render(&scene).unwrap();
+        let mut session = render.session(&scene);
         session.step(2, &Control::default());
         let own = recipe(&scene, print, &quality);
-        own.save(&mut session, &path).unwrap();
-        let restore = |recipe: &Recipe| recipe.restore(&mut Session::new(&scene, plan), &path);
+        own.save(&mut *session, &path).unwrap();
+        let restore = |recipe: &Recipe| recipe.restore(&mut *render.session(&scene), &path);
         restore(&own).unwrap();
         let asked = |quality| restore(&recipe(&scene, print, &quality)).unwrap_err().to_string();
         assert_eq!(
@@ -388,8 +390,8 @@ mod tests {
         assert!(matches!(restore(&own), Err(StateError::NotAState)));
     }
 
-    /// A state tells lies, and its checksum is right: whatever one number says, it is refused, or the render goes on from
-    /// it to a picture.
+    /// A state tells lies, and its checksum is right: whatever one number says, it is refused, or the render goes on
+    /// from it to a picture.
     #[test]
     fn forged_states_are_refused_or_rendered() {
         let folder = tempfile::tempdir().unwrap();
@@ -406,11 +408,11 @@ mod tests {
             (paths("path:reuse=4"), 3),
             (Quality { error: Some(0.01), ..paths("light") }, 3),
         ] {
-            let plan = quality.plan(&scene).unwrap();
-            let mut session = Session::new(&scene, plan);
+            let render = quality.render(&scene).unwrap();
+            let mut session = render.session(&scene);
             session.step(left_at, &Control::default());
             let own = recipe(&scene, print, &quality);
-            own.save(&mut session, &path).unwrap();
+            own.save(&mut *session, &path).unwrap();
             let bytes = std::fs::read(&path).unwrap();
             let body = bytes.len() - HASH as usize;
             let mut state = Vec::new();
@@ -432,8 +434,8 @@ mod tests {
                     let hash = blake3::hash(&forged);
                     forged.extend(hash.as_bytes());
                     std::fs::write(&path, forged).unwrap();
-                    let mut session = Session::new(&scene, plan);
-                    if own.restore(&mut session, &path).is_err() {
+                    let mut session = render.session(&scene);
+                    if own.restore(&mut *session, &path).is_err() {
                         refused += 1;
                         continue;
                     }

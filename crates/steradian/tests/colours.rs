@@ -15,7 +15,8 @@ fn color(inside: &str) -> [f64; 3] {
     let options = CompileOptions { mode: Some(ColorMode::Spectral), ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &options);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{:#?}", compiled.diagnostics));
-    let picture = render(&scene, &Quality { spp: Some(256), ..Quality::default() }).expect("the integrator exists");
+    let picture = render(&std::sync::Arc::new(scene), &Quality { spp: Some(256), ..Quality::default() })
+        .expect("the integrator exists");
     let rgb = picture.to_rgb().expect("pictures have colour");
     let mut sum = [0.0; 3];
     rgb.iter().for_each(|p| (0..3).for_each(|c| sum[c] += f64::from(p[c])));

@@ -1,19 +1,19 @@
 //! The estimated error against the true one, where light comes by paths that are hardly ever found.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 use steradian::{CompileOptions, Control, Film, Quality, Scene, Session, compile, integrators::Doubt, load};
 
-fn scene(name: &str) -> Scene {
+fn scene(name: &str) -> Arc<Scene> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/scenes/{name}.pbrt"));
     let loaded = load(&path, &Default::default());
     assert!(!loaded.diagnostics.has_errors(), "{:#?}", loaded.diagnostics);
-    compile(&loaded.desc, &CompileOptions::default()).scene.expect("a sound scene")
+    Arc::new(compile(&loaded.desc, &CompileOptions::default()).scene.expect("a sound scene"))
 }
 
-fn session<'s>(scene: &'s Scene, integrator: &str, spp: u32, seed: u64, error: Option<f64>) -> Session<'s> {
+fn session(scene: &Arc<Scene>, integrator: &str, spp: u32, seed: u64, error: Option<f64>) -> Box<dyn Session> {
     let integrator = Some(integrator.into());
     let quality = Quality { integrator, spp: Some(spp), seed: Some(seed), error, ..Quality::default() };
-    let mut session = Session::new(scene, quality.plan(scene).expect("a registered integrator"));
+    let mut session = quality.render(scene).expect("a registered integrator").session(scene);
     session.step(u32::MAX, &Control::default());
     session
 }

@@ -21,7 +21,7 @@ fn picture(desc: &SceneDesc, name: &str) -> Image {
     let compiled = compile(desc, &options);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{name}: {:?}", compiled.diagnostics));
     let integrator = Some("volpath:reuse=1,caustics=false,effort=even,max_depth=4".to_owned());
-    render(&scene, &Quality { spp: Some(16), integrator, ..Quality::default() }).expect(name)
+    render(&std::sync::Arc::new(scene), &Quality { spp: Some(16), integrator, ..Quality::default() }).expect(name)
 }
 
 fn means(image: &Image) -> [f64; 3] {

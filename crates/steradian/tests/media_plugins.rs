@@ -1,5 +1,5 @@
-//! Every medium of pbrt-v4 with every parameter that its manual has, as files: each is read and compiled without a word;
-//! what is no parameter, and what there is not, is named. And what glowing ones look like.
+//! Every medium of pbrt-v4 with every parameter that its manual has, as files: each is read and compiled without a
+//! word; what is no parameter, and what there is not, is named. And what glowing ones look like.
 
 use std::path::Path;
 use steradian::{CompileOptions, Quality, compile, formats::Options, load, render};
@@ -99,7 +99,8 @@ fn seen(text: &str) -> [f64; 3] {
     let path = folder.path().join("scene.pbrt");
     std::fs::write(&path, text).unwrap();
     let scene = compile(&load(&path, &Options::default()).desc, &CompileOptions::default()).scene.expect("a scene");
-    let picture = render(&scene, &Quality { spp: Some(1024), ..Quality::default() }).expect("a picture");
+    let picture =
+        render(&std::sync::Arc::new(scene), &Quality { spp: Some(1024), ..Quality::default() }).expect("a picture");
     ["R", "G", "B"].map(|c| picture.channel(c).unwrap().iter().map(|v| f64::from(*v)).sum::<f64>() / 64.0)
 }
 
@@ -109,9 +110,9 @@ fn is_near(what: &str, found: [f64; 3], expected: [f64; 3]) {
     }
 }
 
-/// ∫ B(T(z)) σ(z) e^(−∫σ) dz by pbrt's formulae, where density and temperature fade to half at both faces; B is Planck's
-/// law over its maximum times the unnormalised CIE curves. The numbers are from quadrature elsewhere; 2 % is five times
-/// the standard error.
+/// ∫ B(T(z)) σ(z) e^(−∫σ) dz by pbrt's formulae, where density and temperature fade to half at both faces; B is
+/// Planck's law over its maximum times the unnormalised CIE curves. The numbers are from quadrature elsewhere; 2 % is
+/// five times the standard error.
 #[test]
 fn glowing_grids_are_as_bright_as_in_pbrt() {
     let absorbing = r#""spectrum sigma_a" [300 1 900 1] "spectrum sigma_s" [300 0 900 0]"#;

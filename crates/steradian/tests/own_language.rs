@@ -16,7 +16,7 @@ fn picture(desc: &SceneDesc, name: &str) -> Image {
     let compiled = compile(desc, &options);
     let scene = compiled.scene.unwrap_or_else(|| panic!("{name}: {:?}", compiled.diagnostics));
     let integrator = Some("path:reuse=1,caustics=false,effort=even,max_depth=4".to_owned());
-    render(&scene, &Quality { spp: Some(2), integrator, ..Quality::default() }).expect(name)
+    render(&std::sync::Arc::new(scene), &Quality { spp: Some(2), integrator, ..Quality::default() }).expect(name)
 }
 
 fn goes_around(path: &Path) {

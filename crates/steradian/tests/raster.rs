@@ -2,7 +2,7 @@
 
 use steradian::{
     CompileOptions, Quality, Scene, compile,
-    integrators::{Counters, Depth, Integrator, Precomputed, whitted::Whitted},
+    integrators::{Counters, Depth, Integrator, whitted::Whitted},
     load,
     math::{Ray, Vec2, Vec3, spectra::Wavelengths},
     raster::{self, Options},
@@ -137,8 +137,7 @@ fn light_is_that_of_rays() {
         let centre = ray(&scene, x, y, Vec2::splat(0.5));
         let (mut lambda, mut counters) = (Wavelengths::RGB, Counters::default());
         let pixel = sampler.pixel(x, y, 0);
-        let expected =
-            whitted.radiance(&scene, &Precomputed::default(), centre, &pixel, &mut lambda, &mut counters).to_rgb();
+        let expected = whitted.radiance(&scene, &(), centre, &pixel, &mut lambda, &mut counters).to_rgb();
         let value = found[(y * 200 + x) as usize];
         sum += value[1];
         let differs =
@@ -463,8 +462,8 @@ fn every_order_shows_what_the_depth_buffer_shows() {
     }
 }
 
-/// In a room of 36 000 triangles, many of them thin, the orders show what the depth buffer shows, at every pixel: parts of
-/// a triangle leave no gaps, and are ordered right however small they are.
+/// In a room of 36 000 triangles, many of them thin, the orders show what the depth buffer shows, at every pixel: parts
+/// of a triangle leave no gaps, and are ordered right however small they are.
 #[test]
 fn orders_of_a_room_are_those_of_the_depth_buffer() {
     let Some(path) = steradian_testkit::asset("pbrt/staircase2/scene-v4.pbrt") else { return };
@@ -480,8 +479,8 @@ fn orders_of_a_room_are_those_of_the_depth_buffer() {
     assert!(by(Method::Painter).differing(&expected) > 1000);
 }
 
-/// Overdraw counts the triangles that the ray of a pixel meets, at every seventh column and fifth row; tiles list as many
-/// primitives together as the pipeline bins; views that need a light refuse scenes without it (M46, M47).
+/// Overdraw counts the triangles that the ray of a pixel meets, at every seventh column and fifth row; tiles list as
+/// many primitives together as the pipeline bins; views that need a light refuse scenes without it (M46, M47).
 #[test]
 fn lesson_views_count_what_they_show() {
     let scene = scene_of(TABLE);

@@ -5,9 +5,9 @@
 
 #![allow(clippy::print_stdout)]
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 use steradian::{
-    ColorMode, CompileOptions, Control, Layer, Quality, Session, compile, develop,
+    ColorMode, CompileOptions, Control, Layer, Quality, compile, develop,
     image::{self, Image, Limits, metrics},
     load,
 };
@@ -31,10 +31,10 @@ fn render_with(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u
     assert!(!loaded.diagnostics.has_errors(), "{}: {:#?}", scene.display(), loaded.diagnostics);
     let compiling = CompileOptions { mode: Some(mode), size, ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &compiling);
-    let scene = compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics));
+    let scene = Arc::new(compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics)));
     let integrator = (!options.is_empty()).then(|| format!("{}{options}", scene.settings.integrator));
     let quality = Quality { integrator, spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
-    let mut session = Session::new(&scene, quality.plan(&scene).expect("the scene's own integrator exists"));
+    let mut session = quality.render(&scene).expect("the scene's own integrator exists").session(&scene);
     session.step(u32::MAX, &Control::default());
     assert_eq!(session.counters().nonfinite, 0);
     develop(&scene, &session.film(), &quality.layers)

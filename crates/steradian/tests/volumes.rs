@@ -34,7 +34,7 @@ fn a_grid_of_equal_numbers_is_homogeneous() {
         std::fs::write(&path, text).expect("written");
         let loaded = load(&path, &Options::default());
         assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
-        let scene = compile(&loaded.desc, &CompileOptions::default()).scene.expect("a scene");
+        let scene = std::sync::Arc::new(compile(&loaded.desc, &CompileOptions::default()).scene.expect("a scene"));
         let frames = (0..6).map(|seed| {
             let picture =
                 render(&scene, &Quality { spp: Some(256), seed: Some(seed), ..Quality::default() }).expect("a picture");
@@ -61,8 +61,8 @@ fn a_grid_of_equal_numbers_is_homogeneous() {
 }
 
 /// A heterogeneous medium of Mitsuba fills the box, parallel to the axes, around the unit cube of its extinction, with
-/// the filter and the wrapping of the grid; albedo may be a grid that lies elsewhere. Each is seen along z before an even
-/// sky of one, of which exp(−∫σ_t) passes where nothing is scattered, and all returns where nothing is absorbed.
+/// the filter and the wrapping of the grid; albedo may be a grid that lies elsewhere. Each is seen along z before an
+/// even sky of one, of which exp(−∫σ_t) passes where nothing is scattered, and all returns where nothing is absorbed.
 #[test]
 fn media_of_mitsuba_have_its_boxes_filters_and_albedo() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -90,7 +90,7 @@ fn media_of_mitsuba_have_its_boxes_filters_and_albedo() {
         let said: Vec<_> = loaded.diagnostics.iter().chain(compiled.diagnostics.iter()).map(|d| &d.message).collect();
         assert!(said.is_empty(), "{said:?}");
         let quality = Quality { spp: Some(4096), ..Quality::default() };
-        let picture = render(&compiled.scene.expect("a scene"), &quality).expect("a picture");
+        let picture = render(&std::sync::Arc::new(compiled.scene.expect("a scene")), &quality).expect("a picture");
         ["R", "G", "B"].map(|c| picture.channel(c).expect("a channel").iter().sum::<f32>() / 16.0)
     };
     let volume = |name: &str, file: &str, more: &str| {

@@ -4,8 +4,8 @@
 
 use crate::generate::bumpy_sphere;
 use serde_json::Value;
-use std::{collections::BTreeMap, error::Error, hint::black_box, path::PathBuf, process::Command};
-use steradian::{Accelerator, CompileOptions, Control, Quality, Scene, Session, bench};
+use std::{collections::BTreeMap, error::Error, hint::black_box, path::PathBuf, process::Command, sync::Arc};
+use steradian::{Accelerator, CompileOptions, Control, Quality, Scene, bench};
 use steradian_accel::{Accel, Geometry};
 use steradian_math::{Ray, Vec3, hash::HashRng};
 
@@ -130,14 +130,14 @@ fn shading() {
     let options = CompileOptions { size: Some((32, 32)), ..CompileOptions::default() };
     let Some(scene) = steradian::compile(&desc, &options).scene else { return };
     black_box(bench::ray_sets(&scene, 1));
-    counted_shading(&scene);
+    counted_shading(&Arc::new(scene));
 }
 
 #[inline(never)]
-fn counted_shading(scene: &Scene) {
+fn counted_shading(scene: &Arc<Scene>) {
     let quality = Quality { spp: Some(8), threads: 1, ..Quality::default() };
-    if let Ok(plan) = quality.plan(scene) {
-        let mut session = Session::new(scene, plan);
+    if let Ok(render) = quality.render(scene) {
+        let mut session = render.session(scene);
         session.step(8, &Control::default());
         black_box(session.counters());
     }

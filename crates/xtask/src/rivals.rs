@@ -11,7 +11,7 @@ use std::{
     path::{Path, PathBuf},
     process::Command,
 };
-use steradian::{CompileOptions, Control, Quality, Session};
+use steradian::{CompileOptions, Control, Quality};
 
 /// Renders a scene with Mitsuba: one picture to compile the kernels, then as many as are asked for, each with another
 /// seed, whose pixels are written one after the other as floats; prints the CPU seconds of each.
@@ -116,7 +116,7 @@ fn render(path: &Path, spp: u32, frames: usize) -> Result<Frames, Box<dyn Error>
     let mut made = Frames { values: Vec::new(), cpu: Vec::new() };
     for seed in 1..=frames as u64 {
         let quality = Quality { spp: Some(spp), seed: Some(seed), ..Quality::default() };
-        let mut session = Session::new(&scene, quality.plan(&scene)?);
+        let mut session = quality.render(&scene)?.session(&scene);
         session.step(spp, &Control::default());
         made.values.push(session.film().pixels.iter().flat_map(|p| p.mean()).collect());
         made.cpu.push(session.cpu().as_secs_f64());

@@ -1,7 +1,7 @@
-//! Whether a change left pictures as they were: small pictures of every integrator on scenes of the project, with layers,
-//! and gone on with after a stop, as hashes of their pixels; and the instructions that one picture of each integrator
-//! takes, counted by valgrind. Hashes depend on the machine's mathematics, so they are kept for the machine, not in the
-//! repository: `--keep` before the change, nothing after it.
+//! Whether a change left pictures as they were: small pictures of every integrator on scenes of the project, with
+//! layers, and gone on with after a stop, as hashes of their pixels; and the instructions that one picture of each
+//! integrator takes, counted by valgrind. Hashes depend on the machine's mathematics, so they are kept for the machine,
+//! not in the repository: `--keep` before the change, nothing after it.
 
 use std::{
     collections::BTreeMap,

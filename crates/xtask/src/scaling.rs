@@ -8,16 +8,16 @@ use crate::{
     structures::{compile, load},
 };
 use serde_json::json;
-use std::{error::Error, path::Path};
-use steradian::{CompileOptions, Control, Quality, Scene, Session};
+use std::{error::Error, path::Path, sync::Arc};
+use steradian::{CompileOptions, Control, Quality, Scene};
 
 /// Edge of the pictures.
 const SIZE: u32 = 192;
 
 /// CPU and wall seconds of a render.
-fn render(scene: &Scene, spp: u32, threads: usize) -> Result<[f64; 2], Box<dyn Error>> {
+fn render(scene: &Arc<Scene>, spp: u32, threads: usize) -> Result<[f64; 2], Box<dyn Error>> {
     let quality = Quality { spp: Some(spp), threads, ..Quality::default() };
-    let mut session = Session::new(scene, quality.plan(scene)?);
+    let mut session = quality.render(scene)?.session(scene);
     session.step(spp, &Control::default());
     Ok([session.cpu().as_secs_f64(), session.wall().as_secs_f64()])
 }

@@ -5,7 +5,7 @@ use crate::{
     report::{Report, Table},
 };
 use serde_json::{Value, json};
-use std::{error::Error, path::Path, time::Duration};
+use std::{error::Error, path::Path, sync::Arc, time::Duration};
 use steradian::{Accelerator, CompileOptions, Scene, bench, formats::Options, scene::SceneDesc};
 
 /// Sizes of meshes.
@@ -23,10 +23,10 @@ pub fn load(path: &Path) -> Result<SceneDesc, Box<dyn Error>> {
 }
 
 /// Compiles a scene; gives the seconds of building its structure, too.
-pub fn compile(desc: &SceneDesc, options: &CompileOptions) -> Result<(Scene, f64), Box<dyn Error>> {
+pub fn compile(desc: &SceneDesc, options: &CompileOptions) -> Result<(Arc<Scene>, f64), Box<dyn Error>> {
     let compiled = steradian::compile(desc, options);
     let scene = compiled.scene.ok_or("a generated scene does not compile")?;
-    Ok((scene, compiled.build_time.as_secs_f64()))
+    Ok((Arc::new(scene), compiled.build_time.as_secs_f64()))
 }
 
 /// Measures.

@@ -3,7 +3,6 @@
 //! Simulation with Vertex Connection and Merging").
 
 use super::{
-    CameraSample, PassIntegrator, Run,
     photons::{Grid, Photon},
     radius::{self, Radius},
     subpath::{Arrival, LIGHT_EVENTS, Numbers, Subpath, Sums, Ways, squared},
@@ -17,6 +16,7 @@ use steradian_core::{
     light::{Light, emission::Emission},
     scene::Interaction,
 };
+use steradian_engine::{CameraSample, Pass, Run};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// Camera rays of a piece of work, and pieces whose findings wait to be added to the film.
@@ -373,7 +373,7 @@ impl Tracer {
     }
 }
 
-impl PassIntegrator for Tracer {
+impl Pass for Tracer {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
         self.look(run.scene);
         Some(())
@@ -408,7 +408,7 @@ impl PassIntegrator for Tracer {
                 }
                 (photons, subpaths)
             })?;
-            super::include(&mut total, &counters);
+            total += &counters;
             let (photons, subpaths): (Vec<_>, Vec<_>) = photons.into_iter().unzip();
             kept = subpaths;
             Some(Grid::new(photons.into_iter().flatten().collect(), radius))
@@ -448,7 +448,7 @@ impl PassIntegrator for Tracer {
                 }
                 all
             })?;
-            super::include(&mut total, &counters);
+            total += &counters;
             for (own, splats) in &found {
                 own.iter().for_each(|(x, y, rgb)| film.add(*x, *y, *rgb));
                 splats.iter().for_each(|s| film.splat(s));

@@ -2,7 +2,6 @@
 //! No light sample passes a mirror, and no path meets a light without size.
 
 use super::{
-    Run,
     subpath::{Arrival, LIGHT_EVENTS, Subpath, Ways},
     vertex::Vertex,
 };
@@ -13,6 +12,7 @@ use steradian_core::{
     light::emission::Emission,
     sampler::{PixelSampler, Sampler, SamplerKind},
 };
+use steradian_engine::Run;
 use steradian_math::Vec3;
 
 /// Light paths of the estimate.

@@ -6,7 +6,6 @@
 //! and chains are too, given where they begin.
 
 use super::{
-    CameraSample, PassIntegrator, Run,
     bidirectional::{Bidirectional, Strategy, Tracer},
     radius::Radius,
     subpath::Numbers,
@@ -17,6 +16,7 @@ use steradian_core::{
     Scene,
     film::{PassFilm, Splat},
 };
+use steradian_engine::{CameraSample, Pass, Run};
 use steradian_math::{
     Vec2,
     color::luminance,
@@ -251,7 +251,7 @@ impl Chains {
     }
 }
 
-impl PassIntegrator for Chains {
+impl Pass for Chains {
     fn samples_per_pass(&self) -> u32 {
         SAMPLES
     }
@@ -274,7 +274,7 @@ impl PassIntegrator for Chains {
                 counters.samples += MUTATIONS as u64;
                 splats
             })?;
-            super::include(&mut total, &counters);
+            total += &counters;
             for s in found.iter().flatten() {
                 film.splat(&Splat { rgb: s.rgb / chains as f32, ..*s });
             }

@@ -4,7 +4,6 @@
 //! converges (Knaus, Zwicker 2011).
 
 use super::{
-    PassIntegrator, Run,
     photons::{Grid, Photon},
     radius::{self, Radius},
     sppm::{brought, direct, gathered, land, next, paths},
@@ -14,6 +13,7 @@ use super::{
 use crate::{Counters, Depth};
 use std::f32::consts::PI;
 use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
+use steradian_engine::{Pass, Run};
 use steradian_math::Vec3;
 
 /// The settings.
@@ -168,7 +168,7 @@ enum Stage {
     Gathered,
 }
 
-impl PassIntegrator for Mapped {
+impl Pass for Mapped {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
         self.radius = self.settings.radius.of_scene(run.scene);
         self.emission = Emission::new(run.scene);
@@ -185,7 +185,7 @@ impl PassIntegrator for Mapped {
             };
             (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
         })?;
-        super::include(&mut total, &counters);
+        total += &counters;
         film.add_rows(&rows);
         Some(total)
     }

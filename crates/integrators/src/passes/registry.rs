@@ -1,15 +1,16 @@
 //! The methods that work by passes, with their settings.
 
 use super::{
-    PassIntegrator,
     bidirectional::{Bidirectional, Strategy, Tracer},
     mlt::{Chains, Metropolis},
     photon_map::{Mapped, PhotonMap},
     radius::Radius,
     sppm::{Progressive, Sppm},
 };
-use crate::Depth;
+use crate::{Depth, Plan, Session};
+use std::sync::Arc;
 use steradian_core::Scene;
+use steradian_engine::Passes;
 
 /// A method that works by passes, ready to run.
 #[derive(Clone, Copy, Debug)]
@@ -102,13 +103,13 @@ impl PassKind {
         Some(other)
     }
 
-    /// What a session runs.
-    pub fn integrator(&self) -> Box<dyn PassIntegrator> {
+    /// A render with an empty film.
+    pub fn session(&self, scene: Arc<Scene>, plan: Plan) -> Box<dyn Session> {
         match *self {
-            Self::Bidirectional(m) => Box::new(Tracer::new(m)),
-            Self::Sppm(m) => Box::new(Progressive::new(m)),
-            Self::PhotonMap(m) => Box::new(Mapped::new(m)),
-            Self::Metropolis(m) => Box::new(Chains::new(m)),
+            Self::Bidirectional(m) => Box::new(Passes::new(scene, Tracer::new(m), plan)),
+            Self::Sppm(m) => Box::new(Passes::new(scene, Progressive::new(m), plan)),
+            Self::PhotonMap(m) => Box::new(Passes::new(scene, Mapped::new(m), plan)),
+            Self::Metropolis(m) => Box::new(Passes::new(scene, Chains::new(m), plan)),
         }
     }
 }

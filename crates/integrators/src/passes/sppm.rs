@@ -2,7 +2,6 @@
 //! within a radius that shrinks from pass to pass (Hachisuka, Jensen 2009; Knaus, Zwicker 2011).
 
 use super::{
-    PassIntegrator, Run,
     bidirectional::common,
     photons::{Grid, Photon},
     radius::{self, Radius},
@@ -14,6 +13,7 @@ use std::f32::consts::PI;
 use steradian_core::{
     Scene, bsdf::TransportMode::Radiance, film::PassFilm, light::emission::Emission, sampler::PixelSampler,
 };
+use steradian_engine::{Pass, Run};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// Light paths and pixels of a piece of work.
@@ -151,7 +151,7 @@ pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, coun
     run.developed(v.beta * sum, &v.lambda)
 }
 
-impl PassIntegrator for Progressive {
+impl Pass for Progressive {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
         self.emission = Emission::new(run.scene);
         self.radius = self.settings.radius.of_scene(run.scene);
@@ -168,7 +168,7 @@ impl PassIntegrator for Progressive {
             Some(emission) => {
                 let seed = |k: u32| (run.sampler.pixel(k % width, k / width, number), lambda);
                 let (photons, counters) = land(run, emission, depth, count, seed, |v| v.events > 0)?;
-                super::include(&mut total, &counters);
+                total += &counters;
                 photons
             }
         };
@@ -182,7 +182,7 @@ impl PassIntegrator for Progressive {
             };
             (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
         })?;
-        super::include(&mut total, &counters);
+        total += &counters;
         film.add_rows(&rows);
         Some(total)
     }

@@ -2,9 +2,9 @@
 //! texture's own `ρ`; mirrors, glass and glossy lobes are followed. With a final gather, light is asked for once at the
 //! surface and the solution is looked up one bounce further on, where its patches are not seen.
 
-use super::{Settings, Solution};
-use crate::{Counters, Depth, Integrator, Precomputed, dimension, nee};
-use std::f32::consts::FRAC_1_PI;
+use super::{Settings, Solution, solve};
+use crate::{Counters, Depth, Integrator, Plan, Stop, dimension, nee};
+use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, Lobe, TransportMode},
@@ -32,16 +32,27 @@ pub struct View {
 }
 
 impl Integrator for View {
+    type Prepared = Option<Arc<Solution>>;
+
+    /// What cannot be solved is refused before a session is made; it is black here.
+    fn prepare(&self, scene: &Scene, _: &Plan, stop: &Stop) -> Self::Prepared {
+        solve(scene, &self.settings, stop).ok().flatten().map(Arc::new)
+    }
+
+    fn does_unprepared(&self) -> bool {
+        false
+    }
+
     fn radiance(
         &self,
         scene: &Scene,
-        precomputed: &Precomputed,
+        solution: &Self::Prepared,
         mut ray: Ray,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let Some(solution) = precomputed.radiosity.as_deref() else { return Spectrum::ZERO };
+        let Some(solution) = solution.as_deref() else { return Spectrum::ZERO };
         let seen = Seen { view: self, solution };
         let (mut beta, mut l) = (Spectrum::ONE, Spectrum::ZERO);
         let mut is_camera_ray = true;

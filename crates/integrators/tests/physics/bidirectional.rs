@@ -4,8 +4,9 @@ use crate::{
     shot::{Shot, same_bits},
     stage::{Stage, cuboid, diffuse, light, material, rectangle, rgb, shape, sphere, white},
 };
+use std::sync::Arc;
 use steradian_core::{ColorMode, Scene, film::Pixel};
-use steradian_integrators::{Control, Film, Plan, Session};
+use steradian_integrators::{Control, Film, Plan};
 use steradian_scene::{Family, Node, NodeId, Value};
 
 /// A box of five walls, open to the camera, without light.
@@ -236,8 +237,8 @@ fn bias(film: &Film, reference: &Film) -> f64 {
     (squares.max(0.0) / a.len() as f64).sqrt() / (b.iter().map(|b| b.0).sum::<f64>() / b.len() as f64)
 }
 
-/// M168: photon mapping has the mean of path tracing as its radius shrinks, with a final gather and without; within a wide
-/// radius the nearest photons alone are less biased than all.
+/// M168: photon mapping has the mean of path tracing as its radius shrinks, with a final gather and without; within a
+/// wide radius the nearest photons alone are less biased than all.
 #[test]
 fn photons_agree_with_path_tracing_as_radii_shrink() {
     let mut wrong = Vec::new();
@@ -373,7 +374,6 @@ impl Shot {
     fn film_of(self, scene: &Scene, integrator: steradian_integrators::IntegratorKind) -> Film {
         let sampler = steradian_core::sampler::Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let plan = Plan {
-            integrator,
             sampler,
             threads: 2,
             features: false,
@@ -383,7 +383,7 @@ impl Shot {
             adaptive: false,
             error: None,
         };
-        let mut session = Session::new(scene, plan);
+        let mut session = integrator.session(Arc::new(scene.clone()), plan);
         session.step(u32::MAX, &Control::default());
         session.film()
     }

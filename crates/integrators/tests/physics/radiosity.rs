@@ -13,7 +13,7 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
 };
 use steradian_integrators::{
-    Counters, Depth, Integrator, Precomputed,
+    Counters, Depth, Integrator,
     radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, Watcher, solve},
 };
 use steradian_math::{Ray, Vec2};
@@ -36,7 +36,7 @@ fn picture(scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3]
 fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3] {
     let depth = Depth { max, roulette_after: 8, hide_emitters: false };
     let view = View { settings: Settings::default(), depth, gather, smooth: true };
-    let precomputed = Precomputed::of_radiosity(Arc::new(solution));
+    let solution = Some(Arc::new(solution));
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 1 };
     let (w, h) = (scene.film.width, scene.film.height);
     let mut sum = [0.0; 3];
@@ -46,7 +46,7 @@ fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32
         let at = Vec2::new(x as f32, y as f32) + s.get_2d(0);
         let ray: Ray = scene.camera.ray(&scene.film, at, Vec2::splat(0.5));
         let mut lambda = scene.mode.wavelengths(|| s.get_1d(2));
-        let l = view.radiance(scene, &precomputed, ray, &s, &mut lambda, &mut Counters::default());
+        let l = view.radiance(scene, &solution, ray, &s, &mut lambda, &mut Counters::default());
         let c = scene.mode.to_rgb(l, &lambda);
         sum.iter_mut().zip(c.to_array()).for_each(|(s, c)| *s += f64::from(c) / f64::from(w * h * spp));
     }
@@ -147,8 +147,8 @@ fn empty_room() -> Stage {
     stage
 }
 
-/// M176: form factors by rays err by no more than their noise (4σ of 8 seeds). Those of hemicubes, which stand on one point of
-/// a patch, err by less with finer pixels, and then by less with smaller patches.
+/// M176: form factors by rays err by no more than their noise (4σ of 8 seeds). Those of hemicubes, which stand on one
+/// point of a patch, err by less with finer pixels, and then by less with smaller patches.
 #[test]
 fn form_factors_err_by_their_own_error() {
     let scene = empty_room().scene();

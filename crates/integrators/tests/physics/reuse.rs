@@ -259,7 +259,8 @@ fn photons_take_noise_from_caustics() {
 }
 
 /// Photons are asked where they pay: below a lens, and beside a mirror ball if the lamp is so small that paths hardly
-/// ever find its reflection. The variance of 1024 samples is lower by 12 and 4 with them, and by 1.08 below a wide lamp.
+/// ever find its reflection. The variance of 1024 samples is lower by 12 and 4 with them, and by 1.08 below a wide
+/// lamp.
 #[test]
 fn a_trial_tells_whether_photons_pay() {
     let cases = [

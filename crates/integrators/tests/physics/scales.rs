@@ -93,8 +93,8 @@ fn convex_bodies_have_no_acne() {
     }
 }
 
-/// A floor of 10⁴ at y = 0, as rectangle, bilinear patch, disk and infinite plane, with the camera near it, far above it, and at
-/// grazing angles: exactly ρ.
+/// A floor of 10⁴ at y = 0, as rectangle, bilinear patch, disk and infinite plane, with the camera near it, far above
+/// it, and at grazing angles: exactly ρ.
 #[test]
 fn large_floors_are_flat() {
     let e = 1e4;

@@ -1,5 +1,6 @@
 //! Taking a picture of a stage, and holding it against theory.
 
+use std::sync::Arc;
 use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
@@ -79,7 +80,7 @@ impl Shot {
         IntegratorKind::named(self.integrator, depth, VarianceReduction::default()).expect("a registered integrator")
     }
 
-    pub fn session(self, scene: &Scene) -> Session<'_> {
+    pub fn session(self, scene: &Scene) -> Box<dyn Session> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
         let variance_reduction = VarianceReduction {
@@ -92,10 +93,9 @@ impl Shot {
             IntegratorKind::named(self.integrator, depth, variance_reduction).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
-        Session::new(
-            scene,
+        integrator.session(
+            Arc::new(scene.clone()),
             Plan {
-                integrator,
                 sampler,
                 threads,
                 features: false,

@@ -134,8 +134,8 @@ fn roulette_is_unbiased() {
     }
 }
 
-/// M163: each bounce adds light, less than the one before, for `path`, `path-recursive` and `volpath`, and paths of forty
-/// bounces have the whole within 4σ; `direct` is `path` cut after one event, bit for bit.
+/// M163: each bounce adds light, less than the one before, for `path`, `path-recursive` and `volpath`, and paths of
+/// forty bounces have the whole within 4σ; `direct` is `path` cut after one event, bit for bit.
 #[test]
 fn bounces_add_up() {
     let scene = room(false).scene();

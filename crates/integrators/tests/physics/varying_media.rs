@@ -146,8 +146,8 @@ fn a_grid_of_colours_is_homogeneous_where_they_are_equal() {
     shot(node).agrees("colours", shot(medium(rgb(a), rgb(s))), 0.02);
 }
 
-/// Light samples go through varying media as paths do: a lamp in a lumpy fog, by paths that are asked for light at every
-/// vertex and by those that find it by chance, and the recursive form.
+/// Light samples go through varying media as paths do: a lamp in a lumpy fog, by paths that are asked for light at
+/// every vertex and by those that find it by chance, and the recursive form.
 #[test]
 fn light_samples_agree_with_chance() {
     let lumps: Vec<f64> = (0..64).map(|i| f64::from(i % 5) * 0.4).collect();

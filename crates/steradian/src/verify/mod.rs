@@ -23,9 +23,9 @@ mod tests;
 
 pub use judge::{Difference, POWER, Verdict};
 
-use crate::{Control, Error, Film, INTEGRATORS, Plan, Quality, Scene, missed};
+use crate::{Control, Error, Film, INTEGRATORS, Quality, Render, Scene, missed};
 use picture::Picture;
-use std::sync::atomic::Ordering;
+use std::sync::{Arc, atomic::Ordering};
 use steradian_integrators::{
     Depth, IntegratorKind,
     passes::{missed_caustics, specular_material},
@@ -92,7 +92,7 @@ impl Report {
 }
 
 /// What renders a round of a method; tests put faulty ones in its place.
-type Render<'r> = &'r dyn Fn(&str, &Scene, Plan, &Control, &mut Picture);
+type Taker<'r> = &'r dyn Fn(&str, &Arc<Scene>, Render, &Control, &mut Picture);
 
 /// Renders a scene by every integrator that can, or those that are named, with independent pixels and lights that the
 /// camera does not see (they stay hidden in `scene`); `told` hears which one is next.
@@ -100,29 +100,31 @@ type Render<'r> = &'r dyn Fn(&str, &Scene, Plan, &Control, &mut Picture);
 /// # Errors
 /// [`Error`] for unknown names and options.
 pub fn verify(
-    scene: &mut Scene,
+    scene: &mut Arc<Scene>,
     quality: &Quality,
     named: &[String],
     control: &Control,
     told: impl FnMut(&str),
 ) -> Result<Report, Error> {
-    let render: Render<'_> = &|_, scene, plan, control, picture| picture.add(scene, plan, control);
-    verify_by(render, scene, quality, named, control, told)
+    let take: Taker<'_> = &|_, scene, render, control, picture| picture.add(scene, render, control);
+    verify_by(take, scene, quality, named, control, told)
 }
 
 /// [`verify`], with what renders.
 fn verify_by(
-    render: Render<'_>,
-    scene: &mut Scene,
+    take: Taker<'_>,
+    scene: &mut Arc<Scene>,
     quality: &Quality,
     named: &[String],
     control: &Control,
     mut told: impl FnMut(&str),
 ) -> Result<Report, Error> {
-    scene.settings.hide_emitters = true;
+    if !scene.settings.hide_emitters {
+        Arc::make_mut(scene).settings.hide_emitters = true;
+    }
     let scene = &*scene;
     let seed = quality.seed.unwrap_or(scene.settings.seed);
-    let maker = Maker { render, scene, quality, control, seed };
+    let maker = Maker { take, scene, quality, control, seed };
     let (mut reference, has_caustics) = maker.reference(&mut told)?;
     let incomplete = reference.lacks(scene);
     let is_default = |name: &&str| !OTHERS.contains(name) && (*name != "volpath" || scene.has_media);
@@ -134,7 +136,7 @@ fn verify_by(
             Err(Error::CannotRender { what, .. }) => Outcome::Cannot(what),
             Err(refusal) if named.is_empty() => Outcome::Cannot(refusal.to_string()),
             Err(refusal) => return Err(refusal),
-            Ok(method) => match method.plan.integrator.cannot(scene) {
+            Ok(method) => match method.render.integrator.cannot(scene) {
                 Some(what) => Outcome::Cannot(what),
                 None => {
                     let unsure = Unsure { of_all: incomplete.is_some(), of_paths: has_caustics };
@@ -152,7 +154,7 @@ fn verify_by(
 #[derive(Clone, Debug)]
 struct Method {
     name: String,
-    plan: Plan,
+    render: Render,
     picture: Picture,
     rounds: u32,
     /// With more of its bias, for methods that have some.
@@ -171,7 +173,7 @@ struct Unsure {
 impl Method {
     /// Whether it follows paths from the camera without a guide.
     fn is_unguided(&self) -> bool {
-        !matches!(self.plan.integrator, IntegratorKind::Passes(_) | IntegratorKind::Radiosity(_))
+        !matches!(self.render.integrator, IntegratorKind::Passes(_) | IntegratorKind::Radiosity(_))
             && !self.picture.is_guided
     }
 
@@ -183,7 +185,7 @@ impl Method {
         if missed::share_of(missed, self.picture.film.as_ref()?) <= COMPLETE {
             return None;
         }
-        match self.plan.integrator {
+        match self.render.integrator {
             IntegratorKind::Passes(_) => specular_material(scene)
                 .map(|name| format!("caustics of lights without size, seen by way of the material '{name}'")),
             _ => Some("caustics of lights without size".into()),
@@ -193,8 +195,8 @@ impl Method {
 
 /// What all methods are rendered with.
 struct Maker<'a> {
-    render: Render<'a>,
-    scene: &'a Scene,
+    take: Taker<'a>,
+    scene: &'a Arc<Scene>,
     quality: &'a Quality,
     control: &'a Control,
     seed: u64,
@@ -213,30 +215,26 @@ impl Maker<'_> {
         if let Some(what) = quality.leaves_out(self.scene) {
             return Err(Error::CannotRender { integrator: name.to_owned(), what: what.what });
         }
-        let mut plan = quality.plan(self.scene)?;
+        let mut render = quality.render(self.scene)?;
         let mut wider = None;
-        if let Some((finer, coarser)) = with_less_bias(&plan.integrator) {
-            plan.integrator = finer;
+        if let Some((finer, coarser)) = with_less_bias(&render.integrator) {
+            render.integrator = finer;
             wider = Some((coarser, Picture::default()));
         }
-        Ok(Method { name: name.to_owned(), plan, picture: Picture::default(), rounds: 0, wider })
+        Ok(Method { name: name.to_owned(), render, picture: Picture::default(), rounds: 0, wider })
     }
 
     /// Renders until a method has so many rounds.
     fn extend(&self, method: &mut Method, rounds: u32) {
         while method.rounds < rounds {
-            let mut plan = method.plan;
-            plan.sampler.seed = plan.sampler.seed.wrapping_add(2 * u64::from(method.rounds));
-            (self.render)(&method.name, self.scene, plan, self.control, &mut method.picture);
+            let mut render = method.render;
+            let seed = &mut render.plan.sampler.seed;
+            *seed = seed.wrapping_add(2 * u64::from(method.rounds));
+            (self.take)(&method.name, self.scene, render, self.control, &mut method.picture);
             if let Some((integrator, picture)) = &mut method.wider {
-                plan.sampler.seed = plan.sampler.seed.wrapping_add(1);
-                (self.render)(
-                    &method.name,
-                    self.scene,
-                    Plan { integrator: *integrator, ..plan },
-                    self.control,
-                    picture,
-                );
+                render.plan.sampler.seed = render.plan.sampler.seed.wrapping_add(1);
+                render.integrator = *integrator;
+                (self.take)(&method.name, self.scene, render, self.control, picture);
             }
             method.rounds += 1;
         }
@@ -250,7 +248,7 @@ impl Maker<'_> {
         // Pixels that share paths have errors that are not independent of each other.
         for (number, name) in [(0, &*format!("{path}:reuse=1,effort=even")), (u64::from(u16::MAX), "bdpt")] {
             let method = match self.method(name, number) {
-                Ok(method) if method.plan.integrator.cannot(self.scene).is_none() => method,
+                Ok(method) if method.render.integrator.cannot(self.scene).is_none() => method,
                 Ok(_) => continue,
                 Err(_) if number > 0 => continue,
                 Err(refusal) => return Err(refusal),
@@ -290,7 +288,7 @@ impl Maker<'_> {
             rounds *= 2;
         };
         let seconds = method.picture.seconds + method.wider.map_or(0.0, |w| w.1.seconds);
-        let spp = method.rounds.saturating_mul(method.plan.sampler.spp);
+        let spp = method.rounds.saturating_mul(method.render.plan.sampler.spp);
         let film = method.picture.film.unwrap_or_else(|| empty(self.scene));
         Comparison { difference, seconds, spp, film }
     }

@@ -1,7 +1,7 @@
 //! A picture in parts, whose spread tells its error, and whether that can be trusted.
 
-use crate::{Control, Film, Pixel, Plan, Scene, Session};
-use std::sync::atomic::Ordering;
+use crate::{Control, Film, Pixel, Render, Scene};
+use std::sync::{Arc, atomic::Ordering};
 
 /// Edge of the blocks of pixels that are compared.
 const BLOCK: usize = 4;
@@ -69,10 +69,10 @@ impl Values {
 }
 
 impl Picture {
-    /// Renders a plan and adds what comes of it, which is independent of what is there.
-    pub fn add(&mut self, scene: &Scene, plan: Plan, control: &Control) {
-        let step = plan.sampler.spp.div_ceil(PARTS);
-        let mut session = Session::new(scene, plan);
+    /// Renders and adds what comes of it, which is independent of what is there.
+    pub fn add(&mut self, scene: &Arc<Scene>, render: Render, control: &Control) {
+        let step = render.plan.sampler.spp.div_ceil(PARTS);
+        let mut session = render.session(scene);
         let (mut before, mut samples) = (Vec::new(), 0.0);
         while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
             session.step(step, control);

@@ -50,14 +50,14 @@ impl Room {
 }
 
 /// The verdict about a method that something is done to. References are rendered as they are.
-fn verdict(method: &str, fault: &dyn Fn(&Scene, Plan, &Control, &mut Picture)) -> Verdict {
-    let render: Render<'_> = &|name, scene, plan, control, picture| {
-        if name == method { fault(scene, plan, control, picture) } else { picture.add(scene, plan, control) }
+fn verdict(method: &str, fault: &dyn Fn(&Arc<Scene>, Render, &Control, &mut Picture)) -> Verdict {
+    let take: Taker<'_> = &|name, scene, render, control, picture| {
+        if name == method { fault(scene, render, control, picture) } else { picture.add(scene, render, control) }
     };
     let quality = Quality { spp: Some(64), threads: 2, seed: Some(1), ..Quality::default() };
     let named = [method.to_owned()];
     let report =
-        verify_by(render, &mut RIGHT.scene(), &quality, &named, &Control::default(), |_| ()).expect("a report");
+        verify_by(take, &mut Arc::new(RIGHT.scene()), &quality, &named, &Control::default(), |_| ()).expect("a report");
     match &report.verified[0].outcome {
         Outcome::Compared(c) => c.difference.verdict,
         Outcome::Cannot(what) => panic!("{method} cannot do {what}"),
@@ -65,17 +65,18 @@ fn verdict(method: &str, fault: &dyn Fn(&Scene, Plan, &Control, &mut Picture)) -
 }
 
 /// A picture of another scene.
-fn of_room(room: Room) -> impl Fn(&Scene, Plan, &Control, &mut Picture) {
+fn of_room(room: Room) -> impl Fn(&Arc<Scene>, Render, &Control, &mut Picture) {
     let mut scene = room.scene();
     scene.settings.hide_emitters = true;
-    move |_, plan, control, picture| picture.add(&scene, plan, control)
+    let scene = Arc::new(scene);
+    move |_, render, control, picture| picture.add(&scene, render, control)
 }
 
 /// A picture whose values are changed once they are there.
-fn of_values(change: impl Fn(usize, f64) -> f64) -> impl Fn(&Scene, Plan, &Control, &mut Picture) {
-    move |scene, plan, control, picture| {
+fn of_values(change: impl Fn(usize, f64) -> f64) -> impl Fn(&Arc<Scene>, Render, &Control, &mut Picture) {
+    move |scene, render, control, picture| {
         let mut round = Picture::default();
-        round.add(scene, plan, control);
+        round.add(scene, render, control);
         round.map(&change);
         picture.append(round);
     }
@@ -93,30 +94,30 @@ const BDPT: &str = "bdpt:max_depth=5";
 /// Eleven faults that integrators have had, or might.
 #[test]
 fn mutants_are_found() {
-    let found = |what: &str, method: &str, fault: &dyn Fn(&Scene, Plan, &Control, &mut Picture)| {
+    let found = |what: &str, method: &str, fault: &dyn Fn(&Arc<Scene>, Render, &Control, &mut Picture)| {
         let verdict = verdict(method, fault);
         (verdict != Verdict::Differs).then(|| format!("{what}: {method} {verdict:?}"))
     };
-    let one_light_event_less = |scene: &Scene, plan: Plan, control: &Control, picture: &mut Picture| {
-        picture.add(scene, Plan { integrator: with_depth(4, "bdpt", scene), ..plan }, control);
+    let one_light_event_less = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
+        picture.add(scene, Render { integrator: with_depth(4, "bdpt", scene), ..render }, control);
     };
     // Light samples and scattering weighted so that their weights sum up to 1.1.
-    let unweighted = |scene: &Scene, plan: Plan, control: &Control, picture: &mut Picture| {
+    let unweighted = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
         let (mut all, mut direct) = (Picture::default(), Picture::default());
-        all.add(scene, plan, control);
-        direct.add(scene, Plan { integrator: with_depth(1, "path", scene), ..plan }, control);
+        all.add(scene, render, control);
+        direct.add(scene, Render { integrator: with_depth(1, "path", scene), ..render }, control);
         all.include(&direct, 0.1);
         picture.append(all);
     };
-    let clamped = |scene: &Scene, plan: Plan, control: &Control, picture: &mut Picture| {
-        let mut scene = scene.clone();
+    let clamped = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
+        let mut scene = Scene::clone(scene);
         scene.film.max_component = 0.6;
-        picture.add(&scene, plan, control);
+        picture.add(&Arc::new(scene), render, control);
     };
-    let opaque = |scene: &Scene, plan: Plan, control: &Control, picture: &mut Picture| {
-        let mut scene = scene.clone();
+    let opaque = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
+        let mut scene = Scene::clone(scene);
         scene.geometries.iter_mut().for_each(|g: &mut Geometry| g.alpha = None);
-        picture.add(&scene, plan, control);
+        picture.add(&Arc::new(scene), render, control);
     };
     let missed: Vec<String> = [
         found("a factor of 1.02", BDPT, &of_values(|_, v| 1.02 * v)),
@@ -137,7 +138,7 @@ fn mutants_are_found() {
     assert!(missed.is_empty(), "{missed:#?}");
     // None of them is there.
     for method in ["path", BDPT, "vcm", "sppm", "photon", "light"] {
-        let verdict = verdict(method, &|scene, plan, control, picture| picture.add(scene, plan, control));
+        let verdict = verdict(method, &|scene, render, control, picture| picture.add(scene, render, control));
         assert!(verdict != Verdict::Differs, "{method}: {verdict:?}");
         // The last two are noisy with so few light paths.
         let is_noisy = ["photon", "light"].contains(&method);
@@ -160,7 +161,7 @@ fn nobody_is_accused() {
             size: Some((16, 16)),
             ..Default::default()
         };
-        let mut scene = crate::compile(&loaded.desc, &options).scene.expect("a sound scene");
+        let mut scene = Arc::new(crate::compile(&loaded.desc, &options).scene.expect("a sound scene"));
         for seed in 1..=20 {
             let quality = Quality { spp: Some(16), threads: 0, seed: Some(seed), ..Quality::default() };
             let report = verify(&mut scene, &quality, &[], &Control::default(), |_| ()).expect("a report");

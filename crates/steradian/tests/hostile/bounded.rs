@@ -21,8 +21,8 @@ use steradian::math::{
     color::{RgbSigmoid, space::REC709},
 };
 
-/// Most work of a case, in processor time on a machine where [`yardstick`] takes [`YARD`]. The longest take 2 s; what grows
-/// with the square of 10⁵ takes minutes.
+/// Most work of a case, in processor time on a machine where [`yardstick`] takes [`YARD`]. The longest take 2 s; what
+/// grows with the square of 10⁵ takes minutes.
 const CPU: Duration = Duration::from_secs(10);
 /// How often a case that takes longer is tried: what else the machine does is not the case's fault.
 const TRIES: u32 = 3;

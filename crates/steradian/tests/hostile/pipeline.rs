@@ -1,9 +1,9 @@
 //! The whole way of an input: load, compile, render, develop.
 
 use crate::case::{Case, Expect};
-use std::{io, path::Path};
+use std::{io, path::Path, sync::Arc};
 use steradian::{
-    CompileOptions, Control, Layer, Quality, Session, compile, develop, formats, load,
+    CompileOptions, Control, Layer, Quality, compile, develop, formats, load,
     scene::{Diagnostic, Diagnostics, SceneDesc, Severity, Value},
 };
 
@@ -48,20 +48,20 @@ pub fn run(case: &Case, folder: &Path) -> Result<Outcome, String> {
 /// Compiles a description and renders it with two samples per pixel, so that there is a variance.
 pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics) -> Result<Outcome, String> {
     let compiled = compile(desc, options);
-    let Some(scene) = compiled.scene else { return refused(&compiled.diagnostics) };
+    let Some(scene) = compiled.scene.map(Arc::new) else { return refused(&compiled.diagnostics) };
     if compiled.diagnostics.has_errors() {
         return Err("there is a scene in spite of errors".into());
     }
     let messages = earlier.iter().chain(compiled.diagnostics.iter()).cloned().collect();
     let mut quality = Quality { spp: Some(2), threads: 1, layers: Layer::ALL.to_vec(), ..Quality::default() };
     // Not all integrators have these layers, nor are there any of too many lights.
-    if quality.plan(&scene).is_err() {
+    if quality.render(&scene).is_err() {
         quality.layers.retain(|layer| *layer != Layer::LightGroups);
     }
     let layers = quality.layers.clone();
     // Integrators of other names are refused before the render.
-    let plan = match quality.plan(&scene) {
-        Ok(plan) => plan,
+    let render = match quality.render(&scene) {
+        Ok(render) => render,
         Err(e) => {
             return if e.to_string().is_empty() {
                 Err("an empty error".into())
@@ -70,7 +70,7 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
             };
         }
     };
-    let mut session = Session::new(&scene, plan);
+    let mut session = render.session(&scene);
     session.step(2, &Control::default());
     let picture = develop(&scene, &session.film(), &layers);
     for channel in picture.channels() {

@@ -109,7 +109,7 @@ pub struct Need {
 }
 
 /// No pixel gets more samples than this for `mean` over all pixels: the next power of two of the most is taken.
-pub(crate) fn most(mean: u32) -> u32 {
+pub fn most(mean: u32) -> u32 {
     mean.saturating_mul(2 * MOST as u32)
 }
 
@@ -177,7 +177,7 @@ pub fn gain(needs: &[Need], counts: &[u32], first: Round, second: Round) -> f64 
 }
 
 /// The mean variance over the cells around one, and itself if it is `with`.
-pub(crate) fn around(needs: &[Need], columns: usize, at: usize, with: bool) -> f64 {
+pub fn around(needs: &[Need], columns: usize, at: usize, with: bool) -> f64 {
     let rows = needs.len() / columns;
     let (x, y) = (at % columns, at / columns);
     let (mut sum, mut count) = (0.0, 0.0);

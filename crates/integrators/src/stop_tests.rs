@@ -1,8 +1,8 @@
 //! A wish to stop is answered wherever paths are.
 
 use crate::{
-    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Precomputed, Session, Stop, VarianceReduction,
-    path::Path, path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, whitted::Whitted,
+    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::Path,
+    path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, whitted::Whitted,
 };
 use std::sync::{
     Arc,
@@ -37,40 +37,40 @@ fn ball(kind: &str) -> Scene {
 #[test]
 fn paths_end_where_they_are() {
     let (variance_reduction, depth) = (VarianceReduction::default(), Depth { roulette_after: 0, ..FOREVER });
-    let rays = |integrator: &dyn Integrator, scene: &Scene, stop: &Stop| {
-        let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(3, 5, 0);
-        let ray = scene.camera.ray(&scene.film, steradian_math::Vec2::new(3.5, 5.5), steradian_math::Vec2::splat(0.5));
-        let (mut counters, mut lambda) = (Counters::until(stop), Wavelengths::RGB);
-        integrator.radiance(scene, &Precomputed::default(), ray, &sampler, &mut lambda, &mut counters);
-        counters.rays
-    };
     for kind in ["conductor", "diffuse"] {
         let scene = ball(kind);
-        let long: [&dyn Integrator; 3] = [
-            &Path { depth, variance_reduction },
-            &PathRecursive { depth, variance_reduction },
-            &Stokes { depth, component: 0 },
-        ];
-        let short: [&dyn Integrator; 2] = [&Whitted { depth }, &Raycast];
         let stop = Stop::by(&Arc::new(AtomicBool::new(true)));
-        for integrator in long {
-            let endless = rays(integrator, &scene, &Stop::default());
-            assert!(endless >= 100 && rays(integrator, &scene, &stop) <= 1, "{kind}: {endless} rays");
+        let both = |rays: &dyn Fn(&Stop) -> u64| [rays(&Stop::default()), rays(&stop)];
+        let long = [
+            both(&|stop| rays(&Path { depth, variance_reduction }, &scene, stop)),
+            both(&|stop| rays(&PathRecursive { depth, variance_reduction }, &scene, stop)),
+            both(&|stop| rays(&Stokes { depth, component: 0 }, &scene, stop)),
+        ];
+        for [endless, stopped] in long {
+            assert!(endless >= 100 && stopped <= 1, "{kind}: {endless} rays");
         }
-        assert!(short.into_iter().all(|integrator| rays(integrator, &scene, &stop) <= 1), "{kind}");
+        assert!(rays(&Whitted { depth }, &scene, &stop) <= 1 && rays(&Raycast, &scene, &stop) <= 1, "{kind}");
     }
+}
+
+/// Rays of one path.
+fn rays<I: Integrator>(integrator: &I, scene: &Scene, stop: &Stop) -> u64 {
+    let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(3, 5, 0);
+    let ray = scene.camera.ray(&scene.film, steradian_math::Vec2::new(3.5, 5.5), steradian_math::Vec2::splat(0.5));
+    let (mut counters, mut lambda) = (Counters::until(stop), Wavelengths::RGB);
+    integrator.radiance(scene, &I::Prepared::default(), ray, &sampler, &mut lambda, &mut counters);
+    counters.rays
 }
 
 /// A render of such paths, and the trials before it, end when that is asked for, on one thread and on several, with
 /// shared paths and without; what is there are whole samples, and it goes on from them to the same bits.
 #[test]
 fn renders_end_where_they_are() {
-    let scene = ball("diffuse");
+    let scene = Arc::new(ball("diffuse"));
     for (reuse, threads) in [(Some(1), 1), (Some(16), 1), (Some(16), 3), (None, 2)] {
         let variance_reduction = VarianceReduction { reuse, ..VarianceReduction::default() };
         let integrator = IntegratorKind::named("path", FOREVER, variance_reduction).unwrap();
         let plan = |spp| Plan {
-            integrator,
             sampler: Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 },
             threads,
             features: false,
@@ -83,7 +83,7 @@ fn renders_end_where_they_are() {
         // So many samples that it would take days.
         let control = Control::default();
         let cancel = Arc::clone(&control.cancel);
-        let mut session = Session::new(&scene, plan(1 << 24));
+        let mut session = integrator.session(Arc::clone(&scene), plan(1 << 24));
         std::thread::scope(|scope| {
             scope.spawn(move || {
                 std::thread::sleep(std::time::Duration::from_millis(30));

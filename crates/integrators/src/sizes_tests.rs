@@ -1,13 +1,21 @@
 //! Frames of all sizes and crops at all offsets, by every integrator and every tactic of path tracers, splitting forced
 //! upon them.
 
-use super::*;
-use crate::{Depth, INTEGRATORS, PathEffort, VarianceReduction, adaptive::CELL, splitting::Splitting};
-use steradian_core::{
-    ColorMode,
-    compile::{Options, compile},
-    sampler::SamplerKind,
+use crate::{
+    Control, Depth, Film, INTEGRATORS, IntegratorKind, PathEffort, Plan, Precomputed, Render, Session, Stop,
+    VarianceReduction,
+    adaptive::CELL,
+    reuse::{GroupBuffer, PathContinuation, Sharing},
+    splitting::Splitting,
 };
+use std::sync::Arc;
+use steradian_core::{
+    ColorMode, Scene,
+    compile::{Options, compile},
+    film::{Crop, Pixel},
+    sampler::{Sampler, SamplerKind},
+};
+use steradian_engine::{GroupIntegrator, PixelSample, Tiles};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Shape, SpectrumValue, Value};
 
@@ -56,12 +64,11 @@ fn variance_reduction() -> Vec<VarianceReduction> {
     all
 }
 
-fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Plan {
+fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Render {
     let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
     let integrator = IntegratorKind::named(name, depth, variance_reduction).unwrap();
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
-    Plan {
-        integrator,
+    let plan = Plan {
         sampler,
         threads: 1,
         features: true,
@@ -70,16 +77,57 @@ fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Plan {
         by_light: false,
         adaptive: false,
         error: None,
+    };
+    Render { integrator, plan }
+}
+
+/// A path tracer with more paths in squares of an edge than elsewhere.
+#[derive(Debug)]
+struct Uneven<const MEDIA: bool, P>(Sharing<MEDIA, P>, u32);
+
+impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Uneven<MEDIA, P> {
+    type Prepared = Precomputed;
+    type Buffer<'s> = GroupBuffer<'s>;
+
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
+        Precomputed { splitting: Splitting::here_and_there(scene, self.1), ..self.0.prepare(scene, plan, stop) }
+    }
+
+    fn does_unprepared(&self) -> bool {
+        true
+    }
+
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut GroupBuffer<'s>,
+        counters: &mut crate::Counters,
+    ) {
+        self.0.group(scene, precomputed, pixel_samples, buffer, counters);
+    }
+
+    fn group_size(&self, precomputed: &Precomputed) -> u32 {
+        self.0.group_size(precomputed)
+    }
+
+    fn paths(&self, precomputed: &Precomputed, pixel: [u32; 2]) -> u32 {
+        self.0.paths(precomputed, pixel)
     }
 }
 
-/// All samples of a plan, with more paths in squares of an edge than elsewhere.
-fn take(scene: &Scene, plan: Plan, edge: u32) -> Film {
-    let mut session = Session::new(scene, plan);
-    session.step(0, &Control::default());
-    session.precomputed.splitting = Splitting::here_and_there(scene, edge);
+/// All samples of a render, of path tracers with more paths in squares of an edge than elsewhere.
+fn take(scene: &Scene, render: Render, edge: u32) -> Film {
+    let (scene, Render { integrator, plan }) = (Arc::new(scene.clone()), render);
+    let mut session: Box<dyn Session> = match integrator {
+        IntegratorKind::Path(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<false, _>(i), edge), plan)),
+        IntegratorKind::VolPath(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<true, _>(i), edge), plan)),
+        IntegratorKind::PathRecursive(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<false, _>(i), edge), plan)),
+        other => other.session(scene, plan),
+    };
     session.step(u32::MAX, &Control::default());
-    assert!(session.is_done(), "{plan:?}");
+    assert!(session.is_done(), "{render:?}");
     session.film()
 }
 
@@ -96,8 +144,9 @@ fn frames_of_every_size_are_whole() {
         // Every tactic is met by a few of the sizes, among which all remainders by the tile are, in both directions.
         let variance_reduction = all[k * 5 % all.len()];
         for (name, adaptive) in [("path", false), ("volpath", k % 2 == 0), ("path-recursive", k % 2 == 1)] {
-            let plan = Plan { adaptive, ..plan(name, variance_reduction, if adaptive { 6 } else { 2 }) };
-            let film = take(&scene, plan, CELL << (k % 3));
+            let mut render = plan(name, variance_reduction, if adaptive { 6 } else { 2 });
+            render.plan.adaptive = adaptive;
+            let film = take(&scene, render, CELL << (k % 3));
             assert!(film.pixels.len() == (width * height) as usize && film.pixels.iter().all(|p| p.samples > 0));
         }
     }
@@ -107,10 +156,10 @@ fn frames_of_every_size_are_whole() {
 #[test]
 fn trials_look_at_frames_of_every_size() {
     for [width, height] in [[1, 1], [1, 70], [70, 1], [17, 8], [24, 33], [33, 24], [7, 59], [50, 40]] {
-        let scene = scene(width, height);
+        let scene = Arc::new(scene(width, height));
         for variance_reduction in variance_reduction().into_iter().filter(|t| t.effort.is_none()) {
-            let mut session =
-                Session::new(&scene, plan("path", VarianceReduction { caustics: None, ..variance_reduction }, 1 << 21));
+            let render = plan("path", VarianceReduction { caustics: None, ..variance_reduction }, 1 << 21);
+            let mut session = render.session(&scene);
             session.step(1, &Control::default());
             assert!(session.film().pixels.iter().all(|p| p.samples == 1), "{width} x {height}");
         }

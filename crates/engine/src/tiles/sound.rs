@@ -1,70 +1,20 @@
-//! Whether a state can be that of a session: what is read may match its checksum and be false all the same. Each number
-//! is held against the plan, the film, and those numbers that follow from the same samples.
+//! Whether a state can be that of a frame ([`crate::sound`]).
 
-use super::{FIRST_LOOK, Session, lock, tile::Tile};
+use super::{
+    Frame, lock,
+    tile::{Cell, Tile},
+    work::RAYS,
+};
 use crate::{
-    Counters,
+    MOST_PATHS,
     adaptive::{CELL, Round, most},
     partition::CELLS,
-    splitting,
+    sound::{are_counters, are_hits, are_mattes, is_look, is_pixel, is_total},
 };
 use std::sync::atomic::Ordering;
-use steradian_core::film::{FirstHitSums, Hits, MatteSums, Pixel};
+use steradian_core::film::Pixel;
 
-/// Most samples per pixel that a render goes on to, unless its plan has more.
-const MOST_SAMPLES: u32 = 1 << 24;
-/// Most rays: a hundred threads trace them in a century.
-const MOST_RAYS: u64 = 1 << 56;
-
-/// Whether the error of a picture with so many samples per pixel is looked at next when it has `look` of them.
-pub(crate) fn is_look(look: u32, samples: u32, error: Option<f64>) -> bool {
-    if error.is_none() {
-        return look == FIRST_LOOK;
-    }
-    let mut due = FIRST_LOOK;
-    while due < look {
-        due = due.saturating_add(due / 4);
-    }
-    due == look && samples <= look
-}
-
-/// Whether a render planned with `spp` samples per pixel can have gone on to `total`.
-pub(crate) fn is_total(total: u32, spp: u32) -> bool {
-    (spp..=spp.max(MOST_SAMPLES)).contains(&total)
-}
-
-/// Whether so much can have been counted.
-pub(crate) fn are_counters(counters: &Counters) -> bool {
-    counters.rays.max(counters.samples).max(counters.nonfinite) <= MOST_RAYS
-}
-
-/// Whether values that the film takes can have these sums.
-pub(crate) fn is_pixel(pixel: &Pixel) -> bool {
-    let (n, largest) = (f64::from(pixel.samples), f64::from(f32::MAX));
-    // The squares of rounds that were joined follow from a variance of up to `n` times the largest square.
-    pixel.sum.iter().all(|sum| sum.abs() <= n * largest)
-        && pixel.sum_squares.iter().all(|sum| (0.0..=2.0 * n * n * largest * largest).contains(sum))
-}
-
-/// Whether first hits can have these sums.
-pub(crate) fn are_hits(sums: &FirstHitSums) -> bool {
-    let s = &sums.sum;
-    let vectors = [s.albedo, s.normal, s.geometric_normal, s.position];
-    // Surfaces are counted by ones.
-    let is_count = s.coverage >= 0.0 && s.coverage <= sums.samples as f32 && s.coverage.fract() == 0.0;
-    is_count && vectors.as_flattened().iter().chain(&s.uv).chain(&[s.depth, s.distance]).all(|v| v.is_finite())
-}
-
-/// Whether things can have been counted so.
-pub(crate) fn are_mattes(sums: &MatteSums) -> bool {
-    let is_sound = |hits: &Hits| {
-        let counted = hits.counts.iter().map(|n| u64::from(*n)).sum::<u64>();
-        counted <= u64::from(sums.samples) && hits.ids.iter().zip(&hits.counts).all(|(id, n)| (*id == 0) == (*n == 0))
-    };
-    is_sound(&sums.objects) && is_sound(&sums.materials)
-}
-
-impl Session<'_> {
+impl Frame {
     /// Whether steps can have led here.
     pub(super) fn is_sound(&self) -> bool {
         // Later ones rely on those before them.
@@ -130,7 +80,7 @@ impl Session<'_> {
         are_counters(counters)
             && counters.samples == samples
             && counters.nonfinite <= samples
-            && rays <= counters.rays * super::work::RAYS
+            && rays <= counters.rays * RAYS
     }
 
     fn is_sound_tile(&self, number: usize, tile: &Tile) -> bool {
@@ -154,7 +104,7 @@ impl Session<'_> {
                 return false;
             }
         }
-        let numbers = |cell: &super::tile::Cell| [cell.variance, cell.freedom];
+        let numbers = |cell: &Cell| [cell.variance, cell.freedom];
         tile.cells
             .iter()
             .zip(samples)
@@ -179,7 +129,7 @@ impl Session<'_> {
     /// Whether the layers of a pixel with so many samples can be.
     fn are_sound_layers(&self, tile: &Tile, at: usize, samples: u64) -> bool {
         // A sample may have several paths.
-        let paths = samples..=(samples * u64::from(splitting::MOST)).min(u64::from(u32::MAX / 2));
+        let paths = samples..=(samples * u64::from(MOST_PATHS)).min(u64::from(u32::MAX / 2));
         let groups = tile.by_light.len() / tile.pixels.len().max(1);
         let lights = &tile.by_light[at * groups..(at + 1) * groups];
         let largest = samples as f64 * f64::from(f32::MAX);

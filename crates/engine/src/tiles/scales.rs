@@ -5,8 +5,8 @@
 //! others errs as their mean does, whatever the pixels have in common and however well samples are spread, so with `a`
 //! and `b` samples the mean over a square has the squared error `(A − B)² ab/(a + b)²`, in the mean over squares.
 
-use super::{Session, estimate::relative_of, lock};
-use crate::partition::TILE;
+use super::{Frame, lock};
+use crate::{estimate::relative_of, partition::TILE};
 
 /// Edges of the squares, pixels.
 pub const SCALES: [u32; 4] = [1, 4, 8, TILE];
@@ -31,7 +31,7 @@ impl Half {
     }
 }
 
-impl Session<'_> {
+impl Frame {
     /// Begins to sum samples apart in tiles here and there.
     pub(super) fn watch_scales(&mut self) {
         let whole = |area: &steradian_core::film::Crop| area.width() == TILE && area.height() == TILE;
@@ -43,9 +43,9 @@ impl Session<'_> {
     }
 
     /// The estimated relative error of means over squares of pixels with the edges [`SCALES`], of which the first is
-    /// [`Session::error`], by samples of the first round: the root of the mean of squared errors over `I² + 0.01` of the square, as [`Session::error`] has it. `None` before there are two
-    /// samples, and where no tile lies in the picture as a whole.
-    pub fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
+    /// the error of pixels, by samples of the first round: the root of the mean of squared errors over `I² + 0.01` of
+    /// the square. `None` before there are two samples, and where no tile lies in the picture as a whole.
+    pub(super) fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
         if self.round.number > 0 {
             return self.errors_of_first_round;
         }

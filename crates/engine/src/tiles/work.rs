@@ -7,11 +7,10 @@
 //! the tick before, which they mostly are long since; so each pixel's samples are added in their order. Where nothing
 //! is shared, pieces have nothing to do with each other, and a tile is brought to the end of the step at once.
 
-use super::{Session, lock};
+use super::{Frame, lock};
 use crate::{
-    Control, Counters, Integrator, Stop, features,
+    Control, Counters, GroupIntegrator, PixelSample, Stop, first_hit,
     partition::{CELLS, Partition, Place, TILE, Window, cell_of},
-    reuse::{GroupBuffer, PixelSample},
 };
 use std::{
     sync::{
@@ -55,23 +54,37 @@ struct Found {
 }
 
 /// What a thread works with; kept, so that nothing is allocated per sample.
-#[derive(Default)]
-struct Scratch<'s> {
+struct Scratch<B> {
     members: Vec<Member>,
     /// Who takes part in a path of the group, and the weight that the film gives it.
     taking: Vec<(usize, f32)>,
     pixel_samples: Vec<PixelSample>,
-    buffer: GroupBuffer<'s>,
+    buffer: B,
     found: Vec<Found>,
     hits: Vec<(usize, FirstHit)>,
     /// The light of each group of lights that samples bring, one after the other.
     lights: Vec<Vec3>,
 }
 
+impl<B: Default> Default for Scratch<B> {
+    fn default() -> Self {
+        Self {
+            members: Vec::new(),
+            taking: Vec::new(),
+            pixel_samples: Vec::new(),
+            buffer: B::default(),
+            found: Vec::new(),
+            hits: Vec::new(),
+            lights: Vec::new(),
+        }
+    }
+}
+
 /// A step under way.
-pub(super) struct Work<'a, 's, I> {
-    session: &'a Session<'s>,
-    integrator: &'a I,
+pub(super) struct Work<'a, G: GroupIntegrator> {
+    frame: &'a Frame,
+    integrator: &'a G,
+    prepared: &'a G::Prepared,
     control: &'a Control,
     stop: Stop,
     partition: Partition,
@@ -84,17 +97,18 @@ pub(super) struct Work<'a, 's, I> {
     total: Mutex<Counters>,
 }
 
-impl<'a, 's, I: Integrator> Work<'a, 's, I> {
-    pub fn new(session: &'a Session<'s>, integrator: &'a I, control: &'a Control) -> Self {
-        let begin = session.done.iter().map(|done| done.load(Ordering::Relaxed)).min().unwrap_or(0);
+impl<'a, G: GroupIntegrator> Work<'a, G> {
+    pub fn new(frame: &'a Frame, integrator: &'a G, prepared: &'a G::Prepared, control: &'a Control) -> Self {
+        let begin = frame.done.iter().map(|done| done.load(Ordering::Relaxed)).min().unwrap_or(0);
         Self {
-            session,
+            frame,
             integrator,
+            prepared,
             control,
             stop: Stop::by(&control.cancel),
-            partition: Partition::new(session.precomputed.reuse(), session.plan.sampler.seed),
-            across: session.columns / CELLS as usize + 1,
-            ticks: (begin, session.round.share(session.ticks, session.next)),
+            partition: Partition::new(integrator.group_size(prepared), frame.plan.sampler.seed),
+            across: frame.columns / CELLS as usize + 1,
+            ticks: (begin, frame.round.share(frame.ticks, frame.next)),
             next: AtomicU64::new(0),
             total: Mutex::default(),
         }
@@ -102,12 +116,12 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
 
     /// More threads than this have nothing to do.
     pub fn most_threads(&self) -> usize {
-        self.session.done.len()
+        self.frame.done.len()
     }
 
     /// What was done, and whether nothing is missing.
     pub fn end(self) -> (Counters, bool) {
-        let is_complete = self.session.done.iter().all(|done| done.load(Ordering::Relaxed) >= self.ticks.1);
+        let is_complete = self.frame.done.iter().all(|done| done.load(Ordering::Relaxed) >= self.ticks.1);
         (self.total.into_inner().unwrap_or_else(PoisonError::into_inner), is_complete)
     }
 
@@ -115,7 +129,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
     pub fn run(&self) {
         let _guard = CancelOnPanic(self.control);
         let (mut scratch, mut counters) = (Scratch::default(), Counters::until(&self.stop));
-        let tiles = self.session.done.len() as u64;
+        let tiles = self.frame.done.len() as u64;
         let ticks = u64::from(self.ticks.1.saturating_sub(self.ticks.0));
         let alone = self.partition.size() == 1;
         let pieces = if alone { tiles } else { tiles * ticks };
@@ -135,18 +149,18 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
 
     /// Takes the samples of a tick whose groups begin in a tile; `false` where that was cancelled, which leaves no
     /// trace.
-    fn advance(&self, tile: usize, tick: u32, scratch: &mut Scratch<'s>, counters: &mut Counters) -> bool {
-        let done = &self.session.done[tile];
+    fn advance(&self, tile: usize, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) -> bool {
+        let done = &self.frame.done[tile];
         if done.load(Ordering::Relaxed) > tick {
             return true;
         }
         let mut mine = Counters::until(&self.stop);
-        mine.by_group.resize(self.session.light_groups(), Spectrum::ZERO);
+        mine.by_group.resize(self.frame.light_groups(), Spectrum::ZERO);
         scratch.found.clear();
         scratch.hits.clear();
         scratch.lights.clear();
         let place = [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1];
-        let crop = self.session.scene.film.crop;
+        let crop = self.frame.scene.film.crop;
         let first = [crop.x0 / TILE, crop.y0 / TILE].map(|v| v as i32);
         for window in self.partition.windows([0, 1].map(|axis| first[axis] + place[axis]), tick) {
             if self.stop.is_asked() {
@@ -171,12 +185,12 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
         if self.partition.size() == 1 {
             return true;
         }
-        let down = self.session.done.len() / self.across;
+        let down = self.frame.done.len() / self.across;
         for (x, y) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (column + 1 + x, row + 1 + y))) {
             if !((0..self.across as i32).contains(&x) && (0..down as i32).contains(&y)) {
                 continue;
             }
-            let done = &self.session.done[y as usize * self.across + x as usize];
+            let done = &self.frame.done[y as usize * self.across + x as usize];
             let mut looks = 0;
             while done.load(Ordering::Acquire) < tick {
                 if self.stop.is_asked() {
@@ -191,7 +205,7 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
 
     /// Who of a group takes a sample in a tick.
     fn gather(&self, window: Window, tick: u32, members: &mut Vec<Member>) {
-        let Session { scene, precomputed, round, columns, targets, ticks, .. } = self.session;
+        let Frame { scene, round, columns, targets, ticks, .. } = self.frame;
         let crop = scene.film.crop;
         let origin = [crop.x0 / TILE, crop.y0 / TILE];
         members.clear();
@@ -224,14 +238,14 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 let width = (x / TILE * TILE + TILE).min(crop.x1) - corner[0];
                 (row * (*columns as u32 / CELLS) + column, (y - corner[1]) * width + x - corner[0])
             });
-            let paths = precomputed.splitting.paths([x, y]);
+            let paths = self.integrator.paths(self.prepared, [x, y]);
             members.push(Member { place, kept, sample, of, paths, sum: Vec3::ZERO });
         }
     }
 
     /// One sample of each pixel of a group, which is the mean of as many paths as the preparation wants.
-    fn group(&self, window: Window, tick: u32, scratch: &mut Scratch<'s>, counters: &mut Counters) {
-        let Session { scene, precomputed, plan, round, .. } = self.session;
+    fn group(&self, window: Window, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
+        let Frame { scene, plan, round, .. } = self.frame;
         let film = &scene.film;
         self.gather(window, tick, &mut scratch.members);
         let Scratch { members, taking, pixel_samples, buffer, found, hits, lights } = scratch;
@@ -261,16 +275,11 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
                 pixel_samples.push(pixel_sample);
                 taking.push((number, weight));
             }
-            match &mut pixel_samples[..] {
-                [s] => {
-                    s.radiance = self.integrator.radiance(scene, precomputed, s.ray, &s.own, &mut s.lambda, counters)
-                }
-                pixel_samples => self.integrator.group(scene, precomputed, pixel_samples, buffer, counters),
-            }
+            self.integrator.group(scene, self.prepared, pixel_samples, buffer, counters);
             for ((number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
                 let mut l = film.exposed(pixel_sample.radiance);
-                let hit = (gathers || plan.transparent)
-                    .then(|| features::first_hit(scene, pixel_sample.ray, &pixel_sample.lambda));
+                let hit =
+                    (gathers || plan.transparent).then(|| first_hit(scene, pixel_sample.ray, &pixel_sample.lambda));
                 if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
                     l = Spectrum::ZERO;
                 }
@@ -301,11 +310,11 @@ impl<'a, 's, I: Integrator> Work<'a, 's, I> {
     }
 
     /// Adds what was found to the film.
-    fn add(&self, tick: u32, scratch: &mut Scratch<'s>, counters: &mut Counters) {
+    fn add(&self, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
         scratch.found.sort_unstable_by_key(|f| (f.tile, f.at));
         let groups = counters.by_group.len();
         for found in scratch.found.chunk_by(|a, b| a.tile == b.tile) {
-            let mut tile = lock(&self.session.tiles[found[0].tile as usize]);
+            let mut tile = lock(&self.frame.tiles[found[0].tile as usize]);
             for f in found {
                 counters.samples += 1;
                 counters.nonfinite += u64::from(!tile.add(f.at as usize, f.value, tick));

@@ -9,12 +9,14 @@
 //! A pixel keeps its layer and its rank, so its numbers can be parts of a point set over the pixels about it and all
 //! samples.
 
-use crate::{adaptive::CELL, reuse::MAX_GROUP};
+use crate::adaptive::CELL;
 use steradian_core::sampler::{PixelSampler, Sampler};
 use steradian_math::hash::{ONE_MINUS_EPSILON, combine32, mix32};
 
 /// Tile edge, pixels. Tiles are aligned to the frame, whatever its crop.
 pub const TILE: u32 = 16;
+/// Most pixels of a group.
+pub const MAX_GROUP: usize = 16;
 /// Cells along the edge of a tile.
 pub const CELLS: u32 = TILE / CELL;
 /// log₂ of the edge of a block, pixels.

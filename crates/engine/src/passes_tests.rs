@@ -1,7 +1,7 @@
 use super::*;
-use crate::{Depth, IntegratorKind, Session, VarianceReduction};
 use std::sync::atomic::AtomicU32;
 use steradian_core::compile::{Options, compile};
+use steradian_core::film::Splat;
 use steradian_core::sampler::SamplerKind;
 use steradian_scene::{Family, Format, Node, SceneDesc};
 
@@ -15,7 +15,7 @@ struct Rain {
 
 const PARTICLES: usize = 1000;
 
-impl PassIntegrator for Rain {
+impl Pass for Rain {
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
         let size = Vec2::new(run.scene.film.width as f32, run.scene.film.height as f32);
         let (splats, counters) = run.in_order(PARTICLES / 50, |piece, counters| {
@@ -51,9 +51,7 @@ fn scene(filter: &str) -> Scene {
 }
 
 fn plan(threads: usize, spp: u32) -> Plan {
-    let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
     Plan {
-        integrator: IntegratorKind::named("raycast", depth, VarianceReduction::default()).expect("a registered one"),
         sampler: Sampler { kind: SamplerKind::Independent, spp, seed: 3 },
         threads,
         features: true,
@@ -65,11 +63,11 @@ fn plan(threads: usize, spp: u32) -> Plan {
     }
 }
 
-fn session(scene: &Scene, plan: Plan, cancel_at: u32) -> Session<'_> {
-    Session::of(Passes::new(scene, Box::new(Rain { cancel_at, begun: AtomicU32::new(0) }), plan))
+fn session(scene: &Scene, plan: Plan, cancel_at: u32) -> Passes<Rain> {
+    Passes::new(Arc::new(scene.clone()), Rain { cancel_at, begun: AtomicU32::new(0) }, plan)
 }
 
-fn bits(session: &Session<'_>) -> Vec<[[u64; 3]; 2]> {
+fn bits(session: &Passes<Rain>) -> Vec<[[u64; 3]; 2]> {
     let bits = |v: [f64; 3]| v.map(f64::to_bits);
     session.film().pixels.iter().map(|p| [bits(p.sum), bits(p.sum_squares)]).collect()
 }

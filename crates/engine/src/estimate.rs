@@ -2,11 +2,10 @@
 //!
 //! The variance of a pixel is found without bias, but what is rare is not found at all most of the time: where much of
 //! the light comes by paths that are met a few times in the whole picture, samples tell of a smooth and dark one. So an
-//! estimate comes with a [`Doubt`]: the trial of photons ([`crate::caustics::trial`]) knows how often paths without
-//! them would meet the light that they lead to, and an error that sits in a few pixels, each of which a few bright
+//! estimate comes with a [`Doubt`]: an integrator may know how rarely its paths meet some of the
+//! light ([`crate::GroupIntegrator::rarest`]), and an error that sits in a few pixels, each of which a few bright
 //! samples hit, is not known to better than a factor.
 
-use super::{Session, lock};
 use crate::adaptive::FLOOR;
 use std::fmt;
 use steradian_core::film::Pixel;
@@ -14,7 +13,7 @@ use steradian_core::film::Pixel;
 /// Edge of the squares within which pixels are near each other.
 const CELL: usize = 8;
 /// What is found less often than this is known to worse than some 20 %.
-const FEWEST_FINDS: f64 = 32.0;
+pub(crate) const FEWEST_FINDS: f64 = 32.0;
 /// Pixels that are to hold the half of the error, where they hold most of it and few samples make them.
 const FEWEST_PIXELS: f64 = 8.0;
 /// A variance of the mean of more than this part of its square is that of few samples: four that are equal, where all
@@ -60,7 +59,7 @@ fn around(mut levels: Vec<f64>) -> f64 {
 
 /// The sum over channels of squared relative errors of places that lie near each other, by their squared errors and
 /// means.
-pub(super) fn relative_of(places: &[([f64; 3], [f64; 3])]) -> f64 {
+pub(crate) fn relative_of(places: &[([f64; 3], [f64; 3])]) -> f64 {
     let around = around(places.iter().map(|(v, m)| (0..3).map(|c| m[c] * m[c] - v[c]).sum::<f64>() / 3.0).collect());
     places.iter().map(|(v, m)| (0..3).map(|c| relative(v[c], m[c], around)).sum::<f64>()).sum()
 }
@@ -115,7 +114,7 @@ impl Sum {
         self.is_of_few().then_some(Doubt::FewSamples)
     }
 
-    fn plus(self, other: Self) -> Self {
+    pub fn plus(self, other: Self) -> Self {
         Self {
             all: self.all + other.all,
             rare: self.rare + other.rare,
@@ -127,39 +126,6 @@ impl Sum {
     /// these squares.
     fn is_of_few(&self) -> bool {
         self.rare > 0.5 * self.all && self.rare * self.rare < FEWEST_PIXELS * self.rare_squares
-    }
-}
-
-impl Session<'_> {
-    fn squared_errors(&self) -> Option<Sum> {
-        let mut sum = Sum::default();
-        for tile in &self.tiles {
-            for pixels in lock(tile).by_cells(self.round) {
-                sum = sum.plus(Sum::of(&pixels)?);
-            }
-        }
-        Some(sum)
-    }
-
-    /// The estimated relative error of the picture's pixels: the square root of the mean, over pixels and channels, of
-    /// the variance of the pixel over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are
-    /// those of independent samples: with a sampler that spreads them well the true error is smaller. Means over pixels
-    /// that share paths err more than this suggests: [`Self::errors_of_means`]. `None` before all pixels have two
-    /// samples. [`Self::doubt`] tells whether it is to be trusted.
-    pub fn error(&self) -> Option<f64> {
-        let crop = self.scene.film.crop;
-        let pixels = crop.width() as usize * crop.height() as usize;
-        self.squared_errors().map(|sum| sum.relative(pixels))
-    }
-
-    /// Why [`Self::error`] is not to be trusted, if so.
-    pub fn doubt(&self) -> Option<Doubt> {
-        let crop = self.scene.film.crop;
-        let paths = f64::from(crop.width()) * f64::from(crop.height()) * f64::from(self.next);
-        if self.precomputed.rarest.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
-            return Some(Doubt::HardlyFound);
-        }
-        self.squared_errors().and_then(|sum| sum.doubt())
     }
 }
 

@@ -1,14 +1,9 @@
 //! The state of a session on its way to bytes and back. What is named here goes both ways, in this order,
 //! little-endian.
 
-use super::{
-    Session, lock,
-    scales::{Half, SCALES},
-    tile::Cell,
-};
-use crate::{Counters, adaptive::Round};
+use crate::Counters;
 use std::{
-    io::{self, Error, ErrorKind, Read, Write},
+    io::{self, Read, Write},
     time::Duration,
 };
 use steradian_core::film::{FirstHit, FirstHitSums, Hits, MatteSums, Pixel};
@@ -52,10 +47,11 @@ macro_rules! numbers {
     )* };
 }
 
+/// What has only such fields.
 macro_rules! fields {
     ($($whole:ty { $($field:ident),* })*) => { $(
-        impl State for $whole {
-            fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
+        impl $crate::state::State for $whole {
+            fn pass(&mut self, codec: &mut impl $crate::state::Codec) -> std::io::Result<()> {
                 $(self.$field.pass(codec)?;)*
                 Ok(())
             }
@@ -63,14 +59,13 @@ macro_rules! fields {
     )* };
 }
 
+pub(crate) use fields;
+
 numbers!(u32, u64, f32, f64);
 
 fields! {
-    Round { number, start, end }
     Counters { rays, samples, nonfinite }
-    Cell { target, rays, samples, variance, freedom }
     Pixel { sum, sum_squares, samples }
-    Half { sum, samples }
     FirstHit { albedo, normal, geometric_normal, position, depth, distance, uv, shape, material, coverage }
     FirstHitSums { sum, samples }
     Hits { ids, counts }
@@ -105,62 +100,5 @@ impl<T: State> State for Vec<T> {
     /// Of a length that is known.
     fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
         self.iter_mut().try_for_each(|value| value.pass(codec))
-    }
-}
-
-impl Session<'_> {
-    /// Writes what it takes to go on later. Not while a step is under way, which `&mut` sees to.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn save(&mut self, out: &mut dyn Write) -> io::Result<()> {
-        self.pass(&mut Out(out))
-    }
-
-    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits
-    /// of one that was never left. How many threads there are may differ.
-    ///
-    /// # Errors
-    /// Those of the reader, and [`ErrorKind::InvalidData`] where no such session can have been; the session is of no
-    /// use then.
-    pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        self.pass(&mut In(from))?;
-        self.aim();
-        if self.is_sound() { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
-    }
-
-    fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
-        self.total.pass(codec)?;
-        self.round.pass(codec)?;
-        self.next.pass(codec)?;
-        self.look.pass(codec)?;
-        self.is_complete.pass(codec)?;
-        self.is_good_enough.pass(codec)?;
-        self.counters.pass(codec)?;
-        self.wall.pass(codec)?;
-        self.cpu.pass(codec)?;
-        let mut errors = self.errors_of_first_round.unwrap_or([f64::NAN; SCALES.len()]);
-        errors.pass(codec)?;
-        self.errors_of_first_round = (!errors[0].is_nan()).then_some(errors);
-        for done in &mut self.done {
-            done.get_mut().pass(codec)?;
-        }
-        let round = self.round;
-        for tile in &self.tiles {
-            let tile = &mut *lock(tile);
-            tile.cells.pass(codec)?;
-            tile.pixels.pass(codec)?;
-            if round.number > 0 {
-                tile.past.resize(tile.pixels.len(), Pixel::default());
-                tile.past.pass(codec)?;
-            }
-            if round.number == 0 {
-                tile.even.pass(codec)?;
-            }
-            tile.features.pass(codec)?;
-            tile.mattes.pass(codec)?;
-            tile.by_light.pass(codec)?;
-        }
-        Ok(())
     }
 }

@@ -1,0 +1,72 @@
+//! What was done, and whether it is to go on.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+use steradian_math::Spectrum;
+
+/// Cancellation flag, polled along each path. By default there is none.
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Option<Arc<AtomicBool>>);
+
+impl Stop {
+    /// By a flag that somebody else sets.
+    pub fn by(flag: &Arc<AtomicBool>) -> Self {
+        Self(Some(Arc::clone(flag)))
+    }
+
+    /// Whether to stop. What is found from then on counts for nothing.
+    #[inline]
+    pub fn is_asked(&self) -> bool {
+        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+}
+
+/// What was done, for reports. They are equal where the numbers are.
+#[derive(Clone, Debug, Default)]
+pub struct Counters {
+    /// Rays traced, shadow rays among them.
+    pub rays: u64,
+    /// Camera samples taken.
+    pub samples: u64,
+    /// Samples that were not finite and count as black.
+    pub nonfinite: u64,
+    /// Whether what is counted is to end.
+    pub stop: Stop,
+    /// The light of each group that the path under way brings; empty where nobody asks.
+    pub by_group: Vec<Spectrum>,
+}
+
+impl Counters {
+    /// None yet, of what is to end when somebody wishes.
+    pub fn until(stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..Self::default() }
+    }
+
+    /// Adds what a path brings to the sum of its light's group.
+    #[inline]
+    pub fn note(&mut self, group: impl FnOnce() -> Option<u32>, light: Spectrum) {
+        if !self.by_group.is_empty()
+            && let Some(sum) = group().and_then(|g| self.by_group.get_mut(g as usize))
+        {
+            *sum += light;
+        }
+    }
+}
+
+impl PartialEq for Counters {
+    fn eq(&self, o: &Self) -> bool {
+        (self.rays, self.samples, self.nonfinite) == (o.rays, o.samples, o.nonfinite)
+    }
+}
+
+impl Eq for Counters {}
+
+impl std::ops::AddAssign<&Self> for Counters {
+    fn add_assign(&mut self, o: &Self) {
+        self.rays += o.rays;
+        self.samples += o.samples;
+        self.nonfinite += o.nonfinite;
+    }
+}

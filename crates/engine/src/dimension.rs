@@ -1,0 +1,37 @@
+//! The dimensions of a camera sample and of each scattering event. Fixed, so that every number is a function of what it
+//! is for.
+
+/// Place on the film.
+pub const FILM: u32 = 0;
+/// Place on the lens.
+pub const LENS: u32 = 1;
+/// Wavelengths.
+pub const WAVELENGTH: u32 = 2;
+/// Moment of the exposure.
+pub const TIME: u32 = 3;
+const FIRST_EVENT: u32 = 4;
+const PER_EVENT: u32 = 10;
+/// Choice of a light.
+pub const LIGHT: u32 = 0;
+/// Place on the light.
+pub const LIGHT_POINT: u32 = 1;
+/// Choice of a lobe.
+pub const LOBE: u32 = 2;
+/// Direction.
+pub const DIRECTION: u32 = 3;
+/// Russian roulette.
+pub const ROULETTE: u32 = 4;
+/// Choice in a mixture of materials.
+pub const MIXTURE: u32 = 5;
+/// Free flight in a medium.
+pub const FLIGHT: u32 = 6;
+/// Lane by which the flight is drawn.
+pub const LANE: u32 = 7;
+/// How many paths go on.
+pub const BRANCHES: u32 = 8;
+
+/// The dimension of a decision at a scattering event.
+#[inline]
+pub const fn at(event: u32, decision: u32) -> u32 {
+    FIRST_EVENT + event.wrapping_mul(PER_EVENT) + decision
+}

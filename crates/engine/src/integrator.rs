@@ -1,0 +1,151 @@
+//! What computes samples.
+
+use crate::{
+    Counters, Plan, Stop, dimension,
+    partition::{Partition, Place},
+};
+use std::fmt::Debug;
+use steradian_core::{
+    Scene,
+    sampler::{PixelSampler, Sampler},
+};
+use steradian_math::{Ray, Spectrum, Vec2, spectra::Wavelengths};
+
+/// An estimator of radiance.
+pub trait Integrator: Debug + Send + Sync {
+    /// What it finds out about a scene before the first sample; `()` where that is nothing.
+    type Prepared: Debug + Default + Send + Sync;
+
+    /// Finds that out; of no use where a stop was asked for meanwhile.
+    fn prepare(&self, _scene: &Scene, _plan: &Plan, _stop: &Stop) -> Self::Prepared {
+        Self::Prepared::default()
+    }
+
+    /// Whether there is a picture without that, too.
+    fn does_unprepared(&self) -> bool {
+        true
+    }
+
+    /// The radiance that arrives along a camera ray. A pure function of its arguments, `counters` aside; `lambda` loses
+    /// its secondary wavelengths where the path disperses.
+    fn radiance(
+        &self,
+        scene: &Scene,
+        prepared: &Self::Prepared,
+        ray: Ray,
+        sampler: &PixelSampler,
+        lambda: &mut Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum;
+}
+
+/// An estimator that takes samples of several pixels at once, since they share what they find.
+pub trait GroupIntegrator: Debug + Send + Sync {
+    /// As in [`Integrator`].
+    type Prepared: Debug + Default + Send + Sync;
+    /// What a thread works with; kept, so that nothing is allocated per sample.
+    type Buffer<'s>: Default;
+
+    /// As in [`Integrator`].
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Self::Prepared;
+
+    /// As in [`Integrator`].
+    fn does_unprepared(&self) -> bool;
+
+    /// Takes a sample for each pixel of a group.
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        prepared: &Self::Prepared,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut Self::Buffer<'s>,
+        counters: &mut Counters,
+    );
+
+    /// Pixels of a group: 1, 4 or 16.
+    fn group_size(&self, _prepared: &Self::Prepared) -> u32 {
+        1
+    }
+
+    /// Of how many paths a sample of a pixel is the mean, up to [`MOST_PATHS`](crate::MOST_PATHS).
+    fn paths(&self, _prepared: &Self::Prepared, _pixel: [u32; 2]) -> u32 {
+        1
+    }
+
+    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, where
+    /// that is known.
+    fn rarest(&self, _prepared: &Self::Prepared) -> Option<f64> {
+        None
+    }
+
+    /// Whether photons guide paths towards caustics.
+    fn asks_photons(&self, _prepared: &Self::Prepared) -> bool {
+        false
+    }
+}
+
+/// Samples that know nothing of each other.
+#[derive(Clone, Copy, Debug)]
+pub struct OneByOne<I>(pub I);
+
+impl<I: Integrator> GroupIntegrator for OneByOne<I> {
+    type Prepared = I::Prepared;
+    type Buffer<'s> = ();
+
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> I::Prepared {
+        self.0.prepare(scene, plan, stop)
+    }
+
+    fn does_unprepared(&self) -> bool {
+        self.0.does_unprepared()
+    }
+
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        prepared: &I::Prepared,
+        pixel_samples: &mut [PixelSample],
+        (): &mut (),
+        counters: &mut Counters,
+    ) {
+        for s in pixel_samples {
+            s.radiance = self.0.radiance(scene, prepared, s.ray, &s.own, &mut s.lambda, counters);
+        }
+    }
+}
+
+/// A pixel's part in a group: one sample of it.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelSample {
+    /// The camera ray.
+    pub ray: Ray,
+    /// The pixel's own numbers, for the path up to x and light samples there.
+    pub own: PixelSampler,
+    /// Numbers stratified over the group, for all that follows.
+    pub joint: PixelSampler,
+    /// Wavelengths, the same for the whole group; afterwards without the secondary ones where the path dispersed.
+    pub lambda: Wavelengths,
+    /// The result.
+    pub radiance: Spectrum,
+}
+
+impl PixelSample {
+    /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
+    pub fn at(scene: &Scene, sampler: &Sampler, partition: &Partition, index: u32, place: &Place) -> (Self, f32) {
+        let film = &scene.film;
+        let own = sampler.pixel(place.x, place.y, index);
+        let is_alone = partition.size() == 1;
+        let joint = if is_alone { own } else { partition.joint(sampler, place, index) };
+        let common = |dimension| match is_alone {
+            true => own.get_1d(dimension),
+            false => partition.common(sampler, place, index, dimension),
+        };
+        let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
+        let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
+        let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
+        let lambda = scene.mode.wavelengths(|| common(dimension::WAVELENGTH));
+        let lambda = if scene.is_timed { lambda.at_time(common(dimension::TIME)) } else { lambda };
+        let ray = scene.camera.ray_at(film, point, lens, lambda.time);
+        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO }, weight)
+    }
+}

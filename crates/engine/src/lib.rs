@@ -1,0 +1,43 @@
+//! The engine under every method: what advances a picture, whoever computes it.
+//!
+//! Whoever renders sees a [`Session`]: it takes steps, tells how far it is and how much it errs, is cancelled, saved
+//! and gone on with. Whoever computes light writes an [`Integrator`], which answers for one camera ray ([`PerPixel`]),
+//! or a [`Pass`], which estimates the whole picture ([`Passes`]). Threads, tiles, adaptive sampling, errors, layers,
+//! limits of time and saved states are here, once, for all of them.
+
+pub mod adaptive;
+mod counters;
+pub mod dimension;
+mod estimate;
+mod first_hit;
+mod integrator;
+pub mod partition;
+mod passes;
+mod plan;
+mod session;
+mod sound;
+mod state;
+mod tiles;
+
+pub use counters::{Counters, Stop};
+pub use estimate::Doubt;
+pub use first_hit::first_hit;
+pub use integrator::{GroupIntegrator, Integrator, OneByOne, PixelSample};
+pub use passes::{CameraSample, Pass, Passes, Run};
+pub use plan::{Control, Plan};
+pub use session::Session;
+pub use tiles::{PerPixel, SCALES, Tiles};
+
+use std::time::Duration;
+
+/// Most paths of which a sample is the mean.
+pub const MOST_PATHS: u32 = 4;
+
+/// The error is looked at when there are this many samples per pixel, and then whenever they have grown by a quarter.
+const FIRST_LOOK: u32 = 16;
+
+/// CPU time of all threads of this process.
+fn cpu_time() -> Duration {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
+}

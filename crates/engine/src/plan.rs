@@ -1,0 +1,51 @@
+//! What is asked of a render, and what is shared with whoever watches it.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicU64},
+};
+use steradian_core::sampler::Sampler;
+
+/// What is to be rendered, and how, whatever the method.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// The random numbers; its `spp` is the number that a full render takes.
+    pub sampler: Sampler,
+    /// Threads; 0 for one per processor.
+    pub threads: usize,
+    /// Whether first hits are gathered for auxiliary layers.
+    pub features: bool,
+    /// Whether the things that cover pixels are counted for mattes.
+    pub mattes: bool,
+    /// Whether the light of each group of lights is kept for itself; by path tracers whose paths share nothing.
+    pub by_light: bool,
+    /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
+    pub transparent: bool,
+    /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
+    pub adaptive: bool,
+    /// The relative error of the picture ([`crate::Session::error`]) at which to stop, unless it is in doubt.
+    pub error: Option<f64>,
+}
+
+impl Plan {
+    /// Threads that a step uses.
+    pub fn threads(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+            n => n,
+        }
+    }
+}
+
+/// Shared with whoever watches a step: progress, and the wish to stop.
+#[derive(Debug, Default)]
+pub struct Control {
+    /// Samples (of all pixels) taken so far.
+    pub samples: AtomicU64,
+    /// Rays traced so far.
+    pub rays: AtomicU64,
+    /// Whether trials of the scene are under way, before the first sample.
+    pub trials: AtomicBool,
+    /// Set to stop, wherever paths are.
+    pub cancel: Arc<AtomicBool>,
+}

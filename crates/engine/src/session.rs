@@ -1,0 +1,106 @@
+//! The boundary between those who render and methods that compute pictures.
+
+use crate::{Control, Counters, Doubt, SCALES};
+use std::{
+    fmt::Debug,
+    io::{self, Read, Write},
+    time::Duration,
+};
+use steradian_core::film::Film;
+
+/// A way to compute a picture, under way: it advances in steps, tells of its progress, stops when asked, and can be
+/// saved and gone on with. What it computes does not depend on the number of threads, nor on the steps.
+pub trait Session: Debug + Send {
+    /// Takes further samples of every pixel, up to the plan's number or error; fewer where `control` cancels. What a
+    /// cancelled step did not reach is caught up by the next one.
+    fn step(&mut self, samples: u32, control: &Control);
+
+    /// Does without trials that a cancelled step did not finish, so that the next one takes samples at once; they may
+    /// be noisier. `false`, and nothing is changed, where there are none that can be left out.
+    fn skip_trials(&mut self) -> bool {
+        false
+    }
+
+    /// Goes on to more samples per pixel than the plan has; those that are there stay, and the further ones are
+    /// independent of them. `false`, and nothing is changed, where there are to be more already.
+    fn extend(&mut self, _samples: u32) -> bool {
+        false
+    }
+
+    /// Threads that a step uses.
+    fn threads(&self) -> usize;
+
+    /// Samples that a pixel has, in the mean, when the steps so far are complete.
+    fn samples(&self) -> u32;
+
+    /// Whether the plan is carried out: all samples are taken, or the error is small enough.
+    fn is_done(&self) -> bool;
+
+    /// Whether the plan's error was reached.
+    fn is_good_enough(&self) -> bool;
+
+    /// Whether parts of the picture get more samples than others, as the plan's `adaptive` allows.
+    fn is_uneven(&self) -> bool {
+        false
+    }
+
+    /// Whether photons guide paths towards caustics.
+    fn asks_photons(&self) -> bool {
+        false
+    }
+
+    /// How many paths of neighbouring pixels share what they find.
+    fn sharing(&self) -> u32 {
+        1
+    }
+
+    /// The estimated relative error of the picture: the square root of the mean, over pixels and channels, of the
+    /// variance of the pixel over `I² + 0.01`, which is the root of what the metric relMSE expects. Variances are those
+    /// of independent samples: with a sampler that spreads them well the true error is smaller. `None` before all
+    /// pixels have two samples.
+    fn error(&self) -> Option<f64>;
+
+    /// Why [`Self::error`] is not to be trusted, if so: light arrives by paths that are hardly ever found.
+    fn doubt(&self) -> Option<Doubt> {
+        None
+    }
+
+    /// The estimated relative errors of means over squares of pixels, of the edges [`SCALES`]; `None` where they are
+    /// not watched.
+    fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
+        None
+    }
+
+    /// What was done so far.
+    fn counters(&self) -> Counters;
+
+    /// Wall and CPU time spent in steps.
+    fn time(&self) -> [Duration; 2];
+
+    /// Wall time spent in steps.
+    fn wall(&self) -> Duration {
+        self.time()[0]
+    }
+
+    /// CPU time of all threads spent in steps.
+    fn cpu(&self) -> Duration {
+        self.time()[1]
+    }
+
+    /// The film as it is.
+    fn film(&self) -> Film;
+
+    /// Writes what it takes to go on later. Not while a step is under way, which `&mut` sees to.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    fn save(&mut self, out: &mut dyn Write) -> io::Result<()>;
+
+    /// Goes on from what another session of the same scene and plan [saved](Self::save); the picture then has the bits
+    /// of one that was never left. How many threads there are may differ.
+    ///
+    /// # Errors
+    /// Those of the reader, and [`io::ErrorKind::InvalidData`] where no such session can have been; the session is of
+    /// no use then.
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
+}
