@@ -20,7 +20,6 @@ mod open;
 mod output;
 mod panics;
 mod progress;
-mod raster;
 mod relief;
 mod render;
 mod report;

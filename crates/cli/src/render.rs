@@ -1,13 +1,12 @@
 //! `steradian render`: from a scene to pictures.
 
 use crate::{
-    args::RenderArgs,
+    args::{Color, RenderArgs, SceneOptions},
     failure::{self, Failure, Outcome},
     memory,
     open::{self, Ready},
     output::{self, Provenance},
     progress::Progress,
-    raster,
     report::{self, Report},
     signals::{self, Signals},
     solving,
@@ -25,6 +24,7 @@ use steradian::{
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
+    raster::RASTER,
     resume::{self, Recipe, StateError},
 };
 
@@ -39,7 +39,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let mut outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
     let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
     let quality = quality(args);
-    let scene_options = raster::scene_options(args)?;
+    let scene_options = scene_options(args);
     if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
         return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
     }
@@ -74,26 +74,11 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     let partial: Vec<PathBuf> = outputs.iter().map(|output| output::partial(output)).collect();
     output::claim(outputs.iter().chain(&partial).map(PathBuf::as_path).chain(kept()), &inputs)?;
-    if let Some(options) =
-        steradian::raster::options(&quality, &scene).map_err(|e| Failure::bad_input(e.to_string()))?
-    {
-        let job = raster::Job {
-            name,
-            scene: &scene,
-            quality: &quality,
-            outputs: &outputs,
-            kinds: &kinds,
-            write_options: &write_options,
-            counts,
-            load,
-            build,
-        };
-        return raster::run(args, &job, &options, terminal);
-    }
     let mut render = quality.render(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
     let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
     outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
     // Mattes are counted apart from other layers, and have eight times as many planes.
+    let is_pipeline = render.integrator().is_none();
     let plan = &mut render.plan;
     let mattes = if plan.mattes { 16 } else { 0 };
     let groups = if plan.by_light { 3 * scene.light_groups.names.len() } else { 0 };
@@ -106,6 +91,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     }
     if let Some(LeftOut { what, instead }) = quality.leaves_out(&scene) {
         terminal.warn(&format!("integrator '{integrator}' leaves out {what}; '{instead}' renders it"));
+    }
+    if args.sampler.is_some() && is_pipeline {
+        terminal.warn(&format!("--sampler has no effect: '{integrator}' spreads samples in a way of its own"));
     }
     let pixels = u64::from(width) * u64::from(height);
     let spp = plan.sampler.spp;
@@ -161,6 +149,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     // Before the picture, which may fail to be saved for reasons of its own.
     let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut *session));
 
+    if let Some(why) = session.failure() {
+        return Err(Failure::failed(why));
+    }
     if scene.texture_pages.as_ref().is_some_and(|pages| pages.has_failed()) {
         terminal.warn("some textures could not be read back from the temporary file; they are black in places");
     }
@@ -201,7 +192,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         relative_error: error,
         unreliable: doubt.map(|d| d.to_string()),
         relative_error_of_means: of_means.clone(),
-        missing_light: steradian::missing_light(&render.integrator, &scene, &session.film()),
+        missing_light: steradian::missing_light(&render, &scene, &session.film()),
         width,
         height,
         threads: session.threads(),
@@ -223,6 +214,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         outputs: &written,
         diagnostics: counts,
     };
+    session.notes().iter().for_each(|note| terminal.say(note));
     tell(&report, stop, terminal);
     kept.map_err(Failure::failed)?;
     if let (Some(keeper), Some(_)) = (&keeper, stop) {
@@ -239,6 +231,17 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         Some(Stop::Signal(signal)) => 128 + signal,
         _ => failure::DONE,
     })
+}
+
+/// How the scene is opened: for the pipeline in RGB unless something else is asked for, since one sample of wavelengths
+/// would be noise.
+fn scene_options(args: &RenderArgs) -> SceneOptions {
+    let mut options = args.scene_options.clone();
+    let asked = args.integrator.as_deref().map(|asked| asked.split_once(':').map_or(asked, |(name, _)| name));
+    if asked == Some(RASTER.0) && matches!(options.color, Color::Auto) {
+        options.color = Color::Rgb;
+    }
+    options
 }
 
 /// What a picture's metadata say beside what its session knows.

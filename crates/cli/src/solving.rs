@@ -19,7 +19,9 @@ pub fn session(
     signals: &Signals,
     terminal: Terminal,
 ) -> Result<Box<dyn Session>, Failure> {
-    let IntegratorKind::Radiosity(view) = &render.integrator else { return Ok(render.session(scene)) };
+    let Some(IntegratorKind::Radiosity(view)) = render.integrator() else {
+        return render.session(scene).map_err(|e| Failure::bad_input(e.to_string()));
+    };
     if let Some((path, fingerprint)) = file.filter(|f| f.0.exists()) {
         let solution = radiosity::load(scene, &fingerprint, &view.settings, path)
             .map_err(|e| Failure::bad_input(format!("'{}' {e}", path.display())))?;

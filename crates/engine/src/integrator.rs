@@ -100,9 +100,9 @@ impl<I: Integrator> GroupIntegrator for OneByOne<I> {
         self.0.does_unprepared()
     }
 
-    fn group<'s>(
+    fn group(
         &self,
-        scene: &'s Scene,
+        scene: &Scene,
         prepared: &I::Prepared,
         pixel_samples: &mut [PixelSample],
         (): &mut (),

@@ -47,6 +47,22 @@ pub trait Pass: Debug + Send + Sync {
     /// Adds the pass of a number to a black film: an estimate of the whole picture. Counts rays and the samples of a
     /// pass; `None` where it was cancelled.
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters>;
+
+    /// The ray by which layers of a pass see a pixel, and its wavelengths and moment.
+    fn first_ray(&self, run: &Run<'_>, [x, y]: [u32; 2], number: u32) -> (Ray, Wavelengths) {
+        let sample = run.camera_sample(x, y, number);
+        (sample.ray, sample.lambda)
+    }
+
+    /// What is to be said of the picture so far.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Why no more passes can be taken, where that is so.
+    fn failure(&self) -> Option<String> {
+        None
+    }
 }
 
 /// What a pass works with.
@@ -154,6 +170,8 @@ pub struct Passes<P> {
     pixels: Vec<Pixel>,
     features: Vec<FirstHitSums>,
     mattes: Vec<MatteSums>,
+    /// Sums of each group of lights, pixel by pixel.
+    by_light: Vec<[f64; 3]>,
     /// Samples per pixel of the whole render: those of the plan, or more.
     total: u32,
     /// Passes that are in the film.
@@ -169,6 +187,7 @@ impl<P: Pass> Passes<P> {
     /// Starts with an empty film. Of the plan counts all but `adaptive`: passes are of the whole picture.
     pub fn new(scene: Arc<Scene>, integrator: P, plan: Plan) -> Self {
         let n = scene.film.crop.width() as usize * scene.film.crop.height() as usize;
+        let groups = scene.light_groups.names.len();
         Self {
             total: plan.sampler.spp,
             scene,
@@ -178,6 +197,7 @@ impl<P: Pass> Passes<P> {
             pixels: vec![Pixel::default(); n],
             features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
+            by_light: vec![[0.0; 3]; if plan.by_light { n * groups } else { 0 }],
             passes: 0,
             look: FIRST_LOOK,
             is_good_enough: false,
@@ -197,13 +217,16 @@ impl<P: Pass> Passes<P> {
             self.is_prepared = true;
         }
         while self.samples() < samples && !self.is_good_enough {
-            let mut film = PassFilm::new(&scene.film);
+            let mut film = PassFilm::new(&scene.film, self.by_light.len() / self.pixels.len().max(1));
             let done = self.integrator.pass(&run, self.passes, &mut film)?;
             self.first_hits(&run)?;
             self.counters += &done;
             self.counters.nonfinite += film.nonfinite();
             for (pixel, sum) in self.pixels.iter_mut().zip(film.sums()) {
                 pixel.add_value(*sum);
+            }
+            for (sum, light) in self.by_light.iter_mut().zip(film.by_light()) {
+                *sum = std::array::from_fn(|c| sum[c] + light[c]);
             }
             self.passes += 1;
             if let Some(error) = self.plan.error.filter(|_| self.passes >= self.look) {
@@ -222,8 +245,8 @@ impl<P: Pass> Passes<P> {
         let crop = self.scene.film.crop;
         let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
             let hit = |x| {
-                let s = run.camera_sample(x, crop.y0 + row as u32, self.passes);
-                first_hit(run.scene, s.ray, &s.lambda)
+                let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], self.passes);
+                first_hit(run.scene, ray, &lambda)
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;
@@ -241,7 +264,8 @@ impl<P: Pass> Passes<P> {
         self.time.pass(codec)?;
         self.pixels.pass(codec)?;
         self.features.pass(codec)?;
-        self.mattes.pass(codec)
+        self.mattes.pass(codec)?;
+        self.by_light.pass(codec)
     }
 }
 
@@ -277,7 +301,7 @@ impl<P: Pass> Session for Passes<P> {
     }
 
     fn is_done(&self) -> bool {
-        self.samples() >= self.total || self.is_good_enough
+        self.samples() >= self.total || self.is_good_enough || self.integrator.failure().is_some()
     }
 
     fn is_good_enough(&self) -> bool {
@@ -302,13 +326,21 @@ impl<P: Pass> Session for Passes<P> {
         self.time
     }
 
+    fn notes(&self) -> Vec<String> {
+        self.integrator.notes()
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.integrator.failure()
+    }
+
     fn film(&self) -> Film {
         Film {
             crop: self.scene.film.crop,
             pixels: self.pixels.clone(),
             features: self.features.clone(),
             mattes: self.mattes.clone(),
-            by_light: Vec::new(),
+            by_light: self.by_light.clone(),
         }
     }
 
@@ -326,7 +358,8 @@ impl<P: Pass> Session for Passes<P> {
             && sound::are_counters(&self.counters)
             && self.pixels.iter().all(|p| p.samples == passes && sound::is_pixel(p))
             && self.features.iter().all(|sums| sums.samples == passes && sound::are_hits(sums))
-            && self.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums));
+            && self.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums))
+            && self.by_light.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX));
         if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
     }
 }

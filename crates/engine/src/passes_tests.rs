@@ -126,7 +126,7 @@ fn filters_spread_splats_evenly() {
 #[test]
 fn splats_that_are_no_numbers_are_black() {
     let scene = scene("box");
-    let mut film = PassFilm::new(&scene.film);
+    let mut film = PassFilm::new(&scene.film, 0);
     film.splat(&Splat { at: Vec2::splat(2.5), rgb: Vec3::new(1.0, f32::NAN, 1.0) });
     film.splat(&Splat { at: Vec2::new(f32::INFINITY, 2.5), rgb: Vec3::ONE });
     film.splat(&Splat { at: Vec2::splat(-1e30), rgb: Vec3::ONE });

@@ -87,6 +87,16 @@ pub trait Session: Debug + Send {
         self.time()[1]
     }
 
+    /// What is to be said of the picture so far.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Why it cannot go on, where that is so: it is done then.
+    fn failure(&self) -> Option<String> {
+        None
+    }
+
     /// The film as it is.
     fn film(&self) -> Film;
 

@@ -19,20 +19,28 @@ pub struct PassFilm<'s> {
     spec: &'s FilmSpec,
     /// By rows of the crop.
     sums: Vec<[f64; 3]>,
+    /// Of each group of lights, pixel by pixel.
+    by_light: Vec<[f64; 3]>,
+    groups: usize,
     /// Contributions that were not finite, which count as black.
     nonfinite: u64,
 }
 
 impl<'s> PassFilm<'s> {
-    /// A black film.
-    pub fn new(spec: &'s FilmSpec) -> Self {
+    /// A black film that keeps the light of so many groups of lights apart.
+    pub fn new(spec: &'s FilmSpec, groups: usize) -> Self {
         let n = spec.crop.width() as usize * spec.crop.height() as usize;
-        Self { spec, sums: vec![[0.0; 3]; n], nonfinite: 0 }
+        Self { spec, sums: vec![[0.0; 3]; n], by_light: vec![[0.0; 3]; n * groups], groups, nonfinite: 0 }
     }
 
     /// What was added to each pixel, by rows of the crop.
     pub fn sums(&self) -> &[[f64; 3]] {
         &self.sums
+    }
+
+    /// The light of each group of lights, pixel by pixel.
+    pub fn by_light(&self) -> &[[f64; 3]] {
+        &self.by_light
     }
 
     /// Contributions that were not finite.
@@ -58,6 +66,14 @@ impl<'s> PassFilm<'s> {
         let sum = &mut self.sums[(y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize];
         for c in 0..3 {
             sum[c] += f64::from(rgb[c]);
+        }
+    }
+
+    /// Adds the light of each group of lights to a pixel of the crop, by its index; what is not finite counts as black.
+    pub fn add_lights(&mut self, at: usize, lights: &[Vec3]) {
+        let sums = &mut self.by_light[at * self.groups..(at + 1) * self.groups];
+        for (sum, light) in sums.iter_mut().zip(lights).filter(|(_, l)| l.is_finite()) {
+            *sum = std::array::from_fn(|c| sum[c] + f64::from(light[c]));
         }
     }
 

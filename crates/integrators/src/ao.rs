@@ -1,7 +1,7 @@
 //! Ambient occlusion: the part of the light of an evenly bright sky that reaches a surface past what is within a
 //! distance, `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
 
-use crate::{Counters, Integrator, dimension, walk::MAX_PASSES};
+use crate::{Counters, Integrator, MAX_PASSES, dimension};
 use steradian_core::{Scene, color, sampler::PixelSampler};
 use steradian_math::{Frame, Ray, Spectrum, spectra::Wavelengths, warp};
 

@@ -2,7 +2,7 @@
 //! weighted by the mean density over lanes; shadow rays are attenuated by Beer–Lambert through every interface and thin
 //! pane on their way.
 
-use crate::{Counters, Stop, tracking, walk::MAX_PASSES};
+use crate::{Counters, MAX_PASSES, Stop, tracking};
 use steradian_core::{
     ColorMode, Scene,
     medium::{Medium, transmittance},

@@ -15,7 +15,6 @@ pub mod whitted;
 mod caustics;
 mod effort;
 mod flight;
-mod nee;
 mod precomputed;
 mod probe;
 mod splitting;
@@ -31,37 +30,10 @@ mod stop_tests;
 
 pub use effort::PathEffort;
 pub use precomputed::{Precomputed, VarianceReduction};
-pub use registry::{INTEGRATORS, IntegratorKind, Render};
+pub use registry::{INTEGRATORS, IntegratorKind};
 pub use steradian_core::film::Film;
 pub use steradian_engine::{Control, Counters, Doubt, Integrator, Plan, SCALES, Session, Stop};
 
 pub(crate) use steradian_engine::{adaptive, dimension, partition};
-use steradian_math::{Spectrum, spectra::Wavelengths};
-
-/// How far paths are followed.
-#[derive(Clone, Copy, Debug)]
-pub struct Depth {
-    /// Most scattering events; `u32::MAX` for no limit.
-    pub max: u32,
-    /// Scattering events before Russian roulette.
-    pub roulette_after: u32,
-    /// Whether lights are invisible to the camera.
-    pub hide_emitters: bool,
-}
-
-/// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).
-#[inline]
-pub fn power_heuristic(a: f32, b: f32) -> f32 {
-    if a == 0.0 {
-        return 0.0;
-    }
-    // By the ratio, so that squares of large densities stay finite.
-    let r = b / a;
-    1.0 / (1.0 + r * r)
-}
-
-/// The largest throughput over the lanes that still count.
-#[inline]
-pub(crate) fn live_max(beta: Spectrum, lambda: &Wavelengths) -> f32 {
-    if lambda.is_secondary_terminated() { beta[0] } else { beta.max_element() }
-}
+pub use steradian_transport::Depth;
+pub(crate) use steradian_transport::{MAX_PASSES, live_max, nee, power_heuristic};

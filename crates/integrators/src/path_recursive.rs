@@ -2,9 +2,9 @@
 //! and what one random direction brings. The sum is carried along, so that it has the bits of the iterative form.
 
 use crate::{
-    Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction, dimension, nee,
+    Counters, Depth, Integrator, MAX_PASSES, Plan, Precomputed, Stop, VarianceReduction, dimension, nee,
     reuse::{PathContinuation, for_all_wavelengths},
-    walk::{MAX_PASSES, PathState, Vertex},
+    walk::{PathState, Vertex},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};

@@ -1,6 +1,6 @@
 //! Ray casting: the colour of the first surface, as if white light were everywhere the same.
 
-use crate::{Counters, Integrator, nee, walk::MAX_PASSES};
+use crate::{Counters, Integrator, MAX_PASSES, nee};
 use steradian_core::{Scene, color, sampler::PixelSampler};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 

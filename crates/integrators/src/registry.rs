@@ -142,22 +142,6 @@ impl IntegratorKind {
     }
 }
 
-/// An integrator, and what it is to render.
-#[derive(Clone, Copy, Debug)]
-pub struct Render {
-    /// The integrator.
-    pub integrator: IntegratorKind,
-    /// What is asked of it.
-    pub plan: Plan,
-}
-
-impl Render {
-    /// Starts with an empty film.
-    pub fn session(&self, scene: &Arc<Scene>) -> Box<dyn Session> {
-        self.integrator.session(Arc::clone(scene), self.plan)
-    }
-}
-
 impl View {
     /// Starts a render of a scene that is solved already.
     pub fn session(self, scene: &Arc<Scene>, plan: Plan, solution: Arc<Solution>) -> Box<dyn Session> {

@@ -2,8 +2,7 @@
 //! upon them.
 
 use crate::{
-    Control, Depth, Film, INTEGRATORS, IntegratorKind, PathEffort, Plan, Precomputed, Render, Session, Stop,
-    VarianceReduction,
+    Control, Depth, Film, INTEGRATORS, IntegratorKind, PathEffort, Plan, Precomputed, Session, Stop, VarianceReduction,
     adaptive::CELL,
     reuse::{GroupBuffer, PathContinuation, Sharing},
     splitting::Splitting,
@@ -62,6 +61,13 @@ fn variance_reduction() -> Vec<VarianceReduction> {
         }
     }
     all
+}
+
+/// An integrator, and what it is to render.
+#[derive(Clone, Copy, Debug)]
+struct Render {
+    integrator: IntegratorKind,
+    plan: Plan,
 }
 
 fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Render {
@@ -159,7 +165,7 @@ fn trials_look_at_frames_of_every_size() {
         let scene = Arc::new(scene(width, height));
         for variance_reduction in variance_reduction().into_iter().filter(|t| t.effort.is_none()) {
             let render = plan("path", VarianceReduction { caustics: None, ..variance_reduction }, 1 << 21);
-            let mut session = render.session(&scene);
+            let mut session = render.integrator.session(Arc::clone(&scene), render.plan);
             session.step(1, &Control::default());
             assert!(session.film().pixels.iter().all(|p| p.samples == 1), "{width} x {height}");
         }

@@ -85,7 +85,7 @@ impl Stokes {
             let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
             let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
                 passes += 1;
-                if passes > walk::MAX_PASSES {
+                if passes > crate::MAX_PASSES {
                     return sum;
                 }
                 ray = i.spawn(ray.direction);

@@ -2,7 +2,7 @@
 //! says whether light is scattered between surfaces, and seen through thin panes; without, media are ignored.
 
 use crate::{
-    Counters, Depth, Precomputed, Stop,
+    Counters, Depth, MAX_PASSES, Precomputed, Stop,
     caustics::GuidedDirection,
     dimension,
     flight::{self, Flight},
@@ -19,9 +19,6 @@ use steradian_core::{
     scene::{Hit, Interaction, SHADOW_END},
 };
 use steradian_math::{Frame, Ray, Spectrum, Vec3, spectra::Wavelengths};
-
-/// Surfaces that scatter nothing are passed at most this often on a path.
-pub(crate) const MAX_PASSES: u32 = 1 << 16;
 
 /// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
 const ROULETTE_BELOW: f32 = 1.0 / 3.0;

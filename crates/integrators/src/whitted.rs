@@ -1,7 +1,7 @@
 //! Whitted's ray tracing: mirrors and glass are followed in both directions, every light is asked once at each surface,
 //! and nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
-use crate::{Counters, Depth, Integrator, dimension, nee, walk::MAX_PASSES};
+use crate::{Counters, Depth, Integrator, MAX_PASSES, dimension, nee};
 use steradian_core::{
     Scene,
     bsdf::TransportMode,

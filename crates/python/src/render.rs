@@ -46,17 +46,12 @@ fn fault(e: steradian::Error) -> PyErr {
 /// Renders until all samples are taken, or something ends it.
 pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
     let Request { scene, quality, .. } = request;
-    if let Some(options) = steradian::raster::options(quality, scene).map_err(fault)? {
-        let rendered = py.detach(|| steradian::raster::render(scene, quality, &options)).map_err(fault)?;
-        let picture = steradian::develop(scene, &rendered.film, &[]);
-        return Image::new(py, picture, Facts { spp: f64::from(quality.spp.unwrap_or(1)), ..Facts::default() });
-    }
     let render = quality.render(scene).map_err(fault)?;
     let crop = scene.film.crop;
     let pixels = f64::from(crop.width()) * f64::from(crop.height());
     let planned = pixels * f64::from(render.plan.sampler.spp);
+    let mut session = render.session(scene).map_err(fault)?;
     let ended = py.detach(|| {
-        let mut session = render.session(scene);
         let control = Control::default();
         let end = watch(&mut *session, &control, request, pixels, planned);
         let facts = Facts {

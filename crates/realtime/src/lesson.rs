@@ -14,7 +14,7 @@ use crate::{
     draw_list::DrawList,
     options::{Options, Show},
     projection::Projected,
-    shadow::{Casters, Eye, Shadowing, stencil_counts},
+    shadow::{Casters, Eye, Shadowing, has_maps, has_sharp_light, stencil_counts},
     visibility::{Seen, fill_depths},
 };
 
@@ -46,21 +46,35 @@ pub fn picture(
         Show::Stencil => {
             let casters = Casters::all(scene, list)?;
             let counts = stencil_counts(scene, &casters, eye)?;
-            let counts = counts.ok_or_else(|| {
-                Error::Option("show=stencil needs a point, a spot or parallel light in the scene".into())
-            })?;
-            counts.into_iter().map(|n| heat(f32::from(n) / 8.0)).collect()
+            counts.ok_or_else(no_sharp_light)?.into_iter().map(|n| heat(f32::from(n) / 8.0)).collect()
         }
         Show::ShadowMap => {
             let (extent, _) = projected.frame(scene);
-            shadows.maps_side_by_side([extent.width, extent.height]).ok_or_else(|| {
-                let wanted =
-                    "shadows=map, cube, trapezoid, perspective, cascades or pcss, and a light that has maps then";
-                Error::Option(format!("show=shadow-map needs {wanted}"))
-            })?
+            shadows.maps_side_by_side([extent.width, extent.height]).ok_or_else(no_maps)?
         }
         _ => return Ok(None),
     }))
+}
+
+/// Whether a scene has what a view shows.
+///
+/// # Errors
+/// What it needs.
+pub(crate) fn check(scene: &Scene, options: &Options) -> Result<(), Error> {
+    match options.show {
+        Show::Stencil if !has_sharp_light(scene) => Err(no_sharp_light()),
+        Show::ShadowMap if !has_maps(scene, options) => Err(no_maps()),
+        _ => Ok(()),
+    }
+}
+
+fn no_sharp_light() -> Error {
+    Error::Option("show=stencil needs a point, a spot or parallel light in the scene".into())
+}
+
+fn no_maps() -> Error {
+    let wanted = "shadows=map, cube, trapezoid, perspective, cascades or pcss, and a light that has maps then";
+    Error::Option(format!("show=shadow-map needs {wanted}"))
 }
 
 /// Side of the pipeline's tiles in pixels.

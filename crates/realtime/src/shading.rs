@@ -2,11 +2,15 @@
 
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, TransportMode},
+    bsdf::TransportMode,
+    footprint::Bounce,
     light::{Light, LightContext},
+    material::Scattering,
     scene::Interaction,
 };
+use steradian_engine::Counters;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_transport::{Depth, nee, power_heuristic};
 
 use crate::{
     options::{Options, Show},
@@ -16,11 +20,13 @@ use crate::{
 
 /// Scenes with more lights than this are lit by some of them, chosen for each point.
 const FEW_LIGHTS: usize = 16;
+/// Surfaces that scatter nothing and are passed, beside mirrors and glass.
+const MOST_PASSED: u32 = 64;
 
 /// What follows the way of a pixel's light.
-pub struct Trace {
-    /// Rays that were traced.
-    pub rays: u64,
+pub struct Trace<'a> {
+    /// Counts rays, and keeps the light of each group of lights.
+    pub counters: &'a mut Counters,
     /// The pixel, while what it sees itself is shaded.
     pub pixel: Option<usize>,
 }
@@ -30,8 +36,25 @@ pub struct Shader<'a> {
     pub scene: &'a Scene,
     pub shadows: &'a Shadowing,
     pub options: &'a Options,
+    /// The most scattering events, and whether the camera sees lights.
+    pub depth: &'a Depth,
     /// Which of the samples of the pixel this is.
     pub pass: u32,
+    pub seed: u64,
+}
+
+/// A point that scatters, on the way of a pixel's light.
+struct Point<'a> {
+    i: Interaction,
+    frame: Frame,
+    scattering: Scattering<'a>,
+    ctx: LightContext,
+    lambda: Wavelengths,
+    /// What the way carries to it.
+    beta: Spectrum,
+    numbers: &'a Numbers,
+    /// Its number among the points of the way.
+    round: u32,
 }
 
 /// Numbers in [0, 1) for a purpose at a pixel: points of the R2 sequence, turned by a hash of pixel and purpose.
@@ -58,208 +81,193 @@ impl Numbers {
     }
 }
 
-fn shown(rgb: Vec3) -> Spectrum {
-    Spectrum::rgb(rgb.x, rgb.y, rgb.z)
-}
-
-impl Shader<'_> {
-    /// The light that arrives along a ray, and at which wavelengths.
-    ///
-    /// `rays` counts those that are traced.
-    pub fn radiance(&self, ray: &Ray, seen: Option<Seen>, at: [u32; 2], rays: &mut u64) -> (Spectrum, Wavelengths) {
-        let numbers =
-            Numbers { pixel: at[0] ^ at[1].rotate_left(16), start: self.pass.wrapping_mul(self.options.points) };
-        let lambda = self.scene.mode.wavelengths(|| numbers.get_2d(0, self.pass).x);
-        if self.options.show != Show::Picture {
-            return (self.lesson(ray, seen), Wavelengths::RGB);
-        }
-        let mut lambda = lambda;
-        let pixel = (at[1] * self.scene.film.crop.width() + at[0]) as usize;
-        let mut trace = Trace { rays: 0, pixel: Some(pixel) };
-        let light = self.light(ray, seen, &numbers, &mut lambda, &mut trace);
-        *rays += trace.rays;
-        (light, lambda)
+impl<'a> Shader<'a> {
+    fn numbers(&self, at: [u32; 2]) -> Numbers {
+        let seed = (self.seed ^ self.seed >> 32) as u32;
+        let pixel = at[0] ^ at[1].rotate_left(16) ^ seed.wrapping_mul(0x85eb_ca6b);
+        Numbers { pixel, start: self.pass.wrapping_mul(self.options.points) }
     }
 
-    fn lesson(&self, ray: &Ray, seen: Option<Seen>) -> Spectrum {
-        let Some(seen) = seen else { return Spectrum::ZERO };
+    /// The wavelengths of a pixel's light.
+    pub fn wavelengths(&self, at: [u32; 2]) -> Wavelengths {
+        self.scene.mode.wavelengths(|| self.numbers(at).get_2d(0, self.pass).x)
+    }
+
+    /// A view that shows what is seen, not its light.
+    pub fn view(&self, ray: &Ray, seen: Option<Seen>) -> Vec3 {
+        let Some(seen) = seen else { return Vec3::ZERO };
         let i = self.scene.interaction(ray, &seen.hit);
         match self.options.show {
             Show::Depth => {
                 let (center, radius) = crate::extent(self.scene);
                 let eye = self.scene.camera.world_from_camera.point(Vec3::ZERO);
                 let far = (center - eye).length() + radius;
-                shown(Vec3::splat(1.0 - i.t / far).max(Vec3::ZERO))
+                Vec3::splat(1.0 - i.t / far).max(Vec3::ZERO)
             }
-            Show::Normal => shown(i.surface.ns * 0.5 + 0.5),
+            Show::Normal => i.surface.ns * 0.5 + 0.5,
             _ => {
                 let h = Numbers { pixel: seen.number, start: 0 };
-                shown(Vec3::from_array([1, 2, 3].map(|k| 0.1 + 0.9 * (h.hash(k) as f32 / 4_294_967_296.0))))
+                Vec3::from_array([1, 2, 3].map(|k| 0.1 + 0.9 * (h.hash(k) as f32 / 4_294_967_296.0)))
             }
         }
     }
 
-    fn light(
+    /// The light that arrives along a ray which sees this.
+    pub fn radiance(
         &self,
         ray: &Ray,
         seen: Option<Seen>,
-        numbers: &Numbers,
+        at: [u32; 2],
         lambda: &mut Wavelengths,
-        trace: &mut Trace,
+        counters: &mut Counters,
     ) -> Spectrum {
-        let scene = self.scene;
-        let (mut ray, mut hit) = (*ray, seen.map(|s| s.hit));
-        let (mut sum, mut throughput) = (Spectrum::ZERO, Spectrum::ONE);
-        let mut bounce = 0;
+        let (scene, numbers) = (self.scene, self.numbers(at));
+        let pixel = (at[1] * scene.film.crop.width() + at[0]) as usize;
+        let mut trace = Trace { counters, pixel: Some(pixel) };
+        let (mut ray, mut hit, mut differential) = (*ray, seen.map(|s| s.hit), scene.ray_differential(ray));
+        let (mut sum, mut beta, mut events) = (Spectrum::ZERO, Spectrum::ONE, 0);
         // Each mirror, pane and interface is one round.
-        for round in 0..self.options.bounces + 64 {
-            let Some(found) = hit else { return sum + throughput * self.background(&ray, lambda) };
-            let i = scene.interaction_of_light(&ray, &found);
-            sum += throughput * self.emission(&i, lambda);
-            let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
-            let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
-                ray = i.spawn(ray.direction);
-                trace.pixel = None;
-                trace.rays += 1;
-                hit = scene.intersect(&ray);
-                continue;
+        for round in 0..self.options.bounces + MOST_PASSED {
+            let is_hidden = events == 0 && self.depth.hide_emitters;
+            let Some(found) = hit else {
+                return if is_hidden { sum } else { sum + self.background(&ray, beta, lambda, &mut trace) };
             };
-            let bsdf = &scattering.bsdf;
-            sum += throughput * self.direct(&i, &frame, bsdf, numbers, round, lambda, trace);
-            // Mirrors and glass show what lies behind them.
-            if bounce >= self.options.bounces {
+            let i = scene.interaction_of_light(&ray, &found);
+            if !is_hidden && let Some(emitter) = scene.geometries[i.geometry as usize].emitter {
+                let light = beta * nee::emission(scene, &i, &None, lambda);
+                trace.counters.note(|| Some(scene.light_groups.of_emitters[emitter as usize]), light);
+                sum += light;
+            }
+            let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
+            let way = ray.direction;
+            match scene.scattering_along(&i, differential.as_ref(), choice, lambda) {
+                None => {
+                    differential = differential.map(|d| d.advance(i.t));
+                    ray = i.spawn(way);
+                }
+                Some(_) if events >= self.depth.max => return sum,
+                Some((scattering, frame)) => {
+                    let ctx = nee::context(&i, &frame, &scattering.bsdf);
+                    let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers: &numbers, round };
+                    sum += self.direct(&point, &mut trace);
+                    // Mirrors and glass show what lies behind them.
+                    if events >= self.options.bounces {
+                        return sum;
+                    }
+                    let u = numbers.get_2d(2 + 8 * round, self.pass).x;
+                    let u2 = numbers.get_2d(3 + 8 * round, self.pass);
+                    let wo = frame.to_local(point.i.wo);
+                    let drawn = point.scattering.sample(wo, u, u2, TransportMode::Radiance);
+                    let Some(s) = drawn.filter(|s| s.lobe.is_specular()) else { return sum };
+                    beta *= s.weight;
+                    events += 1;
+                    ray = point.i.spawn(frame.to_world(s.wi));
+                    differential = differential
+                        .zip(Bounce::of(&s))
+                        .and_then(|(d, bounce)| scene.scatter_differential(&point.i, &d, ray.direction, bounce));
+                }
+            }
+            trace.pixel = None;
+            trace.counters.rays += 1;
+            if trace.counters.stop.is_asked() {
                 return sum;
             }
-            bounce += 1;
-            let (u, u2) = (numbers.get_2d(2 + 8 * round, self.pass).x, numbers.get_2d(3 + 8 * round, self.pass));
-            let sample = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance);
-            let Some(s) = sample.filter(|s| s.lobe.is_specular()) else { return sum };
-            throughput *= s.weight;
-            ray = i.spawn(frame.to_world(s.wi));
-            trace.pixel = None;
-            trace.rays += 1;
             hit = scene.intersect(&ray);
         }
         sum
     }
 
-    fn background(&self, ray: &Ray, lambda: &Wavelengths) -> Spectrum {
-        let environments = self.scene.lights.environments.iter();
-        environments.fold(Spectrum::ZERO, |sum, &light| match &self.scene.lights.lights[light as usize] {
-            Light::Environment(e) => sum + e.radiance(ray.origin, ray.direction, lambda),
-            _ => sum,
+    fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
+        let scene = self.scene;
+        scene.lights.environments.iter().fold(Spectrum::ZERO, |sum, &light| {
+            let found = beta * nee::environment(scene, light, ray.origin, ray.direction, &None, lambda);
+            trace.counters.note(|| Some(scene.light_groups.of_lights[light as usize]), found);
+            sum + found
         })
     }
 
-    fn emission(&self, i: &Interaction, lambda: &Wavelengths) -> Spectrum {
-        let scene = self.scene;
-        let Some(emitter) = scene.geometries[i.geometry as usize].emitter else { return Spectrum::ZERO };
-        let at = || scene.texture_context(i);
-        scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, at, lambda, &scene.textures)
-    }
-
     /// The light of all lights, or of as many chosen ones as there are points on a light.
-    #[allow(clippy::too_many_arguments)]
-    fn direct(
-        &self,
-        i: &Interaction,
-        frame: &Frame,
-        bsdf: &Bsdf,
-        numbers: &Numbers,
-        round: u32,
-        lambda: &Wavelengths,
-        trace: &mut Trace,
-    ) -> Spectrum {
-        if bsdf.is_specular() {
+    fn direct(&self, point: &Point<'_>, trace: &mut Trace<'_>) -> Spectrum {
+        if point.scattering.bsdf.is_specular() {
             return Spectrum::ZERO;
         }
         let lights = &self.scene.lights;
-        let ctx = LightContext { p: i.surface.p, n: if bsdf.has_transmission() { Vec3::ZERO } else { frame.z } };
-        let points = self.options.points;
+        let (numbers, round, points) = (point.numbers, point.round, self.options.points);
         let mut sum = Spectrum::ZERO;
         if lights.lights.len() > FEW_LIGHTS {
             for k in 0..points {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
-                if let Some((light, p)) = lights.choose(&ctx, u) {
+                if let Some((light, p)) = lights.choose(&point.ctx, u) {
                     let u = numbers.get_2d(5 + 8 * round, k);
-                    sum += self.one(light, p, None, u, i, &ctx, frame, bsdf, lambda, trace) / points as f32;
+                    sum += self.from_light(point, (light, p), None, u, 1.0 / points as f32, trace);
                 }
             }
-            return sum + self.sky(true, i, &ctx, frame, bsdf, numbers, round, lambda, trace);
+            return sum + self.sky(point, true, trace);
         }
         for (number, light) in lights.lights.iter().enumerate() {
             // Points and parallel light have one place.
             let is_delta = !matches!(light, Light::Environment(_) | Light::Area(_));
             let count = if is_delta { 1 } else { points };
-            let share = self.shadows.share(number as u32, i);
+            let share = self.shadows.share(number as u32, &point.i);
             for k in 0..count {
                 let u = numbers.get_2d(1000 * (number as u32 + 1) + 6 + 8 * round, k);
-                sum += self.one(number as u32, 1.0, share, u, i, &ctx, frame, bsdf, lambda, trace) / count as f32;
+                sum += self.from_light(point, (number as u32, 1.0), share, u, 1.0 / count as f32, trace);
             }
         }
-        sum + self.sky(false, i, &ctx, frame, bsdf, numbers, round, lambda, trace)
+        sum + self.sky(point, false, trace)
     }
 
     /// The light of environments in directions that the surface draws, weighted against those that the light draws.
     /// `chosen`: whether lights are chosen at random.
-    #[allow(clippy::too_many_arguments)]
-    fn sky(
-        &self,
-        chosen: bool,
-        i: &Interaction,
-        ctx: &LightContext,
-        frame: &Frame,
-        bsdf: &Bsdf,
-        numbers: &Numbers,
-        round: u32,
-        lambda: &Wavelengths,
-        trace: &mut Trace,
-    ) -> Spectrum {
+    fn sky(&self, point: &Point<'_>, chosen: bool, trace: &mut Trace<'_>) -> Spectrum {
+        let Point { i, frame, scattering, ctx, lambda, beta, numbers, round } = point;
         let lights = &self.scene.lights;
         let mut sum = Spectrum::ZERO;
         if lights.environments.is_empty() {
             return sum;
         }
+        let wo = frame.to_local(i.wo);
         for k in 0..self.options.points {
             let (u, u2) = (numbers.get_2d(6 + 8 * round, k).x, numbers.get_2d(7 + 8 * round, k));
-            let sample = bsdf.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance);
-            let Some(s) = sample.filter(|s| !s.lobe.is_specular()) else { continue };
+            let drawn = scattering.sample(wo, u, u2, TransportMode::Radiance);
+            let Some(s) = drawn.filter(|s| !s.lobe.is_specular()) else { continue };
             let wi = frame.to_world(s.wi);
-            let mut arriving = Spectrum::ZERO;
+            let mut is_open = None;
             for &light in &lights.environments {
                 let Light::Environment(e) = &lights.lights[light as usize] else { continue };
                 let choice = lights.probability(ctx, light);
                 let other = lights.environment_pdf(light, ctx, wi);
                 let other = if chosen || choice <= 0.0 { other } else { other / choice };
-                arriving += e.radiance(i.surface.p, wi, lambda) * power_heuristic(s.pdf, other);
-            }
-            if !arriving.is_black() && self.shadows.is_open(self.scene, &i.spawn(wi), trace) {
-                sum += s.weight * arriving;
+                let arriving = e.radiance(i.surface.p, wi, lambda) * power_heuristic(s.pdf, other);
+                // One ray, and none where it is dark.
+                if !arriving.is_black()
+                    && *is_open.get_or_insert_with(|| self.shadows.is_open(self.scene, &i.spawn(wi), trace))
+                {
+                    let light_of = self.scene.light_groups.of_lights[light as usize];
+                    let found = *beta * s.weight * arriving / self.options.points as f32;
+                    trace.counters.note(|| Some(light_of), found);
+                    sum += found;
+                }
             }
         }
-        sum / self.options.points as f32
+        sum
     }
 
-    /// The light of a place on a light that was chosen with probability `p`. `share`: how much of the light is seen,
-    /// where that is known.
-    #[allow(clippy::too_many_arguments)]
-    fn one(
+    /// The light of a place on a light that was chosen with a probability, in this part. `share`: how much of the light
+    /// is seen, where that is known.
+    fn from_light(
         &self,
-        light: u32,
-        p: f32,
+        Point { i, frame, scattering, ctx, lambda, beta, .. }: &Point<'_>,
+        (light, p): (u32, f32),
         share: Option<f32>,
         u: Vec2,
-        i: &Interaction,
-        ctx: &LightContext,
-        frame: &Frame,
-        bsdf: &Bsdf,
-        lambda: &Wavelengths,
-        trace: &mut Trace,
+        part: f32,
+        trace: &mut Trace<'_>,
     ) -> Spectrum {
         let Some(s) = self.scene.lights.sample(light, ctx, u, lambda, &self.scene.textures) else {
             return Spectrum::ZERO;
         };
-        let e = bsdf.eval(frame.to_local(i.wo), frame.to_local(s.wi), TransportMode::Radiance);
+        let e = scattering.eval(frame.to_local(i.wo), frame.to_local(s.wi), TransportMode::Radiance);
         if e.value.is_black() || s.radiance.is_black() {
             return Spectrum::ZERO;
         }
@@ -270,15 +278,8 @@ impl Shader<'_> {
         // Environments are found by the surface's directions, too.
         let is_environment = matches!(self.scene.lights.lights[light as usize], Light::Environment(_));
         let weight = if is_environment { power_heuristic(s.pdf * p, e.pdf) } else { 1.0 };
-        e.value * s.radiance * (lit * weight / (s.pdf * p))
+        let found = *beta * e.value * s.radiance * (lit * weight * part / (s.pdf * p));
+        trace.counters.note(|| Some(self.scene.light_groups.of_lights[light as usize]), found);
+        found
     }
-}
-
-/// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    if a.is_infinite() {
-        return 1.0;
-    }
-    let (a2, b2) = (a * a, b * b);
-    if a2 + b2 > 0.0 { a2 / (a2 + b2) } else { 0.0 }
 }

@@ -67,6 +67,9 @@ pub enum Error {
     /// What the graphics pipeline refused.
     #[error(transparent)]
     Raster(#[from] steradian_realtime::Error),
+    /// A render that could not go on.
+    #[error("{0}")]
+    Failed(String),
     /// An option of radiosity that does not exist or has no such value.
     #[error(
         "option '{0}' of radiosity is not understood; keys are method ({methods}), factors (analytic, montecarlo, hemicube), resolution (rays of a patch, or pixels of a hemicube's edge; 2 to 4096), patches (1 to 2000000), adaptive (0 to 8), tolerance (above 0, below 1), rays (1 to 1000000), wavelengths (4 to 256), ambient, gather (0 to 4096), smooth, solution (a file), max_depth, hide_emitters",

@@ -18,6 +18,7 @@ pub mod develop;
 mod error;
 pub mod inputs;
 pub mod load;
+mod method;
 mod missed;
 pub mod quality;
 pub mod radiosity;
@@ -30,6 +31,7 @@ pub use develop::develop;
 pub use error::Error;
 pub use inputs::Inputs;
 pub use load::{Loaded, load, load_bytes};
+pub use method::{Method, Render};
 pub use missed::missing_light;
 pub use quality::{LeftOut, Quality};
 pub use steradian_accel as accel;
@@ -45,7 +47,7 @@ pub use steradian_formats as formats;
 pub use steradian_image as image;
 pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
-pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Render, Session};
+pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Session};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
 
@@ -77,10 +79,10 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
 /// # Errors
 /// [`Error::UnknownIntegrator`] when the scene or the quality names an integrator that does not exist.
 pub fn render(scene: &Arc<Scene>, quality: &Quality) -> Result<image::Image, Error> {
-    if let Some(options) = raster::options(quality, scene)? {
-        return Ok(develop(scene, &raster::render(scene, quality, &options)?.film, &[]));
-    }
-    let mut session = quality.render(scene)?.session(scene);
+    let mut session = quality.render(scene)?.session(scene)?;
     session.step(u32::MAX, &Control::default());
+    if let Some(why) = session.failure() {
+        return Err(Error::Failed(why));
+    }
     Ok(develop(scene, &session.film(), &quality.layers))
 }

@@ -1,15 +1,15 @@
 //! Light that a picture lacks, since its integrator cannot find it.
 
-use crate::{Film, Scene, integrators::IntegratorKind};
+use crate::{Film, Render, Scene};
 use steradian_math::{Vec3, color::luminance};
 
 /// Less than this part of the light is not worth a word.
 const LEAST: f64 = 0.01;
 
-/// The part of the light that is missing in a picture of an integrator: caustics of points and parallel lights, which
+/// The part of the light that is missing in a picture: caustics of points and parallel lights, which
 /// no path from the camera finds. `None` where it is less than a hundredth, by an estimate.
-pub fn missing_light(integrator: &IntegratorKind, scene: &Scene, film: &Film) -> Option<f64> {
-    let share = share_of(integrator.missed_caustics(scene)?, film);
+pub fn missing_light(render: &Render, scene: &Scene, film: &Film) -> Option<f64> {
+    let share = share_of(render.integrator()?.missed_caustics(scene)?, film);
     (share >= LEAST).then_some(share)
 }
 
@@ -46,11 +46,11 @@ mod tests {
         let quality =
             Quality { integrator: Some(integrator.to_owned()), spp: Some(spp), threads: 2, ..Quality::default() };
         let render = quality.render(&scene).expect("a known integrator");
-        let mut session = render.session(&scene);
+        let mut session = render.session(&scene).expect("a session");
         session.step(u32::MAX, &Control::default());
         let film = session.film();
         let mean = film.pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / film.pixels.len() as f64;
-        (missing_light(&render.integrator, &scene, &film), mean)
+        (missing_light(&render, &scene, &film), mean)
     }
 
     /// What is said to be missing is what another method finds more.

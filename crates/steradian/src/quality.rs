@@ -1,12 +1,15 @@
 //! What the user decides about a render; what is left open follows the scene.
 
-use crate::{Error, Layer, radiosity, raster::RASTER};
+use crate::{
+    Error, Layer, Method, Render, radiosity,
+    raster::{Options, RASTER},
+};
 use std::path::PathBuf;
 use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
-use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, PathEffort, Plan, Render, VarianceReduction};
+use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, PathEffort, Plan, VarianceReduction};
 use steradian_integrators::{
     ao::AmbientOcclusion,
     radiosity::{Settings, View},
@@ -82,6 +85,14 @@ impl Quality {
             // Without a final gather pixels have no noise but that of edges.
             let spp = self.spp.unwrap_or(if view.gather > 0 { scene.settings.spp } else { scene.settings.spp.min(16) });
             return self.render_of(scene, IntegratorKind::Radiosity(view), spp);
+        }
+        if name == RASTER.0 {
+            let options = Options::parse(options)?;
+            depth.max = self.max_depth.unwrap_or(u32::MAX);
+            if self.adaptive {
+                return Err(Error::NotAdaptive(name.into()));
+            }
+            return self.plan_of(scene, Method::Pipeline(options, depth), self.spp.unwrap_or(1));
         }
         if name == "ao" {
             let of_file =
@@ -163,7 +174,7 @@ impl Quality {
     }
 
     /// Makes paths fit for layers of groups of lights, which share nothing and take one light sample each.
-    fn keep_lights_apart(&self, scene: &Scene, integrator: &mut IntegratorKind) -> Result<(), String> {
+    fn keep_lights_apart(&self, scene: &Scene, method: &mut Method) -> Result<(), String> {
         let groups = scene.light_groups.names.len();
         if groups > MOST_LIGHT_GROUPS {
             return Err(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)"));
@@ -179,10 +190,11 @@ impl Quality {
                 ..*variance_reduction
             };
         };
-        match integrator {
-            IntegratorKind::Path(i) => plain(&mut i.variance_reduction),
-            IntegratorKind::VolPath(i) => plain(&mut i.variance_reduction),
-            _ => return Err("layers of groups of lights; 'path' and 'volpath' can".into()),
+        match method {
+            Method::Rays(IntegratorKind::Path(i)) => plain(&mut i.variance_reduction),
+            Method::Rays(IntegratorKind::VolPath(i)) => plain(&mut i.variance_reduction),
+            Method::Pipeline(..) => {}
+            Method::Rays(_) => return Err("layers of groups of lights; 'path', 'volpath' and 'raster' can".into()),
         }
         Ok(())
     }
@@ -201,10 +213,14 @@ impl Quality {
     }
 
     /// By an integrator, with so many samples per pixel.
-    fn render_of(&self, scene: &Scene, mut integrator: IntegratorKind, spp: u32) -> Result<Render, Error> {
+    fn render_of(&self, scene: &Scene, integrator: IntegratorKind, spp: u32) -> Result<Render, Error> {
+        self.plan_of(scene, Method::Rays(integrator), spp)
+    }
+
+    fn plan_of(&self, scene: &Scene, mut method: Method, spp: u32) -> Result<Render, Error> {
         self.check()?;
         if self.layers.contains(&Layer::LightGroups) {
-            let kept = self.keep_lights_apart(scene, &mut integrator);
+            let kept = self.keep_lights_apart(scene, &mut method);
             kept.map_err(|what| Error::CannotRender { integrator: self.integrator_name(scene).into(), what })?;
         }
         let kind = match self.sampler.as_deref() {
@@ -227,7 +243,7 @@ impl Quality {
             adaptive: self.adaptive,
             error: self.error,
         };
-        Ok(Render { integrator, plan })
+        Ok(Render { method, plan })
     }
 
     /// The file that keeps the solution of radiosity, where one is named.
@@ -269,9 +285,14 @@ impl Quality {
         if let Some(IntegratorKind::Passes(kind)) = IntegratorKind::named(name, depth, VarianceReduction::default()) {
             return Some(LeftOut { what: kind.leaves_out(scene)?, instead: "bdpt" });
         }
+        let is_raster = name == RASTER.0;
         let is_blind =
-            matches!(name, "path" | "path-recursive" | "direct" | "whitted" | "raster") || name.starts_with("stokes");
-        (scene.has_media && is_blind).then(|| LeftOut { what: "participating media".into(), instead: "volpath" })
+            matches!(name, "path" | "path-recursive" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
+        let media = (scene.has_media && is_blind).then_some("participating media");
+        let motion = (scene.moves() && is_raster).then_some("motion: it shows the moment at which the shutter opens");
+        let what: Vec<&str> = media.into_iter().chain(motion).collect();
+        let instead = if scene.has_media { "volpath" } else { "path" };
+        (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
     }
 
     /// The integrator's name in the plan, without options.
@@ -318,7 +339,7 @@ mod tests {
 
     fn plan(scene: &Scene, integrator: Option<&str>, adaptive: bool) -> Result<String, String> {
         let quality = Quality { integrator: integrator.map(Into::into), adaptive, ..Quality::default() };
-        quality.render(scene).map(|r| format!("{:?} {}", r.integrator, r.plan.sampler.spp)).map_err(|e| e.to_string())
+        quality.render(scene).map(|r| format!("{:?} {}", r.method, r.plan.sampler.spp)).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -357,7 +378,7 @@ mod tests {
             assert!(said.starts_with("samples per pixel are whole numbers from 1 to 16777216"), "{said}");
         }
         let raster = Quality { spp: Some(u32::MAX), integrator: Some("raster".into()), ..Quality::default() };
-        assert!(matches!(crate::raster::options(&raster, &scene), Err(Error::OutOfRange { .. })));
+        assert!(matches!(raster.render(&scene), Err(Error::OutOfRange { .. })));
     }
 
     #[test]

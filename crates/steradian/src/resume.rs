@@ -3,7 +3,7 @@
 //! A file has the program's version, a fingerprint of the scene, the settings on which the picture's bits depend, the
 //! session, and the BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
 
-use crate::{CompileOptions, Scene, Session};
+use crate::{CompileOptions, Render, Scene, Session};
 use std::{
     collections::BTreeMap,
     fs::File,
@@ -11,7 +11,6 @@ use std::{
     path::Path,
 };
 use steradian_image::open_regular;
-use steradian_integrators::Render;
 use steradian_scene::{Node, SceneDesc, Value};
 
 const MAGIC: &[u8; 16] = b"Steradian state3";
@@ -148,10 +147,10 @@ impl Saved {
 impl Recipe {
     /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
     pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, render: &Render) -> Self {
-        let (film, Render { integrator, plan }) = (&scene.film, render);
+        let (film, Render { method, plan }) = (&scene.film, render);
         // Not threads, memory, or structures, which change no bit.
         let settings = [
-            ("integrator", format!("{:?}", integrator)),
+            ("integrator", format!("{method:?}")),
             ("sampler", format!("{:?}", plan.sampler.kind)),
             (SAMPLES, plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),
@@ -282,14 +281,14 @@ mod tests {
             Quality { error: Some(0.3), layers: vec![crate::Layer::ALL[0]], ..quality },
         ] {
             let render = quality.render(&scene).unwrap();
-            let mut whole = render.session(&scene);
+            let mut whole = render.session(&scene).unwrap();
             whole.step(40, &Control::default());
             for left_at in [1, 10, 17, 40] {
-                let mut first = render.session(&scene);
+                let mut first = render.session(&scene).unwrap();
                 first.step(left_at, &Control::default());
                 let recipe = recipe(&scene, print, &quality);
                 recipe.save(&mut *first, &path).unwrap();
-                let mut second = Render { plan: Plan { threads: 3, ..render.plan }, ..render }.session(&scene);
+                let mut second = Render { plan: Plan { threads: 3, ..render.plan }, ..render }.session(&scene).unwrap();
                 recipe.restore(&mut *second, &path).unwrap();
                 assert_eq!((second.samples(), second.counters()), (first.samples(), first.counters()));
                 second.step(40, &Control::default());
@@ -311,11 +310,11 @@ mod tests {
                 Quality { spp: Some(32), adaptive, integrator: Some(integrator.into()), ..Quality::default() };
             let render = quality.render(&scene).unwrap();
             let recipe = recipe(&scene, print, &quality);
-            let mut first = render.session(&scene);
+            let mut first = render.session(&scene).unwrap();
             first.step(32, &Control::default());
             recipe.save(&mut *first, &path).unwrap();
             let restored = || {
-                let mut session = render.session(&scene);
+                let mut session = render.session(&scene).unwrap();
                 recipe.restore(&mut *session, &path).unwrap();
                 session
             };
@@ -337,7 +336,7 @@ mod tests {
             assert!(bits(&*fourth) == bits(&*second), "{integrator}");
             // Against a reference: the mean is right, and errs less than before.
             let many = Quality { spp: Some(4096), seed: Some(5), ..quality.clone() };
-            let mut reference = many.render(&scene).unwrap().session(&scene);
+            let mut reference = many.render(&scene).unwrap().session(&scene).unwrap();
             reference.step(4096, &Control::default());
             let total = |s: &dyn Session| s.film().pixels.iter().map(|p| p.mean()[0]).sum::<f64>();
             let variance = |s: &dyn Session| s.film().pixels.iter().map(|p| p.variance_of_mean()[0]).sum::<f64>();
@@ -357,11 +356,11 @@ mod tests {
         let (scene, print) = scene(16);
         let quality = Quality { spp: Some(8), ..Quality::default() };
         let render = quality.render(&scene).unwrap();
-        let mut session = render.session(&scene);
+        let mut session = render.session(&scene).unwrap();
         session.step(2, &Control::default());
         let own = recipe(&scene, print, &quality);
         own.save(&mut *session, &path).unwrap();
-        let restore = |recipe: &Recipe| recipe.restore(&mut *render.session(&scene), &path);
+        let restore = |recipe: &Recipe| recipe.restore(&mut *render.session(&scene).unwrap(), &path);
         restore(&own).unwrap();
         let asked = |quality| restore(&recipe(&scene, print, &quality)).unwrap_err().to_string();
         assert_eq!(
@@ -409,7 +408,7 @@ mod tests {
             (Quality { error: Some(0.01), ..paths("light") }, 3),
         ] {
             let render = quality.render(&scene).unwrap();
-            let mut session = render.session(&scene);
+            let mut session = render.session(&scene).unwrap();
             session.step(left_at, &Control::default());
             let own = recipe(&scene, print, &quality);
             own.save(&mut *session, &path).unwrap();
@@ -434,7 +433,7 @@ mod tests {
                     let hash = blake3::hash(&forged);
                     forged.extend(hash.as_bytes());
                     std::fs::write(&path, forged).unwrap();
-                    let mut session = render.session(&scene);
+                    let mut session = render.session(&scene).unwrap();
                     if own.restore(&mut *session, &path).is_err() {
                         refused += 1;
                         continue;

@@ -13,7 +13,7 @@ fn scene(name: &str) -> Arc<Scene> {
 fn session(scene: &Arc<Scene>, integrator: &str, spp: u32, seed: u64, error: Option<f64>) -> Box<dyn Session> {
     let integrator = Some(integrator.into());
     let quality = Quality { integrator, spp: Some(spp), seed: Some(seed), error, ..Quality::default() };
-    let mut session = quality.render(scene).expect("a registered integrator").session(scene);
+    let mut session = quality.render(scene).expect("a registered integrator").session(scene).expect("a session");
     session.step(u32::MAX, &Control::default());
     session
 }

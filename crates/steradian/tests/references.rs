@@ -34,7 +34,8 @@ fn render_with(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u
     let scene = Arc::new(compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics)));
     let integrator = (!options.is_empty()).then(|| format!("{}{options}", scene.settings.integrator));
     let quality = Quality { integrator, spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
-    let mut session = quality.render(&scene).expect("the scene's own integrator exists").session(&scene);
+    let mut session =
+        quality.render(&scene).expect("the scene's own integrator exists").session(&scene).expect("a session");
     session.step(u32::MAX, &Control::default());
     assert_eq!(session.counters().nonfinite, 0);
     develop(&scene, &session.film(), &quality.layers)

@@ -3,7 +3,7 @@
 use steradian::{
     CompileOptions, Quality, Scene, compile, load,
     math::{Ray, Vec3},
-    raster, render,
+    render,
 };
 
 /// A triangle that faces +z, with a material and a scale of its node, before a white sky, seen from z = 3 or -3. It
@@ -79,10 +79,6 @@ fn every_method_sees_the_sky_from_behind() {
     let mean = |scene: Scene, integrator: &str| {
         let scene = &std::sync::Arc::new(scene);
         let quality = Quality { integrator: Some(integrator.into()), spp: Some(4), ..Quality::default() };
-        if let Some(options) = raster::options(&quality, scene).unwrap() {
-            let film = raster::render(scene, &quality, &options).unwrap().film;
-            return film.pixels.iter().map(|p| p.mean()[0]).sum::<f64>() / film.pixels.len() as f64;
-        }
         let picture = render(scene, &quality).expect("a picture");
         picture.channel("R").unwrap().iter().map(|v| f64::from(*v)).sum::<f64>() / 64.0
     };

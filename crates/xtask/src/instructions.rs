@@ -136,8 +136,7 @@ fn shading() {
 #[inline(never)]
 fn counted_shading(scene: &Arc<Scene>) {
     let quality = Quality { spp: Some(8), threads: 1, ..Quality::default() };
-    if let Ok(render) = quality.render(scene) {
-        let mut session = render.session(scene);
+    if let Ok(mut session) = quality.render(scene).and_then(|render| render.session(scene)) {
         session.step(8, &Control::default());
         black_box(session.counters());
     }

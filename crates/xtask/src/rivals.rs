@@ -116,7 +116,7 @@ fn render(path: &Path, spp: u32, frames: usize) -> Result<Frames, Box<dyn Error>
     let mut made = Frames { values: Vec::new(), cpu: Vec::new() };
     for seed in 1..=frames as u64 {
         let quality = Quality { spp: Some(spp), seed: Some(seed), ..Quality::default() };
-        let mut session = quality.render(&scene)?.session(&scene);
+        let mut session = quality.render(&scene)?.session(&scene)?;
         session.step(spp, &Control::default());
         made.values.push(session.film().pixels.iter().flat_map(|p| p.mean()).collect());
         made.cpu.push(session.cpu().as_secs_f64());

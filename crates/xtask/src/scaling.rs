@@ -17,7 +17,7 @@ const SIZE: u32 = 192;
 /// CPU and wall seconds of a render.
 fn render(scene: &Arc<Scene>, spp: u32, threads: usize) -> Result<[f64; 2], Box<dyn Error>> {
     let quality = Quality { spp: Some(spp), threads, ..Quality::default() };
-    let mut session = quality.render(scene)?.session(scene);
+    let mut session = quality.render(scene)?.session(scene)?;
     session.step(spp, &Control::default());
     Ok([session.cpu().as_secs_f64(), session.wall().as_secs_f64()])
 }

@@ -359,6 +359,15 @@ fn the_graphics_pipeline_draws_at_once() {
     let picture = place.picture("a.exr");
     let [left, right] = [picture.rgb().unwrap().at(20 * 48 + 3), picture.rgb().unwrap().at(20 * 48 + 44)];
     assert!(left[0] > 2.0 * left[1] && right[1] > 2.0 * right[0], "{left:?} {right:?}");
-    place.refuse(2, &["render", "--integrator", "raster", "--aov", "depth"], &["raster has no --aov"]);
+    // As with other integrators: layers, a limit of time, and what is kept.
+    let common = ["render", "--size", "48x40", "--integrator", "raster", "-o", "b.exr"];
+    place.succeed(&[&common[..], &["--aov", "depth,light_groups", "--spp", "4", "--resume", "state"]].concat());
+    assert!(place.picture("b.exr").channel("Z").is_some());
+    let run =
+        place.succeed(&[&common[..], &["--spp", "8", "--resume", "state", "--aov", "depth,light_groups"]].concat());
+    assert!(run.stderr.contains("going on from state at 4.0"), "{}", run.stderr);
+    let run = place.succeed(&[&common[..], &["--time", "200ms", "--sampler", "sobol"]].concat());
+    assert!(run.stderr.contains("--sampler has no effect"), "{}", run.stderr);
+    place.refuse(2, &[&common[..], &["--adaptive"]].concat(), &["leave out --adaptive"]);
     place.refuse(2, &["render", "--integrator", "raster:shadows=x"], &["one of ray, "]);
 }

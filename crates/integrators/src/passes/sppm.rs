@@ -8,7 +8,7 @@ use super::{
     subpath::{Arrival, Subpath, Ways},
     vertex::{Vertex, View},
 };
-use crate::{Counters, Depth, dimension, nee, walk::MAX_PASSES};
+use crate::{Counters, Depth, MAX_PASSES, dimension, nee};
 use std::f32::consts::PI;
 use steradian_core::{
     Scene, bsdf::TransportMode::Radiance, film::PassFilm, light::emission::Emission, sampler::PixelSampler,

@@ -7,7 +7,7 @@
 //! is left out of densities, which changes no mean.
 
 use super::vertex::{Vertex, View};
-use crate::{Counters, Depth, dimension, live_max, walk::MAX_PASSES};
+use crate::{Counters, Depth, MAX_PASSES, dimension, live_max};
 use steradian_core::{
     Scene,
     bsdf::TransportMode,

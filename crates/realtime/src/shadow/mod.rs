@@ -105,7 +105,7 @@ impl Shadowing {
     }
 
     /// How much of a light reaches a point: 1 where it is lit, 0 in its shadow.
-    pub fn lit(&self, scene: &Scene, light: u32, i: &Interaction, sample: &LightSample, trace: &mut Trace) -> f32 {
+    pub fn lit(&self, scene: &Scene, light: u32, i: &Interaction, sample: &LightSample, trace: &mut Trace<'_>) -> f32 {
         let (p, n) = (i.surface.p, i.surface.n);
         let told = match self.lights.get(light as usize).unwrap_or(&Means::Rays) {
             _ if self.kind == Shadows::None => Some(1.0),
@@ -118,7 +118,7 @@ impl Shadowing {
             Means::Planar(planar) => trace.pixel.map(|pixel| planar.lit(pixel)),
         };
         told.unwrap_or_else(|| {
-            trace.rays += 1;
+            trace.counters.rays += 1;
             f32::from(u8::from(!scene.occluded(&i.spawn_towards(sample.wi, sample.distance))))
         })
     }
@@ -152,13 +152,31 @@ impl Shadowing {
     }
 
     /// Whether nothing lies on the way of a ray to the sky.
-    pub fn is_open(&self, scene: &Scene, ray: &Ray, trace: &mut Trace) -> bool {
+    pub fn is_open(&self, scene: &Scene, ray: &Ray, trace: &mut Trace<'_>) -> bool {
         if self.kind == Shadows::None {
             return true;
         }
-        trace.rays += 1;
+        trace.counters.rays += 1;
         !scene.occluded(ray)
     }
+}
+
+/// Whether a scene has a light without extent.
+pub fn has_sharp_light(scene: &Scene) -> bool {
+    scene.lights.lights.iter().any(|light| Source::of(light).is_some())
+}
+
+/// Whether there are shadow maps in a scene by such options.
+pub fn has_maps(scene: &Scene, options: &Options) -> bool {
+    let lights = &scene.lights.lights;
+    let has_some = match options.shadows {
+        Shadows::Map | Shadows::Cube | Shadows::Trapezoid | Shadows::Perspective | Shadows::Cascades => {
+            has_sharp_light(scene)
+        }
+        Shadows::Pcss => has_sharp_light(scene) || lights.iter().any(|light| matches!(light, Light::Area(_))),
+        _ => false,
+    };
+    has_some && lights.len() <= MOST_LIGHTS
 }
 
 /// How many shadow volumes of the first light without extent each pixel is in; `None` where there is no such light.

@@ -23,7 +23,7 @@ mod tests;
 
 pub use judge::{Difference, POWER, Verdict};
 
-use crate::{Control, Error, Film, INTEGRATORS, Quality, Render, Scene, missed};
+use crate::{Control, Error, Film, INTEGRATORS, Plan, Quality, Scene, Session, missed};
 use picture::Picture;
 use std::sync::{Arc, atomic::Ordering};
 use steradian_integrators::{
@@ -88,6 +88,19 @@ impl Report {
     pub fn with(&self, verdict: Verdict) -> Vec<&str> {
         let is = |v: &&Verified| matches!(&v.outcome, Outcome::Compared(c) if c.difference.verdict == verdict);
         self.verified.iter().filter(is).map(|v| v.integrator.as_str()).collect()
+    }
+}
+
+/// An integrator, and what is asked of it.
+#[derive(Clone, Copy, Debug)]
+struct Render {
+    integrator: IntegratorKind,
+    plan: Plan,
+}
+
+impl Render {
+    fn session(&self, scene: &Arc<Scene>) -> Box<dyn Session> {
+        self.integrator.session(Arc::clone(scene), self.plan)
     }
 }
 
@@ -215,7 +228,10 @@ impl Maker<'_> {
         if let Some(what) = quality.leaves_out(self.scene) {
             return Err(Error::CannotRender { integrator: name.to_owned(), what: what.what });
         }
-        let mut render = quality.render(self.scene)?;
+        let crate::Render { method: crate::Method::Rays(integrator), plan } = quality.render(self.scene)? else {
+            return Err(Error::CannotRender { integrator: name.to_owned(), what: "all light".into() });
+        };
+        let mut render = Render { integrator, plan };
         let mut wider = None;
         if let Some((finer, coarser)) = with_less_bias(&render.integrator) {
             render.integrator = finer;

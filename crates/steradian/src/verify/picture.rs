@@ -1,6 +1,7 @@
 //! A picture in parts, whose spread tells its error, and whether that can be trusted.
 
-use crate::{Control, Film, Pixel, Render, Scene};
+use super::Render;
+use crate::{Control, Film, Pixel, Scene};
 use std::sync::{Arc, atomic::Ordering};
 
 /// Edge of the blocks of pixels that are compared.

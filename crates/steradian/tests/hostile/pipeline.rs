@@ -70,7 +70,7 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
             };
         }
     };
-    let mut session = render.session(&scene);
+    let mut session = render.session(&scene).expect("a session");
     session.step(2, &Control::default());
     let picture = develop(&scene, &session.film(), &layers);
     for channel in picture.channels() {

@@ -1,6 +1,6 @@
 //! Next-event estimation: what a light, chosen in proportion to what it can contribute, adds at a scattering event.
 
-use crate::{dimension, power_heuristic};
+use crate::power_heuristic;
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, TransportMode},
@@ -9,9 +9,10 @@ use steradian_core::{
     sampler::PixelSampler,
     scene::Interaction,
 };
+use steradian_engine::dimension;
 use steradian_math::{Frame, Spectrum, Vec3, spectra::Wavelengths};
 
-/// Where light is asked for at a surface: models that only reflect take none from below.
+/// Reference point for light sampling at a surface: models that only reflect take none from below.
 #[inline]
 pub fn context(i: &Interaction, frame: &Frame, bsdf: &Bsdf) -> LightContext {
     LightContext { p: i.surface.p, n: if bsdf.has_transmission() { Vec3::ZERO } else { frame.z } }

@@ -1,0 +1,234 @@
+//! Pictures by the graphics pipeline, pass by pass: each is one sample of every pixel, at one place of all of them.
+
+use crate::{
+    Error,
+    draw_list::DrawList,
+    lesson,
+    options::{Method, Options, Show},
+    projection::Projected,
+    shading::Shader,
+    shadow::{Eye, Shadowing},
+    visibility::Visibility,
+};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use steradian_core::{
+    Scene,
+    film::{FilmSpec, PassFilm},
+};
+use steradian_engine::{Counters, Pass, Plan, Run, Stop, first_hit};
+use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_transport::Depth;
+
+/// A render by the pipeline.
+#[derive(Debug)]
+pub struct Rasterizer {
+    options: Options,
+    depth: Depth,
+    transparent: bool,
+    /// Whether the light of each group of lights is kept for itself.
+    by_light: bool,
+    /// What is drawn, and the threads that draw it; before the first pass.
+    prepared: Option<(DrawList, rayon::ThreadPool)>,
+    /// Made once, for kinds of shadows that hold for all passes.
+    shadows: OnceLock<Shadowing>,
+    /// Pixels that the painter's algorithm gets wrong in the first pass.
+    wrong: OnceLock<usize>,
+    failure: Mutex<Option<String>>,
+}
+
+/// A sample of a pixel.
+struct Found {
+    value: Vec3,
+    lights: Vec<Vec3>,
+}
+
+/// What a pass draws with.
+struct Drawing<'a> {
+    run: &'a Run<'a>,
+    list: &'a DrawList,
+    number: u32,
+    projected: Projected,
+    /// What the filter gives its samples.
+    weight: f32,
+    visibility: Visibility,
+}
+
+impl Rasterizer {
+    /// Draws a scene as the options say: with one pass at the centres of pixels, with more spread by the pixel filter,
+    /// so that pictures converge to those of rays. `depth` has the most scattering events, and whether the camera sees
+    /// lights.
+    ///
+    /// # Errors
+    /// Cameras that have no projection to a plane, frames that the pipeline refuses, and views that need what the scene
+    /// does not have.
+    pub fn new(scene: &Scene, options: Options, depth: Depth, plan: &Plan) -> Result<Self, Error> {
+        Projected::new(scene, Vec2::splat(0.5))?;
+        lesson::check(scene, &options)?;
+        Ok(Self {
+            options,
+            depth,
+            transparent: plan.transparent,
+            by_light: plan.by_light,
+            prepared: None,
+            shadows: OnceLock::new(),
+            wrong: OnceLock::new(),
+            failure: Mutex::default(),
+        })
+    }
+
+    fn draw(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Result<Option<Counters>, Error> {
+        let Some((list, pool)) = &self.prepared else { return Ok(None) };
+        let drawing = pool.install(|| self.drawing(run, list, number))?;
+        if number == 0 && self.options.visibility == Method::Painter {
+            let right = pool.install(|| Visibility::draw(run.scene, list, &drawing.projected))?;
+            let _ = self.wrong.set(drawing.visibility.differing(&right));
+        }
+        if run.is_cancelled() {
+            return Ok(None);
+        }
+        let of_pass;
+        let shadows = if self.options.shadows.is_of_pixels() {
+            of_pass = pool.install(|| self.shadowing(&drawing))?;
+            &of_pass
+        } else {
+            self.shadows_of_all(&drawing, pool)?
+        };
+        if run.is_cancelled() {
+            return Ok(None);
+        }
+        let eye = drawing.eye();
+        let lesson = pool.install(|| lesson::picture(run.scene, list, &eye, &self.options, shadows))?;
+        let crop = run.scene.film.crop;
+        let (width, height) = (crop.width() as usize, crop.height() as usize);
+        let rows = run.in_order(height, |row, counters| {
+            let pixel = |column: usize| match &lesson {
+                Some(lesson) => Found { value: lesson[row * width + column], lights: Vec::new() },
+                None => self.pixel(&drawing, shadows, [column as u32, row as u32], counters),
+            };
+            (0..width).map(pixel).collect::<Vec<_>>()
+        });
+        let Some((rows, mut counters)) = rows else { return Ok(None) };
+        for (at, found) in rows.iter().flatten().enumerate() {
+            film.add(crop.x0 + (at % width) as u32, crop.y0 + (at / width) as u32, found.value);
+            film.add_lights(at, &found.lights);
+        }
+        counters.samples = (width * height) as u64;
+        Ok(Some(counters))
+    }
+
+    /// What a pass sees.
+    fn drawing<'a>(&self, run: &'a Run<'a>, list: &'a DrawList, number: u32) -> Result<Drawing<'a>, Error> {
+        let (offset, weight) = place(&run.scene.film, number);
+        // One sample alone is the whole pixel.
+        let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
+        let projected = Projected::new(run.scene, offset)?;
+        let visibility = Visibility::draw_with(run.scene, list, &projected, Some(self.options.visibility))?;
+        Ok(Drawing { run, list, number, projected, weight, visibility })
+    }
+
+    fn shadowing(&self, drawing: &Drawing<'_>) -> Result<Shadowing, Error> {
+        Shadowing::new(drawing.run.scene, drawing.list, &self.options, &drawing.eye())
+    }
+
+    /// Shadows by what the first pass sees, whichever pass asks.
+    fn shadows_of_all(&self, drawing: &Drawing<'_>, pool: &rayon::ThreadPool) -> Result<&Shadowing, Error> {
+        if self.shadows.get().is_none() {
+            let made = pool.install(|| match drawing.number {
+                0 => self.shadowing(drawing),
+                _ => self.shadowing(&self.drawing(drawing.run, drawing.list, 0)?),
+            })?;
+            let _ = self.shadows.set(made);
+        }
+        self.shadows.get().ok_or_else(|| Error::Scene("no shadows were made".into()))
+    }
+
+    fn pixel(&self, drawing: &Drawing<'_>, shadows: &Shadowing, at: [u32; 2], counters: &mut Counters) -> Found {
+        let Drawing { run, list, projected, visibility, .. } = drawing;
+        let scene = run.scene;
+        let seen = visibility.seen(scene, list, projected, at);
+        if self.options.show == Show::Clip {
+            let item = visibility.item((at[1] * scene.film.crop.width() + at[0]) as usize);
+            let shown = item.zip(seen).map(|(item, seen)| lesson::clipping(scene, list, projected, item, &seen));
+            return Found { value: shown.unwrap_or(Vec3::ZERO), lights: Vec::new() };
+        }
+        let ray = projected.ray(scene, at);
+        let seed = run.sampler.seed;
+        let shader = Shader { scene, shadows, options: &self.options, depth: &self.depth, pass: drawing.number, seed };
+        if self.options.show != Show::Picture {
+            return Found { value: shader.view(&ray, seen), lights: Vec::new() };
+        }
+        let mut lambda = shader.wavelengths(at);
+        counters.by_group.clear();
+        let groups = if self.by_light { scene.light_groups.names.len() } else { 0 };
+        counters.by_group.resize(groups, Spectrum::ZERO);
+        counters.stop = Stop::by(&run.control.cancel);
+        let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
+        if self.transparent && first_hit(scene, ray, &lambda).coverage == 0.0 {
+            radiance = Spectrum::ZERO;
+            counters.by_group.fill(radiance);
+        }
+        let exposed = scene.film.exposed(radiance);
+        let scale = if exposed.is_black() { 0.0 } else { exposed.max_element() / radiance.max_element() };
+        let rgb = |light| scene.mode.to_rgb(light, &lambda) * drawing.weight;
+        Found { value: rgb(exposed), lights: counters.by_group.iter().map(|light| rgb(*light * scale)).collect() }
+    }
+}
+
+impl Drawing<'_> {
+    fn eye(&self) -> Eye<'_> {
+        Eye { projected: &self.projected, visibility: &self.visibility }
+    }
+}
+
+impl Pass for Rasterizer {
+    fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
+        match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
+            Ok(pool) => self.prepared = Some((DrawList::new(run.scene), pool)),
+            Err(e) => self.fail(format!("the system gives no threads: {e}")),
+        }
+        self.prepared.is_some().then_some(())
+    }
+
+    fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
+        self.draw(run, number, film).unwrap_or_else(|e| {
+            self.fail(e.to_string());
+            None
+        })
+    }
+
+    fn first_ray(&self, run: &Run<'_>, [x, y]: [u32; 2], number: u32) -> (Ray, Wavelengths) {
+        let scene = run.scene;
+        let (offset, _) = place(&scene.film, number);
+        let ray = scene.camera.ray(&scene.film, Vec2::new(x as f32, y as f32) + offset, Vec2::splat(0.5));
+        (ray, scene.mode.wavelengths(|| 0.5))
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let wrong = |pixels| format!("the order of the painter's algorithm is wrong in {pixels} pixels");
+        self.wrong.get().map(wrong).into_iter().collect()
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Rasterizer {
+    fn fail(&self, why: String) {
+        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+    }
+}
+
+/// The place in each pixel that a pass looks at, from its top left, and its weight: the centre first, then spread as the
+/// pixel filter is.
+fn place(film: &FilmSpec, number: u32) -> (Vec2, f32) {
+    let u = spread(number);
+    let (offset, weight) = film.filter.sample(u);
+    (if number == 0 { u } else { offset + 0.5 }, weight)
+}
+
+/// Points that fill the unit square evenly (Roberts 2018, the R2 sequence), from its middle on.
+pub(crate) fn spread(index: u32) -> Vec2 {
+    let turn = |step: f64| (0.5 + step * f64::from(index)).fract() as f32;
+    Vec2::new(turn(0.754_877_666_246_692_7), turn(0.569_840_290_998_053_2))
+}

@@ -1,0 +1,49 @@
+//! A method with what it is to render: what a [`Quality`](crate::Quality) comes to for a scene.
+
+use crate::{Error, Plan, Scene, Session};
+use std::sync::Arc;
+use steradian_engine::Passes;
+use steradian_integrators::{Depth, IntegratorKind};
+use steradian_realtime::{Options, Rasterizer};
+
+/// A way to make pictures.
+#[derive(Clone, Copy, Debug)]
+pub enum Method {
+    /// Light transport by rays.
+    Rays(IntegratorKind),
+    /// The graphics pipeline, with the most scattering events.
+    Pipeline(Options, Depth),
+}
+
+/// A method, and what is asked of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Render {
+    /// The method.
+    pub method: Method,
+    /// What is asked.
+    pub plan: Plan,
+}
+
+impl Render {
+    /// The integrator, of methods by rays.
+    pub fn integrator(&self) -> Option<&IntegratorKind> {
+        match &self.method {
+            Method::Rays(integrator) => Some(integrator),
+            Method::Pipeline(..) => None,
+        }
+    }
+
+    /// Starts with an empty film.
+    ///
+    /// # Errors
+    /// [`Error::Raster`] for scenes that the pipeline cannot take.
+    pub fn session(&self, scene: &Arc<Scene>) -> Result<Box<dyn Session>, Error> {
+        Ok(match self.method {
+            Method::Rays(integrator) => integrator.session(Arc::clone(scene), self.plan),
+            Method::Pipeline(options, depth) => {
+                let rasterizer = Rasterizer::new(scene, options, depth, &self.plan)?;
+                Box::new(Passes::new(Arc::clone(scene), rasterizer, self.plan))
+            }
+        })
+    }
+}

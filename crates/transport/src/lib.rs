@@ -1,0 +1,37 @@
+//! What methods that follow light have in common, and the same for all of them: the light that is asked for at a point,
+//! what a path meets that shines, and the weights by which ways to find light are put together.
+
+pub mod nee;
+
+use steradian_math::{Spectrum, spectra::Wavelengths};
+
+/// Surfaces that scatter nothing are passed at most this often on a path.
+pub const MAX_PASSES: u32 = 1 << 16;
+
+/// How far paths are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Depth {
+    /// Most scattering events; `u32::MAX` for no limit.
+    pub max: u32,
+    /// Scattering events before Russian roulette.
+    pub roulette_after: u32,
+    /// Whether lights are invisible to the camera.
+    pub hide_emitters: bool,
+}
+
+/// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).
+#[inline]
+pub fn power_heuristic(a: f32, b: f32) -> f32 {
+    if a == 0.0 {
+        return 0.0;
+    }
+    // By the ratio, so that squares of large densities stay finite.
+    let r = b / a;
+    1.0 / (1.0 + r * r)
+}
+
+/// The largest throughput over the lanes that still count.
+#[inline]
+pub fn live_max(beta: Spectrum, lambda: &Wavelengths) -> f32 {
+    if lambda.is_secondary_terminated() { beta[0] } else { beta.max_element() }
+}
