@@ -199,7 +199,7 @@ impl<'a> Shader<'a> {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
                 if let Some((light, p)) = lights.choose(&point.ctx, u) {
                     let u = numbers.get_2d(5 + 8 * round, k);
-                    sum += self.from_light(point, (light, p), None, u, 1.0 / points as f32, trace);
+                    sum += self.light_of(point, (light, p), None, u, 1.0 / points as f32, trace);
                 }
             }
             return sum + self.sky(point, true, trace);
@@ -211,7 +211,7 @@ impl<'a> Shader<'a> {
             let share = self.shadows.share(number as u32, &point.i);
             for k in 0..count {
                 let u = numbers.get_2d(1000 * (number as u32 + 1) + 6 + 8 * round, k);
-                sum += self.from_light(point, (number as u32, 1.0), share, u, 1.0 / count as f32, trace);
+                sum += self.light_of(point, (number as u32, 1.0), share, u, 1.0 / count as f32, trace);
             }
         }
         sum + self.sky(point, false, trace)
@@ -243,9 +243,9 @@ impl<'a> Shader<'a> {
                 if !arriving.is_black()
                     && *is_open.get_or_insert_with(|| self.shadows.is_open(self.scene, &i.spawn(wi), trace))
                 {
-                    let light_of = self.scene.light_groups.of_lights[light as usize];
+                    let group = self.scene.light_groups.of_lights[light as usize];
                     let found = *beta * s.weight * arriving / self.options.points as f32;
-                    trace.counters.note(|| Some(light_of), found);
+                    trace.counters.note(|| Some(group), found);
                     sum += found;
                 }
             }
@@ -255,7 +255,7 @@ impl<'a> Shader<'a> {
 
     /// The light of a place on a light that was chosen with a probability, in this part. `share`: how much of the light
     /// is seen, where that is known.
-    fn from_light(
+    fn light_of(
         &self,
         Point { i, frame, scattering, ctx, lambda, beta, .. }: &Point<'_>,
         (light, p): (u32, f32),

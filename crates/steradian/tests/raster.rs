@@ -546,21 +546,22 @@ fn verified(name: &str) -> Scene {
 fn dented() -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let mut normals = steradian::image::Image::new(16, 16);
-    let tilt = |k: usize, axis: usize| [0.2, 0.5, 0.8, 0.5][(if axis == 0 { k % 16 } else { k / 16 }) % 4];
+    let tilt = |k: usize, axis: usize| [0.1, 0.5, 0.9, 0.5][(if axis == 0 { k % 16 } else { k / 16 }) % 4];
     for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
-        let plane = (0..256).map(|k| if axis == 2 { 0.9 } else { tilt(k, axis) }).collect();
+        let plane = (0..256).map(|k| if axis == 2 { 0.75 } else { tilt(k, axis) }).collect();
         normals.push(name, plane).unwrap();
     }
     let path = folder.path().join("n.exr");
     steradian::image::write(&path, &normals, &Default::default()).unwrap();
-    let text = r#"LookAt 0 -2 2  0 0 0  0 0 1  Camera "perspective" "float fov" 40
-        Film "rgb" "integer xresolution" 32 "integer yresolution" 32  WorldBegin
-        LightSource "infinite" "rgb L" [0.2 0.2 0.25]
-        AttributeBegin AreaLightSource "diffuse" "rgb L" [9 9 9]  Translate 1 0 2
-        Shape "sphere" "float radius" 0.3  AttributeEnd
-        Material "coateddiffuse" "rgb reflectance" [0.6 0.5 0.4] "string normalmap" "n.exr" "float roughness" 0.3
-        Shape "bilinearmesh" "point3 P" [-1 -1 0  1 -1 0  -1 1 0  1 1 0] "point2 uv" [0 0 1 0 0 1 1 1]"#;
-    let path = folder.path().join("s.pbrt");
+    let text = r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="40"/>
+        <transform name="to_world"><lookat origin="0,-2,1" target="0,0,0" up="0,0,1"/></transform>
+        <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/></film></sensor>
+        <emitter type="constant"><rgb name="radiance" value="0.2,0.2,0.25"/></emitter>
+        <shape type="sphere"><point name="center" x="1.7" y="0" z="0.6"/><float name="radius" value="0.3"/>
+        <emitter type="area"><rgb name="radiance" value="9,9,9"/></emitter></shape>
+        <shape type="rectangle"><bsdf type="normalmap"><texture type="bitmap"><string name="filename" value="n.exr"/>
+        <boolean name="raw" value="true"/></texture><bsdf type="diffuse"/></bsdf></shape></scene>"#;
+    let path = folder.path().join("s.xml");
     std::fs::write(&path, text).unwrap();
     let loaded = load(path.to_str().unwrap(), &Default::default());
     let mode = Some(steradian::ColorMode::Rgb);

@@ -125,30 +125,27 @@ fn all(arguments: &Arguments, folder: &Path) -> Result<Found, Box<dyn Error>> {
     let (mut pictures, mut counts) = (BTreeMap::new(), BTreeMap::new());
     let out = folder.join("picture.exr");
     for integrator in INTEGRATORS {
-        // Layers of those that have them, in one of two renders.
-        let is_pipeline = integrator.starts_with("raster");
+        // With layers in one of two renders.
         for (number, scene) in SCENES.into_iter().enumerate() {
             let (path, out) = (Path::new("scenes/verify").join(scene), &out);
             let basic = ["--size", "20x12", "--spp", "4"];
             let layers = ["--aov", "all,cryptomatte"];
             let mut extra: Vec<&str> = basic.to_vec();
-            if !is_pipeline && number % 2 == 0 {
+            if number % 2 == 0 {
                 extra.extend(layers);
             }
             pictures
                 .insert(format!("{scene} {integrator}"), picture(&arguments.program, &path, integrator, &extra, out)?);
         }
         let path = Path::new("scenes/verify").join(COUNTED);
-        if !is_pipeline {
-            // Stopped after a part of the samples, and gone on with.
-            let state = folder.join("render.state");
-            let _ = std::fs::remove_file(&state);
-            let state_text = state.to_string_lossy();
-            for spp in ["4", "10"] {
-                let extra = ["--size", "20x12", "--spp", spp, "--crop", "3,2,17,11", "--resume", &state_text];
-                let hash = picture(&arguments.program, &path, integrator, &extra, &out)?;
-                pictures.insert(format!("{COUNTED} {integrator}, resumed, {spp}"), hash);
-            }
+        // Stopped after a part of the samples, and gone on with.
+        let state = folder.join("render.state");
+        let _ = std::fs::remove_file(&state);
+        let state_text = state.to_string_lossy();
+        for spp in ["4", "10"] {
+            let extra = ["--size", "20x12", "--spp", spp, "--crop", "3,2,17,11", "--resume", &state_text];
+            let hash = picture(&arguments.program, &path, integrator, &extra, &out)?;
+            pictures.insert(format!("{COUNTED} {integrator}, resumed, {spp}"), hash);
         }
         if arguments.instructions {
             counts.insert(integrator.to_owned(), instructions(&arguments.program, &path, integrator, &out)?);
