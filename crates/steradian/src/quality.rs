@@ -70,12 +70,11 @@ impl Quality {
     pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
         let asked = self.integrator_or_scene(scene);
         let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
-        let mut depth = Depth {
+        let depth = Depth {
             max: scene.settings.max_depth,
             roulette_after: scene.settings.rr_depth,
             hide_emitters: scene.settings.hide_emitters,
         };
-        let (mut variance_reduction, mut own, mut tactical) = (VarianceReduction::default(), Vec::new(), None);
         if name == "radiosity" {
             let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
             let asked = radiosity::options(options, depth)?;
@@ -88,7 +87,7 @@ impl Quality {
         }
         if name == RASTER.0 {
             let options = Options::parse(options)?;
-            depth.max = self.max_depth.unwrap_or(u32::MAX);
+            let depth = Depth { max: self.max_depth.unwrap_or(u32::MAX), ..depth };
             if self.adaptive {
                 return Err(Error::NotAdaptive(name.into()));
             }
@@ -101,36 +100,7 @@ impl Quality {
             let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
             return self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
         }
-        for option in options.split(',').filter(|o| !o.is_empty()) {
-            let fault = || unknown_option(name, option);
-            let (key, value) = option.split_once('=').ok_or_else(fault)?;
-            if ["reuse", "caustics", "effort"].contains(&key.trim()) {
-                tactical = Some(option);
-            }
-            match key.trim() {
-                "max_depth" if value == "-1" => depth.max = u32::MAX,
-                "max_depth" => depth.max = value.parse().map_err(|_| fault())?,
-                "rr_depth" => depth.roulette_after = value.parse().map_err(|_| fault())?,
-                "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
-                "reuse" if value == "auto" => variance_reduction.reuse = None,
-                "reuse" => {
-                    let size: u32 = value.parse().map_err(|_| fault())?;
-                    variance_reduction.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
-                }
-                "caustics" if value == "auto" => variance_reduction.caustics = None,
-                "effort" if value == "auto" => {
-                    (variance_reduction.effort, variance_reduction.by_vertex) = (None, false)
-                }
-                "effort" if value == "even" => {
-                    (variance_reduction.effort, variance_reduction.by_vertex) = (Some(PathEffort::default()), false);
-                }
-                "effort" if value == "vertex" => {
-                    (variance_reduction.effort, variance_reduction.by_vertex) = (None, true)
-                }
-                "caustics" => variance_reduction.caustics = Some(value.parse().map_err(|_| fault())?),
-                key => own.push((key, value, option)),
-            }
-        }
+        let PathOptions { mut depth, variance_reduction, own, tactical } = PathOptions::parse(name, options, depth)?;
         depth.max = self.max_depth.unwrap_or(depth.max);
         let mut integrator =
             IntegratorKind::named(name, depth, variance_reduction).ok_or_else(|| Error::UnknownIntegrator {
@@ -299,6 +269,51 @@ impl Quality {
     pub fn integrator_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
         let asked = self.integrator_or_scene(scene);
         asked.split_once(':').map_or(asked, |s| s.0)
+    }
+}
+
+/// The options of an integrator that follows paths.
+struct PathOptions<'a> {
+    depth: Depth,
+    variance_reduction: VarianceReduction,
+    /// Those of the integrator alone: key, value, and both as written.
+    own: Vec<(&'a str, &'a str, &'a str)>,
+    /// One that only path tracers have.
+    tactical: Option<&'a str>,
+}
+
+impl<'a> PathOptions<'a> {
+    fn parse(name: &str, options: &'a str, depth: Depth) -> Result<Self, Error> {
+        let mut parsed =
+            Self { depth, variance_reduction: VarianceReduction::default(), own: Vec::new(), tactical: None };
+        for option in options.split(',').filter(|o| !o.is_empty()) {
+            let fault = || unknown_option(name, option);
+            let (key, value) = option.split_once('=').ok_or_else(fault)?;
+            if ["reuse", "caustics", "effort"].contains(&key.trim()) {
+                parsed.tactical = Some(option);
+            }
+            let reduction = &mut parsed.variance_reduction;
+            match key.trim() {
+                "max_depth" if value == "-1" => parsed.depth.max = u32::MAX,
+                "max_depth" => parsed.depth.max = value.parse().map_err(|_| fault())?,
+                "rr_depth" => parsed.depth.roulette_after = value.parse().map_err(|_| fault())?,
+                "hide_emitters" => parsed.depth.hide_emitters = value.parse().map_err(|_| fault())?,
+                "reuse" if value == "auto" => reduction.reuse = None,
+                "reuse" => {
+                    let size: u32 = value.parse().map_err(|_| fault())?;
+                    reduction.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
+                }
+                "caustics" if value == "auto" => reduction.caustics = None,
+                "effort" if value == "auto" => (reduction.effort, reduction.by_vertex) = (None, false),
+                "effort" if value == "even" => {
+                    (reduction.effort, reduction.by_vertex) = (Some(PathEffort::default()), false);
+                }
+                "effort" if value == "vertex" => (reduction.effort, reduction.by_vertex) = (None, true),
+                "caustics" => reduction.caustics = Some(value.parse().map_err(|_| fault())?),
+                key => parsed.own.push((key, value, option)),
+            }
+        }
+        Ok(parsed)
     }
 }
 

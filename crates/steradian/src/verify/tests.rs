@@ -49,8 +49,11 @@ impl Room {
     }
 }
 
+/// Renders a round of a method with a fault.
+type Fault<'f> = &'f dyn Fn(&Arc<Scene>, Render, &Control, &mut Picture);
+
 /// The verdict about a method that something is done to. References are rendered as they are.
-fn verdict(method: &str, fault: &dyn Fn(&Arc<Scene>, Render, &Control, &mut Picture)) -> Verdict {
+fn verdict(method: &str, fault: Fault<'_>) -> Verdict {
     let take: Taker<'_> = &|name, scene, render, control, picture| {
         if name == method { fault(scene, render, control, picture) } else { picture.add(scene, render, control) }
     };
@@ -94,7 +97,7 @@ const BDPT: &str = "bdpt:max_depth=5";
 /// Eleven faults that integrators have had, or might.
 #[test]
 fn mutants_are_found() {
-    let found = |what: &str, method: &str, fault: &dyn Fn(&Arc<Scene>, Render, &Control, &mut Picture)| {
+    let found = |what: &str, method: &str, fault: Fault<'_>| {
         let verdict = verdict(method, fault);
         (verdict != Verdict::Differs).then(|| format!("{what}: {method} {verdict:?}"))
     };
