@@ -570,8 +570,8 @@ fn dented() -> Scene {
     scene
 }
 
-/// Direct light is that of `direct` under bump maps, normal maps and masks, with textures, many lights and a sky: means of
-/// blocks of 8 × 8 pixels agree within four times their errors and a hundredth, the picture's within five thousandths.
+/// Direct light is that of `direct` under bump maps, normal maps and masks, with textures, many lights and a sky: means
+/// of blocks of 8 × 8 pixels agree within four times their errors and a hundredth, the picture's within five thousandths.
 #[test]
 fn direct_light_is_that_of_rays() {
     let verified = ["bumps", "masked", "textured", "sky-and-lamp", "many-lights"].map(|name| (name, verified(name)));

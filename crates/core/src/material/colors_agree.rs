@@ -3,7 +3,7 @@
 use super::{MATERIALS, catalog::Kind, scattering};
 use crate::{
     bsdf::TransportMode::Radiance,
-    color::{self, Color, ColorMode, Role},
+    color::{Color, ColorMode, Role},
     compile::{Options, compile},
     scene::Scene,
     texture::TextureContext,
