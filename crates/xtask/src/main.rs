@@ -1,5 +1,5 @@
-//! `cargo xtask`: benchmarks, generators of what they measure, whether pictures are the same, and counts of what is untidy
-//! in the code.
+//! `cargo xtask`: benchmarks, generators of what they measure, whether pictures are the same, and counts of what is
+//! untidy in the code.
 //!
 //! Nothing here is a test: no figure of time makes a command fail.
 #![allow(clippy::print_stdout, clippy::print_stderr)]

@@ -1,5 +1,5 @@
-//! `cargo xtask tidy`: how tidy the code is, in numbers that may only fall. Ceilings are in `tidy.json`; more than a ceiling is an
-//! error, less is a reason to lower it (`--update`).
+//! `cargo xtask tidy`: how tidy the code is, in numbers that may only fall. Ceilings are in `tidy.json`; more than a
+//! ceiling is an error, less is a reason to lower it (`--update`).
 
 use proc_macro2::{TokenStream, TokenTree};
 use serde::{Deserialize, Serialize};
