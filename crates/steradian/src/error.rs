@@ -67,6 +67,9 @@ pub enum Error {
     /// What the graphics pipeline refused.
     #[error(transparent)]
     Raster(#[from] steradian_realtime::Error),
+    /// A scene with errors, by all that is said of it.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Scene(steradian_scene::Diagnostics),
     /// A render that could not go on.
     #[error("{0}")]
     Failed(String),

@@ -1,14 +1,14 @@
 //! Steradian: load a scene, compile it, render it, save the picture.
 //!
 //! ```
-//! use steradian::{Quality, cornell, render};
+//! use steradian::{Quality, render};
 //!
-//! let desc = cornell::point_light();
-//! let compiled = steradian::compile(&desc, &steradian::CompileOptions { size: Some((32, 32)), ..Default::default() });
-//! let scene = std::sync::Arc::new(compiled.scene.expect("the built-in scene is sound"));
-//! let quality = Quality { spp: Some(4), ..Quality::default() };
+//! // A file, or a built-in scene; `Err` has all that is wrong with it, with files, lines and columns.
+//! let (scene, messages) = steradian::open("builtin:cornell-box")?;
+//! assert!(messages.is_empty());
+//! let quality = Quality { spp: Some(1), ..Quality::default() };
 //! let picture = render(&scene, &quality)?;
-//! assert_eq!((picture.width(), picture.height()), (32, 32));
+//! assert_eq!((picture.width(), picture.height()), (scene.film.width as usize, scene.film.height as usize));
 //! # Ok::<(), steradian::Error>(())
 //! ```
 
@@ -30,18 +30,21 @@ pub mod verify;
 pub use develop::develop;
 pub use error::Error;
 pub use inputs::Inputs;
-pub use load::{Loaded, load, load_bytes};
+pub use load::{Loaded, load, load_bytes, open};
 pub use method::{Method, Render};
 pub use missed::missing_light;
 pub use quality::{LeftOut, Quality};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
+pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
 pub use steradian_core::material::catalog as materials;
 pub use steradian_core::{
     ColorMode, Compiled, Scene,
     compile::{Options as CompileOptions, compile},
 };
+pub use steradian_engine as engine;
+pub use steradian_film as film;
 pub use steradian_film::Layer;
 pub use steradian_formats as formats;
 pub use steradian_image as image;
@@ -50,13 +53,13 @@ pub use steradian_integrators as integrators;
 pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Session};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
+pub use steradian_transport as transport;
 
 use std::sync::Arc;
 
 /// The registry of models of the core, family by family: plural name of the family, and name and description of each
 /// model.
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
-    use steradian_core as core;
     vec![
         ("integrators", INTEGRATORS.iter().chain([&raster::RASTER]).copied().collect()),
         ("materials", materials::MATERIALS.iter().chain([&materials::DETAIL]).map(|e| (e.name, e.doc)).collect()),
@@ -65,7 +68,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
         ("shapes", core::shape::SHAPES.to_vec()),
         ("cameras", core::camera::CAMERAS.to_vec()),
         ("media", core::medium::MEDIA.to_vec()),
-        ("filters", core::film::filter::FILTERS.to_vec()),
+        ("filters", film::filter::FILTERS.to_vec()),
         ("samplers", core::sampler::SAMPLERS.iter().map(|s| (s.0, s.2)).collect()),
         ("accelerators", Accelerator::ALL.iter().map(|a| a.about()).collect()),
         ("tones", steradian_image::tone::CURVES.iter().map(|c| (c.name, c.doc)).collect()),

@@ -1,7 +1,7 @@
 //! Opening scenes of any format.
 
-use crate::cornell;
-use std::{path::Path, time::Duration, time::Instant};
+use crate::{CompileOptions, Error, Scene, compile, cornell};
+use std::{path::Path, sync::Arc, time::Duration, time::Instant};
 use steradian_core::material::catalog;
 use steradian_formats::{Import, Options};
 use steradian_scene::{Diagnostic, Diagnostics, Family, SceneDesc, Severity, names::did_you_mean};
@@ -34,6 +34,24 @@ pub fn load(name: impl AsRef<Path>, options: &Options) -> Loaded {
     let start = Instant::now();
     let import = read(name.as_ref(), options);
     Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
+}
+
+/// Reads and compiles a scene as its file has it, and what there is to say of that: what is approximated, dropped, or
+/// without effect.
+///
+/// # Errors
+/// [`Error::Scene`] with all messages, where it has errors.
+pub fn open(name: impl AsRef<Path>) -> Result<(Arc<Scene>, Diagnostics), Error> {
+    let Loaded { desc, mut diagnostics, .. } = load(name, &Options::default());
+    if diagnostics.has_errors() {
+        return Err(Error::Scene(diagnostics));
+    }
+    let compiled = compile(&desc, &CompileOptions::default());
+    diagnostics.extend(compiled.diagnostics);
+    match compiled.scene.filter(|_| !diagnostics.has_errors()) {
+        Some(scene) => Ok((Arc::new(scene), diagnostics)),
+        None => Err(Error::Scene(diagnostics)),
+    }
 }
 
 /// Reads a scene from memory, plain or gzip-compressed. Files that it names are looked for in the current folder;

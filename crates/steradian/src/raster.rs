@@ -1,6 +1,7 @@
 //! Pictures by the graphics pipeline: the integrator `raster`.
 
-pub use steradian_realtime::Options;
+pub use steradian_raster as pipeline;
+pub use steradian_realtime::{Options, Projected, Rasterizer};
 
 /// Name and description of the integrator, for the registry.
 pub const RASTER: (&str, &str) = (
