@@ -37,7 +37,7 @@ impl Plan {
     }
 }
 
-/// Shared with whoever watches a step: progress, and the wish to stop.
+/// Shared with whoever watches a step: progress, and cancellation.
 #[derive(Debug, Default)]
 pub struct Control {
     /// Samples (of all pixels) taken so far.

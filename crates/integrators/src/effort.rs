@@ -1,4 +1,4 @@
-//! How much is spent on which part of the paths that share: roulette and splitting by efficiency, 1/(variance × cost).
+//! Light samples and roulette threshold of paths that share: roulette and splitting by efficiency, 1/(variance × cost).
 //!
 //! Let a sample have the variance `V` and the cost `C`, let light samples at x contribute the variance `D` to it at the
 //! cost `d` each, and let roulette with a threshold `b` for what follows the direct light at y add `S(b)` and leave the
@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use steradian_core::Scene;
 use steradian_math::sobol;
 
-/// How much is spent on what.
+/// Light samples and roulette threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathEffort {
     /// Light samples at x.

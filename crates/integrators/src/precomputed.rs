@@ -27,7 +27,7 @@ pub struct VarianceReduction {
     /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and
     /// some loss elsewhere. `None` where a trial is to tell.
     pub caustics: Option<bool>,
-    /// How much is spent on which part of the paths that share, with as many paths everywhere; `None` where trials are
+    /// Light samples and roulette threshold of paths that share, with as many paths everywhere; `None` where trials are
     /// to tell both.
     pub effort: Option<PathEffort>,
     /// Whether roulette and splitting go by the efficiency at each vertex.
@@ -46,11 +46,11 @@ pub struct Precomputed {
     /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far
     /// as a trial of photons showed.
     pub rarest: Option<f64>,
-    /// How much is spent on what.
+    /// Light samples and roulette threshold.
     pub effort: PathEffort,
-    /// How much is spent on paths by their vertices.
+    /// Roulette and splitting by vertex.
     pub(crate) local: Option<Local>,
-    /// How much is spent where.
+    /// Path splitting per cell.
     pub splitting: Splitting,
     /// Whether paths are to end at once.
     pub stop: Stop,

@@ -1,4 +1,4 @@
-//! How much is spent where: parts of the picture in which a sample of a pixel is the mean of several paths.
+//! Path splitting per cell: parts of the picture in which a sample of a pixel is the mean of several paths.
 //!
 //! For a sum of squared relative errors `Σ v/s` at the cost `Σ c s`, with `v` the variance of a path in a cell of
 //! pixels and `c` its cost, the best numbers of paths are `s ∝ √(v/c)` ([`crate::adaptive`]). A pilot of few paths,

@@ -1,4 +1,4 @@
-//! A wish to stop is answered wherever paths are.
+//! Cancellation is polled along each path.
 
 use crate::{
     Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::Path,

@@ -282,7 +282,7 @@ impl Vertex<'_> {
         }
     }
 
-    /// Where light is asked for.
+    /// Reference point for light sampling.
     #[inline]
     pub fn context(&self) -> LightContext {
         match self {

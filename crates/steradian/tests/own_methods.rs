@@ -38,7 +38,7 @@ fn mean(film: &Film) -> (f64, f64) {
     (sum(&|p| p.mean()[1]) / n, sum(&|p| p.variance_of_mean()[1]).sqrt() / n)
 }
 
-/// Paths that find light by chance have the mean of the path tracer's; stopped and gone on with, they have the same bits.
+/// Paths that find light by chance have the mean of the path tracer's; stopped and gone on with, the same bits.
 #[test]
 fn an_integrator_of_ones_own() {
     let scene = room();

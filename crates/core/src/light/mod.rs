@@ -37,7 +37,7 @@ pub const LIGHTS: &[(&str, &str)] = &[
     ("projection", "a slide projector; file or texture, radiance, fov, fov_axis, scale, normalize, power"),
 ];
 
-/// Where light is asked for.
+/// Reference point for light sampling.
 #[derive(Clone, Copy, Debug)]
 pub struct LightContext {
     /// The point.

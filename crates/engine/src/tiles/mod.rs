@@ -272,7 +272,7 @@ impl Frame {
             counters: Counters::default(),
             time: [Duration::ZERO; 2],
         };
-        frame.aim();
+        frame.set_targets();
         frame.watch_scales();
         frame
     }
@@ -309,7 +309,7 @@ impl Frame {
                 for tile in &self.tiles {
                     lock(tile).cells.iter_mut().for_each(|cell| cell.target = self.round.length());
                 }
-                self.aim();
+                self.set_targets();
                 return;
             }
             if self.round.number == 0 {
@@ -324,7 +324,7 @@ impl Frame {
             }
             self.done.iter_mut().for_each(|done| *done.get_mut() = 0);
             self.round = round;
-            self.aim();
+            self.set_targets();
         }
     }
 
@@ -335,7 +335,7 @@ impl Frame {
     }
 
     /// Notes what the tiles' cells are to get in the round.
-    fn aim(&mut self) {
+    fn set_targets(&mut self) {
         self.targets = vec![0; self.tiles.len() * (CELLS * CELLS) as usize];
         for (t, tile) in self.tiles.iter().enumerate() {
             for (c, cell) in lock(tile).cells.iter().enumerate() {

@@ -25,7 +25,7 @@ impl Frame {
 
     pub(super) fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.pass(&mut In(from))?;
-        self.aim();
+        self.set_targets();
         if self.is_sound() { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
     }
 

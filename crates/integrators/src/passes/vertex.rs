@@ -282,7 +282,7 @@ impl<'s> Vertex<'s> {
         })
     }
 
-    /// Where light is asked for: the same from both sides.
+    /// Reference point for light sampling: the same from both sides.
     #[inline]
     pub fn context(&self) -> LightContext {
         match self.view {
