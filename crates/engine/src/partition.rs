@@ -60,7 +60,7 @@ impl Partition {
     /// Layers, each of which has one pixel of every block.
     pub const LAYERS: u32 = BLOCK * BLOCK;
 
-    /// Groups of `size` pixels, a power of four up to [`crate::reuse::MAX_GROUP`].
+    /// Groups of `size` pixels, a power of four up to [`MAX_GROUP`].
     pub fn new(size: u32, seed: u64) -> Self {
         Self {
             edge: size.isqrt().clamp(1, BLOCKS).next_power_of_two(),
