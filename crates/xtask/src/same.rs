@@ -222,7 +222,9 @@ fn instructions(program: &Path, scene: &Path, integrator: &str, out: &Path) -> R
     let said = String::from_utf8_lossy(&run.stderr);
     let collected =
         said.lines().find_map(|line| line.split_once("Collected : ")).and_then(|(_, n)| n.trim().parse().ok());
-    collected.ok_or_else(|| format!("valgrind did not count '{integrator}': {said}").into())
+    collected
+        .filter(|_| run.status.success())
+        .ok_or_else(|| format!("valgrind did not count '{integrator}': {said}").into())
 }
 
 #[cfg(test)]
