@@ -21,8 +21,8 @@ pub trait Integrator: Debug + Send + Sync {
         Self::Prepared::default()
     }
 
-    /// Whether there is a picture without that, too.
-    fn does_unprepared(&self) -> bool {
+    /// Whether there is a picture without that, too: with the default of [`Self::Prepared`], where trials are skipped.
+    fn works_unprepared(&self) -> bool {
         true
     }
 
@@ -50,7 +50,7 @@ pub trait GroupIntegrator: Debug + Send + Sync {
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Self::Prepared;
 
     /// As in [`Integrator`].
-    fn does_unprepared(&self) -> bool;
+    fn works_unprepared(&self) -> bool;
 
     /// Takes a sample for each pixel of a group.
     fn group<'s>(
@@ -96,8 +96,8 @@ impl<I: Integrator> GroupIntegrator for OneByOne<I> {
         self.0.prepare(scene, plan, stop)
     }
 
-    fn does_unprepared(&self) -> bool {
-        self.0.does_unprepared()
+    fn works_unprepared(&self) -> bool {
+        self.0.works_unprepared()
     }
 
     fn group(

@@ -28,7 +28,6 @@ use steradian_core::{
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
 #[cfg(test)]
-#[path = "passes_tests.rs"]
 mod tests;
 
 /// A method whose pictures are means of passes: estimates of the whole picture that are functions of scene, plan and

@@ -28,6 +28,20 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Evenly spread samples on all processors, without layers or a limit on the error.
+    pub fn new(sampler: Sampler) -> Self {
+        Self {
+            sampler,
+            threads: 0,
+            features: false,
+            mattes: false,
+            by_light: false,
+            transparent: false,
+            adaptive: false,
+            error: None,
+        }
+    }
+
     /// Threads that a step uses.
     pub fn threads(&self) -> usize {
         match self.threads {

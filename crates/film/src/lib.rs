@@ -6,7 +6,6 @@
 //! [`develop`] makes a picture with layers of it. Sums are taken in an order that does not depend on threads.
 
 mod cryptomatte;
-#[allow(clippy::module_inception)]
 mod film;
 pub mod filter;
 mod first_hit;

@@ -210,8 +210,8 @@ impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Sharing<
         self.0.prepare(scene, plan, stop)
     }
 
-    fn does_unprepared(&self) -> bool {
-        self.0.does_unprepared()
+    fn works_unprepared(&self) -> bool {
+        self.0.works_unprepared()
     }
 
     fn group<'s>(

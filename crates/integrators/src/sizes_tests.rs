@@ -74,16 +74,7 @@ fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Render {
     let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
     let integrator = IntegratorKind::named(name, depth, variance_reduction).unwrap();
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
-    let plan = Plan {
-        sampler,
-        threads: 1,
-        features: true,
-        transparent: false,
-        mattes: false,
-        by_light: false,
-        adaptive: false,
-        error: None,
-    };
+    let plan = Plan { threads: 1, features: true, ..Plan::new(sampler) };
     Render { integrator, plan }
 }
 
@@ -99,7 +90,7 @@ impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Uneven<M
         Precomputed { splitting: Splitting::here_and_there(scene, self.1), ..self.0.prepare(scene, plan, stop) }
     }
 
-    fn does_unprepared(&self) -> bool {
+    fn works_unprepared(&self) -> bool {
         true
     }
 

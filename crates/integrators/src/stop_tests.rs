@@ -70,16 +70,7 @@ fn renders_end_where_they_are() {
     for (reuse, threads) in [(Some(1), 1), (Some(16), 1), (Some(16), 3), (None, 2)] {
         let variance_reduction = VarianceReduction { reuse, ..VarianceReduction::default() };
         let integrator = IntegratorKind::named("path", FOREVER, variance_reduction).unwrap();
-        let plan = |spp| Plan {
-            sampler: Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 },
-            threads,
-            features: false,
-            transparent: false,
-            mattes: false,
-            by_light: false,
-            adaptive: false,
-            error: None,
-        };
+        let plan = |spp| Plan { threads, ..Plan::new(Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 }) };
         // So many samples that it would take days.
         let control = Control::default();
         let cancel = Arc::clone(&control.cancel);

@@ -66,6 +66,9 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
                 _ => Some("interrupt"),
             },
         };
+        if let Some(why) = session.failure() {
+            return (Some(End::Raised(PyValueError::new_err(why))), facts, None);
+        }
         let picture = (facts.spp > 0.0).then(|| steradian::develop(scene, &session.film(), &quality.layers));
         (end, facts, picture)
     });

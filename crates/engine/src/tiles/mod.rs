@@ -134,8 +134,8 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
     }
 
     fn skip_trials(&mut self) -> bool {
-        self.is_prepared |= self.integrator.does_unprepared();
-        self.integrator.does_unprepared()
+        self.is_prepared |= self.integrator.works_unprepared();
+        self.integrator.works_unprepared()
     }
 
     fn extend(&mut self, samples: u32) -> bool {

@@ -1,9 +1,5 @@
-//! Pictures that are the mean of passes: methods that start at lights, or whose paths land on other pixels than their
-//! own.
-//!
-//! A pass is an estimate of the whole picture that is a function of scene, plan and its number alone, independent of
-//! all others. So the mean over passes converges, their spread tells the variance of every pixel, a render goes on from
-//! sums and a count, and nothing depends on threads. A pass that is cancelled counts for nothing.
+//! Methods by passes ([`steradian_engine::Pass`]): those that start at lights, or whose paths land on other pixels than
+//! their own.
 
 mod bidirectional;
 mod missed;

@@ -39,7 +39,7 @@ impl Integrator for View {
         solve(scene, &self.settings, stop).ok().flatten().map(Arc::new)
     }
 
-    fn does_unprepared(&self) -> bool {
+    fn works_unprepared(&self) -> bool {
         false
     }
 

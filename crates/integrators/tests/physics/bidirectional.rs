@@ -373,16 +373,7 @@ fn crops_are_parts_of_the_whole() {
 impl Shot {
     fn film_of(self, scene: &Scene, integrator: steradian_integrators::IntegratorKind) -> Film {
         let sampler = steradian_core::sampler::Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
-        let plan = Plan {
-            sampler,
-            threads: 2,
-            features: false,
-            transparent: false,
-            mattes: false,
-            by_light: false,
-            adaptive: false,
-            error: None,
-        };
+        let plan = Plan { threads: 2, ..Plan::new(sampler) };
         let mut session = integrator.session(Arc::new(scene.clone()), plan);
         session.step(u32::MAX, &Control::default());
         session.film()

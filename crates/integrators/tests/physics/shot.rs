@@ -93,19 +93,7 @@ impl Shot {
             IntegratorKind::named(self.integrator, depth, variance_reduction).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
-        integrator.session(
-            Arc::new(scene.clone()),
-            Plan {
-                sampler,
-                threads,
-                features: false,
-                transparent: false,
-                mattes: false,
-                by_light: false,
-                adaptive,
-                error,
-            },
-        )
+        integrator.session(Arc::new(scene.clone()), Plan { threads, adaptive, error, ..Plan::new(sampler) })
     }
 
     /// The finished film; every sample must have been finite.

@@ -51,16 +51,7 @@ fn scene(filter: &str) -> Scene {
 }
 
 fn plan(threads: usize, spp: u32) -> Plan {
-    Plan {
-        sampler: Sampler { kind: SamplerKind::Independent, spp, seed: 3 },
-        threads,
-        features: true,
-        transparent: false,
-        mattes: false,
-        by_light: false,
-        adaptive: false,
-        error: None,
-    }
+    Plan { threads, features: true, ..Plan::new(Sampler { kind: SamplerKind::Independent, spp, seed: 3 }) }
 }
 
 fn session(scene: &Scene, plan: Plan, cancel_at: u32) -> Passes<Rain> {
