@@ -1,7 +1,7 @@
 //! Whether integrators agree on a scene: each is rendered, and held against a reference by statistical tests.
 //!
 //! - **The reference** finds all light of the scene, and its error is known: path tracing guided by photons, or
-//!   bidirectional path tracing, whichever errs less. Path tracing does not find caustics of lights without size, nor
+//!   bidirectional path tracing, whichever errs less for the rays it takes. Path tracing does not find caustics of lights without size, nor
 //!   connections those that are seen in mirrors and through glass; where neither is complete nothing is decided.
 //! - **Errors** come from the spread of parts of the samples, since pixels that share photons do not err independently.
 //!   Where few bright paths make them they are not known, and nothing is decided.
@@ -256,7 +256,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The method that all others are held against: of those that find all light the one that errs least; and whether
+    /// The method that all others are held against: of those that find all light the one that errs least by the rays it takes; and whether
     /// paths alone hardly find some of it.
     fn reference(&self, told: &mut impl FnMut(&str)) -> Result<(Method, bool), Error> {
         let path = if self.scene.has_media { "volpath" } else { "path" };
@@ -277,7 +277,8 @@ impl Maker<'_> {
         let has_caustics = found.iter().any(|m| m.picture.is_guided);
         let worth = |m: &Method| {
             let v = m.picture.values();
-            let error = v.blocks.iter().map(|b| b.variance).sum::<f64>() * m.picture.seconds;
+            // By rays, not by seconds, so that verdicts do not depend on the machine.
+            let error = v.blocks.iter().map(|b| b.variance).sum::<f64>() * m.picture.rays as f64;
             (m.lacks(self.scene).is_some(), !v.is_reliable, error)
         };
         found.sort_by(|a, b| worth(a).partial_cmp(&worth(b)).unwrap_or(std::cmp::Ordering::Equal));

@@ -259,7 +259,8 @@ fn a_small_file_cannot_ask_for_much() {
             );
             let started = std::time::Instant::now();
             fault(&file(&header, &[0; 1024]));
-            assert!(started.elapsed().as_millis() < 100, "{header}");
+            // What takes a step for each of them takes longer, however fast the machine; the usual is a microsecond.
+            assert!(started.elapsed().as_secs() < 2, "{header}");
         }
     }
     // An element without properties takes no bytes, whatever its count.
@@ -325,5 +326,5 @@ fn a_header_of_very_many_properties_is_refused() {
     (0..200_000).for_each(|i| header += &format!("\nproperty float a{i}_x"));
     let started = std::time::Instant::now();
     assert_eq!(fault(&file(&header, b"")).kind, Kind::TooLarge);
-    assert!(started.elapsed().as_secs() < 2);
+    assert!(started.elapsed().as_secs() < 10);
 }
