@@ -256,8 +256,8 @@ impl Maker<'_> {
         }
     }
 
-    /// The method that all others are held against: of those that find all light the one that errs least by the rays it takes; and whether
-    /// paths alone hardly find some of it.
+    /// The method that all others are held against: of those that find all light the one that errs least by the rays it
+    /// takes; and whether paths alone hardly find some of it.
     fn reference(&self, told: &mut impl FnMut(&str)) -> Result<(Method, bool), Error> {
         let path = if self.scene.has_media { "volpath" } else { "path" };
         let mut found: Vec<Method> = Vec::new();

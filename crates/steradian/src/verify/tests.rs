@@ -149,8 +149,8 @@ fn mutants_are_found() {
     }
 }
 
-/// Of all looks at sound methods, on the scenes of `scenes/verify` with 20 seeds, at most one in a thousand accuses one:
-/// with few samples, where errors are least normal.
+/// Of all looks at sound methods, on the scenes of `scenes/verify` with 20 seeds, at most one in a thousand accuses
+/// one: with few samples, where errors are least normal.
 #[test]
 #[ignore = "renders every scene of scenes/verify 20 times by every method"]
 fn nobody_is_accused() {
