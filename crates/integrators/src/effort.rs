@@ -11,10 +11,6 @@
 //! As roulette decides by the same random numbers whatever the threshold, `S(b)` is the mean square by which samples
 //! with and without it differ.
 
-mod local;
-
-pub(crate) use local::Local;
-
 use crate::{
     adaptive::FLOOR,
     partition::{MAX_GROUP, Partition, TILE},
@@ -50,8 +46,6 @@ const THRESHOLDS: [f32; 2] = [0.6, 1.0];
 const LIGHT_COST: f64 = 1.5;
 /// Groups of the trial.
 const GROUPS: u32 = 64;
-/// Groups by which the cost of a picture is told.
-const COSTED: u32 = 128;
 /// Samples of a pixel, spread over each other as those of a picture are, in each of two renders.
 const SAMPLES: u32 = 4;
 
@@ -165,49 +159,6 @@ fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
     found.by_lights *= scale;
     found.by_roulette.iter_mut().for_each(|s| *s *= scale);
     found
-}
-
-/// Relative variance and rays of a sample.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cost {
-    pub variance: f64,
-    pub rays: f64,
-}
-
-/// Of a picture's samples, by groups of pixels here and there.
-pub(crate) fn cost<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
-    scene: &Scene,
-    precomputed: &Precomputed,
-) -> Cost {
-    let found: Vec<[f64; 3]> = (0..COSTED)
-        .into_par_iter()
-        .map(|k| {
-            let (large, partition) = (Partition::new(MAX_GROUP as u32, 0), Partition::new(precomputed.reuse(), 0));
-            let (mut level, mut variance, mut rays, mut count) = (0.0, 0.0, 0.0, 0.0);
-            // As many pixels whatever the size of a group.
-            for window in large.parts(tile(scene, k, 5), k % Partition::LAYERS, &partition) {
-                let mut probe = Probe::new(scene, &partition, window);
-                let mut means = [[0.0; MAX_GROUP]; 2];
-                for (seed, mean) in (0..).zip(&mut means) {
-                    for index in 0..SAMPLES {
-                        let (light, cost) = probe.sample(continuation, scene, precomputed, seed, (index, SAMPLES));
-                        mean.iter_mut().zip(light).for_each(|(mean, l)| *mean += l / f64::from(SAMPLES));
-                        rays += cost / f64::from(2 * SAMPLES);
-                    }
-                }
-                for (a, b) in means[0].iter().zip(&means[1]).take(probe.places.len()) {
-                    level += (a + b) / 2.0;
-                    variance += f64::from(SAMPLES) * (a - b).powi(2) / 2.0;
-                }
-                count += probe.places.len() as f64;
-            }
-            level /= f64::max(count, 1.0);
-            [variance / (level * level + FLOOR), rays, count]
-        })
-        .collect();
-    let sum = |i: usize| found.iter().map(|f| f[i]).sum::<f64>();
-    Cost { variance: sum(0) / sum(2), rays: sum(1) / sum(2) }
 }
 
 #[cfg(test)]

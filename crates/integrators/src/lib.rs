@@ -4,7 +4,6 @@
 pub mod ao;
 pub mod passes;
 pub mod path;
-pub mod path_recursive;
 pub mod radiosity;
 pub mod raycast;
 pub mod registry;

@@ -4,7 +4,7 @@
 
 use crate::{
     Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction,
-    reuse::{PathContinuation, for_all_wavelengths},
+    reuse::PathContinuation,
     walk::{Arrival, PathState, Vertex, arrive, escape, escape_by_group},
 };
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -42,16 +42,14 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         escape(scene, path_state, sum, &self.depth, lambda);
     }
 
-    /// What a path that arrived at a vertex brings from there; of a `branch` it is decided that it goes on.
+    /// What a path that arrived at a vertex brings from there.
     #[inline]
-    #[allow(clippy::too_many_arguments)]
     fn follow<'s>(
         &self,
         scene: &'s Scene,
         precomputed: &Precomputed,
         vertex: &Vertex<'s>,
         mut path_state: PathState,
-        mut is_branch: bool,
         sampler: &PixelSampler,
         lambda: &mut Wavelengths,
         counters: &mut Counters,
@@ -60,11 +58,6 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         let mut next = Arrival::End;
         let mut sum = Spectrum::ZERO;
         loop {
-            let branches = if is_branch { 1 } else { path_state.branches(vertex, precomputed, sampler, lambda) };
-            is_branch = false;
-            if branches != 1 {
-                return self.split(scene, precomputed, vertex, path_state, branches, sum, sampler, lambda, counters);
-            }
             // Light that arrives straight from a light.
             sum += path_state.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
             // Scatter.
@@ -74,7 +67,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
                 // Handed to the film, which counts it.
                 return path_state.beta;
             }
-            if !path_state.goes_on(precomputed, &self.depth, sampler, lambda) {
+            if !path_state.survives(&self.depth, sampler, lambda) {
                 return sum;
             }
             // Follow the ray to the next vertex; collect what shines there.
@@ -88,30 +81,6 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
                 }
             }
         }
-    }
-
-    /// Adds what several paths bring from a vertex to `sum`. Out of the way of paths that do not split.
-    #[cold]
-    #[inline(never)]
-    #[allow(clippy::too_many_arguments)]
-    fn split<'s>(
-        &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
-        vertex: &Vertex<'s>,
-        path_state: PathState,
-        branches: u32,
-        mut sum: Spectrum,
-        sampler: &PixelSampler,
-        lambda: &Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        for k in 0..branches {
-            let (mut left, sampler) = (*lambda, sampler.branch(path_state.events, k));
-            let branch = self.follow(scene, precomputed, vertex, path_state, true, &sampler, &mut left, counters);
-            sum += for_all_wavelengths(branch, &left, lambda, scene.mode);
-        }
-        sum
     }
 }
 
@@ -135,7 +104,7 @@ impl<const MEDIA: bool> PathContinuation<MEDIA> for PathTracer<MEDIA> {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        self.follow(scene, precomputed, vertex, path_state, false, sampler, lambda, counters)
+        self.follow(scene, precomputed, vertex, path_state, sampler, lambda, counters)
     }
 }
 
@@ -159,10 +128,7 @@ impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
         let (mut path_state, mut sum, mut first) = (PathState::camera(scene, ray), Spectrum::ZERO, Arrival::End);
         arrive::<MEDIA>(scene, &mut path_state, &mut sum, &self.depth, sampler, lambda, counters, &mut first);
         match &first {
-            Arrival::Vertex(v) => {
-                path_state.weigh(v, precomputed, lambda);
-                sum + self.leaving(scene, precomputed, v, path_state, sampler, lambda, counters)
-            }
+            Arrival::Vertex(v) => sum + self.leaving(scene, precomputed, v, path_state, sampler, lambda, counters),
             Arrival::End => sum,
             Arrival::Escaped => {
                 self.escape(scene, &path_state, &mut sum, lambda, counters);

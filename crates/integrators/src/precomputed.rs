@@ -3,7 +3,7 @@
 use crate::{
     Plan, Stop,
     caustics::{Caustics, trial},
-    effort::{self, Local, PathEffort},
+    effort::{self, PathEffort},
     reuse::{self, PathContinuation},
     splitting::{self, Splitting},
 };
@@ -30,8 +30,6 @@ pub struct VarianceReduction {
     /// Light samples and roulette threshold of paths that share, with as many paths everywhere; `None` where trials are
     /// to tell both.
     pub effort: Option<PathEffort>,
-    /// Whether roulette and splitting go by the efficiency at each vertex.
-    pub by_vertex: bool,
 }
 
 /// What integrators know beforehand. Of path tracers it decides about how much samples err, not about their mean.
@@ -48,8 +46,6 @@ pub struct Precomputed {
     pub rarest: Option<f64>,
     /// Light samples and roulette threshold.
     pub effort: PathEffort,
-    /// Roulette and splitting by vertex.
-    pub(crate) local: Option<Local>,
     /// Path splitting per cell.
     pub splitting: Splitting,
     /// Whether paths are to end at once.
@@ -88,9 +84,6 @@ impl Precomputed {
             None => reuse::trial::trial(paths, scene, &Self { is_open, ..precomputed.clone() }, samples),
         };
         precomputed.is_open = is_open && precomputed.group > 1;
-        if variance_reduction.by_vertex {
-            precomputed.local = Local::explore(paths, scene, &precomputed);
-        }
         match variance_reduction.effort {
             Some(effort) => precomputed.effort = effort,
             None if samples < FEWEST => {}

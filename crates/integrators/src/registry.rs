@@ -5,7 +5,6 @@ use crate::{
     ao::AmbientOcclusion,
     passes::{PassKind, missed_caustics},
     path::{Path, VolPath},
-    path_recursive::PathRecursive,
     radiosity::{self, Solution, View},
     raycast::Raycast,
     reuse::Sharing,
@@ -26,7 +25,6 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
     ("whitted", "Whitted ray tracing: mirrors, glass, and direct light from every light; max_depth"),
     ("ao", "ambient occlusion; distance (no limit)"),
     ("raycast", "the colour of the first surface"),
-    ("path-recursive", "path in recursive form, with the same bits; the options of path"),
     ("radiosity", "radiosity of Lambertian patches; method, factors, patches (2000), gather (0), solution, …"),
     ("light", "light tracing: paths from lights to the camera; max_depth, rr_depth, hide_emitters"),
     ("bdpt", "bidirectional path tracing; max_depth, rr_depth, hide_emitters"),
@@ -51,8 +49,6 @@ pub enum IntegratorKind {
     Whitted(Whitted),
     /// Ray casting.
     Raycast(Raycast),
-    /// Path tracing, recursive.
-    PathRecursive(PathRecursive),
     /// Path tracing of polarised light.
     Stokes(Stokes),
     /// Ambient occlusion.
@@ -70,7 +66,6 @@ impl IntegratorKind {
         let depth = match self {
             Self::Path(i) => i.depth,
             Self::VolPath(i) => i.depth,
-            Self::PathRecursive(i) => i.depth,
             Self::Stokes(i) => i.depth,
             _ => return None,
         };
@@ -85,7 +80,6 @@ impl IntegratorKind {
             "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, variance_reduction }),
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
-            "path-recursive" => Self::PathRecursive(PathRecursive { depth, variance_reduction }),
             "ao" => Self::AmbientOcclusion(AmbientOcclusion { distance: f32::INFINITY }),
             "radiosity" => {
                 Self::Radiosity(View { settings: radiosity::Settings::default(), depth, gather: 0, smooth: true })
@@ -100,7 +94,7 @@ impl IntegratorKind {
 
     /// Whether it has the options `reuse`, `caustics` and `effort`.
     pub fn has_tactics(&self) -> bool {
-        matches!(self, Self::Path(_) | Self::VolPath(_) | Self::PathRecursive(_))
+        matches!(self, Self::Path(_) | Self::VolPath(_))
     }
 
     /// Changes an option that is the integrator's own; whether there is such an option and value.
@@ -115,7 +109,7 @@ impl IntegratorKind {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Passes(kind) => kind.cannot(scene).or_else(|| kind.leaves_out(scene)),
-            Self::Path(_) | Self::PathRecursive(_) if scene.has_media => Some("participating media".into()),
+            Self::Path(_) if scene.has_media => Some("participating media".into()),
             Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
             Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {
                 Ok(names) if names.is_empty() => None,
@@ -131,7 +125,6 @@ impl IntegratorKind {
         match *self {
             Self::Path(i) => Box::new(Tiles::new(scene, Sharing::<false, _>(i), plan)),
             Self::VolPath(i) => Box::new(Tiles::new(scene, Sharing::<true, _>(i), plan)),
-            Self::PathRecursive(i) => Box::new(Tiles::new(scene, Sharing::<false, _>(i), plan)),
             Self::Whitted(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Raycast(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Stokes(i) => Box::new(Tiles::per_pixel(scene, i, plan)),

@@ -28,7 +28,6 @@ use crate::{
     Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction, live_max,
     walk::{Arrival, PathState, Vertex, arrive, escape, meet},
 };
-pub(crate) use share::for_all_wavelengths;
 use share::share;
 use steradian_core::{
     Scene,
@@ -282,7 +281,6 @@ pub(crate) fn group<'s, const MEDIA: bool, S: PathContinuation<MEDIA>>(
             continue;
         }
         let Arrival::Vertex(x) = &member.x else { continue };
-        member.path_state.weigh(x, precomputed, &pixel_sample.lambda);
         if pixel_sample.lambda == for_all_wavelengths && is_shareable(x) {
             member.pixel_sample = index;
             count += 1;

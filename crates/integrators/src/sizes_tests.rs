@@ -55,8 +55,8 @@ fn variance_reduction() -> Vec<VarianceReduction> {
     let mut all = Vec::new();
     for reuse in [Some(1), Some(4), Some(16), None] {
         for caustics in [Some(false), Some(true)] {
-            for (effort, by_vertex) in [(Some(PathEffort::default()), false), (None, false), (None, true)] {
-                all.push(VarianceReduction { reuse, caustics, effort, by_vertex });
+            for effort in [Some(PathEffort::default()), None] {
+                all.push(VarianceReduction { reuse, caustics, effort });
             }
         }
     }
@@ -120,7 +120,6 @@ fn take(scene: &Scene, render: Render, edge: u32) -> Film {
     let mut session: Box<dyn Session> = match integrator {
         IntegratorKind::Path(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<false, _>(i), edge), plan)),
         IntegratorKind::VolPath(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<true, _>(i), edge), plan)),
-        IntegratorKind::PathRecursive(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<false, _>(i), edge), plan)),
         other => other.session(scene, plan),
     };
     session.step(u32::MAX, &Control::default());
@@ -140,7 +139,7 @@ fn frames_of_every_size_are_whole() {
         let scene = scene(width, height);
         // Every tactic is met by a few of the sizes, among which all remainders by the tile are, in both directions.
         let variance_reduction = all[k * 5 % all.len()];
-        for (name, adaptive) in [("path", false), ("volpath", k % 2 == 0), ("path-recursive", k % 2 == 1)] {
+        for (name, adaptive) in [("path", false), ("volpath", k % 2 == 0)] {
             let mut render = plan(name, variance_reduction, if adaptive { 6 } else { 2 });
             render.plan.adaptive = adaptive;
             let film = take(&scene, render, CELL << (k % 3));

@@ -1,8 +1,8 @@
 //! Cancellation is polled along each path.
 
 use crate::{
-    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::Path,
-    path_recursive::PathRecursive, raycast::Raycast, stokes::Stokes, whitted::Whitted,
+    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::Path, raycast::Raycast,
+    stokes::Stokes, whitted::Whitted,
 };
 use std::sync::{
     Arc,
@@ -43,7 +43,6 @@ fn paths_end_where_they_are() {
         let both = |rays: &dyn Fn(&Stop) -> u64| [rays(&Stop::default()), rays(&stop)];
         let long = [
             both(&|stop| rays(&Path { depth, variance_reduction }, &scene, stop)),
-            both(&|stop| rays(&PathRecursive { depth, variance_reduction }, &scene, stop)),
             both(&|stop| rays(&Stokes { depth, component: 0 }, &scene, stop)),
         ];
         for [endless, stopped] in long {

@@ -150,22 +150,6 @@ impl PathState {
         scale.is_some()
     }
 
-    /// The same where effort is spent by vertex: there roulette is left to the next one.
-    #[inline]
-    pub fn goes_on(
-        &mut self,
-        precomputed: &Precomputed,
-        depth: &Depth,
-        sampler: &PixelSampler,
-        lambda: &Wavelengths,
-    ) -> bool {
-        if precomputed.local.is_some() {
-            live_max(self.beta, lambda) > 0.0
-        } else {
-            self.survives(depth, sampler, lambda)
-        }
-    }
-
     /// On from a vertex in the direction that was drawn there.
     #[inline]
     pub fn turn<const MEDIA: bool>(

@@ -30,8 +30,7 @@ pub struct Quality {
     /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share
     /// what they find, 1, 4 or 16, or `auto` where a trial is to tell, `caustics`: whether photons look for light
     /// behind mirrors and glass beforehand, and `effort`: whether trials tell how many light samples and how much
-    /// roulette pay, and where more paths (`auto`), or not (`even`), or whether roulette and splitting go by what is
-    /// known of each vertex (`vertex`).
+    /// roulette pay, and where more paths (`auto`), or not (`even`).
     pub integrator: Option<String>,
     /// Samples per pixel, up to [`MAX_SPP`]; their mean with `adaptive`.
     pub spp: Option<u32>,
@@ -153,12 +152,8 @@ impl Quality {
             return Err("layers of groups of lights with --adaptive".into());
         }
         let plain = |variance_reduction: &mut VarianceReduction| {
-            *variance_reduction = VarianceReduction {
-                reuse: Some(1),
-                effort: Some(PathEffort::default()),
-                by_vertex: false,
-                ..*variance_reduction
-            };
+            *variance_reduction =
+                VarianceReduction { reuse: Some(1), effort: Some(PathEffort::default()), ..*variance_reduction };
         };
         match method {
             Method::Rays(IntegratorKind::Path(i)) => plain(&mut i.variance_reduction),
@@ -256,8 +251,7 @@ impl Quality {
             return Some(LeftOut { what: kind.leaves_out(scene)?, instead: "bdpt" });
         }
         let is_raster = name == RASTER.0;
-        let is_blind =
-            matches!(name, "path" | "path-recursive" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
+        let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
         let media = (scene.has_media && is_blind).then_some("participating media");
         let motion = (scene.moves() && is_raster).then_some("motion: it shows the moment at which the shutter opens");
         let what: Vec<&str> = media.into_iter().chain(motion).collect();
@@ -304,11 +298,8 @@ impl<'a> PathOptions<'a> {
                     reduction.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
                 }
                 "caustics" if value == "auto" => reduction.caustics = None,
-                "effort" if value == "auto" => (reduction.effort, reduction.by_vertex) = (None, false),
-                "effort" if value == "even" => {
-                    (reduction.effort, reduction.by_vertex) = (Some(PathEffort::default()), false);
-                }
-                "effort" if value == "vertex" => (reduction.effort, reduction.by_vertex) = (None, true),
+                "effort" if value == "auto" => reduction.effort = None,
+                "effort" if value == "even" => reduction.effort = Some(PathEffort::default()),
                 "caustics" => reduction.caustics = Some(value.parse().map_err(|_| fault())?),
                 key => parsed.own.push((key, value, option)),
             }
@@ -320,7 +311,7 @@ impl<'a> PathOptions<'a> {
 /// An option that an integrator does not have, or not with that value.
 fn unknown_option(integrator: &str, option: &str) -> Error {
     // Those of path tracers are written out once.
-    let listed = if matches!(integrator, "volpath" | "path-recursive") { "path" } else { integrator };
+    let listed = if integrator == "volpath" { "path" } else { integrator };
     let described = INTEGRATORS.iter().find(|i| i.0 == listed).and_then(|i| i.1.rsplit_once("; "));
     let keys = described.map_or("none", |d| d.1);
     let known = keys.split([',', ' ']).filter(|k| k.starts_with(|c: char| c.is_ascii_lowercase()) && *k != "or");

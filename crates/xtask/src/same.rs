@@ -43,17 +43,15 @@ const SCENES: [&str; 12] = [
     "textured.pbrt",
 ];
 /// Integrators and their options, in forms that take little time.
-const INTEGRATORS: [&str; 26] = [
+const INTEGRATORS: [&str; 24] = [
     "path",
     "path:reuse=4",
     "path:caustics=true,reuse=1",
-    "path:effort=vertex",
     "volpath",
     "direct",
     "whitted",
     "ao:distance=1",
     "raycast",
-    "path-recursive",
     "radiosity:patches=200",
     "radiosity:patches=200,gather=2",
     "light",

@@ -246,7 +246,7 @@ impl Compiler<'_> {
         match self.desc.integrator.map(|i| self.desc.node(i)) {
             _ if !has_media => {}
             None => settings.integrator = "volpath".into(),
-            Some(node) if matches!(node.kind.as_str(), "path" | "path-recursive" | "direct") => {
+            Some(node) if matches!(node.kind.as_str(), "path" | "direct") => {
                 let what = format!("integrator '{}' leaves out participating media; 'volpath' renders them", node.kind);
                 self.diagnostics.warn(&self.desc.sources, node.span, what);
             }

@@ -95,15 +95,9 @@ pub(super) fn share<const MEDIA: bool, S: PathContinuation<MEDIA>>(
         let roulette_below = precomputed.effort.roulette_below;
         let mut path_state = match shared {
             Shared::No => finder.path_state,
-            _ => {
-                // By vertex, what is found for all counts for all, who err by that much less.
-                let weight = live_max(finder.path_state.beta, &lambda) * finder.path_state.for_roulette
-                    / (group.len() as f32).sqrt();
-                let for_roulette = if precomputed.local.is_some() { weight } else { 1.0 };
-                PathState { beta: Spectrum::ONE, for_roulette, roulette_below, ..finder.path_state }
-            }
+            _ => PathState { beta: Spectrum::ONE, for_roulette: 1.0, roulette_below, ..finder.path_state },
         };
-        if shared == Shared::No && !path_state.goes_on(precomputed, depth, &joint, &lambda) {
+        if shared == Shared::No && !path_state.survives(depth, &joint, &lambda) {
             continue;
         }
         let mut light = Spectrum::ZERO;
@@ -221,7 +215,7 @@ fn scattered<const MEDIA: bool, S: PathContinuation<MEDIA>>(
     }
     let depth = continuation.depth();
     let before = live_max(path_state.beta, &lambda);
-    if !(before > 0.0 && path_state.goes_on(precomputed, depth, &joint, &lambda)) {
+    if !(before > 0.0 && path_state.survives(depth, &joint, &lambda)) {
         return sums;
     }
     let is_own = draw.sample.lobe.is_specular();
@@ -256,12 +250,7 @@ fn scattered<const MEDIA: bool, S: PathContinuation<MEDIA>>(
 
 /// Radiance found along a path that may have lost its secondary wavelengths, as an estimate for all of them.
 #[inline]
-pub(crate) fn for_all_wavelengths(
-    light: Spectrum,
-    lambda: &Wavelengths,
-    of: &Wavelengths,
-    mode: ColorMode,
-) -> Spectrum {
+fn for_all_wavelengths(light: Spectrum, lambda: &Wavelengths, of: &Wavelengths, mode: ColorMode) -> Spectrum {
     if mode == ColorMode::Rgb || lambda.pdf == of.pdf {
         return light;
     }

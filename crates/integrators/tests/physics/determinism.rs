@@ -28,23 +28,6 @@ pub fn collection(mode: ColorMode) -> Scene {
     stage.scene_in(mode)
 }
 
-/// M161: the recursive path tracer gives the iterative one's bits, with every material, in RGB and spectral mode, with
-/// and without Russian roulette.
-#[test]
-fn recursive_equals_iterative_bit_for_bit() {
-    for mode in [ColorMode::Rgb, ColorMode::Spectral] {
-        let scene = collection(mode);
-        for roulette in [0, 1, 100] {
-            for reuse in [1, 16] {
-                let shot =
-                    |integrator| Shot::of(integrator, 4).depth(24).roulette_after(roulette).reuse(reuse).take(&scene);
-                let what = format!("{mode:?}, roulette after {roulette}, {reuse} paths share");
-                same_bits(&shot("path"), &shot("path-recursive"), &what);
-            }
-        }
-    }
-}
-
 /// M161, M166: no number of threads changes a bit, whatever the integrator and the sampler.
 #[test]
 fn threads_do_not_change_a_bit() {

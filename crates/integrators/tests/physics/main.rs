@@ -5,7 +5,6 @@
 
 mod adaptive;
 mod bidirectional;
-mod by_vertex;
 mod color;
 mod determinism;
 mod film;

@@ -75,7 +75,7 @@ fn a_square_that_passes_covers_its_share() {
     };
     for (name, scene) in [("the square moves", passing()), ("the camera moves", passed())] {
         assert!(scene.moves() && scene.is_timed);
-        for integrator in ["path", "path-recursive", "volpath", "direct", "raycast"] {
+        for integrator in ["path", "volpath", "direct", "raycast"] {
             for (x, seen) in row(&scene, integrator).into_iter().enumerate() {
                 let expected = uncovered(x);
                 // Independent samples would have 0.008.
@@ -156,7 +156,7 @@ fn integrators_agree_on_moving_things() {
     let scene = stage.scene();
     let shot = |name| mean(&Shot::of(name, 4096).depth(4).take(&scene));
     let path = shot("path");
-    for name in ["path-recursive", "volpath", "bdpt", "light", "vcm", "sppm", "photon", "pssmlt"] {
+    for name in ["volpath", "bdpt", "light", "vcm", "sppm", "photon", "pssmlt"] {
         shot(name).agrees(name, path, 0.03);
     }
     mean(&Shot::of("path", 4096).depth(4).reuse(16).take(&scene)).agrees("sharing", path, 0.03);

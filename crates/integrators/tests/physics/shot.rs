@@ -25,8 +25,6 @@ pub struct Shot {
     /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of
     /// several paths.
     pub effort: Option<PathEffort>,
-    /// Roulette and splitting by vertex.
-    pub by_vertex: bool,
     pub adaptive: bool,
     pub error: Option<f64>,
 }
@@ -47,7 +45,6 @@ impl Shot {
             reuse: 1,
             caustics: Some(false),
             effort: Some(PathEffort::default()),
-            by_vertex: false,
             adaptive: false,
             error: None,
         }
@@ -83,12 +80,8 @@ impl Shot {
     pub fn session(self, scene: &Scene) -> Box<dyn Session> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let variance_reduction = VarianceReduction {
-            reuse: Some(self.reuse),
-            caustics: self.caustics,
-            effort: self.effort,
-            by_vertex: self.by_vertex,
-        };
+        let variance_reduction =
+            VarianceReduction { reuse: Some(self.reuse), caustics: self.caustics, effort: self.effort };
         let integrator =
             IntegratorKind::named(self.integrator, depth, variance_reduction).expect("a registered integrator");
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };

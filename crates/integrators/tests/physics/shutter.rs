@@ -23,7 +23,7 @@ fn an_albedo_that_changes_is_averaged_over_the_exposure() {
     let fading = film_strip(&mut stage, "linear", &[0.1, 0.9, 0.0, 0.5, 0.1, 0.8]);
     stage.solid(plane([0.0, 0.0, 1.0], 0.0), material("diffuse").with("reflectance", fading));
     stage.sky(2.0).probe([1.0, 0.5, 3.0], [0.0; 3]);
-    for name in ["path", "path-recursive", "volpath", "direct"] {
+    for name in ["path", "volpath", "direct"] {
         // What arrives is the albedo of the moment times the sky: its mean is that of the two ends, and nothing else
         // spreads it.
         let seen = mean(&Shot::of(name, 40_000).take(&stage.scene()));

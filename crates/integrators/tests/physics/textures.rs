@@ -117,5 +117,4 @@ fn a_checkerboard_in_a_mirror() {
     println!("relMSE in the mirror: ewa {ewa:.5}, bilinear {bilinear:.5}");
     assert!(ewa <= 0.005, "{ewa}");
     assert!(bilinear >= 30.0 * ewa, "{bilinear} {ewa}");
-    assert_eq!(of("ewa", "path-recursive"), seen);
 }

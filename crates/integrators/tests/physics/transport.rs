@@ -134,13 +134,13 @@ fn roulette_is_unbiased() {
     }
 }
 
-/// M163: each bounce adds light, less than the one before, for `path`, `path-recursive` and `volpath`, and paths of
+/// M163: each bounce adds light, less than the one before, for `path` and `volpath`, and paths of
 /// forty bounces have the whole within 4σ; `direct` is `path` cut after one event, bit for bit.
 #[test]
 fn bounces_add_up() {
     let scene = room(false).scene();
     let up_to = |k: u32| mean(&Shot::of("path", 300).depth(k).seed(u64::from(k) + 40).take(&scene));
-    for integrator in ["path", "path-recursive", "volpath"] {
+    for integrator in ["path", "volpath"] {
         // The same seed: what there is of shorter paths is the same.
         let seen = |k: u32| mean(&Shot::of(integrator, 100).depth(k).reuse(1).take(&scene)).mean[0];
         let added: Vec<f64> = (1..5).map(|k| seen(k) - seen(k - 1)).collect();
