@@ -1,7 +1,7 @@
 //! What computes samples.
 
 use crate::{
-    Counters, Plan, Stop, dimension,
+    Counters, PathContext, Plan, Stop, dimension,
     partition::{Partition, Place},
 };
 use std::fmt::Debug;
@@ -26,17 +26,8 @@ pub trait Integrator: Debug + Send + Sync {
         true
     }
 
-    /// The radiance that arrives along a camera ray. A pure function of its arguments, `counters` aside; `lambda` loses
-    /// its secondary wavelengths where the path disperses.
-    fn radiance(
-        &self,
-        scene: &Scene,
-        prepared: &Self::Prepared,
-        ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum;
+    /// The radiance that arrives along a camera ray. A pure function of its arguments, counters aside.
+    fn radiance(&self, prepared: &Self::Prepared, ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum;
 }
 
 /// An estimator that takes samples of several pixels at once, since they share what they find.
@@ -109,7 +100,8 @@ impl<I: Integrator> GroupIntegrator for OneByOne<I> {
         counters: &mut Counters,
     ) {
         for s in pixel_samples {
-            s.radiance = self.0.radiance(scene, prepared, s.ray, &s.own, &mut s.lambda, counters);
+            let mut context = PathContext { scene, sampler: &s.own, lambda: &mut s.lambda, counters };
+            s.radiance = self.0.radiance(prepared, s.ray, &mut context);
         }
     }
 }

@@ -6,6 +6,7 @@
 //! limits of time and saved states are here, once, for all of them.
 
 pub mod adaptive;
+mod context;
 mod counters;
 pub mod dimension;
 mod estimate;
@@ -19,6 +20,7 @@ mod sound;
 mod state;
 mod tiles;
 
+pub use context::PathContext;
 pub use counters::{Counters, Stop};
 pub use estimate::Doubt;
 pub use first_hit::first_hit;

@@ -1,9 +1,10 @@
 //! Ambient occlusion: the part of the light of an evenly bright sky that reaches a surface past what is within a
 //! distance, `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
 
-use crate::{Counters, Integrator, MAX_PASSES, dimension};
-use steradian_core::{Scene, color, sampler::PixelSampler};
-use steradian_math::{Frame, Ray, Spectrum, spectra::Wavelengths, warp};
+use crate::{Integrator, MAX_PASSES, dimension};
+use steradian_core::color;
+use steradian_engine::PathContext;
+use steradian_math::{Frame, Ray, Spectrum, warp};
 
 /// Ambient occlusion.
 #[derive(Clone, Copy, Debug)]
@@ -15,15 +16,8 @@ pub struct AmbientOcclusion {
 impl Integrator for AmbientOcclusion {
     type Prepared = ();
 
-    fn radiance(
-        &self,
-        scene: &Scene,
-        (): &(),
-        mut ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    fn radiance(&self, (): &(), mut ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let PathContext { scene, sampler, lambda, counters } = context;
         for _ in 0..MAX_PASSES {
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else { return Spectrum::ZERO };

@@ -1,82 +1,67 @@
-//! Path tracing, iterative: next-event estimation at every event, weighted with scattering by the power heuristic;
-//! Russian roulette on the throughput, on surfaces alone or through media. Paths of neighbouring pixels share what they
-//! find from the first bounce on ([`crate::reuse`]).
+//! Path tracing: at every vertex a light sample and a direction drawn by scattering, weighted by the power heuristic
+//! (Veach 1997, ch. 9), and Russian roulette on the throughput; on surfaces alone or through media.
 
-use crate::{
-    Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction,
-    reuse::PathContinuation,
-    walk::{Arrival, PathState, Vertex, arrive, escape, escape_by_group},
-};
-use steradian_core::{Scene, sampler::PixelSampler};
-use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
+use crate::Depth;
+use steradian_engine::{Integrator, PathContext};
+use steradian_math::{Ray, Spectrum};
+use steradian_transport::{Arrival, Guide, NoGuide, PathState, Vertex, arrive, escape};
 
 /// The path tracer. Without `MEDIA` these are ignored; surfaces that scatter nothing are passed.
 #[derive(Clone, Copy, Debug)]
 pub struct PathTracer<const MEDIA: bool> {
-    /// How far paths are followed; events in media count as those on surfaces.
+    /// How far paths are followed; events in media count as those on surfaces. Passing straight through a thin pane is
+    /// none.
     pub depth: Depth,
-    /// What is done against noise.
-    pub variance_reduction: VarianceReduction,
 }
 
-/// The path tracer between surfaces.
-pub type Path = PathTracer<false>;
-
-/// The path tracer through participating media. Passing straight through a thin pane is no scattering event.
-pub type VolPath = PathTracer<true>;
-
 impl<const MEDIA: bool> PathTracer<MEDIA> {
-    /// Adds what a path that meets nothing brings.
+    /// The radiance that arrives along a camera ray.
     #[inline]
-    fn escape(
-        &self,
-        scene: &Scene,
-        path_state: &PathState,
-        sum: &mut Spectrum,
-        lambda: &Wavelengths,
-        counters: &mut Counters,
-    ) {
-        if !counters.by_group.is_empty() {
-            escape_by_group(scene, path_state, &self.depth, lambda, counters);
+    pub(crate) fn arriving(&self, ray: Ray, guide: Option<&impl Guide>, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let (mut path_state, mut sum, mut first) =
+            (PathState::camera(context.scene, ray), Spectrum::ZERO, Arrival::End);
+        arrive::<MEDIA>(&mut path_state, &self.depth, &mut sum, &mut first, context);
+        match &first {
+            Arrival::Vertex(v) => sum + self.leaving(v, path_state, guide, context),
+            Arrival::End => sum,
+            Arrival::Escaped => {
+                escape(&path_state, &self.depth, &mut sum, context);
+                sum
+            }
         }
-        escape(scene, path_state, sum, &self.depth, lambda);
     }
 
-    /// What a path that arrived at a vertex brings from there.
+    /// What a path that arrived at a vertex brings from there: light scattered towards where it came from, without
+    /// emission.
     #[inline]
-    fn follow<'s>(
+    pub(crate) fn leaving<'s>(
         &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
         vertex: &Vertex<'s>,
         mut path_state: PathState,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
+        guide: Option<&impl Guide>,
+        context: &mut PathContext<'s, '_>,
     ) -> Spectrum {
-        let mut vertex = vertex;
-        let mut next = Arrival::End;
-        let mut sum = Spectrum::ZERO;
+        let (mut vertex, mut next, mut sum) = (vertex, Arrival::End, Spectrum::ZERO);
         loop {
             // Light that arrives straight from a light.
-            sum += path_state.direct::<MEDIA>(vertex, scene, sampler, lambda, counters);
+            sum += path_state.direct::<MEDIA>(vertex, context);
             // Scatter.
-            let Some(s) = vertex.sample(&path_state, sampler, precomputed) else { return sum };
-            path_state.turn::<MEDIA>(scene, vertex, &s);
+            let Some(s) = vertex.sample(&path_state, context.sampler, guide) else { return sum };
+            path_state.turn::<MEDIA>(context.scene, vertex, &s);
             if !path_state.beta.is_finite() {
                 // Handed to the film, which counts it.
                 return path_state.beta;
             }
-            if !path_state.survives(&self.depth, sampler, lambda) {
+            if !path_state.survives(&self.depth, context) {
                 return sum;
             }
             // Follow the ray to the next vertex; collect what shines there.
-            arrive::<MEDIA>(scene, &mut path_state, &mut sum, &self.depth, sampler, lambda, counters, &mut next);
+            arrive::<MEDIA>(&mut path_state, &self.depth, &mut sum, &mut next, context);
             match &next {
                 Arrival::Vertex(v) => vertex = v,
                 Arrival::End => return sum,
                 Arrival::Escaped => {
-                    self.escape(scene, &path_state, &mut sum, lambda, counters);
+                    escape(&path_state, &self.depth, &mut sum, context);
                     return sum;
                 }
             }
@@ -84,56 +69,10 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
     }
 }
 
-impl<const MEDIA: bool> PathContinuation<MEDIA> for PathTracer<MEDIA> {
-    fn depth(&self) -> &Depth {
-        &self.depth
-    }
-
-    fn variance_reduction(&self) -> &VarianceReduction {
-        &self.variance_reduction
-    }
-
-    #[inline]
-    fn leaving<'s>(
-        &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
-        vertex: &Vertex<'s>,
-        path_state: PathState,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        self.follow(scene, precomputed, vertex, path_state, sampler, lambda, counters)
-    }
-}
-
 impl<const MEDIA: bool> Integrator for PathTracer<MEDIA> {
-    type Prepared = Precomputed;
+    type Prepared = ();
 
-    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
-        Precomputed::new(scene, self, plan, stop)
-    }
-
-    #[inline]
-    fn radiance(
-        &self,
-        scene: &Scene,
-        precomputed: &Precomputed,
-        ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        let (mut path_state, mut sum, mut first) = (PathState::camera(scene, ray), Spectrum::ZERO, Arrival::End);
-        arrive::<MEDIA>(scene, &mut path_state, &mut sum, &self.depth, sampler, lambda, counters, &mut first);
-        match &first {
-            Arrival::Vertex(v) => sum + self.leaving(scene, precomputed, v, path_state, sampler, lambda, counters),
-            Arrival::End => sum,
-            Arrival::Escaped => {
-                self.escape(scene, &path_state, &mut sum, lambda, counters);
-                sum
-            }
-        }
+    fn radiance(&self, (): &(), ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
+        self.arriving(ray, None::<&NoGuide>, context)
     }
 }

@@ -1,8 +1,9 @@
 //! Ray casting: the colour of the first surface, as if white light were everywhere the same.
 
-use crate::{Counters, Integrator, MAX_PASSES, nee};
-use steradian_core::{Scene, color, sampler::PixelSampler};
-use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
+use crate::{Integrator, MAX_PASSES, nee};
+use steradian_core::color;
+use steradian_engine::PathContext;
+use steradian_math::{Ray, Spectrum};
 
 /// The ray caster.
 #[derive(Clone, Copy, Debug)]
@@ -11,15 +12,8 @@ pub struct Raycast;
 impl Integrator for Raycast {
     type Prepared = ();
 
-    fn radiance(
-        &self,
-        scene: &Scene,
-        (): &(),
-        mut ray: Ray,
-        _: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    fn radiance(&self, (): &(), mut ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let PathContext { scene, lambda, counters, .. } = context;
         let mut differential = scene.ray_differential(&ray);
         for _ in 0..MAX_PASSES {
             if counters.stop.is_asked() {

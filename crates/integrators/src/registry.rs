@@ -4,10 +4,10 @@ use crate::{
     Depth, Plan, Session, VarianceReduction,
     ao::AmbientOcclusion,
     passes::{PassKind, missed_caustics},
-    path::{Path, VolPath},
+    path::PathTracer,
     radiosity::{self, Solution, View},
     raycast::Raycast,
-    reuse::Sharing,
+    shared_path::SharedPath,
     stokes::Stokes,
     whitted::Whitted,
 };
@@ -42,9 +42,9 @@ pub const INTEGRATORS: &[(&str, &str)] = &[
 #[derive(Clone, Copy, Debug)]
 pub enum IntegratorKind {
     /// Path tracing.
-    Path(Path),
+    Path(SharedPath<false>),
     /// Path tracing through media.
-    VolPath(VolPath),
+    VolPath(SharedPath<true>),
     /// Whitted's ray tracing.
     Whitted(Whitted),
     /// Ray casting.
@@ -64,8 +64,8 @@ impl IntegratorKind {
     /// of methods that can, or that do not claim to find all light.
     pub fn missed_caustics(&self, scene: &Scene) -> Option<Vec3> {
         let depth = match self {
-            Self::Path(i) => i.depth,
-            Self::VolPath(i) => i.depth,
+            Self::Path(i) => i.path.depth,
+            Self::VolPath(i) => i.path.depth,
             Self::Stokes(i) => i.depth,
             _ => return None,
         };
@@ -75,9 +75,12 @@ impl IntegratorKind {
     /// By name; `None` for names that are not in [`INTEGRATORS`].
     pub fn named(name: &str, depth: Depth, variance_reduction: VarianceReduction) -> Option<Self> {
         Some(match name {
-            "path" => Self::Path(Path { depth, variance_reduction }),
-            "volpath" => Self::VolPath(VolPath { depth, variance_reduction }),
-            "direct" => Self::Path(Path { depth: Depth { max: depth.max.min(1), ..depth }, variance_reduction }),
+            "path" => Self::Path(SharedPath { path: PathTracer { depth }, variance_reduction }),
+            "volpath" => Self::VolPath(SharedPath { path: PathTracer { depth }, variance_reduction }),
+            "direct" => {
+                let path = PathTracer { depth: Depth { max: depth.max.min(1), ..depth } };
+                Self::Path(SharedPath { path, variance_reduction })
+            }
             "whitted" => Self::Whitted(Whitted { depth }),
             "raycast" => Self::Raycast(Raycast),
             "ao" => Self::AmbientOcclusion(AmbientOcclusion { distance: f32::INFINITY }),
@@ -123,8 +126,8 @@ impl IntegratorKind {
     /// A render with an empty film.
     pub fn session(&self, scene: Arc<Scene>, plan: Plan) -> Box<dyn Session> {
         match *self {
-            Self::Path(i) => Box::new(Tiles::new(scene, Sharing::<false, _>(i), plan)),
-            Self::VolPath(i) => Box::new(Tiles::new(scene, Sharing::<true, _>(i), plan)),
+            Self::Path(i) => Box::new(Tiles::new(scene, i, plan)),
+            Self::VolPath(i) => Box::new(Tiles::new(scene, i, plan)),
             Self::Whitted(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Raycast(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Stokes(i) => Box::new(Tiles::per_pixel(scene, i, plan)),

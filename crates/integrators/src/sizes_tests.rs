@@ -2,10 +2,8 @@
 //! upon them.
 
 use crate::{
-    Control, Depth, Film, INTEGRATORS, IntegratorKind, PathEffort, Plan, Precomputed, Session, Stop, VarianceReduction,
-    adaptive::CELL,
-    reuse::{GroupBuffer, PathContinuation, Sharing},
-    splitting::Splitting,
+    Control, Depth, Film, INTEGRATORS, IntegratorKind, PathEffort, Plan, Precomputed, Session, SharedPath, Stop,
+    VarianceReduction, adaptive::CELL, precomputed::Splitting, sharing::GroupBuffer,
 };
 use std::sync::Arc;
 use steradian_core::{
@@ -80,9 +78,9 @@ fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Render {
 
 /// A path tracer with more paths in squares of an edge than elsewhere.
 #[derive(Debug)]
-struct Uneven<const MEDIA: bool, P>(Sharing<MEDIA, P>, u32);
+struct Uneven<const MEDIA: bool>(SharedPath<MEDIA>, u32);
 
-impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Uneven<MEDIA, P> {
+impl<const MEDIA: bool> GroupIntegrator for Uneven<MEDIA> {
     type Prepared = Precomputed;
     type Buffer<'s> = GroupBuffer<'s>;
 
@@ -118,8 +116,8 @@ impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Uneven<M
 fn take(scene: &Scene, render: Render, edge: u32) -> Film {
     let (scene, Render { integrator, plan }) = (Arc::new(scene.clone()), render);
     let mut session: Box<dyn Session> = match integrator {
-        IntegratorKind::Path(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<false, _>(i), edge), plan)),
-        IntegratorKind::VolPath(i) => Box::new(Tiles::new(scene, Uneven(Sharing::<true, _>(i), edge), plan)),
+        IntegratorKind::Path(i) => Box::new(Tiles::new(scene, Uneven(i, edge), plan)),
+        IntegratorKind::VolPath(i) => Box::new(Tiles::new(scene, Uneven(i, edge), plan)),
         other => other.session(scene, plan),
     };
     session.step(u32::MAX, &Control::default());

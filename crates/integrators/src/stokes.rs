@@ -5,17 +5,14 @@
 //! picture: S₁ is positive for light that swings from left to right. In scenes that nothing polarises twice, S₀ is the
 //! picture of `path`.
 
-use crate::{Counters, Depth, Integrator, dimension, live_max, nee, walk};
-use steradian_core::{
-    Scene,
-    bsdf::{TransportMode, polarized},
-    sampler::PixelSampler,
-};
+use crate::{Depth, Integrator, dimension, live_max, nee};
+use steradian_core::bsdf::{TransportMode, polarized};
+use steradian_engine::PathContext;
 use steradian_math::{
     Ray, Spectrum,
     polarization::{Mueller, Stokes as Vector, basis},
-    spectra::Wavelengths,
 };
+use steradian_transport::roulette::roulette;
 
 /// The path tracer of polarised light.
 #[derive(Clone, Copy, Debug)]
@@ -29,34 +26,20 @@ pub struct Stokes {
 impl Integrator for Stokes {
     type Prepared = ();
 
-    fn radiance(
-        &self,
-        scene: &Scene,
-        (): &(),
-        ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    fn radiance(&self, (): &(), ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
         // Light travels against the ray; its horizontal is across the camera's view and up.
         let k = -ray.direction;
-        let horizontal = scene.camera.right();
+        let horizontal = context.scene.camera.right();
         let across = (horizontal - k * k.dot(horizontal)).try_normalize().unwrap_or_else(|| basis(k));
         let to_picture = Mueller::change_basis(k, basis(k), across);
-        (to_picture * self.vector(scene, ray, sampler, lambda, counters)).0[self.component]
+        (to_picture * self.vector(ray, context)).0[self.component]
     }
 }
 
 impl Stokes {
     /// The Stokes vector that arrives against a ray, in the frame of its direction.
-    fn vector(
-        &self,
-        scene: &Scene,
-        mut ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Vector {
+    fn vector(&self, mut ray: Ray, context: &mut PathContext<'_, '_>) -> Vector {
+        let PathContext { scene, sampler, lambda, counters } = context;
         let mut sum = Vector::ZERO;
         let mut chain = Mueller::IDENTITY;
         let mut eta2 = 1.0_f32;
@@ -122,7 +105,7 @@ impl Stokes {
             // row sum.
             let strongest = chain.0[0].iter().fold(Spectrum::ZERO, |m, v| m + v.map(f32::abs));
             let live = live_max(strongest, lambda) * eta2;
-            match walk::roulette(live, events, &self.depth, None, sampler) {
+            match roulette(live, events, &self.depth, None, sampler) {
                 Some(scale) => chain = chain.scaled(Spectrum::splat(scale)),
                 None => return sum,
             }

@@ -1,8 +1,8 @@
 //! Cancellation is polled along each path.
 
 use crate::{
-    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::Path, raycast::Raycast,
-    stokes::Stokes, whitted::Whitted,
+    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::PathTracer,
+    raycast::Raycast, stokes::Stokes, whitted::Whitted,
 };
 use std::sync::{
     Arc,
@@ -13,6 +13,7 @@ use steradian_core::{
     compile::{Options, compile},
     sampler::{Sampler, SamplerKind},
 };
+use steradian_engine::PathContext;
 use steradian_math::{Transform, spectra::Wavelengths};
 use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Shape, SpectrumValue, Value};
 
@@ -36,13 +37,13 @@ fn ball(kind: &str) -> Scene {
 /// has hundreds, before roulette ends it.
 #[test]
 fn paths_end_where_they_are() {
-    let (variance_reduction, depth) = (VarianceReduction::default(), Depth { roulette_after: 0, ..FOREVER });
+    let depth = Depth { roulette_after: 0, ..FOREVER };
     for kind in ["conductor", "diffuse"] {
         let scene = ball(kind);
         let stop = Stop::by(&Arc::new(AtomicBool::new(true)));
         let both = |rays: &dyn Fn(&Stop) -> u64| [rays(&Stop::default()), rays(&stop)];
         let long = [
-            both(&|stop| rays(&Path { depth, variance_reduction }, &scene, stop)),
+            both(&|stop| rays(&PathTracer::<false> { depth }, &scene, stop)),
             both(&|stop| rays(&Stokes { depth, component: 0 }, &scene, stop)),
         ];
         for [endless, stopped] in long {
@@ -57,7 +58,8 @@ fn rays<I: Integrator>(integrator: &I, scene: &Scene, stop: &Stop) -> u64 {
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(3, 5, 0);
     let ray = scene.camera.ray(&scene.film, steradian_math::Vec2::new(3.5, 5.5), steradian_math::Vec2::splat(0.5));
     let (mut counters, mut lambda) = (Counters::until(stop), Wavelengths::RGB);
-    integrator.radiance(scene, &I::Prepared::default(), ray, &sampler, &mut lambda, &mut counters);
+    let context = &mut PathContext { scene, sampler: &sampler, lambda: &mut lambda, counters: &mut counters };
+    integrator.radiance(&I::Prepared::default(), ray, context);
     counters.rays
 }
 

@@ -1,17 +1,16 @@
 //! Whitted's ray tracing: mirrors and glass are followed in both directions, every light is asked once at each surface,
 //! and nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
-use crate::{Counters, Depth, Integrator, MAX_PASSES, dimension, nee};
+use crate::{Depth, Integrator, MAX_PASSES, dimension, nee};
 use steradian_core::{
-    Scene,
     bsdf::TransportMode,
     footprint::{Bounce, RayDifferential},
     light::{Light, LightContext},
     material::Scattering,
-    sampler::PixelSampler,
     scene::Interaction,
 };
-use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
+use steradian_engine::PathContext;
+use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON};
 
 /// Rays branch in two at glass, so the depth is held to this, whatever the scene asks for.
 pub const DEEPEST: u32 = 16;
@@ -40,17 +39,14 @@ pub struct Whitted {
 
 impl Whitted {
     /// Light of the environments, which are found by scattering alone: one direction.
-    #[allow(clippy::too_many_arguments)]
     fn sky(
-        scene: &Scene,
         i: &Interaction,
         frame: &Frame,
         scattering: &Scattering<'_>,
         event: u32,
-        sampler: &PixelSampler,
-        lambda: &Wavelengths,
-        counters: &mut Counters,
+        context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
+        let PathContext { scene, sampler, lambda, counters } = context;
         if scene.lights.environments.is_empty() || scattering.bsdf.is_specular() {
             return Spectrum::ZERO;
         }
@@ -71,14 +67,12 @@ impl Whitted {
 
     fn trace(
         &self,
-        scene: &Scene,
         Branch { mut ray, mut differential, events, limit }: Branch,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
+        context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
         for _ in 0..MAX_PASSES {
+            let PathContext { scene, sampler, lambda, counters } = &mut *context;
             if counters.stop.is_asked() {
                 break;
             }
@@ -117,7 +111,7 @@ impl Whitted {
                     sum += e.value * s.radiance / s.pdf;
                 }
             }
-            sum += Self::sky(scene, &i, &frame, &scattering, events, sampler, lambda, counters);
+            sum += Self::sky(&i, &frame, &scattering, events, context);
             if events >= self.depth.max.min(DEEPEST) {
                 return sum;
             }
@@ -129,12 +123,12 @@ impl Whitted {
                 .filter(|s| s.lobe.is_specular());
             let last = last.filter(|l| first.is_none_or(|f| f.lobe != l.lobe));
             let mut ways = [first, last].map(|s| s.map(|s| (s, s.weight * s.pdf)));
-            if counters.rays > limit
+            if context.counters.rays > limit
                 && let [Some((_, a)), Some((_, b))] = &mut ways
             {
                 let (to_a, to_b) = (a.max_element(), b.max_element());
                 let p = if to_a > 0.0 { to_a / (to_a + to_b) } else { 0.0 };
-                let chosen = usize::from(sampler.get_1d(dimension::at(events, dimension::LOBE)) >= p);
+                let chosen = usize::from(context.sampler.get_1d(dimension::at(events, dimension::LOBE)) >= p);
                 (*a, *b) = (*a / p, *b / (1.0 - p));
                 ways[1 - chosen] = None;
             }
@@ -143,9 +137,9 @@ impl Whitted {
                 let bounce = Bounce::of(&s);
                 let differential = differential
                     .zip(bounce)
-                    .and_then(|(d, bounce)| scene.scatter_differential(&i, &d, ray.direction, bounce));
+                    .and_then(|(d, bounce)| context.scene.scatter_differential(&i, &d, ray.direction, bounce));
                 let next = Branch { ray, differential, events: events + 1, limit };
-                sum += factor * self.trace(scene, next, sampler, lambda, counters);
+                sum += factor * self.trace(next, context);
             }
             return sum;
         }
@@ -156,22 +150,8 @@ impl Whitted {
 impl Integrator for Whitted {
     type Prepared = ();
 
-    fn radiance(
-        &self,
-        scene: &Scene,
-        (): &(),
-        ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        let limit = counters.rays + BRANCHING_RAYS;
-        self.trace(
-            scene,
-            Branch { ray, differential: scene.ray_differential(&ray), events: 0, limit },
-            sampler,
-            lambda,
-            counters,
-        )
+    fn radiance(&self, (): &(), ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let limit = context.counters.rays + BRANCHING_RAYS;
+        self.trace(Branch { ray, differential: context.scene.ray_differential(&ray), events: 0, limit }, context)
     }
 }

@@ -2,25 +2,18 @@
 //! `cargo run --release -p steradian --example own_integrator -- scenes/showcase.pbrt own.exr`
 
 use std::{error::Error, fs::File, io::Write, path::Path, sync::Arc};
-use steradian::core::{bsdf::TransportMode, sampler::PixelSampler};
-use steradian::engine::{Counters, Integrator, PerPixel, Session, dimension};
-use steradian::math::{Ray, Spectrum, spectra::Wavelengths};
-use steradian::{Layer, Quality, Scene, image, transport::nee};
+use steradian::core::bsdf::TransportMode;
+use steradian::engine::{Integrator, PathContext, PerPixel, Session, dimension};
+use steradian::math::{Ray, Spectrum};
+use steradian::{Layer, Quality, image, transport::nee};
 
 #[derive(Debug)]
 pub(crate) struct ByChance;
 
 impl Integrator for ByChance {
     type Prepared = ();
-    fn radiance(
-        &self,
-        scene: &Scene,
-        (): &(),
-        mut ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    fn radiance(&self, (): &(), mut ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let PathContext { scene, sampler, lambda, counters } = context;
         let (mut sum, mut beta) = (Spectrum::ZERO, Spectrum::ONE);
         for event in 0..64 {
             counters.rays += 1;

@@ -2,7 +2,7 @@
 
 use steradian::{
     CompileOptions, Control, Film, Quality, Scene, compile,
-    integrators::{Counters, Depth, Integrator, whitted::Whitted},
+    integrators::{Counters, Depth, Integrator, PathContext, whitted::Whitted},
     load,
     math::{Ray, Vec2, Vec3, spectra::Wavelengths},
 };
@@ -148,9 +148,10 @@ fn light_is_that_of_rays() {
     let (mut off, mut sum) = (0, 0.0);
     for (x, y) in (0..200).flat_map(|x| (0..150).map(move |y| (x, y))) {
         let centre = ray(&scene, x, y, Vec2::splat(0.5));
-        let (mut lambda, mut counters) = (Wavelengths::RGB, Counters::default());
-        let pixel = sampler.pixel(x, y, 0);
-        let expected = whitted.radiance(&scene, &(), centre, &pixel, &mut lambda, &mut counters).to_rgb();
+        let (mut lambda, counters) = (Wavelengths::RGB, &mut Counters::default());
+        let sampler = &sampler.pixel(x, y, 0);
+        let context = &mut PathContext { scene: &scene, sampler, lambda: &mut lambda, counters };
+        let expected = whitted.radiance(&(), centre, context).to_rgb();
         let value = found[(y * 200 + x) as usize];
         sum += value[1];
         let differs =

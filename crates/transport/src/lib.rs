@@ -1,7 +1,22 @@
 //! What methods that follow light have in common, and the same for all of them: the light that is asked for at a point,
 //! what a path meets that shines, and the weights by which ways to find light are put together.
 
+pub mod attenuation;
+#[cfg(test)]
+mod differential_tests;
+pub mod flight;
+mod follow;
+mod guide;
 pub mod nee;
+pub mod roulette;
+mod state;
+pub mod tracking;
+mod vertex;
+
+pub use follow::{Arrival, arrive, escape, meet};
+pub use guide::{Guide, GuidedDirection, NoGuide};
+pub use state::PathState;
+pub use vertex::Vertex;
 
 use steradian_math::{Spectrum, spectra::Wavelengths};
 

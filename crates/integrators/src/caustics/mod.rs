@@ -13,8 +13,6 @@
 //! nor exact: they decide about the error, not about the mean.
 
 mod photons;
-pub(crate) mod trial;
-
 use crate::Stop;
 use photons::{Photon, is_receiver};
 use steradian_core::{
@@ -23,6 +21,7 @@ use steradian_core::{
     material::Scattering,
 };
 use steradian_math::{Bounds3, Frame, Vec2, Vec3};
+use steradian_transport::{Guide, GuidedDirection};
 
 /// Fewer landed ones than this are no guide.
 const FEWEST: usize = 64;
@@ -73,22 +72,6 @@ pub(crate) struct Leaf {
     scale: [f32; LANES],
     /// Sums of the weights up to and with each.
     sums: [f32; LANES],
-}
-
-/// A direction drawn by the surface or by photons. The density that the sample states is that of the surface alone,
-/// which other techniques are held against; its weight has that of both.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct GuidedDirection {
-    pub sample: BsdfSample,
-    /// The density by the surface over that by both.
-    pub ratio: f32,
-}
-
-impl GuidedDirection {
-    #[inline]
-    pub fn by_surface(sample: BsdfSample) -> Self {
-        Self { sample, ratio: 1.0 }
-    }
 }
 
 impl Caustics {
@@ -144,10 +127,11 @@ impl Caustics {
             }
         }
     }
+}
 
-    /// Draws a direction at `p`, as [`Scattering::sample`] does, by the surface or by the photons.
+impl Guide for Caustics {
     #[inline]
-    pub(crate) fn sample(
+    fn sample(
         &self,
         p: Vec3,
         frame: &Frame,

@@ -1,6 +1,6 @@
 //! Photons on their way from the lights through what focuses them, and where they land.
 
-use crate::{Counters, Stop, live_max, nee, walk::Vertex};
+use crate::{Counters, Stop, live_max, nee};
 use rayon::prelude::*;
 use steradian_core::{
     Scene,
@@ -11,7 +11,9 @@ use steradian_core::{
     scene::{Interaction, SHADOW_END},
     texture::FloatTexture,
 };
+use steradian_engine::PathContext;
 use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
+use steradian_transport::Vertex;
 
 /// Pixels for each photon that is sent. One for a pixel costs more and guides no better.
 const PIXELS: u32 = 8;
@@ -216,7 +218,9 @@ fn trace(
                 return None;
             }
             if let Some(q) = q.filter(|_| is_receiver(&scattering.bsdf)) {
-                let other = luminance(irradiance(scene, &i, &frame, event, sampler, &mut lambda.clone()), &lambda);
+                let (mut copy, mut counters) = (lambda, Counters::default());
+                let context = &mut PathContext { scene, sampler, lambda: &mut copy, counters: &mut counters };
+                let other = luminance(irradiance(&i, &frame, event, context), &lambda);
                 if !land(Photon { p: i.surface.p, q, length, power, other }) {
                     return None;
                 }
@@ -234,30 +238,24 @@ fn trace(
 }
 
 /// One sample of the irradiance at a point, of what arrives directly and after one event, each as much as it counts.
-fn irradiance(
-    scene: &Scene,
-    i: &Interaction,
-    frame: &Frame,
-    event: u32,
-    sampler: &PixelSampler,
-    lambda: &mut Wavelengths,
-) -> Spectrum {
+fn irradiance(i: &Interaction, frame: &Frame, event: u32, context: &mut PathContext<'_, '_>) -> Spectrum {
+    let scene = context.scene;
     let white = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ONE });
-    let counters = &mut Counters::default();
     let vertex = |i, scattering, frame| Vertex::Surface { i, scattering, frame, medium: None };
     let here = vertex(*i, Scattering::plain(white), *frame);
-    let direct = here.direct::<false>(scene, event, sampler, lambda, counters);
-    let w = frame.to_world(warp::cosine_hemisphere(sampler.get_2d(crate::dimension::at(event, dimension::AROUND))));
+    let direct = here.direct::<false>(event, context);
+    let w =
+        frame.to_world(warp::cosine_hemisphere(context.sampler.get_2d(crate::dimension::at(event, dimension::AROUND))));
     let ray = i.spawn(w);
     let indirect = match scene.intersect(&ray) {
         None => {
             let pdf = frame.z.dot(w).max(0.0) * std::f32::consts::FRAC_1_PI;
-            nee::background(scene, ray.origin, w, &Some((here.context(), pdf)), lambda)
+            nee::background(scene, ray.origin, w, &Some((here.context(), pdf)), context.lambda)
         }
         Some(hit) => {
             let i = scene.interaction_of_light(&ray, &hit);
-            scene.scattering(&i, 0.5, lambda).map_or(Spectrum::ZERO, |(scattering, frame)| {
-                vertex(i, scattering, frame).direct::<false>(scene, event + EVENTS, sampler, lambda, counters)
+            scene.scattering(&i, 0.5, context.lambda).map_or(Spectrum::ZERO, |(scattering, frame)| {
+                vertex(i, scattering, frame).direct::<false>(event + EVENTS, context)
             })
         }
     };

@@ -252,8 +252,8 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// Radiosities go from the leaves up to the roots, with what lights that are no patches add, or without; the largest
-    /// change of a leaf, and the largest value.
+    /// Radiosities go from the leaves up to the roots, with what lights that are no patches add, or without; the
+    /// largest change of a leaf, and the largest value.
     fn pull(&mut self, with_direct: bool) -> (f64, f64) {
         let direct = f64::from(u8::from(with_direct));
         let (mut moved, mut largest) = (0.0_f64, 0.0_f64);

@@ -101,8 +101,8 @@ impl System {
         self.jacobi_from(self.sources.clone(), tolerance, most, tell)
     }
 
-    /// Jacobi's method from other radiosities than the sources. From what is emitted, `most` steps are the irradiances of
-    /// all light that was scattered less than `most` times: the partial sums of Neumann's series.
+    /// Jacobi's method from other radiosities than the sources. From what is emitted, `most` steps are the irradiances
+    /// of all light that was scattered less than `most` times: the partial sums of Neumann's series.
     pub fn jacobi_from(
         &self,
         mut radiosity: Vec<DVec4>,

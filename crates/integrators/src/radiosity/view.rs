@@ -3,17 +3,17 @@
 //! surface and the solution is looked up one bounce further on, where its patches are not seen.
 
 use super::{Settings, Solution, solve};
-use crate::{Counters, Depth, Integrator, Plan, Stop, dimension, nee};
+use crate::{Depth, Integrator, Plan, Stop, dimension, nee};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, Lobe, TransportMode},
     light::LightContext,
     material::Scattering,
-    sampler::PixelSampler,
     scene::Interaction,
 };
-use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_engine::PathContext;
+use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3};
 
 /// Mirrors, panes and glossy lobes that a ray follows at most, where the scene has no limit.
 const MOST_EVENTS: u32 = 32;
@@ -43,21 +43,15 @@ impl Integrator for View {
         false
     }
 
-    fn radiance(
-        &self,
-        scene: &Scene,
-        solution: &Self::Prepared,
-        mut ray: Ray,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    fn radiance(&self, solution: &Self::Prepared, mut ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
         let Some(solution) = solution.as_deref() else { return Spectrum::ZERO };
         let seen = Seen { view: self, solution };
+        let scene = context.scene;
         let (mut beta, mut l) = (Spectrum::ONE, Spectrum::ZERO);
         let mut is_camera_ray = true;
         let most = self.depth.max.min(MOST_EVENTS);
         for event in 0..=most {
+            let PathContext { sampler, lambda, counters, .. } = &mut *context;
             counters.rays += 1;
             let shows_lights = !(is_camera_ray && self.depth.hide_emitters);
             let Some(hit) = scene.intersect(&ray) else {
@@ -81,7 +75,7 @@ impl Integrator for View {
             is_camera_ray = false;
             let wo = frame.to_local(i.wo);
             if let Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_) = s.bsdf {
-                return l + beta * seen.lambertian(scene, &i, &s, &frame, (sampler, event), lambda, counters);
+                return l + beta * seen.lambertian(&i, &s, &frame, event, context);
             }
             let choice = sampler.get_1d(dimension::at(event, dimension::LOBE));
             let u = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
@@ -91,8 +85,8 @@ impl Integrator for View {
             if drawn.lobe.contains(Lobe::DIFFUSE) {
                 let front = i.surface.n.dot(w) > 0.0;
                 let n = if front { i.surface.n } else { -i.surface.n };
-                let sharp = seen.sharp(scene, &i, n, lambda, counters);
-                return l + beta * (solution.irradiance(&i, front, self.smooth, lambda) + sharp) * FRAC_1_PI;
+                let sharp = seen.sharp(&i, n, context);
+                return l + beta * (solution.irradiance(&i, front, self.smooth, context.lambda) + sharp) * FRAC_1_PI;
             }
             ray = i.spawn(w);
         }
@@ -108,29 +102,26 @@ struct Seen<'a> {
 
 impl Seen<'_> {
     /// Light that leaves a Lambertian surface.
-    #[allow(clippy::too_many_arguments)]
     fn lambertian(
         &self,
-        scene: &Scene,
         i: &Interaction,
         surface: &Scattering<'_>,
         frame: &Frame,
-        (sampler, event): (&PixelSampler, u32),
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
+        event: u32,
+        context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
         let front = i.surface.n.dot(i.wo) > 0.0;
         if self.view.gather > 0 {
             let mut sum = Spectrum::ZERO;
             for k in 0..self.view.gather {
-                let sampler = sampler.branch(event, k);
-                sum += self.gathered(scene, i, surface, frame, (&sampler, event), lambda, counters);
+                let sampler = context.sampler.branch(event, k);
+                sum += self.gathered(i, surface, frame, event, &mut context.branch(&sampler));
             }
             return sum / self.view.gather as f32;
         }
         let mut at = |side: bool| {
             let n = if side { i.surface.n } else { -i.surface.n };
-            self.solution.irradiance(i, side, self.view.smooth, lambda) + self.sharp(scene, i, n, lambda, counters)
+            self.solution.irradiance(i, side, self.view.smooth, context.lambda) + self.sharp(i, n, context)
         };
         let (reflectance, transmittance) = match &surface.bsdf {
             Bsdf::Diffuse(b) if frame.to_local(i.wo).z > 0.0 => (b.reflectance, Spectrum::ZERO),
@@ -142,14 +133,8 @@ impl Seen<'_> {
     }
 
     /// Irradiance from lights without extent on the side that a normal points to.
-    fn sharp(
-        &self,
-        scene: &Scene,
-        i: &Interaction,
-        n: Vec3,
-        lambda: &Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
+    fn sharp(&self, i: &Interaction, n: Vec3, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let PathContext { scene, lambda, counters, .. } = context;
         let ctx = LightContext { p: i.surface.p, n };
         let ns = if i.surface.ns.dot(n) < 0.0 { -i.surface.ns } else { i.surface.ns };
         let mut sum = Spectrum::ZERO;
@@ -167,17 +152,15 @@ impl Seen<'_> {
     }
 
     /// One light sample and one ray to where the solution is looked up, weighted against each other.
-    #[allow(clippy::too_many_arguments)]
     fn gathered(
         &self,
-        scene: &Scene,
         i: &Interaction,
         surface: &Scattering<'_>,
         frame: &Frame,
-        (sampler, event): (&PixelSampler, u32),
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
+        event: u32,
+        context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
+        let PathContext { scene, sampler, lambda, counters } = context;
         let wo = frame.to_local(i.wo);
         let ctx = nee::context(i, frame, &surface.bsdf);
         let mut l = Spectrum::ZERO;

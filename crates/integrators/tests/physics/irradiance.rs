@@ -17,7 +17,7 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
 };
 use steradian_image::{Encoding, TexelData, Texels};
-use steradian_integrators::{Counters, Depth, Integrator, Precomputed, VarianceReduction, path::Path};
+use steradian_integrators::{Counters, Depth, Integrator, PathContext, path::PathTracer};
 use steradian_math::{DVec3, Ray, Transform, Vec3, hash::HashRng, spectra::Wavelengths};
 use steradian_scene::Mesh;
 
@@ -341,7 +341,7 @@ fn a_mirror_ball_shows_the_environment() {
     );
     stage.film(1, 1).look([0.0, 0.0, 4.0], [0.0; 3], 10.0);
     let depth = Depth { max: 8, roulette_after: 8, hide_emitters: false };
-    let path = Path { depth, variance_reduction: VarianceReduction::default() };
+    let path = PathTracer::<false> { depth };
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
     for parametrization in PARAMETRIZATIONS {
         let sky = spotted(parametrization);
@@ -351,8 +351,8 @@ fn a_mirror_ball_shows_the_environment() {
             let n = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - r * r).sqrt());
             let ray = Ray::new(Vec3::new(n.x, n.y, 4.0), -Vec3::Z);
             let counters = &mut Counters::default();
-            let (precomputed, numbers) = (Precomputed::default(), sampler.pixel(0, 0, k));
-            let seen = path.radiance(&scene, &precomputed, ray, &numbers, &mut Wavelengths::RGB.clone(), counters);
+            let (sampler, lambda) = (&sampler.pixel(0, 0, k), &mut Wavelengths::RGB.clone());
+            let seen = path.radiance(&(), ray, &mut PathContext { scene: &scene, sampler, lambda, counters });
             let looked_up = sky.radiance(n, 2.0 * n.z * n - Vec3::Z, &Wavelengths::RGB);
             for c in 0..3 {
                 let error = (seen[c] - looked_up[c]).abs();

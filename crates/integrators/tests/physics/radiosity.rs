@@ -13,7 +13,7 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
 };
 use steradian_integrators::{
-    Counters, Depth, Integrator,
+    Counters, Depth, Integrator, PathContext,
     radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, Watcher, solve},
 };
 use steradian_math::{Ray, Vec2};
@@ -46,7 +46,8 @@ fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32
         let at = Vec2::new(x as f32, y as f32) + s.get_2d(0);
         let ray: Ray = scene.camera.ray(&scene.film, at, Vec2::splat(0.5));
         let mut lambda = scene.mode.wavelengths(|| s.get_1d(2));
-        let l = view.radiance(scene, &solution, ray, &s, &mut lambda, &mut Counters::default());
+        let counters = &mut Counters::default();
+        let l = view.radiance(&solution, ray, &mut PathContext { scene, sampler: &s, lambda: &mut lambda, counters });
         let c = scene.mode.to_rgb(l, &lambda);
         sum.iter_mut().zip(c.to_array()).for_each(|(s, c)| *s += f64::from(c) / f64::from(w * h * spp));
     }

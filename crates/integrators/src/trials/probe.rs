@@ -3,8 +3,9 @@
 use crate::{
     Counters,
     partition::{MAX_GROUP, Partition, Place, Window},
+    path::PathTracer,
     precomputed::Precomputed,
-    reuse::{self, GroupBuffer, PathContinuation},
+    sharing::{self, GroupBuffer},
 };
 use steradian_core::{
     Scene,
@@ -31,9 +32,9 @@ impl<'a, 's> Probe<'a, 's> {
 
     /// One of the `of` samples of each pixel, spread over each other as those of a picture are: its luminance, zero
     /// where it is not finite, and the rays of all, to which the start of a path adds one.
-    pub fn sample<const MEDIA: bool, S: PathContinuation<MEDIA>>(
+    pub fn sample<const MEDIA: bool>(
         &mut self,
-        continuation: &S,
+        path: &PathTracer<MEDIA>,
         scene: &'s Scene,
         precomputed: &Precomputed,
         seed: u64,
@@ -47,7 +48,7 @@ impl<'a, 's> Probe<'a, 's> {
         self.pixel_samples
             .extend(self.places.iter().map(|p| PixelSample::at(scene, &sampler, self.partition, index, p).0));
         let mut counters = Counters::until(&precomputed.stop);
-        reuse::group(continuation, scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
+        sharing::group(path, scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
         let mut light = [0.0; MAX_GROUP];
         for (light, pixel_sample) in light.iter_mut().zip(&self.pixel_samples) {
             let l =

@@ -6,12 +6,12 @@
 //! square share with one, in the mean over samples. The group for which the geometric mean over the four, times cost,
 //! is least is taken.
 
-use super::{MAX_GROUP, PathContinuation};
+use super::probe::Probe;
 use crate::{
     adaptive::FLOOR,
-    partition::{Partition, TILE},
+    partition::{MAX_GROUP, Partition, TILE},
+    path::PathTracer,
     precomputed::Precomputed,
-    probe::Probe,
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -76,15 +76,15 @@ fn partners(square: u32, window: u32) -> f64 {
 }
 
 /// How many paths had best share, in a picture of so many samples.
-pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+pub(crate) fn trial<const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &Scene,
     precomputed: &Precomputed,
     samples: u64,
 ) -> u32 {
     let groups = (samples / PER_GROUP).clamp(GROUPS.0, GROUPS.1) as u32;
     let found: Vec<[Found; SIZES.len()]> =
-        (0..groups).into_par_iter().map(|k| of_group(continuation, scene, precomputed, k)).collect();
+        (0..groups).into_par_iter().map(|k| of_group(path, scene, precomputed, k)).collect();
     best(&std::array::from_fn(|size| found.iter().map(|f| f[size]).fold(Found::default(), Found::plus)))
 }
 
@@ -96,8 +96,8 @@ fn best(found: &[Found; SIZES.len()]) -> u32 {
 }
 
 /// Of the pixels of one large group, by groups of all sizes.
-fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+fn of_group<const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &Scene,
     precomputed: &Precomputed,
     k: u32,
@@ -121,7 +121,7 @@ fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
             let mut means = [[0.0_f64; MAX_GROUP]; 2];
             for (seed, means) in (0..).zip(&mut means) {
                 for index in 0..SAMPLES {
-                    let (light, cost) = probe.sample(continuation, scene, precomputed, seed, (index, SAMPLES));
+                    let (light, cost) = probe.sample(path, scene, precomputed, seed, (index, SAMPLES));
                     means.iter_mut().zip(light).for_each(|(m, l)| *m += l / f64::from(SAMPLES));
                     found.cost += cost / f64::from(2 * SAMPLES);
                 }

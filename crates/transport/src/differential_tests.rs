@@ -1,10 +1,6 @@
 //! Ray differentials along paths, held against neighbouring paths that are traced.
 
-use crate::{
-    Counters, Depth,
-    caustics::GuidedDirection,
-    walk::{Arrival, PathState, Vertex, arrive},
-};
+use crate::{Arrival, Depth, GuidedDirection, PathState, Vertex, arrive};
 use steradian_core::{
     ColorMode, Scene,
     bsdf::TransportMode,
@@ -12,6 +8,7 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
     scene::Interaction,
 };
+use steradian_engine::{Counters, PathContext};
 use steradian_math::{DVec3, Transform, Vec2, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
 use steradian_scene::{Family, Format, Node, SceneDesc, Shape, Value};
 
@@ -44,9 +41,10 @@ fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, P
     let depth = Depth { max: u32::MAX, roulette_after: u32::MAX, hide_emitters: false };
     let mut lambda = Wavelengths::RGB;
     let (mut path_state, mut sum, mut arrival) = (PathState::camera(scene, ray), Default::default(), Arrival::End);
-    let counters = &mut Counters::default();
+    let (sampler, lambda, counters) = (&sampler, &mut lambda, &mut Counters::default());
+    let context = &mut PathContext { scene, sampler, lambda, counters };
     loop {
-        arrive::<false>(scene, &mut path_state, &mut sum, &depth, &sampler, &mut lambda, counters, &mut arrival);
+        arrive::<false>(&mut path_state, &depth, &mut sum, &mut arrival, context);
         let Arrival::Vertex(v @ Vertex::Surface { i, scattering, frame, .. }) = arrival else {
             panic!("{pixel} is lost")
         };

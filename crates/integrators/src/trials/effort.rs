@@ -11,32 +11,16 @@
 //! As roulette decides by the same random numbers whatever the threshold, `S(b)` is the mean square by which samples
 //! with and without it differ.
 
+use super::probe::Probe;
 use crate::{
     adaptive::FLOOR,
     partition::{MAX_GROUP, Partition, TILE},
-    precomputed::Precomputed,
-    probe::Probe,
-    reuse::PathContinuation,
+    path::PathTracer,
+    precomputed::{PathEffort, Precomputed},
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
 use steradian_math::sobol;
-
-/// Light samples and roulette threshold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathEffort {
-    /// Light samples at x.
-    pub lights: u32,
-    /// The throughput, from y on, below which roulette is played from the first event on; `None` for the rule of all
-    /// paths.
-    pub roulette_below: Option<f32>,
-}
-
-impl Default for PathEffort {
-    fn default() -> Self {
-        Self { lights: 1, roulette_below: None }
-    }
-}
 
 /// Most light samples.
 const LIGHTS: u32 = 4;
@@ -97,8 +81,8 @@ impl Found {
 }
 
 /// What pays.
-pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+pub(crate) fn trial<const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &Scene,
     precomputed: &Precomputed,
 ) -> PathEffort {
@@ -107,7 +91,7 @@ pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
     }
     let trials = TRIED.map(|effort| Precomputed { effort, ..precomputed.clone() });
     let found: Vec<Found> =
-        (0..GROUPS).into_par_iter().map(|k| of_group(continuation, scene, &trials, tile(scene, k, 1), k)).collect();
+        (0..GROUPS).into_par_iter().map(|k| of_group(path, scene, &trials, tile(scene, k, 1), k)).collect();
     found.into_iter().fold(Found::default(), Found::plus).best()
 }
 
@@ -119,8 +103,8 @@ fn tile(scene: &Scene, k: u32, seed: u32) -> [i32; 2] {
 }
 
 /// Of a group of a tile.
-fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+fn of_group<const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &Scene,
     trials: &[Precomputed; TRIED.len()],
     tile: [i32; 2],
@@ -136,7 +120,7 @@ fn of_group<const MEDIA: bool, S: PathContinuation<MEDIA>>(
         for index in 0..SAMPLES {
             let mut light = [[0.0; TRIED.len()]; MAX_GROUP];
             for (tried, precomputed) in trials.iter().enumerate() {
-                let (luminances, cost) = probe.sample(continuation, scene, precomputed, seed, (index, SAMPLES));
+                let (luminances, cost) = probe.sample(path, scene, precomputed, seed, (index, SAMPLES));
                 found.cost[tried] += cost / all;
                 light.iter_mut().zip(luminances).for_each(|(light, l)| light[tried] = l);
             }

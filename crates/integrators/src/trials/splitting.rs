@@ -9,12 +9,12 @@
 //! otherwise promise what it cannot keep. What is promised has to be much, since twice the paths everywhere raise the
 //! efficiency too, with samplers that spread them well (by 1.0 to 1.2).
 
+use super::probe::Probe;
 use crate::{
     adaptive::{CELL, FLOOR, Need, around},
     partition::Partition,
-    precomputed::Precomputed,
-    probe::Probe,
-    reuse::PathContinuation,
+    path::PathTracer,
+    precomputed::{Precomputed, Splitting},
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -30,37 +30,9 @@ const PROMISING: f64 = 1.2;
 const SAMPLES: u64 = 1024;
 const MOST_CELLS: u64 = 1 << 14;
 
-/// How many paths a sample is the mean of, by parts of the picture.
-#[derive(Clone, Debug, Default)]
-pub struct Splitting {
-    /// By rows of squares; empty where one is enough everywhere.
-    paths: Vec<u8>,
-    columns: u32,
-    /// Edge of the squares, pixels.
-    edge: u32,
-}
-
-impl Splitting {
-    /// More paths here and there than elsewhere, whatever pays.
-    #[cfg(test)]
-    pub fn here_and_there(scene: &Scene, edge: u32) -> Self {
-        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
-        Self { paths: (0..columns * rows).map(|k| 1 << (k % 3)).collect(), columns, edge }
-    }
-
-    /// Of the samples of a pixel.
-    pub fn paths(&self, [x, y]: [u32; 2]) -> u32 {
-        if self.paths.is_empty() {
-            1
-        } else {
-            self.paths[(y / self.edge * self.columns + x / self.edge) as usize].into()
-        }
-    }
-}
-
 /// What pays for a picture of so many samples in all.
-pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+pub(crate) fn trial<const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &Scene,
     precomputed: &Precomputed,
     samples: u64,
@@ -71,7 +43,7 @@ pub(crate) fn trial<const MEDIA: bool, S: PathContinuation<MEDIA>>(
     while u64::from(film.width.div_ceil(edge)) * u64::from(film.height.div_ceil(edge)) > most {
         edge *= 2;
     }
-    let measure = |edge| PilotStatistics::measure(continuation, scene, precomputed, edge);
+    let measure = |edge| PilotStatistics::measure(path, scene, precomputed, edge);
     if measure(2 * edge).best().gain < PROMISING {
         return Splitting::default();
     }
@@ -95,14 +67,14 @@ struct Best {
 
 impl PilotStatistics {
     /// Asks one cell of each square with an edge in pixels.
-    fn measure<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-        continuation: &S,
+    fn measure<const MEDIA: bool>(
+        path: &PathTracer<MEDIA>,
         scene: &Scene,
         precomputed: &Precomputed,
         edge: u32,
     ) -> Self {
         let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
-        let need = |k| need(continuation, scene, precomputed, [k % columns, k / columns], edge);
+        let need = |k| need(path, scene, precomputed, [k % columns, k / columns], edge);
         Self { needs: (0..columns * rows).into_par_iter().map(need).collect(), columns, edge }
     }
 
@@ -149,8 +121,8 @@ fn paths(demand: f64, unit: f64) -> u8 {
 }
 
 /// What a square needs, by one of its cells.
-fn need<const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+fn need<const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &Scene,
     precomputed: &Precomputed,
     square: [u32; 2],
@@ -169,7 +141,7 @@ fn need<const MEDIA: bool, S: PathContinuation<MEDIA>>(
     let (mut variance, mut level, mut cost, mut count) = (0.0, 0.0, 0.0, 0);
     for window in partition.about(at, hash) {
         let mut probe = Probe::new(scene, &partition, window);
-        let [a, b] = [0, 1].map(|seed| probe.sample(continuation, scene, precomputed, seed, (0, 1)));
+        let [a, b] = [0, 1].map(|seed| probe.sample(path, scene, precomputed, seed, (0, 1)));
         count += probe.places.len() as u32;
         cost += 0.5 * (a.1 + b.1);
         for (a, b) in a.0.iter().zip(&b.0).take(probe.places.len()) {

@@ -22,21 +22,17 @@
 //! hide (a control variate).
 
 mod share;
-pub(crate) mod trial;
 
-use crate::{
-    Counters, Depth, Integrator, Plan, Precomputed, Stop, VarianceReduction, live_max,
-    walk::{Arrival, PathState, Vertex, arrive, escape, meet},
-};
+use crate::{Counters, path::PathTracer, precomputed::Precomputed};
 use share::share;
 use steradian_core::{
     Scene,
     bsdf::{Bsdf, BsdfSample, Lobe},
-    sampler::PixelSampler,
     scene::Hit,
 };
-use steradian_engine::{GroupIntegrator, PixelSample, partition::MAX_GROUP};
+use steradian_engine::{PathContext, PixelSample, partition::MAX_GROUP};
 use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+use steradian_transport::{Arrival, PathState, Vertex, arrive, escape, live_max, meet};
 
 const NO_RAY: Ray = PathState::NONE.ray;
 
@@ -45,29 +41,6 @@ const FORWARD: f32 = 0.9;
 
 /// Roughness α below which lobes count as narrow.
 const NARROW: f32 = 0.04;
-
-/// How a path tracer goes on from a vertex.
-pub(crate) trait PathContinuation<const MEDIA: bool>: Integrator<Prepared = Precomputed> {
-    /// How far paths are followed.
-    fn depth(&self) -> &Depth;
-
-    /// What is done against noise.
-    fn variance_reduction(&self) -> &VarianceReduction;
-
-    /// What a path that arrived at a vertex brings from there: light scattered towards where it came from, without
-    /// emission.
-    #[allow(clippy::too_many_arguments)]
-    fn leaving<'s>(
-        &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
-        vertex: &Vertex<'s>,
-        path_state: PathState,
-        sampler: &PixelSampler,
-        lambda: &mut Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum;
-}
 
 /// A pixel that shares.
 #[derive(Clone, Copy, Debug)]
@@ -118,26 +91,15 @@ impl<'s> Member<'s> {
     #[inline]
     fn reach<const MEDIA: bool>(
         &mut self,
-        scene: &'s Scene,
+        PathTracer { depth }: &PathTracer<MEDIA>,
         precomputed: &Precomputed,
-        pixel_sample: &mut PixelSample,
         hit: Option<Hit>,
-        depth: &Depth,
-        counters: &mut Counters,
+        radiance: &mut Spectrum,
+        (ray, context): (Ray, &mut PathContext<'s, '_>),
     ) -> bool {
         let Self { path_state, x, .. } = self;
-        *path_state = PathState::camera(scene, pixel_sample.ray);
-        meet::<MEDIA>(
-            scene,
-            path_state,
-            hit,
-            &mut pixel_sample.radiance,
-            depth,
-            &pixel_sample.own,
-            &mut pixel_sample.lambda,
-            counters,
-            x,
-        );
+        *path_state = PathState::camera(context.scene, ray);
+        meet::<MEDIA>(path_state, hit, depth, radiance, x, context);
         loop {
             match x {
                 Arrival::Vertex(v) if !v.is_specular() => {
@@ -145,29 +107,21 @@ impl<'s> Member<'s> {
                     return true;
                 }
                 Arrival::Vertex(v) => {
-                    let Some(draw) = v.sample(path_state, &pixel_sample.own, precomputed) else { return false };
-                    path_state.turn::<MEDIA>(scene, v, &draw);
+                    let guide = precomputed.caustics.as_ref();
+                    let Some(draw) = v.sample(path_state, context.sampler, guide) else { return false };
+                    path_state.turn::<MEDIA>(context.scene, v, &draw);
                     if !path_state.beta.is_finite() {
-                        pixel_sample.radiance = path_state.beta;
+                        *radiance = path_state.beta;
                         return false;
                     }
-                    if !path_state.survives(depth, &pixel_sample.own, &pixel_sample.lambda) {
+                    if !path_state.survives(depth, context) {
                         return false;
                     }
-                    arrive::<MEDIA>(
-                        scene,
-                        path_state,
-                        &mut pixel_sample.radiance,
-                        depth,
-                        &pixel_sample.own,
-                        &mut pixel_sample.lambda,
-                        counters,
-                        x,
-                    );
+                    arrive::<MEDIA>(path_state, depth, radiance, x, context);
                 }
                 Arrival::End => return false,
                 Arrival::Escaped => {
-                    escape(scene, path_state, &mut pixel_sample.radiance, depth, &pixel_sample.lambda);
+                    escape(path_state, depth, radiance, context);
                     return false;
                 }
             }
@@ -186,7 +140,7 @@ impl<'s> Member<'s> {
         self.sample.pdf = 0.0;
         let Self { x, path_state, .. } = self;
         let Arrival::Vertex(x) = x else { return false };
-        let Some(draw) = x.sample(path_state, &pixel_sample.joint, precomputed) else { return false };
+        let Some(draw) = x.sample(path_state, &pixel_sample.joint, precomputed.caustics.as_ref()) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
         path_state.turn::<MEDIA>(scene, x, &draw);
         if !path_state.beta.is_finite() {
@@ -197,74 +151,20 @@ impl<'s> Member<'s> {
     }
 }
 
-/// A path tracer whose paths share what they find, where that pays.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sharing<const MEDIA: bool, P>(pub P);
-
-impl<const MEDIA: bool, P: PathContinuation<MEDIA>> GroupIntegrator for Sharing<MEDIA, P> {
-    type Prepared = Precomputed;
-    type Buffer<'s> = GroupBuffer<'s>;
-
-    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
-        self.0.prepare(scene, plan, stop)
-    }
-
-    fn works_unprepared(&self) -> bool {
-        self.0.works_unprepared()
-    }
-
-    fn group<'s>(
-        &self,
-        scene: &'s Scene,
-        precomputed: &Precomputed,
-        pixel_samples: &mut [PixelSample],
-        buffer: &mut GroupBuffer<'s>,
-        counters: &mut Counters,
-    ) {
-        match pixel_samples {
-            [s] => s.radiance = self.0.radiance(scene, precomputed, s.ray, &s.own, &mut s.lambda, counters),
-            _ => group(&self.0, scene, precomputed, pixel_samples, buffer, counters),
-        }
-    }
-
-    fn group_size(&self, precomputed: &Precomputed) -> u32 {
-        precomputed.reuse()
-    }
-
-    fn paths(&self, precomputed: &Precomputed, pixel: [u32; 2]) -> u32 {
-        precomputed.splitting.paths(pixel)
-    }
-
-    fn rarest(&self, precomputed: &Precomputed) -> Option<f64> {
-        precomputed.rarest
-    }
-
-    fn asks_photons(&self, precomputed: &Precomputed) -> bool {
-        precomputed.caustics.is_some()
-    }
-}
-
-/// Samples of all samples of a group.
-pub(crate) fn group<'s, const MEDIA: bool, S: PathContinuation<MEDIA>>(
-    continuation: &S,
+/// Takes the samples of all pixels of a group.
+pub(crate) fn group<'s, const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
     scene: &'s Scene,
     precomputed: &Precomputed,
     pixel_samples: &mut [PixelSample],
     GroupBuffer(members): &mut GroupBuffer<'s>,
     counters: &mut Counters,
 ) {
-    let depth = continuation.depth();
+    let guide = precomputed.caustics.as_ref();
     if MEDIA && scene.is_see_through {
         // Ways between points may lead through several media.
-        for pixel_sample in pixel_samples {
-            pixel_sample.radiance = continuation.radiance(
-                scene,
-                precomputed,
-                pixel_sample.ray,
-                &pixel_sample.own,
-                &mut pixel_sample.lambda,
-                counters,
-            );
+        for PixelSample { ray, own, lambda, radiance, .. } in pixel_samples {
+            *radiance = path.arriving(*ray, guide, &mut PathContext { scene, sampler: own, lambda, counters });
         }
         return;
     }
@@ -274,47 +174,34 @@ pub(crate) fn group<'s, const MEDIA: bool, S: PathContinuation<MEDIA>>(
     counters.rays += pixel_samples.len() as u64;
     let mut count = 0;
     for (index, (pixel_sample, hit)) in pixel_samples.iter_mut().zip(hits).enumerate() {
-        let for_all_wavelengths = pixel_sample.lambda;
-        pixel_sample.radiance = Spectrum::ZERO;
+        let PixelSample { ray, own, lambda, radiance, .. } = pixel_sample;
+        let for_all_wavelengths = *lambda;
+        *radiance = Spectrum::ZERO;
         let member = &mut members[count];
-        if !member.reach::<MEDIA>(scene, precomputed, pixel_sample, hit, depth, counters) {
+        let context = &mut PathContext { scene, sampler: own, lambda, counters };
+        if !member.reach(path, precomputed, hit, radiance, (*ray, context)) {
             continue;
         }
         let Arrival::Vertex(x) = &member.x else { continue };
-        if pixel_sample.lambda == for_all_wavelengths && is_shareable(x) {
+        if *context.lambda == for_all_wavelengths && is_shareable(x) {
             member.pixel_sample = index;
             count += 1;
         } else {
-            pixel_sample.radiance += continuation.leaving(
-                scene,
-                precomputed,
-                x,
-                member.path_state,
-                &pixel_sample.own,
-                &mut pixel_sample.lambda,
-                counters,
-            );
+            *radiance += path.leaving(x, member.path_state, guide, context);
         }
     }
     let group = &mut members[..count];
     if let [Member { pixel_sample, x: Arrival::Vertex(x), path_state, .. }] = group {
-        let pixel_sample = &mut pixel_samples[*pixel_sample];
-        pixel_sample.radiance += continuation.leaving(
-            scene,
-            precomputed,
-            x,
-            *path_state,
-            &pixel_sample.own,
-            &mut pixel_sample.lambda,
-            counters,
-        );
+        let PixelSample { own, lambda, radiance, .. } = &mut pixel_samples[*pixel_sample];
+        let context = &mut PathContext { scene, sampler: own, lambda, counters };
+        *radiance += path.leaving(x, *path_state, guide, context);
         return;
     }
     for k in 0..precomputed.effort.lights {
         direct::<MEDIA>(scene, k, group, pixel_samples, counters);
     }
-    bounce::<MEDIA>(scene, precomputed, group, pixel_samples, depth, counters);
-    share(continuation, scene, precomputed, group, pixel_samples, counters);
+    bounce(path, scene, precomputed, group, pixel_samples, counters);
+    share(path, scene, precomputed, group, pixel_samples, counters);
 }
 
 /// Light straight from lights at all x, by the `k`th of their light samples.
@@ -327,11 +214,10 @@ fn direct<const MEDIA: bool>(
 ) {
     let (mut rays, mut light, mut count) = ([NO_RAY; MAX_GROUP], [(0, Spectrum::ZERO); MAX_GROUP], 0);
     for Member { pixel_sample, x, path_state, .. } in group {
-        let (Arrival::Vertex(x), PixelSample { own, lambda, .. }) = (x, &pixel_samples[*pixel_sample]) else {
-            continue;
-        };
-        let event = path_state.event_of_light(k);
-        if let Some((value, ray)) = x.direct_along::<MEDIA>(scene, event, own, lambda, &counters.stop) {
+        let PixelSample { own, lambda, .. } = &mut pixel_samples[*pixel_sample];
+        let Arrival::Vertex(x) = x else { continue };
+        let context = PathContext { scene, sampler: own, lambda, counters };
+        if let Some((value, ray)) = x.direct_along::<MEDIA>(path_state.event_of_light(k), &context) {
             (rays[count], light[count]) = (ray, (*pixel_sample, path_state.beta * value / path_state.lights as f32));
             count += 1;
         }
@@ -346,11 +232,11 @@ fn direct<const MEDIA: bool>(
 
 /// Follows all members on from x; emission met there is the pixel's own.
 fn bounce<'s, const MEDIA: bool>(
+    PathTracer { depth }: &PathTracer<MEDIA>,
     scene: &'s Scene,
     precomputed: &Precomputed,
     group: &mut [Member<'s>],
     pixel_samples: &mut [PixelSample],
-    depth: &Depth,
     counters: &mut Counters,
 ) {
     let (mut rays, mut places, mut count) = ([NO_RAY; MAX_GROUP], [0; MAX_GROUP], 0);
@@ -365,19 +251,10 @@ fn bounce<'s, const MEDIA: bool>(
     counters.rays += count as u64;
     for (m, hit) in places[..count].iter().zip(hits) {
         let Member { pixel_sample, path_state, y, lambda, .. } = &mut group[*m];
-        let pixel_sample = &mut pixel_samples[*pixel_sample];
-        *lambda = pixel_sample.lambda;
-        meet::<MEDIA>(
-            scene,
-            path_state,
-            hit,
-            &mut pixel_sample.radiance,
-            depth,
-            &pixel_sample.joint,
-            lambda,
-            counters,
-            y,
-        );
+        let PixelSample { joint, lambda: common, radiance, .. } = &mut pixel_samples[*pixel_sample];
+        *lambda = *common;
+        let context = &mut PathContext { scene, sampler: joint, lambda, counters };
+        meet::<MEDIA>(path_state, hit, depth, radiance, y, context);
     }
 }
 

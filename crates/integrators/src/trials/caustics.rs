@@ -6,16 +6,15 @@
 //! `Σ_k c_k (c_k / r_k + 2 Σ_{j<k} c_j / r_j)` in the mean. All of it counts, also what is so bright and rare that a
 //! picture of usual length does not find it: this is what photons are for.
 
-use crate::{
-    Counters, Depth, Precomputed, dimension,
-    walk::{Arrival, PathState, arrive, escape},
-};
+use crate::{Counters, dimension, path::PathTracer, precomputed::Precomputed};
 use rayon::prelude::*;
 use steradian_core::{
     Scene,
     sampler::{PixelSampler, Sampler, SamplerKind},
 };
-use steradian_math::{Spectrum, Vec2, spectra::Wavelengths};
+use steradian_engine::PathContext;
+use steradian_math::{Spectrum, Vec2};
+use steradian_transport::{Arrival, PathState, arrive, escape};
 
 /// Edge of a cell of the picture, pixels, where it is small; otherwise there are at most so many to an edge.
 const CELL: u32 = 8;
@@ -42,7 +41,7 @@ pub(crate) struct Outcome {
 }
 
 /// What the photons of `precomputed` are good for.
-pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, precomputed: &Precomputed, depth: &Depth) -> Outcome {
+pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, path: &PathTracer<MEDIA>, precomputed: &Precomputed) -> Outcome {
     let cells = [scene.film.width, scene.film.height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
     let count = PATHS.max(FEWEST_PATHS / (cells[0] * cells[1])).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 1 };
@@ -50,9 +49,8 @@ pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, precomputed: &Precomputed,
         .into_par_iter()
         .map(|cell| {
             let at = [cell % cells[0], cell / cells[0]];
-            let path =
-                |index| trace::<MEDIA>(scene, precomputed, depth, at, cells, &sampler.pixel(at[0], at[1], index));
-            (0..count).map(path).collect()
+            let trace = |index| trace(scene, path, precomputed, (at, cells), &sampler.pixel(at[0], at[1], index));
+            (0..count).map(trace).collect()
         })
         .collect();
     let [with, without] = paths.iter().map(|cell| variances(cell)).fold([0.0; 2], |s, v| [s[0] + v[0], s[1] + v[1]]);
@@ -106,10 +104,9 @@ fn rarest(cells: &[Vec<Contributions>]) -> Option<f64> {
 /// Follows a path from the camera.
 fn trace<const MEDIA: bool>(
     scene: &Scene,
+    PathTracer { depth }: &PathTracer<MEDIA>,
     precomputed: &Precomputed,
-    depth: &Depth,
-    at: [u32; 2],
-    cells: [u32; 2],
+    (at, cells): ([u32; 2], [u32; 2]),
     sampler: &PixelSampler,
 ) -> Contributions {
     let film = &scene.film;
@@ -121,29 +118,27 @@ fn trace<const MEDIA: bool>(
     let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
     let place = Vec2::new(place(0, film.width), place(1, film.height));
     let ray = scene.camera.ray_at(film, place, sampler.get_2d(dimension::LENS), lambda.time);
-    let luminance = |s: Spectrum, lambda: &Wavelengths| f64::from(scene.mode.luminance(s, lambda) * film.imaging_ratio);
     let counters = &mut Counters::until(&precomputed.stop);
+    let context = &mut PathContext { scene, sampler, lambda: &mut lambda, counters };
     let mut path_state = PathState::camera(scene, ray);
     let (mut found, mut ratio, mut arrival) = (Contributions::new(), 1.0, Arrival::End);
     loop {
         let mut light = Spectrum::ZERO;
-        arrive::<MEDIA>(scene, &mut path_state, &mut light, depth, sampler, &mut lambda, counters, &mut arrival);
+        arrive::<MEDIA>(&mut path_state, depth, &mut light, &mut arrival, context);
         match &arrival {
-            Arrival::Escaped => escape(scene, &path_state, &mut light, depth, &lambda),
-            Arrival::Vertex(v) => {
-                light += path_state.beta * v.direct::<MEDIA>(scene, path_state.events, sampler, &lambda, counters)
-            }
+            Arrival::Escaped => escape(&path_state, depth, &mut light, context),
+            Arrival::Vertex(v) => light += path_state.beta * v.direct::<MEDIA>(path_state.events, context),
             Arrival::End => {}
         }
-        let light = luminance(light, &lambda);
+        let light = f64::from(scene.mode.luminance(light, context.lambda) * film.imaging_ratio);
         if light.is_finite() && light != 0.0 {
             found.push((light, ratio));
         }
         let Arrival::Vertex(v) = &arrival else { return found };
-        let Some(draw) = v.sample(&path_state, sampler, precomputed) else { return found };
+        let Some(draw) = v.sample(&path_state, sampler, precomputed.caustics.as_ref()) else { return found };
         ratio *= f64::from(draw.ratio);
         path_state.turn::<MEDIA>(scene, v, &draw);
-        if !(path_state.survives(depth, sampler, &lambda) && path_state.beta.is_finite() && ratio > 0.0) {
+        if !(path_state.survives(depth, context) && path_state.beta.is_finite() && ratio > 0.0) {
             return found;
         }
     }

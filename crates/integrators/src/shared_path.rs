@@ -1,0 +1,66 @@
+//! Path tracing as sessions run it: with what trials find to pay against noise.
+
+use crate::{
+    Counters, Plan, Stop,
+    path::PathTracer,
+    precomputed::{Precomputed, VarianceReduction},
+    sharing::{self, GroupBuffer},
+    trials,
+};
+use steradian_core::Scene;
+use steradian_engine::{GroupIntegrator, PathContext, PixelSample};
+
+/// A path tracer whose paths share what they find, ask photons, and are more than one for a sample, where that pays.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedPath<const MEDIA: bool> {
+    /// The path tracer.
+    pub path: PathTracer<MEDIA>,
+    /// What is done against noise.
+    pub variance_reduction: VarianceReduction,
+}
+
+impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
+    type Prepared = Precomputed;
+    type Buffer<'s> = GroupBuffer<'s>;
+
+    fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
+        trials::run(scene, &self.path, &self.variance_reduction, plan, stop)
+    }
+
+    fn works_unprepared(&self) -> bool {
+        true
+    }
+
+    fn group<'s>(
+        &self,
+        scene: &'s Scene,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut GroupBuffer<'s>,
+        counters: &mut Counters,
+    ) {
+        match pixel_samples {
+            [PixelSample { ray, own, lambda, radiance, .. }] => {
+                let context = &mut PathContext { scene, sampler: own, lambda, counters };
+                *radiance = self.path.arriving(*ray, precomputed.caustics.as_ref(), context);
+            }
+            _ => sharing::group(&self.path, scene, precomputed, pixel_samples, buffer, counters),
+        }
+    }
+
+    fn group_size(&self, precomputed: &Precomputed) -> u32 {
+        precomputed.reuse()
+    }
+
+    fn paths(&self, precomputed: &Precomputed, pixel: [u32; 2]) -> u32 {
+        precomputed.splitting.paths(pixel)
+    }
+
+    fn rarest(&self, precomputed: &Precomputed) -> Option<f64> {
+        precomputed.rarest
+    }
+
+    fn asks_photons(&self, precomputed: &Precomputed) -> bool {
+        precomputed.caustics.is_some()
+    }
+}

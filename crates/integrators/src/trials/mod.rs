@@ -1,0 +1,87 @@
+//! Trials: before a picture a few of its samples tell which means against noise pay.
+
+pub(crate) mod caustics;
+mod effort;
+mod probe;
+mod sharing;
+mod splitting;
+
+use crate::{Plan, Stop, VarianceReduction, caustics::Caustics, path::PathTracer, precomputed::Precomputed};
+use steradian_core::Scene;
+use steradian_math::{Frame, Vec2, sobol, warp};
+
+/// Photons are asked from this [`caustics::Outcome::gain`] on: they cost time, and paths that are shared err less than
+/// those of the trial.
+const WORTH: f64 = 1.8;
+
+/// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
+const FEWEST: u64 = 1 << 20;
+/// The same of sharing: nothing is shared where the trial would take a good part of the time.
+const FEWEST_SHARING: u64 = 1 << 18;
+
+/// What is found out about a scene, for the paths and pictures of a plan.
+pub(crate) fn run<const MEDIA: bool>(
+    scene: &Scene,
+    path: &PathTracer<MEDIA>,
+    variance_reduction: &VarianceReduction,
+    plan: &Plan,
+    stop: &Stop,
+) -> Precomputed {
+    if path.depth.max <= 1 {
+        return Precomputed::default();
+    }
+    let mut precomputed =
+        Precomputed { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Precomputed::default() };
+    // Where they are not wanted they still tell what the picture lacks.
+    if precomputed.caustics.is_some() && variance_reduction.caustics != Some(true) {
+        let outcome = caustics::trial(scene, path, &precomputed);
+        if variance_reduction.caustics == Some(false) || outcome.gain < WORTH {
+            precomputed.caustics = None;
+            precomputed.rarest = outcome.rarest;
+        }
+    }
+    let samples = u64::from(scene.film.width) * u64::from(scene.film.height) * u64::from(plan.sampler.spp);
+    let is_open = !(MEDIA && scene.has_media) && is_open(scene);
+    // Densities of ways through media that vary are not known, which sharing would need.
+    let varies = MEDIA && scene.media.iter().any(|m| m.field.is_some());
+    precomputed.group = match variance_reduction.reuse {
+        _ if varies => 1,
+        Some(group) => group,
+        None if samples < FEWEST_SHARING => 1,
+        None => sharing::trial(path, scene, &Precomputed { is_open, ..precomputed.clone() }, samples),
+    };
+    precomputed.is_open = is_open && precomputed.group > 1;
+    match variance_reduction.effort {
+        Some(effort) => precomputed.effort = effort,
+        None if samples < FEWEST => {}
+        None => {
+            precomputed.effort = effort::trial(path, scene, &precomputed);
+            if !plan.adaptive {
+                precomputed.splitting = splitting::trial(path, scene, &precomputed, samples);
+            }
+        }
+    }
+    precomputed
+}
+
+/// Whether the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
+fn is_open(scene: &Scene) -> bool {
+    if scene.lights.environments.is_empty() {
+        return false;
+    }
+    const EDGE: u32 = 16;
+    let (mut seen, mut escaped) = (0, 0);
+    for k in 0..EDGE * EDGE {
+        let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
+        let Some(hit) = scene.intersect(&ray) else { continue };
+        let i = scene.interaction(&ray, &hit);
+        let n = if i.surface.n.dot(i.wo) > 0.0 { i.surface.n } else { -i.surface.n };
+        let w =
+            Frame::from_z(n).to_world(warp::cosine_hemisphere(Vec2::from(sobol::shuffled_scrambled_sobol_2d(k, 1))));
+        seen += 1;
+        escaped += u32::from(!scene.occluded(&i.spawn(w)));
+    }
+    escaped * 4 > seen
+}

@@ -1,0 +1,72 @@
+//! Shadow rays through media: they are attenuated by Beer–Lambert through every interface and thin pane on their way.
+
+use crate::{MAX_PASSES, tracking::Stretch};
+use steradian_engine::PathContext;
+use steradian_math::{Ray, Spectrum};
+
+/// Transmittance towards a light at a distance, before which `ray` ends: zero behind anything that scatters.
+pub fn towards(
+    ray: Ray,
+    distance: f32,
+    (medium, number): (Option<u32>, f32),
+    context: &mut PathContext<'_, '_>,
+) -> Spectrum {
+    let scene = context.scene;
+    if scene.is_see_through {
+        return visibility(ray, (medium, number), context);
+    }
+    context.counters.rays += 1;
+    if scene.occluded(&ray) {
+        return Spectrum::ZERO;
+    }
+    medium.map_or(Spectrum::ONE, |m| passed(m, (&ray, distance), number, context))
+}
+
+/// What passes a distance through a medium: the transmittance, or where the medium varies an estimate of it that is a
+/// function of the ray and of a random number.
+pub fn passed(medium: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> Spectrum {
+    let (scene, lambda) = (context.scene, &*context.lambda);
+    let medium = &scene.media[medium as usize];
+    match &medium.field {
+        None => medium.transmittance(distance, lambda),
+        Some(field) => Stretch { medium, field, ray, distance, lambda, stop: &context.counters.stop }
+            .estimate_transmittance(scene, number),
+    }
+}
+
+/// Transmittance through whatever light passes straight.
+fn visibility(mut ray: Ray, (mut medium, number): (Option<u32>, f32), context: &mut PathContext<'_, '_>) -> Spectrum {
+    let (scene, mut t) = (context.scene, Spectrum::ONE);
+    for _ in 0..MAX_PASSES {
+        if context.counters.stop.is_asked() {
+            break;
+        }
+        context.counters.rays += 1;
+        let hit = scene.intersect(&ray);
+        if let Some(m) = medium {
+            let distance = hit.as_ref().map_or(ray.t_max, |h| h.t);
+            t *= passed(m, (&ray, distance), number, context);
+            if t.is_black() {
+                return t;
+            }
+        }
+        let Some(hit) = hit else { return t };
+        let i = scene.interaction_of_light(&ray, &hit);
+        // Interfaces pass everything, thin panes a part; what bends or stops light blocks the way.
+        if let Some((s, frame)) = scene.scattering(&i, 0.5, &mut context.lambda.clone()) {
+            match s.bsdf.straight_transmission(frame.to_local(i.wo)) {
+                Some(part) => t *= part,
+                None => return Spectrum::ZERO,
+            }
+        }
+        medium = scene.medium_towards(&i, ray.direction, medium);
+        let next = i.spawn(ray.direction);
+        // What is left of the way.
+        let left = ray.t_max - (next.origin - ray.origin).length();
+        if left <= 0.0 {
+            return t;
+        }
+        ray = Ray { t_max: left, ..next };
+    }
+    Spectrum::ZERO
+}

@@ -1,0 +1,152 @@
+//! The steps of which path tracers are made: along a ray to the next point that scatters, and what shines on the way.
+//! `MEDIA` says whether light is scattered between surfaces, and seen through thin panes; without, media are ignored.
+
+use crate::{
+    Depth, MAX_PASSES,
+    flight::{self, Flight},
+    live_max, nee,
+    state::PathState,
+    tracking::Stretch,
+    vertex::Vertex,
+};
+use steradian_core::scene::Hit;
+use steradian_engine::{PathContext, dimension};
+use steradian_math::Spectrum;
+
+/// What a ray leads to. In place, since nothing is allocated per sample.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
+pub enum Arrival<'s> {
+    /// A point that scatters, within the depth.
+    Vertex(Vertex<'s>),
+    /// The path ends.
+    End,
+    /// Nothing is met.
+    Escaped,
+}
+
+/// Follows a path to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sum`.
+/// The background is left to the caller. What it leads to is written where it stays, since it is large.
+#[inline]
+pub fn arrive<'s, const MEDIA: bool>(
+    path_state: &mut PathState,
+    depth: &Depth,
+    sum: &mut Spectrum,
+    arrival: &mut Arrival<'s>,
+    context: &mut PathContext<'s, '_>,
+) {
+    context.counters.rays += 1;
+    let hit = context.scene.intersect(&path_state.ray);
+    meet::<MEDIA>(path_state, hit, depth, sum, arrival, context);
+}
+
+/// As [`arrive`], where it is known what the ray hits first.
+#[inline]
+pub fn meet<'s, const MEDIA: bool>(
+    path_state: &mut PathState,
+    mut hit: Option<Hit>,
+    depth: &Depth,
+    sum: &mut Spectrum,
+    arrival: &mut Arrival<'s>,
+    PathContext { scene, sampler, lambda, counters }: &mut PathContext<'s, '_>,
+) {
+    let scene = *scene;
+    *arrival = Arrival::End;
+    loop {
+        if counters.stop.is_asked() {
+            return;
+        }
+        if let (true, Some(medium)) = (MEDIA, path_state.medium) {
+            let scattering = &scene.media[medium as usize];
+            let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
+            let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
+            let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
+            let flight = match &scattering.field {
+                None => {
+                    *sum += path_state.beta * scattering.glow_over(distance, lambda);
+                    flight::sample_flight(scene, scattering, distance, lane, u, lambda)
+                }
+                Some(field) => {
+                    let (mut glow, ray, stop) = (Spectrum::ZERO, &path_state.ray, &counters.stop);
+                    let stretch = Stretch { medium: scattering, field, ray, distance, lambda, stop };
+                    let flight = stretch.sample_flight(scene, (lane, u), &mut glow);
+                    *sum += path_state.beta * glow;
+                    flight
+                }
+            };
+            let (factor, t) = match flight {
+                Flight::Passed(factor) => (factor, None),
+                Flight::Scattered(t, factor) => (factor, Some(t)),
+            };
+            path_state.beta *= factor;
+            if live_max(path_state.beta, lambda) <= 0.0 {
+                return;
+            }
+            if let Some(t) = t {
+                if path_state.events < depth.max {
+                    let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
+                    *arrival = Arrival::Vertex(Vertex::Medium { p, wo, time: path_state.ray.time, scattering, medium });
+                }
+                return;
+            }
+        }
+        let Some(met) = hit else {
+            *arrival = Arrival::Escaped;
+            return;
+        };
+        let i = scene.interaction_of_light(&path_state.ray, &met);
+        if !(path_state.events == 0 && depth.hide_emitters) {
+            let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
+            let emitter = || scene.geometries[i.geometry as usize].emitter;
+            counters.note(|| emitter().map(|e| scene.light_groups.of_emitters[e as usize]), light);
+            *sum += light;
+        }
+        let is_last = path_state.events >= depth.max;
+        if is_last && !scene.is_see_through {
+            return;
+        }
+        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures);
+        if let Some((scattering, frame)) = scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda)
+        {
+            if !is_last {
+                *arrival = Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: path_state.medium });
+            }
+            return;
+        }
+        path_state.passes += 1;
+        if MEDIA {
+            path_state.medium = scene.medium_towards(&i, path_state.ray.direction, path_state.medium);
+        }
+        path_state.ray = i.spawn(path_state.ray.direction);
+        path_state.differential = path_state.differential.map(|d| d.advance(i.t));
+        if path_state.passes > MAX_PASSES {
+            return;
+        }
+        counters.rays += 1;
+        hit = scene.intersect(&path_state.ray);
+    }
+}
+
+/// Adds the light of the environments that a path met to `sum`.
+#[inline]
+pub fn escape(path_state: &PathState, depth: &Depth, sum: &mut Spectrum, context: &mut PathContext<'_, '_>) {
+    if path_state.events == 0 && depth.hide_emitters {
+        return;
+    }
+    let (ray, origin) = (&path_state.ray, &path_state.origin);
+    if !context.counters.by_group.is_empty() {
+        note_groups(path_state, context);
+    }
+    *sum += path_state.beta * nee::background(context.scene, ray.origin, ray.direction, origin, context.lambda);
+}
+
+/// Counts the light of the environments by groups of lights.
+#[cold]
+fn note_groups(path_state: &PathState, context: &mut PathContext<'_, '_>) {
+    let PathContext { scene, lambda, counters, .. } = context;
+    let (ray, origin) = (&path_state.ray, &path_state.origin);
+    for &light in &scene.lights.environments {
+        let found = nee::environment(scene, light, ray.origin, ray.direction, origin, lambda);
+        counters.note(|| Some(scene.light_groups.of_lights[light as usize]), path_state.beta * found);
+    }
+}

@@ -1,0 +1,29 @@
+//! Russian roulette by throughput.
+
+use crate::Depth;
+use steradian_core::sampler::PixelSampler;
+use steradian_engine::dimension;
+
+/// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
+const ROULETTE_BELOW: f32 = 1.0 / 3.0;
+
+/// After this many events roulette is played whatever the throughput, with the survival at most the second number:
+/// between surfaces that absorb nothing, and in dense media, paths would never end.
+pub const LONG_PATH: (u32, f32) = (1000, 0.99);
+
+/// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette
+/// ([`crate::PathState::for_roulette`]), goes on with times as much, or `None` where it ends.
+#[inline]
+pub fn roulette(live: f32, events: u32, depth: &Depth, below: Option<f32>, sampler: &PixelSampler) -> Option<f32> {
+    if live <= 0.0 {
+        return None;
+    }
+    let mut survival = live / below.unwrap_or(ROULETTE_BELOW);
+    if events > LONG_PATH.0 {
+        survival = survival.min(LONG_PATH.1);
+    }
+    if survival >= 1.0 || (below.is_none() && events <= depth.roulette_after) {
+        return Some(1.0);
+    }
+    (sampler.get_1d(dimension::at(events, dimension::ROULETTE)) < survival).then(|| 1.0 / survival)
+}

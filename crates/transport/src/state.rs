@@ -1,0 +1,152 @@
+//! A path between two points that scatter.
+
+use crate::{Depth, guide::GuidedDirection, live_max, nee, roulette::roulette, vertex::Vertex};
+use steradian_core::{
+    Scene,
+    footprint::{Bounce, RayDifferential},
+};
+use steradian_engine::{PathContext, dimension};
+use steradian_math::{Ray, Spectrum, Vec3};
+
+/// A path that sets out along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct PathState {
+    /// Where it goes.
+    pub ray: Ray,
+    /// What it carries.
+    pub beta: Spectrum,
+    /// The throughput counts for this many times as much in roulette: without the compression of radiance by
+    /// refraction, and as if surfaces alone had drawn the directions. A path that photons lead to light carries little
+    /// because it is one of many, not because light was lost.
+    pub for_roulette: f32,
+    /// Where it last scattered.
+    pub origin: nee::Origin,
+    /// How often it scattered.
+    pub events: u32,
+    /// How many surfaces it passed straight.
+    pub passes: u32,
+    /// The medium that it goes through.
+    pub medium: Option<u32>,
+    /// What makes textures' footprints, up to the first event that blurs; from there on they are those of the camera
+    /// seeing the point.
+    pub differential: Option<RayDifferential>,
+    /// Light samples to take where it arrives.
+    pub lights: u32,
+    /// The throughput below which roulette is played, where this was found to pay from the first event on.
+    pub roulette_below: Option<f32>,
+}
+
+/// Between the dimensions of one light sample of an event and of the next.
+const LIGHT_EVENTS: u32 = 2000;
+
+impl PathState {
+    /// One that leads nowhere.
+    pub const NONE: Self = Self {
+        ray: Ray { t_max: 0.0, ..Ray::new(Vec3::ZERO, Vec3::Z) },
+        beta: Spectrum::ZERO,
+        for_roulette: 1.0,
+        origin: None,
+        events: 0,
+        passes: 0,
+        medium: None,
+        differential: None,
+        lights: 1,
+        roulette_below: None,
+    };
+
+    /// From the camera.
+    #[inline]
+    pub fn camera(scene: &Scene, ray: Ray) -> Self {
+        Self {
+            ray,
+            beta: Spectrum::ONE,
+            for_roulette: 1.0,
+            origin: None,
+            events: 0,
+            passes: 0,
+            medium: scene.camera.medium,
+            differential: scene.ray_differential(&ray),
+            lights: 1,
+            roulette_below: None,
+        }
+    }
+
+    /// The event by whose dimensions the `k`th of the light samples is drawn, where it arrived.
+    #[inline]
+    pub fn event_of_light(&self, k: u32) -> u32 {
+        self.events + k * LIGHT_EVENTS
+    }
+
+    /// Light straight from lights, scattered back along the path from the vertex where it arrived.
+    #[inline]
+    pub fn direct<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let first = v.direct::<MEDIA>(self.event_of_light(0), context);
+        if self.lights == 1 {
+            let light = self.beta * first;
+            let PathContext { scene, sampler, counters, .. } = context;
+            let chosen = || nee::choose(scene, &v.context(), self.event_of_light(0), sampler);
+            counters.note(|| chosen().map(|(light, _)| scene.light_groups.of_lights[light as usize]), light);
+            return light;
+        }
+        let mut sample = |k| v.direct::<MEDIA>(self.event_of_light(k), context);
+        self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
+    }
+
+    /// Russian roulette: whether the path goes on, with a throughput that makes up for those that do not.
+    #[inline]
+    pub fn survives(&mut self, depth: &Depth, context: &PathContext<'_, '_>) -> bool {
+        let live = live_max(self.beta, context.lambda) * self.for_roulette;
+        let scale = roulette(live, self.events, depth, self.roulette_below, context.sampler);
+        self.beta *= scale.unwrap_or(0.0);
+        scale.is_some()
+    }
+
+    /// On from a vertex in the direction that was drawn there.
+    #[inline]
+    pub fn turn<const MEDIA: bool>(
+        &mut self,
+        scene: &Scene,
+        v: &Vertex<'_>,
+        GuidedDirection { sample: s, ratio }: &GuidedDirection,
+    ) {
+        self.beta *= s.weight;
+        self.for_roulette *= s.eta * s.eta / ratio;
+        if MEDIA && s.lobe.is_transmission() && v.passes_straight() {
+            // Light that goes straight on has not scattered: next-event estimation sees through such surfaces too.
+            self.pass::<MEDIA>(scene, v);
+            return;
+        }
+        self.origin = if s.lobe.is_specular() { None } else { Some((v.context(), s.pdf)) };
+        let direction = v.world(s.wi);
+        if MEDIA {
+            self.medium = v.medium_towards(scene, direction);
+        }
+        self.ray = v.spawn(direction);
+        self.events += 1;
+        self.lights = 1;
+        self.differential = match (&self.differential, v, Bounce::of(s)) {
+            (Some(d), Vertex::Surface { i, .. }, Some(bounce)) => scene.scatter_differential(i, d, direction, bounce),
+            _ => None,
+        };
+    }
+
+    /// Straight on.
+    #[inline]
+    fn pass<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>) {
+        self.passes += 1;
+        if MEDIA {
+            self.medium = v.medium_towards(scene, self.ray.direction);
+        }
+        self.ray = v.spawn(self.ray.direction);
+        if let Vertex::Surface { i, .. } = v {
+            self.differential = self.differential.map(|d| d.advance(i.t));
+        }
+    }
+
+    /// The dimension of a decision of the next event. Numbers are drawn anew after each surface that was passed on the
+    /// way to it.
+    #[inline]
+    pub fn dimension(&self, decision: u32) -> u32 {
+        dimension::at(self.events, decision) ^ (self.passes << 16)
+    }
+}

@@ -1,0 +1,211 @@
+//! Flights through media that vary, by tracking: distances are drawn from a bound on the extinction, and what is met
+//! there is real or null (Woodcock and others 1965). Along a way value and density are kept for every lane, so that
+//! colours are combined by the balance heuristic of lanes (Miller, Georgiev, Jarosz 2019, "A Null-Scattering Path
+//! Integral Formulation of Light Transport").
+
+use crate::flight::{Flight, lanes};
+use steradian_core::{
+    Scene,
+    medium::{Field, Medium, transmittance},
+};
+use steradian_engine::Stop;
+use steradian_math::{
+    Ray, Spectrum,
+    hash::{HashRng, combine64},
+    spectra::Wavelengths,
+};
+
+/// Largest optical depth of a cell of the majorant grid.
+const MOST_DEPTH: f32 = 4000.0;
+/// Collisions, real and null, between looks at whether to stop.
+const STEPS_UNWATCHED: u32 = 1024;
+
+/// Random numbers for a path segment: a function of the ray and of one number of the path.
+fn numbers(ray: &Ray, number: f32) -> HashRng {
+    let mut seed = u64::from(number.to_bits());
+    for v in [ray.origin, ray.direction] {
+        seed = v.to_array().iter().fold(seed, |seed, x| combine64(seed, x.to_bits().into()));
+    }
+    HashRng::new(seed)
+}
+
+/// A path segment through a medium, under way: throughput and density by lanes.
+struct Way {
+    /// Throughput, and the density with which each lane would have drawn it; of both only the ratio counts.
+    value: Spectrum,
+    density: Spectrum,
+    lanes: usize,
+}
+
+impl Way {
+    fn mean(&self, s: Spectrum) -> f32 {
+        (0..self.lanes).map(|l| s[l]).sum::<f32>() / self.lanes as f32
+    }
+
+    /// Goes on: both by factors of their own.
+    fn pass(&mut self, value: Spectrum, density: Spectrum) {
+        self.value *= value;
+        self.density *= density;
+        let mean = self.mean(self.density);
+        if mean > 0.0 {
+            self.value = self.value / mean;
+            self.density = self.density / mean;
+        }
+    }
+
+    /// The weight of an event with a value and a density.
+    fn weight(&self, value: Spectrum, density: Spectrum) -> Spectrum {
+        let mean = self.mean(self.density * density);
+        if mean > 0.0 { self.value * value / mean } else { Spectrum::ZERO }
+    }
+}
+
+/// A stretch of a ray through a medium that varies.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch<'a> {
+    /// The medium.
+    pub medium: &'a Medium,
+    /// Its field.
+    pub field: &'a Field,
+    /// The ray.
+    pub ray: &'a Ray,
+    /// How far along it, in units of its direction.
+    pub distance: f32,
+    /// The wavelengths.
+    pub lambda: &'a Wavelengths,
+    /// Cancellation flag.
+    pub stop: &'a Stop,
+}
+
+impl Stretch<'_> {
+    /// Draws a free flight; adds the light that the medium gives off on the way. `number` is a random number, `lane`
+    /// another one.
+    pub fn sample_flight(&self, scene: &Scene, (lane, number): (f32, f32), emitted: &mut Spectrum) -> Flight {
+        let lanes = lanes(scene, self.lambda);
+        let scatters = self.medium.scatters(self.lambda, lanes);
+        let chosen = ((lane * lanes as f32) as usize).min(lanes - 1);
+        self.track((chosen, lanes), numbers(self.ray, number), scatters, emitted)
+    }
+
+    /// What passes: an estimate whose mean is the transmittance.
+    pub fn estimate_transmittance(&self, scene: &Scene, number: f32) -> Spectrum {
+        let lanes = lanes(scene, self.lambda);
+        let mut rng = numbers(self.ray, number);
+        let chosen = ((rng.next_f32() * lanes as f32) as usize).min(lanes - 1);
+        let mut emitted = Spectrum::ZERO;
+        match self.track((chosen, lanes), rng, false, &mut emitted) {
+            Flight::Passed(part) => part,
+            Flight::Scattered(..) => Spectrum::ZERO,
+        }
+    }
+
+    /// With `scatters` real events end the way (delta tracking), else they take their part of the light (ratio
+    /// tracking).
+    fn track(
+        &self,
+        (chosen, lanes): (usize, usize),
+        mut rng: HashRng,
+        scatters: bool,
+        emitted: &mut Spectrum,
+    ) -> Flight {
+        let Self { medium, field, ray, distance, lambda, stop } = *self;
+        let (a, s) = medium.coefficients(lambda);
+        let unit = medium.majorant(lambda);
+        let mut way = Way { value: Spectrum::ONE, density: Spectrum::ONE, lanes };
+        // Where majorants are far above the extinction, a segment may have thousands of null collisions.
+        let (mut event, mut steps) = (None, 0_u32);
+        field.walk(ray, distance, |begin, end, most| {
+            // Bounds the number of events: beyond an optical depth of MOST_DEPTH a cell is opaque in any case.
+            let majorant = (unit * most).map(|m| m.min(MOST_DEPTH / (end - begin)));
+            let mut t = begin;
+            loop {
+                let step = if majorant[chosen] > 0.0 {
+                    -(1.0 - rng.next_f32()).ln() / majorant[chosen]
+                } else {
+                    f32::INFINITY
+                };
+                let left = end - t;
+                let passed = transmittance(majorant, step.min(left));
+                way.pass(passed, passed);
+                if step >= left {
+                    return true;
+                }
+                t += step;
+                steps = steps.wrapping_add(1);
+                if steps.is_multiple_of(STEPS_UNWATCHED) && stop.is_asked() {
+                    event = Some(Flight::Passed(Spectrum::ZERO));
+                    return false;
+                }
+                let p = field.place(ray.at(t));
+                let (absorbed, scattered) = field.coefficients((a, s), p, lambda);
+                let real = absorbed + scattered;
+                let part = |l: usize| if real[l] > majorant[l] { majorant[l] / real[l] } else { 1.0 };
+                let part = Spectrum::new([0, 1, 2, 3].map(part));
+                let (absorbed, scattered, real) = (absorbed * part, scattered * part, real * part);
+                if let Some(glow) = &medium.glow {
+                    *emitted += way.weight(absorbed * glow.eval(p, lambda), majorant);
+                }
+                let null = (majorant - real).max(0.0);
+                if !scatters {
+                    way.pass(null, majorant);
+                } else if rng.next_f32() * majorant[chosen] < real[chosen] {
+                    event = Some(Flight::Scattered(t, way.weight(scattered, real)));
+                    return false;
+                } else {
+                    way.pass(null, null);
+                }
+                let left = way.mean(way.value);
+                if left <= 0.0 || left.is_nan() {
+                    event = Some(Flight::Passed(Spectrum::ZERO));
+                    return false;
+                }
+            }
+        });
+        event.unwrap_or_else(|| Flight::Passed(way.weight(Spectrum::ONE, Spectrum::ONE)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, atomic::AtomicBool};
+    use steradian_core::{
+        ColorMode,
+        color::Color,
+        medium::{Grid, Variation},
+        texture::Wrap,
+    };
+    use steradian_math::{Bounds3, Vec3, transform::Affine};
+
+    /// A way of thousands of null events through an empty part of a cell ends where that is asked for, and else by
+    /// itself.
+    #[test]
+    fn ways_of_null_events_end_where_they_are() {
+        let mut densities = vec![0.0; 64 * 64];
+        densities[63] = 1e8;
+        let grid = Grid::new([64, 64, 1], densities, Wrap::Border).unwrap();
+        let unit = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
+        let field = Field::new(&unit, &Affine::IDENTITY, Variation::Density(grid), ColorMode::Rgb).unwrap();
+        let medium = Medium {
+            field: None,
+            glow: None,
+            sigma_a: Color::constant(1.0),
+            sigma_s: Color::BLACK,
+            scale: 1.0,
+            g: 0.0,
+        };
+        // Above the number that is not zero, within its cell of the bounds.
+        let ray = Ray::new(Vec3::new(-1.0, 3.5 / 64.0, 0.5), Vec3::X);
+        let passed = |stop: &Stop| {
+            let mut emitted = Spectrum::ZERO;
+            let lambda = &Wavelengths::RGB;
+            let stretch = Stretch { medium: &medium, field: &field, ray: &ray, distance: 9.0, lambda, stop };
+            match stretch.track((0, 3), HashRng::new(1), false, &mut emitted) {
+                Flight::Passed(part) => part[0],
+                Flight::Scattered(..) => f32::NAN,
+            }
+        };
+        assert_eq!(passed(&Stop::by(&Arc::new(AtomicBool::new(true)))), 0.0, "it went on");
+        assert!((passed(&Stop::default()) - 1.0).abs() < 1e-3, "nothing is there to take light");
+    }
+}

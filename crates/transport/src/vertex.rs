@@ -1,0 +1,246 @@
+//! Where a path scatters: light straight from lights, and the way on.
+
+use crate::{
+    attenuation,
+    guide::{Guide, GuidedDirection},
+    nee, power_heuristic,
+    state::PathState,
+};
+use steradian_core::{
+    Scene,
+    bsdf::{Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode},
+    light::LightContext,
+    material::Scattering,
+    medium::Medium,
+    sampler::PixelSampler,
+    scene::{Interaction, SHADOW_END},
+};
+use steradian_engine::{PathContext, dimension};
+use steradian_math::{Frame, Ray, Spectrum, Vec3};
+
+/// Where a path scatters. In place, since nothing is allocated per sample.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
+pub enum Vertex<'s> {
+    /// On a surface.
+    Surface {
+        /// The point.
+        i: Interaction,
+        /// How it scatters.
+        scattering: Scattering<'s>,
+        /// The shading frame.
+        frame: Frame,
+        /// The medium that the path came through.
+        medium: Option<u32>,
+    },
+    /// Within a medium.
+    Medium {
+        /// The point.
+        p: Vec3,
+        /// Back along the path.
+        wo: Vec3,
+        /// The moment of the exposure.
+        time: f32,
+        /// How it scatters.
+        scattering: &'s Medium,
+        /// Its index.
+        medium: u32,
+    },
+}
+
+impl Vertex<'_> {
+    /// The point.
+    #[inline]
+    pub fn p(&self) -> Vec3 {
+        match self {
+            Self::Surface { i, .. } => i.surface.p,
+            Self::Medium { p, .. } => *p,
+        }
+    }
+
+    /// Unit direction back along the path.
+    #[inline]
+    pub fn wo(&self) -> Vec3 {
+        match self {
+            Self::Surface { i, .. } => i.wo,
+            Self::Medium { wo, .. } => *wo,
+        }
+    }
+
+    /// Whether light samples find nothing here.
+    #[inline]
+    pub fn is_specular(&self) -> bool {
+        matches!(self, Self::Surface { scattering, .. } if scattering.bsdf.is_specular())
+    }
+
+    /// Whether part of the light goes through as if there were nothing.
+    #[inline]
+    pub(crate) fn passes_straight(&self) -> bool {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => {
+                scattering.bsdf.straight_transmission(frame.to_local(i.wo)).is_some()
+            }
+            Self::Medium { .. } => false,
+        }
+    }
+
+    /// Reference point for light sampling.
+    #[inline]
+    pub fn context(&self) -> LightContext {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => nee::context(i, frame, &scattering.bsdf),
+            Self::Medium { p, .. } => LightContext { p: *p, n: Vec3::ZERO },
+        }
+    }
+
+    /// A direction in world space from one in that of samples.
+    #[inline]
+    pub fn world(&self, w: Vec3) -> Vec3 {
+        match self {
+            Self::Surface { frame, .. } => frame.to_world(w),
+            Self::Medium { .. } => w,
+        }
+    }
+
+    /// A ray that leaves in a direction.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        match self {
+            Self::Surface { i, .. } => i.spawn(direction),
+            Self::Medium { p, time, .. } => Ray { time: *time, ..Ray::new(*p, direction) },
+        }
+    }
+
+    /// A ray to a point at a distance in a unit direction, that ends just before it.
+    #[inline]
+    pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {
+        match self {
+            Self::Surface { i, .. } => i.spawn_towards(direction, distance),
+            Self::Medium { .. } => Ray { t_max: distance * SHADOW_END, ..self.spawn(direction) },
+        }
+    }
+
+    /// The medium that a direction leads through.
+    #[inline]
+    pub fn medium_towards(&self, scene: &Scene, w: Vec3) -> Option<u32> {
+        match self {
+            Self::Surface { i, medium, .. } => scene.medium_towards(i, w, *medium),
+            Self::Medium { medium, .. } => Some(*medium),
+        }
+    }
+
+    /// `f |cos|` for a direction in world space, and the density with which it is drawn.
+    #[inline]
+    pub fn eval(&self, w: Vec3) -> BsdfEval {
+        self.eval_towards(self.wo(), w)
+    }
+
+    /// The same towards another viewer than the path's, on its side.
+    #[inline]
+    pub fn eval_towards(&self, viewer: Vec3, w: Vec3) -> BsdfEval {
+        match self {
+            Self::Surface { scattering, frame, .. } => {
+                scattering.eval(frame.to_local(viewer), frame.to_local(w), TransportMode::Radiance)
+            }
+            Self::Medium { scattering, .. } => {
+                let phase = scattering.phase(viewer, w);
+                BsdfEval { value: Spectrum::splat(phase), pdf: phase }
+            }
+        }
+    }
+
+    /// Light straight from a light, scattered back along the path, if nothing stands between: its value, unit direction
+    /// and distance.
+    #[inline]
+    fn unoccluded(&self, event: u32, context: &PathContext<'_, '_>) -> Option<(Spectrum, Vec3, f32)> {
+        let PathContext { scene, sampler, lambda, .. } = context;
+        if self.is_specular() || !scene.lights.can_sample() {
+            return None;
+        }
+        let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;
+        let light = match self {
+            Self::Surface { i, scattering, frame, .. } => nee::unoccluded(&s, frame.to_local(i.wo), frame, scattering),
+            Self::Medium { wo, scattering, .. } => {
+                let phase = scattering.phase(*wo, s.wi);
+                let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, phase) };
+                s.radiance * (phase * weight / s.pdf)
+            }
+        };
+        (!light.is_black()).then_some((light, s.wi, s.distance))
+    }
+
+    /// Light straight from a light, scattered back along the path.
+    #[inline]
+    pub fn direct<const MEDIA: bool>(&self, event: u32, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let Some((light, wi, distance)) = self.unoccluded(event, context) else { return Spectrum::ZERO };
+        let number = shadow_number::<MEDIA>(context.sampler, event);
+        self.transmitted::<MEDIA>(light, (wi, distance), number, context)
+    }
+
+    /// What arrives here of light that comes from a distance in a direction.
+    #[inline]
+    pub fn transmitted<const MEDIA: bool>(
+        &self,
+        light: Spectrum,
+        (wi, distance): (Vec3, f32),
+        number: f32,
+        context: &mut PathContext<'_, '_>,
+    ) -> Spectrum {
+        let ray = self.spawn_towards(wi, distance);
+        if MEDIA {
+            let medium = self.medium_towards(context.scene, wi);
+            return light * attenuation::towards(ray, distance, (medium, number), context);
+        }
+        context.counters.rays += 1;
+        if context.scene.occluded(&ray) { Spectrum::ZERO } else { light }
+    }
+
+    /// As [`Vertex::direct`], with the ray that is not to meet anything; where nothing is passed straight.
+    #[inline]
+    pub fn direct_along<const MEDIA: bool>(
+        &self,
+        event: u32,
+        context: &PathContext<'_, '_>,
+    ) -> Option<(Spectrum, Ray)> {
+        let (mut light, wi, distance) = self.unoccluded(event, context)?;
+        if let (true, Some(m)) = (MEDIA, self.medium_towards(context.scene, wi)) {
+            let number = shadow_number::<MEDIA>(context.sampler, event);
+            light *= attenuation::passed(m, (&self.spawn(wi), distance), number, context);
+        }
+        Some((light, self.spawn_towards(wi, distance)))
+    }
+
+    /// A direction drawn by scattering, and by a guide if there is one.
+    #[inline]
+    pub fn sample(
+        &self,
+        path_state: &PathState,
+        sampler: &PixelSampler,
+        guide: Option<&impl Guide>,
+    ) -> Option<GuidedDirection> {
+        let u2 = sampler.get_2d(dimension::at(path_state.events, dimension::DIRECTION));
+        match self {
+            Self::Surface { i, scattering, frame, .. } => {
+                let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
+                let is_asked = guide.is_some() || !has_one_lobe;
+                let u = sampler.get_1d_lazily(path_state.dimension(dimension::LOBE), is_asked);
+                let wo = frame.to_local(i.wo);
+                match guide {
+                    Some(guide) => guide.sample(i.surface.p, frame, wo, scattering, u, u2),
+                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(GuidedDirection::by_surface),
+                }
+            }
+            Self::Medium { wo, scattering, .. } => {
+                let (wi, pdf) = scattering.sample_phase(*wo, u2);
+                let sample = BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 };
+                Some(GuidedDirection::by_surface(sample))
+            }
+        }
+    }
+}
+
+/// A random number for the way of a shadow ray through media that vary.
+#[inline]
+fn shadow_number<const MEDIA: bool>(sampler: &PixelSampler, event: u32) -> f32 {
+    if MEDIA { sampler.get_1d(dimension::at(event, dimension::FLIGHT)) } else { 0.0 }
+}
