@@ -6,13 +6,18 @@ mod own_integrator;
 #[path = "../examples/own_pass.rs"]
 #[allow(dead_code)]
 mod own_pass;
+#[path = "../examples/path_recursive.rs"]
+#[allow(dead_code)]
+mod path_recursive;
 
 use own_integrator::ByChance;
 use own_pass::Sprinkled;
+use path_recursive::Recursive;
 use std::sync::Arc;
 use steradian::{
-    CompileOptions, Control, Film, Layer, Plan, Quality, Scene, Session, compile, cornell,
+    ColorMode, CompileOptions, Control, Film, Layer, Plan, Quality, Scene, Session, compile, cornell,
     engine::{Passes, PerPixel},
+    transport::Depth,
 };
 
 fn room() -> Arc<Scene> {
@@ -56,6 +61,33 @@ fn an_integrator_of_ones_own() {
     second.restore(&mut &state[..]).expect("its own state");
     let bits = |film: &Film| film.pixels.iter().map(|p| p.sum.map(f64::to_bits)).collect::<Vec<_>>();
     assert_eq!(bits(&taken(&mut second)), bits(&film));
+}
+
+/// M160, M161: the recursive path tracer has the bits of `path`: with masks, mixtures, textures, glass that disperses and
+/// motion, in RGB and spectral mode, with Russian roulette from the first event on and without, hidden lights, and a path
+/// that ends soon.
+#[test]
+fn the_recursive_path_tracer_has_the_bits_of_path() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/verify");
+    for name in ["diffuse", "dispersive", "masked", "moving", "sky-and-lamp", "textured", "instanced"] {
+        let loaded = steradian::load(folder.join(name).with_extension("pbrt"), &Default::default());
+        for mode in [ColorMode::Rgb, ColorMode::Spectral] {
+            let options = CompileOptions { size: Some((17, 13)), mode: Some(mode), ..CompileOptions::default() };
+            let scene = Arc::new(compile(&loaded.desc, &options).scene.expect("a sound scene"));
+            for (max, roulette_after, hide_emitters) in [(24, 0, false), (24, 100, false), (2, 1, true)] {
+                let own = Recursive(Depth { max, roulette_after, hide_emitters });
+                let options = format!("max_depth={max},rr_depth={roulette_after},hide_emitters={hide_emitters}");
+                let integrator = Some(format!("path:reuse=1,effort=even,caustics=false,{options}"));
+                let quality = Quality { integrator, spp: Some(8), seed: Some(5), ..Quality::default() };
+                let path = quality.render(&scene).expect("a plan");
+                let own = taken(&mut PerPixel::per_pixel(Arc::clone(&scene), own, path.plan));
+                let film = taken(&mut *path.session(&scene).expect("a session"));
+                let bits = |film: &Film| film.pixels.iter().map(|p| p.sum.map(f64::to_bits)).collect::<Vec<_>>();
+                assert!(film.pixels.iter().any(|p| p.sum[1] > 0.0), "{name}, {options}: a black picture");
+                assert_eq!(bits(&own), bits(&film), "{name}, {mode:?}, {options}");
+            }
+        }
+    }
 }
 
 /// What is sprinkled over the film comes to the layer of albedo, and does not depend on threads.
