@@ -1,17 +1,18 @@
 //! Whether integrators agree on a scene: each is rendered, and held against a reference by statistical tests.
 //!
 //! - **The reference** finds all light of the scene, and its error is known: path tracing guided by photons, or
-//!   bidirectional path tracing, whichever errs less for the rays it takes. Path tracing does not find caustics of lights without size, nor
-//!   connections those that are seen in mirrors and through glass; where neither is complete nothing is decided.
+//!   bidirectional path tracing, whichever errs less with as many samples. Path tracing does not find caustics of
+//!   lights without size, nor connections those that are seen in mirrors and through glass; where neither is complete
+//!   nothing is decided.
 //! - **Errors** come from the spread of parts of the samples, since pixels that share photons do not err independently.
 //!   Where few bright paths make them they are not known, and nothing is decided.
 //! - **Effort** is added until a method is seen to agree: the samples are doubled, up to [`BUDGET`] times those asked
 //!   for. What differs then differs.
 //! - **Tests** compare blocks of pixels, at a level that is divided among all of them (Šidák 1967), and the mean.
 //!   Agreement says little where noise is large: a difference of [`POWER`] must be one that would be seen.
-//! - **Bias** is tested by its limit. Integrators with a radius or patches are rendered twice, photons with half their radius and
-//!   with all of it; what they differ from the reference by is little more than what they changed by when the radius
-//!   was halved, in that direction.
+//! - **Bias** is tested by its limit. Integrators with a radius or patches are rendered twice, photons with half their
+//!   radius and with all of it; what they differ from the reference by is little more than what they changed by when
+//!   the radius was halved, in that direction.
 //!
 //! What the camera sees of lights is left out: all show it alike, and the noise of its edges would hide the rest.
 
@@ -255,8 +256,8 @@ impl Maker<'_> {
         }
     }
 
-    /// The method that all others are held against: of those that find all light the one that errs least by the rays it
-    /// takes; and whether paths alone hardly find some of it.
+    /// The method that all others are held against: of those that find all light the one that errs least; and whether
+    /// paths alone hardly find some of it.
     fn reference(&self, told: &mut impl FnMut(&str)) -> Result<(Method, bool), Error> {
         let path = if self.scene.has_media { "volpath" } else { "path" };
         let mut found: Vec<Method> = Vec::new();
@@ -276,8 +277,8 @@ impl Maker<'_> {
         let has_caustics = found.iter().any(|m| m.picture.is_guided);
         let worth = |m: &Method| {
             let v = m.picture.values();
-            // By rays, not by seconds, so that verdicts do not depend on the machine.
-            let error = v.blocks.iter().map(|b| b.variance).sum::<f64>() * m.picture.rays as f64;
+            // Not by the time that it takes: verdicts would depend on the machine.
+            let error = v.blocks.iter().map(|b| b.variance).sum::<f64>();
             (m.lacks(self.scene).is_some(), !v.is_reliable, error)
         };
         found.sort_by(|a, b| worth(a).partial_cmp(&worth(b)).unwrap_or(std::cmp::Ordering::Equal));

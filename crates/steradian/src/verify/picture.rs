@@ -27,8 +27,6 @@ pub(super) struct Picture {
     parts: Vec<Vec<f64>>,
     /// CPU seconds.
     pub seconds: f64,
-    /// Rays traced.
-    pub rays: u64,
     /// Whether photons guided its paths: there are caustics that paths alone hardly find.
     pub is_guided: bool,
 }
@@ -90,7 +88,6 @@ impl Picture {
             }
         }
         self.seconds += session.cpu().as_secs_f64();
-        self.rays += session.counters().rays;
         self.is_guided |= session.asks_photons();
         let film = session.film();
         match &mut self.film {
@@ -118,7 +115,6 @@ impl Picture {
     pub fn append(&mut self, other: Self) {
         self.parts.extend(other.parts);
         self.seconds += other.seconds;
-        self.rays += other.rays;
         self.film = self.film.take().or(other.film);
     }
 
