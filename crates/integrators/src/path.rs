@@ -46,7 +46,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
             // Light that arrives straight from a light.
             sum += path_state.direct::<MEDIA>(vertex, context);
             // Scatter.
-            let Some(s) = vertex.sample(&path_state, context.sampler, guide) else { return sum };
+            let Some(s) = path_state.sample(vertex, context.sampler, guide) else { return sum };
             path_state.turn::<MEDIA>(context.scene, vertex, &s);
             if !path_state.beta.is_finite() {
                 // Handed to the film, which counts it.

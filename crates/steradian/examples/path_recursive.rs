@@ -72,7 +72,7 @@ impl Recursive {
         // (3) Light straight from a light.
         let sum = sum + path_state.direct::<false>(vertex, context);
         // (4) One direction, unless roulette ends the path.
-        let Some(s) = vertex.sample(&path_state, context.sampler, None::<&NoGuide>) else { return sum };
+        let Some(s) = path_state.sample(vertex, context.sampler, None::<&NoGuide>) else { return sum };
         path_state.turn::<false>(context.scene, vertex, &s);
         if !path_state.beta.is_finite() {
             return path_state.beta;

@@ -1,9 +1,17 @@
 //! A path between two points that scatter.
 
-use crate::{Depth, guide::GuidedDirection, live_max, nee, roulette::roulette, vertex::Vertex};
+use crate::{
+    Depth,
+    guide::{Guide, GuidedDirection},
+    live_max, nee,
+    roulette::roulette,
+    vertex::Vertex,
+};
 use steradian_core::{
     Scene,
+    bsdf::{Bsdf, BsdfSample, Lobe, TransportMode},
     footprint::{Bounce, RayDifferential},
+    sampler::PixelSampler,
 };
 use steradian_engine::{PathContext, dimension};
 use steradian_math::{Ray, Spectrum, Vec3};
@@ -99,6 +107,34 @@ impl PathState {
         let scale = roulette(live, self.events, depth, self.roulette_below, context.sampler);
         self.beta *= scale.unwrap_or(0.0);
         scale.is_some()
+    }
+
+    /// A direction drawn at the vertex where it arrived, by scattering, and by a guide if there is one.
+    #[inline]
+    pub fn sample(
+        &self,
+        v: &Vertex<'_>,
+        sampler: &PixelSampler,
+        guide: Option<&impl Guide>,
+    ) -> Option<GuidedDirection> {
+        let u2 = sampler.get_2d(dimension::at(self.events, dimension::DIRECTION));
+        match v {
+            Vertex::Surface { i, scattering, frame, .. } => {
+                let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
+                let is_asked = guide.is_some() || !has_one_lobe;
+                let u = sampler.get_1d_lazily(self.dimension(dimension::LOBE), is_asked);
+                let wo = frame.to_local(i.wo);
+                match guide {
+                    Some(guide) => guide.sample(i.surface.p, frame, wo, scattering, u, u2),
+                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(GuidedDirection::by_surface),
+                }
+            }
+            Vertex::Medium { wo, scattering, .. } => {
+                let (wi, pdf) = scattering.sample_phase(*wo, u2);
+                let sample = BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 };
+                Some(GuidedDirection::by_surface(sample))
+            }
+        }
     }
 
     /// On from a vertex in the direction that was drawn there.

@@ -1,14 +1,9 @@
 //! Where a path scatters: light straight from lights, and the way on.
 
-use crate::{
-    attenuation,
-    guide::{Guide, GuidedDirection},
-    nee, power_heuristic,
-    state::PathState,
-};
+use crate::{attenuation, nee, power_heuristic};
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode},
+    bsdf::{BsdfEval, TransportMode},
     light::LightContext,
     material::Scattering,
     medium::Medium,
@@ -208,34 +203,6 @@ impl Vertex<'_> {
             light *= attenuation::passed(m, (&self.spawn(wi), distance), number, context);
         }
         Some((light, self.spawn_towards(wi, distance)))
-    }
-
-    /// A direction drawn by scattering, and by a guide if there is one.
-    #[inline]
-    pub fn sample(
-        &self,
-        path_state: &PathState,
-        sampler: &PixelSampler,
-        guide: Option<&impl Guide>,
-    ) -> Option<GuidedDirection> {
-        let u2 = sampler.get_2d(dimension::at(path_state.events, dimension::DIRECTION));
-        match self {
-            Self::Surface { i, scattering, frame, .. } => {
-                let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
-                let is_asked = guide.is_some() || !has_one_lobe;
-                let u = sampler.get_1d_lazily(path_state.dimension(dimension::LOBE), is_asked);
-                let wo = frame.to_local(i.wo);
-                match guide {
-                    Some(guide) => guide.sample(i.surface.p, frame, wo, scattering, u, u2),
-                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(GuidedDirection::by_surface),
-                }
-            }
-            Self::Medium { wo, scattering, .. } => {
-                let (wi, pdf) = scattering.sample_phase(*wo, u2);
-                let sample = BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 };
-                Some(GuidedDirection::by_surface(sample))
-            }
-        }
     }
 }
 

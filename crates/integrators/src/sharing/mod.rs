@@ -108,7 +108,7 @@ impl<'s> Member<'s> {
                 }
                 Arrival::Vertex(v) => {
                     let guide = precomputed.caustics.as_ref();
-                    let Some(draw) = v.sample(path_state, context.sampler, guide) else { return false };
+                    let Some(draw) = path_state.sample(v, context.sampler, guide) else { return false };
                     path_state.turn::<MEDIA>(context.scene, v, &draw);
                     if !path_state.beta.is_finite() {
                         *radiance = path_state.beta;
@@ -140,7 +140,7 @@ impl<'s> Member<'s> {
         self.sample.pdf = 0.0;
         let Self { x, path_state, .. } = self;
         let Arrival::Vertex(x) = x else { return false };
-        let Some(draw) = x.sample(path_state, &pixel_sample.joint, precomputed.caustics.as_ref()) else { return false };
+        let Some(draw) = path_state.sample(x, &pixel_sample.joint, precomputed.caustics.as_ref()) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
         path_state.turn::<MEDIA>(scene, x, &draw);
         if !path_state.beta.is_finite() {

@@ -186,7 +186,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
                 sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
             }
         }
-        let Some(draw) = y.sample(&path_state, &joint, guide) else { return sums };
+        let Some(draw) = path_state.sample(y, &joint, guide) else { return sums };
         path_state.turn::<MEDIA>(scene, y, &draw);
         if !path_state.beta.is_finite() {
             pixel_samples[group[k].pixel_sample].radiance = path_state.beta;

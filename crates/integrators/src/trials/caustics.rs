@@ -135,7 +135,7 @@ fn trace<const MEDIA: bool>(
             found.push((light, ratio));
         }
         let Arrival::Vertex(v) = &arrival else { return found };
-        let Some(draw) = v.sample(&path_state, sampler, precomputed.caustics.as_ref()) else { return found };
+        let Some(draw) = path_state.sample(v, sampler, precomputed.caustics.as_ref()) else { return found };
         ratio *= f64::from(draw.ratio);
         path_state.turn::<MEDIA>(scene, v, &draw);
         if !(path_state.survives(depth, context) && path_state.beta.is_finite() && ratio > 0.0) {
