@@ -1,9 +1,7 @@
-//! The command line.
+//! What the subcommands take.
 
-use crate::bench::BenchArgs;
-use crate::experiment::ExperimentArgs;
 use crate::values::{self, Frames, Layers, Rectangle, Size, Threshold};
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
+use clap::{ArgAction, Args, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
 use steradian::image::{
     Compression, Precision, WriteOptions,
@@ -12,72 +10,6 @@ use steradian::image::{
     tone::Tone,
 };
 use steradian::quality::MAX_THREADS;
-
-/// A physically based renderer for pbrt-v4, Mitsuba and glTF scenes and for OBJ and PLY models.
-#[derive(Debug, Parser)]
-#[command(
-    name = "steradian",
-    version = concat!(env!("CARGO_PKG_VERSION"), env!("STERADIAN_COMMIT")),
-    about,
-    propagate_version = true,
-    subcommand_required = true,
-    arg_required_else_help = true
-)]
-#[command(
-    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures or methods differ (compare, verify), 5 undecided \
-                  (verify), 130/143 stopped."
-)]
-pub struct Cli {
-    /// What to do.
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-/// The commands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Render a scene into pictures; without SCENE, the built-in Cornell box
-    Render(Box<RenderArgs>),
-    /// Render a scene by every integrator that can, and test whether they agree
-    Verify(VerifyArgs),
-    /// Show what is in a scene, and what was approximated or dropped
-    Info(InfoArgs),
-    /// List names: integrators, materials, lights, layers, tone curves, …
-    List(ListArgs),
-    /// Measure a material: BSDF values, albedo, gloss, polar plot, a rendered ball
-    Material(Box<MaterialArgs>),
-    /// Compare two pictures: error metrics, z-test, a picture of the difference
-    Compare(CompareArgs),
-    /// Convert a picture to another format, or a scene to Steradian's own
-    Convert(ConvertArgs),
-    /// Measure the speed of ray queries and acceleration structures
-    Bench(BenchArgs),
-    /// Compute the spectrum of a picture, and the aliases of a coarser sampling
-    Signal(SignalArgs),
-    /// Run an experiment of optics: diffraction, interference, prisms, rainbows, thermal light, …
-    Optics(Box<ExperimentArgs>),
-    /// Run an experiment of vision: chromaticity, cones, colour deficiencies, contrast, glare, …
-    Vision(Box<ExperimentArgs>),
-    /// Run an experiment of Monte Carlo integration: error against samples, importance, branching, …
-    Estimate(Box<ExperimentArgs>),
-    /// Print shell completions
-    Completions {
-        /// The shell.
-        shell: clap_complete::Shell,
-    },
-    /// Print the manual page, or that of a command: steradian man render | man -l -
-    Man {
-        /// The command.
-        command: Option<String>,
-    },
-}
-
-impl Command {
-    /// Whether only errors are to be told.
-    pub fn is_quiet(&self) -> bool {
-        matches!(self, Self::Render(args) if args.quiet)
-    }
-}
 
 /// Which scene, and how to read it.
 #[derive(Args, Clone, Debug, Default)]
@@ -504,61 +436,4 @@ pub struct SignalArgs {
     /// Print one line of JSON to stdout
     #[arg(long)]
     pub json: bool,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn the_command_line_is_sound() {
-        Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn spellings_of_pbrt_are_accepted() {
-        let cli =
-            Cli::parse_from(["steradian", "render", "a.pbrt", "--nthreads", "3", "--outfile", "x.exr", "--spp", "8"]);
-        let Command::Render(args) = cli.command else { panic!("render was asked for") };
-        assert_eq!((args.scene_options.threads, args.spp), (3, Some(8)));
-        assert_eq!(args.output, [PathBuf::from("x.exr")]);
-    }
-
-    #[test]
-    fn samples_are_written_alike() {
-        let parse = |line: &[&str]| Cli::try_parse_from([&["steradian"], line].concat());
-        for line in [&["render", "a.xml"][..], &["verify", "a.xml"], &["material", "diffuse"]] {
-            let spp = match parse(&[line, &["--spp", "4k"]].concat()).unwrap().command {
-                Command::Render(args) => args.spp,
-                Command::Verify(args) => Some(args.spp),
-                Command::Material(args) => Some(args.spp),
-                _ => None,
-            };
-            assert_eq!(spp, Some(4000), "{line:?}");
-            assert!(parse(&[line, &["--spp", "-1"]].concat()).is_err(), "{line:?}");
-        }
-        assert!(parse(&["verify", "a.xml", "--spp", "1"]).is_err());
-    }
-
-    #[test]
-    fn numbers_are_checked() {
-        for bad in [
-            &["--spp", "0"][..],
-            &["--spp", "99999999"],
-            &["--threads", "5000"],
-            &["--max-depth", "-2"],
-            &["--sampler", "sobl"],
-            &["--accelerator", "bhv"],
-            &["--size", "0x0"],
-            &["--color", "cmyk"],
-        ] {
-            let line = ["steradian", "render"].iter().chain(bad);
-            assert!(Cli::try_parse_from(line).is_err(), "{bad:?}");
-        }
-        for good in [&["--max-depth", "-1"][..], &["--exposure", "-2.5"], &["--time", "1.5s"]] {
-            let line = ["steradian", "render"].iter().chain(good);
-            assert!(Cli::try_parse_from(line).is_ok(), "{good:?}");
-        }
-    }
 }

@@ -18,23 +18,6 @@ use steradian::{
     },
 };
 
-/// Metrics that `--fail-above` knows. `z_rejected` is the share of components that the z-test rejects.
-/// ΔE are means over pixels but for `delta_e_max`, the largest ΔE00.
-pub const METRICS: &[&str] = &[
-    "mse",
-    "rmse",
-    "relmse",
-    "psnr",
-    "flip",
-    "delta_e_76",
-    "delta_e_94",
-    "delta_e_2000",
-    "delta_e_max",
-    "max_abs",
-    "mean_ratio_error",
-    "z_rejected",
-];
-
 /// The figures of one picture against another.
 #[derive(Debug, Serialize)]
 struct Pair {
@@ -246,7 +229,7 @@ impl Z {
 }
 
 impl Pair {
-    /// A metric by its name in [`METRICS`]; `None` for the z-test where there was none.
+    /// A metric by its name in [`METRICS`](crate::values::METRICS); `None` for the z-test where there was none.
     fn metric(&self, name: &str) -> Option<f64> {
         Some(match name {
             "mse" => self.mse,
@@ -314,6 +297,7 @@ impl Pair {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::values::METRICS;
 
     fn picture(value: f32, variance: Option<f32>) -> Image {
         let mut image = Image::from_rgb(8, 8, &[[value; 3]; 64]).unwrap();

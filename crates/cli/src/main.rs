@@ -5,6 +5,7 @@
 
 mod args;
 mod bench;
+mod command;
 mod compare;
 mod convert;
 mod convert_scene;
@@ -31,8 +32,8 @@ mod values;
 mod verify;
 mod watch;
 
-use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
+use command::{Cli, Command};
 use failure::{Failure, Outcome};
 use std::process::ExitCode;
 use steradian::scene::names;

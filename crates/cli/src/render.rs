@@ -2,6 +2,7 @@
 
 use crate::{
     args::{Color, RenderArgs, SceneOptions},
+    diagnostics::Counts,
     failure::{self, Failure, Outcome},
     memory,
     open::{self, Ready},
@@ -12,15 +13,16 @@ use crate::{
     solving,
     terminal::{self, Terminal},
     values::MAX_SPP,
-    watch::{self, Stop},
+    watch::{self, Due, Stop},
 };
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
     path::{Path, PathBuf},
-    time::Instant,
+    time::{Duration, Instant},
 };
 use steradian::{
-    ColorMode, Inputs, Layer, LeftOut, Quality, Scene, Session,
+    ColorMode, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -33,195 +35,81 @@ const DEFAULT_SCENE: &str = "builtin:cornell-box";
 
 /// Renders, saves, reports.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
-    // Everything that can be wrong with the command line is found before anything takes long.
-    let path = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
-    let name = &*open::shown(path);
-    let mut outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
-    let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
-    let quality = quality(args);
-    let scene_options = scene_options(args);
-    if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
-        return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
-    }
-    args.files.write_options().map_err(Failure::bad_input)?;
-    if (args.files.tonemap.is_some() || args.files.exposure.is_some()) && !kinds.iter().any(|kind| kind.is_display()) {
-        terminal
-            .warn("--tonemap and --exposure have no effect: no output (-o) has display values, as .png and .jpg have");
-    }
-    let solution = quality.solution();
-    let kept = || args.resume.iter().chain(&solution).map(PathBuf::as_path);
-    output::claim(outputs.iter().map(PathBuf::as_path).chain(kept()), &Inputs::of([path]))?;
-    args.resume.as_deref().map_or(Ok(()), check_state)?;
-
-    open::limit_threads(args.scene_options.threads);
-    let opened = open::open(path, &scene_options, quality.spp);
-    let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
-    let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
-    let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
-    let fingerprint = fingerprint.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
-    let lit = solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
-    let lit = lit.map_err(|e| Failure::failed(format!("cannot read the scene's files again: {e}")))?;
-    let ready = opened.into_scene(path, args.scene_options.strict, terminal)?;
-    let Ready { scene, inputs, counts, load, build } = ready;
-    if args.output.is_empty() {
-        let free = output::free_names(outputs.clone(), &inputs);
-        if free != outputs {
-            let read = outputs.iter().find(|o| inputs.find(o).is_some()).unwrap_or(&outputs[0]);
-            let free = output::listed(&free);
-            terminal.say(&format!("the scene reads '{}': the picture goes to {free}", read.display()));
-        }
-        outputs = free;
-    }
-    let partial: Vec<PathBuf> = outputs.iter().map(|output| output::partial(output)).collect();
-    output::claim(outputs.iter().chain(&partial).map(PathBuf::as_path).chain(kept()), &inputs)?;
-    let mut render = quality.render(&scene).map_err(|e| Failure::bad_input(e.to_string()))?;
-    let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
-    outputs.iter().zip(&kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, (width, height)))?;
-    // Mattes are counted apart from other layers, and have eight times as many planes.
-    let is_pipeline = render.integrator().is_none();
-    let plan = &mut render.plan;
-    let mattes = if plan.mattes { 16 } else { 0 };
-    let groups = if plan.by_light { 3 * scene.light_groups.names.len() } else { 0 };
-    check_memory(&scene, quality.layers.len() + mattes + groups)?;
-
-    let integrator = quality.integrator_name(&scene);
-    if let Some(what) = quality.cannot(&scene) {
-        let named = &scene.settings.integrator;
-        terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
-    }
-    if let Some(LeftOut { what, instead }) = quality.leaves_out(&scene) {
-        terminal.warn(&format!("integrator '{integrator}' leaves out {what}; '{instead}' renders it"));
-    }
-    if args.sampler.is_some() && is_pipeline {
-        terminal.warn(&format!("--sampler has no effect: '{integrator}' spreads samples in a way of its own"));
-    }
-    let pixels = u64::from(width) * u64::from(height);
-    let spp = plan.sampler.spp;
-    let takes_none = args.time.is_some_and(|time| time.is_zero());
-    let planned = pixels * u64::from(spp);
-    if let Some(state) = args.resume.as_deref().filter(|state| state.exists()) {
-        // What was planned first counts for the bits; the rest comes on top.
-        let first = resume::samples(state).map_err(|e| unusable(state, &e))?;
-        plan.sampler.spp = if takes_none { first } else { first.min(spp) };
-    } else if takes_none {
-        return Err(Failure::bad_input("--time 0 takes no samples: it makes a picture of what --resume FILE keeps"));
-    }
-    if plan.adaptive && (width, height) != (scene.film.width, scene.film.height) {
-        terminal.say("note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the whole picture");
-    }
-    let render = render;
-    let plan = &render.plan;
+    let mut job = Job::new(args, terminal)?;
+    let Opening { ready, write_options, fingerprint, lit } = job.open()?;
+    let scene = &ready.scene;
+    job.place_outputs(&ready)?;
+    let Planned { render, spp, pixels, planned } = job.plan(scene)?;
+    let integrator = job.quality.integrator_name(scene);
     let signals = Signals::watch();
-    terminal.say(&format!("rendering {name} with {integrator}, {width} x {height}"));
-    let mut session = solving::session(&scene, &render, solution.as_deref().zip(lit), &signals, terminal)?;
+    let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
+    terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
+    let solution = job.solution.as_deref().zip(lit);
+    let mut session = solving::session(scene, &render, solution, &signals, terminal)?;
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
-        let options = open::compile_options(&args.scene_options, quality.spp);
-        Keeper { path, recipe: Recipe::new(&scene, fingerprint, &options, &render), terminal }
+        let options = open::compile_options(&args.scene_options, job.quality.spp);
+        Keeper { path, recipe: Recipe::new(scene, fingerprint, &options, &render), terminal }
     });
     if let Some(keeper) = &keeper {
-        keeper.restore(&mut *session, pixels, (!takes_none).then_some(spp))?;
+        keeper.restore(&mut *session, pixels, (!job.takes_none()).then_some(spp))?;
     }
     let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
-    let making = Making { scene: &scene, name, integrator, color, seed: plan.sampler.seed, layers: &quality.layers };
-    let watched = (!takes_none).then(|| {
-        watch::render(
-            &mut *session,
-            (pixels, planned),
-            (args.time, args.watch),
-            &signals,
-            || Progress::new(terminal),
-            |session, due| {
-                if let Some(keeper) = keeper.as_ref().filter(|_| due.state) {
-                    keeper.keep(session);
-                }
-                if due.picture && session.counters().samples > 0 {
-                    let Made { picture, empty_pixels, .. } = making.picture(session);
-                    match output::save(&outputs, &picture, &write_options, empty_pixels == 0) {
-                        Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
-                        Err(failure) => terminal.warn(&failure.message),
-                    }
-                }
-            },
-        )
-    });
-    let stop = watched.flatten();
-
+    let (name, seed, layers) = (&*job.name, render.plan.sampler.seed, &job.quality.layers);
+    let making = Making { scene, name, integrator, color, seed, layers };
+    let on_the_way = |session: &mut dyn Session, due: Due| {
+        if let Some(keeper) = keeper.as_ref().filter(|_| due.state) {
+            keeper.keep(session);
+        }
+        if due.picture && session.counters().samples > 0 {
+            let Made { picture, empty_pixels, .. } = making.picture(session);
+            match output::save(&job.outputs, &picture, &write_options, empty_pixels == 0) {
+                Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
+                Err(failure) => terminal.warn(&failure.message),
+            }
+        }
+    };
+    let limits = (args.time, args.watch);
+    let progress = || Progress::new(terminal);
+    let stop = match job.takes_none() {
+        true => None,
+        false => watch::render(&mut *session, (pixels, planned), limits, &signals, progress, on_the_way),
+    };
     // Before the picture, which may fail to be saved for reasons of its own.
     let kept = keeper.as_ref().map_or(Ok(()), |keeper| keeper.save(&mut *session));
-
     if let Some(why) = session.failure() {
         return Err(Failure::failed(why));
     }
     if scene.texture_pages.as_ref().is_some_and(|pages| pages.has_failed()) {
         terminal.warn("some textures could not be read back from the temporary file; they are black in places");
     }
-    let saving = Instant::now();
-    let done = session.counters();
-    if done.samples == 0 {
+    if session.counters().samples == 0 {
         // Nothing that would be worth an older picture.
         kept.map_err(Failure::failed)?;
-        return match stop {
-            Some(Stop::Signal(signal)) => {
-                let name = signals::name(signal);
-                terminal.warn(&format!("stopped by {name} before the first sample: no picture was written"));
-                Ok(128 + signal)
-            }
-            _ => Err(Failure::failed("the time was up before the first sample: no picture was written")),
-        };
+        return without_a_sample(stop, terminal);
     }
-    let Made { picture, empty_pixels, spp, error, doubt, of_means } = making.picture(&*session);
-    let written = output::save(&outputs, &picture, &write_options, empty_pixels == 0).map_err(|mut failure| {
-        if let (Some(keeper), Ok(())) = (&keeper, &kept) {
-            failure.message +=
-                &format!("\nthe render is kept in '{}': the same command goes on from it", keeper.path.display());
-        }
-        failure
-    })?;
-
-    let report = Report {
-        schema: 1,
-        software: concat!("Steradian ", env!("CARGO_PKG_VERSION")),
-        scene: name,
-        integrator,
-        color,
-        seed: plan.sampler.seed,
-        spp: report::number(spp),
-        adaptive: session.is_uneven(),
-        caustics: session.asks_photons(),
-        sharing: session.sharing(),
-        relative_error: error,
-        unreliable: doubt.map(|d| d.to_string()),
-        relative_error_of_means: of_means.clone(),
-        missing_light: steradian::missing_light(&render, &scene, &session.film()),
-        width,
-        height,
-        threads: session.threads(),
-        samples: done.samples,
-        rays: done.rays,
-        load_seconds: load.as_secs_f64(),
-        build_seconds: build.as_secs_f64(),
-        render_seconds: session.wall().as_secs_f64(),
-        cpu_seconds: session.cpu().as_secs_f64(),
-        save_seconds: saving.elapsed().as_secs_f64(),
-        peak_rss_bytes: memory::peak(),
-        nonfinite_dropped: done.nonfinite,
-        empty_pixels,
-        stopped: stop.map(|s| match s {
-            Stop::Time => "time",
-            Stop::Error => "error",
-            Stop::Signal(signal) => signals::name(signal),
-        }),
-        outputs: &written,
-        diagnostics: counts,
-    };
+    let saving = Instant::now();
+    let made = making.picture(&*session);
+    let written =
+        output::save(&job.outputs, &made.picture, &write_options, made.empty_pixels == 0).map_err(|mut failure| {
+            if let (Some(keeper), Ok(())) = (&keeper, &kept) {
+                let path = keeper.path.display();
+                failure.message += &format!("\nthe render is kept in '{path}': the same command goes on from it");
+            }
+            failure
+        })?;
+    let missing_light = steradian::missing_light(&render, scene, &session.film());
+    let times = [ready.load, ready.build, saving.elapsed()];
+    let mut report = making.report(&*session, &made, times, stop);
+    (report.missing_light, report.outputs, report.diagnostics) = (missing_light, &written, ready.counts);
     session.notes().iter().for_each(|note| terminal.say(note));
     tell(&report, stop, terminal);
     kept.map_err(Failure::failed)?;
     if let (Some(keeper), Some(_)) = (&keeper, stop) {
         terminal.say(&format!("the same command goes on from {}", keeper.path.display()));
     }
-    if written != outputs {
-        terminal.warn(&format!("{} stays as it was, for this picture is not whole", output::listed(&outputs)));
+    if written != job.outputs {
+        let outputs = output::listed(&job.outputs);
+        terminal.warn(&format!("{outputs} stays as it was, for this picture is not whole"));
     }
     terminal.say(&format!("wrote {}", output::listed(&written)));
     if args.json {
@@ -231,6 +119,159 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
         Some(Stop::Signal(signal)) => 128 + signal,
         _ => failure::DONE,
     })
+}
+
+/// How a render ends that has no sample.
+fn without_a_sample(stop: Option<Stop>, terminal: Terminal) -> Outcome {
+    match stop {
+        Some(Stop::Signal(signal)) => {
+            let name = signals::name(signal);
+            terminal.warn(&format!("stopped by {name} before the first sample: no picture was written"));
+            Ok(128 + signal)
+        }
+        _ => Err(Failure::failed("the time was up before the first sample: no picture was written")),
+    }
+}
+
+/// What is asked for.
+struct Job<'a> {
+    args: &'a RenderArgs,
+    terminal: Terminal,
+    path: &'a Path,
+    /// What the scene is called in messages.
+    name: Cow<'a, str>,
+    quality: Quality,
+    /// The file of a solution of radiosity.
+    solution: Option<PathBuf>,
+    outputs: Vec<PathBuf>,
+    kinds: Vec<FileKind>,
+}
+
+/// A scene that is to be rendered, and what its state and solution are kept for.
+struct Opening {
+    ready: Ready,
+    write_options: WriteOptions,
+    fingerprint: Option<[u8; 32]>,
+    lit: Option<[u8; 32]>,
+}
+
+/// What is rendered, and how much.
+struct Planned {
+    render: Render,
+    /// Samples per pixel in all, those of a kept render included.
+    spp: u32,
+    pixels: u64,
+    /// Samples of all pixels.
+    planned: u64,
+}
+
+impl<'a> Job<'a> {
+    /// Everything that can be wrong with the command line is found before anything takes long.
+    fn new(args: &'a RenderArgs, terminal: Terminal) -> Result<Self, Failure> {
+        let path = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
+        let outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
+        let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
+        let quality = quality(args);
+        if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
+            return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
+        }
+        args.files.write_options().map_err(Failure::bad_input)?;
+        let is_toned = args.files.tonemap.is_some() || args.files.exposure.is_some();
+        if is_toned && !kinds.iter().any(|kind| kind.is_display()) {
+            terminal.warn(
+                "--tonemap and --exposure have no effect: no output (-o) has display values, as .png and .jpg have",
+            );
+        }
+        let solution = quality.solution();
+        let job = Self { args, terminal, path, name: open::shown(path), quality, solution, outputs, kinds };
+        output::claim(job.outputs.iter().map(PathBuf::as_path).chain(job.kept()), &Inputs::of([path]))?;
+        args.resume.as_deref().map_or(Ok(()), check_state)?;
+        Ok(job)
+    }
+
+    /// Files that are read and written.
+    fn kept(&self) -> impl Iterator<Item = &Path> {
+        self.args.resume.iter().chain(&self.solution).map(PathBuf::as_path)
+    }
+
+    /// Whether no sample is to be taken: a picture of what is kept.
+    fn takes_none(&self) -> bool {
+        self.args.time.is_some_and(|time| time.is_zero())
+    }
+
+    fn open(&self) -> Result<Opening, Failure> {
+        let Self { args, path, .. } = self;
+        open::limit_threads(args.scene_options.threads);
+        let opened = open::open(path, &scene_options(args), self.quality.spp);
+        let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
+        let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
+        let unreadable = |e| Failure::failed(format!("cannot read the scene's files again: {e}"));
+        let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
+        let fingerprint = fingerprint.map_err(unreadable)?;
+        let lit = self.solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
+        let lit = lit.map_err(unreadable)?;
+        let ready = opened.into_scene(path, args.scene_options.strict, self.terminal)?;
+        Ok(Opening { ready, write_options, fingerprint, lit })
+    }
+
+    /// Finds names for pictures that nothing is read from.
+    fn place_outputs(&mut self, Ready { scene, inputs, .. }: &Ready) -> Result<(), Failure> {
+        if self.args.output.is_empty() {
+            let free = output::free_names(self.outputs.clone(), inputs);
+            if free != self.outputs {
+                let read = self.outputs.iter().find(|o| inputs.find(o).is_some()).unwrap_or(&self.outputs[0]);
+                let free = output::listed(&free);
+                self.terminal.say(&format!("the scene reads '{}': the picture goes to {free}", read.display()));
+            }
+            self.outputs = free;
+        }
+        let partial: Vec<PathBuf> = self.outputs.iter().map(|output| output::partial(output)).collect();
+        output::claim(self.outputs.iter().chain(&partial).map(PathBuf::as_path).chain(self.kept()), inputs)?;
+        let size = (scene.film.crop.width(), scene.film.crop.height());
+        self.outputs.iter().zip(&self.kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, size))
+    }
+
+    /// What is rendered; tells what is left out.
+    fn plan(&self, scene: &Scene) -> Result<Planned, Failure> {
+        let Self { args, terminal, quality, .. } = self;
+        let mut render = quality.render(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
+        // Mattes are counted apart from other layers, and have eight times as many planes.
+        let is_pipeline = render.integrator().is_none();
+        let plan = &mut render.plan;
+        let mattes = if plan.mattes { 16 } else { 0 };
+        let groups = if plan.by_light { 3 * scene.light_groups.names.len() } else { 0 };
+        check_memory(scene, quality.layers.len() + mattes + groups)?;
+        let integrator = quality.integrator_name(scene);
+        if let Some(what) = quality.cannot(scene) {
+            let named = &scene.settings.integrator;
+            terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
+        }
+        if let Some(LeftOut { what, instead }) = quality.leaves_out(scene) {
+            terminal.warn(&format!("integrator '{integrator}' leaves out {what}; '{instead}' renders it"));
+        }
+        if args.sampler.is_some() && is_pipeline {
+            terminal.warn(&format!("--sampler has no effect: '{integrator}' spreads samples in a way of its own"));
+        }
+        let crop = &scene.film.crop;
+        let pixels = u64::from(crop.width()) * u64::from(crop.height());
+        let spp = plan.sampler.spp;
+        if let Some(state) = args.resume.as_deref().filter(|state| state.exists()) {
+            // What was planned first counts for the bits; the rest comes on top.
+            let first = resume::samples(state).map_err(|e| unusable(state, &e))?;
+            plan.sampler.spp = if self.takes_none() { first } else { first.min(spp) };
+        } else if self.takes_none() {
+            return Err(Failure::bad_input(
+                "--time 0 takes no samples: it makes a picture of what --resume FILE keeps",
+            ));
+        }
+        if plan.adaptive && (crop.width(), crop.height()) != (scene.film.width, scene.film.height) {
+            terminal.say(
+                "note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the \
+                 whole picture",
+            );
+        }
+        Ok(Planned { render, spp, pixels, planned: pixels * u64::from(spp) })
+    }
 }
 
 /// How the scene is opened: for the pipeline in RGB unless something else is asked for, since one sample of wavelengths
@@ -249,7 +290,7 @@ struct Making<'a> {
     scene: &'a Scene,
     name: &'a str,
     integrator: &'a str,
-    color: &'a str,
+    color: &'static str,
     seed: u64,
     layers: &'a [Layer],
 }
@@ -295,6 +336,54 @@ impl Making<'_> {
         };
         output::label(&mut picture, self.scene, &provenance);
         Made { picture, empty_pixels, spp, error, doubt, of_means }
+    }
+
+    /// The summary of a session, by the times of loading, building and saving; what else is known of the scene is left
+    /// empty.
+    fn report(
+        &self,
+        session: &dyn Session,
+        made: &Made,
+        [load, build, save]: [Duration; 3],
+        stop: Option<Stop>,
+    ) -> Report<'_> {
+        let (done, crop) = (session.counters(), &self.scene.film.crop);
+        Report {
+            schema: 1,
+            software: concat!("Steradian ", env!("CARGO_PKG_VERSION")),
+            scene: self.name,
+            integrator: self.integrator,
+            color: self.color,
+            seed: self.seed,
+            spp: report::number(made.spp),
+            adaptive: session.is_uneven(),
+            caustics: session.asks_photons(),
+            sharing: session.sharing(),
+            relative_error: made.error,
+            unreliable: made.doubt.map(|d| d.to_string()),
+            relative_error_of_means: made.of_means.clone(),
+            missing_light: None,
+            width: crop.width(),
+            height: crop.height(),
+            threads: session.threads(),
+            samples: done.samples,
+            rays: done.rays,
+            load_seconds: load.as_secs_f64(),
+            build_seconds: build.as_secs_f64(),
+            render_seconds: session.wall().as_secs_f64(),
+            cpu_seconds: session.cpu().as_secs_f64(),
+            save_seconds: save.as_secs_f64(),
+            peak_rss_bytes: memory::peak(),
+            nonfinite_dropped: done.nonfinite,
+            empty_pixels: made.empty_pixels,
+            stopped: stop.map(|s| match s {
+                Stop::Time => "time",
+                Stop::Error => "error",
+                Stop::Signal(signal) => signals::name(signal),
+            }),
+            outputs: &[],
+            diagnostics: Counts::default(),
+        }
     }
 }
 

@@ -199,6 +199,23 @@ impl FromStr for Layers {
     }
 }
 
+/// Metrics that `--fail-above` knows. `z_rejected` is the share of components that the z-test rejects.
+/// ΔE are means over pixels but for `delta_e_max`, the largest ΔE00.
+pub const METRICS: &[&str] = &[
+    "mse",
+    "rmse",
+    "relmse",
+    "psnr",
+    "flip",
+    "delta_e_76",
+    "delta_e_94",
+    "delta_e_2000",
+    "delta_e_max",
+    "max_abs",
+    "mean_ratio_error",
+    "z_rejected",
+];
+
 /// A threshold, `METRIC=VALUE`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
@@ -213,7 +230,7 @@ impl FromStr for Threshold {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, value) = text.split_once('=').ok_or("write it as METRIC=VALUE, such as relmse=0.01")?;
-        let metric = known_name(name, "metric", crate::compare::METRICS.iter().copied())?;
+        let metric = known_name(name, "metric", METRICS.iter().copied())?;
         match value.parse::<f64>() {
             Ok(limit) if !limit.is_nan() => Ok(Self { metric, limit }),
             _ => Err(format!("'{value}' is not a number")),
