@@ -8,7 +8,10 @@ use crate::{
 };
 use serde::Serialize;
 use std::fmt::Write;
-use steradian::materials::{self, Parameter};
+use steradian::{
+    OptionInfo,
+    materials::{self, Parameter},
+};
 
 /// One thing.
 #[derive(Debug, Serialize)]
@@ -46,6 +49,13 @@ impl Described {
     }
 }
 
+impl From<&OptionInfo> for Described {
+    fn from(o: &OptionInfo) -> Self {
+        let (values, description) = (o.values.to_owned(), o.meaning.to_owned());
+        Self { name: o.name, values, unit: "", range: [None; 2], default: o.default, description }
+    }
+}
+
 impl Entry {
     fn new(family: &str, name: &'static str, description: &'static str) -> Self {
         let of_all = (name == materials::DETAIL.name).then_some(&materials::DETAIL);
@@ -54,7 +64,12 @@ impl Entry {
             name,
             description,
             source: material.map(|m| m.source),
-            parameters: material.map(|m| m.parameters.iter().map(Described::new).collect()),
+            parameters: match family {
+                "integrators" => steradian::all_integrators()
+                    .find(|i| i.name == name)
+                    .map(|i| i.options.iter().map(Described::from).collect()),
+                _ => material.map(|m| m.parameters.iter().map(Described::new).collect()),
+            },
         }
     }
 }

@@ -279,7 +279,7 @@ impl<'a> Job<'a> {
 fn scene_options(args: &RenderArgs) -> SceneOptions {
     let mut options = args.scene_options.clone();
     let asked = args.integrator.as_deref().map(|asked| asked.split_once(':').map_or(asked, |(name, _)| name));
-    if asked == Some(RASTER.0) && matches!(options.color, Color::Auto) {
+    if asked == Some(RASTER.name) && matches!(options.color, Color::Auto) {
         options.color = Color::Rgb;
     }
     options

@@ -143,11 +143,11 @@ pub fn roughness(text: &str) -> Result<f32, String> {
 pub fn integrator(text: &str) -> Result<String, String> {
     let name = text.split_once(':').map_or(text, |s| s.0);
     let raster = steradian::raster::RASTER;
-    if name == raster.0 {
+    if name == raster.name {
         let options = text.split_once(':').map_or("", |(_, options)| options);
         return steradian::raster::Options::parse(options).map(|_| text.to_owned()).map_err(|e| e.to_string());
     }
-    known_name(name, "integrator", steradian::INTEGRATORS.iter().chain([&raster]).map(|i| i.0)).map(|_| text.to_owned())
+    known_name(name, "integrator", steradian::all_integrators().map(|i| i.name)).map(|_| text.to_owned())
 }
 
 /// Samples per pixel: a whole number from 1 to [`MAX_SPP`], perhaps with a `k` for thousands.

@@ -64,7 +64,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::failed(format!("cannot make the folder {}: {e}", folder.display())))?;
         // What is written has the names of integrators.
-        let paths: Vec<PathBuf> = INTEGRATORS.iter().flat_map(|i| files(folder, i.0)).collect();
+        let paths: Vec<PathBuf> = INTEGRATORS.iter().flat_map(|i| files(folder, i.name)).collect();
         output::claim(paths.iter().map(PathBuf::as_path), &ready.inputs)?;
     }
     let quality = Quality {

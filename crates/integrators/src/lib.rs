@@ -2,6 +2,7 @@
 //! `steradian-engine` turns them into a film.
 
 pub mod ao;
+pub mod options;
 pub mod passes;
 pub mod path;
 pub mod radiosity;
@@ -21,8 +22,9 @@ mod sizes_tests;
 #[cfg(test)]
 mod stop_tests;
 
+pub use options::INTEGRATORS;
 pub use precomputed::{PathEffort, Precomputed, VarianceReduction};
-pub use registry::{INTEGRATORS, IntegratorKind};
+pub use registry::IntegratorKind;
 pub use shared_path::SharedPath;
 pub use steradian_core::film::Film;
 pub use steradian_engine::{Control, Counters, Doubt, Integrator, PathContext, Plan, SCALES, Session, Stop};

@@ -7,7 +7,10 @@ use steradian_math::{Ray, Spectrum};
 
 /// The ray caster.
 #[derive(Clone, Copy, Debug)]
-pub struct Raycast;
+pub struct Raycast {
+    /// Whether lights are invisible.
+    pub hide_emitters: bool,
+}
 
 impl Integrator for Raycast {
     type Prepared = ();
@@ -21,13 +24,19 @@ impl Integrator for Raycast {
             }
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
-                return nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                let is_hidden = self.hide_emitters;
+                return if is_hidden {
+                    Spectrum::ZERO
+                } else {
+                    nee::background(scene, ray.origin, ray.direction, &None, lambda)
+                };
             };
             let i = scene.interaction_of_light(&ray, &hit);
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
                 Some((s, frame)) => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
-                    return color::under_white(albedo, lambda, scene.mode) + nee::emission(scene, &i, &None, lambda);
+                    let color = color::under_white(albedo, lambda, scene.mode);
+                    return if self.hide_emitters { color } else { color + nee::emission(scene, &i, &None, lambda) };
                 }
                 None => {
                     ray = i.spawn(ray.direction);

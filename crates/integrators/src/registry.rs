@@ -17,27 +17,6 @@ use steradian_core::Scene;
 use steradian_engine::{OneByOne, Tiles};
 use steradian_math::Vec3;
 
-/// The integrators: name, and what it does.
-pub const INTEGRATORS: &[(&str, &str)] = &[
-    ("path", "path tracing; max_depth, rr_depth, hide_emitters, reuse (auto), caustics (auto), effort (auto)"),
-    ("volpath", "path tracing with participating media; the options of path"),
-    ("direct", "direct light; hide_emitters"),
-    ("whitted", "Whitted ray tracing: mirrors, glass, and direct light from every light; max_depth"),
-    ("ao", "ambient occlusion; distance (no limit)"),
-    ("raycast", "the colour of the first surface"),
-    ("radiosity", "radiosity of Lambertian patches; method, factors, patches (2000), gather (0), solution, …"),
-    ("light", "light tracing: paths from lights to the camera; max_depth, rr_depth, hide_emitters"),
-    ("bdpt", "bidirectional path tracing; max_depth, rr_depth, hide_emitters"),
-    ("vcm", "vertex connection and merging; max_depth, rr_depth, hide_emitters, radius or pixels (0.6)"),
-    ("sppm", "stochastic progressive photon mapping; max_depth, hide_emitters, radius or pixels (3), photons"),
-    ("photon", "photon mapping; max_depth, radius or pixels (1), photons, nearest (all), gather (true)"),
-    ("pssmlt", "Metropolis light transport in primary sample space; max_depth, rr_depth, large_step (0.3)"),
-    ("stokes", "path tracing of polarised light, radiance S0; max_depth, rr_depth, hide_emitters"),
-    ("stokes-s1", "polarised light: S1, horizontal minus vertical (may be negative)"),
-    ("stokes-s2", "polarised light: S2, diagonal (may be negative)"),
-    ("stokes-s3", "polarised light: S3, circular (may be negative)"),
-];
-
 /// An integrator, ready to run.
 #[derive(Clone, Copy, Debug)]
 pub enum IntegratorKind {
@@ -72,7 +51,7 @@ impl IntegratorKind {
         Some(missed_caustics(scene, &depth))
     }
 
-    /// By name; `None` for names that are not in [`INTEGRATORS`].
+    /// By name; `None` for names that are not in [`INTEGRATORS`](crate::INTEGRATORS).
     pub fn named(name: &str, depth: Depth, variance_reduction: VarianceReduction) -> Option<Self> {
         Some(match name {
             "path" => Self::Path(SharedPath { path: PathTracer { depth }, variance_reduction }),
@@ -82,7 +61,7 @@ impl IntegratorKind {
                 Self::Path(SharedPath { path, variance_reduction })
             }
             "whitted" => Self::Whitted(Whitted { depth }),
-            "raycast" => Self::Raycast(Raycast),
+            "raycast" => Self::Raycast(Raycast { hide_emitters: depth.hide_emitters }),
             "ao" => Self::AmbientOcclusion(AmbientOcclusion { distance: f32::INFINITY }),
             "radiosity" => {
                 Self::Radiosity(View { settings: radiosity::Settings::default(), depth, gather: 0, smooth: true })
@@ -93,11 +72,6 @@ impl IntegratorKind {
             "stokes-s3" => Self::Stokes(Stokes { depth, component: 3 }),
             _ => return PassKind::named(name, depth).map(Self::Passes),
         })
-    }
-
-    /// Whether it has the options `reuse`, `caustics` and `effort`.
-    pub fn has_tactics(&self) -> bool {
-        matches!(self, Self::Path(_) | Self::VolPath(_))
     }
 
     /// Changes an option that is the integrator's own; whether there is such an option and value.

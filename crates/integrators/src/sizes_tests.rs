@@ -165,7 +165,7 @@ fn trials_look_at_frames_of_every_size() {
 fn crops_at_odd_offsets_are_parts_of_the_whole() {
     let (width, height) = (41, 39);
     let scene = scene(width, height);
-    for (k, (name, _)) in INTEGRATORS.iter().enumerate() {
+    for (k, name) in INTEGRATORS.iter().map(|i| i.name).enumerate() {
         let of_path = variance_reduction();
         let few = if name.contains("path") { &of_path[..] } else { &of_path[..1] };
         for (t, variance_reduction) in few.iter().enumerate() {

@@ -71,6 +71,7 @@ impl Whitted {
         context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
+        let is_hidden = events == 0 && self.depth.hide_emitters;
         for _ in 0..MAX_PASSES {
             let PathContext { scene, sampler, lambda, counters } = &mut *context;
             if counters.stop.is_asked() {
@@ -78,10 +79,13 @@ impl Whitted {
             }
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
-                return sum + nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                let sky = nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                return if is_hidden { sum } else { sum + sky };
             };
             let i = scene.interaction_of_light(&ray, &hit);
-            sum += nee::emission(scene, &i, &None, lambda);
+            if !is_hidden {
+                sum += nee::emission(scene, &i, &None, lambda);
+            }
             let choice = sampler.get_1d(dimension::at(events, dimension::MIXTURE));
             let Some((scattering, frame)) = scene.scattering_along(&i, differential.as_ref(), choice, lambda) else {
                 ray = i.spawn(ray.direction);

@@ -50,18 +50,26 @@ pub use steradian_formats as formats;
 pub use steradian_image as image;
 pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
-pub use steradian_integrators::{Control, Film, INTEGRATORS, Plan, Session};
+pub use steradian_integrators::{
+    Control, Film, INTEGRATORS, Plan, Session,
+    options::{IntegratorInfo, OptionInfo},
+};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
 pub use steradian_transport as transport;
 
 use std::sync::Arc;
 
+/// All integrators: those of rays and photons, and the graphics pipeline.
+pub fn all_integrators() -> impl Iterator<Item = &'static IntegratorInfo> + Clone {
+    INTEGRATORS.iter().chain([&raster::RASTER])
+}
+
 /// The registry of models of the core, family by family: plural name of the family, and name and description of each
 /// model.
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     vec![
-        ("integrators", INTEGRATORS.iter().chain([&raster::RASTER]).copied().collect()),
+        ("integrators", all_integrators().map(|i| (i.name, i.description)).collect()),
         ("materials", materials::MATERIALS.iter().chain([&materials::DETAIL]).map(|e| (e.name, e.doc)).collect()),
         ("textures", core::texture::TEXTURES.to_vec()),
         ("lights", core::light::LIGHTS.to_vec()),

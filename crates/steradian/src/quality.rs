@@ -1,7 +1,7 @@
 //! What the user decides about a render; what is left open follows the scene.
 
 use crate::{
-    Error, Layer, Method, Render, radiosity,
+    Error, Layer, Method, Render, all_integrators, radiosity,
     raster::{Options, RASTER},
 };
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
-use steradian_integrators::{Depth, INTEGRATORS, IntegratorKind, PathEffort, Plan, VarianceReduction};
+use steradian_integrators::{Depth, IntegratorKind, PathEffort, Plan, VarianceReduction};
 use steradian_integrators::{
     ao::AmbientOcclusion,
     radiosity::{Settings, View},
@@ -84,7 +84,7 @@ impl Quality {
             let spp = self.spp.unwrap_or(if view.gather > 0 { scene.settings.spp } else { scene.settings.spp.min(16) });
             return self.render_of(scene, IntegratorKind::Radiosity(view), spp);
         }
-        if name == RASTER.0 {
+        if name == RASTER.name {
             let options = Options::parse(options)?;
             let depth = Depth { max: self.max_depth.unwrap_or(u32::MAX), ..depth };
             if self.adaptive {
@@ -99,17 +99,14 @@ impl Quality {
             let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
             return self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
         }
-        let PathOptions { mut depth, variance_reduction, own, tactical } = PathOptions::parse(name, options, depth)?;
+        let PathOptions { mut depth, variance_reduction, own } = PathOptions::parse(name, options, depth)?;
         depth.max = self.max_depth.unwrap_or(depth.max);
         let mut integrator =
             IntegratorKind::named(name, depth, variance_reduction).ok_or_else(|| Error::UnknownIntegrator {
                 name: name.into(),
-                hint: did_you_mean(name, INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0)),
-                known: INTEGRATORS.iter().chain([&RASTER]).map(|i| i.0).collect::<Vec<_>>().join(", "),
+                hint: did_you_mean(name, all_integrators().map(|i| i.name)),
+                known: all_integrators().map(|i| i.name).collect::<Vec<_>>().join(", "),
             })?;
-        if let Some(option) = tactical.filter(|_| !integrator.has_tactics() && name != "direct") {
-            return Err(unknown_option(name, option));
-        }
         if name == scene.settings.integrator {
             for (key, value) in &scene.settings.options {
                 // What the file's format allows, and the integrator does not, is of no effect.
@@ -250,7 +247,7 @@ impl Quality {
         if let Some(IntegratorKind::Passes(kind)) = IntegratorKind::named(name, depth, VarianceReduction::default()) {
             return Some(LeftOut { what: kind.leaves_out(scene)?, instead: "bdpt" });
         }
-        let is_raster = name == RASTER.0;
+        let is_raster = name == RASTER.name;
         let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
         let media = (scene.has_media && is_blind).then_some("participating media");
         let motion = (scene.moves() && is_raster).then_some("motion: it shows the moment at which the shutter opens");
@@ -272,19 +269,17 @@ struct PathOptions<'a> {
     variance_reduction: VarianceReduction,
     /// Those of the integrator alone: key, value, and both as written.
     own: Vec<(&'a str, &'a str, &'a str)>,
-    /// One that only path tracers have.
-    tactical: Option<&'a str>,
 }
 
 impl<'a> PathOptions<'a> {
     fn parse(name: &str, options: &'a str, depth: Depth) -> Result<Self, Error> {
-        let mut parsed =
-            Self { depth, variance_reduction: VarianceReduction::default(), own: Vec::new(), tactical: None };
+        let known = all_integrators().find(|i| i.name == name).map_or(&[][..], |i| i.options);
+        let mut parsed = Self { depth, variance_reduction: VarianceReduction::default(), own: Vec::new() };
         for option in options.split(',').filter(|o| !o.is_empty()) {
             let fault = || unknown_option(name, option);
             let (key, value) = option.split_once('=').ok_or_else(fault)?;
-            if ["reuse", "caustics", "effort"].contains(&key.trim()) {
-                parsed.tactical = Some(option);
+            if !known.iter().any(|option| option.name == key.trim()) {
+                return Err(fault());
             }
             let reduction = &mut parsed.variance_reduction;
             match key.trim() {
@@ -310,14 +305,12 @@ impl<'a> PathOptions<'a> {
 
 /// An option that an integrator does not have, or not with that value.
 fn unknown_option(integrator: &str, option: &str) -> Error {
-    // Those of path tracers are written out once.
-    let listed = if integrator == "volpath" { "path" } else { integrator };
-    let described = INTEGRATORS.iter().find(|i| i.0 == listed).and_then(|i| i.1.rsplit_once("; "));
-    let keys = described.map_or("none", |d| d.1);
-    let known = keys.split([',', ' ']).filter(|k| k.starts_with(|c: char| c.is_ascii_lowercase()) && *k != "or");
+    let known = all_integrators().find(|i| i.name == integrator).map_or(&[][..], |i| i.options);
+    let keys: Vec<String> = known.iter().map(|o| format!("{} ({})", o.name, o.values)).collect();
+    let keys = if keys.is_empty() { "none".to_owned() } else { keys.join("; ") };
     let key = option.split('=').next().unwrap_or(option).trim();
-    let hint = did_you_mean(key, known).map(|h| format!(" ({h})")).unwrap_or_default();
-    Error::IntegratorOption { option: option.into(), integrator: integrator.into(), hint, keys: keys.into() }
+    let hint = did_you_mean(key, known.iter().map(|o| o.name)).map(|h| format!(" ({h})")).unwrap_or_default();
+    Error::IntegratorOption { option: option.into(), integrator: integrator.into(), hint, keys }
 }
 
 /// The options of ambient occlusion.
@@ -399,5 +392,35 @@ mod tests {
         }
         assert!(plan(&scene, Some("vcm"), true).unwrap_err().contains("--adaptive"));
         assert!(plan(&scene, Some("path:reuse=4"), true).is_ok());
+    }
+
+    /// Every option that is listed is understood by its integrator, with a value of those that are listed and with the
+    /// stated default, and every other one is refused with their names.
+    #[test]
+    fn options_are_those_that_are_listed() {
+        let scene = compile(&crate::cornell::luminous_ceiling(), &Options::default()).scene.expect("a sound scene");
+        let render = |text: &str| Quality { integrator: Some(text.into()), ..Quality::default() }.render(&scene);
+        let all: Vec<_> = all_integrators().flat_map(|i| i.options).map(|o| o.name).chain(["speed"]).collect();
+        for info in all_integrators() {
+            for option in info.options {
+                let value = match option.values {
+                    "a file" => "light",
+                    values if values.starts_with("whole number") || values.starts_with("number") => "1",
+                    values if values.contains("above 0") => "0.5",
+                    values if values.contains(" to ") => values.split(' ').next_back().unwrap_or(""),
+                    values => values.split(',').next().unwrap_or(""),
+                };
+                let text = format!("{}:{}={value}", info.name, option.name);
+                assert!(render(&text).is_ok(), "{text}: {:?}", render(&text));
+                let is_value = option.default.parse::<f64>().is_ok() || option.values.contains(option.default);
+                let text = format!("{}:{}={}", info.name, option.name, option.default);
+                assert!(!is_value || render(&text).is_ok(), "{text}: {:?}", render(&text));
+            }
+            for other in all.iter().filter(|name| info.options.iter().all(|o| o.name != **name)) {
+                let refusal = render(&format!("{}:{other}=1", info.name)).expect_err(other).to_string();
+                let first = info.options.first().map_or("none", |o| o.name);
+                assert!(refusal.contains(other) && refusal.contains(first), "{}: {refusal}", info.name);
+            }
+        }
     }
 }

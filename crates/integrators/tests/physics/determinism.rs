@@ -34,7 +34,7 @@ fn threads_do_not_change_a_bit() {
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
         let scene = collection(mode);
         // Radiosity has a test of its own, with fewer patches.
-        for (integrator, _) in INTEGRATORS.iter().filter(|i| i.0 != "radiosity") {
+        for integrator in INTEGRATORS.iter().map(|i| i.name).filter(|name| *name != "radiosity") {
             let shot = Shot::of(integrator, 3).depth(8).reuse(16);
             let one = shot.take(&scene);
             for threads in [2, 3, 7] {

@@ -141,7 +141,7 @@ fn verify_by(
     let (mut reference, has_caustics) = maker.reference(&mut told)?;
     let incomplete = reference.lacks(scene);
     let is_default = |name: &&str| !OTHERS.contains(name) && (*name != "volpath" || scene.has_media);
-    let default: Vec<String> = INTEGRATORS.iter().map(|i| i.0).filter(is_default).map(str::to_owned).collect();
+    let default: Vec<String> = INTEGRATORS.iter().map(|i| i.name).filter(is_default).map(str::to_owned).collect();
     let mut verified = Vec::new();
     for (k, name) in (1..).zip(if named.is_empty() { &default } else { named }) {
         told(name);

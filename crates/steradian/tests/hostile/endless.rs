@@ -53,12 +53,12 @@ pub fn table() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, scene) in scenes {
         // The effort of radiosity is in its patches: no path of it is long.
-        for (integrator, _) in INTEGRATORS.iter().filter(|i| i.0 != "radiosity") {
+        for integrator in INTEGRATORS.iter().map(|i| i.name).filter(|name| *name != "radiosity") {
             // A large number is no limit either; it reaches all integrators the same way.
             let depths: &[i64] = if integrator.starts_with("path") { &[-1, 1_000_000_000] } else { &[-1] };
             for &depth in depths {
                 let mut scene = scene.clone();
-                let node = Node::new(Family::Integrator, *integrator, None).with("max_depth", depth);
+                let node = Node::new(Family::Integrator, integrator, None).with("max_depth", depth);
                 scene.integrator = Some(scene.add(node));
                 let mut case = Case::new(format!("{name}, {integrator}, depth {depth}"), "none", "", Picture);
                 (case.description, case.small) = (Some(scene), true);
