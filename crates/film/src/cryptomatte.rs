@@ -6,7 +6,7 @@
 //! and coverage each, those that cover most first. Metadata tell how ids were made, and the manifest which name has
 //! which id.
 
-use crate::{Hits, MatteSums};
+use crate::{Hits, MatteSums, plane};
 use std::collections::BTreeMap;
 use steradian_image::{Image, Value};
 
@@ -26,8 +26,8 @@ pub(crate) fn push(
     for rank in 0..RANKS {
         let (number, channels) = (rank / 2, [["r", "g"], ["b", "a"]][rank % 2]);
         for (k, channel) in channels.into_iter().enumerate() {
-            let plane = ranked.iter().map(|r| r[rank][k]).collect();
-            crate::layer::push(image, &format!("{layer}{number:02}.{channel}"), plane);
+            let data = ranked.iter().map(|r| r[rank][k]).collect();
+            plane::push(image, &format!("{layer}{number:02}.{channel}"), data);
         }
     }
     let key = format!("{:08x}", murmur3(layer.as_bytes()));

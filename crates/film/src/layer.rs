@@ -1,6 +1,6 @@
 //! From the sums on a film to a picture with layers.
 
-use crate::{Film, FirstHit, cryptomatte};
+use crate::{Film, FirstHit, cryptomatte, plane::push};
 use std::collections::BTreeMap;
 use steradian_image::Image;
 
@@ -213,10 +213,4 @@ fn light_groups(image: &mut Image, names: &[String], film: &Film) {
 /// A number as `f32`, held at the ends of its range: the squares of large radiances are beyond it.
 fn held(v: f64) -> f32 {
     v.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
-}
-
-/// Layers have distinct names and the length of the picture, so this adds them.
-pub(crate) fn push(image: &mut Image, name: &str, data: Vec<f32>) {
-    let added = image.push(name, data);
-    debug_assert!(added.is_ok(), "{name}: {added:?}");
 }

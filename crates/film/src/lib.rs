@@ -13,6 +13,7 @@ mod layer;
 mod matte;
 mod pass;
 mod pixel;
+mod plane;
 mod spec;
 
 pub use film::Film;

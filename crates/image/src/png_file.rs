@@ -4,8 +4,7 @@
 //! applied; it is reported as metadata `gamma` (the file's exponent, e.g. 0.45455) for callers that want it.
 
 use crate::limits::{METADATA_BYTES, METADATA_INFLATED, MOST_DEFLATED, check_metadata, with_room, within, zeros};
-use crate::read::TakeBand;
-use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TexelData, Texels, Value, atomic::io};
+use crate::{Encoding, Error, FileKind, Limits, Metadata, Result, TakeBand, TexelData, Texels, Value, atomic::io};
 use png::{BitDepth, ColorType, Transformations};
 use std::io::{Cursor, Write};
 

@@ -1,7 +1,7 @@
 //! Which format a file has, and reading it.
 
 use crate::limits::{PIXELS, with_room, within};
-use crate::{Error, Image, Limits, Result, Texels, open_regular};
+use crate::{Error, Image, Limits, Result, TakeBand, Texels, open_regular};
 use std::io::Read;
 use std::path::Path;
 
@@ -139,9 +139,6 @@ pub fn read_texels(path: &Path, limits: &Limits) -> Result<Texels> {
 pub fn read_texels_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> Result<Texels> {
     decode(FileKind::of(bytes, name)?, bytes, limits)
 }
-
-/// Takes a band: the row it begins with and the height of the picture, and its texels.
-pub type TakeBand<'a, E> = &'a mut dyn FnMut((usize, usize), &mut Texels) -> std::result::Result<(), E>;
 
 /// As [`read_texels`], band by band: `take` gets a band of at most `height` rows with the row it begins with, from the top,
 /// and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one band, which is the picture.

@@ -63,6 +63,9 @@ pub struct Texels {
     pub metadata: Metadata,
 }
 
+/// Takes a band: the row it begins with and the height of the picture, and its texels.
+pub type TakeBand<'a, E> = &'a mut dyn FnMut((usize, usize), &mut Texels) -> std::result::Result<(), E>;
+
 impl Texels {
     pub(crate) fn new(width: usize, height: usize, channels: usize, data: TexelData, encoding: Encoding) -> Self {
         debug_assert_eq!(data.len(), width * height * channels);

@@ -13,6 +13,7 @@ pub mod experiment;
 pub mod fit;
 pub mod gloss;
 pub mod goniometer;
+mod laboratory;
 pub mod least_squares;
 pub mod microsurface;
 pub mod optics;

@@ -3,7 +3,7 @@
 //! With `p = (m + 1)/(2π) cosᵐθ` one estimate is `2π/(m + 1) cosⁿ⁻ᵐθ`, its mean `2π/(n + 1)`, and its second moment
 //! `4π²/((m + 1)(2n − m + 1))`, so the variance is known for `m < 2n + 1`, zero at `m = n`, and infinite from there on.
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use crate::optics::unit;
 use std::f64::consts::PI;
 use steradian_math::hash::HashRng;

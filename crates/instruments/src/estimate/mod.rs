@@ -6,7 +6,7 @@ mod quadrature;
 mod samplers;
 mod solid_angle;
 
-use crate::experiment::Experiment;
+use crate::laboratory::Experiment;
 
 /// The experiments.
 pub const EXPERIMENTS: &[Experiment] = &[

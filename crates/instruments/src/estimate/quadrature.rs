@@ -3,7 +3,7 @@
 //! random values errs as `N^(−1/2)` in any dimension, and by chance.
 
 use super::log_slope;
-use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use crate::optics::unit;
 use steradian_math::hash::HashRng;
 

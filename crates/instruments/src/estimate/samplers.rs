@@ -2,7 +2,7 @@
 //! samples, and its slope.
 
 use super::log_slope;
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use steradian_core::sampler::{SAMPLERS, Sampler};
 
 pub const EXPERIMENT: Experiment = Experiment {

@@ -1,7 +1,7 @@
 //! Areas on the sphere: caps `2π (1 − cos α)`, lunes `2α`, triangles (Girard: the sum of the angles less π) and
 //! rectangles seen from a point, each by its closed form and by counting random directions.
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use crate::optics::unit;
 use glam::DVec3;
 use std::f64::consts::PI;

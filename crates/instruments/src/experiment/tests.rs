@@ -1,6 +1,7 @@
 //! Laws of all experiments.
 
 use super::*;
+use rayon::prelude::*;
 
 fn strings(given: &[(&str, &str)]) -> Vec<(String, String)> {
     given.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect()

@@ -4,7 +4,7 @@
 //! *Principles of Optics*, §8.5.2).
 
 use super::bessel::bessel_j;
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, monochromatic,
 };
 use std::f64::consts::PI;

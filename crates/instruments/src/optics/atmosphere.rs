@@ -4,7 +4,7 @@
 //! Travis 1974, eq. 2.30). Air thins exponentially with a scale height of 8.43 km around a globe of 6371 km; sunlight
 //! is attenuated on its way in and out and scattered once with Rayleigh's phase function `3/(16π) (1 + cos²θ)`.
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

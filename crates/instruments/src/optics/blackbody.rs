@@ -1,7 +1,7 @@
 //! Thermal light: Planck's law, with Wien's and Stefan and Boltzmann's laws found again from it by search and
 //! quadrature, and its colour.
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use std::f64::consts::PI;

@@ -3,7 +3,7 @@
 //! (`D⁵` for each wavelength). A black body keeps Planck's spectrum at `D` times its temperature (Rybicki, Lightman,
 //! *Radiative Processes in Astrophysics*, §4.8 and §4.9).
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

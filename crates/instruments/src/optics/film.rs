@@ -1,7 +1,7 @@
 //! A thin film between two media: Airy's sum `r = (r₁₂ + r₂₃ e^{2iβ})/(1 + r₁₂ r₂₃ e^{2iβ})`, `β = 2π n₂ d cos θ₂/λ`,
 //! for both polarisations (Born, Wolf, *Principles of Optics*, §1.6.4).
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! A diffraction grating: its orders, `d (sin θ_m − sin θ_i) = m λ`, and its resolving power `λ/Δλ = m N`
 //! (Born, Wolf, *Principles of Optics*, §8.6.1).
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

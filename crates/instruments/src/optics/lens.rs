@@ -5,7 +5,7 @@
 //! `1/f ∝ n − 1`, so the focal lengths for two lines differ by `f/V`.
 
 use super::refractive_index::{MEDIA, at_lines, index};
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "lens",

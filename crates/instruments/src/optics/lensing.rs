@@ -3,7 +3,7 @@
 //! `θ_E = √(4GM/c² · D_LS/(D_L D_S))`. A source at the angle β has two images, `θ = (β ± √(β² + 4θ_E²))/2` (Schneider,
 //! Ehlers, Falco, *Gravitational Lenses*, §2.1).
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::spectra::blackbody::SPEED_OF_LIGHT;
 
 pub const EXPERIMENT: Experiment = Experiment {

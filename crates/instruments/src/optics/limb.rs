@@ -5,7 +5,7 @@
 //! from behind the observer falls off as `μ`, but dust as on the full moon (Lommel and Seeliger, `μ₀/(μ₀ + μ)` with
 //! `μ₀ = μ`) is flat.
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "limb",

@@ -4,7 +4,7 @@
 //! Hydrogen's lines follow Rydberg's formula `1/λ = R (1/2² − 1/n²)`, corrected for the index of air; the others are
 //! strong lines of NIST's Atomic Spectra Database (air wavelengths, relative intensities).
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

@@ -2,7 +2,7 @@
 //! to the light at `d = 0` (Born, Wolf, *Principles of Optics*, §7.5.8). Fringes repeat every half wavelength and fade
 //! over the coherence length `λ²/Δλ`.
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

@@ -3,7 +3,7 @@
 //! `a_n`, `b_n` from Riccati–Bessel functions; the logarithmic derivative of ψ inside by downward recurrence (Bohren,
 //! Huffman, *Absorption and Scattering of Light by Small Particles*, eqs. 4.56, 4.57, 4.61, 4.62, 4.74 and 4.89).
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 

@@ -4,7 +4,7 @@
 //! method. Where the index depends on the height alone, `n cos α` (α the angle above the horizontal) is kept; in a
 //! linear gradient level rays are arcs of the radius `n/|∇n|`.
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use glam::DVec2;
 
 pub const EXPERIMENT: Experiment = Experiment {

@@ -26,7 +26,7 @@ mod slits;
 
 pub(crate) use poisson::unit;
 
-use crate::experiment::Experiment;
+use crate::laboratory::Experiment;
 
 /// The experiments.
 pub const EXPERIMENTS: &[Experiment] = &[

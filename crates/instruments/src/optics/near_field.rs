@@ -5,7 +5,7 @@
 //! §3.10). Two fast Fourier transforms do it. The window is periodic, so its edge is twice as wide as what is shown,
 //! and the phase is cut where it would alias (Matsushima, Shimobaba 2009, eq. 13).
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, monochromatic,
 };
 use rustfft::{FftPlanner, num_complex::Complex};

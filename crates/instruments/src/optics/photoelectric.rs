@@ -3,7 +3,7 @@
 //! slope. Work functions: Michaelson, *J. Appl. Phys.* 48 (1977), polycrystalline.
 
 use super::photons::normal;
-use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use steradian_math::{
     hash::HashRng,
     spectra::blackbody::{PLANCK, SPEED_OF_LIGHT},

@@ -3,7 +3,7 @@
 //! converter (Janesick, *Photon Transfer*, 2007).
 
 use super::poisson::{ln_factorial, poisson, unit};
-use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::{
     hash::HashRng,
     spectra::blackbody::{PLANCK, SPEED_OF_LIGHT},

@@ -2,7 +2,7 @@
 //! incidence, Brewster's angle `tan θ_B = n₂/n₁`, the degree of polarisation of what is reflected, and Malus's law
 //! `I = I₀ cos² α` behind two polarisers (Born, Wolf, *Principles of Optics*, §1.5).
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use steradian_math::minimum::golden_section;
 
 pub const EXPERIMENT: Experiment = Experiment {
@@ -58,7 +58,7 @@ fn run(values: &Values) -> Result<Report, Error> {
         .with(Series::line("s", curve(&|t| at(t).0)))
         .with(Series::line("p", curve(&|t| at(t).1)))
         .with(Series::line("unpolarised", curve(&|t| 0.5 * (at(t).0 + at(t).1))))
-        .with(Series::line("degree of polarisation", curve(&degree)).drawn(crate::experiment::Marker::Dashed)),
+        .with(Series::line("degree of polarisation", curve(&degree)).drawn(crate::laboratory::Marker::Dashed)),
     );
     Ok(report)
 }

@@ -2,7 +2,7 @@
 //! deviation, where `n = sin((A + δ)/2) / sin(A/2)` (Born, Wolf, *Principles of Optics*, §4.7.2).
 
 use super::refractive_index::{MEDIA, index};
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

@@ -3,7 +3,7 @@
 //! `I(θ)/I(0) = (sin β / β)² (sin Nγ / (N sin γ))²` with `β = π a sin θ / λ`, `γ = π d sin θ / λ` for `N` slits of
 //! width `a` at the spacing `d` (Born, Wolf, *Principles of Optics*, §8.5.2 and §8.6.1).
 
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values, monochromatic,
     rgb_from_xyz_in_gamut,
 };

@@ -2,7 +2,7 @@
 //! 15:2004, §8.1), with the spectral locus, the black bodies, gamuts of RGB spaces, and MacAdam's ellipses.
 
 use super::macadam::{ELLIPSES, outline};
-use crate::experiment::{
+use crate::laboratory::{
     Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
 };
 use glam::DVec3;

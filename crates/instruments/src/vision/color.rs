@@ -1,6 +1,6 @@
 //! A colour in every model, and how different two colours look.
 
-use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
+use crate::laboratory::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::DVec3;
 use steradian_math::color::{
     difference::{delta_e_94, delta_e_2000},

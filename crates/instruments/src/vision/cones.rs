@@ -4,7 +4,7 @@
 //! achromatic channel `A`, red against green `L − M`, blue against yellow `S − (L + M)/2`, all zero in colour for
 //! greys.
 
-use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
+use crate::laboratory::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::{DMat3, DVec3};
 use steradian_math::color::space::REC709;
 

@@ -2,7 +2,7 @@
 //! Sakrison 1974, eq. 5.3), and the chart of Campbell and Robson, whose frequency grows to the right and whose contrast
 //! falls upwards: where its stripes vanish is one's own curve.
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 use std::f64::consts::TAU;
 
 pub const EXPERIMENT: Experiment = Experiment {

@@ -8,7 +8,7 @@
 //! severities between are theirs; for the other two they are mixed linearly.
 
 use super::{cones::lms_from_rgb, machado};
-use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
+use crate::laboratory::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::DVec3;
 use steradian_math::{color::space::REC709, spectra::cie};
 

@@ -2,7 +2,7 @@
 //! `|sin(π f T)/(π f T)|` of its contrast; the eye fuses what is above a frequency that grows with the logarithm of the
 //! light (Ferry 1892, Porter 1902).
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
 use std::f64::consts::{PI, TAU};
 
 pub const EXPERIMENT: Experiment = Experiment {

@@ -4,7 +4,7 @@
 //! 2009 for the eye). The pattern scales with the wavelength: it is computed once and resampled for each of twelve
 //! wavelengths, which colours its streaks. It sums to one, so a picture keeps its light up to what leaves the frame.
 
-use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values, rgb_from_xyz_in_gamut};
+use crate::laboratory::{Error, Experiment, Parameter, Picture, Report, Run, Values, rgb_from_xyz_in_gamut};
 use glam::DVec3;
 use rustfft::{Fft, FftPlanner, num_complex::Complex};
 use std::{f64::consts::TAU, sync::Arc};

@@ -2,7 +2,7 @@
 //! simultaneous contrast, Chevreul's steps.
 
 use super::receptive_field::Plane;
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "illusion",

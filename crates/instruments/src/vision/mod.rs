@@ -13,7 +13,7 @@ mod machado;
 mod night;
 mod receptive_field;
 
-use crate::experiment::Experiment;
+use crate::laboratory::Experiment;
 
 /// The experiments.
 pub const EXPERIMENTS: &[Experiment] = &[

@@ -4,7 +4,7 @@
 //! bluish grey of `(x, y) = (0.25, 0.25)` in its place (Jensen et al. 2000), mixed by how far light has fallen from
 //! 10^0.6 to 0.01 cd/m² (Ferwerda et al. 1996 give these ends of mesopic vision).
 
-use crate::experiment::{Error, Experiment, Parameter, Picture, Report, Run, Values};
+use crate::laboratory::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::DVec3;
 use steradian_math::color::{space::REC709, xyz::xyz_from_xyy};
 

@@ -4,7 +4,7 @@
 //! Kernels sum to zero, so even areas give no response; edges give the over- and undershoot that is seen as Mach bands.
 //! Beyond its edges a picture goes on as its last pixels.
 
-use crate::experiment::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
+use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::color;
 
 pub const EXPERIMENT: Experiment = Experiment {
