@@ -1,5 +1,6 @@
 //! Scene and mesh files ⇄ [`steradian_scene::SceneDesc`], with located diagnostics.
 
+mod beside;
 pub mod files;
 pub mod gltf;
 mod limits;

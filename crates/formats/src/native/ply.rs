@@ -1,9 +1,6 @@
 //! Meshes as binary PLY files.
 
-use crate::{
-    mesh::ply::{self, PlyOptions},
-    write::surface,
-};
+use crate::mesh::ply::{self, PlyOptions};
 use steradian_scene::Mesh;
 
 /// The file, if reading it gives the very mesh back: without tangents and attributes.
@@ -11,7 +8,7 @@ pub(super) fn exact(mesh: &Mesh) -> Option<Vec<u8>> {
     if !mesh.tangents.is_empty() || !mesh.attributes.is_empty() {
         return None;
     }
-    let bytes = surface::ply(mesh);
+    let bytes = ply::encode(mesh);
     let read = ply::read(&bytes, &PlyOptions { keep_quads: true }).ok()?;
     (read.mesh == *mesh).then_some(bytes)
 }

@@ -5,7 +5,7 @@ use super::{
     read::{CONVENTIONS, FAMILIES},
     value,
 };
-use crate::write::Beside;
+use crate::beside::Beside;
 use std::{
     collections::{HashMap, HashSet},
     fmt::Write,

@@ -1,7 +1,8 @@
 //! What all writers share: values of nodes as formats can hold them, light in absolute numbers, names, and the report
 //! of losses.
 
-use super::{Beside, colour::Colour};
+use super::colour::Colour;
+use crate::beside::Beside;
 use std::{
     collections::{BTreeMap, HashSet},
     f64::consts::PI,

@@ -3,7 +3,6 @@
 //! A writer says exactly what the description says, approximates it, or leaves it out, and reports the last two by name
 //! in [`Written::diagnostics`]. Meshes and pictures that the format cannot hold become files beside the document.
 
-mod beside;
 mod coat;
 mod colour;
 mod exchange;
@@ -13,9 +12,7 @@ mod mitsuba;
 mod pbrt;
 mod picture;
 mod solid;
-pub(crate) mod surface;
-
-pub(crate) use beside::Beside;
+mod surface;
 
 use crate::native;
 use std::path::{Path, PathBuf};

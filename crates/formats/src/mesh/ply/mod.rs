@@ -1,10 +1,13 @@
 //! PLY, the polygon file format (Turk 1994): text and binary of either byte order.
 
 mod cursor;
+mod encode;
 mod faces;
 mod header;
 mod layout;
 mod vertices;
+
+pub(crate) use encode::encode;
 
 use super::{MeshError, MeshErrorKind as Kind};
 use cursor::Cursor;

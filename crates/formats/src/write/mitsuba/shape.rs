@@ -2,6 +2,7 @@
 
 use super::{Element, Role, Writer, matrix, triple};
 use crate::{
+    mesh::ply,
     mitsuba::solids,
     write::{
         exchange::Source,
@@ -187,7 +188,7 @@ impl Writer<'_> {
         let file = match self.meshes.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let name = self.x.beside.add("meshes", "mesh.ply", surface::ply(&oriented));
+                let name = self.x.beside.add("meshes", "mesh.ply", ply::encode(&oriented));
                 self.meshes.insert(key, name.clone());
                 name
             }

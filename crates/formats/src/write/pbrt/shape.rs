@@ -1,10 +1,12 @@
 //! Shapes with what is attached to them.
 
 use super::{Directive, Writer};
-use crate::write::{
-    exchange::Source,
-    solid::{self, Quadric},
-    surface,
+use crate::{
+    mesh::ply,
+    write::{
+        exchange::Source,
+        solid::{self, Quadric},
+    },
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Mesh, Node, NodeId, Shape, Value};
@@ -165,7 +167,7 @@ impl Writer<'_> {
         let file = match self.meshes.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let name = self.x.beside.add("meshes", "mesh.ply", surface::ply(&mesh));
+                let name = self.x.beside.add("meshes", "mesh.ply", ply::encode(&mesh));
                 self.meshes.insert(key, name.clone());
                 name
             }
