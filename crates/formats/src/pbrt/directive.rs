@@ -88,26 +88,9 @@ impl Reader<'_> {
                 Ok(())
             }
             "Texture" => self.texture(),
-            "LightSource" => {
-                let dict = self.dict(Some(Target::Light))?;
-                self.warn_if_animated(dict.span);
-                let (ctm, medium) = (self.state.transform(), self.state.exterior.as_ref());
-                self.scene.add_light(&dict, ctm, medium);
-                Ok(())
-            }
-            "AreaLightSource" => {
-                let dict = self.dict(Some(Target::Light))?;
-                // An empty name ends the emission of what follows.
-                self.state.area_light = if dict.kind.is_empty() { None } else { light::area(&mut self.scene, &dict) };
-                Ok(())
-            }
-            "MakeNamedMedium" => {
-                let dict = self.dict(Some(Target::Medium))?;
-                self.warn_if_animated(dict.span);
-                let (name, span) = (dict.kind.clone(), dict.span);
-                self.scene.add_medium(&name, &dict, self.state.transform(), span);
-                Ok(())
-            }
+            "LightSource" => self.light_source(),
+            "AreaLightSource" => self.area_light_source(),
+            "MakeNamedMedium" => self.make_named_medium(),
             "MediumInterface" => self.medium_interface(),
             "ReverseOrientation" => {
                 self.state.reverse_orientation ^= true;
@@ -122,25 +105,9 @@ impl Reader<'_> {
             "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform"
             | "CoordinateSystem" | "CoordSysTransform" => self.transform(&word, span),
             "ActiveTransform" => self.active_transform(),
-            "TransformTimes" => {
-                self.scene.transform_times = self.numbers::<2>()?;
-                if self.scene.transform_times[0] >= self.scene.transform_times[1] {
-                    return self.refuse(span, "the end of the motion is not after its beginning");
-                }
-                Ok(())
-            }
+            "TransformTimes" => self.transform_times(span),
             "Attribute" => self.attribute(),
-            "ColorSpace" => {
-                let (name, span) = self.quoted()?;
-                match state::color_space(&name) {
-                    Some(space) => self.state.space = space,
-                    None => {
-                        let help = names::did_you_mean(&name, state::COLOR_SPACES.iter().map(|c| c.0));
-                        self.scene.report.error_help(span, format!("unknown colour space '{name}'"), help);
-                    }
-                }
-                Ok(())
-            }
+            "ColorSpace" => self.color_space(),
             "Option" => self.option(),
             "Include" => self.include(false),
             "Import" => self.include(true),
@@ -152,47 +119,98 @@ impl Reader<'_> {
                 self.scene.report.note(span, "WorldEnd is of pbrt-v3 and has no effect");
                 Ok(())
             }
-            "Camera" => {
-                let dict = self.dict(None)?;
-                if let Some(inverse) = self.state.ctm[0].inverse() {
-                    let end = self.state.ctm[1].inverse().unwrap_or(inverse);
-                    self.coordinate_systems.insert("camera".into(), [inverse, end]);
-                }
-                self.warn_if_replaced("Camera", self.globals.camera.is_some(), span);
-                self.globals.camera = Some((dict, self.state.clone()));
-                Ok(())
-            }
-            "Film" | "PixelFilter" | "Sampler" | "Integrator" | "Accelerator" => {
-                let dict = self.dict(None)?;
-                let g = &mut self.globals;
-                let slot = match word.as_str() {
-                    "Film" => &mut g.film,
-                    "PixelFilter" => &mut g.filter,
-                    "Sampler" => &mut g.sampler,
-                    "Integrator" => &mut g.integrator,
-                    _ => &mut g.accelerator,
-                };
-                let replaced = slot.replace(dict).is_some();
-                self.warn_if_replaced(&word, replaced, span);
-                Ok(())
-            }
-            _ => {
-                let found = self.lexer().excerpt(token);
-                let known = BEFORE_WORLD.iter().chain(&IN_WORLD).chain(&ANYWHERE).copied();
-                let (message, help) = match token.kind {
-                    Kind::Word if found.starts_with(|c: char| c.is_ascii_alphabetic()) => {
-                        (format!("unknown directive '{found}'"), names::did_you_mean(&found, known))
-                    }
-                    _ => (format!("expected a directive, found '{found}'"), None),
-                };
-                // What follows is not wrong because of a slip here.
-                if !self.in_world && help.as_deref().is_some_and(|h| h.contains("'WorldBegin'")) {
-                    self.begin_world();
-                }
-                self.scene.report.error_help(span, message, help);
-                Err(Given)
+            "Camera" => self.camera(span),
+            "Film" | "PixelFilter" | "Sampler" | "Integrator" | "Accelerator" => self.global(&word, span),
+            _ => self.unknown(token, span),
+        }
+    }
+
+    fn light_source(&mut self) -> Done {
+        let dict = self.dict(Some(Target::Light))?;
+        self.warn_if_animated(dict.span);
+        let (ctm, medium) = (self.state.transform(), self.state.exterior.as_ref());
+        self.scene.add_light(&dict, ctm, medium);
+        Ok(())
+    }
+
+    fn area_light_source(&mut self) -> Done {
+        let dict = self.dict(Some(Target::Light))?;
+        // An empty name ends the emission of what follows.
+        self.state.area_light = if dict.kind.is_empty() { None } else { light::area(&mut self.scene, &dict) };
+        Ok(())
+    }
+
+    fn make_named_medium(&mut self) -> Done {
+        let dict = self.dict(Some(Target::Medium))?;
+        self.warn_if_animated(dict.span);
+        let (name, span) = (dict.kind.clone(), dict.span);
+        self.scene.add_medium(&name, &dict, self.state.transform(), span);
+        Ok(())
+    }
+
+    fn transform_times(&mut self, span: Span) -> Done {
+        self.scene.transform_times = self.numbers::<2>()?;
+        if self.scene.transform_times[0] >= self.scene.transform_times[1] {
+            return self.refuse(span, "the end of the motion is not after its beginning");
+        }
+        Ok(())
+    }
+
+    fn color_space(&mut self) -> Done {
+        let (name, span) = self.quoted()?;
+        match state::color_space(&name) {
+            Some(space) => self.state.space = space,
+            None => {
+                let help = names::did_you_mean(&name, state::COLOR_SPACES.iter().map(|c| c.0));
+                self.scene.report.error_help(span, format!("unknown colour space '{name}'"), help);
             }
         }
+        Ok(())
+    }
+
+    fn camera(&mut self, span: Span) -> Done {
+        let dict = self.dict(None)?;
+        if let Some(inverse) = self.state.ctm[0].inverse() {
+            let end = self.state.ctm[1].inverse().unwrap_or(inverse);
+            self.coordinate_systems.insert("camera".into(), [inverse, end]);
+        }
+        self.warn_if_replaced("Camera", self.globals.camera.is_some(), span);
+        self.globals.camera = Some((dict, self.state.clone()));
+        Ok(())
+    }
+
+    /// A setting of which the scene has one, other than the camera.
+    fn global(&mut self, word: &str, span: Span) -> Done {
+        let dict = self.dict(None)?;
+        let g = &mut self.globals;
+        let slot = match word {
+            "Film" => &mut g.film,
+            "PixelFilter" => &mut g.filter,
+            "Sampler" => &mut g.sampler,
+            "Integrator" => &mut g.integrator,
+            _ => &mut g.accelerator,
+        };
+        let replaced = slot.replace(dict).is_some();
+        self.warn_if_replaced(word, replaced, span);
+        Ok(())
+    }
+
+    /// Reports what is no directive.
+    fn unknown(&mut self, token: Token, span: Span) -> Done {
+        let found = self.lexer().excerpt(token);
+        let known = BEFORE_WORLD.iter().chain(&IN_WORLD).chain(&ANYWHERE).copied();
+        let (message, help) = match token.kind {
+            Kind::Word if found.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+                (format!("unknown directive '{found}'"), names::did_you_mean(&found, known))
+            }
+            _ => (format!("expected a directive, found '{found}'"), None),
+        };
+        // What follows is not wrong because of a slip here.
+        if !self.in_world && help.as_deref().is_some_and(|h| h.contains("'WorldBegin'")) {
+            self.begin_world();
+        }
+        self.scene.report.error_help(span, message, help);
+        Err(Given)
     }
 
     fn begin_world(&mut self) {

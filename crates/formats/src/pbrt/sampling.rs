@@ -5,6 +5,20 @@ use steradian_scene::{Family, NodeId, names};
 
 const SAMPLERS: [&str; 7] = ["zsobol", "sobol", "paddedsobol", "halton", "pmj02bn", "independent", "stratified"];
 
+const INTEGRATORS: [&str; 11] = [
+    "path",
+    "volpath",
+    "simplepath",
+    "simplevolpath",
+    "randomwalk",
+    "lightpath",
+    "bdpt",
+    "mlt",
+    "sppm",
+    "ambientocclusion",
+    "function",
+];
+
 /// Translates the sampler; `seed` is that of `Option "seed"`.
 pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Option<NodeId> {
     let given = dict.kind.as_str();
@@ -47,10 +61,12 @@ pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Opti
     Some(b.finish())
 }
 
-/// Translates the integrator.
-pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
-    let given = dict.kind.as_str();
-    let (kind, others): (&str, &[(&'static str, Type)]) = match given {
+/// Parameters of an integrator that have no place in Steradian's.
+type Others = &'static [(&'static str, Type)];
+
+/// Steradian's kind for an integrator.
+fn kind_of(given: &str) -> Option<(&'static str, Others)> {
+    let found: (&str, Others) = match given {
         "path" => ("path", &[("lightsampler", Type::String)]),
         "volpath" => ("volpath", &[("lightsampler", Type::String)]),
         "simplepath" => ("path", &[("samplelights", Type::Bool), ("samplebsdf", Type::Bool)]),
@@ -70,27 +86,26 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
                 ("imagefilename", Type::String),
             ],
         ),
-        _ => {
-            const KINDS: [&str; 11] = [
-                "path",
-                "volpath",
-                "simplepath",
-                "simplevolpath",
-                "randomwalk",
-                "lightpath",
-                "bdpt",
-                "mlt",
-                "sppm",
-                "ambientocclusion",
-                "function",
-            ];
-            let help = match given {
-                "directlighting" | "whitted" => Some(format!("'{given}' is of pbrt-v3; pbrt-v4 has 'path'")),
-                _ => names::did_you_mean(given, KINDS),
-            };
-            scene.report.error_help(dict.span, format!("unknown integrator '{given}'"), help);
-            return None;
-        }
+        _ => return None,
+    };
+    Some(found)
+}
+
+fn unknown_integrator(scene: &mut Scene, dict: &Dict) {
+    let given = dict.kind.as_str();
+    let help = match given {
+        "directlighting" | "whitted" => Some(format!("'{given}' is of pbrt-v3; pbrt-v4 has 'path'")),
+        _ => names::did_you_mean(given, INTEGRATORS),
+    };
+    scene.report.error_help(dict.span, format!("unknown integrator '{given}'"), help);
+}
+
+/// Translates the integrator.
+pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
+    let given = dict.kind.as_str();
+    let Some((kind, others)) = kind_of(given) else {
+        unknown_integrator(scene, dict);
+        return None;
     };
     // All others are there, or estimate the same light as a path tracer, by simpler means.
     let same_light = !matches!(given, "randomwalk" | "function");
@@ -102,6 +117,17 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
     if b.node.int("max_depth").is_some_and(|n| n < 0) {
         b.error("maxdepth", "parameter 'maxdepth' must not be below 0");
     }
+    settings(&mut b, kind);
+    without_effect(&mut b, others, same_light);
+    if b.dict.bool(&mut b.scene.report, "regularize") == Some(true) {
+        let span = b.dict.span_of("regularize");
+        b.scene.report.approximated(span, "paths are not regularized");
+    }
+    Some(b.finish())
+}
+
+/// Translates the parameters that a kind of integrator has of its own.
+fn settings(b: &mut Build, kind: &str) {
     match kind {
         "sppm" => {
             b.int("photonsperiteration", "photons", 0);
@@ -124,11 +150,16 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
         "ao" => {
             b.positive("maxdistance", "distance", None);
             let what = "occlusion counts directions about the shading normal; pbrt takes the geometric one";
-            b.scene.report.note(dict.span, what);
+            b.scene.report.note(b.dict.span, what);
         }
         _ => {}
     }
-    for &(name, ty) in others {
+}
+
+/// Takes the parameters that Steradian does not have, and says what comes of it.
+fn without_effect(b: &mut Build, names: Others, same_light: bool) {
+    let given = b.dict.kind.as_str();
+    for &(name, ty) in names {
         if same_light && b.dict.has(name, &[ty]) {
             let message = format!("'{name}' of integrator '{given}' has no effect: it changes the noise only");
             let span = b.dict.span_of(name);
@@ -145,11 +176,6 @@ pub(super) fn integrator(scene: &mut Scene, dict: &Dict) -> Option<NodeId> {
         }
         b.dict.find(&mut b.scene.report, name, &[ty]);
     }
-    if b.dict.bool(&mut b.scene.report, "regularize") == Some(true) {
-        let span = b.dict.span_of("regularize");
-        b.scene.report.approximated(span, "paths are not regularized");
-    }
-    Some(b.finish())
 }
 
 /// Any accelerator gives the same picture, so its parameters are taken as read.

@@ -4,6 +4,61 @@ use super::{Element, Writer, matrix};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node, NodeId, Value};
 
+/// Where the picture lies before a camera.
+struct Frame {
+    /// Width by height.
+    aspect: f64,
+    /// Half the picture's width and height, the shorter one being one.
+    unit: [f64; 2],
+    /// The principal point, as parts of the picture from its middle.
+    principal: [f64; 2],
+    /// The window on the screen: its ends along x and y.
+    window: Option<[f64; 4]>,
+    /// The lens's radius, zero for a pinhole.
+    lens: f64,
+}
+
+/// A perspective sensor without its place.
+fn perspective(node: &Node, frame: &Frame) -> Element {
+    let Frame { aspect, unit, principal, window, lens } = *frame;
+    let mut out = Element::plugin("sensor", if lens > 0.0 { "thinlens" } else { "perspective" });
+    let fov = node.float("fov").unwrap_or(90.0);
+    let axis = node.string("fov_axis").unwrap_or("smaller");
+    let mut offset = principal;
+    match window {
+        None => {
+            out.float("fov", fov);
+            out.string("fov_axis", axis);
+        }
+        Some([x0, x1, y0, y1]) => {
+            // The window is in units of the shorter half axis.
+            let t = (0.5 * fov.to_radians()).tan();
+            let half_x = match axis {
+                "x" => t,
+                "y" => t * aspect,
+                "larger" => t * unit[0] / unit[0].max(unit[1]),
+                "diagonal" => t * aspect / aspect.hypot(1.0),
+                _ => t * unit[0],
+            };
+            let half = half_x / unit[0] * 0.5 * (x1 - x0);
+            out.float("fov", 2.0 * half.atan().to_degrees());
+            out.string("fov_axis", "x");
+            offset[0] -= 0.5 * (x0 + x1) / (x1 - x0);
+            offset[1] += 0.5 * (y0 + y1) / (y1 - y0);
+        }
+    }
+    for (name, v) in [("principal_point_offset_x", -offset[0]), ("principal_point_offset_y", -offset[1])] {
+        if v != 0.0 {
+            out.float(name, v);
+        }
+    }
+    if lens > 0.0 {
+        out.float("aperture_radius", lens);
+        out.float("focus_distance", node.float("focal_distance").unwrap_or(1e6));
+    }
+    out
+}
+
 impl Writer<'_> {
     fn size(&self) -> [i64; 2] {
         let film = self.x.desc.film.map(|f| self.x.node(f));
@@ -14,81 +69,15 @@ impl Writer<'_> {
     /// A sensor with everything that Mitsuba puts into it.
     pub(super) fn camera(&mut self, id: NodeId) -> Option<Element> {
         let node = self.x.node(id);
-        let [width, height] = self.size();
-        let aspect = width as f64 / height as f64;
-        if node.float("frame_aspect").is_some_and(|a| (a / aspect - 1.0).abs() > 1e-3) {
-            self.x.approximated(node, "pixels are square in Mitsuba; 'frame_aspect' is left out");
-        }
-        let unit = if aspect >= 1.0 { [aspect, 1.0] } else { [1.0, 1.0 / aspect] };
+        let frame = self.frame(node);
         let mut to_world = match node.get("to_world") {
             Some(Value::Transform(t)) => *t,
             _ => Transform::IDENTITY,
         };
-        let principal = [node.float("principal_x").unwrap_or(0.0), node.float("principal_y").unwrap_or(0.0)];
-        let window = match node.get("screen_window") {
-            Some(Value::Floats(w)) if w.len() == 4 => Some([w[0], w[1], w[2], w[3]]),
-            _ => None,
-        };
-        if let Some([x0, x1, y0, y1]) = window
-            && ((x1 - x0) / (y1 - y0) / aspect - 1.0).abs() > 1e-3
-        {
-            self.x.approximated(node, "pixels are square in Mitsuba; the height of 'screen_window' is left out");
-        }
-        let lens = node.float("lens_radius").unwrap_or(0.0);
         let mut out = match node.kind.as_str() {
-            "perspective" => {
-                let mut out = Element::plugin("sensor", if lens > 0.0 { "thinlens" } else { "perspective" });
-                let fov = node.float("fov").unwrap_or(90.0);
-                let axis = node.string("fov_axis").unwrap_or("smaller");
-                let mut offset = principal;
-                match window {
-                    None => {
-                        out.float("fov", fov);
-                        out.string("fov_axis", axis);
-                    }
-                    Some([x0, x1, y0, y1]) => {
-                        // The window is in units of the shorter half axis.
-                        let t = (0.5 * fov.to_radians()).tan();
-                        let half_x = match axis {
-                            "x" => t,
-                            "y" => t * aspect,
-                            "larger" => t * unit[0] / unit[0].max(unit[1]),
-                            "diagonal" => t * aspect / aspect.hypot(1.0),
-                            _ => t * unit[0],
-                        };
-                        let half = half_x / unit[0] * 0.5 * (x1 - x0);
-                        out.float("fov", 2.0 * half.atan().to_degrees());
-                        out.string("fov_axis", "x");
-                        offset[0] -= 0.5 * (x0 + x1) / (x1 - x0);
-                        offset[1] += 0.5 * (y0 + y1) / (y1 - y0);
-                    }
-                }
-                for (name, v) in [("principal_point_offset_x", -offset[0]), ("principal_point_offset_y", -offset[1])] {
-                    if v != 0.0 {
-                        out.float(name, v);
-                    }
-                }
-                if lens > 0.0 {
-                    out.float("aperture_radius", lens);
-                    out.float("focus_distance", node.float("focal_distance").unwrap_or(1e6));
-                }
-                out
-            }
+            "perspective" => perspective(node, &frame),
             "orthographic" => {
-                if lens > 0.0 {
-                    self.x.without(node, &["lens_radius"]);
-                }
-                let is_one = self.is_one_sided();
-                let half = if is_one { [1.0, 1.0 / aspect] } else { unit };
-                let [x0, x1, y0, y1] = window.unwrap_or([-half[0], half[0], -half[1], half[1]]);
-                let center = DVec3::new(
-                    0.5 * (x0 + x1) - principal[0] * (x1 - x0),
-                    0.5 * (y0 + y1) + principal[1] * (y1 - y0),
-                    0.0,
-                );
-                // Mitsuba sees -1…1 along x.
-                let size = DVec3::new(0.5 * (x1 - x0), 0.5 * (x1 - x0), 1.0);
-                to_world = to_world * Transform::translate(center) * Transform::scale(size);
+                to_world = self.orthographic(node, &frame, to_world);
                 Element::plugin("sensor", "orthographic")
             }
             other => {
@@ -118,6 +107,43 @@ impl Writer<'_> {
         }
         let (film, sampler) = (self.film(), self.sampler());
         Some(out.child(film).child(sampler))
+    }
+
+    /// Where the picture lies before a camera.
+    fn frame(&mut self, node: &Node) -> Frame {
+        let [width, height] = self.size();
+        let aspect = width as f64 / height as f64;
+        if node.float("frame_aspect").is_some_and(|a| (a / aspect - 1.0).abs() > 1e-3) {
+            self.x.approximated(node, "pixels are square in Mitsuba; 'frame_aspect' is left out");
+        }
+        let unit = if aspect >= 1.0 { [aspect, 1.0] } else { [1.0, 1.0 / aspect] };
+        let principal = [node.float("principal_x").unwrap_or(0.0), node.float("principal_y").unwrap_or(0.0)];
+        let window = match node.get("screen_window") {
+            Some(Value::Floats(w)) if w.len() == 4 => Some([w[0], w[1], w[2], w[3]]),
+            _ => None,
+        };
+        if let Some([x0, x1, y0, y1]) = window
+            && ((x1 - x0) / (y1 - y0) / aspect - 1.0).abs() > 1e-3
+        {
+            self.x.approximated(node, "pixels are square in Mitsuba; the height of 'screen_window' is left out");
+        }
+        Frame { aspect, unit, principal, window, lens: node.float("lens_radius").unwrap_or(0.0) }
+    }
+
+    /// The place of an orthographic sensor, which sees the camera's window.
+    fn orthographic(&mut self, node: &Node, frame: &Frame, to_world: Transform) -> Transform {
+        let Frame { aspect, unit, principal, window, lens } = *frame;
+        if lens > 0.0 {
+            self.x.without(node, &["lens_radius"]);
+        }
+        let is_one = self.is_one_sided();
+        let half = if is_one { [1.0, 1.0 / aspect] } else { unit };
+        let [x0, x1, y0, y1] = window.unwrap_or([-half[0], half[0], -half[1], half[1]]);
+        let center =
+            DVec3::new(0.5 * (x0 + x1) - principal[0] * (x1 - x0), 0.5 * (y0 + y1) + principal[1] * (y1 - y0), 0.0);
+        // Mitsuba sees -1…1 along x.
+        let size = DVec3::new(0.5 * (x1 - x0), 0.5 * (x1 - x0), 1.0);
+        to_world * Transform::translate(center) * Transform::scale(size)
     }
 
     fn film(&mut self) -> Element {

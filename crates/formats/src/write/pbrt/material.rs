@@ -151,83 +151,90 @@ impl Writer<'_> {
                 self.floats(out, node, &[("thickness", 0.01), ("g", 0.0)]);
                 self.walk(out, node);
             }
-            "coated_conductor" => {
-                out.string("type", "coatedconductor");
-                self.index(out, node, "interface.eta", 1.5);
-                let names = ["conductor.eta", "conductor.k", "reflectance", "albedo"];
-                let given: Vec<(&str, f64)> =
-                    names.into_iter().filter(|n| node.get(n).is_some()).map(|n| (n, 0.0)).collect();
-                self.spectra(out, node, &given);
-                let rough =
-                    ["interface.uroughness", "interface.vroughness", "conductor.uroughness", "conductor.vroughness"];
-                self.floats(out, node, &rough.map(|n| (n, 0.0)));
-                self.floats(out, node, &[("thickness", 0.01), ("g", 0.0)]);
-                out.bool("remaproughness", node.bool("remap_roughness").unwrap_or(false));
-                self.walk(out, node);
-            }
+            "coated_conductor" => self.coated_conductor(out, node),
             "diffuse_transmission" => {
                 out.string("type", "diffusetransmission");
                 self.spectra(out, node, &[("reflectance", 0.25), ("transmittance", 0.25)]);
             }
-            "hair" => {
-                out.string("type", "hair");
-                for name in ["sigma_a", "reflectance", "color"] {
-                    if node.get(name).is_some() {
-                        self.spectra(out, node, &[(name, 0.0)]);
-                    }
-                }
-                for name in ["eumelanin", "pheomelanin"] {
-                    if node.get(name).is_some() {
-                        self.floats(out, node, &[(name, 0.0)]);
-                    }
-                }
-                self.floats(out, node, &[("eta", 1.55), ("beta_m", 0.3), ("beta_n", 0.3), ("alpha", 2.0)]);
-                if node.bool("round").unwrap_or(false) {
-                    self.x.approximated(node, "hair lies along strips in pbrt, not around tubes");
-                }
-            }
-            "measured" => {
-                let file = node.path("file").unwrap_or(std::path::Path::new("")).to_path_buf();
-                if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("bsdf")) {
-                    out.string("type", "measured");
-                    let file = self.x.beside.path(&file);
-                    out.string("filename", &file);
-                } else {
-                    self.x.approximated(node, format!("pbrt reads no measurements like '{}'", file.display()));
-                    out.string("type", "diffuse");
-                }
-            }
-            "mix" => {
-                out.string("type", "mix");
-                if let Some(Value::Nodes(parts)) = node.get("materials") {
-                    let names: Vec<String> = parts
-                        .iter()
-                        .map(|&part| {
-                            let (inner, mask) = self.unmasked(part);
-                            if mask.is_some() {
-                                self.x.approximated(node, "masks of the parts of a mix are left out");
-                            }
-                            self.material(inner)
-                        })
-                        .collect();
-                    out.strings("materials", &names);
-                }
-                self.floats(out, node, &[("amount", 0.5)]);
-            }
+            "hair" => self.hair(out, node),
+            "measured" => self.measured(out, node),
+            "mix" => self.mix(out, node),
             "interface" => out.string("type", "interface"),
             "principled" | "principledthin" | "metallic_roughness" | "openpbr" => self.layered(out, node),
-            other => {
-                self.x.approximated(
-                    node,
-                    format!("pbrt has no material like '{other}'; a diffuse surface stands for it"),
-                );
-                out.string("type", "diffuse");
-                let names = ["reflectance", "diffuse_reflectance", "base_color", "color"];
-                let name = names.into_iter().find(|n| node.get(n).is_some()).unwrap_or("reflectance");
-                let source = self.x.source_or(node, name, 0.5);
-                self.put_spectrum(out, "reflectance", &source);
+            _ => self.stand_in(out, node),
+        }
+    }
+
+    fn coated_conductor(&mut self, out: &mut Directive, node: &Node) {
+        out.string("type", "coatedconductor");
+        self.index(out, node, "interface.eta", 1.5);
+        let names = ["conductor.eta", "conductor.k", "reflectance", "albedo"];
+        let given: Vec<(&str, f64)> = names.into_iter().filter(|n| node.get(n).is_some()).map(|n| (n, 0.0)).collect();
+        self.spectra(out, node, &given);
+        let rough = ["interface.uroughness", "interface.vroughness", "conductor.uroughness", "conductor.vroughness"];
+        self.floats(out, node, &rough.map(|n| (n, 0.0)));
+        self.floats(out, node, &[("thickness", 0.01), ("g", 0.0)]);
+        out.bool("remaproughness", node.bool("remap_roughness").unwrap_or(false));
+        self.walk(out, node);
+    }
+
+    fn hair(&mut self, out: &mut Directive, node: &Node) {
+        out.string("type", "hair");
+        for name in ["sigma_a", "reflectance", "color"] {
+            if node.get(name).is_some() {
+                self.spectra(out, node, &[(name, 0.0)]);
             }
         }
+        for name in ["eumelanin", "pheomelanin"] {
+            if node.get(name).is_some() {
+                self.floats(out, node, &[(name, 0.0)]);
+            }
+        }
+        self.floats(out, node, &[("eta", 1.55), ("beta_m", 0.3), ("beta_n", 0.3), ("alpha", 2.0)]);
+        if node.bool("round").unwrap_or(false) {
+            self.x.approximated(node, "hair lies along strips in pbrt, not around tubes");
+        }
+    }
+
+    fn measured(&mut self, out: &mut Directive, node: &Node) {
+        let file = node.path("file").unwrap_or(std::path::Path::new("")).to_path_buf();
+        if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("bsdf")) {
+            out.string("type", "measured");
+            let file = self.x.beside.path(&file);
+            out.string("filename", &file);
+        } else {
+            self.x.approximated(node, format!("pbrt reads no measurements like '{}'", file.display()));
+            out.string("type", "diffuse");
+        }
+    }
+
+    fn mix(&mut self, out: &mut Directive, node: &Node) {
+        out.string("type", "mix");
+        if let Some(Value::Nodes(parts)) = node.get("materials") {
+            let names: Vec<String> = parts
+                .iter()
+                .map(|&part| {
+                    let (inner, mask) = self.unmasked(part);
+                    if mask.is_some() {
+                        self.x.approximated(node, "masks of the parts of a mix are left out");
+                    }
+                    self.material(inner)
+                })
+                .collect();
+            out.strings("materials", &names);
+        }
+        self.floats(out, node, &[("amount", 0.5)]);
+    }
+
+    /// A diffuse surface for models that pbrt lacks.
+    fn stand_in(&mut self, out: &mut Directive, node: &Node) {
+        let message = format!("pbrt has no material like '{}'; a diffuse surface stands for it", node.kind);
+        self.x.approximated(node, message);
+        out.string("type", "diffuse");
+        let names = ["reflectance", "diffuse_reflectance", "base_color", "color"];
+        let name = names.into_iter().find(|n| node.get(n).is_some()).unwrap_or("reflectance");
+        let source = self.x.source_or(node, name, 0.5);
+        self.put_spectrum(out, "reflectance", &source);
     }
 
     fn spectra(&mut self, out: &mut Directive, node: &Node, names: &[(&str, f64)]) {
