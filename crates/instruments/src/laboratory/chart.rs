@@ -189,6 +189,39 @@ fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
+/// The colour of the series with the number `k`.
+fn hex(series: &Series, k: usize) -> String {
+    let [r, g, b] = series.color.unwrap_or(COLORS[k % COLORS.len()]);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Draws a series.
+fn curve(svg: &mut String, series: &Series, color: &str, x: &Scale, y: &Scale) {
+    let placed = series.points.iter().map(|p| x.at(p.0).zip(y.at(p.1)));
+    if series.marker == Marker::Dots {
+        for (px, py) in placed.flatten() {
+            let _ = writeln!(svg, "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3\" fill=\"{color}\"/>");
+        }
+        return;
+    }
+    let (mut d, mut pen_is_up) = (String::new(), true);
+    for place in placed {
+        match place {
+            Some((px, py)) => {
+                let _ = write!(d, "{}{px:.1} {py:.1}", if pen_is_up { 'M' } else { 'L' });
+                pen_is_up = false;
+            }
+            None => pen_is_up = true,
+        }
+    }
+    let style = match series.marker {
+        Marker::Area => format!("Z\" fill=\"{color}\" fill-opacity=\"0.25\" stroke=\"{color}"),
+        Marker::Dashed => format!("\" fill=\"none\" stroke-dasharray=\"6 4\" stroke=\"{color}"),
+        _ => format!("\" fill=\"none\" stroke-width=\"1.6\" stroke=\"{color}"),
+    };
+    let _ = writeln!(svg, "<path d=\"{d}{style}\"/>");
+}
+
 impl Chart {
     /// A chart without series.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
@@ -227,6 +260,20 @@ impl Chart {
              <text x=\"{LEFT}\" y=\"22\" font-size=\"15\">{}</text>\n",
             escape(&self.title)
         );
+        self.frame(&mut svg, &x, &y, [w, h]);
+        svg.push_str("<g clip-path=\"url(#plot)\">\n");
+        for (k, series) in self.series.iter().enumerate() {
+            curve(&mut svg, series, &hex(series, k), &x, &y);
+        }
+        svg.push_str("</g>\n");
+        self.legend(&mut svg, right);
+        svg.push_str("</svg>\n");
+        svg
+    }
+
+    /// Lines and numbers at round values, the border, and the names of the axes.
+    fn frame(&self, svg: &mut String, x: &Scale, y: &Scale, [w, h]: [f64; 2]) {
+        let (right, bottom) = (LEFT + w, TOP + h);
         for (v, text) in x.ticks() {
             let Some(p) = x.at(v) else { continue };
             let _ = writeln!(
@@ -255,35 +302,10 @@ impl Chart {
             TOP + h / 2.0,
             escape(&self.y.label)
         );
-        svg.push_str("<g clip-path=\"url(#plot)\">\n");
-        for (k, series) in self.series.iter().enumerate() {
-            let [r, g, b] = series.color.unwrap_or(COLORS[k % COLORS.len()]);
-            let color = format!("#{r:02x}{g:02x}{b:02x}");
-            let placed = series.points.iter().map(|p| x.at(p.0).zip(y.at(p.1)));
-            if series.marker == Marker::Dots {
-                for (px, py) in placed.flatten() {
-                    let _ = writeln!(svg, "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3\" fill=\"{color}\"/>");
-                }
-                continue;
-            }
-            let (mut d, mut pen_is_up) = (String::new(), true);
-            for place in placed {
-                match place {
-                    Some((px, py)) => {
-                        let _ = write!(d, "{}{px:.1} {py:.1}", if pen_is_up { 'M' } else { 'L' });
-                        pen_is_up = false;
-                    }
-                    None => pen_is_up = true,
-                }
-            }
-            let style = match series.marker {
-                Marker::Area => format!("Z\" fill=\"{color}\" fill-opacity=\"0.25\" stroke=\"{color}"),
-                Marker::Dashed => format!("\" fill=\"none\" stroke-dasharray=\"6 4\" stroke=\"{color}"),
-                _ => format!("\" fill=\"none\" stroke-width=\"1.6\" stroke=\"{color}"),
-            };
-            let _ = writeln!(svg, "<path d=\"{d}{style}\"/>");
-        }
-        svg.push_str("</g>\n");
+    }
+
+    /// The names of the series, where there are several, up to the plot's `right` end.
+    fn legend(&self, svg: &mut String, right: f64) {
         let named: Vec<_> = self.series.iter().enumerate().filter(|s| !s.1.name.is_empty()).collect();
         if named.len() > 1 {
             let (letters, rows) =
@@ -295,11 +317,11 @@ impl Chart {
                 "<rect x=\"{x:.1}\" y=\"{y}\" width=\"{width:.1}\" height=\"{height}\" fill=\"white\" fill-opacity=\"0.8\"/>"
             );
             for (row, (k, series)) in named.into_iter().take(16).enumerate() {
-                let [r, g, b] = series.color.unwrap_or(COLORS[k % COLORS.len()]);
+                let color = hex(series, k);
                 let at = TOP + 18.0 + 16.0 * row as f64;
                 let _ = writeln!(
                     svg,
-                    "<path d=\"M{:.1} {:.1}h18\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"3\"/>\
+                    "<path d=\"M{:.1} {:.1}h18\" stroke=\"{color}\" stroke-width=\"3\"/>\
                      <text x=\"{:.1}\" y=\"{at:.1}\" text-anchor=\"end\">{}</text>",
                     right - 26.0,
                     at - 4.0,
@@ -308,8 +330,6 @@ impl Chart {
                 );
             }
         }
-        svg.push_str("</svg>\n");
-        svg
     }
 
     /// As text: a line of `series x y`, separated by tabs, for each point, below a line of headings.
