@@ -39,10 +39,13 @@ fn measured_file() -> &'static str {
     path
 }
 
-/// All cases. Fails if a registered kind has none.
-pub fn cases() -> Vec<Case> {
-    let case = |label, kind, lossless, make| Case { label, kind, make, lossless };
-    let cases = vec![
+fn case(label: &'static str, kind: &'static str, lossless: bool, make: fn(&mut SceneDesc) -> NodeId) -> Case {
+    Case { label, kind, make, lossless }
+}
+
+/// Single surfaces: diffuse, metal and glass.
+fn surfaces() -> Vec<Case> {
+    vec![
         case("diffuse, white", "diffuse", true, |d| d.add(diffuse(1.0))),
         case("diffuse, coloured", "diffuse", false, |d| {
             d.add(material("diffuse").with("reflectance", rgb([0.8, 0.4, 0.1])))
@@ -75,6 +78,12 @@ pub fn cases() -> Vec<Case> {
             d.add(material("dielectric").with("eta", Value::Spectrum(SpectrumValue::Named("glass-SF11".into()))))
         }),
         case("pane", "thin_dielectric", true, |d| d.add(material("thin_dielectric").with("eta", 1.5))),
+    ]
+}
+
+/// Coats, light through thin layers, and materials made of others.
+fn compounds() -> Vec<Case> {
+    vec![
         case("smooth coat", "coated_diffuse", false, |d| {
             d.add(material("coated_diffuse").with("reflectance", white(0.6)))
         }),
@@ -119,6 +128,12 @@ pub fn cases() -> Vec<Case> {
             d.add(material("measured").with("file", Value::Path(measured_file().into())))
         }),
         case("nothing", "interface", true, |d| d.add(material("interface"))),
+    ]
+}
+
+/// Models by the names of their authors and programs, and special effects.
+fn models() -> Vec<Case> {
+    vec![
         // These two lose nothing, but their samples do not all weigh one.
         case("rough white", "oren_nayar", false, |d| {
             d.add(material("oren_nayar").with("reflectance", white(1.0)).with("roughness", 0.8))
@@ -171,7 +186,12 @@ pub fn cases() -> Vec<Case> {
                     .with("film_thickness", 250.0),
             )
         }),
-    ];
+    ]
+}
+
+/// All cases. Fails if a registered kind has none.
+pub fn cases() -> Vec<Case> {
+    let cases: Vec<Case> = [surfaces(), compounds(), models()].into_iter().flatten().collect();
     for kind in MATERIALS.iter().map(|m| m.name) {
         assert!(cases.iter().any(|c| c.kind == kind), "material '{kind}' has no case");
     }

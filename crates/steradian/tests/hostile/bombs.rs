@@ -59,7 +59,13 @@ fn m(name: &str, body: impl AsRef<str>, expect: Expect) -> Case {
     Case::mitsuba(name, body, expect)
 }
 
-pub fn table() -> Vec<Case> {
+/// `what` for every number below `count`.
+fn many(count: usize, what: impl Fn(usize) -> String) -> String {
+    (0..count).map(what).collect()
+}
+
+/// Films and numbers of samples beyond any machine, and below any sense.
+fn requests() -> Vec<Case> {
     let film = |size: &str| {
         let head = "LookAt 0 0 -5 0 0 0 0 1 0 Camera \"perspective\"";
         format!(
@@ -72,16 +78,11 @@ pub fn table() -> Vec<Case> {
             "<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'>{size}</film></sensor>{MITSUBA_SKY}</scene>"
         )
     };
-    let nested = |count: usize, open: &str, close: &str| {
-        format!("<scene version='3.0.0'>{MITSUBA_SENSOR}{}{}</scene>", open.repeat(count), close.repeat(count))
-    };
-    let many = |count: usize, what: &dyn Fn(usize) -> String| (0..count).map(what).collect::<String>();
     let spp = |n: &str| {
         format!(
             "{PBRT_HEAD}Sampler \"independent\" \"integer pixelsamples\" [{n}]\nWorldBegin {PBRT_SKY} Shape \"sphere\""
         )
     };
-    let zip = gzip_bomb(64 << 20);
     vec![
         pbrt_file("film of 200000²", film("200000"), Refused("200000")),
         pbrt_file("film of 0²", film("0"), Refused("the film is empty")),
@@ -92,6 +93,12 @@ pub fn table() -> Vec<Case> {
         Case::new("Mitsuba film of -5²", "s.xml", mitsuba_film("-5"), Refused("-5")),
         pbrt_file("10¹² samples", spp("1000000000000"), Either),
         pbrt_file("0 samples", spp("0"), Refused("must be above 0")),
+    ]
+}
+
+/// Long and deep texts.
+fn long_texts() -> Vec<Case> {
+    vec![
         pbrt_file(
             "10⁶ blocks deep",
             format!("{PBRT_HEAD}WorldBegin\n{}", "AttributeBegin\n".repeat(1_000_000)),
@@ -124,6 +131,13 @@ pub fn table() -> Vec<Case> {
             [&b"WorldBegin Shape \""[..], &vec![b'\n'; 10_000_000]].concat(),
             Refused(""),
         ),
+    ]
+}
+
+/// What unpacks or includes more than it seems to.
+fn includes() -> Vec<Case> {
+    let zip = gzip_bomb(64 << 20);
+    vec![
         pbrt_file("a gzip bomb", zip.clone(), Refused("unpacks to more")),
         pbrt_file(
             "an included gzip bomb",
@@ -153,6 +167,12 @@ pub fn table() -> Vec<Case> {
         .with("a.pbrt", "# a\n"),
         pbrt_file("includes that double", format!("{PBRT_HEAD}WorldBegin Include \"0.pbrt\"\n"), Refused(""))
             .with_doubling(40),
+    ]
+}
+
+/// Shapes that are split without end.
+fn fine_shapes() -> Vec<Case> {
+    vec![
         p(
             "30 levels of subdivision",
             "Shape \"loopsubdiv\" \"integer levels\" 30 \"point3 P\" [-1 -1 0 1 -1 0 0 1 0 0 0 1] \"integer indices\" [0 1 2 0 1 3 1 2 3 2 0 3]",
@@ -167,7 +187,7 @@ pub fn table() -> Vec<Case> {
             "a curve of 30000 points",
             format!(
                 "Shape \"curve\" \"string basis\" \"bspline\" \"point3 P\" [{}] \"float width\" 0.01",
-                many(30_000, &|i| format!("{} {} 0 ", i % 7, i % 5))
+                many(30_000, |i| format!("{} {} 0 ", i % 7, i % 5))
             ),
             Picture,
         ),
@@ -176,10 +196,16 @@ pub fn table() -> Vec<Case> {
             "Shape \"curve\" \"integer splitdepth\" 30 \"point3 P\" [-1 0 0 -0.5 1 0 0.5 1 0 1 0 0]",
             Either,
         ),
-        p("10⁵ spheres", many(100_000, &|i| format!("Translate 0.{i} 0 0 Shape \"sphere\"\n")), Picture),
+    ]
+}
+
+/// Many shapes, lights, materials and instances.
+fn floods() -> Vec<Case> {
+    vec![
+        p("10⁵ spheres", many(100_000, |i| format!("Translate 0.{i} 0 0 Shape \"sphere\"\n")), Picture),
         p(
             "10⁵ lights",
-            many(100_000, &|i| format!("LightSource \"point\" \"point3 from\" [0 {i} -3]\n")) + "Shape \"sphere\"",
+            many(100_000, |i| format!("LightSource \"point\" \"point3 from\" [0 {i} -3]\n")) + "Shape \"sphere\"",
             Picture,
         ),
         p(
@@ -194,18 +220,18 @@ pub fn table() -> Vec<Case> {
         ),
         p(
             "10⁵ materials",
-            many(100_000, &|i| format!("Translate 0.{i} 0 0 Material \"diffuse\" Shape \"sphere\"\n")),
+            many(100_000, |i| format!("Translate 0.{i} 0 0 Material \"diffuse\" Shape \"sphere\"\n")),
             Picture,
         ),
         p(
             "10⁴ coats",
-            many(10_000, &|i| format!("Material \"coateddiffuse\" \"float roughness\" 0.{i} Shape \"sphere\"\n")),
+            many(10_000, |i| format!("Material \"coateddiffuse\" \"float roughness\" 0.{i} Shape \"sphere\"\n")),
             Picture,
         ),
         p(
             "10⁵ instances",
             "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd\n".to_string()
-                + &many(100_000, &|i| format!("Translate 0 0 0.{i} ObjectInstance \"o\"\n")),
+                + &many(100_000, |i| format!("Translate 0 0 0.{i} ObjectInstance \"o\"\n")),
             Picture,
         ),
         p(
@@ -213,13 +239,28 @@ pub fn table() -> Vec<Case> {
             "ObjectBegin \"o\" ObjectEnd\n".to_string() + &"ObjectInstance \"o\"\n".repeat(100_000),
             Either,
         ),
+    ]
+}
+
+/// Materials and textures that refer to others, and large ones that are not used.
+fn chains() -> Vec<Case> {
+    vec![
         p("mixtures of mixtures, 30 deep", deep_materials(30), Refused("more than 65536 textures")),
         p("mixtures of mixtures, 10⁴ deep", deep_materials(10_000), Refused("nested")),
         p("textures of textures, 30 deep", deep_textures(30), Refused("more than 65536 textures")),
         p("textures of textures, 10⁴ deep", deep_textures(10_000), Refused("more than 65536 textures")),
-        p("10⁵ textures, none used", many(100_000, &|i| format!("Texture \"t{i}\" \"float\" \"constant\"\n")), Either),
+        p("10⁵ textures, none used", many(100_000, |i| format!("Texture \"t{i}\" \"float\" \"constant\"\n")), Either),
         p("a picture bomb of 30000²", "LightSource \"infinite\" \"string filename\" \"i.png\"", Refused("i.png"))
             .with("i.png", images::true_png(30_000)),
+    ]
+}
+
+/// Deep and long documents of Mitsuba's.
+fn mitsuba() -> Vec<Case> {
+    let nested = |count: usize, open: &str, close: &str| {
+        format!("<scene version='3.0.0'>{MITSUBA_SENSOR}{}{}</scene>", open.repeat(count), close.repeat(count))
+    };
+    vec![
         Case::new(
             "10⁶ elements deep",
             "s.xml",
@@ -246,21 +287,26 @@ pub fn table() -> Vec<Case> {
         m("10⁵ faults", "<shape type='x'/>".repeat(100_000), Refused("'x'")),
         m(
             "10⁵ parameters",
-            format!("<shape type='sphere'>{}</shape>", many(100_000, &|i| format!("<float name='p{i}' value='1'/>"))),
+            format!("<shape type='sphere'>{}</shape>", many(100_000, |i| format!("<float name='p{i}' value='1'/>"))),
             Either,
         ),
-        m("10⁵ attributes", format!("<shape type='sphere' {}/>", many(100_000, &|i| format!("a{i}='1' "))), Either),
-        m("10⁵ defaults", many(100_000, &|i| format!("<default name='p{i}' value='1'/>")), Either),
+        m("10⁵ attributes", format!("<shape type='sphere' {}/>", many(100_000, |i| format!("a{i}='1' "))), Either),
+        m("10⁵ defaults", many(100_000, |i| format!("<default name='p{i}' value='1'/>")), Either),
         m(
             "30000 instances",
             "<shape type='shapegroup' id='g'><shape type='sphere'/></shape>".to_string()
-                + &many(30_000, &|i| {
+                + &many(30_000, |i| {
                     let place = format!("<transform name='to_world'><translate x='{i}'/></transform>");
                     format!("<shape type='instance'><ref id='g'/>{place}</shape>")
                 }),
             Picture,
         ),
     ]
+}
+
+pub fn table() -> Vec<Case> {
+    let parts = [requests(), long_texts(), includes(), fine_shapes(), floods(), chains(), mitsuba()];
+    parts.into_iter().flatten().collect()
 }
 
 impl Case {

@@ -5,8 +5,12 @@ use Expect::{Either, Picture, Refused, Warned};
 
 /// Faults of syntax and structure: the message names the fault, its place, and what to do.
 pub fn syntax() -> Vec<Case> {
+    [words(), whole_files(), missing_files(), references()].into_iter().flatten().collect()
+}
+
+/// Unknown words, and values and blocks that do not fit.
+fn words() -> Vec<Case> {
     let c = Case::pbrt;
-    let raw = |name: &str, text: &[u8], expect| Case::new(name, "s.pbrt", text, expect);
     vec![
         c("sound", "Shape \"sphere\"", Picture),
         c("unknown directive", "Shpe \"sphere\"", Refused("did you mean 'Shape'")),
@@ -38,6 +42,13 @@ pub fn syntax() -> Vec<Case> {
         c("camera in the world", "Camera \"perspective\"", Refused("Camera")),
         c("errors come together", "Shape \"a1\"\nMaterial \"b2\"\nLightSource \"c3\"", Refused("a1")),
         c("errors come together, last", "Shape \"a1\"\nMaterial \"b2\"\nLightSource \"c3\"", Refused("c3")),
+    ]
+}
+
+/// Files that are no scenes.
+fn whole_files() -> Vec<Case> {
+    let raw = |name: &str, text: &[u8], expect| Case::new(name, "s.pbrt", text, expect);
+    vec![
         raw("empty file", b"", Refused("")),
         raw(
             "no camera",
@@ -50,6 +61,13 @@ pub fn syntax() -> Vec<Case> {
         raw("cut-off gzip", &[0x1f, 0x8b, 8, 0, 0, 0, 0], Refused("cannot read")),
         raw("byte order mark", format!("\u{feff}{PBRT_HEAD}WorldBegin {PBRT_SKY}").as_bytes(), Either),
         raw("carriage returns", format!("{PBRT_HEAD}WorldBegin {PBRT_SKY}").replace('\n', "\r").as_bytes(), Either),
+    ]
+}
+
+/// Names of files that are not there.
+fn missing_files() -> Vec<Case> {
+    let c = Case::pbrt;
+    vec![
         c("missing include", "Include \"not-there.pbrt\"", Refused("not-there.pbrt' (searched '")),
         c("missing import", "Import \"not-there.pbrt\"", Refused("not-there.pbrt' (searched '")),
         c("missing mesh", "Shape \"plymesh\" \"string filename\" \"no.ply\"", Refused("no.ply' (searched '")),
@@ -65,6 +83,13 @@ pub fn syntax() -> Vec<Case> {
         ),
         c("missing spectrum", "Material \"conductor\" \"spectrum eta\" \"no.spd\" Shape \"sphere\"", Refused("no.spd")),
         c("a folder for a mesh", "Shape \"plymesh\" \"string filename\" \".\"", Refused("'.'")),
+    ]
+}
+
+/// What refers to itself, or to nothing.
+fn references() -> Vec<Case> {
+    let c = Case::pbrt;
+    vec![
         c("include of itself", "Include \"s.pbrt\"", Refused("")),
         c("include cycle", "Include \"a.pbrt\"", Refused(""))
             .with("a.pbrt", "Include \"b.pbrt\"")
