@@ -57,6 +57,16 @@ struct Spread {
     area: f32,
 }
 
+/// How a facet turns `wi` into `wo`.
+struct Turn {
+    /// `wo·m`, negative when `wo` lies below the facet.
+    cos_o: f32,
+    /// Solid angle of normals per solid angle of `wi`.
+    jacobian: f32,
+    /// `jacobian |wo·m|`.
+    seen: f32,
+}
+
 /// A normal that was drawn for a direction `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Normal {
@@ -345,7 +355,7 @@ impl Microfacet {
             return None;
         }
         let cos_o = mirror.cos2.sqrt().copysign(wo.z);
-        self.facet(wo + wi, mirror.spread, wo, wi, cos_o, 0.25 / cos_o.abs(), 0.25)
+        self.facet(wo + wi, mirror.spread, wo, wi, Turn { cos_o, jacobian: 0.25 / cos_o.abs(), seen: 0.25 })
     }
 
     /// The facet that refracts `wi` into `wo`, which must be on different sides; `eta = η_t/η_i` from the side of `wo`
@@ -360,7 +370,7 @@ impl Microfacet {
         }
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
-        self.facet(m, self.spread(m, 1.0, wo), wo, wi, cos_o, jacobian, cos_o.abs() * jacobian)
+        self.facet(m, self.spread(m, 1.0, wo), wo, wi, Turn { cos_o, jacobian, seen: cos_o.abs() * jacobian })
     }
 
     /// Refraction by a facet that was drawn for `wo`. By Snell's law its cosines are known: `|wi·m| = c_t/η`, of which
@@ -380,23 +390,14 @@ impl Microfacet {
         let (sum, excess) = (crossing.cos_i + crossing.refracted, crossing.eta * crossing.eta - 1.0);
         let jacobian = crossing.refracted * (sum * sum) * (crossing.eta / (excess * excess));
         let cos_o = crossing.cos_i.copysign(wo.z);
-        self.facet(n.direction, n.spread, wo, wi, cos_o, jacobian, crossing.cos_i * jacobian)
+        self.facet(n.direction, n.spread, wo, wi, Turn { cos_o, jacobian, seen: crossing.cos_i * jacobian })
     }
 
-    /// The facet whose normal is along `h` or `−h`, with solid angle `jacobian` of normals per solid angle of `wi`, and
-    /// `seen = jacobian |wo·m|`. A density that vanishes or overflows (a grazing direction) carries nothing.
+    /// The facet whose normal is along `h` or `−h`. A density that vanishes or overflows (a grazing direction) carries
+    /// nothing. Inlined: what is not used is not computed.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "inlined: what is not used is not computed")]
-    fn facet(
-        &self,
-        h: Vec3,
-        spread: Spread,
-        wo: Vec3,
-        wi: Vec3,
-        cos_o: f32,
-        jacobian: f32,
-        seen: f32,
-    ) -> Option<Facet> {
+    fn facet(&self, h: Vec3, spread: Spread, wo: Vec3, wi: Vec3, turn: Turn) -> Option<Facet> {
+        let Turn { cos_o, jacobian, seen } = turn;
         let (value, pdf, weight) = if self.is_ggx() {
             let d = FRAC_1_PI * self.alpha_x * self.alpha_y * (spread.root * spread.root);
             let g2 = self.smith_g2(wo, wi, spread.area);

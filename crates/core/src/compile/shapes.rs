@@ -21,6 +21,30 @@ use steradian_scene::{Mesh, Node, names};
 /// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
 
+/// A shape's parameters, how it lies in space, and whether it emits light.
+struct Placed<'a> {
+    node: &'a Node,
+    place: Affine,
+    /// Whether the place swaps left and right.
+    swaps: bool,
+    /// Whether normals are to point to the other side.
+    reverse: bool,
+    emits: bool,
+}
+
+impl Placed<'_> {
+    /// A quadric at a place of its own, with its extent around the axis in degrees.
+    fn quadric(&self, kind: QuadricKind, phi_max: f32, place: Affine) -> Vec<Shape> {
+        let q = Quadric { kind, phi_max: phi_max.to_radians(), place, flip: self.reverse };
+        // Lights need uniform samples of their area, which only similarities (and disks) give.
+        if self.emits && q.similarity().is_none() && !matches!(kind, QuadricKind::Disk { .. }) {
+            let mesh = q.tessellate(128, 64);
+            return vec![Shape::Mesh(Arc::new(TriMesh::new(&mesh, &place, self.swaps, self.reverse, false)))];
+        }
+        vec![Shape::Quadric(Arc::new(q))]
+    }
+}
+
 /// What the hierarchy is built from, for `boxes.len()` geometries from `base` on.
 pub(super) fn accel_geometries<'g>(
     geometries: &'g [Geometry],
@@ -72,8 +96,14 @@ impl Compiler<'_> {
         let is_single_sided = self.bool(node, "single_sided", false);
         let media = shape.is_medium_boundary.then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
         let emission = shape.emission.map(|id| self.node(id));
-        let swaps = shape.world_from_object.swaps_handedness();
-        let parts = self.parts(shape, node, &place, swaps, emission.is_some());
+        let placed = Placed {
+            node,
+            place,
+            swaps: shape.world_from_object.swaps_handedness(),
+            reverse: shape.reverse_orientation,
+            emits: emission.is_some(),
+        };
+        let parts = self.parts(shape, &placed);
         let is_interface = scene::is_interface(&self.materials[material.id as usize]);
         for part in parts {
             let part_boxes = match &part {
@@ -123,24 +153,8 @@ impl Compiler<'_> {
     }
 
     /// The geometry of a shape; none where it is refused.
-    fn parts(
-        &mut self,
-        shape: &steradian_scene::Shape,
-        node: &Node,
-        place: &Affine,
-        swaps: bool,
-        emits: bool,
-    ) -> Vec<Shape> {
-        let reverse = shape.reverse_orientation;
-        let quadric = |kind: QuadricKind, phi_max: f32, place: Affine| {
-            let q = Quadric { kind, phi_max: phi_max.to_radians(), place, flip: reverse };
-            // Lights need uniform samples of their area, which only similarities (and disks) give.
-            if emits && q.similarity().is_none() && !matches!(kind, QuadricKind::Disk { .. }) {
-                let mesh = q.tessellate(128, 64);
-                return vec![Shape::Mesh(Arc::new(TriMesh::new(&mesh, &place, swaps, reverse, false)))];
-            }
-            vec![Shape::Quadric(Arc::new(q))]
-        };
+    fn parts(&mut self, shape: &steradian_scene::Shape, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
         match node.kind.as_str() {
             "mesh" | "loop_subdivision" if shape.mesh.is_none() => {
                 self.error(node.span, format!("shape '{}' has no mesh data", node.kind));
@@ -149,18 +163,20 @@ impl Compiler<'_> {
             "mesh" => {
                 let flat = self.bool(node, "flat", false);
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)) {
-                    Some(mesh) if node.get("displacement").is_some() => match self.displaced(node, mesh, place) {
-                        Some(mesh) => self.mesh_parts(node, &mesh, place, swaps, reverse, flat, emits),
-                        None => Vec::new(),
-                    },
-                    Some(mesh) => self.mesh_parts(node, mesh, place, swaps, reverse, flat, emits),
+                    Some(mesh) if node.get("displacement").is_some() => {
+                        match self.displaced(node, mesh, &placed.place) {
+                            Some(mesh) => self.mesh_parts(placed, &mesh, flat),
+                            None => Vec::new(),
+                        }
+                    }
+                    Some(mesh) => self.mesh_parts(placed, mesh, flat),
                     None => Vec::new(),
                 }
             }
             "loop_subdivision" => {
                 let levels = self.int(node, "levels").unwrap_or(3).clamp(0, 16) as u32;
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)).map(|m| loop_subdivide(m, levels)) {
-                    Some(Ok(mesh)) => self.mesh_parts(node, &mesh, place, swaps, reverse, false, emits),
+                    Some(Ok(mesh)) => self.mesh_parts(placed, &mesh, false),
                     Some(Err(e)) => {
                         self.error(node.span, format!("cannot subdivide this mesh: {e}"));
                         Vec::new()
@@ -168,62 +184,22 @@ impl Compiler<'_> {
                     None => Vec::new(),
                 }
             }
-            "sphere" => {
-                let radius = self.positive(node, "radius", 1.0);
-                let (z0, z1) =
-                    (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
-                let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
-                let center = self.vec3(node, "center", Vec3::ZERO);
-                let moved = shape.world_from_object * Transform::translate(center.as_dvec3());
-                let Some(place) = moved.affine() else {
-                    self.error(node.span, "the centre of this sphere is not finite");
-                    return Vec::new();
-                };
-                let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
-                quadric(QuadricKind::Sphere { radius, z_min, z_max }, phi, place)
-            }
+            "sphere" => self.sphere(shape.world_from_object, placed),
             "disk" => {
                 let kind = QuadricKind::Disk {
                     height: self.float(node, "height", 0.0),
                     radius: self.positive(node, "radius", 1.0),
                     inner: self.float(node, "inner_radius", 0.0).max(0.0),
                 };
-                quadric(kind, self.float(node, "phi_max", 360.0).clamp(0.0, 360.0), *place)
+                placed.quadric(kind, self.float(node, "phi_max", 360.0).clamp(0.0, 360.0), placed.place)
             }
-            "cylinder" => {
-                let radius = self.positive(node, "radius", 1.0);
-                let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
-                let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
-                let mut placed = shape.world_from_object;
-                if node.get("p0").is_some() || node.get("p1").is_some() {
-                    let (a, b) = (self.vec3(node, "p0", Vec3::ZERO), self.vec3(node, "p1", Vec3::Z));
-                    let (a, b) = (a.as_dvec3(), b.as_dvec3());
-                    let Some(axis) = (b - a).try_normalize() else {
-                        self.error(node.span, "the two ends of this cylinder are the same point");
-                        return Vec::new();
-                    };
-                    let x = axis.any_orthonormal_vector();
-                    let m = glam::DMat4::from_cols(
-                        x.extend(0.0),
-                        axis.cross(x).extend(0.0),
-                        axis.extend(0.0),
-                        a.extend(1.0),
-                    );
-                    placed = placed * Transform { matrix: m };
-                    (z0, z1) = (0.0, (b - a).length() as f32);
-                }
-                let Some(place) = placed.affine() else {
-                    self.error(node.span, "the ends of this cylinder are not finite");
-                    return Vec::new();
-                };
-                quadric(QuadricKind::Cylinder { radius, z_min: z0.min(z1), z_max: z0.max(z1) }, phi, place)
-            }
+            "cylinder" => self.cylinder(shape.world_from_object, placed),
             "plane" => {
                 let n = self.vec3(node, "normal", Vec3::Y);
                 let d = self.float(node, "distance", 0.0);
                 // n·x + d = 0 in object space: the plane's covector goes by the inverse transpose.
-                let covector = place.inv.transpose() * n.extend(d);
-                match Plane::new(covector.truncate(), covector.w, reverse) {
+                let covector = placed.place.inv.transpose() * n.extend(d);
+                match Plane::new(covector.truncate(), covector.w, placed.reverse) {
                     Some(plane) => vec![Shape::Plane(plane)],
                     None => {
                         self.error(node.span, "the normal of this plane is zero or not finite");
@@ -231,20 +207,17 @@ impl Compiler<'_> {
                     }
                 }
             }
-            "curve" => self.curve(node, place, swaps, reverse, emits),
-            "height_field" => match self.height_field(
-                node,
-                place,
-                swaps,
-                reverse,
-                if emits { height_field::MOST_EMITTING } else { height_field::MOST },
-            ) {
-                // Lights need samples of their area, which triangles give.
-                Some(field) if emits => self.mesh_parts(node, &field.mesh(), place, swaps, reverse, false, emits),
-                Some(field) => vec![Shape::Field(Arc::new(field))],
-                None => Vec::new(),
-            },
-            "sdf_grid" => self.sdf_grid(node, place, reverse, emits),
+            "curve" => self.curve(placed),
+            "height_field" => {
+                let most = if placed.emits { height_field::MOST_EMITTING } else { height_field::MOST };
+                match self.height_field(node, &placed.place, placed.swaps, placed.reverse, most) {
+                    // Lights need samples of their area, which triangles give.
+                    Some(field) if placed.emits => self.mesh_parts(placed, &field.mesh(), false),
+                    Some(field) => vec![Shape::Field(Arc::new(field))],
+                    None => Vec::new(),
+                }
+            }
+            "sdf_grid" => self.sdf_grid(placed),
             other => {
                 let help = names::did_you_mean(other, SHAPES.iter().map(|s| s.0));
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
@@ -253,17 +226,47 @@ impl Compiler<'_> {
         }
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn mesh_parts(
-        &mut self,
-        node: &Node,
-        mesh: &Mesh,
-        place: &Affine,
-        swaps: bool,
-        reverse: bool,
-        flat: bool,
-        emits: bool,
-    ) -> Vec<Shape> {
+    fn sphere(&mut self, world_from_object: Transform, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        let radius = self.positive(node, "radius", 1.0);
+        let (z0, z1) = (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
+        let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
+        let center = self.vec3(node, "center", Vec3::ZERO);
+        let Some(place) = (world_from_object * Transform::translate(center.as_dvec3())).affine() else {
+            self.error(node.span, "the centre of this sphere is not finite");
+            return Vec::new();
+        };
+        let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+        placed.quadric(QuadricKind::Sphere { radius, z_min, z_max }, phi, place)
+    }
+
+    /// A cylinder around the z axis, or from `p0` to `p1`.
+    fn cylinder(&mut self, mut world_from_object: Transform, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        let radius = self.positive(node, "radius", 1.0);
+        let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+        let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
+        if node.get("p0").is_some() || node.get("p1").is_some() {
+            let (a, b) = (self.vec3(node, "p0", Vec3::ZERO), self.vec3(node, "p1", Vec3::Z));
+            let (a, b) = (a.as_dvec3(), b.as_dvec3());
+            let Some(axis) = (b - a).try_normalize() else {
+                self.error(node.span, "the two ends of this cylinder are the same point");
+                return Vec::new();
+            };
+            let x = axis.any_orthonormal_vector();
+            let m = glam::DMat4::from_cols(x.extend(0.0), axis.cross(x).extend(0.0), axis.extend(0.0), a.extend(1.0));
+            world_from_object = world_from_object * Transform { matrix: m };
+            (z0, z1) = (0.0, (b - a).length() as f32);
+        }
+        let Some(place) = world_from_object.affine() else {
+            self.error(node.span, "the ends of this cylinder are not finite");
+            return Vec::new();
+        };
+        placed.quadric(QuadricKind::Cylinder { radius, z_min: z0.min(z1), z_max: z0.max(z1) }, phi, place)
+    }
+
+    fn mesh_parts(&mut self, placed: &Placed<'_>, mesh: &Mesh, flat: bool) -> Vec<Shape> {
+        let &Placed { node, ref place, swaps, reverse, emits } = placed;
         if let Err(e) = mesh.validate() {
             self.error(node.span, format!("malformed mesh: {e}"));
             return Vec::new();
@@ -323,8 +326,9 @@ impl Compiler<'_> {
     }
 
     /// The surface of a grid of distances.
-    fn sdf_grid(&mut self, node: &Node, place: &Affine, reverse: bool, emits: bool) -> Vec<Shape> {
-        if emits {
+    fn sdf_grid(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        if placed.emits {
             let what = "surfaces on grids of distances cannot emit light yet; the light is left out";
             self.diagnostics.dropped(&self.desc.sources, node.span, what);
         }
@@ -339,7 +343,7 @@ impl Compiler<'_> {
             self.error(span, what);
             return Vec::new();
         }
-        match SdfGrid::new(grid, *place, reverse, smooth) {
+        match SdfGrid::new(grid, placed.place, placed.reverse, smooth) {
             Some(surface) if surface.count() == 0 => {
                 let what = "the distances of this grid are nowhere zero: there is no surface";
                 self.diagnostics.warn(&self.desc.sources, span, what);
@@ -356,8 +360,9 @@ impl Compiler<'_> {
         }
     }
 
-    fn curve(&mut self, node: &Node, place: &Affine, swaps: bool, reverse: bool, emits: bool) -> Vec<Shape> {
-        if emits {
+    fn curve(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        if placed.emits {
             let what = "curves cannot emit light yet; the light is left out";
             self.diagnostics.dropped(&self.desc.sources, node.span, what);
         }
@@ -385,7 +390,7 @@ impl Compiler<'_> {
             normals,
         };
         let split = self.int(node, "split_depth").unwrap_or(3).clamp(0, 8) as u32;
-        match Curves::new(&params, place, split, swaps, reverse) {
+        match Curves::new(&params, &placed.place, split, placed.swaps, placed.reverse) {
             Ok(curves) => vec![Shape::Curves(Arc::new(curves))],
             Err(e) => {
                 self.error(node.span, format!("malformed curve: {e}"));

@@ -97,6 +97,31 @@ pub struct AreaLight {
 /// From this (rough) solid angle on, in sr, sampling by solid angle pays for its cost.
 const SOLID_ANGLE_FROM: f32 = 0.25;
 
+/// A point of the sphere with centre `c` and radius `r` as seen from `p`: direction, distance, outward normal, and
+/// density per solid angle.
+fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2) -> (Vec3, f32, Vec3, f32) {
+    let to_center = c - p;
+    let d2 = to_center.length_squared();
+    if d2 > r * r * 1.000_01 {
+        let m = one_minus_cos_max(r, d2);
+        let w = warp::uniform_cone(u, m);
+        let wi = Frame::from_z(to_center / d2.sqrt()).to_world(w);
+        // Nearest point along wi; tangent rays count as touching.
+        let b = to_center.dot(wi);
+        let h2 = (r * r - (to_center - wi * b).length_squared()).max(0.0);
+        let distance = b - h2.sqrt();
+        let n = (p + wi * distance - c) / r;
+        (wi, distance, n, warp::uniform_cone_pdf(m))
+    } else {
+        let n = warp::uniform_sphere(u);
+        let to = c + n * r - p;
+        let t2 = to.length_squared();
+        let distance = t2.sqrt();
+        let wi = to / distance;
+        (wi, distance, n, t2 / (n.dot(wi).abs() * 4.0 * std::f32::consts::PI * r * r))
+    }
+}
+
 impl AreaLight {
     /// Whether the light looks large from `p`: a pure function of `p`, so that sampling and density agree.
     #[inline]
@@ -142,7 +167,14 @@ impl AreaLight {
                 }
             }
             AreaShape::Sphere(c, r, inward) => {
-                return self.sample_sphere(*c, *r, *inward, emitter, p, u, lambda, textures);
+                let (wi, distance, n, pdf) = sample_sphere(*c, *r, p, u);
+                if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {
+                    return None;
+                }
+                let n = if *inward { -n } else { n };
+                let at = || TextureContext::new(p + wi * distance, Vec2::ZERO);
+                let radiance = emitter.radiance(n, -wi, at, lambda, textures);
+                return (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false });
             }
             AreaShape::Quadric(q) => {
                 let s = q.surface_at(q.sample(u));
@@ -177,47 +209,6 @@ impl AreaLight {
             }
             _ => TextureContext::new(q, uv),
         }
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn sample_sphere(
-        &self,
-        c: Vec3,
-        r: f32,
-        inward: bool,
-        emitter: &Emitter,
-        p: Vec3,
-        u: Vec2,
-        lambda: &Wavelengths,
-        textures: &Textures,
-    ) -> Option<LightSample> {
-        let to_center = c - p;
-        let d2 = to_center.length_squared();
-        let (wi, distance, n, pdf) = if d2 > r * r * 1.000_01 {
-            let m = one_minus_cos_max(r, d2);
-            let w = warp::uniform_cone(u, m);
-            let wi = Frame::from_z(to_center / d2.sqrt()).to_world(w);
-            // Nearest point along wi; tangent rays count as touching.
-            let b = to_center.dot(wi);
-            let h2 = (r * r - (to_center - wi * b).length_squared()).max(0.0);
-            let distance = b - h2.sqrt();
-            let n = (p + wi * distance - c) / r;
-            (wi, distance, n, warp::uniform_cone_pdf(m))
-        } else {
-            let n = warp::uniform_sphere(u);
-            let to = c + n * r - p;
-            let t2 = to.length_squared();
-            let distance = t2.sqrt();
-            let wi = to / distance;
-            (wi, distance, n, t2 / (n.dot(wi).abs() * 4.0 * std::f32::consts::PI * r * r))
-        };
-        if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {
-            return None;
-        }
-        let n = if inward { -n } else { n };
-        let at = || TextureContext::new(p + wi * distance, Vec2::ZERO);
-        let radiance = emitter.radiance(n, -wi, at, lambda, textures);
-        (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
     /// The density per solid angle at `p` of the point at `distance` in direction `wi`, where the normal is `n`.

@@ -72,7 +72,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         for (q, output) in outputs.iter_mut().enumerate() {
             let lanes = quad_lanes(q);
             if lanes.iter().any(|lane| union >> lane & 1 != 0) {
-                let quad = self.quad(tile.layer, primitive, attributes, strip, &masks, q, sample);
+                let quad = self.quad(tile.layer, primitive, attributes, (strip, q), &masks, sample);
                 self.counters.fragments += u64::from(quad.coverage.iter().filter(|&&c| c != 0).count() as u32);
                 let shaded = self.shader.shade_quad(&quad);
                 if F::Output::DISCARDS || F::Output::MASK || self.state.multisample.alpha_to_coverage {
@@ -134,17 +134,15 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         depths
     }
 
-    /// The quad of this number, interpolated.
-    #[allow(clippy::too_many_arguments)]
+    /// The quad of this number in a strip, interpolated.
     #[inline]
     fn quad(
         &self,
         layer: u32,
         primitive: &Primitive,
         attributes: &[f32],
-        strip: Strip,
+        (strip, q): (Strip, usize),
         masks: &Masks,
-        q: usize,
         sample: Option<usize>,
     ) -> Quad<F::Varyings> {
         type V<F> = <F as FragmentShader>::Varyings;
