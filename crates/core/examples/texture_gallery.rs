@@ -491,150 +491,146 @@ fn shade(scene: &Scene, ray: &Ray, lit: bool) -> Vec3 {
     if lit { albedo * (0.12 + 0.88 * frame.z.dot(light.normalize()).max(0.0)) } else { albedo }
 }
 
-fn render(tile: &Tile, files: &Files, relief: &Relief) -> Result<Vec<[f32; 3]>, String> {
-    let with_card = |params: Params| {
-        move |desc: &mut SceneDesc, m: &mut Node, _: &mut Node| {
-            let t = texture(desc, "image", params);
-            let node = desc.node_mut(t);
-            node.set("file", files.card.clone(), None);
-            if node.get("origin").is_none() {
-                node.set("origin", "top", None);
-            }
-            m.set("reflectance", t, None);
+/// Shows the card, looked up with these parameters.
+fn with_card(params: Params, files: &Files) -> impl FnOnce(&mut SceneDesc, &mut Node, &mut Node) {
+    move |desc, m, _| {
+        let t = texture(desc, "image", params);
+        let node = desc.node_mut(t);
+        node.set("file", files.card.clone(), None);
+        if node.get("origin").is_none() {
+            node.set("origin", "top", None);
         }
+        m.set("reflectance", t, None);
+    }
+}
+
+/// A square with attributes at its corners, and a texture that shows them.
+fn attributes(kind: &str, params: Params, files: &Files) -> Result<Scene, String> {
+    let mut square = plane(1.0);
+    let attribute = |name: &str, channels, data: Vec<f32>| steradian_scene::Attribute {
+        name: name.into(),
+        domain: steradian_scene::Domain::Vertex,
+        channels,
+        data,
     };
+    square.attributes = vec![
+        attribute("second", 2, square.uvs.iter().flatten().map(|v| 1.0 - v).collect()),
+        attribute("color", 3, vec![0.9, 0.1, 0.1, 0.9, 0.8, 0.1, 0.1, 0.2, 0.8, 0.1, 0.7, 0.3]),
+    ];
+    let mesh = Node::new(Family::Shape, "mesh", None);
+    if kind == "image" {
+        return scene(mesh, Some(square), with_card(params, files));
+    }
+    scene(mesh, Some(square), |desc, m, _| {
+        let t = texture(desc, kind, params);
+        m.set("reflectance", t, None);
+    })
+}
+
+/// The scene of a tile that is neither relief nor seen to the horizon.
+fn near(tile: &Tile, files: &Files) -> Result<Option<Scene>, String> {
     let mesh = || Node::new(Family::Shape, "mesh", None);
-    let (made, is_round) = match tile {
-        Tile::Flat(kind, params) => (
-            Some(scene(mesh(), Some(plane(4.0)), |desc, m, _| {
-                let t = texture(desc, kind, params);
-                m.set("reflectance", t, None);
-            })?),
-            false,
-        ),
+    let sphere = || Node::new(Family::Shape, "sphere", None);
+    let made = match tile {
+        Tile::Flat(kind, params) => scene(mesh(), Some(plane(4.0)), |desc, m, _| {
+            let t = texture(desc, kind, params);
+            m.set("reflectance", t, None);
+        }),
         Tile::Wrapped(params) => {
             let mut wide = plane(3.0);
             wide.uvs.iter_mut().for_each(|uv| *uv = uv.map(|v| v - 1.0));
-            (Some(scene(mesh(), Some(wide), with_card(params))?), false)
+            scene(mesh(), Some(wide), with_card(params, files))
         }
-        Tile::Sphere(params) => {
-            // Seen from −y with z up.
-            (Some(scene(Node::new(Family::Shape, "sphere", None), None, with_card(params))?), true)
-        }
-        Tile::Detail(wrapper, kind, params) => (
-            Some(scene(mesh(), Some(plane(4.0)), |desc, m, _| {
-                let t = texture(desc, kind, params);
-                m.set(*wrapper, t, None);
-            })?),
-            false,
-        ),
-        Tile::Displaced(kind, params) => {
-            let round = octahedron();
-            (
-                Some(scene(mesh(), Some(round), |desc, _, shape| {
-                    let t = texture(desc, kind, params);
-                    shape.set("displacement", t, None).set("edge_length", 0.03, None);
-                    shape.set("displacement_vector", *kind == "ramp", None);
-                })?),
-                true,
-            )
-        }
-        Tile::Tangents => (
-            Some(scene(mesh(), Some(turned_squares()), |desc, m, _| {
-                let t = Node::new(Family::Texture, "image", None)
-                    .with("file", files.dome.clone())
-                    .with("raw", true)
-                    .with("origin", "bottom");
-                let t = desc.add(t);
-                m.set("normal_map", t, None).set("normal_map_mirrors", true, None);
-            })?),
-            false,
-        ),
-        Tile::Round(kind, params) => (
-            Some(scene(Node::new(Family::Shape, "sphere", None), None, |desc, m, _| {
-                let t = texture(desc, kind, params);
-                m.set("reflectance", t, None);
-            })?),
-            true,
-        ),
-        Tile::Attributes(kind, params) => {
-            let mut square = plane(1.0);
-            let attribute = |name: &str, channels, data: Vec<f32>| steradian_scene::Attribute {
-                name: name.into(),
-                domain: steradian_scene::Domain::Vertex,
-                channels,
-                data,
-            };
-            square.attributes = vec![
-                attribute("second", 2, square.uvs.iter().flatten().map(|v| 1.0 - v).collect()),
-                attribute("color", 3, vec![0.9, 0.1, 0.1, 0.9, 0.8, 0.1, 0.1, 0.2, 0.8, 0.1, 0.7, 0.3]),
-            ];
-            let made = if *kind == "image" {
-                scene(mesh(), Some(square), with_card(params))?
-            } else {
-                scene(mesh(), Some(square), |desc, m, _| {
-                    let t = texture(desc, kind, params);
-                    m.set("reflectance", t, None);
-                })?
-            };
-            (Some(made), false)
-        }
-        Tile::Grid(filter) => (
-            Some(scene(Node::new(Family::Shape, "sphere", None), None, |desc, m, _| {
-                let t = Node::new(Family::Texture, "grid", None)
-                    .with("file", files.grid.clone())
-                    .with("filter", *filter)
-                    .with("use_grid_bounds", true);
-                let t = desc.add(t);
-                m.set("reflectance", t, None);
-            })?),
-            true,
-        ),
-        Tile::Horizon(filter, grid) => {
-            let far =
-                scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
-                    let mut t = Node::new(Family::Texture, "checkerboard", None);
-                    if !filter.is_empty() {
-                        t = Node::new(Family::Texture, "image", None)
-                            .with("file", files.checks.clone())
-                            .with("filter", if *filter == "one_tap" { "ewa" } else { *filter })
-                            .with("stochastic", *filter == "one_tap")
-                            .with("max_anisotropy", 64.0)
-                            .with("scale_u", 0.5)
-                            .with("scale_v", 0.5);
-                    }
-                    let t = desc.add(t);
-                    m.set("reflectance", t, None);
-                })?;
-            return Ok(horizon(&far, *grid, |s, frame, _| {
-                let up = frame.to_local(frame.z);
-                Vec3::from(s.bsdf.eval(up, up, TransportMode::Radiance).value.to_rgb()) * std::f32::consts::PI
-            }));
-        }
-        Tile::Ripples(filter, grid) => {
-            let far =
-                scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
-                    let t = Node::new(Family::Texture, "image", None)
-                        .with("file", files.ripples.clone())
-                        .with("raw", true)
-                        .with("filter", "ewa")
-                        .with("max_anisotropy", 64.0);
-                    let t = desc.add(t);
-                    *m = Node::new(Family::Material, "conductor", None)
-                        .with("reflectance", 0.9)
-                        .with("alpha_u", 0.08)
-                        .with("alpha_v", 0.08)
-                        .with("distribution", "beckmann")
-                        .with("normal_map", t)
-                        .with("normal_map_filter", *filter);
-                })?;
-            return Ok(horizon(&far, *grid, |s, frame, wo| {
-                let (wo, wi) = (frame.to_local(wo), frame.to_local(SUN.normalize()));
-                Vec3::from(s.bsdf.eval(wo, wi, TransportMode::Radiance).value.to_rgb()) * Vec3::new(0.25, 0.2, 0.14)
-            }));
-        }
-        Tile::Relief(_) => (None, false),
+        // Seen from −y with z up.
+        Tile::Sphere(params) => scene(sphere(), None, with_card(params, files)),
+        Tile::Detail(wrapper, kind, params) => scene(mesh(), Some(plane(4.0)), |desc, m, _| {
+            let t = texture(desc, kind, params);
+            m.set(*wrapper, t, None);
+        }),
+        Tile::Displaced(kind, params) => scene(mesh(), Some(octahedron()), |desc, _, shape| {
+            let t = texture(desc, kind, params);
+            shape.set("displacement", t, None).set("edge_length", 0.03, None);
+            shape.set("displacement_vector", *kind == "ramp", None);
+        }),
+        Tile::Tangents => scene(mesh(), Some(turned_squares()), |desc, m, _| {
+            let t = Node::new(Family::Texture, "image", None)
+                .with("file", files.dome.clone())
+                .with("raw", true)
+                .with("origin", "bottom");
+            let t = desc.add(t);
+            m.set("normal_map", t, None).set("normal_map_mirrors", true, None);
+        }),
+        Tile::Round(kind, params) => scene(sphere(), None, |desc, m, _| {
+            let t = texture(desc, kind, params);
+            m.set("reflectance", t, None);
+        }),
+        Tile::Attributes(kind, params) => attributes(kind, params, files),
+        Tile::Grid(filter) => scene(sphere(), None, |desc, m, _| {
+            let t = Node::new(Family::Texture, "grid", None)
+                .with("file", files.grid.clone())
+                .with("filter", *filter)
+                .with("use_grid_bounds", true);
+            let t = desc.add(t);
+            m.set("reflectance", t, None);
+        }),
+        Tile::Horizon(..) | Tile::Ripples(..) | Tile::Relief(_) => return Ok(None),
     };
+    made.map(Some)
+}
+
+/// Checks to the horizon; without a filter the pattern itself.
+fn far_checks(filter: &'static str, grid: usize, files: &Files) -> Result<Vec<[f32; 3]>, String> {
+    let far = scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
+        let mut t = Node::new(Family::Texture, "checkerboard", None);
+        if !filter.is_empty() {
+            t = Node::new(Family::Texture, "image", None)
+                .with("file", files.checks.clone())
+                .with("filter", if filter == "one_tap" { "ewa" } else { filter })
+                .with("stochastic", filter == "one_tap")
+                .with("max_anisotropy", 64.0)
+                .with("scale_u", 0.5)
+                .with("scale_v", 0.5);
+        }
+        let t = desc.add(t);
+        m.set("reflectance", t, None);
+    })?;
+    Ok(horizon(&far, grid, |s, frame, _| {
+        let up = frame.to_local(frame.z);
+        Vec3::from(s.bsdf.eval(up, up, TransportMode::Radiance).value.to_rgb()) * std::f32::consts::PI
+    }))
+}
+
+/// Ripples to the horizon under a low sun.
+fn far_ripples(filter: &'static str, grid: usize, files: &Files) -> Result<Vec<[f32; 3]>, String> {
+    let far = scene(Node::new(Family::Shape, "plane", None).with("normal", [0.0, 0.0, 1.0]), None, |desc, m, _| {
+        let t = Node::new(Family::Texture, "image", None)
+            .with("file", files.ripples.clone())
+            .with("raw", true)
+            .with("filter", "ewa")
+            .with("max_anisotropy", 64.0);
+        let t = desc.add(t);
+        *m = Node::new(Family::Material, "conductor", None)
+            .with("reflectance", 0.9)
+            .with("alpha_u", 0.08)
+            .with("alpha_v", 0.08)
+            .with("distribution", "beckmann")
+            .with("normal_map", t)
+            .with("normal_map_filter", filter);
+    })?;
+    Ok(horizon(&far, grid, |s, frame, wo| {
+        let (wo, wi) = (frame.to_local(wo), frame.to_local(SUN.normalize()));
+        Vec3::from(s.bsdf.eval(wo, wi, TransportMode::Radiance).value.to_rgb()) * Vec3::new(0.25, 0.2, 0.14)
+    }))
+}
+
+fn render(tile: &Tile, files: &Files, relief: &Relief) -> Result<Vec<[f32; 3]>, String> {
+    match tile {
+        Tile::Horizon(filter, grid) => return far_checks(filter, *grid, files),
+        Tile::Ripples(filter, grid) => return far_ripples(filter, *grid, files),
+        _ => {}
+    }
+    let made = near(tile, files)?;
+    let is_round = matches!(tile, Tile::Sphere(_) | Tile::Displaced(..) | Tile::Round(..) | Tile::Grid(_));
     let lit = !matches!(tile, Tile::Flat(..) | Tile::Wrapped(..) | Tile::Attributes(..));
     let mut pixels = Vec::with_capacity(SIZE * SIZE);
     for y in 0..SIZE {

@@ -294,10 +294,6 @@ impl Layered {
         let exit_is_smooth = self.coat.is_smooth();
         let medium = self.scatters();
         let pass = |depth: f32, w: Vec3| (-depth / w.z.abs()).exp();
-        let heuristic = |a: f32, b: f32| {
-            let r = b / a;
-            1.0 / (1.0 + r * r)
-        };
         let metal = self.metal();
         let mut beta = Spectrum::splat(entered);
         let mut sum = Spectrum::ZERO;
@@ -384,6 +380,13 @@ impl Layered {
         }
         if sum.is_finite() { sum } else { Spectrum::ZERO }
     }
+}
+
+/// The power heuristic's weight of a sample with density `a`, which another way draws with density `b`.
+#[inline]
+fn heuristic(a: f32, b: f32) -> f32 {
+    let r = b / a;
+    1.0 / (1.0 + r * r)
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ use crate::{
     light::{Emitter, Light, LightGroups, Lights},
     material::{Material, Model, Needs, SurfaceDetail},
     medium::Medium,
-    scene::{Geometry, Placement, Scene},
+    scene::{Geometry, Placement, Scene, Settings},
     texture::{
         FloatTexture, TextureId, Textures,
         levels::{Levels, Recipe},
@@ -217,18 +217,12 @@ impl Compiler<'_> {
         let accel = self.hierarchy(&world, &groups, &instances);
         let build_time = start.elapsed();
         let Some(accel) = accel else { return (None, build_time) };
-        let placements = instances
-            .iter()
-            .map(|i| {
-                let (base, group) = &groups[i.object as usize];
-                Placement {
-                    world_from_group: i.world_from_object,
-                    motion: i.motion.clone(),
-                    base: *base,
-                    count: group.len() as u32,
-                }
-            })
-            .collect();
+        let placement = |i: &steradian_accel::Instance| {
+            let (base, group) = &groups[i.object as usize];
+            let count = group.len() as u32;
+            Placement { world_from_group: i.world_from_object, motion: i.motion.clone(), base: *base, count }
+        };
+        let placements = instances.iter().map(placement).collect();
         let planes = (0..world.len() as u32)
             .filter(|&g| matches!(self.geometries[g as usize].shape, crate::scene::Shape::Plane(_)))
             .collect();
@@ -243,14 +237,8 @@ impl Compiler<'_> {
         }
         let has_media =
             camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
-        match self.desc.integrator.map(|i| self.desc.node(i)) {
-            _ if !has_media => {}
-            None => settings.integrator = "volpath".into(),
-            Some(node) if matches!(node.kind.as_str(), "path" | "direct") => {
-                let what = format!("integrator '{}' leaves out participating media; 'volpath' renders them", node.kind);
-                self.diagnostics.warn(&self.desc.sources, node.span, what);
-            }
-            Some(_) => {}
+        if has_media {
+            self.choose_for_media(&mut settings);
         }
         let spp = self.options.spp.unwrap_or(settings.spp);
         // Bump maps take their differences over the footprint, and normal maps their roughness.
@@ -259,16 +247,7 @@ impl Compiler<'_> {
             m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
         });
         let footprints = (has_detail || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
-        let mut needs = Vec::with_capacity(self.materials.len());
-        for material in &self.materials {
-            needs.push(material.needs(&needs));
-        }
-        for geometry in &mut self.geometries {
-            let needs = needs[geometry.material as usize];
-            let is_shown = geometry.emitter.is_some_and(|e| lights.emitters[e as usize].is_textured());
-            // Footprints go on from any surface.
-            geometry.needs = Needs { parameters: needs.parameters || is_shown || footprints.is_some(), ..needs };
-        }
+        self.set_needs(&lights, footprints.is_some());
         let scene = Scene {
             mode: self.mode,
             footprints,
@@ -298,6 +277,31 @@ impl Compiler<'_> {
             settings,
         };
         (Some(scene), build_time)
+    }
+
+    /// In a scene with media the integrator is one that renders them, if the user chose none.
+    fn choose_for_media(&mut self, settings: &mut Settings) {
+        match self.desc.integrator.map(|i| self.desc.node(i)) {
+            None => settings.integrator = "volpath".into(),
+            Some(node) if matches!(node.kind.as_str(), "path" | "direct") => {
+                let what = format!("integrator '{}' leaves out participating media; 'volpath' renders them", node.kind);
+                self.diagnostics.warn(&self.desc.sources, node.span, what);
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// What each geometry's hits have to know. Footprints go on from any surface.
+    fn set_needs(&mut self, lights: &Lights, has_footprints: bool) {
+        let mut needs = Vec::with_capacity(self.materials.len());
+        for material in &self.materials {
+            needs.push(material.needs(&needs));
+        }
+        for geometry in &mut self.geometries {
+            let needs = needs[geometry.material as usize];
+            let is_shown = geometry.emitter.is_some_and(|e| lights.emitters[e as usize].is_textured());
+            geometry.needs = Needs { parameters: needs.parameters || is_shown || has_footprints, ..needs };
+        }
     }
 
     /// Names of objects, those of the file, or their kind with a number.
