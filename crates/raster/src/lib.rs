@@ -61,8 +61,8 @@
 //!   clip and cull distances.
 //! * [`state`]: topologies with adjacency, patches and restart; polygon modes, lines, points, depth bias, conservative
 //!   rasterisation; depth and stencil tests; blending; samples; viewports.
-//! * [`target`]: framebuffers of up to eight colour targets in any of the [`Format`]s that can be drawn to, with layers
-//!   and samples.
+//! * [`render_target`]: framebuffers of up to eight colour targets in any of the [`Format`]s that can be drawn to, with
+//!   layers and samples.
 //!
 //! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from
 //!   bytes, [`BlockRules`] knows where members of uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
@@ -87,10 +87,10 @@ mod front;
 pub mod output;
 mod pipeline;
 mod primitive;
+pub mod render_target;
 mod samples;
 pub mod stages;
 pub mod state;
-pub mod target;
 pub mod texture;
 mod tile;
 pub mod varyings;
@@ -106,9 +106,9 @@ pub use fragment::Fragment;
 pub use front::{TessellatedDomain, tessellate};
 pub use glam;
 pub use pipeline::Pipeline;
+pub use render_target::{ColorTarget, DepthFormat, DepthTarget, Extent, Framebuffer, Layout, StencilTarget};
 pub use samples::{SAMPLE_COUNTS, sample_position};
 pub use stages::{Program, Vertex, VertexInput, fragment};
 pub use state::State;
-pub use target::{ColorTarget, DepthFormat, DepthTarget, Extent, Framebuffer, Layout, StencilTarget};
 pub use varyings::Varyings;
 pub use vertex_array::{Attribute, MAX_ATTRIBUTES, VertexArray};

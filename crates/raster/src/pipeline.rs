@@ -11,9 +11,9 @@ use crate::{
     front::{Capture, Front, Sink, Source},
     output::{Class, DepthOutput, FragmentOutput},
     primitive::{Chunk, Setup, Window},
+    render_target::{Extent, Framebuffer, Layout},
     stages::{FragmentShader, GeometryShader, Program, Tessellation, Vertex, VertexShader},
     state::{Compare, Multisample, PolygonMode, State, Topology},
-    target::{Extent, Framebuffer, Layout},
     tile::{ColorPlan, DepthPlan, HiddenBy, Plan, TileDrawer},
     varyings::{Mode, Varyings, any_per_sample},
 };
@@ -87,7 +87,7 @@ where
                 if jobs == 1 { vec![run(0)] } else { (0..jobs).into_par_iter().map(run).collect() };
             chunks.iter().for_each(|chunk| counters += chunk.counters);
             let touched = |number: usize| chunks.iter().any(|c| c.starts[number] != c.starts[number + 1]);
-            let draw_tile = |(number, tile): (usize, &mut crate::target::Tile)| {
+            let draw_tile = |(number, tile): (usize, &mut crate::render_target::Tile)| {
                 let mut drawer = TileDrawer::new(&self.program.fragment, &self.state, &self.plan, &window.pattern);
                 if touched(number) {
                     drawer.draw(tile, number, &chunks);

@@ -7,9 +7,9 @@ use super::{
 };
 use crate::{
     counters::Counters,
+    render_target::TILE,
     samples::SUBPIXELS,
     stages::Vertex,
-    target::TILE,
     varyings::{Varyings, any_is},
 };
 

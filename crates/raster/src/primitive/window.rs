@@ -3,9 +3,9 @@
 use glam::Vec4;
 
 use crate::{
+    render_target::{DepthFormat, Extent},
     samples::{Pattern, SUBPIXELS},
     state::{DepthRange, MAX_SIZE, RasterState, Rect, State, Viewport},
-    target::{DepthFormat, Extent},
 };
 
 /// The largest window coordinate in pixels: beyond, primitives are clipped, so that edges are exact in 64 bits and fit

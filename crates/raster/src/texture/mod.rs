@@ -15,8 +15,8 @@ use crate::{
     error::{Result, refuse},
     format::Format,
     output::Class,
+    render_target::{ColorTarget, DepthTarget, MAX_LAYERS},
     state::MAX_SIZE,
-    target::{ColorTarget, DepthTarget, MAX_LAYERS},
 };
 
 /// The dimensions of a texture.

@@ -3,10 +3,10 @@
 use super::{TileDrawer, tests::DepthPlan};
 use crate::{
     primitive::Primitive,
+    render_target::{BLOCK, BLOCK_PIXELS, TILE_PIXELS, Tile},
     samples::{Pattern, SUBPIXELS},
     stages::FragmentShader,
     state::Compare,
-    target::{BLOCK, BLOCK_PIXELS, TILE_PIXELS, Tile},
 };
 
 /// Which comparison may rule out samples before the fragment shader runs.

@@ -3,8 +3,8 @@
 use super::lanes::{COLUMN, ROW, bits_where};
 use crate::{
     primitive::{Edge, Primitive},
+    render_target::BLOCK,
     samples::{Pattern, SUBPIXELS},
-    target::BLOCK,
 };
 
 /// A block that a primitive touches.

@@ -10,9 +10,9 @@ mod write;
 use crate::{
     counters::Counters,
     primitive::{Chunk, Primitive},
+    render_target::{BLOCK, TILE, TILE_BLOCKS, Tile},
     samples::Pattern,
     stages::FragmentShader,
-    target::{BLOCK, TILE, TILE_BLOCKS, Tile},
 };
 pub(crate) use bounds::HiddenBy;
 pub(crate) use tests::DepthPlan;

@@ -7,9 +7,9 @@ use crate::{
     fragment::Quad,
     output::{DepthOutput, FragmentOutput},
     primitive::Primitive,
+    render_target::Tile,
     samples::{Pattern, SUBPIXELS},
     stages::FragmentShader,
-    target::Tile,
     varyings::{Floats, Mode, Varyings, any_centroid},
 };
 

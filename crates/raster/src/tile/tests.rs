@@ -3,10 +3,10 @@
 use super::{Strip, TileDrawer, lanes};
 use crate::{
     primitive::Primitive,
+    render_target::{BLOCK_PIXELS, DepthFormat, TILE_PIXELS, Tile},
     samples::SUBPIXELS,
     stages::FragmentShader,
     state::{Compare, DepthState, StencilFace, StencilOp},
-    target::{BLOCK_PIXELS, DepthFormat, TILE_PIXELS, Tile},
 };
 
 /// The depth test.

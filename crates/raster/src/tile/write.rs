@@ -7,9 +7,9 @@ use crate::{
     format::{Format, Numeric},
     output::FragmentOutput,
     primitive::Primitive,
+    render_target::{BLOCK_PIXELS, TILE_PIXELS, Tile},
     stages::FragmentShader,
     state::{BlendState, ColorState, LogicOp},
-    target::{BLOCK_PIXELS, TILE_PIXELS, Tile},
 };
 
 /// What happens to the colours of a target.

@@ -3,9 +3,9 @@
 use steradian_raster::{
     Draw, Fragment, Framebuffer, Pipeline, Program, State, Vertex, VertexInput, fragment,
     glam::Vec4,
+    render_target::Extent,
     stages::{Emitter, GeometryInput, GeometryOutput, GeometryShader},
     state::{Provoking, Topology},
-    target::Extent,
     varyings,
 };
 
