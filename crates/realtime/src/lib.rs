@@ -19,6 +19,7 @@ mod projection;
 mod rasterizer;
 mod shading;
 mod shadow;
+mod trace;
 mod visibility;
 
 pub use options::{BiasBy, Method, Options, SHADOWS, Shadows, Show};
@@ -27,7 +28,7 @@ pub use rasterizer::Rasterizer;
 pub use visibility::{Seen, Visibility};
 
 use steradian_core::Scene;
-use steradian_math::Vec3;
+use steradian_math::{Vec2, Vec3};
 
 /// What cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -51,4 +52,10 @@ fn extent(scene: &Scene) -> (Vec3, f32) {
     }
     let (center, radius) = bounds.bounding_sphere();
     if radius > 0.0 && radius.is_finite() { (center, radius) } else { (Vec3::ZERO, 1.0) }
+}
+
+/// Points that fill the unit square evenly (Roberts 2018, the R2 sequence), from its middle on.
+fn spread(index: u32) -> Vec2 {
+    let turn = |step: f64| (0.5 + step * f64::from(index)).fract() as f32;
+    Vec2::new(turn(0.754_877_666_246_692_7), turn(0.569_840_290_998_053_2))
 }

@@ -8,6 +8,7 @@ use crate::{
     projection::Projected,
     shading::Shader,
     shadow::{Eye, Shadowing},
+    spread,
     visibility::Visibility,
 };
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -225,10 +226,4 @@ fn place(film: &FilmSpec, number: u32) -> (Vec2, f32) {
     let u = spread(number);
     let (offset, weight) = film.filter.sample(u);
     (if number == 0 { u } else { offset + 0.5 }, weight)
-}
-
-/// Points that fill the unit square evenly (Roberts 2018, the R2 sequence), from its middle on.
-pub(crate) fn spread(index: u32) -> Vec2 {
-    let turn = |step: f64| (0.5 + step * f64::from(index)).fract() as f32;
-    Vec2::new(turn(0.754_877_666_246_692_7), turn(0.569_840_290_998_053_2))
 }

@@ -15,6 +15,7 @@ use steradian_transport::{Depth, nee, power_heuristic};
 use crate::{
     options::{Options, Show},
     shadow::Shadowing,
+    trace::Trace,
     visibility::Seen,
 };
 
@@ -22,14 +23,6 @@ use crate::{
 const FEW_LIGHTS: usize = 16;
 /// Surfaces that scatter nothing and are passed, beside mirrors and glass.
 const MOST_PASSED: u32 = 64;
-
-/// What follows the way of a pixel's light.
-pub struct Trace<'a> {
-    /// Counts rays, and keeps the light of each group of lights.
-    pub counters: &'a mut Counters,
-    /// The pixel, while what it sees itself is shaded.
-    pub pixel: Option<usize>,
-}
 
 /// Shades points.
 pub struct Shader<'a> {

@@ -23,7 +23,7 @@ use crate::{
     draw_list::DrawList,
     options::{Options, Shadows},
     projection::Projected,
-    shading::Trace,
+    trace::Trace,
     visibility::Visibility,
 };
 pub use casters::Casters;

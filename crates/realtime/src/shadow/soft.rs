@@ -40,7 +40,7 @@ enum Outline {
 impl Outline {
     /// A point of the light, relative to its middle, as seen along `direction`.
     fn point(&self, index: u32, center: Vec3, direction: Vec3) -> Vec3 {
-        let u = crate::rasterizer::spread(index);
+        let u = crate::spread(index);
         match *self {
             Self::Parallelogram([corner, ex, ey]) => corner + ex * u.x + ey * u.y - center,
             Self::Triangle([a, b, c]) => {
