@@ -9,6 +9,7 @@
 mod convert;
 mod image;
 mod material;
+mod message;
 mod render;
 mod scene;
 
@@ -26,11 +27,13 @@ mod _steradian {
     #[pymodule_export]
     use super::material::{Material, spectrum};
     #[pymodule_export]
+    use super::message::Message;
+    #[pymodule_export]
     use super::registry;
     #[pymodule_export]
     use super::render::Progress;
     #[pymodule_export]
-    use super::scene::{Message, Scene};
+    use super::scene::Scene;
 }
 
 /// The names of what there is, family by family, each with its description.

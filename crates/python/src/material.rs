@@ -1,6 +1,6 @@
 //! Materials and spectra as functions on arrays.
 
-use crate::scene;
+use crate::message;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2,
     ndarray::{Array2, ArrayView2},
@@ -77,7 +77,7 @@ impl Material {
         let mode = if wavelengths.is_some() { ColorMode::Spectral } else { ColorMode::Rgb };
         let options = CompileOptions { mode: Some(mode), size: Some((8, 8)), ..CompileOptions::default() };
         let compiled = steradian::compile(&desc, &options);
-        let Some(scene) = compiled.scene else { return Err(scene::error(&compiled.diagnostics)) };
+        let Some(scene) = compiled.scene else { return Err(message::error(&compiled.diagnostics)) };
         // The specimen is the first shape.
         let index = scene.geometries[0].material;
         Ok(Self { scene: Arc::new(scene), index, wavelengths })

@@ -1,0 +1,66 @@
+//! What reading and compiling had to say.
+
+use crate::SceneError;
+use pyo3::prelude::*;
+use steradian::scene::{Diagnostic, Diagnostics, Fidelity, Severity};
+
+/// One thing that reading or compiling had to say.
+#[pyclass(frozen, get_all, module = "steradian")]
+#[derive(Clone)]
+pub struct Message {
+    /// `error`, `warning`, `note`, or what was lost: `approximated`, `dropped`, `unused`.
+    kind: &'static str,
+    /// One sentence.
+    message: String,
+    /// The file, if it has a place in one.
+    path: Option<String>,
+    /// From 1.
+    line: Option<u32>,
+    /// From 1, in characters.
+    column: Option<u32>,
+    /// What to do about it.
+    help: Option<String>,
+    /// All of it, with the line and carets.
+    text: String,
+}
+
+#[pymethods]
+impl Message {
+    fn __str__(&self) -> &str {
+        &self.text
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<steradian.Message {}: {}>", self.kind, self.message)
+    }
+}
+
+impl From<&Diagnostic> for Message {
+    fn from(d: &Diagnostic) -> Self {
+        let kind = match (d.severity, d.fidelity) {
+            (Severity::Error, _) => "error",
+            (_, Some(Fidelity::Approximated)) => "approximated",
+            (_, Some(Fidelity::Dropped)) => "dropped",
+            (_, Some(Fidelity::Unused)) => "unused",
+            (Severity::Warning, None) => "warning",
+            (Severity::Note, None) => "note",
+        };
+        let at = d.location.as_ref();
+        Self {
+            kind,
+            message: d.message.clone(),
+            path: at.map(|l| l.path.clone()),
+            line: at.map(|l| l.line),
+            column: at.map(|l| l.column),
+            help: d.help.clone(),
+            text: d.to_string(),
+        }
+    }
+}
+
+/// The exception for messages among which are errors.
+pub fn error(diagnostics: &Diagnostics) -> PyErr {
+    let texts: Vec<String> =
+        diagnostics.iter().filter(|d| d.severity == Severity::Error).map(ToString::to_string).collect();
+    SceneError::new_err(texts.join("\n"))
+}
