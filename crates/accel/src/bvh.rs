@@ -9,7 +9,7 @@ use crate::simd::LANES;
 #[cfg(test)]
 use crate::simd::Row;
 use crate::traverse::{Nearest, UserLeaves};
-use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, build, stream};
+use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, construct, stream};
 use steradian_math::{Bounds3, Ray};
 
 /// With more nodes than these a tree is large. In tests small ones are, too.
@@ -35,9 +35,9 @@ impl Tree {
     /// Follows geometry that has moved: the shape of the tree is kept (`true`) when the same primitives can be hit as
     /// before, else it is built anew.
     pub fn update(&mut self, geometries: &[Geometry]) -> Result<bool, Error> {
-        let kept = refit(self, &build::Primitives::new(geometries)?);
+        let kept = refit(self, &construct::Primitives::new(geometries)?);
         if !kept {
-            *self = build::build(geometries, self.builder)?;
+            *self = construct::build(geometries, self.builder)?;
         }
         Ok(kept)
     }
@@ -108,7 +108,7 @@ impl Bvh {
     /// # Errors
     /// When there are too many primitives.
     pub fn build_by(builder: Builder, geometries: &[Geometry]) -> Result<Self, Error> {
-        Ok(Self { tree: build::build(geometries, builder)?, isa: SupportedIsa::best() })
+        Ok(Self { tree: construct::build(geometries, builder)?, isa: SupportedIsa::best() })
     }
 
     /// Follows geometry that has moved. When the numbers of primitives are the same and the same ones can be hit, the

@@ -25,8 +25,8 @@
 
 mod arena;
 pub mod bounding;
-mod build;
 mod bvh;
+mod construct;
 mod dispatch;
 mod every;
 mod geometry;
@@ -48,8 +48,8 @@ mod top_level;
 mod traverse;
 mod triangle;
 
-pub use build::Builder;
 pub use bvh::Bvh;
+pub use construct::Builder;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
 pub use isa::Isa;
 pub use placement::Instance;

@@ -2,8 +2,8 @@
 //! is kept.
 
 use crate::arena::Arena;
-use crate::build::Primitives;
 use crate::bvh::Tree;
+use crate::construct::Primitives;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! The stacks of a traversal: arrays on the machine's stack that are not initialised beyond their length.
 #![allow(unsafe_code)]
 
-use crate::build::MAX_DEPTH;
+use crate::construct::MAX_DEPTH;
 use crate::layout::ChildRef;
 use crate::simd::{LANES, last_key};
 use std::mem::MaybeUninit;

@@ -9,7 +9,7 @@ use crate::outline::Outline;
 use crate::packet::{Found, Packet};
 use crate::placement::{Instance, Placement};
 use crate::traverse::{Nearest, UserLeaves};
-use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, build, stream};
+use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, construct, stream};
 use glam::Mat4;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Ray};
@@ -51,7 +51,7 @@ impl TopLevel {
         instances: &[Instance],
     ) -> Result<Self, Error> {
         let boxes = boxes(&objects, instances)?;
-        let tree = build::build(&[world, &[Geometry::boxes(&boxes)]].concat(), builder)?;
+        let tree = construct::build(&[world, &[Geometry::boxes(&boxes)]].concat(), builder)?;
         Ok(Self {
             first_instance: tree.first[world.len()],
             tree,

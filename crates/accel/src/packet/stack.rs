@@ -2,7 +2,7 @@
 //! when their turn comes.
 #![allow(unsafe_code)]
 
-use crate::build::MAX_DEPTH;
+use crate::construct::MAX_DEPTH;
 use crate::layout::ChildRef;
 use crate::simd::{LANES, last_key};
 use std::mem::MaybeUninit;

@@ -8,7 +8,7 @@
 
 use super::shear::Shear;
 use super::wide::Child;
-use crate::build::{self, Builder, Part};
+use crate::construct::{self, Builder, Part};
 use crate::geometry::WORLD;
 use crate::traverse::{RayConstants, is_traceable};
 use crate::{Error, Geometry, Hit, PrimId};
@@ -82,7 +82,7 @@ impl MovingBvh {
         let usable: Vec<Triangle> = mesh.indices.iter().zip(0..).filter_map(triangle).collect();
         // In the middle of the time boxes are what they are on average.
         let boxes: Vec<Bounds3> = usable.iter().map(|t| Bounds3::from_points(t.at([0.5; 2]))).collect();
-        let (parts, order) = build::wide::<WIDTH>(&[Geometry::boxes(&boxes)], Builder::Sah)?;
+        let (parts, order) = construct::wide::<WIDTH>(&[Geometry::boxes(&boxes)], Builder::Sah)?;
         let triangles: Vec<Triangle> = order.iter().map(|&i| usable[i as usize]).collect();
         let mut nodes = Vec::with_capacity(parts.len());
         let mut around = vec![[Bounds3::EMPTY; 2]; parts.len()];

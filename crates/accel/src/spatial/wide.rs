@@ -4,7 +4,7 @@
 
 use super::items::Items;
 use super::search::Visitor;
-use crate::build::{self, Builder, Part};
+use crate::construct::{self, Builder, Part};
 use crate::traverse::RayConstants;
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray, Vec3};
@@ -121,7 +121,7 @@ struct Tree<B, const WIDTH: usize> {
 
 impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
     fn build(items: &Items, geometries: &[Geometry]) -> Result<Self, Error> {
-        let (nodes, indices) = build::wide::<WIDTH>(geometries, Builder::Sah)?;
+        let (nodes, indices) = construct::wide::<WIDTH>(geometries, Builder::Sah)?;
         let node = |parts: &[Option<(Bounds3, Part)>; WIDTH]| Node {
             boxes: B::new(parts.map(|part| part.map_or(Bounds3::EMPTY, |(bounds, _)| bounds))),
             children: parts.map(|part| part.map_or(Child::NONE, |(_, part)| Child::new(part))),

@@ -4,9 +4,9 @@ pub mod catalog;
 
 pub use catalog::MATERIALS;
 #[cfg(test)]
-mod bad_values;
+mod bad_values_tests;
 #[cfg(test)]
-mod colors_agree;
+mod colors_agree_tests;
 mod hair;
 mod layered;
 mod pbr;

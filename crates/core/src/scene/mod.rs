@@ -1,5 +1,7 @@
 //! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
 
+mod differentials;
+
 use crate::{
     camera::{Camera, ViewFootprint},
     color::ColorMode,

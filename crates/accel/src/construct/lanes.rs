@@ -315,7 +315,7 @@ fn faces((left, right): (__m256, __m256), scale: f32) -> __m256 {
 mod tests {
     use super::*;
     use crate::Geometry;
-    use crate::build::Primitives;
+    use crate::construct::Primitives;
     use steradian_math::hash::HashRng;
     use steradian_math::{Bounds3, Vec3};
 
@@ -340,7 +340,7 @@ mod tests {
             assert_eq!(plain.counts, wide.counts, "{round}");
             let bounds = |bins: &Bins<32>| bins.bounds.map(|axis| axis.map(Span::bounds));
             assert_eq!(bounds(&plain), bounds(&wide), "{round}");
-            let scale = crate::build::binary::scale(&extent.bounds);
+            let scale = crate::construct::binary::scale(&extent.bounds);
             let cut = plain.cheapest(&extent, scale, grid);
             assert_eq!(cheapest(&refs, &extent, scale, grid), Some(cut), "{round}");
             *if cut.is_some() { &mut cuts } else { &mut none } += 1;
