@@ -82,6 +82,9 @@ pub enum Error {
     /// An option of ambient occlusion that does not exist or has no such value.
     #[error("option '{0}' of ao is not understood; it knows distance, a length above 0")]
     AmbientOcclusionOption(String),
+    /// A picture that could not be written or read.
+    #[error(transparent)]
+    Image(#[from] steradian_image::Error),
     /// A scene that radiosity cannot do.
     #[error("{0}")]
     Radiosity(#[from] steradian_integrators::radiosity::Refusal),

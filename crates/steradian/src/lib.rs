@@ -20,6 +20,7 @@ pub mod inputs;
 pub mod load;
 mod method;
 mod missed;
+pub mod prelude;
 pub mod quality;
 pub mod radiosity;
 pub mod raster;

@@ -62,6 +62,17 @@ pub struct LeftOut {
 }
 
 impl Quality {
+    /// By an integrator, `NAME` or `NAME:key=value,…`; the rest follows the scene.
+    pub fn of(integrator: &str) -> Self {
+        Self { integrator: Some(integrator.into()), ..Self::default() }
+    }
+
+    /// With so many samples per pixel.
+    #[must_use]
+    pub fn spp(self, spp: u32) -> Self {
+        Self { spp: Some(spp), ..self }
+    }
+
     /// The integrator for a scene, and what it is to render.
     ///
     /// # Errors
@@ -309,7 +320,10 @@ fn unknown_option(integrator: &str, option: &str) -> Error {
     let keys: Vec<String> = known.iter().map(|o| format!("{} ({})", o.name, o.values)).collect();
     let keys = if keys.is_empty() { "none".to_owned() } else { keys.join("; ") };
     let key = option.split('=').next().unwrap_or(option).trim();
-    let hint = did_you_mean(key, known.iter().map(|o| o.name)).map(|h| format!(" ({h})")).unwrap_or_default();
+    let hint = match known.iter().find(|o| o.name == key) {
+        Some(o) => format!(" ('{key}' takes {})", o.values),
+        None => did_you_mean(key, known.iter().map(|o| o.name)).map(|h| format!(" ({h})")).unwrap_or_default(),
+    };
     Error::IntegratorOption { option: option.into(), integrator: integrator.into(), hint, keys }
 }
 
@@ -407,7 +421,7 @@ mod tests {
                     "a file" => "light",
                     values if values.starts_with("whole number") || values.starts_with("number") => "1",
                     values if values.contains("above 0") => "0.5",
-                    values if values.contains(" to ") => values.split(' ').next_back().unwrap_or(""),
+                    values if values.contains(" to ") => values.split(' ').next().unwrap_or(""),
                     values => values.split(',').next().unwrap_or(""),
                 };
                 let text = format!("{}:{}={value}", info.name, option.name);

@@ -120,3 +120,22 @@ fn scenes_are_opened_with_all_that_is_said_of_them() {
     let (scene, messages) = file("WorldBegin\nShape \"sphere\" \"float raduis\" 2\n").expect("a scene");
     assert!(scene.geometries.len() == 1 && messages.iter().any(|m| m.to_string().contains("raduis")));
 }
+
+/// A scene, a picture and a file in one expression; what is wrong comes with its place, and no file is left.
+#[test]
+fn a_picture_in_one_expression() {
+    use steradian::prelude::*;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scene, file) = (folder.path().join("s.pbrt"), folder.path().join("s.exr"));
+    let picture = |text: &str| -> Result<(), Error> {
+        std::fs::write(&scene, text).expect("written");
+        Scene::load(&scene)?.render(&Quality::of("path:max_depth=2").spp(2))?.save(&file)
+    };
+    let film = r#"Film "rgb" "integer xresolution" 5 "integer yresolution" 3 Camera "perspective" "#;
+    let said = picture(&format!("{film} WorldBegin Shape \"sphre\"")).expect_err("an error").to_string();
+    assert!(said.contains("s.pbrt:1:") && said.contains("'sphere'") && !file.exists(), "{said}");
+    picture(&format!("{film} WorldBegin LightSource \"infinite\"")).expect("a picture");
+    let read = steradian::image::read(&file, &Default::default()).expect("a picture");
+    assert_eq!((read.width(), read.height()), (5, 3));
+    assert!(read.channel("G").expect("green").iter().all(|v| *v > 0.5));
+}
