@@ -437,4 +437,28 @@ mod tests {
             }
         }
     }
+
+    /// Every integrator that has the option leaves out lights that the camera sees: here nothing else shines.
+    #[test]
+    fn hidden_lights_are_not_seen() {
+        let text = r#"Film "rgb" "integer xresolution" 4 "integer yresolution" 4
+            LookAt 0 0 -3  0 0 0  0 1 0 Camera "perspective" "float fov" 30 WorldBegin
+            Material "diffuse" "rgb reflectance" [0 0 0] AreaLightSource "diffuse" "rgb L" [4 4 4]
+            Shape "trianglemesh" "point3 P" [-9 -9 0  -9 9 0  9 9 0  9 -9 0] "integer indices" [0 1 2 0 2 3]"#;
+        let loaded = crate::load_bytes("lamp.pbrt", text.as_bytes().to_vec(), Some("pbrt"), &Default::default());
+        let mode = Some(steradian_core::ColorMode::Rgb);
+        let scene = compile(&loaded.desc, &Options { mode, ..Options::default() }).scene.expect("a sound scene");
+        let scene = std::sync::Arc::new(scene);
+        let seen = |name: &str, is_hidden: bool| {
+            let quality = Quality::of(&format!("{name}:hide_emitters={is_hidden}")).spp(4);
+            let picture = crate::render(&scene, &quality).expect(name);
+            picture.channel("G").expect("green").iter().sum::<f32>() / 16.0
+        };
+        for info in all_integrators().filter(|i| i.options.iter().any(|o| o.name == "hide_emitters")) {
+            assert_eq!(seen(info.name, true), 0.0, "{} sees a hidden light", info.name);
+            // S1 to S3 of light that is not polarised are black.
+            let is_black = info.name.starts_with("stokes-");
+            assert!(is_black || seen(info.name, false) > 3.0, "{}: {}", info.name, seen(info.name, false));
+        }
+    }
 }
