@@ -47,7 +47,8 @@ impl RenderScene for Arc<Scene> {
 pub struct Picture(pub Image);
 
 impl Picture {
-    /// Writes a file, which appears whole or not at all; its format is that of the extension, as [`write`] knows it.
+    /// Writes a file, which appears whole or not at all; its format is that of the extension, one that [`write()`]
+    /// knows.
     ///
     /// # Errors
     /// [`Error::Image`].
