@@ -1,8 +1,6 @@
 //! What path tracers know of a scene beforehand.
 
 use crate::{Stop, caustics::Caustics};
-#[cfg(test)]
-use steradian_core::Scene;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,13 +43,6 @@ pub struct Splitting {
 }
 
 impl Splitting {
-    /// More paths here and there than elsewhere, whatever pays.
-    #[cfg(test)]
-    pub fn here_and_there(scene: &Scene, edge: u32) -> Self {
-        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
-        Self { paths: (0..columns * rows).map(|k| 1 << (k % 3)).collect(), columns, edge }
-    }
-
     /// Of the samples of a pixel.
     pub fn paths(&self, [x, y]: [u32; 2]) -> u32 {
         if self.paths.is_empty() {

@@ -24,12 +24,10 @@ impl Integrator for Raycast {
             }
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
-                let is_hidden = self.hide_emitters;
-                return if is_hidden {
-                    Spectrum::ZERO
-                } else {
-                    nee::background(scene, ray.origin, ray.direction, &None, lambda)
-                };
+                if self.hide_emitters {
+                    break;
+                }
+                return nee::background(scene, ray.origin, ray.direction, &None, lambda);
             };
             let i = scene.interaction_of_light(&ray, &hit);
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {

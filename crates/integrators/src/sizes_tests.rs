@@ -85,7 +85,11 @@ impl<const MEDIA: bool> GroupIntegrator for Uneven<MEDIA> {
     type Buffer<'s> = GroupBuffer<'s>;
 
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
-        Precomputed { splitting: Splitting::here_and_there(scene, self.1), ..self.0.prepare(scene, plan, stop) }
+        let edge = self.1;
+        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
+        let paths = (0..columns * rows).map(|k| 1 << (k % 3)).collect();
+        let splitting = Splitting { paths, columns, edge };
+        Precomputed { splitting, ..self.0.prepare(scene, plan, stop) }
     }
 
     fn works_unprepared(&self) -> bool {

@@ -1,4 +1,5 @@
-//! Shadow rays through media: they are attenuated by Beer–Lambert through every interface and thin pane on their way.
+//! Shadow rays through media, interfaces and thin panes: Beer–Lambert where a medium is homogeneous, else an estimate by
+//! ratio tracking.
 
 use crate::{MAX_PASSES, tracking::Stretch};
 use steradian_engine::PathContext;

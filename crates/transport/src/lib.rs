@@ -1,5 +1,5 @@
-//! What methods that follow light have in common, and the same for all of them: the light that is asked for at a point,
-//! what a path meets that shines, and the weights by which ways to find light are put together.
+//! What all methods of light transport share: the state of a path and its vertices, following it to the next vertex,
+//! next-event estimation, emission and environments, media, Russian roulette, and weights of multiple importance sampling.
 
 pub mod attenuation;
 #[cfg(test)]

@@ -68,14 +68,9 @@ impl PathState {
         Self {
             ray,
             beta: Spectrum::ONE,
-            for_roulette: 1.0,
-            origin: None,
-            events: 0,
-            passes: 0,
             medium: scene.camera.medium,
             differential: scene.ray_differential(&ray),
-            lights: 1,
-            roulette_below: None,
+            ..Self::NONE
         }
     }
 

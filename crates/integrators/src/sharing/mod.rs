@@ -12,7 +12,7 @@
 //! is traced for all pairs, so the weights of a point sum to one, and the estimate is unbiased; samples of one pixel
 //! stay independent of each other. Where y is Lambertian, light that leaves it is the same towards everyone on its
 //! side. Elsewhere the finder's light sample and its direction at y are evaluated towards each member, and directions
-//! drawn there are weighed once more (`reuse/share.rs`): what comes to y from beyond is still the same for all. What
+//! drawn there are weighed once more (`sharing/share.rs`): what comes to y from beyond is still the same for all. What
 //! may not be shared is decided by x alone (who is a member), or by y alone (what serves its finder only). Light that y
 //! emits, and that of environments, is the finder's own.
 //!
