@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 use pyo3::prelude::*;
-use steradian::scene::{Diagnostic, Diagnostics, Fidelity, Severity};
+use steradian::scene::{Diagnostic, Diagnostics, Severity};
 
 /// One thing that reading or compiling had to say.
 #[pyclass(frozen, get_all, module = "steradian")]
@@ -37,17 +37,9 @@ impl Message {
 
 impl From<&Diagnostic> for Message {
     fn from(d: &Diagnostic) -> Self {
-        let kind = match (d.severity, d.fidelity) {
-            (Severity::Error, _) => "error",
-            (_, Some(Fidelity::Approximated)) => "approximated",
-            (_, Some(Fidelity::Dropped)) => "dropped",
-            (_, Some(Fidelity::Unused)) => "unused",
-            (Severity::Warning, None) => "warning",
-            (Severity::Note, None) => "note",
-        };
         let at = d.location.as_ref();
         Self {
-            kind,
+            kind: d.kind(),
             message: d.message.clone(),
             path: at.map(|l| l.path.clone()),
             line: at.map(|l| l.line),

@@ -60,17 +60,23 @@ pub struct Diagnostic {
     pub help: Option<String>,
 }
 
-impl fmt::Display for Diagnostic {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kind = match (self.severity, self.fidelity) {
+impl Diagnostic {
+    /// `error`, `warning`, `note`, or what was lost: `approximated`, `dropped`, `unused`.
+    pub fn kind(&self) -> &'static str {
+        match (self.severity, self.fidelity) {
             (Severity::Error, _) => "error",
             (_, Some(Fidelity::Approximated)) => "approximated",
             (_, Some(Fidelity::Dropped)) => "dropped",
             (_, Some(Fidelity::Unused)) => "unused",
             (Severity::Warning, None) => "warning",
             (Severity::Note, None) => "note",
-        };
-        write!(f, "{kind}: {}", self.message)?;
+        }
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.kind(), self.message)?;
         if let Some(l) = &self.location {
             let number = l.line.to_string();
             let gap = " ".repeat(number.len());
