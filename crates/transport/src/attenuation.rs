@@ -1,5 +1,5 @@
-//! Shadow rays through media, interfaces and thin panes: Beer–Lambert where a medium is homogeneous, else an estimate by
-//! ratio tracking.
+//! Shadow rays through media, interfaces and thin panes: Beer–Lambert where a medium is homogeneous, else an estimate
+//! by ratio tracking.
 
 use crate::{MAX_PASSES, tracking::Stretch};
 use steradian_engine::PathContext;

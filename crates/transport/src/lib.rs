@@ -1,5 +1,6 @@
 //! What all methods of light transport share: the state of a path and its vertices, following it to the next vertex,
-//! next-event estimation, emission and environments, media, Russian roulette, and weights of multiple importance sampling.
+//! next-event estimation, emission and environments, media, Russian roulette, and weights of multiple importance
+//! sampling.
 
 pub mod attenuation;
 #[cfg(test)]
