@@ -10,9 +10,9 @@ use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
 };
+use steradian_bsdf::TransportMode;
 use steradian_core::{
     Scene,
-    bsdf::TransportMode,
     footprint::RayDifferential,
     material::Scattering,
     relief::{
@@ -21,11 +21,11 @@ use steradian_core::{
         parallax,
         search::{self, ConeMap, DistanceField},
     },
-    texture::{Footprint, card},
 };
 use steradian_image::{Image, WriteOptions, write};
 use steradian_math::{Frame, Ray, Vec2, Vec3, spectra::Wavelengths};
 use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, SpectrumValue, Value};
+use steradian_texture::{Footprint, card};
 
 /// Pixels along a side of a tile.
 const SIZE: usize = 120;

@@ -7,31 +7,8 @@
 //! is that which the camera would have if it saw the point directly, as in Pharr, Jakob, Humphreys, *Physically Based
 //! Rendering* 4th ed., § 10.1.3.
 
-use crate::{bsdf::BsdfSample, texture::Footprint};
-use steradian_math::{Vec2, Vec3};
-
-impl Footprint {
-    /// A point without extent.
-    pub const POINT: Self = Self { dpdx: Vec3::ZERO, dpdy: Vec3::ZERO, duvdx: Vec2::ZERO, duvdy: Vec2::ZERO };
-
-    /// The footprint of two displacements in the tangent plane; the parameters change by least squares.
-    /// Parametrisations that are degenerate, and displacements out of range, give none.
-    pub fn new(dpdx: Vec3, dpdy: Vec3, dpdu: Vec3, dpdv: Vec3) -> Self {
-        // A change of a million periods averages over everything.
-        const MOST: f32 = 1e6;
-        if !(dpdx.is_finite() && dpdy.is_finite()) {
-            return Self::POINT;
-        }
-        let (uu, uv, vv) = (dpdu.dot(dpdu), dpdu.dot(dpdv), dpdv.dot(dpdv));
-        let det = uu * vv - uv * uv;
-        let solve = |dp: Vec3| {
-            let (u, v) = (dpdu.dot(dp), dpdv.dot(dp));
-            let duv = Vec2::new(vv * u - uv * v, uu * v - uv * u) / det;
-            if duv.is_finite() { duv.clamp(Vec2::splat(-MOST), Vec2::splat(MOST)) } else { Vec2::ZERO }
-        };
-        Self { dpdx, dpdy, duvdx: solve(dpdx), duvdy: solve(dpdy) }
-    }
-}
+use steradian_bsdf::BsdfSample;
+use steradian_math::Vec3;
 
 /// A ray's derivatives with respect to the sample's place in the film, per sample spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -203,15 +180,5 @@ mod tests {
                 assert!((differential.direction[k] - d).length() < 2e-3 * d.length(), "{bounces:?} {k}");
             }
         }
-    }
-
-    #[test]
-    fn parameters_change_with_the_tangents() {
-        let (u, v) = (Vec3::new(2.0, 0.0, 0.0), Vec3::new(1.0, 4.0, 0.0));
-        let f = Footprint::new(u * 0.5 + v * 0.25, v * -2.0, u, v);
-        assert!((f.duvdx - Vec2::new(0.5, 0.25)).length() < 1e-6 && (f.duvdy - Vec2::new(0.0, -2.0)).length() < 1e-6);
-        // Degenerate parametrisations, and what is out of range, have no extent.
-        assert_eq!(Footprint::new(Vec3::X, Vec3::Y, Vec3::X, Vec3::X).duvdx, Vec2::ZERO);
-        assert_eq!(Footprint::new(Vec3::splat(f32::NAN), Vec3::Y, Vec3::X, Vec3::Y), Footprint::POINT);
     }
 }

@@ -1,8 +1,6 @@
 //! The scene as it is rendered: [`compile`](compile::compile) turns a description into an immutable [`Scene`].
 
-pub mod bsdf;
 pub mod camera;
-pub mod color;
 pub mod compile;
 pub mod footprint;
 pub mod light;
@@ -12,9 +10,8 @@ pub mod relief;
 pub mod sampler;
 pub mod scene;
 pub mod shape;
-pub mod texture;
 
-pub use color::ColorMode;
 pub use compile::{Compiled, compile};
 pub use scene::Scene;
 pub use steradian_film as film;
+pub use steradian_math::spectra::ColorMode;

@@ -4,7 +4,6 @@
 use std::{f64::consts::TAU, sync::Arc};
 use steradian_core::{
     ColorMode, Scene,
-    color::Color,
     compile::{Options, compile},
     light::{
         Environment, LightContext,
@@ -12,7 +11,11 @@ use steradian_core::{
     },
 };
 use steradian_image::{Encoding, TexelData, Texels};
-use steradian_math::{DVec3, Frame, Ray, Transform, Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
+use steradian_math::{
+    DVec3, Frame, Ray, Transform, Vec2, Vec3,
+    hash::HashRng,
+    spectra::{Wavelengths, role::Color},
+};
 use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, Shape, SpectrumValue, Value};
 use steradian_testkit::{chi2_test, sidak};
 

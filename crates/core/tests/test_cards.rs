@@ -8,14 +8,16 @@ mod one_shape;
 use std::path::PathBuf;
 use steradian_core::{
     Scene,
-    color::Role,
     compile::{Options, compile},
     material::Model,
-    texture::{SpectrumTexture, TextureContext, card},
 };
 use steradian_image::{Image, Precision, WriteOptions, write};
-use steradian_math::{DVec3, Ray, Transform, Vec2, Vec3, spectra::Wavelengths};
+use steradian_math::{
+    DVec3, Ray, Transform, Vec2, Vec3,
+    spectra::{Wavelengths, role::Role},
+};
 use steradian_scene::{Family, Mesh, Node, NodeId, SceneDesc, Value};
+use steradian_texture::{SpectrumTexture, TextureContext, card};
 
 const LAMBDA: Wavelengths = Wavelengths::RGB;
 

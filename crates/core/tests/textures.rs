@@ -4,13 +4,19 @@ mod one_shape;
 
 use steradian_core::{
     ColorMode, Scene,
-    color::{Color, Role},
     compile::{Options, compile},
     material::Model,
-    texture::{SpectrumTexture, Texture, TextureContext, TextureId, Textures},
 };
-use steradian_math::{Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
+use steradian_math::{
+    Vec2, Vec3,
+    hash::HashRng,
+    spectra::{
+        Wavelengths,
+        role::{Color, Role},
+    },
+};
 use steradian_scene::{ColorSpace, Family, Node, NodeId, SceneDesc, SpectrumValue, Value};
+use steradian_texture::{SpectrumTexture, Texture, TextureContext, TextureId, Textures};
 
 const LAMBDA: Wavelengths = Wavelengths::RGB;
 

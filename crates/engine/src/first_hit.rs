@@ -1,7 +1,11 @@
 //! Auxiliary layers: what a camera ray sees first.
 
-use steradian_core::{ColorMode, Scene, bsdf::Bsdf, color, film::FirstHit};
-use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+use steradian_bsdf::Bsdf;
+use steradian_core::{ColorMode, Scene, film::FirstHit};
+use steradian_math::{
+    Ray, Spectrum, Vec3,
+    spectra::{Wavelengths, role},
+};
 
 /// Sets of four wavelengths at which the albedo of a spectral scene is evaluated. They are the same for all samples, so
 /// that the layer has no noise of wavelengths.
@@ -24,7 +28,7 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
         };
         let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
             let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
-            scene.mode.to_rgb(color::under_white(albedo, lambda, scene.mode), lambda)
+            scene.mode.to_rgb(role::under_white(albedo, lambda, scene.mode), lambda)
         };
         let albedo = match scene.mode {
             ColorMode::Rgb => albedo(&s.bsdf, lambda),
@@ -33,7 +37,7 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
                 for set in 0..SETS {
                     let lambda =
                         Wavelengths::sample_visible((set as f32 + 0.5) / (4 * SETS) as f32).at_time(lambda.time);
-                    let one = color::under_white(Spectrum::ONE, &lambda, scene.mode);
+                    let one = role::under_white(Spectrum::ONE, &lambda, scene.mode);
                     white += scene.mode.to_rgb(one, &lambda);
                     sum += at(&lambda).map_or(Vec3::ZERO, |(s, _)| albedo(&s.bsdf, &lambda));
                 }

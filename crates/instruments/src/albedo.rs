@@ -3,7 +3,7 @@
 use crate::{Specimen, direction};
 use rayon::prelude::*;
 use serde::Serialize;
-use steradian_core::bsdf::TransportMode;
+use steradian_bsdf::TransportMode;
 use steradian_math::{Spectrum, Vec2, sobol::shuffled_scrambled_sobol_4d};
 
 /// Directional–hemispherical reflectance and transmittance.

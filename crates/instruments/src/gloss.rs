@@ -8,8 +8,11 @@
 use crate::{Specimen, direction};
 use rayon::prelude::*;
 use serde::Serialize;
-use steradian_core::bsdf::{TransportMode, fresnel};
-use steradian_math::{Frame, Vec2, Vec3, sobol::shuffled_scrambled_sobol_2d, sobol::shuffled_scrambled_sobol_4d};
+use steradian_bsdf::{TransportMode, fresnel};
+use steradian_math::{
+    Frame, Vec2, Vec3,
+    sobol::{shuffled_scrambled_sobol_2d, shuffled_scrambled_sobol_4d},
+};
 
 /// Index of refraction of the glass that has 100 gloss units.
 pub const BLACK_GLASS: f32 = 1.567;

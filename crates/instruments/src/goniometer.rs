@@ -3,7 +3,8 @@
 
 use crate::{Specimen, TransportMode, direction};
 use rayon::prelude::*;
-use steradian_core::{Scene, bsdf::measured::angles};
+use steradian_bsdf::measured::angles;
+use steradian_core::Scene;
 use steradian_math::{Frame, Ray, Vec2, Vec3, hash::HashRng, spectra::Wavelengths};
 
 /// The luminance of `f` as a table of angles that the material `measured` reads: steps of the angle from the normal and

@@ -22,7 +22,7 @@ mod specimen;
 pub mod vision;
 
 pub use specimen::Specimen;
-pub use steradian_core::bsdf::TransportMode;
+pub use steradian_bsdf::TransportMode;
 
 use steradian_math::Vec3;
 

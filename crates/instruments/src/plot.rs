@@ -2,7 +2,7 @@
 
 use crate::{Specimen, direction};
 use std::fmt::Write;
-use steradian_core::bsdf::TransportMode;
+use steradian_bsdf::TransportMode;
 use steradian_math::{Vec2, sobol::shuffled_scrambled_sobol_4d};
 
 /// Angles of incidence that are drawn, degrees, and their colours.

@@ -1,12 +1,12 @@
 //! A piece of material under the instruments.
 
+use steradian_bsdf::{BsdfEval, BsdfSample, TransportMode};
 use steradian_core::{
     ColorMode, Scene,
-    bsdf::{BsdfEval, BsdfSample, TransportMode},
     material::{self, Scattering},
-    texture::TextureContext,
 };
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_texture::TextureContext;
 
 /// How finely mixtures, which choose one of their parts by a number, are averaged over it.
 const MIXTURE_STRATA: u32 = 64;

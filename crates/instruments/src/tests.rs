@@ -9,9 +9,9 @@ use crate::{
     microsurface::Microsurface,
     plot,
 };
+use steradian_bsdf::{Microfacet, NormalDistribution, Shadowing, fresnel, measured::AngleTable};
 use steradian_core::{
     Scene,
-    bsdf::{Microfacet, NormalDistribution, Shadowing, fresnel, measured::AngleTable},
     compile::{Options, compile},
 };
 use steradian_math::Vec3;
@@ -137,8 +137,8 @@ fn a_gaussian_surface_scatters_as_beckmann() {
         let bins = Bins { rings: 6, sectors: 4 };
         let seen = goniometer::geometry(&s, wi, bins, 1 << 18, 8);
         let facets = Microfacet::new(NormalDistribution::Beckmann, Shadowing::HeightCorrelated, alpha, alpha);
-        let mirror = steradian_core::bsdf::Conductor::mirror(steradian_math::Spectrum::ONE, facets);
-        let model = steradian_core::bsdf::Bsdf::Conductor(mirror);
+        let mirror = steradian_bsdf::Conductor::mirror(steradian_math::Spectrum::ONE, facets);
+        let model = steradian_bsdf::Bsdf::Conductor(mirror);
         // The model's mean over each bin, by midpoints in projected solid angle.
         let (mut worst, n) = (0.0f64, 24);
         for (b, single) in seen.single.iter().enumerate() {

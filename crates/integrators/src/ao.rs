@@ -2,9 +2,8 @@
 //! distance, `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
 
 use crate::{Integrator, MAX_PASSES, dimension};
-use steradian_core::color;
 use steradian_engine::PathContext;
-use steradian_math::{Frame, Ray, Spectrum, warp};
+use steradian_math::{Frame, Ray, Spectrum, spectra::role, warp};
 
 /// Ambient occlusion.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +32,7 @@ impl Integrator for AmbientOcclusion {
             counters.rays += 1;
             let is_open = !scene.occluded(&Ray { t_max: self.distance, ..i.spawn(w) });
             // In spectral mode white is the white of the colour space, not a flat spectrum.
-            return color::under_white(Spectrum::splat(f32::from(is_open)), lambda, scene.mode);
+            return role::under_white(Spectrum::splat(f32::from(is_open)), lambda, scene.mode);
         }
         Spectrum::ZERO
     }

@@ -1,9 +1,8 @@
 //! Ray casting: the colour of the first surface, as if white light were everywhere the same.
 
 use crate::{Integrator, MAX_PASSES, nee};
-use steradian_core::color;
 use steradian_engine::PathContext;
-use steradian_math::{Ray, Spectrum};
+use steradian_math::{Ray, Spectrum, spectra::role};
 
 /// The ray caster.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +32,7 @@ impl Integrator for Raycast {
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
                 Some((s, frame)) => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
-                    let color = color::under_white(albedo, lambda, scene.mode);
+                    let color = role::under_white(albedo, lambda, scene.mode);
                     return if self.hide_emitters { color } else { color + nee::emission(scene, &i, &None, lambda) };
                 }
                 None => {

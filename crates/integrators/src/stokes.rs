@@ -6,7 +6,7 @@
 //! picture of `path`.
 
 use crate::{Depth, Integrator, dimension, live_max, nee};
-use steradian_core::bsdf::{TransportMode, polarized};
+use steradian_bsdf::{TransportMode, polarized};
 use steradian_engine::PathContext;
 use steradian_math::{
     Ray, Spectrum,

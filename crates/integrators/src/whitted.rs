@@ -2,8 +2,8 @@
 //! and nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
 use crate::{Depth, Integrator, MAX_PASSES, dimension, nee};
+use steradian_bsdf::TransportMode;
 use steradian_core::{
-    bsdf::TransportMode,
     footprint::{Bounce, RayDifferential},
     light::{Light, LightContext},
     material::Scattering,

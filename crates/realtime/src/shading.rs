@@ -1,8 +1,8 @@
 //! What a seen point sends to the eye.
 
+use steradian_bsdf::TransportMode;
 use steradian_core::{
     Scene,
-    bsdf::TransportMode,
     footprint::Bounce,
     light::{Light, LightContext},
     material::Scattering,

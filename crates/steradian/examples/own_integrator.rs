@@ -2,7 +2,7 @@
 //! `cargo run --release -p steradian --example own_integrator -- scenes/showcase.pbrt own.exr`
 
 use std::{error::Error, fs::File, io::Write, path::Path, sync::Arc};
-use steradian::core::bsdf::TransportMode;
+use steradian::bsdf::TransportMode;
 use steradian::engine::{Integrator, PathContext, PerPixel, Session, dimension};
 use steradian::math::{Ray, Spectrum};
 use steradian::{Layer, Quality, image, transport::nee};

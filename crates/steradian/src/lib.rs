@@ -37,6 +37,7 @@ pub use missed::missing_light;
 pub use quality::{LeftOut, Quality};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
+pub use steradian_bsdf as bsdf;
 pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
 pub use steradian_core::material::catalog as materials;
@@ -57,6 +58,7 @@ pub use steradian_integrators::{
 };
 pub use steradian_math as math;
 pub use steradian_scene as scene;
+pub use steradian_texture as texture;
 pub use steradian_transport as transport;
 
 use std::sync::Arc;
@@ -72,7 +74,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     vec![
         ("integrators", all_integrators().map(|i| (i.name, i.description)).collect()),
         ("materials", materials::MATERIALS.iter().chain([&materials::DETAIL]).map(|e| (e.name, e.doc)).collect()),
-        ("textures", core::texture::TEXTURES.to_vec()),
+        ("textures", texture::TEXTURES.to_vec()),
         ("lights", core::light::LIGHTS.to_vec()),
         ("shapes", core::shape::SHAPES.to_vec()),
         ("cameras", core::camera::CAMERAS.to_vec()),

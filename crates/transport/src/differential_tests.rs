@@ -1,9 +1,9 @@
 //! Ray differentials along paths, held against neighbouring paths that are traced.
 
 use crate::{Arrival, Depth, GuidedDirection, PathState, Vertex, arrive};
+use steradian_bsdf::TransportMode;
 use steradian_core::{
     ColorMode, Scene,
-    bsdf::TransportMode,
     compile::{Options, compile},
     sampler::{Sampler, SamplerKind},
     scene::Interaction,

@@ -1,6 +1,7 @@
 //! Directions drawn by more than scattering alone.
 
-use steradian_core::{bsdf::BsdfSample, material::Scattering};
+use steradian_bsdf::BsdfSample;
+use steradian_core::material::Scattering;
 use steradian_math::{Frame, Vec2, Vec3};
 
 /// What knows where light comes from, and draws directions that lead there.

@@ -1,9 +1,9 @@
 //! Next-event estimation: what a light, chosen in proportion to what it can contribute, adds at a scattering event.
 
 use crate::power_heuristic;
+use steradian_bsdf::{Bsdf, TransportMode};
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, TransportMode},
     light::{Light, LightContext, LightSample},
     material::Scattering,
     sampler::PixelSampler,

@@ -7,9 +7,9 @@ use crate::{
     roulette::roulette,
     vertex::Vertex,
 };
+use steradian_bsdf::{Bsdf, BsdfSample, Lobe, TransportMode};
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, BsdfSample, Lobe, TransportMode},
     footprint::{Bounce, RayDifferential},
     sampler::PixelSampler,
 };

@@ -171,11 +171,10 @@ mod tests {
     use std::sync::{Arc, atomic::AtomicBool};
     use steradian_core::{
         ColorMode,
-        color::Color,
         medium::{Grid, Variation},
-        texture::Wrap,
     };
-    use steradian_math::{Bounds3, Vec3, transform::Affine};
+    use steradian_math::{Bounds3, Vec3, spectra::role::Color, transform::Affine};
+    use steradian_texture::Wrap;
 
     /// A way of thousands of null events through an empty part of a cell ends where that is asked for, and else by
     /// itself.

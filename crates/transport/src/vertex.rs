@@ -1,9 +1,9 @@
 //! Where a path scatters: light straight from lights, and the way on.
 
 use crate::{attenuation, nee, power_heuristic};
+use steradian_bsdf::{BsdfEval, TransportMode};
 use steradian_core::{
     Scene,
-    bsdf::{BsdfEval, TransportMode},
     light::LightContext,
     material::Scattering,
     medium::Medium,

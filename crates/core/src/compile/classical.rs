@@ -1,17 +1,18 @@
 //! Compiling the classical models, Cook and Torrance's, and metals with more than an index.
 
 use super::Compiler;
-use crate::{
-    bsdf::{Compensation, DiffuseCoupling, NormalDistribution, OrenNayarForm, Shadowing, WardForm},
-    color::{Color, Role},
-    material::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal, Model, Roughness},
-    texture::{FloatTexture, SpectrumTexture},
-};
+use crate::material::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal, Model, Roughness};
+use steradian_bsdf::{Compensation, DiffuseCoupling, NormalDistribution, OrenNayarForm, Shadowing, WardForm};
 use steradian_math::{
     Vec3,
-    spectra::{Curve, Spd, dispersion::complex_index},
+    spectra::{
+        Curve, Spd,
+        dispersion::complex_index,
+        role::{Color, Role},
+    },
 };
 use steradian_scene::{Node, SpectrumValue};
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 const HALF: SpectrumValue = SpectrumValue::Constant(0.5);
@@ -278,15 +279,14 @@ fn k_of_reflectance(r: &Color) -> Color {
 #[cfg(test)]
 mod tests {
     use super::super::{Options, compile};
-    use crate::{
-        Scene,
-        bsdf::{Bsdf, TransportMode},
-        color::ColorMode,
-        material::scattering,
-        texture::TextureContext,
+    use crate::{Scene, material::scattering};
+    use steradian_bsdf::{Bsdf, TransportMode};
+    use steradian_math::{
+        Spectrum, Vec2, Vec3,
+        spectra::{ColorMode, Wavelengths},
     };
-    use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
     use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, SpectrumValue, Value};
+    use steradian_texture::TextureContext;
 
     fn material(kind: &str) -> Node {
         Node::new(Family::Material, kind, None)
@@ -376,7 +376,8 @@ mod tests {
                 let reflectance = f64::from(0.1 + 0.8 * (l - 360.0) / 470.0);
                 assert!((furnace[lane] - reflectance).abs() < 2e-3, "{l} nm: {} is not {reflectance}", furnace[lane]);
                 let exact =
-                    crate::bsdf::fresnel::conductor(wo.z, Spectrum::splat(eta.eval(l)), Spectrum::splat(k.eval(l)))[0];
+                    steradian_bsdf::fresnel::conductor(wo.z, Spectrum::splat(eta.eval(l)), Spectrum::splat(k.eval(l)))
+                        [0];
                 assert!((mirrored[lane] - exact).abs() < 5e-3, "{l} nm: {} is not {exact}", mirrored[lane]);
             }
         }

@@ -1,10 +1,8 @@
 //! The tables of coats, shared by materials: one takes milliseconds to make, and scenes have many materials.
 
-use crate::{
-    ColorMode,
-    bsdf::{CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing},
-};
+use crate::ColorMode;
 use std::{collections::HashMap, sync::Arc};
+use steradian_bsdf::{CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing};
 
 /// Roughnesses of one kind of coat that get a table of their own; further ones share a table over all roughnesses.
 const EXACT: usize = 16;

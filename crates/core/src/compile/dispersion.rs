@@ -1,12 +1,9 @@
 //! Dispersion by formula: an index of refraction from an Abbe number, or from Cauchy's or Sellmeier's constants.
 
 use super::Compiler;
-use crate::{
-    color::{Color, ColorMode},
-    material::Eta,
-};
+use crate::material::Eta;
 use std::sync::Arc;
-use steradian_math::spectra::{Dense, Dispersion, LAMBDA_COUNT, LAMBDA_MIN, Spd};
+use steradian_math::spectra::{ColorMode, Dense, Dispersion, LAMBDA_COUNT, LAMBDA_MIN, Spd, role::Color};
 use steradian_scene::Node;
 
 /// The sodium line, nm: where an index that cannot depend on the wavelength is taken.

@@ -1,13 +1,10 @@
 //! Compiling displaced meshes.
 
 use super::Compiler;
-use crate::{
-    color::Role,
-    shape::displacement::{MAX_TRIANGLES, Vertex, displace},
-    texture::{FloatTexture, SpectrumTexture, TextureContext},
-};
-use steradian_math::{Vec3, transform::Affine};
+use crate::shape::displacement::{MAX_TRIANGLES, Vertex, displace};
+use steradian_math::{Vec3, spectra::role::Role, transform::Affine};
 use steradian_scene::{Mesh, Node};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext};
 
 impl Compiler<'_> {
     /// The mesh with its triangles split and its vertices moved by the shape's `displacement`: heights along the

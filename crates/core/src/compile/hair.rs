@@ -1,14 +1,15 @@
 //! Compiling hair.
 
 use super::Compiler;
-use crate::{
-    bsdf::hair::{EUMELANIN, PHEOMELANIN},
-    color::{Color, Role},
-    material::{Absorption, HairMaterial, Model},
-    texture::{FloatTexture, SpectrumTexture},
+use crate::material::{Absorption, HairMaterial, Model};
+use steradian_bsdf::hair::{EUMELANIN, PHEOMELANIN};
+use steradian_math::{
+    Vec3,
+    color::space::REC709,
+    spectra::role::{Color, Role},
 };
-use steradian_math::{Vec3, color::space::REC709};
 use steradian_scene::{Node, SpectrumValue};
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 impl Compiler<'_> {
     pub(super) fn hair(&mut self, node: &Node) -> Model {

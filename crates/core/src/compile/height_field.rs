@@ -1,13 +1,10 @@
 //! Compiling height fields.
 
 use super::Compiler;
-use crate::{
-    relief::HeightField,
-    shape::Field,
-    texture::{FloatTexture, TextureContext},
-};
+use crate::{relief::HeightField, shape::Field};
 use steradian_math::{Vec2, transform::Affine};
 use steradian_scene::Node;
+use steradian_texture::{FloatTexture, TextureContext};
 
 /// Most samples of a height field: 256 MiB of them.
 pub(super) const MOST: i64 = 1 << 26;

@@ -1,12 +1,10 @@
 //! Compiling coats that need random walks.
 
 use super::Compiler;
-use crate::{
-    color::Role,
-    material::{LayeredBase, LayeredMaterial, Model},
-    texture::SpectrumTexture,
-};
+use crate::material::{LayeredBase, LayeredMaterial, Model};
+use steradian_math::spectra::role::Role;
 use steradian_scene::{Node, SpectrumValue, Value};
+use steradian_texture::SpectrumTexture;
 
 const ZERO: SpectrumValue = SpectrumValue::Constant(0.0);
 

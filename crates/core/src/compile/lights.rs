@@ -1,18 +1,20 @@
 //! Compiling lights that are not attached to shapes.
 
 use super::Compiler;
-use crate::{
-    color::{Color, Role},
-    light::{
-        Environment, Goniometric, LIGHTS, Light, Projection, Spot,
-        environment::{EnvironmentImage, Parametrization},
-        punctual::{Falloff, Slide},
-    },
-    texture::SpectrumTexture,
+use crate::light::{
+    Environment, Goniometric, LIGHTS, Light, Projection, Spot,
+    environment::{EnvironmentImage, Parametrization},
+    punctual::{Falloff, Slide},
 };
 use steradian_image::Texels;
-use steradian_math::{Vec2, Vec3, color::luminance, transform::Affine};
+use steradian_math::{
+    Vec2, Vec3,
+    color::luminance,
+    spectra::role::{Color, Role},
+    transform::Affine,
+};
 use steradian_scene::{ColorSpace, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_texture::SpectrumTexture;
 
 const WHITE: SpectrumValue = SpectrumValue::Rgb([1.0; 3], ColorSpace::Srgb);
 

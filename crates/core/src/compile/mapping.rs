@@ -1,12 +1,12 @@
 //! Compiling texture mappings.
 
 use super::Compiler;
-use crate::texture::{
+use steradian_math::{Vec2, Vec3, transform::Affine};
+use steradian_scene::Node;
+use steradian_texture::{
     Mapping,
     mapping::{Intermediary, ObjectMap, Projector},
 };
-use steradian_math::{Vec2, Vec3, transform::Affine};
-use steradian_scene::Node;
 
 #[derive(Clone, Copy)]
 enum Kind {

@@ -1,17 +1,18 @@
 //! Compiling materials and media.
 
 use super::{Compiler, ResolvedMaterial};
-use crate::{
-    bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail},
-    color::{Color, ColorMode, Role},
-    material::{
-        Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail, catalog,
-        normal_code::{NORMAL_CODES, NormalCode},
-    },
-    texture::{FloatTexture, SpectrumTexture, Texture, TextureId},
+use crate::material::{
+    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail, catalog,
+    normal_code::{NORMAL_CODES, NormalCode},
 };
 use std::sync::Arc;
+use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail};
+use steradian_math::spectra::{
+    ColorMode,
+    role::{Color, Role},
+};
 use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_texture::{FloatTexture, SpectrumTexture, Texture, TextureId};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 const HALF: SpectrumValue = SpectrumValue::Constant(0.5);

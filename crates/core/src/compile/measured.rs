@@ -1,16 +1,16 @@
 //! Compiling measured materials: their files are read here.
 
 use super::Compiler;
-use crate::{
-    bsdf::measured::{Btf, MeasuredData, Wanted, btf},
-    color::{Color, ColorMode},
-    material::Model,
-    texture::SpectrumTexture,
-};
+use crate::material::Model;
 use std::{path::Path, sync::Arc};
+use steradian_bsdf::measured::{Btf, MeasuredData, Wanted, btf};
 use steradian_image::read_regular;
-use steradian_math::Vec3;
+use steradian_math::{
+    Vec3,
+    spectra::{ColorMode, role::Color},
+};
 use steradian_scene::{Node, Value};
+use steradian_texture::SpectrumTexture;
 
 /// Largest file of measurements.
 const MAX_BYTES: u64 = 1 << 31;

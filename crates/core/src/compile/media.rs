@@ -1,18 +1,18 @@
 //! Compiling participating media.
 
 use super::{Compiler, materials::combine};
-use crate::{
-    color::{Color, Role},
-    medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, MEDIA, Medium, Variation},
-    texture::{Wrap, grid::Interpolation},
-};
+use crate::medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, MEDIA, Medium, Variation};
 use std::sync::Arc;
 use steradian_math::{
     Bounds3, Transform, Vec3,
-    spectra::{Blackbody, Spd},
+    spectra::{
+        Blackbody, Spd,
+        role::{Color, Role},
+    },
     transform::Affine,
 };
 use steradian_scene::{Node, NodeId, SpectrumValue, Value};
+use steradian_texture::{Wrap, grid::Interpolation};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 

@@ -26,16 +26,10 @@ mod textures;
 mod view;
 
 use crate::{
-    color::ColorMode,
     light::{Emitter, Light, LightGroups, Lights},
     material::{Material, Model, Needs, SurfaceDetail},
     medium::Medium,
     scene::{Geometry, Placement, Scene, Settings},
-    texture::{
-        FloatTexture, TextureId, Textures,
-        levels::{Levels, Recipe},
-        store::{Level, Pages},
-    },
 };
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
@@ -45,7 +39,13 @@ use std::{
 };
 use steradian_accel::{Accel, Accelerator, Object};
 use steradian_image::Texels;
+use steradian_math::spectra::ColorMode;
 use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
+use steradian_texture::{
+    FloatTexture, TextureId, Textures,
+    levels::{Levels, Recipe},
+    store::{Level, Pages},
+};
 
 /// What the user decides about a scene.
 #[derive(Clone, Debug, Default)]

@@ -1,17 +1,17 @@
 //! Reading the parameters of nodes: types and ranges are checked here, once.
 
 use super::Compiler;
-use crate::{
-    color::{Color, Role},
-    texture::{FloatTexture, SpectrumTexture},
-};
 use std::sync::Arc;
 use steradian_math::{
     Vec3,
     color::{RgbSpace, space},
-    spectra::{self, Blackbody, Curve, Spd},
+    spectra::{
+        self, Blackbody, Curve, Spd,
+        role::{Color, Role},
+    },
 };
 use steradian_scene::{ColorSpace, Format, Node, NodeId, Param, SpectrumValue, Transform, Value, names};
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 /// The RGB space of the mathematics crate.
 pub fn rgb_space(space: ColorSpace) -> &'static RgbSpace {

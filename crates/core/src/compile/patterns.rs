@@ -1,19 +1,19 @@
 //! Compiling procedural textures, and those that change or combine others.
 
 use super::Compiler;
-use crate::{
-    color::{Color, Role},
-    texture::{
-        Adjust, Mapping, Pattern, PatternTexture, Texture, TextureId, Triplanar,
-        adjust::Channel,
-        noise::{Basis, Cellular, Fractal, Metric, fractal::MAX_OCTAVES},
-        pattern::{Bricks, Wood},
-        ramp::{Interpolation, Ramp},
-    },
-};
 use std::sync::Arc;
-use steradian_math::{Mat3, Vec2, Vec3};
+use steradian_math::{
+    Mat3, Vec2, Vec3,
+    spectra::role::{Color, Role},
+};
 use steradian_scene::{ColorSpace, Node, Value};
+use steradian_texture::{
+    Adjust, Mapping, Pattern, PatternTexture, Texture, TextureId, Triplanar,
+    adjust::Channel,
+    noise::{Basis, Cellular, Fractal, Metric, fractal::MAX_OCTAVES},
+    pattern::{Bricks, Wood},
+    ramp::{Interpolation, Ramp},
+};
 
 const TWO_SHADES: [(&str, f64); 2] = [("a", 0.0), ("b", 1.0)];
 
@@ -197,7 +197,7 @@ impl Compiler<'_> {
 
     /// A copy of a texture whose images and flat patterns are projected along an axis.
     fn projected(&mut self, part: TextureId, axis: &str, local: &steradian_math::transform::Affine) -> TextureId {
-        use crate::texture::mapping::Projector::Planar;
+        use steradian_texture::mapping::Projector::Planar;
         let projector = match axis {
             "x" => Planar(Vec3::Y, Vec3::Z, Vec2::ZERO),
             "y" => Planar(Vec3::NEG_X, Vec3::Z, Vec2::ZERO),
@@ -334,8 +334,8 @@ impl Compiler<'_> {
 
     /// A part of a texture, as an index.
     pub(super) fn part(&mut self, node: &Node, name: &str, role: Role, default: f64) -> TextureId {
-        use crate::texture::SpectrumTexture;
         use steradian_scene::SpectrumValue;
+        use steradian_texture::SpectrumTexture;
         // A number may be negative here: whether it must not be is known where the texture is used.
         let number = match node.get(name) {
             Some(Value::Float(v)) => Some(*v as f32),

@@ -1,14 +1,14 @@
 //! Compiling the surfaces of glTF and OpenPBR, and sheen.
 
 use super::Compiler;
-use crate::{
-    color::{Color, ColorMode, Role},
-    material::{Eta, Model, PbrMaterial, Stretch},
-    texture::{FloatTexture, SpectrumTexture},
-};
+use crate::material::{Eta, Model, PbrMaterial, Stretch};
 use std::sync::Arc;
-use steradian_math::spectra::{Dense, Spd};
+use steradian_math::spectra::{
+    ColorMode, Dense, Spd,
+    role::{Color, Role},
+};
 use steradian_scene::{Node, SpectrumValue};
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 /// Fraunhofer's lines F, d and C (µm).
 const LINES: [f32; 3] = [0.4861, 0.5876, 0.6563];

@@ -1,12 +1,13 @@
 //! Compiling Disney's surface.
 
 use super::Compiler;
-use crate::{
-    color::{Color, ColorMode, Role},
-    material::{Model, PrincipledMaterial},
-    texture::{FloatTexture, SpectrumTexture},
+use crate::material::{Model, PrincipledMaterial};
+use steradian_math::spectra::{
+    ColorMode,
+    role::{Color, Role},
 };
 use steradian_scene::{Format, Node, SpectrumValue, Value};
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 impl Compiler<'_> {
     pub(super) fn principled(&mut self, node: &Node, is_thin: bool) -> Model {

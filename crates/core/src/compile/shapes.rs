@@ -2,7 +2,6 @@
 
 use super::{Compiler, height_field};
 use crate::{
-    color::{ColorMode, Role},
     light::{AreaLight, AreaShape, Emitter, Light},
     material::Needs,
     scene::{self, Geometry, Shape},
@@ -11,12 +10,16 @@ use crate::{
         curve::{CurveBasis, CurveKind, CurveParams},
         subdivision::loop_subdivide,
     },
-    texture::FloatTexture,
 };
 use std::sync::Arc;
 use steradian_accel::Geometry as AccelGeometry;
-use steradian_math::{Bounds3, Transform, Vec3, transform::Affine};
+use steradian_math::{
+    Bounds3, Transform, Vec3,
+    spectra::{ColorMode, role::Role},
+    transform::Affine,
+};
 use steradian_scene::{Mesh, Node, names};
+use steradian_texture::FloatTexture;
 
 /// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
@@ -439,7 +442,7 @@ impl Compiler<'_> {
             }
             Shape::Mesh(m) => {
                 let textured =
-                    matches!(self.emitters[emitter as usize].radiance, crate::texture::SpectrumTexture::Texture(..));
+                    matches!(self.emitters[emitter as usize].radiance, steradian_texture::SpectrumTexture::Texture(..));
                 let mut of_triangle = Vec::with_capacity(m.triangles.len());
                 let mut t = 0;
                 while t < m.triangles.len() as u32 {
@@ -476,18 +479,18 @@ impl Compiler<'_> {
             let texels = (*self.image(light)?).clone();
             let texels = Arc::new(self.emitted_texels(light, texels));
             let mean = super::lights::mean_luminance(&texels);
-            let level = crate::texture::store::Level::new(texels, None).ok()?;
+            let level = steradian_texture::store::Level::new(texels, None).ok()?;
             let image = self.image_texture(light, &level);
             // `scale` of an image texture is the light's own.
-            let image = crate::texture::ImageTexture { scale: 1.0, ..image };
-            let id = self.textures.add(crate::texture::Texture::Image(Arc::new(image)));
-            (crate::texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
+            let image = steradian_texture::ImageTexture { scale: 1.0, ..image };
+            let id = self.textures.add(steradian_texture::Texture::Image(Arc::new(image)));
+            (steradian_texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
         } else {
             let radiance = self.emitted(light, "radiance");
             scale *= self.normalization(light, "radiance");
             let mean = match &radiance {
-                crate::texture::SpectrumTexture::Constant(c) => c.luminance(self.mode),
-                crate::texture::SpectrumTexture::Texture(..) => self.texture_luminance(light, "radiance"),
+                steradian_texture::SpectrumTexture::Constant(c) => c.luminance(self.mode),
+                steradian_texture::SpectrumTexture::Texture(..) => self.texture_luminance(light, "radiance"),
             };
             (radiance, mean)
         };

@@ -1,19 +1,6 @@
 //! Compiling textures and loading images.
 
 use super::{Compiler, Loaded};
-use crate::{
-    color::{Color, Role},
-    texture::{
-        self, Filter, GridTexture, ImageTexture, SpectrumTexture, Texture, Wrap,
-        filter::FILTERS,
-        grid::Interpolation,
-        kernel::{MIP_KERNELS, MipKernel},
-        levels::{Levels, Recipe, Shape},
-        store::{Level, Pages},
-        summed::SummedArea,
-        wrap::Borders,
-    },
-};
 use rayon::prelude::*;
 use std::{
     cmp::Reverse,
@@ -22,8 +9,22 @@ use std::{
     sync::Arc,
 };
 use steradian_image::{Encoding, TexelData, Texels};
-use steradian_math::{DVec3, Transform, Vec3};
-use steradian_scene::{Domain, Family, Node, NodeId, SpectrumValue, Value};
+use steradian_math::{
+    DVec3, Transform, Vec3,
+    spectra::role::{Color, Role},
+};
+use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
+use steradian_texture as texture;
+use steradian_texture::{
+    Domain, Filter, GridTexture, ImageTexture, SpectrumTexture, Texture, Wrap,
+    filter::FILTERS,
+    grid::Interpolation,
+    kernel::{MIP_KERNELS, MipKernel},
+    levels::{Levels, Recipe, Shape},
+    store::{Level, Pages},
+    summed::SummedArea,
+    wrap::Borders,
+};
 
 /// What single channels are called.
 const CHANNELS: [(&str, Option<usize>); 5] =

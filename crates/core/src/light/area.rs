@@ -5,13 +5,14 @@
 //! (Shirley, Wang, Zimmerman 1996).
 
 use super::{LightSample, tree::LightBounds};
-use crate::{
-    color::{Color, ColorMode},
-    shape::{Quadric, TriMesh, quadric::one_minus_cos_max},
-    texture::{SpectrumTexture, TextureContext, Textures},
-};
+use crate::shape::{Quadric, TriMesh, quadric::one_minus_cos_max};
 use std::sync::Arc;
-use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+use steradian_math::{
+    Bounds3, Frame, Ray, Spectrum, Vec2, Vec3,
+    spectra::{ColorMode, Wavelengths, role::Color},
+    warp,
+};
+use steradian_texture::{SpectrumTexture, TextureContext, Textures};
 
 /// What a surface emits.
 #[derive(Clone, Debug)]
@@ -205,7 +206,7 @@ impl AreaLight {
     pub(super) fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
         match (&self.mesh, &self.shape) {
             (Some((mesh, t)), AreaShape::Triangle(..)) => {
-                TextureContext { mesh: Some((mesh, *t, uv)), ..TextureContext::new(q, mesh.uv(*t, uv.x, uv.y)) }
+                TextureContext { mesh: Some((&**mesh, *t, uv)), ..TextureContext::new(q, mesh.uv(*t, uv.x, uv.y)) }
             }
             _ => TextureContext::new(q, uv),
         }

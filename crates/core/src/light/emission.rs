@@ -6,7 +6,7 @@
 //! next-event estimation, so that their ratios are right.
 
 use super::{AreaLight, AreaShape, Environment, Light, Lights};
-use crate::{Scene, texture::TextureContext};
+use crate::Scene;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use steradian_math::{
     Frame, Ray, Spectrum, Vec2, Vec3,
@@ -15,6 +15,7 @@ use steradian_math::{
     spectra::Wavelengths,
     warp,
 };
+use steradian_texture::TextureContext;
 
 /// How a scene's lights are sampled for emission.
 #[derive(Clone, Debug)]

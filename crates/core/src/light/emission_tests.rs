@@ -2,11 +2,10 @@
 
 use super::*;
 use crate::{
-    color::Color,
     compile::{Options, compile},
     light::LightContext,
 };
-use steradian_math::hash::HashRng;
+use steradian_math::{hash::HashRng, spectra::role::Color};
 use steradian_scene::{ColorSpace, Family, Format, Mesh, Node, SceneDesc, Shape, SpectrumValue, Value};
 
 fn white(v: f64) -> Value {

@@ -1,13 +1,15 @@
 //! Light from all directions: constant, or an image, maybe seen through a portal.
 
 use super::punctual::rgb;
-use crate::color::{self, Color, ColorMode, Role};
 use steradian_image::Texels;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
     color::luminance,
     distribution::Piecewise2D,
-    spectra::Wavelengths,
+    spectra::{
+        ColorMode, Wavelengths, role,
+        role::{Color, Role},
+    },
     transform::Affine,
     warp::{self, SphericalRectangle},
 };
@@ -197,7 +199,7 @@ impl Environment {
             None => self.radiance.eval(lambda) * self.scale,
             Some(image) => {
                 let rgb = image.lookup(image.uv(w), self.mode);
-                color::texel(rgb, Role::Illuminant, lambda, self.mode) * self.scale
+                role::texel(rgb, Role::Illuminant, lambda, self.mode) * self.scale
             }
         }
     }

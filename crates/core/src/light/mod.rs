@@ -12,11 +12,11 @@ pub use environment::Environment;
 pub use groups::LightGroups;
 pub use punctual::{Goniometric, Projection, Spot};
 
-use crate::{
-    color::{Color, ColorMode},
-    texture::Textures,
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    spectra::{ColorMode, Wavelengths, role::Color},
 };
-use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_texture::Textures;
 use tree::{LightBounds, LightTree};
 
 /// The lights by name, for the registry.

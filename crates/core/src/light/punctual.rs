@@ -1,12 +1,17 @@
 //! Lights at a point with a distribution over directions.
 
 use super::tree::LightBounds;
-use crate::{
-    color::{self, Color, ColorMode, Role},
-    texture::{SpectrumTexture, TextureContext, Textures},
-};
 use steradian_image::Texels;
-use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, transform::Affine, warp};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    spectra::{
+        ColorMode, Wavelengths, role,
+        role::{Color, Role},
+    },
+    transform::Affine,
+    warp,
+};
+use steradian_texture::{SpectrumTexture, TextureContext, Textures};
 
 /// How a spot light falls off between its two cones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,7 +177,7 @@ impl Projection {
         }
         let uv = Vec2::new(0.5 + 0.5 * s.x, 0.5 - 0.5 * s.y);
         let value = match &self.slide {
-            Slide::Image(image) => color::texel(nearest(image, uv), Role::Illuminant, lambda, mode),
+            Slide::Image(image) => role::texel(nearest(image, uv), Role::Illuminant, lambda, mode),
             Slide::Texture(t) => t.eval(textures, &TextureContext::new(p, uv), lambda),
         };
         let cos = local.z / local.length();

@@ -7,19 +7,19 @@ use super::{
 };
 use crate::{
     Scene,
-    bsdf::TransportMode,
-    color::ColorMode,
     compile::{Options, compile},
-    texture::TextureContext,
 };
+use steradian_bsdf::TransportMode;
 use steradian_math::{
     Vec2, Vec3,
     hash::HashRng,
+    spectra::ColorMode,
     warp::{cosine_hemisphere, uniform_sphere},
 };
 use steradian_scene::{
     ColorSpace, Diagnostic, Family, Format, Node, NodeId, SceneDesc, Shape, Span, SpectrumValue, Value,
 };
+use steradian_texture::TextureContext;
 
 const NUMBERS: [f64; 16] = [
     f64::NAN,

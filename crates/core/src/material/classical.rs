@@ -1,15 +1,15 @@
 //! The classical models, and facets with a choice of reflectance, with their textures.
 
 use super::{Roughness, albedo, optical_constant};
-use crate::{
-    bsdf::{
-        BlinnPhong, Bsdf, Conductor, CookTorrance, DiffuseCoupling, Minnaert, OrenNayar, OrenNayarForm, Phong,
-        Reflectance, ThinFilm, Ward, WardForm,
-    },
-    color::ColorMode,
-    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
+use steradian_bsdf::{
+    BlinnPhong, Bsdf, Conductor, CookTorrance, DiffuseCoupling, Minnaert, OrenNayar, OrenNayarForm, Phong, Reflectance,
+    ThinFilm, Ward, WardForm,
 };
-use steradian_math::{Vec3, spectra::Wavelengths};
+use steradian_math::{
+    Vec3,
+    spectra::{ColorMode, Wavelengths},
+};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
 /// The shape of a glossy lobe over a diffuse part.
 #[derive(Clone, Copy, Debug)]

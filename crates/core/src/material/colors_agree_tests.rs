@@ -2,14 +2,20 @@
 
 use super::{MATERIALS, catalog::Kind, scattering};
 use crate::{
-    bsdf::TransportMode::Radiance,
-    color::{Color, ColorMode, Role},
     compile::{Options, compile},
     scene::Scene,
-    texture::TextureContext,
 };
-use steradian_math::{Vec2, Vec3, color::space::REC709};
+use steradian_bsdf::TransportMode::Radiance;
+use steradian_math::{
+    Vec2, Vec3,
+    color::space::REC709,
+    spectra::{
+        ColorMode,
+        role::{Color, Role},
+    },
+};
 use steradian_scene::{Family, Node, SceneDesc, Shape, Value};
+use steradian_texture::TextureContext;
 
 /// A sphere of a material with its defaults.
 fn scene(kind: &str, mode: ColorMode) -> Scene {

@@ -5,9 +5,9 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::{normal_code::NormalCode, normal_filter::FilteredNormals};
-use crate::texture::{FloatTexture, TextureContext, TextureId, Textures};
 use std::sync::Arc;
 use steradian_math::{Frame, Vec2, Vec3};
+use steradian_texture::{FloatTexture, TextureContext, TextureId, Textures};
 
 /// A normal map.
 #[derive(Clone, Debug)]
@@ -251,12 +251,12 @@ pub fn bend(ns: Vec3, n: Vec3, wo: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        color::{Color, ColorMode},
-        texture::{Footprint, Mapping, Pattern, PatternTexture, Texture, mapping::Projector},
-    };
     use std::sync::Arc;
-    use steradian_math::hash::HashRng;
+    use steradian_math::{
+        hash::HashRng,
+        spectra::{ColorMode, role::Color},
+    };
+    use steradian_texture::{Footprint, Mapping, Pattern, PatternTexture, Texture, mapping::Projector};
 
     fn at(uv: Vec2) -> TextureContext<'static> {
         TextureContext::new(uv.extend(0.0), uv)
@@ -347,9 +347,9 @@ mod tests {
     #[test]
     fn bumps_have_the_normal_of_the_displaced_surface() {
         // z = 0.2 noise(x, y, ½)·1: slopes by central differences of the function itself.
-        let fbm = Pattern::Fbm(crate::texture::noise::Fractal::new(1, 0.5));
+        let fbm = Pattern::Fbm(steradian_texture::noise::Fractal::new(1, 0.5));
         let (textures, detail) = height(fbm, Mapping::default(), 0.2);
-        let f = |p: Vec3| 0.2 * crate::texture::noise::gradient_noise(p, 0);
+        let f = |p: Vec3| 0.2 * steradian_texture::noise::gradient_noise(p, 0);
         for p in [Vec3::new(0.3, 0.4, 0.5), Vec3::new(1.7, -0.2, 0.5), Vec3::new(5.1, 3.3, 0.5)] {
             let c = TextureContext { p, ..at(p.truncate()) };
             let h = 1e-2;
@@ -423,7 +423,8 @@ mod tests {
     #[test]
     fn turned_bumps_do_not_depend_on_the_footprint() {
         let projector = Mapping { projector: Projector::Uv, ..Mapping::default() };
-        let (textures, mut detail) = height(Pattern::Fbm(crate::texture::noise::Fractal::new(1, 0.5)), projector, 0.2);
+        let (textures, mut detail) =
+            height(Pattern::Fbm(steradian_texture::noise::Fractal::new(1, 0.5)), projector, 0.2);
         let footprint = Footprint { duvdx: Vec2::new(0.5, 0.0), duvdy: Vec2::new(0.0, 0.5), ..Footprint::default() };
         let (narrow, wide) = (at(Vec2::new(0.3, 0.3)), TextureContext { footprint, ..at(Vec2::new(0.3, 0.3)) });
         let normal = |d: &SurfaceDetail, at: &TextureContext| d.shading_normal(&textures, at, &FLAT, Vec3::Z);

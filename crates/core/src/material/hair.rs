@@ -1,12 +1,12 @@
 //! Hair: what a scene says of a fibre's colour, roughness and scales.
 
 use super::Point;
-use crate::{
-    bsdf::{Bsdf, Hair, hair::Offset},
-    color::{Color, ColorMode},
-    texture::{FloatTexture, SpectrumTexture},
+use steradian_bsdf::{Bsdf, Hair, hair::Offset};
+use steradian_math::{
+    Spectrum,
+    spectra::{ColorMode, role::Color},
 };
-use steradian_math::Spectrum;
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 /// Parameters of a fibre.
 #[derive(Clone, Debug)]

@@ -1,14 +1,12 @@
 //! Coats by random walks: what a scene says of the layers.
 
 use super::{Eta, Point, Roughness, albedo, optical_constant};
-use crate::{
-    bsdf::{
-        Bsdf, Conductor, Diffuse, Layered,
-        layered::{Base, Walk},
-    },
-    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
+use steradian_bsdf::{
+    Bsdf, Conductor, Diffuse, Layered,
+    layered::{Base, Walk},
 };
 use steradian_math::{Spectrum, spectra::Wavelengths};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
 /// A dielectric coat, a medium, and what is under them.
 #[derive(Clone, Debug)]

@@ -20,20 +20,20 @@ pub mod detail;
 pub mod normal_code;
 pub mod normal_filter;
 
-use crate::{
-    bsdf::{
-        Bsdf, BsdfEval, BsdfSample, CoatTable, Coated, CompensatedConductor, Compensation, Conductor, Dielectric,
-        Diffuse, DiffuseTransmission, EnergyTable, Measured, MeasuredData, Microfacet, NormalDistribution, Shadowing,
-        ThinDielectric, TransportMode,
-    },
-    color::Color,
-    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
-};
 pub use classical::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal};
 pub use detail::{Cover, Facing, NormalMap, SurfaceDetail};
 pub use normal_filter::{FilteredNormals, NormalFilter};
 use std::sync::Arc;
-use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_bsdf::{
+    Bsdf, BsdfEval, BsdfSample, CoatTable, Coated, CompensatedConductor, Compensation, Conductor, Dielectric, Diffuse,
+    DiffuseTransmission, EnergyTable, Measured, MeasuredData, Microfacet, NormalDistribution, Shadowing,
+    ThinDielectric, TransportMode,
+};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    spectra::{Wavelengths, role::Color},
+};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
 mod classical;
 

@@ -9,15 +9,15 @@
 //! length, which would count as a roughness of 0.1.
 
 use crate::relief::filtering::Moments;
-use crate::texture::{
+use std::sync::Arc;
+use steradian_image::{Encoding, TexelData, Texels};
+use steradian_math::{Vec2, Vec3};
+use steradian_texture::{
     Filter, ImageTexture, TextureContext, Wrap,
     kernel::MipKernel,
     levels::{Levels, Recipe, Shape},
     store::{Level, Pages},
 };
-use std::sync::Arc;
-use steradian_image::{Encoding, TexelData, Texels};
-use steradian_math::{Vec2, Vec3};
 
 /// How roughness follows from the spread of normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,11 +131,9 @@ impl NormalFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        bsdf::{Microfacet, NormalDistribution, Shadowing},
-        texture::{Mapping, wrap::BLACK},
-    };
+    use steradian_bsdf::{Microfacet, NormalDistribution, Shadowing};
     use steradian_math::hash::HashRng;
+    use steradian_texture::{Mapping, wrap::BLACK};
 
     const SIZE: usize = 64;
 

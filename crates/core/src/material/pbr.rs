@@ -1,12 +1,12 @@
 //! The surface of glTF and OpenPBR: what a scene says of it.
 
 use super::{Eta, Point, albedo};
-use crate::{
-    bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams},
-    color::ColorMode,
-    texture::{FloatTexture, SpectrumTexture, TextureContext, Textures},
+use steradian_bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams};
+use steradian_math::{
+    Spectrum,
+    spectra::{ColorMode, Wavelengths},
 };
-use steradian_math::{Spectrum, spectra::Wavelengths};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
 /// How roughness and anisotropy become the two α.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,11 +1,9 @@
 //! Disney's surface: what a scene says of it.
 
 use super::Point;
-use crate::{
-    bsdf::{Bsdf, Principled, PrincipledThin, principled::PrincipledParams},
-    texture::{FloatTexture, SpectrumTexture},
-};
+use steradian_bsdf::{Bsdf, Principled, PrincipledThin, principled::PrincipledParams};
 use steradian_math::{Spectrum, Vec2, color::luminance};
+use steradian_texture::{FloatTexture, SpectrumTexture};
 
 /// Parameters of Disney's surface, in [0, 1] but for `eta` and `diff_trans`.
 #[derive(Clone, Debug)]
@@ -78,12 +76,16 @@ impl PrincipledMaterial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        bsdf::TransportMode,
-        color::{Color, ColorMode, Role},
-        texture::{Texture, TextureContext, Textures},
+    use steradian_bsdf::TransportMode;
+    use steradian_math::{
+        Vec3,
+        color::space::REC709,
+        spectra::{
+            ColorMode, Wavelengths,
+            role::{Color, Role},
+        },
     };
-    use steradian_math::{Vec3, color::space::REC709, spectra::Wavelengths};
+    use steradian_texture::{Texture, TextureContext, Textures};
 
     /// The hue of tints is the base colour over its luminance, the same at all wavelengths that a path may have drawn:
     /// a tinted highlight seen in spectral mode has, in the mean, the colour that it has in RGB mode.

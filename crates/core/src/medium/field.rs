@@ -1,11 +1,15 @@
 //! Media that vary: coefficients at points, and bounds on them along rays.
 
-use crate::{
-    color::{self, Color, ColorMode, Role},
-    texture::{Wrap, noise::gradient_noise},
-};
 use std::cmp::Ordering;
-use steradian_math::{Bounds3, Ray, Spectrum, Vec3, spectra::Wavelengths, transform::Affine};
+use steradian_math::{
+    Bounds3, Ray, Spectrum, Vec3,
+    spectra::{
+        ColorMode, Wavelengths, role,
+        role::{Color, Role},
+    },
+    transform::Affine,
+};
+use steradian_texture::{Wrap, noise::gradient_noise};
 
 /// Cells of bounds along each axis, at most.
 const CELLS: usize = 16;
@@ -209,7 +213,7 @@ impl Glow {
             GlowSource::Heat(heat) => heat.eval(p, lambda),
             GlowSource::Rgb(grids, mode) => {
                 let rgb = Vec3::from_array([0, 1, 2].map(|c| grids[c].lookup(p).max(0.0)));
-                color::texel(rgb, Role::Illuminant, lambda, *mode)
+                role::texel(rgb, Role::Illuminant, lambda, *mode)
             }
         };
         source * self.scale.as_ref().map_or(1.0, |grid| grid.lookup(p).max(0.0))
@@ -293,14 +297,14 @@ impl Field {
             }
             Variation::Albedo(grid, albedo) => {
                 let rgb = [0, 1, 2].map(|c: usize| albedo.get(c).or(albedo.first()).map_or(0.0, |g| g.lookup(p)));
-                let albedo = color::texel(Vec3::from_array(rgb), Role::Albedo, lambda, self.mode);
+                let albedo = role::texel(Vec3::from_array(rgb), Role::Albedo, lambda, self.mode);
                 let extinction = s * grid.lookup(p).max(0.0);
                 (extinction * (Spectrum::ONE - albedo), extinction * albedo)
             }
             Variation::Rgb(grids) => {
                 let [absorbed, scattered] = [0, 1].map(|k| {
                     let rgb = Vec3::from_array([0, 1, 2].map(|c| grids[k][c].lookup(p).max(0.0)));
-                    color::texel(rgb, Role::Unbounded, lambda, self.mode)
+                    role::texel(rgb, Role::Unbounded, lambda, self.mode)
                 });
                 (a * absorbed, s * scattered)
             }

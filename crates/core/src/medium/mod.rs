@@ -2,10 +2,13 @@
 
 mod field;
 
-use crate::color::Color;
 pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation};
 use std::sync::Arc;
-use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    spectra::{Wavelengths, role::Color},
+    warp,
+};
 
 /// The media by name, for the registry.
 pub const MEDIA: &[(&str, &str)] = &[

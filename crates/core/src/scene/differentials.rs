@@ -4,9 +4,9 @@ use super::{Interaction, Scene, Shape, WORLD};
 use crate::{
     footprint::{Bounce, RayDifferential},
     shape::QuadricKind,
-    texture::Footprint,
 };
 use steradian_math::{Ray, Vec3};
+use steradian_texture::Footprint;
 
 impl Scene {
     /// The differential of a camera ray, where the scene has textures that ask for footprints.

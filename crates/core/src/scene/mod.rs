@@ -4,7 +4,6 @@ mod differentials;
 
 use crate::{
     camera::{Camera, ViewFootprint},
-    color::ColorMode,
     film::FilmSpec,
     footprint::RayDifferential,
     light::{LightGroups, Lights},
@@ -12,14 +11,17 @@ use crate::{
     medium::Medium,
     sampler::SamplerKind,
     shape::{Curves, Field, PatchMesh, Plane, Quadric, SdfGrid, SurfacePoint, TriMesh},
-    texture::{FloatTexture, Footprint, TextureContext, Textures, hash_point, pages::Pages},
 };
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
 use steradian_math::{
-    Bounds3, Frame, Motion, Ray, Vec2, Vec3, ray::offset_ray_origin, spectra::Wavelengths, transform::Affine,
+    Bounds3, Frame, Motion, Ray, Vec2, Vec3,
+    ray::offset_ray_origin,
+    spectra::{ColorMode, Wavelengths},
+    transform::Affine,
 };
+use steradian_texture::{FloatTexture, Footprint, MeshAttributes, TextureContext, Textures, hash_point, pages::Pages};
 
 /// The geometry of a shape.
 #[derive(Clone, Debug)]
@@ -377,7 +379,7 @@ impl Scene {
     fn alpha_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> (f32, Vec3) {
         let mut at = match &geometry.shape {
             Shape::Mesh(m) => TextureContext {
-                mesh: Some((m, hit.id.prim, Vec2::new(hit.u, hit.v))),
+                mesh: Some((&**m, hit.id.prim, Vec2::new(hit.u, hit.v))),
                 ..TextureContext::new(ray.at(hit.t), m.uv(hit.id.prim, hit.u, hit.v))
             },
             _ => {
@@ -532,7 +534,7 @@ impl Scene {
     /// Where textures are looked up at a point of a surface, over a footprint.
     #[inline]
     pub fn texture_context_over<'a>(&'a self, i: &Interaction, footprint: Footprint) -> TextureContext<'a> {
-        let mesh = match &self.geometries[i.geometry as usize].shape {
+        let mesh: Option<(&dyn MeshAttributes, _, _)> = match &self.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) => Some((&**m, i.id.prim, i.coordinates)),
             _ => None,
         };

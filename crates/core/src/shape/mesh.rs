@@ -12,7 +12,8 @@ use steradian_math::{
     spectra::Wavelengths,
     transform::Affine,
 };
-use steradian_scene::{Domain, Mesh};
+use steradian_scene::Mesh;
+use steradian_texture::{Domain, MeshAttributes};
 
 /// Data on a mesh, such as colours.
 #[derive(Clone, Debug)]
@@ -91,7 +92,10 @@ impl TriMesh {
                 .iter()
                 .map(|a| MeshAttribute {
                     name: a.name.clone(),
-                    domain: a.domain,
+                    domain: match a.domain {
+                        steradian_scene::Domain::Vertex => Domain::Vertex,
+                        steradian_scene::Domain::Face => Domain::Face,
+                    },
                     channels: a.channels,
                     data: a.data.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect(),
                     spectra: Vec::new(),
@@ -176,16 +180,6 @@ impl TriMesh {
         tangent(self.corners(triangle), uvs.map(|t| Vec2::new(t.y, t.x)))
     }
 
-    /// The change of barycentric coordinates that goes with a change of texture coordinates on a triangle; none where
-    /// the parametrisation is degenerate.
-    pub fn barycentric_change(&self, triangle: u32, duv: Vec2) -> Vec2 {
-        let corner = |u, v| self.uv(triangle, u, v);
-        let o = corner(0.0, 0.0);
-        let (a, b) = (corner(1.0, 0.0) - o, corner(0.0, 1.0) - o);
-        let change = Vec2::new(duv.perp_dot(b), a.perp_dot(duv)) / a.perp_dot(b);
-        if change.is_finite() { change } else { Vec2::ZERO }
-    }
-
     /// The tangent for normal maps at barycentric coordinates of a triangle, and the sign of the bitangent `n × t`.
     pub fn tangent_frame(&self, triangle: u32, b: Vec2) -> Option<(Vec3, f32)> {
         let [x, y, z] = self.tangents.get(triangle as usize)?;
@@ -209,9 +203,19 @@ impl TriMesh {
         (n1 - n0) * u + (n2 - n0) * v
     }
 
-    /// The reflectance of an attribute whose spectra are made, at barycentric coordinates.
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        (self.positions.len() + self.normals.len()) * 12
+            + self.uvs.len() * 8
+            + self.triangles.len() * 12
+            + self.tangents.len() * 48
+            + self.attributes.iter().map(|a| a.data.len() * 4 + a.spectra.len() * size_of::<RgbAlbedo>()).sum::<usize>()
+    }
+}
+
+impl MeshAttributes for TriMesh {
     #[inline]
-    pub fn attribute_spectrum(
+    fn attribute_spectrum(
         &self,
         name: &str,
         domain: Option<Domain>,
@@ -230,8 +234,7 @@ impl TriMesh {
         }
     }
 
-    /// An attribute's value (padded with zeros) and channel count at barycentric coordinates.
-    pub fn attribute(&self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
+    fn attribute(&self, name: &str, domain: Option<Domain>, triangle: u32, uv: Vec2) -> Option<([f32; 4], usize)> {
         let a = self.attributes.iter().find(|a| a.name == name && domain.is_none_or(|d| d == a.domain))?;
         let n = a.channels.min(4);
         let at = |i: usize| -> [f32; 4] {
@@ -248,13 +251,12 @@ impl TriMesh {
         Some((value, n))
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        (self.positions.len() + self.normals.len()) * 12
-            + self.uvs.len() * 8
-            + self.triangles.len() * 12
-            + self.tangents.len() * 48
-            + self.attributes.iter().map(|a| a.data.len() * 4 + a.spectra.len() * size_of::<RgbAlbedo>()).sum::<usize>()
+    fn barycentric_change(&self, triangle: u32, duv: Vec2) -> Vec2 {
+        let corner = |u, v| self.uv(triangle, u, v);
+        let o = corner(0.0, 0.0);
+        let (a, b) = (corner(1.0, 0.0) - o, corner(0.0, 1.0) - o);
+        let change = Vec2::new(duv.perp_dot(b), a.perp_dot(duv)) / a.perp_dot(b);
+        if change.is_finite() { change } else { Vec2::ZERO }
     }
 }
 
@@ -286,7 +288,7 @@ fn tangent([p0, p1, p2]: [Vec3; 3], [uv0, uv1, uv2]: [Vec2; 3]) -> Vec3 {
 pub fn split_patches(mesh: &Mesh, all: bool) -> (Vec<[u32; 3]>, Vec<[u32; 4]>) {
     let mut triangles = Vec::new();
     let mut curved = Vec::new();
-    let faces = mesh.attributes.iter().any(|a| a.domain == Domain::Face);
+    let faces = mesh.attributes.iter().any(|a| a.domain == steradian_scene::Domain::Face);
     for &[a, b, c, d] in &mesh.patches {
         let p = [a, b, c, d].map(|i| Vec3::from(mesh.positions[i as usize]));
         let size = (p[3] - p[0]).abs().max((p[2] - p[1]).abs()).max_element();
@@ -308,11 +310,9 @@ pub fn split_patches(mesh: &Mesh, all: bool) -> (Vec<[u32; 3]>, Vec<[u32; 4]>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        color::{self, ColorMode, Role},
-        texture::{SpectrumTexture, Texture, TextureContext, Textures},
-    };
+    use steradian_math::spectra::{ColorMode, role, role::Role};
     use steradian_scene::Attribute;
+    use steradian_texture::{SpectrumTexture, Texture, TextureContext, Textures};
 
     /// In spectral mode colours of vertices become spectra once: at vertices those of the colour, between them their
     /// mean, whose colour is the mean colour; of faces that of the face. Colours above one are made anew at every
@@ -330,9 +330,9 @@ mod tests {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             triangles: vec![[0, 1, 2]],
             attributes: vec![
-                attribute("color", Domain::Vertex, &colors, 1.0),
-                attribute("side", Domain::Face, &colors[1..2], 1.0),
-                attribute("bright", Domain::Vertex, &colors, 4.0),
+                attribute("color", steradian_scene::Domain::Vertex, &colors, 1.0),
+                attribute("side", steradian_scene::Domain::Face, &colors[1..2], 1.0),
+                attribute("bright", steradian_scene::Domain::Vertex, &colors, 4.0),
             ],
             ..Mesh::default()
         };
@@ -346,7 +346,7 @@ mod tests {
         };
         let (color, half, side, bright) =
             (look("color", 1.0), look("color", 0.5), look("side", 1.0), look("bright", 0.25));
-        let spectrum = |rgb: Vec3, lambda: &Wavelengths| color::texel(rgb, Role::Albedo, lambda, ColorMode::Spectral);
+        let spectrum = |rgb: Vec3, lambda: &Wavelengths| role::texel(rgb, Role::Albedo, lambda, ColorMode::Spectral);
         for k in 0..8 {
             let lambda = Wavelengths::sample_visible((k as f32 + 0.5) / 8.0);
             let eval = |t: &SpectrumTexture, b: Vec2| {

@@ -6,9 +6,10 @@
 //! Loop Subdivision", 2022).
 
 use rayon::prelude::*;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::f32::consts::{PI, TAU};
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    f32::consts::{PI, TAU},
+};
 use steradian_math::Vec3;
 use steradian_scene::Mesh;
 

@@ -9,6 +9,7 @@
 use super::TriMesh;
 use std::collections::HashMap;
 use steradian_math::{Vec2, Vec3, Vec4, transform::Affine};
+use steradian_texture::{Domain, MeshAttributes};
 
 /// For each triangle the tangents of its corners: unit x, y, z, and in w the sign of the bitangent `w · n × t`.
 pub fn mikktspace(mesh: &TriMesh) -> Vec<[Vec4; 3]> {
@@ -69,7 +70,7 @@ pub fn mikktspace_down(mesh: &TriMesh) -> Vec<[Vec4; 3]> {
 /// Tangents from a vertex attribute of three or four numbers in the space of the file, where the mesh has it. `turned`:
 /// whether the mesh was mirrored or turned inside out when it was placed, but not both.
 pub fn from_attribute(mesh: &TriMesh, name: &str, place: &Affine, turned: bool) -> Option<Vec<[Vec4; 3]>> {
-    let domain = Some(steradian_scene::Domain::Vertex);
+    let domain = Some(Domain::Vertex);
     let at = |t: u32, u: f32, v: f32| {
         let (a, channels) = mesh.attribute(name, domain, t, Vec2::new(u, v))?;
         let sign = if (channels >= 4 && a[3] < 0.0) ^ turned { -1.0 } else { 1.0 };
@@ -243,7 +244,7 @@ mod tests {
         assert!(by_name(&m, false).is_none());
         m.attributes.push(crate::shape::mesh::MeshAttribute {
             name: "tangent".into(),
-            domain: steradian_scene::Domain::Vertex,
+            domain: Domain::Vertex,
             channels: 4,
             data: vec![2., 0., 0., 1., 0., 1., 0., -1., 0., 0., 3., 1.],
             spectra: Vec::new(),

@@ -15,11 +15,8 @@
 mod photons;
 use crate::Stop;
 use photons::{Photon, is_receiver};
-use steradian_core::{
-    Scene,
-    bsdf::{BsdfSample, Lobe, TransportMode},
-    material::Scattering,
-};
+use steradian_bsdf::{BsdfSample, Lobe, TransportMode};
+use steradian_core::{Scene, material::Scattering};
 use steradian_math::{Bounds3, Frame, Vec2, Vec3};
 use steradian_transport::{Guide, GuidedDirection};
 
@@ -313,7 +310,7 @@ fn radii(at: Vec3, points: &[Vec3]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steradian_core::bsdf::Diffuse;
+    use steradian_bsdf::Diffuse;
     use steradian_math::{
         Spectrum,
         hash::{combine32, unit_f32},
@@ -374,8 +371,7 @@ mod tests {
         leaf.share = 0.4;
         let (nodes, leaves) = (vec![Node::Leaf(0)], vec![leaf]);
         let caustics = Caustics { cells: Cells::new(&nodes, &leaves), nodes, leaves };
-        let grey =
-            Scattering::plain(steradian_core::bsdf::Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) }));
+        let grey = Scattering::plain(steradian_bsdf::Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) }));
         let frame = Frame::from_z(Vec3::new(0.6, 0.0, 0.8));
         let n = 100_000;
         let (mut sum, mut squares) = (0.0_f64, 0.0_f64);

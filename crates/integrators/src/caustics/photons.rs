@@ -2,17 +2,17 @@
 
 use crate::{Counters, Stop, live_max, nee};
 use rayon::prelude::*;
+use steradian_bsdf::{Bsdf, Diffuse, TransportMode};
 use steradian_core::{
     Scene,
-    bsdf::{Bsdf, Diffuse, TransportMode},
     light::LightContext,
     material::{Material, Model, Roughness, Scattering},
     sampler::{PixelSampler, Sampler, SamplerKind},
     scene::{Interaction, SHADOW_END},
-    texture::FloatTexture,
 };
 use steradian_engine::PathContext;
 use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
+use steradian_texture::FloatTexture;
 use steradian_transport::Vertex;
 
 /// Pixels for each photon that is sent. One for a pixel costs more and guides no better.
@@ -265,7 +265,9 @@ fn irradiance(i: &Interaction, frame: &Frame, event: u32, context: &mut PathCont
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steradian_core::{color::Color, material::Eta, texture::SpectrumTexture};
+    use steradian_core::material::Eta;
+    use steradian_math::spectra::role::Color;
+    use steradian_texture::SpectrumTexture;
 
     /// Mixtures of mixtures are looked at once each.
     #[test]

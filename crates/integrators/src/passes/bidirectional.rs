@@ -9,9 +9,9 @@ use super::{
     vertex::{Scattered, Vertex},
 };
 use crate::{Counters, Depth, dimension, nee};
+use steradian_bsdf::TransportMode::{Importance, Radiance};
 use steradian_core::{
     Scene,
-    bsdf::TransportMode::{Importance, Radiance},
     film::{PassFilm, Splat},
     light::{Light, emission::Emission},
     scene::Interaction,

@@ -6,9 +6,9 @@ use super::{
     vertex::Vertex,
 };
 use crate::{Control, Counters, Depth, dimension};
+use steradian_bsdf::TransportMode;
 use steradian_core::{
     Scene,
-    bsdf::TransportMode,
     light::emission::Emission,
     sampler::{PixelSampler, Sampler, SamplerKind},
 };

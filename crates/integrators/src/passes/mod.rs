@@ -20,7 +20,8 @@ pub use radius::Radius;
 pub use registry::PassKind;
 pub use sppm::Sppm;
 
-use steradian_core::{Scene, bsdf::TransportMode, light::Light};
+use steradian_bsdf::TransportMode;
+use steradian_core::{Scene, light::Light};
 use steradian_engine::Run;
 use steradian_math::{Vec2, spectra::Wavelengths};
 

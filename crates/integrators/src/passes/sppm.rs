@@ -10,9 +10,8 @@ use super::{
 };
 use crate::{Counters, Depth, MAX_PASSES, dimension, nee};
 use std::f32::consts::PI;
-use steradian_core::{
-    Scene, bsdf::TransportMode::Radiance, film::PassFilm, light::emission::Emission, sampler::PixelSampler,
-};
+use steradian_bsdf::TransportMode::Radiance;
+use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
 use steradian_engine::{Pass, Run};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 

@@ -8,9 +8,9 @@
 
 use super::vertex::{Vertex, View};
 use crate::{Counters, Depth, MAX_PASSES, dimension, live_max};
+use steradian_bsdf::TransportMode;
 use steradian_core::{
     Scene,
-    bsdf::TransportMode,
     light::{
         LightContext,
         emission::{Emission, EmittedRay},

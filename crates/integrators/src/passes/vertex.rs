@@ -13,13 +13,8 @@
 use super::subpath::{Sums, Ways, squared};
 use crate::nee;
 use std::f32::consts::FRAC_1_PI;
-use steradian_core::{
-    Scene,
-    bsdf::{BsdfEval, BsdfSample, TransportMode},
-    light::LightContext,
-    material::Scattering,
-    scene::Interaction,
-};
+use steradian_bsdf::{BsdfEval, BsdfSample, TransportMode};
+use steradian_core::{Scene, light::LightContext, material::Scattering, scene::Interaction};
 use steradian_math::{Frame, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
 /// How far a surface depends on where it is seen from.

@@ -1,11 +1,8 @@
 //! What patches are made of: their Lambertian reflectance and transmittance, and what they emit.
 
 use super::{bands::Bands, cells::Cell, surfaces::Piece};
-use steradian_core::{
-    Scene,
-    bsdf::{Bsdf, Lobe, TransportMode},
-    scene::Interaction,
-};
+use steradian_bsdf::{Bsdf, Lobe, TransportMode};
+use steradian_core::{Scene, scene::Interaction};
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
 /// Places of a patch that are looked at.

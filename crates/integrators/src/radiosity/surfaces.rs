@@ -11,9 +11,9 @@ use steradian_core::{
     Scene,
     scene::{Geometry, Hit, Interaction, PrimId, Shape, WORLD},
     shape::{Plane, Quadric, QuadricKind},
-    texture::FloatTexture,
 };
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, transform::Affine};
+use steradian_texture::FloatTexture;
 
 /// Infinite planes end this many diagonals of everything else beyond it.
 const PLANE_MARGIN: f32 = 3.0;

@@ -5,13 +5,8 @@
 use super::{Settings, Solution, solve};
 use crate::{Depth, Integrator, Plan, Stop, dimension, nee};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
-use steradian_core::{
-    Scene,
-    bsdf::{Bsdf, Lobe, TransportMode},
-    light::LightContext,
-    material::Scattering,
-    scene::Interaction,
-};
+use steradian_bsdf::{Bsdf, Lobe, TransportMode};
+use steradian_core::{Scene, light::LightContext, material::Scattering, scene::Interaction};
 use steradian_engine::PathContext;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3};
 

@@ -25,11 +25,8 @@ mod share;
 
 use crate::{Counters, path::PathTracer, precomputed::Precomputed};
 use share::share;
-use steradian_core::{
-    Scene,
-    bsdf::{Bsdf, BsdfSample, Lobe},
-    scene::Hit,
-};
+use steradian_bsdf::{Bsdf, BsdfSample, Lobe};
+use steradian_core::{Scene, scene::Hit};
 use steradian_engine::{PathContext, PixelSample, partition::MAX_GROUP};
 use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
 use steradian_transport::{Arrival, PathState, Vertex, arrive, escape, live_max, meet};

@@ -2,7 +2,8 @@
 
 use super::{MAX_GROUP, Member, NO_RAY, PixelSample, is_shareable};
 use crate::{Counters, path::PathTracer, precomputed::Precomputed};
-use steradian_core::{ColorMode, Scene, bsdf::Bsdf};
+use steradian_bsdf::Bsdf;
+use steradian_core::{ColorMode, Scene};
 use steradian_engine::PathContext;
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 use steradian_transport::{Arrival, PathState, Vertex, arrive, escape, flight, live_max, nee, power_heuristic};

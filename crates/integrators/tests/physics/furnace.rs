@@ -6,11 +6,8 @@ use crate::{
     shot::{Shot, is_exactly, mean},
     stage::{Stage, cuboid, diffuse, icosphere, light, shape, sphere, white},
 };
-use steradian_core::{
-    ColorMode, Scene,
-    bsdf::{Bsdf, TransportMode},
-    scene::Interaction,
-};
+use steradian_bsdf::{Bsdf, TransportMode};
+use steradian_core::{ColorMode, Scene, scene::Interaction};
 use steradian_math::{Frame, Vec2, Vec3, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
 use steradian_testkit::integrate_sphere;
 

@@ -9,7 +9,6 @@ use crate::{
 use std::f64::consts::PI;
 use steradian_core::{
     ColorMode, Scene,
-    color::Color,
     light::{
         Environment, Light, Lights,
         environment::{EnvironmentImage, Parametrization},
@@ -18,7 +17,11 @@ use steradian_core::{
 };
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_integrators::{Counters, Depth, Integrator, PathContext, path::PathTracer};
-use steradian_math::{DVec3, Ray, Transform, Vec3, hash::HashRng, spectra::Wavelengths};
+use steradian_math::{
+    DVec3, Ray, Transform, Vec3,
+    hash::HashRng,
+    spectra::{Wavelengths, role::Color},
+};
 use steradian_scene::Mesh;
 
 /// The point that receives light, and its normal.

@@ -1,7 +1,8 @@
 //! A material of every registered kind.
 
 use crate::stage::{diffuse, material, rgb, white};
-use steradian_core::{bsdf::measured::synthetic::METAL, material::MATERIALS};
+use steradian_bsdf::measured::synthetic::METAL;
+use steradian_core::material::MATERIALS;
 use steradian_scene::{Node, NodeId, SceneDesc, SpectrumValue, Value};
 
 /// A material to put on a stage.

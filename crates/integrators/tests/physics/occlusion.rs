@@ -4,7 +4,7 @@ use crate::{
     shot::{Shot, is_exactly, mean},
     stage::{Stage, diffuse, plane, rectangle},
 };
-use steradian_core::color::ColorMode;
+use steradian_math::spectra::ColorMode;
 
 /// M172: on an open floor all of the sky is seen, at the foot of an endless wall half of it, and past a wall of height
 /// h in a distance d all but `½ (1 − d / √(d² + h²))`.

@@ -15,6 +15,7 @@ mod mode;
 pub mod named;
 pub mod parse;
 pub mod photometry;
+pub mod role;
 pub mod spd;
 pub mod wavelengths;
 

@@ -2,7 +2,7 @@
 //! right type.
 
 use crate::case::{Case, Expect};
-use steradian_core::bsdf::measured::synthetic::METAL;
+use steradian_bsdf::measured::synthetic::METAL;
 
 /// Values that materials are given.
 const VALUES: [&str; 10] = ["nan", "inf", "-inf", "1e39", "1e30", "-1", "0", "1e-45", "7", "0.9999999"];

@@ -1,0 +1,216 @@
+//! Measured reflection: tables of values for pairs of directions.
+//!
+//! [`MeasuredData`] is what a file holds, in whichever of its formats; [`Measured`] is the scattering of one point. All
+//! reflect only. The adaptive parameterisation ([`rgl`]) brings its own sampling, the other tables are sampled through
+//! half vectors ([`half_vector`]).
+
+pub mod angles;
+pub mod btf;
+pub mod half_vector;
+pub mod harmonics;
+pub mod interpolant;
+pub mod merl;
+pub mod polarimetric;
+pub mod rgl;
+mod rusinkiewicz;
+pub mod synthetic;
+pub mod tensor;
+
+pub use angles::AngleTable;
+pub use btf::Btf;
+pub use merl::Merl;
+pub use polarimetric::Polarimetric;
+pub use rgl::{Rgl, Wanted};
+
+use self::{half_vector::HalfVectors, harmonics::Harmonics, tensor::TensorFile};
+use super::{BsdfEval, BsdfSample, Lobe};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    color::luminance,
+    spectra::{ColorMode, Wavelengths, role, role::Role},
+};
+
+/// What is wrong with a file of measurements.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasuredError {
+    /// It ends too early.
+    #[error("it ends in the middle of its data")]
+    Truncated,
+    /// It is of another kind.
+    #[error("it is not {0}")]
+    NotThis(&'static str),
+    /// Something in it.
+    #[error("{0}")]
+    Fault(String),
+}
+
+#[derive(Clone, Debug)]
+enum Table {
+    Rgl(Box<Rgl>),
+    Polarimetric(Polarimetric),
+    Merl(Merl),
+    Angles(AngleTable),
+    Btf(Btf),
+    Harmonics(Harmonics),
+}
+
+/// A material's measurements, ready to be looked up.
+#[derive(Clone, Debug)]
+pub struct MeasuredData {
+    table: Table,
+    /// How directions are drawn where the table does not say it itself.
+    directions: Option<Box<HalfVectors>>,
+}
+
+impl MeasuredData {
+    /// Reads a file of any format but a BTF's, whose index needs its pictures.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn read(bytes: &[u8], wanted: Wanted) -> Result<Self, MeasuredError> {
+        if TensorFile::is(bytes) {
+            let file = TensorFile::read(bytes)?;
+            return Ok(if file.get("M").is_some() {
+                Self::new(Table::Polarimetric(Polarimetric::read(&file, wanted)?))
+            } else {
+                Self { table: Table::Rgl(Box::new(Rgl::read(&file, wanted)?)), directions: None }
+            });
+        }
+        // What looks like text is a table of angles; binary of the wrong size deserves the message of MERL's reader.
+        let is_text =
+            !bytes.is_empty() && bytes.iter().take(512).all(|b| (32..127).contains(b) || b.is_ascii_whitespace());
+        match std::str::from_utf8(bytes) {
+            Ok(text) if is_text && !Merl::is(bytes) => Ok(Self::new(Table::Angles(AngleTable::read(text)?))),
+            _ => Ok(Self::new(Table::Merl(Merl::read(bytes)?))),
+        }
+    }
+
+    /// A stack of pictures.
+    pub fn from_btf(btf: Btf) -> Self {
+        Self::new(Table::Btf(btf))
+    }
+
+    /// The same material projected onto spherical harmonics up to a degree.
+    #[must_use]
+    pub fn projected(&self, degree: usize) -> Self {
+        let f = |wo: Vec3, wi: Vec3| self.rgb(wo, wi) / wi.z.max(1e-6);
+        Self::new(Table::Harmonics(Harmonics::project(degree, f)))
+    }
+
+    fn new(table: Table) -> Self {
+        let mut data = Self { table, directions: None };
+        data.directions = Some(Box::new(HalfVectors::fit(|wo, wi| luminance(data.rgb(wo, wi)))));
+        data
+    }
+
+    /// Whether values are by wavelength rather than by channel.
+    fn spectral(&self) -> bool {
+        match &self.table {
+            Table::Rgl(t) => t.spectral,
+            Table::Polarimetric(t) => t.spectral(),
+            _ => false,
+        }
+    }
+
+    /// Whether it varies over the surface.
+    fn varies(&self) -> bool {
+        matches!(self.table, Table::Btf(_))
+    }
+
+    /// `f·cosθ_i` in three channels (or at three wavelengths), averaged over the texture.
+    fn rgb(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        match &self.table {
+            Table::Btf(t) => t.mean(wo, wi) * wi.z,
+            _ => {
+                let lambda = if self.spectral() { [610.0, 550.0, 460.0, 550.0] } else { [0.0, 1.0, 2.0, 2.0] };
+                Vec3::from(self.lanes(wo, wi, Vec2::ZERO, lambda).0.to_rgb())
+            }
+        }
+    }
+
+    /// `f·cosθ_i` at wavelengths or of channels 0, 1, 2; and the density where the table knows it.
+    #[inline]
+    fn lanes(&self, wo: Vec3, wi: Vec3, uv: Vec2, lambda: [f32; 4]) -> (Spectrum, f32) {
+        let rgb = |v: Vec3| Spectrum::rgb(v.x, v.y, v.z);
+        match &self.table {
+            Table::Rgl(t) => t.eval(wo, wi, lambda),
+            Table::Polarimetric(t) => (t.eval(wo, wi, lambda) * wi.z, 0.0),
+            Table::Merl(t) => (rgb(t.eval(wo, wi) * wi.z), 0.0),
+            Table::Angles(t) => (rgb(t.eval(wo, wi) * wi.z), 0.0),
+            Table::Btf(t) => (rgb(t.eval(wo, wi, uv) * wi.z), 0.0),
+            Table::Harmonics(t) => (rgb(t.eval(wo, wi)), 0.0),
+        }
+    }
+}
+
+/// Scattering by measured values.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    data: &'a MeasuredData,
+    /// Wavelengths, nm, in spectral mode.
+    lambda: [f32; 4],
+    mode: ColorMode,
+    uv: Vec2,
+}
+
+impl<'a> Measured<'a> {
+    /// At a place of the texture, which matters to BTFs only.
+    pub fn new(data: &'a MeasuredData, lambda: &Wavelengths, mode: ColorMode, uv: Vec2) -> Self {
+        Self { data, lambda: lambda.lambda, mode, uv: if data.varies() { uv } else { Vec2::ZERO } }
+    }
+
+    /// `f·cosθ_i` and the density of [`Measured::sample`].
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let spectral = self.data.spectral() && self.mode == ColorMode::Spectral;
+        let lambda = if spectral { self.lambda } else { [0.0, 1.0, 2.0, 2.0] };
+        let (mut value, pdf) = self.data.lanes(wo, wi, self.uv, lambda);
+        if self.mode == ColorMode::Spectral && !spectral {
+            // The colour becomes a spectrum; its lanes are read off at the path's wavelengths.
+            let at = Wavelengths::at(self.lambda);
+            value = role::texel(Vec3::from(value.to_rgb()), Role::Unbounded, &at, ColorMode::Spectral);
+        }
+        let pdf = self.data.directions.as_ref().map_or(pdf, |d| d.pdf(wo, wi));
+        if !value.is_finite() || !pdf.is_finite() {
+            return BsdfEval::ZERO;
+        }
+        BsdfEval { value, pdf }
+    }
+
+    /// Draws a direction.
+    pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let wi = match (&self.data.table, &self.data.directions) {
+            (_, Some(d)) => d.sample(wo, u, u2)?,
+            (Table::Rgl(t), _) => t.sample(wo, u2)?,
+            _ => return None,
+        };
+        let e = self.eval(wo, wi);
+        let lobe = Lobe::REFLECTION.with(Lobe::GLOSSY);
+        e.drawn(wi, lobe, 1.0)
+    }
+
+    /// The albedo of a matt surface that reflects as this does at the mirror direction and around: the mean of a few
+    /// directions.
+    pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        const DRAWS: [[f32; 3]; 8] = [
+            [0.05, 0.1, 0.3],
+            [0.2, 0.6, 0.8],
+            [0.35, 0.35, 0.05],
+            [0.45, 0.85, 0.55],
+            [0.55, 0.2, 0.7],
+            [0.7, 0.5, 0.2],
+            [0.8, 0.75, 0.95],
+            [0.95, 0.95, 0.45],
+        ];
+        let wo = Vec3::new(wo.x, wo.y, wo.z.abs());
+        let draw = |[u, x, y]: [f32; 3]| self.sample(wo, u, Vec2::new(x, y)).map_or(Spectrum::ZERO, |s| s.weight);
+        let sum = DRAWS.into_iter().map(draw).fold(Spectrum::ZERO, |a, b| a + b);
+        (sum / DRAWS.len() as f32).clamp(0.0, 1.0)
+    }
+}

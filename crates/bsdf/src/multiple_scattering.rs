@@ -1,0 +1,259 @@
+//! Light that facets of a metal reflect to each other: what single scattering loses given back.
+//!
+//! With `E(θ)` the albedo of a perfectly reflecting rough surface, `⟨E⟩` its mean over the cosine and `⟨F⟩` the mean
+//! Fresnel factor:
+//!
+//! ```text
+//! Kulla–Conty   f = f₁ + ⟨F⟩²⟨E⟩/(1 − ⟨F⟩(1 − ⟨E⟩)) · (1 − E(θ_o))(1 − E(θ_i))/(π(1 − ⟨E⟩))
+//! Turquin       f = f₁ (1 + F₀ (1 − E(θ_o))/E(θ_o))
+//! ```
+//!
+//! (Kulla & Conty 2017, "Revisiting physically based shading at Imageworks", after Kelemen & Szirmay-Kalos 2001; the
+//! colour of repeated reflection by Hill 2018. Turquin 2019, "Practical multiple scattering compensation for microfacet
+//! models".) The first is reciprocal; the second scales the lobe, keeps its shape, and is not. Both lose nothing where
+//! the facets do not. What an anisotropic surface loses depends on the azimuth, which the tables do not know: it is
+//! left as it is.
+
+use super::{
+    BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Reflectance, Shadowing, fresnel,
+    microfacet::Mirror,
+};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{Spectrum, Vec2, Vec3, cell, warp::cosine_hemisphere};
+
+/// How light between facets is accounted for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Compensation {
+    /// A broad lobe beside the single scattering.
+    KullaConty,
+    /// A factor on the single scattering.
+    Turquin,
+}
+
+const ANGLES: usize = 32;
+const ROWS: usize = 32;
+/// Facets per entry: a number of Fibonacci's, at which multiples of the golden ratio are spread most evenly.
+const NORMALS: usize = 610;
+/// Roughness of the last row.
+const ROUGHEST: f32 = 2.0;
+
+/// `E` of one roughness. The cells are even in `√cos`; in each `E` is linear in the cosine, as it is towards the
+/// horizon: its value at zero and its slope.
+type Row = [[f32; 2]; ANGLES - 1];
+
+/// `E` over the square roots of cosine and roughness, for one distribution and kind of shadowing.
+#[derive(Clone, Debug)]
+pub struct EnergyTable {
+    /// `E(θ)` of each roughness, and its mean.
+    rows: Vec<(Row, f32)>,
+}
+
+impl EnergyTable {
+    /// Integrates the table: deterministic, some 30 ms.
+    pub fn new(distribution: NormalDistribution, shadowing: Shadowing) -> Self {
+        let row = |j: usize| {
+            let alpha = ROUGHEST * (j as f32 / (ROWS - 1) as f32).powi(2);
+            let surface = Microfacet::new(distribution, shadowing, alpha, alpha);
+            if surface.is_smooth() {
+                return ([[1.0, 0.0]; ANGLES - 1], 1.0);
+            }
+            let cos = |i: usize| (i as f32 / (ANGLES - 1) as f32).powi(2);
+            let albedo: [f32; ANGLES] = std::array::from_fn(|i| albedo(&surface, cos(i).max(1e-5)));
+            let row: Row = std::array::from_fn(|i| {
+                let slope = (albedo[i + 1] - albedo[i]) / (cos(i + 1) - cos(i));
+                [albedo[i] - slope * cos(i), slope]
+            });
+            // 2∫ E μ dμ over pieces in √μ, by the midpoint.
+            let pieces = 8 * (ANGLES - 1);
+            let mean = (0..pieces)
+                .map(|i| {
+                    let x = (i as f32 + 0.5) / pieces as f32;
+                    4.0 * at(&row, x * x) * x * x * x / pieces as f32
+                })
+                .sum::<f32>();
+            (row, mean.min(1.0))
+        };
+        Self { rows: (0..ROWS).map(row).collect() }
+    }
+
+    /// The rows around a roughness and the weight of the second.
+    fn place(alpha: f32) -> (usize, f32) {
+        cell((alpha / ROUGHEST).clamp(0.0, 1.0).sqrt() * (ROWS - 1) as f32, ROWS - 1)
+    }
+
+    /// `E(θ)`.
+    #[inline]
+    fn albedo(&self, (j, t): (usize, f32), cos: f32) -> f32 {
+        let (a, b) = (at(&self.rows[j].0, cos), at(&self.rows[j + 1].0, cos));
+        (a + (b - a) * t).clamp(1e-3, 1.0)
+    }
+
+    /// `⟨E⟩`.
+    fn mean(&self, (j, t): (usize, f32)) -> f32 {
+        let (a, b) = (self.rows[j].1, self.rows[j + 1].1);
+        a + (b - a) * t
+    }
+}
+
+/// `E` at a cosine.
+#[inline(always)]
+fn at(row: &Row, cos: f32) -> f32 {
+    let [at_zero, slope] = row[cell(cos.sqrt() * (ANGLES - 1) as f32, ANGLES - 1).0];
+    at_zero + slope * cos
+}
+
+/// The albedo of perfectly reflecting facets, over a lattice of the normals that are seen.
+fn albedo(surface: &Microfacet, mu: f32) -> f32 {
+    let wo = Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu);
+    let sum: f64 = (0..NORMALS)
+        .map(|i| {
+            let i = i as f64 + 0.5;
+            let u = Vec2::new((i * 0.618_033_988_749_894_9).fract() as f32, (i / NORMALS as f64) as f32);
+            let m = surface.sample_visible(wo, u);
+            let wi = fresnel::reflect(wo, m);
+            if wi.z <= 0.0 { 0.0 } else { f64::from(surface.sampled_weight(wo, wi, m)) }
+        })
+        .sum();
+    ((sum / NORMALS as f64) as f32).min(1.0)
+}
+
+/// A rough metal with light between its facets.
+#[derive(Clone, Copy, Debug)]
+pub struct CompensatedConductor<'a> {
+    conductor: Conductor,
+    table: &'a EnergyTable,
+    row: (u32, f32),
+    /// Kulla and Conty's colour factor over `1 − ⟨E⟩`, or `F₀`.
+    colour: Spectrum,
+    kind: Compensation,
+}
+
+impl<'a> CompensatedConductor<'a> {
+    /// A metal whose facets have the table's distribution and shadowing.
+    pub fn new(conductor: Conductor, kind: Compensation, table: &'a EnergyTable) -> Self {
+        let place = EnergyTable::place(conductor.microfacet.isotropic_alpha().unwrap_or(0.0));
+        let reflectance = Reflectance::Conductor { eta: conductor.eta, k: conductor.k };
+        let colour = match kind {
+            Compensation::KullaConty => {
+                let e = table.mean(place);
+                let f = (conductor.tint * reflectance.diffuse()).clamp(0.0, 1.0);
+                f.map(|f| f * f * e / (1.0 - f * (1.0 - e)).max(1e-4)) / (1.0 - e).max(1e-4)
+            }
+            Compensation::Turquin => conductor.tint * reflectance.eval(1.0),
+        };
+        Self { conductor, table, row: (place.0 as u32, place.1), colour, kind }
+    }
+
+    pub(super) fn is_specular(&self) -> bool {
+        self.conductor.microfacet.is_smooth()
+    }
+
+    fn lost(&self, cos: f32) -> f32 {
+        1.0 - self.table.albedo((self.row.0 as usize, self.row.1), cos)
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
+            return BsdfEval::ZERO;
+        }
+        self.eval_at(wo, wi, self.lost(wo.z), &self.conductor.microfacet.mirror(wo, wi))
+    }
+
+    /// The value where facets lose `lost` of what they reflect along `wo`, with what mirrors.
+    #[inline]
+    fn eval_at(&self, wo: Vec3, wi: Vec3, lost: f32, mirror: &Mirror) -> BsdfEval {
+        if wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let mut e = self.conductor.eval_by(mirror, wo, wi);
+        match self.kind {
+            Compensation::Turquin => e.value *= Spectrum::ONE + self.colour * (lost / (1.0 - lost)),
+            Compensation::KullaConty => {
+                let cosine = wi.z * FRAC_1_PI;
+                e.value += self.colour * (lost * self.lost(wi.z) * cosine);
+                e.pdf += (cosine - e.pdf) * lost;
+            }
+        }
+        e
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        if self.is_specular() {
+            return self.conductor.sample(wo, u2);
+        }
+        // The broad lobe carries what single scattering loses, and is drawn with that probability.
+        let lost = self.lost(wo.z);
+        let (wi, mirror, lobe) = if self.kind == Compensation::KullaConty && u < lost {
+            let wi = cosine_hemisphere(u2);
+            (wi, self.conductor.microfacet.mirror(wo, wi), Lobe::DIFFUSE)
+        } else {
+            let n = self.conductor.microfacet.draw(wo, u2);
+            (n.mirrored(wo), n.mirror(), Lobe::GLOSSY)
+        };
+        self.eval_at(wo, wi, lost, &mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
+    }
+
+    pub(super) fn is_reciprocal(&self) -> bool {
+        self.kind == Compensation::KullaConty
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        self.conductor.albedo_estimate(wo)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rough_metal_loses_light_to_its_facets_and_a_smooth_one_does_not() {
+        let table = EnergyTable::new(NormalDistribution::Ggx, Shadowing::HeightCorrelated);
+        let e = |alpha, cos| table.albedo(EnergyTable::place(alpha), cos);
+        assert!(e(0.0, 0.5) > 0.999 && e(0.05, 0.9) > 0.99);
+        // Kulla & Conty's figure: a third of the light is lost at α = 1.
+        let rough = table.mean(EnergyTable::place(1.0));
+        assert!((0.4..0.75).contains(&rough), "{rough}");
+        for alpha in [0.3, 0.45, 0.77] {
+            let surface = Microfacet::ggx(alpha, alpha);
+            for cos in [0.02, 0.2, 0.55, 1.0] {
+                let (exact, tabulated) = (albedo(&surface, cos), e(alpha, cos));
+                assert!((exact - tabulated).abs() < 6e-3, "α = {alpha}, {cos}: {tabulated} is not {exact}");
+            }
+        }
+    }
+    /// Whatever the facets do, a compensated mirror reflects all, in the mean over its own samples.
+    #[test]
+    fn a_compensated_mirror_is_white() {
+        use super::super::{Bsdf, TransportMode};
+        use steradian_math::hash::HashRng;
+        use steradian_testkit::Moments;
+        for (distribution, shadowing) in
+            [(NormalDistribution::Ggx, Shadowing::HeightCorrelated), (NormalDistribution::Beckmann, Shadowing::VGroove)]
+        {
+            let table = EnergyTable::new(distribution, shadowing);
+            for (kind, cos) in
+                [(Compensation::KullaConty, 0.35f32), (Compensation::Turquin, 0.35), (Compensation::KullaConty, 0.9)]
+            {
+                let mirror = Conductor::mirror(Spectrum::ONE, Microfacet::new(distribution, shadowing, 0.4, 0.4));
+                let bsdf = Bsdf::CompensatedConductor(CompensatedConductor::new(mirror, kind, &table));
+                let wo = Vec3::new(0.6 * (1.0 - cos * cos).sqrt(), 0.8 * (1.0 - cos * cos).sqrt(), cos);
+                let (mut rng, mut albedo) = (HashRng::new(7), Moments::default());
+                for _ in 0..20_000 {
+                    let (u, u2) = (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
+                    let weight = bsdf.sample(wo, u, u2, TransportMode::Radiance).map_or(0.0, |s| s.weight[0]);
+                    albedo.push(f64::from(weight));
+                }
+                let off = (albedo.mean() - 1.0).abs();
+                assert!(
+                    off < 4.0 * albedo.standard_error() + 4e-3,
+                    "{shadowing:?}, {kind:?}, {cos}: {}",
+                    albedo.mean()
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,561 @@
+//! The surface of glTF 2.0 with its material extensions, and (with the approximations that the compiler names) of
+//! OpenPBR 1.1: a metal or a dielectric over diffuse reflection, diffuse transmission or refraction, under sheen, under
+//! a clear coat.
+//!
+//! ```text
+//! f = coat F_c D_c G_c/(4..) + L_c [ sheen + L_s ( F D G/(4..) + (1 − F) refraction + B(wo, wi) (ρ + τ)/π ) ]
+//! F = metallic F_metal + (1 − metallic) F_dielectric                                  glTF 2.0, appendix B.2
+//! F_dielectric = f0 + (f90 − f0)(1 − c)⁵, of the facet; total reflection from inside   KHR_materials_specular, _ior
+//! F_metal = base + (1 − base)(1 − c)⁵ − k c (1 − c)⁶, with the edge's tint at 82°      Hoffman 2019; OpenPBR 1.1, eq. 24
+//! with a film: both interpolated to Airy's reflectance over an index of √F₀ = (n−1)/(n+1)   KHR_materials_iridescence
+//! B = (1 − E(wo))(1 − E(wi))/(1 − Ē) of the dielectric reflection                      albedo_table
+//! L = min over both directions of 1 − weight · E                                       KHR_materials_sheen, albedo scaling
+//! ```
+//!
+//! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the
+//! half-vector does at grazing angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction
+//! each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF
+//! without a volume) let light pass without bending it and are the same from both sides. Colours and weights are kept
+//! to 16 bits.
+
+use super::{
+    BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel, principled::schlick_weight,
+    sample_cosine_hemisphere, sheen,
+};
+use std::f32::consts::FRAC_1_PI;
+use steradian_math::{Spectrum, Vec2, Vec3, elementary::pow};
+
+/// A spectrum of values in [0, 1] to 16 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Unit4([u16; 4]);
+
+impl Unit4 {
+    fn new(s: Spectrum) -> Self {
+        Self(s.to_array().map(|v| if v > 0.0 { (v.min(1.0) * 65535.0 + 0.5) as u16 } else { 0 }))
+    }
+
+    #[inline]
+    fn get(self) -> Spectrum {
+        Spectrum::new(self.0.map(|v| f32::from(v) * (1.0 / 65535.0)))
+    }
+
+    #[inline]
+    fn most(self) -> f32 {
+        if self.is_black() {
+            return 0.0;
+        }
+        f32::from(self.0.into_iter().max().unwrap_or(0)) * (1.0 / 65535.0)
+    }
+
+    #[inline]
+    fn is_black(self) -> bool {
+        self.0 == [0; 4]
+    }
+}
+
+/// A number in [0, 1] to 16 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Unit(u16);
+
+impl Unit {
+    fn new(v: f32) -> Self {
+        Self((unit(v) * 65535.0 + 0.5) as u16)
+    }
+
+    #[inline]
+    fn get(self) -> f32 {
+        f32::from(self.0) * (1.0 / 65535.0)
+    }
+}
+
+/// What a scene says of the surface. Colours and weights in [0, 1] (clamped).
+#[derive(Clone, Copy, Debug)]
+pub struct PbrParams {
+    /// Colour of metal, of diffuse reflection, and of what is refracted.
+    pub base_color: Spectrum,
+    /// How much of it is metal.
+    pub metallic: f32,
+    /// Facets of the base.
+    pub facets: Microfacet,
+    /// Index of refraction (≥ 1).
+    pub eta: f32,
+    /// Strength of the dielectric reflection.
+    pub specular: f32,
+    /// Tint of the dielectric reflection at normal incidence, and of metal at 82°.
+    pub specular_color: Spectrum,
+    /// How much of the dielectric refracts.
+    pub transmission: f32,
+    /// Factor on what is refracted.
+    pub transmission_color: Spectrum,
+    /// Whether light passes unbent.
+    pub thin: bool,
+    /// How much of the diffuse light goes through.
+    pub diffuse_transmission: f32,
+    /// Its colour.
+    pub diffuse_transmission_color: Spectrum,
+    /// Colour of the sheen; black for none.
+    pub sheen_color: Spectrum,
+    /// Roughness of the sheen; its α is the square.
+    pub sheen_roughness: f32,
+    /// Strength of the clear coat.
+    pub coat: f32,
+    /// Facets of the coat.
+    pub coat_facets: Microfacet,
+    /// Index of refraction of the coat (≥ 1).
+    pub coat_eta: f32,
+    /// What light keeps on its way in and out of the coat at normal incidence.
+    pub coat_color: Spectrum,
+    /// Whether specular_color tints metal at the edge (OpenPBR) rather than the dielectric alone (glTF).
+    pub tints_metal_edge: bool,
+    /// A film between base and coat.
+    pub film: ThinFilm,
+    /// How much of the base it covers.
+    pub film_weight: f32,
+}
+
+/// The surface at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Pbr {
+    metal: Unit4,
+    edge: Unit4,
+    f0: Unit4,
+    diffuse: Unit4,
+    through: Unit4,
+    refracted: Unit4,
+    sheen: Unit4,
+    coat_color: Unit4,
+    film: ThinFilm,
+    facets: Microfacet,
+    coat_alpha: f32,
+    eta: f32,
+    film_weight: Unit,
+    /// The f0 with which Schlick's reflectance is nowhere below the dielectric's, film and all lanes included.
+    bound: Unit,
+    metallic: Unit,
+    f90: Unit,
+    sheen_alpha: Unit,
+    coat: Unit,
+    coat_f0: Unit,
+    thin: bool,
+}
+
+/// What is known of a surface once it is seen from a side.
+#[derive(Default)]
+struct Seen {
+    /// Probabilities of the ways to draw a direction.
+    coat: f32,
+    facets: f32,
+    diffuse: f32,
+    /// `1 − E` of the dielectric reflection.
+    below: f32,
+    /// The base's roughness in the tables.
+    row: albedo_table::Row,
+}
+
+fn unit(v: f32) -> f32 {
+    if v > 0.0 { v.min(1.0) } else { 0.0 }
+}
+
+impl Pbr {
+    /// The surface of `p`.
+    pub fn new(p: &PbrParams) -> Self {
+        let eta = if p.eta > 1.0 { p.eta.min(1e3) } else { 1.0 };
+        let (metallic, transmission) = (unit(p.metallic), unit(p.transmission));
+        let through = unit(p.diffuse_transmission);
+        let opaque = (1.0 - metallic) * (1.0 - transmission);
+        let specular = unit(p.specular);
+        let coat_eta = if p.coat_eta > 1.0 { p.coat_eta.min(1e3) } else { 1.0 };
+        let f0 = Unit4::new((p.specular_color * fresnel::f0_from_eta(eta)).clamp(0.0, 1.0) * specular);
+        let mut surface = Self {
+            metal: Unit4::new(p.base_color),
+            edge: Unit4::new(if p.tints_metal_edge { p.specular_color } else { Spectrum::ONE }),
+            f0,
+            diffuse: Unit4::new(p.base_color * (opaque * (1.0 - through))),
+            through: Unit4::new(p.diffuse_transmission_color * (opaque * through)),
+            refracted: Unit4::new(p.transmission_color * ((1.0 - metallic) * transmission)),
+            sheen: Unit4::new(p.sheen_color),
+            coat_color: Unit4::new(p.coat_color),
+            film: p.film,
+            facets: p.facets,
+            coat_alpha: p.coat_facets.mean_alpha().min(1.0),
+            // Refraction between equal media has no half-vector.
+            eta: if eta < 1.001 { 1.001 } else { eta },
+            film_weight: Unit::new(p.film_weight),
+            bound: Unit::new(f0.most()),
+            metallic: Unit::new(metallic),
+            f90: Unit::new(specular),
+            sheen_alpha: Unit::new((unit(p.sheen_roughness) * unit(p.sheen_roughness)).max(sheen::MIN_ALPHA)),
+            coat: Unit::new(p.coat),
+            coat_f0: Unit::new(fresnel::f0_from_eta(coat_eta)),
+            thin: p.thin,
+        };
+        if surface.film_weight.0 > 0 {
+            surface.bound = Unit::new(surface.least_f0_above());
+        }
+        surface
+    }
+
+    /// The least f0 of a Schlick reflectance that is nowhere below the dielectric's.
+    fn least_f0_above(&self) -> f32 {
+        let f90 = self.f90.get();
+        let at = |i: u8| {
+            let cos = f32::from(i) / 16.0;
+            let s = schlick_weight(cos);
+            (self.dielectric(cos).max_element() - f90 * s) / (1.0 - s)
+        };
+        (1..=16).map(at).fold(self.f0.most(), f32::max) + 0.01
+    }
+
+    #[inline]
+    fn coat_facets(&self) -> Microfacet {
+        Microfacet::isotropic(self.coat_alpha)
+    }
+
+    fn refracts(&self) -> bool {
+        !self.thin && !self.refracted.is_black()
+    }
+
+    pub(super) fn transmits(&self) -> bool {
+        !self.refracted.is_black() || !self.through.is_black()
+    }
+
+    /// Index below relative to above, as light meets it.
+    pub(super) fn eta(&self) -> f32 {
+        if self.refracts() { self.eta } else { 1.0 }
+    }
+
+    /// Whether every lobe is a delta distribution.
+    pub(super) fn is_specular(&self) -> bool {
+        let smooth_coat = self.coat.0 == 0 || self.coat_facets().is_smooth();
+        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.is_black());
+        self.facets.is_smooth() && smooth_coat && nothing_else
+    }
+
+    /// Reflectance of the dielectric where the cosine of the facet is `cos` (negative from inside).
+    fn dielectric(&self, cos: f32) -> Spectrum {
+        let outside = if cos >= 0.0 {
+            cos
+        } else {
+            let c2 = 1.0 - self.eta * self.eta * (1.0 - cos * cos);
+            if c2 <= 0.0 {
+                return Spectrum::ONE;
+            }
+            c2.sqrt()
+        };
+        let (f0, f90) = (self.f0.get(), self.f90.get());
+        let bare = f0 + (Spectrum::splat(f90) - f0) * schlick_weight(outside);
+        if f90 > 0.0 { self.filmed(outside, bare, f0 / f90, f90) } else { bare }
+    }
+
+    /// A reflectance as the film changes it, over a base of reflectance `f0` at normal incidence; `factor` is on all of
+    /// it.
+    #[inline]
+    fn filmed(&self, cos: f32, bare: Spectrum, f0: Spectrum, factor: f32) -> Spectrum {
+        if self.film_weight.0 == 0 {
+            return bare;
+        }
+        let root = f0.clamp(0.0, 0.9999).sqrt();
+        let index = root.map(|r| (1.0 + r) / (1.0 - r));
+        let film = self.film.reflectance(cos, index, Spectrum::ZERO) * factor;
+        bare + (film - bare) * self.film_weight.get()
+    }
+
+    /// Reflectance of base facets from outside.
+    fn reflectance(&self, cos: f32) -> Spectrum {
+        let dielectric = self.dielectric(cos);
+        if self.metallic.0 == 0 {
+            return dielectric;
+        }
+        let (base, w) = (self.metal.get(), schlick_weight(cos));
+        let schlick = |w: f32| base + (Spectrum::ONE - base) * w;
+        // Hoffman's term is the lack at cos = 1/7, brought to zero at normal and grazing incidence.
+        let lack = schlick((6.0f32 / 7.0).powi(5)) * (Spectrum::ONE - self.edge.get());
+        let shape = cos * (1.0 - cos) * w * (7.0 * (7.0f32 / 6.0).powi(6));
+        let metal = self.filmed(cos, (schlick(w) - lack * shape).clamp(0.0, 1.0), base, 1.0);
+        let metallic = self.metallic.get();
+        dielectric * (1.0 - metallic) + metal * metallic
+    }
+
+    /// Reflectance of base facets from the side that the cosine is on.
+    #[inline]
+    fn reflectance_from(&self, cos: f32) -> Spectrum {
+        if cos >= 0.0 { self.reflectance(cos) } else { self.dielectric(cos) }
+    }
+
+    /// `1 − E` of the dielectric reflection, its strongest lane.
+    fn below(&self, row: albedo_table::Row, cos: f32) -> f32 {
+        let [a, b] = albedo_table::ggx(row, cos.abs());
+        (1.0 - self.bound.get() * a - self.f90.get() * b).clamp(0.0, 1.0)
+    }
+
+    /// `B/π cosθ_i` of light that is seen so.
+    fn lambert(&self, seen: &Seen, wi: Vec3) -> f32 {
+        let [a, b] = albedo_table::ggx_mean(seen.row);
+        let mean = (1.0 - self.bound.get() * a - self.f90.get() * b).max(1e-3);
+        seen.below * self.below(seen.row, wi.z) / mean * FRAC_1_PI * wi.z.abs()
+    }
+
+    fn coat_albedo(&self, cos: f32) -> f32 {
+        if self.coat.0 == 0 {
+            return 0.0;
+        }
+        let [a, b] = albedo_table::ggx(albedo_table::row(self.coat_alpha), cos);
+        self.coat.get() * (self.coat_f0.get() * a + b)
+    }
+
+    /// What sheen leaves to the layers below it at one cosine.
+    fn sheen_leaves(&self, cos: f32) -> f32 {
+        if self.sheen.is_black() {
+            return 1.0;
+        }
+        1.0 - self.sheen.most() * albedo_table::sheen(self.sheen_alpha.get(), cos)
+    }
+
+    /// What the coat leaves of light that sees it at these cosines on its way, and the colour it gives.
+    fn coat_leaves(&self, cosines: &[f32]) -> Spectrum {
+        if self.coat.0 == 0 {
+            return Spectrum::ONE;
+        }
+        let most = cosines.iter().map(|c| self.coat_albedo(*c)).fold(0.0, f32::max);
+        let white = self.coat_color == Unit4([u16::MAX; 4]);
+        let kept = if white {
+            Spectrum::ONE
+        } else {
+            // Half of the colour's two ways each, along the direction refracted at an index of 1.5.
+            let way: f32 = cosines.iter().map(|c| 0.5 / (1.0 - (1.0 - c * c) / 2.25).sqrt()).sum();
+            self.coat_color.get().map(|c| pow(c, way))
+        };
+        (Spectrum::ONE + (kept - Spectrum::ONE) * self.coat.get()) * (1.0 - most)
+    }
+
+    /// Reflectance of the coat's facets.
+    #[inline]
+    fn coat_reflectance(&self, cos: f32) -> f32 {
+        let f0 = self.coat_f0.get();
+        self.coat.get() * (f0 + (1.0 - f0) * schlick_weight(cos))
+    }
+
+    fn seen_from(&self, wo: Vec3) -> Seen {
+        let cos = wo.z.abs();
+        let row = albedo_table::row(self.facets.mean_alpha());
+        let [a, b] = albedo_table::ggx(row, cos);
+        let coat = self.coat_albedo(cos);
+        let (metallic, film) = (self.metallic.get(), 0.5 * self.film_weight.get());
+        let dielectric = self.bound.get() * a + self.f90.get() * b;
+        let reflected = metallic * self.metal.most().max(b).max(film) + (1.0 - metallic) * dielectric;
+        let facets = (1.0 - coat) * (reflected + self.refracted.most()).max(0.02);
+        let below = (1.0 - dielectric).clamp(0.0, 1.0);
+        let sheen = 1.0 - self.sheen_leaves(cos);
+        let diffuse = (1.0 - coat) * below * (self.diffuse.most() + self.through.most()) + sheen;
+        let total = coat + facets + diffuse;
+        let inverse = 1.0 / total;
+        Seen { coat: coat * inverse, facets: facets * inverse, diffuse: diffuse * inverse, below, row }
+    }
+
+    /// The part of the diffuse draws that goes through.
+    fn through_part(&self) -> f32 {
+        if self.through.is_black() {
+            return 0.0;
+        }
+        let through = self.through.most();
+        through / (through + self.diffuse.most() + self.sheen.most())
+    }
+
+    /// The part of the facets' draws that is reflected.
+    fn reflecting_part(&self, f: Spectrum) -> f32 {
+        if self.refracted.is_black() {
+            return 1.0;
+        }
+        let (r, t) = (f.max_element(), self.refracted.most() * (1.0 - f.0.min_element()));
+        if t > 0.0 { r / (r + t) } else { 1.0 }
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        if wo.z == 0.0 || wi.z == 0.0 {
+            return BsdfEval::ZERO;
+        }
+        if wo.z > 0.0 {
+            return self.eval_outside(&self.seen_from(wo), wo, wi, mode);
+        }
+        if self.refracts() {
+            self.eval_inside(wo, wi, mode)
+        } else if self.transmits() {
+            self.eval_outside(&self.seen_from(-wo), -wo, -wi, mode)
+        } else {
+            BsdfEval::ZERO
+        }
+    }
+
+    /// The value for light that leaves outside and is seen so.
+    fn eval_outside(&self, c: &Seen, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        let mut e = BsdfEval::ZERO;
+        let is_rough = !self.facets.is_smooth();
+        if wi.z > 0.0 {
+            if is_rough && let Some(facet) = self.facets.reflecting(wo, wi) {
+                let f = self.reflectance(facet.cos_o);
+                e.value = f * facet.value;
+                e.pdf = c.facets * self.reflecting_part(f) * facet.pdf;
+            }
+            if !self.diffuse.is_black() {
+                e.value += self.diffuse.get() * self.lambert(c, wi);
+            }
+            e.pdf += c.diffuse * (1.0 - self.through_part()) * FRAC_1_PI * wi.z;
+            if !self.sheen.is_black() {
+                e.value *= self.sheen_leaves(wo.z).min(self.sheen_leaves(wi.z));
+                e.value += self.sheen.get() * sheen::value(self.sheen_alpha.get(), wo, wi);
+            }
+            if self.coat.0 > 0 {
+                e.value *= self.coat_leaves(&[wo.z, wi.z]);
+                let facets = self.coat_facets();
+                if !facets.is_smooth()
+                    && let Some(facet) = facets.reflecting(wo, wi)
+                {
+                    e.value += Spectrum::splat(self.coat_reflectance(facet.cos_o) * facet.value);
+                    e.pdf += c.coat * facet.pdf;
+                }
+            }
+            return e;
+        }
+        if !is_rough {
+            // Light that goes through does so in one direction.
+        } else if self.refracts() {
+            if let Some(facet) = self.facets.refracting(wo, wi, self.eta) {
+                let (value, p) = self.transmitted(facet.cos_o);
+                let layers = self.coat_leaves(&[wo.z]) * self.sheen_leaves(wo.z);
+                e.value = value * layers * (facet.value * mode.compression(self.eta));
+                e.pdf = c.facets * p * facet.pdf;
+            }
+        } else if !self.refracted.is_black()
+            && let Some(facet) = self.facets.reflecting(wo, Vec3::new(wi.x, wi.y, -wi.z))
+        {
+            let (value, p) = self.transmitted(facet.cos_o);
+            e.value = value * facet.value * self.layers(wo.z, -wi.z);
+            e.pdf = c.facets * p * facet.pdf;
+        }
+        if !self.through.is_black() {
+            e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c, wi);
+            e.pdf += c.diffuse * self.through_part() * FRAC_1_PI * -wi.z;
+        }
+        e
+    }
+
+    /// What the layers leave to light between two sides.
+    fn layers(&self, a: f32, b: f32) -> Spectrum {
+        let sheen = self.sheen_leaves(a).min(self.sheen_leaves(b));
+        self.coat_leaves(&[a, b]) * sheen
+    }
+
+    /// What a facet lets pass, and the part of its draws that does.
+    fn transmitted(&self, cos: f32) -> (Spectrum, f32) {
+        let passing = 1.0 - self.reflecting_part(self.reflectance_from(cos));
+        (self.refracted.get() * (Spectrum::ONE - self.dielectric(cos)), passing)
+    }
+
+    fn eval_inside(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        if self.facets.is_smooth() {
+            return BsdfEval::ZERO;
+        }
+        let eta = 1.0 / self.eta;
+        if wi.z < 0.0 {
+            return self.facets.reflecting(wo, wi).map_or(BsdfEval::ZERO, |facet| {
+                let f = self.dielectric(facet.cos_o);
+                BsdfEval { value: f * facet.value, pdf: self.reflecting_part(f) * facet.pdf }
+            });
+        }
+        self.facets.refracting(wo, wi, eta).map_or(BsdfEval::ZERO, |facet| {
+            let (value, p) = self.transmitted(facet.cos_o);
+            let layers = self.coat_leaves(&[wi.z]) * self.sheen_leaves(wi.z);
+            BsdfEval { value: value * layers * (facet.value * mode.compression(eta)), pdf: p * facet.pdf }
+        })
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        if wo.z == 0.0 || (wo.z < 0.0 && !self.transmits()) {
+            return None;
+        }
+        let is_inside = wo.z < 0.0 && self.refracts();
+        let turn = if wo.z < 0.0 && !is_inside { -1.0 } else { 1.0 };
+        let seen = wo * turn;
+        let c = if is_inside { Seen { facets: 1.0, ..Seen::default() } } else { self.seen_from(seen) };
+        let mut eta = 1.0;
+        let (wi, lobe) = if u < c.coat {
+            let facets = self.coat_facets();
+            if facets.is_smooth() {
+                let s = self.mirrored(seen, &c);
+                return Some(BsdfSample { wi: s.wi * turn, ..s });
+            }
+            (facets.draw(seen, u2).mirrored(seen), Lobe::GLOSSY)
+        } else if u < c.coat + c.facets {
+            let u = (u - c.coat) / c.facets;
+            if self.facets.is_smooth() {
+                let s = if u < self.reflecting_part(self.reflectance_from(seen.z)) {
+                    self.mirrored(seen, &c)
+                } else {
+                    self.passed(seen, &c, mode)?
+                };
+                return Some(BsdfSample { wi: s.wi * turn, ..s });
+            }
+            let n = self.facets.draw(seen, u2);
+            if u < self.reflecting_part(self.reflectance_from(n.cos_o())) {
+                (n.mirrored(seen), Lobe::GLOSSY)
+            } else if self.thin {
+                let w = n.mirrored(seen);
+                (Vec3::new(w.x, w.y, -w.z), Lobe::GLOSSY.with(Lobe::TRANSMISSION))
+            } else {
+                let (w, relative) = n.refracted(seen, &n.crossing(self.eta))?;
+                eta = relative;
+                (w, Lobe::GLOSSY.with(Lobe::TRANSMISSION))
+            }
+        } else {
+            let w = sample_cosine_hemisphere(u2)?;
+            let u = (u - c.coat - c.facets) / c.diffuse;
+            if u < self.through_part() { (-w, Lobe::DIFFUSE.with(Lobe::TRANSMISSION)) } else { (w, Lobe::DIFFUSE) }
+        };
+        if (seen.z * wi.z < 0.0) != lobe.is_transmission() {
+            return None;
+        }
+        let lobe = if lobe.is_transmission() { lobe } else { lobe.with(Lobe::REFLECTION) };
+        let e = if is_inside { self.eval_inside(seen, wi, mode) } else { self.eval_outside(&c, seen, wi, mode) };
+        e.drawn(wi * turn, lobe, eta)
+    }
+
+    /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base
+    /// alone.
+    fn mirrored(&self, wo: Vec3, c: &Seen) -> BsdfSample {
+        let (mut value, mut chance) = (Spectrum::ZERO, 0.0);
+        if self.facets.is_smooth() {
+            let f = self.reflectance_from(wo.z);
+            value = if wo.z > 0.0 { f * self.layers(wo.z, wo.z) } else { f };
+            chance = c.facets * self.reflecting_part(f);
+        }
+        if c.coat > 0.0 && self.coat_facets().is_smooth() {
+            value += Spectrum::splat(self.coat_reflectance(wo.z));
+            chance += c.coat;
+        }
+        BsdfSample::mirrored(wo, value / chance, chance)
+    }
+
+    /// Light that smooth facets of the base let pass.
+    fn passed(&self, wo: Vec3, c: &Seen, mode: TransportMode) -> Option<BsdfSample> {
+        let (value, passing) = self.transmitted(wo.z);
+        let (pdf, lobe) = (c.facets * passing, Lobe::TRANSMISSION.with(Lobe::SPECULAR));
+        if self.thin {
+            let weight = value * self.layers(wo.z, wo.z) / pdf;
+            return Some(BsdfSample { wi: -wo, weight, pdf, lobe, eta: 1.0 });
+        }
+        let (wi, eta) = fresnel::refract(wo, Vec3::Z, self.eta)?;
+        let above = wo.z.max(wi.z);
+        let layers = self.coat_leaves(&[above]) * self.sheen_leaves(above);
+        Some(BsdfSample { wi, weight: value * layers * (mode.compression(eta) / pdf), pdf, lobe, eta })
+    }
+
+    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        let cos = wo.z.abs();
+        let below = (self.diffuse.get() + self.through.get() + self.refracted.get())
+            * self.below(albedo_table::row(self.facets.mean_alpha()), cos);
+        let under = self.reflectance(cos) + below;
+        let sheen = self.sheen.get() * albedo_table::sheen(self.sheen_alpha.get(), cos);
+        let layered = (under * self.sheen_leaves(cos) + sheen) * self.coat_leaves(&[cos, cos]);
+        (layered + Spectrum::splat(self.coat_albedo(cos))).clamp(0.0, 1.0)
+    }
+}
