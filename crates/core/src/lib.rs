@@ -1,7 +1,6 @@
-//! The scene as it is rendered: [`compile`](compile::compile) turns a description into an immutable [`Scene`].
+//! The scene as it is rendered: an immutable [`Scene`], and the queries on it.
 
 pub mod camera;
-pub mod compile;
 pub mod footprint;
 pub mod light;
 pub mod material;
@@ -11,7 +10,6 @@ pub mod sampler;
 pub mod scene;
 pub mod shape;
 
-pub use compile::{Compiled, compile};
 pub use scene::Scene;
 pub use steradian_film as film;
 pub use steradian_math::spectra::ColorMode;

@@ -10,10 +10,8 @@ use crate::{
     plot,
 };
 use steradian_bsdf::{Microfacet, NormalDistribution, Shadowing, fresnel, measured::AngleTable};
-use steradian_core::{
-    Scene,
-    compile::{Options, compile},
-};
+use steradian_compile::{Options, compile};
+use steradian_core::Scene;
 use steradian_math::Vec3;
 use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape};
 

@@ -6,9 +6,9 @@ use crate::{
     VarianceReduction, adaptive::CELL, precomputed::Splitting, sharing::GroupBuffer,
 };
 use std::sync::Arc;
+use steradian_compile::{Options, compile};
 use steradian_core::{
     ColorMode, Scene,
-    compile::{Options, compile},
     film::{Crop, Pixel},
     sampler::{Sampler, SamplerKind},
 };

@@ -8,9 +8,9 @@ use std::sync::{
     Arc,
     atomic::{AtomicBool, Ordering},
 };
+use steradian_compile::{Options, compile};
 use steradian_core::{
     ColorMode, Scene,
-    compile::{Options, compile},
     sampler::{Sampler, SamplerKind},
 };
 use steradian_engine::PathContext;

@@ -38,13 +38,11 @@ pub use quality::{LeftOut, Quality};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
 pub use steradian_bsdf as bsdf;
+pub use steradian_compile::{Compiled, Options as CompileOptions, compile};
 pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
 pub use steradian_core::material::catalog as materials;
-pub use steradian_core::{
-    ColorMode, Compiled, Scene,
-    compile::{Options as CompileOptions, compile},
-};
+pub use steradian_core::{ColorMode, Scene};
 pub use steradian_engine as engine;
 pub use steradian_film as film;
 pub use steradian_film::Layer;

@@ -340,7 +340,7 @@ fn ambient_occlusion(options: &str, distance: f32) -> Result<AmbientOcclusion, E
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steradian_core::compile::{Options, compile};
+    use steradian_compile::{Options, compile};
     use steradian_scene::{Family, Node, SceneDesc};
 
     fn scene(integrator: Node) -> Scene {

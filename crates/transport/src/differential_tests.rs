@@ -2,9 +2,9 @@
 
 use crate::{Arrival, Depth, GuidedDirection, PathState, Vertex, arrive};
 use steradian_bsdf::TransportMode;
+use steradian_compile::{Options, compile};
 use steradian_core::{
     ColorMode, Scene,
-    compile::{Options, compile},
     sampler::{Sampler, SamplerKind},
     scene::Interaction,
 };

@@ -371,7 +371,3 @@ impl AreaLight {
         offset_ray_origin(p, Vec3::splat(size * gamma(16)), n, w)
     }
 }
-
-#[cfg(test)]
-#[path = "emission_tests.rs"]
-mod tests;

@@ -19,7 +19,7 @@ pub struct LightGroups {
 
 impl LightGroups {
     /// The number of a name, which is added where it is new.
-    pub(crate) fn number(&mut self, name: &str) -> u32 {
+    pub fn number(&mut self, name: &str) -> u32 {
         // A scene may have a million lights.
         if let Some(known) = self.numbers.get(name) {
             return *known;
@@ -32,7 +32,7 @@ impl LightGroups {
 
     /// Notes the groups of all lights, those of areas by their emitters; `others` has the light and group of each other
     /// one.
-    pub(crate) fn assign(&mut self, lights: &Lights, others: &[(u32, u32)]) {
+    pub fn assign(&mut self, lights: &Lights, others: &[(u32, u32)]) {
         self.of_lights = lights
             .lights
             .iter()

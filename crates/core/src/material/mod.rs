@@ -3,10 +3,6 @@
 pub mod catalog;
 
 pub use catalog::MATERIALS;
-#[cfg(test)]
-mod bad_values_tests;
-#[cfg(test)]
-mod colors_agree_tests;
 mod hair;
 mod layered;
 mod pbr;
@@ -75,7 +71,7 @@ impl Roughness {
     }
 
     /// Whether the two α may differ, so that the orientation of the tangent matters.
-    pub(crate) fn is_anisotropic(&self) -> bool {
+    pub fn is_anisotropic(&self) -> bool {
         match (self.u, self.v) {
             (FloatTexture::Constant(a), FloatTexture::Constant(b)) => a != b,
             (FloatTexture::Texture(a), FloatTexture::Texture(b)) => a != b,

@@ -307,7 +307,7 @@ impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
 
 impl Scene {
     /// A scene to be made in code, by types (`steradian_scene::build`). What it builds is a description, which
-    /// [`crate::compile::compile`] turns into a scene.
+    /// `steradian_compile::compile` turns into a scene.
     pub fn builder() -> steradian_scene::build::SceneBuilder {
         steradian_scene::build::Scene::builder()
     }

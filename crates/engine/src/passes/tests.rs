@@ -1,8 +1,7 @@
 use super::*;
 use std::sync::atomic::AtomicU32;
-use steradian_core::compile::{Options, compile};
-use steradian_core::film::Splat;
-use steradian_core::sampler::SamplerKind;
+use steradian_compile::{Options, compile};
+use steradian_core::{film::Splat, sampler::SamplerKind};
 use steradian_scene::{Family, Format, Node, SceneDesc};
 
 /// Each of many particles lands somewhere on the film, and each camera ray brings its place.

@@ -1,10 +1,7 @@
 //! A stage for experiments: small scenes built in code, whose only parts are those an experiment is about.
 
-use steradian_core::{
-    ColorMode, Scene,
-    compile::{Options, compile},
-    light::Lights,
-};
+use steradian_compile::{Options, compile};
+use steradian_core::{ColorMode, Scene, light::Lights};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{ColorSpace, Family, Format, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value};
 

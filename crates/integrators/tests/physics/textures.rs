@@ -4,10 +4,8 @@ use crate::{
     shot::Shot,
     stage::{Stage, diffuse, light, material, plane, shape, white},
 };
-use steradian_core::{
-    ColorMode, Scene,
-    compile::{Options, compile},
-};
+use steradian_compile::{Options, compile};
+use steradian_core::{ColorMode, Scene};
 use steradian_image::{Image, WriteOptions, metrics};
 use steradian_scene::{Family, Node, Value};
 

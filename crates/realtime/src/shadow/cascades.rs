@@ -96,7 +96,7 @@ mod tests {
         let mut description = SceneDesc::default();
         let camera = description.add(Node::new(Family::Camera, "perspective", None));
         description.cameras.push(camera);
-        let scene = steradian_core::compile(&description, &Default::default()).scene.unwrap();
+        let scene = steradian_compile::compile(&description, &Default::default()).scene.unwrap();
         let options = Options { size: 256, ..Options::default() };
         let wi = Vec3::new(0.3, -0.5, 0.8).normalize();
         let eye = |place: Vec3, turn: f32| {

@@ -1,0 +1,77 @@
+//! Compiling coats that need random walks.
+
+use super::Compiler;
+use steradian_core::material::{LayeredBase, LayeredMaterial, Model};
+use steradian_math::spectra::role::Role;
+use steradian_scene::{Node, SpectrumValue, Value};
+use steradian_texture::SpectrumTexture;
+
+const ZERO: SpectrumValue = SpectrumValue::Constant(0.0);
+
+impl Compiler<'_> {
+    /// pbrt's `coatedconductor`.
+    pub(super) fn coated_conductor(&mut self, node: &Node) -> Model {
+        let metal = self.roughness(node, "conductor.uroughness", "conductor.vroughness");
+        let base = if node.get("reflectance").is_some() {
+            let reflectance = self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(1.0));
+            LayeredBase::ConductorReflectance(reflectance, metal)
+        } else {
+            let copper = |part: &str| SpectrumValue::Named(format!("metal-Cu-{part}"));
+            LayeredBase::Conductor(
+                self.spectrum(node, "conductor.eta", Role::Unbounded, copper("eta")),
+                self.spectrum(node, "conductor.k", Role::Unbounded, copper("k")),
+                metal,
+            )
+        };
+        self.layered(node, "interface.eta", ["interface.uroughness", "interface.vroughness"], base)
+    }
+
+    /// A coat over `base`.
+    pub(super) fn layered(&mut self, node: &Node, eta: &str, [u, v]: [&str; 2], base: LayeredBase) -> Model {
+        let thickness = self.float_texture(node, "thickness", 0.01);
+        let g = self.float_texture(node, "g", 0.0);
+        Model::Layered(Box::new(LayeredMaterial {
+            eta: self.eta_named(node, eta, 1.5),
+            coat: self.roughness(node, u, v),
+            base,
+            thickness,
+            albedo: self.spectrum(node, "albedo", Role::Albedo, ZERO),
+            g,
+            max_depth: self.count(node, "max_depth", 10),
+            samples: self.count(node, "samples", 1).max(1),
+        }))
+    }
+
+    /// A whole number that a loop runs to, held below a thousand.
+    fn count(&mut self, node: &Node, name: &str, default: u16) -> u16 {
+        let Some(v) = self.int(node, name) else { return default };
+        let span = node.param(name).and_then(|p| p.span).or(node.span);
+        if v > 1000 {
+            self.approximated(span, format!("'{name}' is {v}; at most 1000 is used"));
+        }
+        v.clamp(0, 1000) as u16
+    }
+
+    /// Whether the medium of a coat scatters, so that there is no closed form.
+    pub(super) fn coat_scatters(node: &Node) -> bool {
+        match node.get("albedo") {
+            None => false,
+            Some(Value::Float(v)) => *v != 0.0,
+            Some(Value::Int(v)) => *v != 0,
+            Some(Value::Spectrum(SpectrumValue::Constant(v))) => *v != 0.0,
+            Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) => *v != [0.0; 3],
+            Some(_) => true,
+        }
+    }
+
+    /// A coat over a diffuse base whose medium scatters, or whose thickness varies.
+    pub(super) fn layered_diffuse(&mut self, node: &Node) -> Model {
+        let half = SpectrumValue::Constant(0.5);
+        let base: SpectrumTexture = self.spectrum(node, "reflectance", Role::Albedo, half);
+        if let Some(p) = node.param("specular_reflectance") {
+            let what = "'specular_reflectance' has no meaning for a coat with a medium in it; it is left out";
+            self.approximated(p.span.or(node.span), what);
+        }
+        self.layered(node, "eta", ["alpha_u", "alpha_v"], LayeredBase::Diffuse(base))
+    }
+}

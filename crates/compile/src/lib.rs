@@ -1,0 +1,390 @@
+//! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is
+//! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
+
+mod classical;
+mod coats;
+mod code;
+mod dispersion;
+mod displacement;
+mod hair;
+mod height_field;
+mod layered;
+mod lights;
+mod mapping;
+mod materials;
+mod measured;
+mod media;
+mod motion;
+mod params;
+mod patterns;
+mod pbr;
+mod principled;
+mod ranges;
+mod shapes;
+mod sound;
+mod textures;
+mod view;
+
+use std::{
+    collections::{BTreeMap, HashMap, HashSet},
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+use steradian_accel::{Accel, Accelerator, Object};
+use steradian_core::{
+    light::{Emitter, Light, LightGroups, Lights},
+    material::{Material, Model, Needs, SurfaceDetail},
+    medium::Medium,
+    scene::{Geometry, Placement, Scene, Settings},
+};
+use steradian_image::Texels;
+use steradian_math::spectra::ColorMode;
+use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
+use steradian_texture::{
+    FloatTexture, TextureId, Textures,
+    levels::{Levels, Recipe},
+    store::{Level, Pages},
+};
+
+/// What the user decides about a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Colour mode; `None` follows the format: spectral for pbrt scenes, RGB for others.
+    pub mode: Option<ColorMode>,
+    /// Frame size instead of the scene's.
+    pub size: Option<(u32, u32)>,
+    /// Pixels to render (x0, y0, x1, y1) instead of the scene's.
+    pub crop: Option<[u32; 4]>,
+    /// Camera by name or number instead of the first.
+    pub camera: Option<String>,
+    /// The structure that rays go through. All give the same picture.
+    pub accelerator: Accelerator,
+    /// Samples per pixel instead of the scene's: the more there are, the closer they lie and the less textures are
+    /// filtered.
+    pub spp: Option<u32>,
+    /// Bytes of textures that may be in memory at once; what is beyond waits in a temporary file. `None` for no limit.
+    pub texture_limit: Option<usize>,
+    /// Whether all pictures are looked up by one texel drawn at random, whose mean is the filter's value.
+    pub stochastic_textures: bool,
+    /// Limits on images.
+    pub image_limits: steradian_image::Limits,
+    /// Bytes of memory that there are for pictures and film; scenes that need more are refused before anything is
+    /// loaded. `None` for no limit.
+    pub memory: Option<u64>,
+}
+
+/// Of a film while it is rendered: sums of a pixel, and a copy of them.
+const BYTES_PER_PIXEL: u64 = 112;
+
+/// What compiling gave.
+#[derive(Debug)]
+pub struct Compiled {
+    /// The scene; `None` where there are errors.
+    pub scene: Option<Scene>,
+    /// Everything there is to say.
+    pub diagnostics: Diagnostics,
+    /// Time spent on the hierarchy.
+    pub build_time: Duration,
+    /// Files that were read besides those that the description names: the pictures of indices of measurements.
+    pub files: Vec<PathBuf>,
+}
+
+/// A material that was compiled: its index, and the opacity a mask gave it.
+#[derive(Clone, Copy, Debug)]
+struct ResolvedMaterial {
+    id: u32,
+    alpha: Option<FloatTexture>,
+}
+
+/// An image file that was read.
+#[derive(Clone, Debug)]
+struct Loaded<T> {
+    texels: T,
+    /// How many of its values were infinite or NaN.
+    faults: usize,
+}
+
+struct Compiler<'a> {
+    desc: &'a SceneDesc,
+    mode: ColorMode,
+    options: &'a Options,
+    diagnostics: Diagnostics,
+    textures: Textures,
+    texture_ids: HashMap<NodeId, TextureId>,
+    grids: HashMap<PathBuf, Arc<steradian_image::VoxelGrid>>,
+    /// Files that were read and that the description does not name.
+    files: Vec<PathBuf>,
+    images: HashMap<PathBuf, Result<Loaded<Arc<Texels>>, String>>,
+    /// Images of textures that are kept in `pages`, where textures are limited.
+    paged: HashMap<PathBuf, Result<Loaded<Level>, String>>,
+    pages: Option<Arc<Pages>>,
+    /// Sizes of images that were made, by file, encoding and recipe.
+    levels: Vec<(PathBuf, steradian_image::Encoding, Recipe, Arc<Levels>)>,
+    materials: Vec<Material>,
+    material_names: Vec<String>,
+    material_ids: HashMap<NodeId, ResolvedMaterial>,
+    media: Vec<Medium>,
+    medium_ids: HashMap<NodeId, Option<u32>>,
+    /// Materials and textures that are being compiled: one that is met again contains itself.
+    open: HashSet<NodeId>,
+    coats: coats::Coats,
+    /// Where the camera is, and what a pixel measures at distance one.
+    eye: Option<(steradian_math::Vec3, f32)>,
+    emitters: Vec<Emitter>,
+    lights: Vec<Light>,
+    light_groups: LightGroups,
+    /// Numbers of lights without a name.
+    unnamed_lights: HashMap<NodeId, usize>,
+    /// Lights that are no part of shapes, with their groups.
+    grouped: Vec<(u32, u32)>,
+    geometries: Vec<Geometry>,
+}
+
+/// Compiles a description.
+pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
+    let mode = options.mode.unwrap_or(match desc.format {
+        Format::Pbrt => ColorMode::Spectral,
+        _ => ColorMode::Rgb,
+    });
+    let mut c = Compiler {
+        desc,
+        mode,
+        options,
+        diagnostics: Diagnostics::default(),
+        textures: Textures::new(mode),
+        texture_ids: HashMap::new(),
+        images: HashMap::new(),
+        grids: HashMap::new(),
+        files: Vec::new(),
+        paged: HashMap::new(),
+        pages: None,
+        levels: Vec::new(),
+        materials: vec![Material::default_diffuse()],
+        material_names: vec!["default".into()],
+        material_ids: HashMap::new(),
+        media: Vec::new(),
+        medium_ids: HashMap::new(),
+        open: HashSet::new(),
+        coats: coats::Coats::new(mode),
+        eye: None,
+        emitters: Vec::new(),
+        lights: Vec::new(),
+        light_groups: LightGroups::default(),
+        unnamed_lights: HashMap::new(),
+        grouped: Vec::new(),
+        geometries: Vec::new(),
+    };
+    let (scene, build_time) = c.run();
+    let scene = if c.diagnostics.has_errors() { None } else { scene };
+    Compiled { scene, diagnostics: c.diagnostics, build_time, files: c.files }
+}
+
+impl Compiler<'_> {
+    fn run(&mut self) -> (Option<Scene>, Duration) {
+        self.check_names();
+        self.check_soundness();
+        if self.diagnostics.has_errors() {
+            return (None, Duration::ZERO);
+        }
+        let film = self.film();
+        let pixels = film.as_ref().map_or(0, |f| u64::from(f.crop.width()) * u64::from(f.crop.height()));
+        self.load_images(pixels.saturating_mul(BYTES_PER_PIXEL));
+        if self.diagnostics.has_errors() {
+            return (None, Duration::ZERO);
+        }
+        let camera = self.camera();
+        if let (Some(camera), Some(film)) = (&camera, &film) {
+            let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
+            self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));
+        }
+        let mut settings = self.settings();
+        let world = self.shapes(&self.desc.shapes, true);
+        let mut groups = Vec::new();
+        for group in &self.desc.groups {
+            let base = self.geometries.len() as u32;
+            groups.push((base, self.shapes(&group.shapes, false)));
+        }
+        for &light in &self.desc.lights {
+            self.light(light);
+        }
+        let instances = self.instances(&groups);
+        let (Some(camera), Some(film)) = (camera, film) else { return (None, Duration::ZERO) };
+        if self.diagnostics.has_errors() {
+            return (None, Duration::ZERO);
+        }
+        let start = Instant::now();
+        let accel = self.hierarchy(&world, &groups, &instances);
+        let build_time = start.elapsed();
+        let Some(accel) = accel else { return (None, build_time) };
+        let placement = |i: &steradian_accel::Instance| {
+            let (base, group) = &groups[i.object as usize];
+            let count = group.len() as u32;
+            Placement { world_from_group: i.world_from_object, motion: i.motion.clone(), base: *base, count }
+        };
+        let placements = instances.iter().map(placement).collect();
+        let planes = (0..world.len() as u32)
+            .filter(|&g| matches!(self.geometries[g as usize].shape, steradian_core::scene::Shape::Plane(_)))
+            .collect();
+        let textures = std::mem::take(&mut self.textures);
+        let lights =
+            Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode, &textures);
+        let mut light_groups = std::mem::take(&mut self.light_groups);
+        light_groups.assign(&lights, &self.grouped);
+        let glows = self.media.iter().any(|m| m.glow.is_some());
+        if lights.lights.is_empty() && lights.emitters.is_empty() && !glows {
+            self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
+        }
+        let has_media =
+            camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
+        if has_media {
+            self.choose_for_media(&mut settings);
+        }
+        let spp = self.options.spp.unwrap_or(settings.spp);
+        // Bump maps take their differences over the footprint, and normal maps their roughness.
+        let has_detail = self.materials.iter().any(|m| {
+            let filtered = |d: &SurfaceDetail| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some());
+            m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
+        });
+        let footprints = (has_detail || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
+        self.set_needs(&lights, footprints.is_some());
+        let scene = Scene {
+            mode: self.mode,
+            footprints,
+            texture_pages: self.pages.take(),
+            has_media,
+            is_see_through: self
+                .materials
+                .iter()
+                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            is_timed: textures.is_timed() || camera.motion.is_some() || instances.iter().any(|i| i.motion.is_some()),
+            has_curves: self.geometries.iter().any(|g| g.shape.faces_rays()),
+            has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
+            object_names: self.object_names(),
+            light_groups,
+            geometries: std::mem::take(&mut self.geometries),
+            accel,
+            placements,
+            world_count: world.len() as u32,
+            planes,
+            materials: std::mem::take(&mut self.materials),
+            material_names: std::mem::take(&mut self.material_names),
+            textures,
+            lights,
+            media: std::mem::take(&mut self.media),
+            camera,
+            film,
+            settings,
+        };
+        (Some(scene), build_time)
+    }
+
+    /// In a scene with media the integrator is one that renders them, if the user chose none.
+    fn choose_for_media(&mut self, settings: &mut Settings) {
+        match self.desc.integrator.map(|i| self.desc.node(i)) {
+            None => settings.integrator = "volpath".into(),
+            Some(node) if matches!(node.kind.as_str(), "path" | "direct") => {
+                let what = format!("integrator '{}' leaves out participating media; 'volpath' renders them", node.kind);
+                self.diagnostics.warn(&self.desc.sources, node.span, what);
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// What each geometry's hits have to know. Footprints go on from any surface.
+    fn set_needs(&mut self, lights: &Lights, has_footprints: bool) {
+        let mut needs = Vec::with_capacity(self.materials.len());
+        for material in &self.materials {
+            needs.push(material.needs(&needs));
+        }
+        for geometry in &mut self.geometries {
+            let needs = needs[geometry.material as usize];
+            let is_shown = geometry.emitter.is_some_and(|e| lights.emitters[e as usize].is_textured());
+            geometry.needs = Needs { parameters: needs.parameters || is_shown || has_footprints, ..needs };
+        }
+    }
+
+    /// Names of objects, those of the file, or their kind with a number.
+    fn object_names(&self) -> BTreeMap<u32, String> {
+        let mut names = BTreeMap::new();
+        let mut unnamed: HashMap<&str, u32> = HashMap::new();
+        for geometry in &self.geometries {
+            names.entry(geometry.id).or_insert_with(|| {
+                let node = self.desc.node(NodeId(geometry.id - 1));
+                node.name.clone().unwrap_or_else(|| {
+                    let count = unnamed.entry(&node.kind).or_default();
+                    *count += 1;
+                    format!("{}_{count}", node.kind)
+                })
+            });
+        }
+        names
+    }
+
+    fn instances(&mut self, groups: &[(u32, shapes::Boxes)]) -> Vec<steradian_accel::Instance> {
+        let mut out = Vec::with_capacity(self.desc.instances.len());
+        for instance in &self.desc.instances {
+            let Some(world_from_object) = instance.world_from_group.affine() else {
+                self.error(instance.span, "this instance's transform is singular or not finite");
+                continue;
+            };
+            if instance.group >= groups.len() {
+                self.error(instance.span, "this instance refers to a group that does not exist");
+                continue;
+            }
+            let motion = instance.movement.and_then(|m| self.motion(instance.world_from_group, m, instance.span));
+            let world_from_object = motion.as_ref().and_then(|m| m.at(0.0)).unwrap_or(world_from_object);
+            let motion = motion.filter(|m| !m.is_still()).map(Arc::new);
+            out.push(steradian_accel::Instance { object: instance.group as u32, world_from_object, motion });
+        }
+        out
+    }
+
+    fn hierarchy(
+        &mut self,
+        world: &shapes::Boxes,
+        groups: &[(u32, shapes::Boxes)],
+        instances: &[steradian_accel::Instance],
+    ) -> Option<Accel> {
+        let objects: Result<Vec<_>, _> = groups
+            .iter()
+            .map(|(base, boxes)| {
+                let geometries = shapes::accel_geometries(&self.geometries, *base as usize, boxes);
+                Object::build(self.options.accelerator, &geometries)
+            })
+            .collect();
+        let world = shapes::accel_geometries(&self.geometries, 0, world);
+        let spaces: Vec<_> = objects.iter().flatten().map(|o| o.bounds()).collect();
+        for (instance, described) in instances.iter().zip(&self.desc.instances) {
+            let bounds = spaces.get(instance.object as usize).filter(|b| !b.is_empty());
+            if bounds.is_some_and(|b| (0..8).any(|i| !instance.world_from_object.point(b.corner(i)).is_finite())) {
+                self.diagnostics.error(
+                    &self.desc.sources,
+                    described.span,
+                    "this instance reaches beyond the range of numbers",
+                );
+                return None;
+            }
+        }
+        match objects.and_then(|objects| Accel::build(self.options.accelerator, &world, objects, instances)) {
+            Ok(accel) => Some(accel),
+            Err(e) => {
+                drop(world);
+                self.error(None, e.to_string());
+                None
+            }
+        }
+    }
+
+    fn error(&mut self, span: Option<Span>, message: impl Into<String>) {
+        self.diagnostics.error(&self.desc.sources, span, message);
+    }
+
+    fn error_help(&mut self, span: Option<Span>, message: impl Into<String>, help: Option<String>) {
+        self.diagnostics.error_help(&self.desc.sources, span, message, help);
+    }
+
+    fn approximated(&mut self, span: Option<Span>, message: impl Into<String>) {
+        self.diagnostics.approximated(&self.desc.sources, span, message);
+    }
+}

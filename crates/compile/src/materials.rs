@@ -1,0 +1,498 @@
+//! Compiling materials and media.
+
+use super::{Compiler, ResolvedMaterial};
+use std::sync::Arc;
+use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail};
+use steradian_core::material::{
+    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail, catalog,
+    normal_code::{NORMAL_CODES, NormalCode},
+};
+use steradian_math::spectra::{
+    ColorMode,
+    role::{Color, Role},
+};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_texture::{FloatTexture, SpectrumTexture, Texture, TextureId};
+
+const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
+const HALF: SpectrumValue = SpectrumValue::Constant(0.5);
+/// Deepest nesting of materials in materials.
+const MAX_DEPTH: usize = 32;
+
+impl Compiler<'_> {
+    /// The compiled form of a material node; the default material for none.
+    pub(super) fn material(&mut self, id: Option<NodeId>) -> ResolvedMaterial {
+        id.map_or(ResolvedMaterial { id: 0, alpha: None }, |id| self.material_at(id, 0))
+    }
+
+    fn material_at(&mut self, id: NodeId, depth: usize) -> ResolvedMaterial {
+        if let Some(&m) = self.material_ids.get(&id) {
+            return m;
+        }
+        let node = self.node(id);
+        let failed = ResolvedMaterial { id: 0, alpha: None };
+        if node.family != Family::Material {
+            self.error(node.span, format!("a material is needed here, but this is a {}", node.family.noun()));
+            return failed;
+        }
+        if depth > MAX_DEPTH {
+            self.error(node.span, format!("materials are nested more than {MAX_DEPTH} deep"));
+            return failed;
+        }
+        if !self.open.insert(id) {
+            self.error(node.span, "this material contains itself");
+            return failed;
+        }
+        let before = self.materials.len();
+        let node = &*self.within_ranges(node);
+        let mut resolved = self.new_material(node, depth);
+        if let Some(detail) = self.surface_detail(node) {
+            // What stands for this node alone is changed, what others share is copied.
+            if (resolved.id as usize) < before {
+                let inner = self.materials[resolved.id as usize].clone();
+                self.materials.push(inner);
+                self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
+                resolved.id = self.materials.len() as u32 - 1;
+            }
+            self.materials[resolved.id as usize].detail = Some(detail);
+        }
+        self.open.remove(&id);
+        self.material_ids.insert(id, resolved);
+        resolved
+    }
+
+    fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
+        let is_sheet = matches!(&model, Model::Principled(p) if p.thin.is_some());
+        let two_sided = is_sheet || self.desc.format != Format::Mitsuba;
+        self.materials.push(Material { model, two_sided, detail: None });
+        self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
+        ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
+    }
+
+    /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a
+    /// normal map.
+    fn surface_detail(&mut self, node: &Node) -> Option<SurfaceDetail> {
+        let facings = [("bent", Facing::Bent), ("turned", Facing::Turned), ("as_it_is", Facing::AsItIs)];
+        let mut detail = SurfaceDetail {
+            facing: self.choice(node, "detail_facing", Facing::Bent, &facings),
+            shadows: self.bool(node, "detail_shadowing", false),
+            ..SurfaceDetail::default()
+        };
+        if let Some(id) = self.reference(node, "normal_map") {
+            let texture = self.texture(id, Role::Unbounded);
+            let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
+            let mut map = NormalMap {
+                texture: self.as_texture(texture),
+                code: self.choice(node, "normal_map_code", NormalCode::Xyz, &NORMAL_CODES),
+                mirrors: self.bool(node, "normal_map_mirrors", mirrors),
+                strength: self.float(node, "normal_map_strength", 1.0),
+                filtered: None,
+            };
+            map.filtered = self.filtered_normals(node, &map);
+            detail.normal_map = Some(map);
+        }
+        for name in ["bump", "displacement"] {
+            let shadowed = self.desc.format == Format::Pbrt && detail.normal_map.is_some();
+            if node.get(name).is_some() && !shadowed {
+                let height = self.float_texture(node, name, 0.0);
+                // The same height everywhere changes nothing.
+                if let FloatTexture::Texture(_) = height {
+                    detail.bump = Some(height);
+                }
+            }
+        }
+        if node.get("anisotropy_rotation").is_some() {
+            let rotation = self.float_texture(node, "anisotropy_rotation", 0.0);
+            detail.rotation = (!matches!(rotation, FloatTexture::Constant(0.0))).then_some(rotation);
+        }
+        (detail.normal_map.is_some() || detail.bump.is_some() || detail.rotation.is_some()).then_some(detail)
+    }
+
+    /// A normal map whose spread counts as roughness, where the node asks for it.
+    fn filtered_normals(&mut self, node: &Node, map: &NormalMap) -> Option<Arc<FilteredNormals>> {
+        let kinds = [("none", None), ("toksvig", Some(NormalFilter::Toksvig)), ("lean", Some(NormalFilter::Lean))];
+        let kind = self.choice(node, "normal_map_filter", None, &kinds)?;
+        let Texture::Image(image) = self.textures.get(map.texture) else {
+            self.error(node.span, "'normal_map_filter' needs a normal map that is a picture");
+            return None;
+        };
+        match FilteredNormals::new(image, kind, |v| map.decode(v), self.pages.as_ref()) {
+            Ok(filtered) => Some(Arc::new(filtered)),
+            Err(e) => {
+                self.error(node.span, format!("cannot keep the levels of this normal map: {e}"));
+                None
+            }
+        }
+    }
+
+    fn nested(&mut self, node: &Node, name: &str, depth: usize) -> ResolvedMaterial {
+        match node.get(name) {
+            Some(Value::Node(id)) => self.material_at(*id, depth + 1),
+            _ => {
+                self.error(node.span, format!("material '{}' needs a material as '{name}'", node.kind));
+                ResolvedMaterial { id: 0, alpha: None }
+            }
+        }
+    }
+
+    fn new_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
+        let model = match node.kind.as_str() {
+            "diffuse" => Model::Diffuse(self.spectrum(node, "reflectance", Role::Albedo, HALF)),
+            "diffuse_transmission" => {
+                let quarter = SpectrumValue::Constant(0.25);
+                Model::DiffuseTransmission(
+                    self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
+                    self.spectrum(node, "transmittance", Role::Albedo, quarter),
+                )
+            }
+            "conductor" => self.conductor(node, ["eta", "k", "reflectance"]),
+            "dielectric" => Model::Dielectric {
+                eta: self.eta(node, 1.5),
+                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+                roughness: self.roughness(node, "alpha_u", "alpha_v"),
+            },
+            "thin_dielectric" => Model::ThinDielectric {
+                eta: self.eta(node, 1.5),
+                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+            },
+            "coated_diffuse" => {
+                // They count for random walks alone, but are checked for both.
+                self.float_texture(node, "g", 0.0);
+                self.int(node, "samples");
+                let is_textured = matches!(node.get("thickness"), Some(Value::Node(_)));
+                if Self::coat_scatters(node) || is_textured {
+                    self.layered_diffuse(node)
+                } else {
+                    let thickness = self.float(node, "thickness", 0.01);
+                    let max_depth = u32::try_from(self.int(node, "max_depth").unwrap_or(10)).unwrap_or(10);
+                    self.coated(node, "reflectance", 1.5, CoatSeries::Layered { thickness, max_depth })
+                }
+            }
+            "coated_conductor" => self.coated_conductor(node),
+            "plastic" => {
+                let nonlinear = self.bool(node, "nonlinear", false);
+                self.coated(node, "diffuse_reflectance", 1.49, CoatSeries::Plastic { nonlinear })
+            }
+            "oren_nayar" | "minnaert" | "phong" | "lafortune" | "blinn_phong" | "ward" => {
+                Model::Classical(self.classical(node))
+            }
+            "cook_torrance" => Model::Facets(self.cook_torrance(node)),
+            "measured" => self.measured(node),
+            "hair" => self.hair(node),
+            "metallic_roughness" => self.metallic_roughness(node),
+            "openpbr" => self.openpbr(node),
+            "sheen" => self.sheen(node),
+            "principled" => self.principled(node, false),
+            "principledthin" => self.principled(node, true),
+            "interface" => Model::Interface,
+            "mask" => {
+                let inner = self.nested(node, "material", depth);
+                let opacity = self.float_texture(node, "opacity", 0.5);
+                return ResolvedMaterial { id: inner.id, alpha: Some(self.product(node, inner.alpha, opacity)) };
+            }
+            "two_sided" => {
+                let front = self.nested(node, "front", depth);
+                let back = if node.get("back").is_some() { self.nested(node, "back", depth) } else { front };
+                if back.alpha.is_some() && back.id != front.id {
+                    self.approximated(node.span, "the mask of the back side counts for the front side's mask");
+                }
+                let mut m = self.add(node, Model::TwoSided(front.id, back.id));
+                m.alpha = front.alpha;
+                return m;
+            }
+            "mix" => match node.get("materials") {
+                Some(Value::Nodes(parts)) if parts.len() == 2 => {
+                    let [a, b] = [parts[0], parts[1]].map(|p| self.material_at(p, depth + 1));
+                    if a.alpha.is_some() || b.alpha.is_some() {
+                        self.approximated(node.span, "masks of the parts of a mix are ignored");
+                    }
+                    let amount = self.float_texture(node, "amount", 0.5);
+                    match (&self.materials[a.id as usize].model, &self.materials[b.id as usize].model) {
+                        // Lambertian parts mix exactly: their reflectances do.
+                        (Model::Diffuse(a), Model::Diffuse(b)) => {
+                            let parts = [a.clone(), b.clone()].map(|t| self.as_texture(t));
+                            let amount = match amount {
+                                FloatTexture::Texture(id) => id,
+                                FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
+                            };
+                            let mixed = self.add_texture(node, Texture::Mix(parts[0], parts[1], amount));
+                            Model::Diffuse(SpectrumTexture::Texture(mixed, Role::Albedo))
+                        }
+                        _ => Model::Mix(a.id, b.id, amount),
+                    }
+                }
+                _ => {
+                    self.error(node.span, "material 'mix' needs two materials");
+                    Model::Interface
+                }
+            },
+            _ => return self.nearest_material(node, depth),
+        };
+        self.add(node, model)
+    }
+
+    fn as_texture(&mut self, t: SpectrumTexture) -> TextureId {
+        match t {
+            SpectrumTexture::Texture(id, _) => id,
+            SpectrumTexture::Constant(c) => self.textures.add(Texture::Constant(c)),
+        }
+    }
+
+    /// Opacities multiply.
+    fn product(&mut self, node: &Node, a: Option<FloatTexture>, b: FloatTexture) -> FloatTexture {
+        match (a, b) {
+            (None, b) => b,
+            (Some(FloatTexture::Constant(a)), FloatTexture::Constant(b)) => FloatTexture::Constant(a * b),
+            (Some(a), b) => {
+                let [a, b] = [a, b].map(|t| match t {
+                    FloatTexture::Texture(id) => id,
+                    FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
+                });
+                FloatTexture::Texture(self.add_texture(node, Texture::Scale(a, b)))
+            }
+        }
+    }
+
+    /// Materials that are not implemented: the nearest one that is, reported.
+    fn nearest_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
+        // Wrappers (bump and normal maps, layers of unknown kinds) leave what they wrap.
+        let inner = node.params.iter().find_map(|p| match &p.value {
+            Value::Node(id) if self.node(*id).family == Family::Material => Some(*id),
+            Value::Nodes(ids) => ids.iter().copied().find(|id| self.node(*id).family == Family::Material),
+            _ => None,
+        });
+        let say = |c: &mut Self, stand_in: &str| {
+            let what = format!("material '{}' is not implemented; {stand_in} stands in", node.kind);
+            let known = catalog::MATERIALS.iter().map(|m| m.name);
+            let help = names::did_you_mean(&node.kind, known).filter(|_| node.span.is_none());
+            c.diagnostics.approximated_help(&c.desc.sources, node.span, what, help);
+        };
+        if let Some(inner) = inner {
+            say(self, "the material inside it");
+            return self.material_at(inner, depth + 1);
+        }
+        let color = |c: &mut Self, names: &[&str], default: SpectrumValue| {
+            let name = names.iter().find(|n| node.get(n).is_some()).copied().unwrap_or("reflectance");
+            c.spectrum(node, name, Role::Albedo, default)
+        };
+        let model = match node.kind.as_str() {
+            "diffusetransmission" => {
+                say(self, "diffuse reflection and transmission");
+                let quarter = SpectrumValue::Constant(0.25);
+                Model::DiffuseTransmission(
+                    self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
+                    self.spectrum(node, "transmittance", Role::Albedo, quarter),
+                )
+            }
+            "subsurface" => {
+                say(self, "a coat over a diffuse surface of the same albedo");
+                let base = self.subsurface_albedo(node);
+                let roughness = self.roughness(node, "uroughness", "vroughness");
+                let series = CoatSeries::Layered { thickness: 0.0, max_depth: u32::MAX };
+                self.coat_over(node, base, 1.33, roughness, series)
+            }
+            _ => {
+                say(self, "a diffuse surface");
+                Model::Diffuse(color(self, &["reflectance", "base_color", "diffuse_reflectance", "color"], HALF))
+            }
+        };
+        self.add(node, model)
+    }
+
+    fn shadowing(&self) -> Shadowing {
+        match self.desc.format {
+            Format::Mitsuba => Shadowing::Separable,
+            _ => Shadowing::HeightCorrelated,
+        }
+    }
+
+    pub(super) fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
+        self.roughness_or(node, [u, v], 0.0, NormalDistribution::Ggx, self.shadowing())
+    }
+
+    /// Roughness with the defaults of a material: α, the distribution, and the shadowing.
+    pub(super) fn roughness_or(
+        &mut self,
+        node: &Node,
+        [u, v]: [&str; 2],
+        alpha: f64,
+        distribution: NormalDistribution,
+        shadowing: Shadowing,
+    ) -> Roughness {
+        use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
+        let u_value = self.roughness_value(node, u, alpha);
+        // What one word of a file gave to both is looked at once.
+        let own = |n: &str| node.param(n).map(|p| (&p.value, p.span));
+        let v_value = if own(v).is_none() || own(v) == own(u) { u_value } else { self.roughness_value(node, v, alpha) };
+        let tail = Tail::new(self.float(node, "gamma", 2.0));
+        Roughness {
+            u: u_value,
+            v: v_value,
+            remap: self.bool(node, "remap_roughness", false),
+            distribution: self.choice(
+                node,
+                "distribution",
+                distribution,
+                &[
+                    ("ggx", Ggx),
+                    ("beckmann", Beckmann),
+                    ("student_t", StudentT(tail)),
+                    ("blinn", Blinn),
+                    ("gaussian", Gaussian),
+                ],
+            ),
+            shadowing: self.choice(
+                node,
+                "shadowing",
+                shadowing,
+                &[
+                    ("height_correlated", Shadowing::HeightCorrelated),
+                    ("separable", Shadowing::Separable),
+                    ("v_groove", Shadowing::VGroove),
+                ],
+            ),
+        }
+    }
+
+    /// A roughness that is not negative.
+    fn roughness_value(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
+        match self.float_texture(node, name, default) {
+            FloatTexture::Constant(v) if v < 0.0 => {
+                let span = node.param(name).and_then(|p| p.span).or(node.span);
+                self.error(span, format!("a roughness of {v} is not possible; '{name}' starts at 0"));
+                FloatTexture::Constant(0.0)
+            }
+            value => value,
+        }
+    }
+
+    fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
+        let roughness = self.roughness(node, "alpha_u", "alpha_v");
+        if let Some(model) = self.special_metal(node, [eta, k, reflectance], &roughness) {
+            return model;
+        }
+        if node.get(reflectance).is_some() {
+            let r = self.spectrum(node, reflectance, Role::Albedo, ONE);
+            return Model::ConductorReflectance(r, roughness);
+        }
+        let tint = self.spectrum(node, "specular_reflectance", Role::Albedo, ONE);
+        if node.get("eta").is_none() && node.get("k").is_none() {
+            return Model::Mirror(tint, roughness);
+        }
+        let exceeds = |name: &str| matches!(node.get(name), Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) if v.iter().any(|v| *v > 1.0));
+        if self.mode == ColorMode::Spectral && self.desc.format == Format::Mitsuba && (exceeds("eta") || exceeds("k")) {
+            let what = "RGB values of 'eta' and 'k' above one are spectra as they stand; Mitsuba's spectral mode holds them at one";
+            self.diagnostics.note(&self.desc.sources, node.span, what);
+        }
+        Model::Conductor {
+            eta: self.spectrum(node, "eta", Role::Unbounded, ONE),
+            k: self.spectrum(node, "k", Role::Unbounded, SpectrumValue::Constant(0.0)),
+            tint,
+            roughness,
+        }
+    }
+
+    fn eta(&mut self, node: &Node, default: f64) -> Eta {
+        if let Some(eta) = self.dispersion(node, default) {
+            return eta;
+        }
+        if let Some(Value::Node(_)) = node.get("eta") {
+            return match self.float_texture(node, "eta", default) {
+                FloatTexture::Constant(v) if v > 0.0 => Eta::Constant(v),
+                varying => Eta::Varying(varying),
+            };
+        }
+        self.eta_named(node, "eta", default)
+    }
+
+    pub(super) fn eta_named(&mut self, node: &Node, name: &str, default: f64) -> Eta {
+        let sodium = self.at_sodium_line(node, name, default);
+        if sodium <= 0.0 {
+            let span = node.param(name).and_then(|p| p.span).or(node.span);
+            self.error(span, format!("an index of refraction of {sodium} is not possible"));
+            return Eta::Constant(default as f32);
+        }
+        if self.mode == ColorMode::Spectral {
+            let color = self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
+            if let Color::Spectral(_) = color {
+                return Eta::Dispersive(color);
+            }
+        }
+        Eta::Constant(sodium)
+    }
+
+    fn coated(&mut self, node: &Node, base: &str, eta: f64, series: CoatSeries) -> Model {
+        let roughness = self.roughness(node, "alpha_u", "alpha_v");
+        let base = self.spectrum(node, base, Role::Albedo, HALF);
+        self.coat_over(node, base, eta, roughness, series)
+    }
+
+    fn coat_over(
+        &mut self,
+        node: &Node,
+        base: SpectrumTexture,
+        eta: f64,
+        roughness: Roughness,
+        series: CoatSeries,
+    ) -> Model {
+        let range = |t: FloatTexture| match t {
+            FloatTexture::Constant(v) if roughness.remap => (v.max(0.0).sqrt(), v.max(0.0).sqrt()),
+            FloatTexture::Constant(v) => (v, v),
+            FloatTexture::Texture(_) => (0.0, 1.0),
+        };
+        let (u, v) = (range(roughness.u), range(roughness.v));
+        let eta = match self.at_sodium_line(node, "eta", eta) {
+            given if given > 0.0 => given,
+            given => {
+                let span = node.param("eta").and_then(|p| p.span).or(node.span);
+                self.error(span, format!("an index of refraction of {given} is not possible"));
+                eta as f32
+            }
+        };
+        let alpha = (u.0.min(v.0), u.1.max(v.1));
+        Model::Coated {
+            reflectance: base,
+            tint: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+            table: self.coats.table(roughness.distribution, roughness.shadowing, eta, alpha, series),
+            roughness,
+        }
+    }
+
+    /// The albedo of a deep medium as diffuse light inside sees it (van de Hulst 1980, Multiple Light Scattering, a
+    /// fit): `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √((1 − a)/(1 − a g))`; a `reflectance` where the file gives
+    /// one.
+    fn subsurface_albedo(&mut self, node: &Node) -> SpectrumTexture {
+        if node.get("reflectance").is_some() || node.get("sigma_s").is_none() {
+            return self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));
+        }
+        let a = self.constant_color(node, "sigma_a", Role::Unbounded, ONE);
+        let s = self.constant_color(node, "sigma_s", Role::Unbounded, ONE);
+        let g = self.float(node, "g", 0.0).clamp(-0.99, 0.99);
+        SpectrumTexture::Constant(combine(&a, &s, move |a, s| {
+            let albedo = if a + s > 0.0 { (s / (a + s)).clamp(0.0, 1.0) } else { 0.0 };
+            let s = ((1.0 - albedo) / (1.0 - albedo * g)).sqrt();
+            (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
+        }))
+    }
+}
+
+/// A function of two colours, lane by lane or wavelength by wavelength.
+pub(super) fn combine(a: &Color, b: &Color, f: impl Fn(f32, f32) -> f32) -> Color {
+    use std::sync::Arc;
+    use steradian_math::{
+        Spectrum,
+        spectra::{Dense, Spd, Wavelengths},
+    };
+    match (a, b) {
+        (Color::Lanes(a), Color::Lanes(b)) => {
+            let (a, b) = (a.to_array(), b.to_array());
+            Color::Lanes(Spectrum::new(std::array::from_fn(|i| f(a[i], b[i]))))
+        }
+        _ => Color::Spectral(Spd::Dense(Arc::new(Dense::new(|l| {
+            let w = Wavelengths::at([l; 4]);
+            f(a.eval(&w)[0], b.eval(&w)[0])
+        })))),
+    }
+}

@@ -1,0 +1,89 @@
+//! Compiling Disney's surface.
+
+use super::Compiler;
+use steradian_core::material::{Model, PrincipledMaterial};
+use steradian_math::spectra::{
+    ColorMode,
+    role::{Color, Role},
+};
+use steradian_scene::{Format, Node, SpectrumValue, Value};
+use steradian_texture::{FloatTexture, SpectrumTexture};
+
+impl Compiler<'_> {
+    pub(super) fn principled(&mut self, node: &Node, is_thin: bool) -> Model {
+        let half = SpectrumValue::Constant(0.5);
+        let weight = |c: &mut Self, name: &str, default: f64| {
+            if !is_thin || !matches!(name, "metallic" | "clearcoat" | "clearcoat_gloss") {
+                c.float_texture(node, name, default)
+            } else {
+                FloatTexture::Constant(0.0)
+            }
+        };
+        let is_tinted = |name: &str| node.get(name).is_some_and(|v| !matches!(v, Value::Float(0.0)));
+        if self.mode == ColorMode::Spectral
+            && self.desc.format == Format::Mitsuba
+            && (is_tinted("spec_tint") || (is_tinted("sheen") && is_tinted("sheen_tint")))
+        {
+            let what = "tints are relative to the luminance of 'base_color'; in its spectral mode Mitsuba takes what the four wavelengths \
+                        of a sample happen to have";
+            self.diagnostics.note(&self.desc.sources, node.span, what);
+        }
+        let roughness = weight(self, "roughness", 0.5);
+        let [anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss] = [
+            "anisotropic",
+            "metallic",
+            "spec_trans",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "clearcoat",
+            "clearcoat_gloss",
+        ]
+        .map(|name| weight(self, name, 0.0));
+        let base_color = self.spectrum(node, "base_color", Role::Albedo, half);
+        let luminance = match &base_color {
+            SpectrumTexture::Constant(Color::Spectral(curve)) => {
+                Some(Color::curve(curve, Role::Albedo, ColorMode::Rgb).luminance(ColorMode::Rgb))
+            }
+            SpectrumTexture::Constant(lanes) => Some(lanes.luminance(self.mode)),
+            SpectrumTexture::Texture(..) => None,
+        };
+        Model::Principled(Box::new(PrincipledMaterial {
+            base_color,
+            luminance,
+            eta: self.principled_eta(node, is_thin),
+            thin: is_thin.then(|| self.float_texture(node, "diff_trans", 0.0)),
+            roughness,
+            anisotropic,
+            metallic,
+            spec_trans,
+            spec_tint,
+            sheen,
+            sheen_tint,
+            flatness,
+            clearcoat,
+            clearcoat_gloss,
+        }))
+    }
+
+    /// `eta`, or Disney's `specular`, which spans reflectances from 0 to 8 %.
+    fn principled_eta(&mut self, node: &Node, is_thin: bool) -> FloatTexture {
+        if node.get("eta").is_some() || is_thin {
+            let eta = self.float_texture(node, "eta", 1.5);
+            if let FloatTexture::Constant(v) = eta
+                && v <= 0.0
+            {
+                let span = node.param("eta").and_then(|p| p.span).or(node.span);
+                self.error(span, format!("an index of refraction of {v} is not possible"));
+                return FloatTexture::Constant(1.5);
+            }
+            return eta;
+        }
+        let FloatTexture::Constant(specular) = self.float_texture(node, "specular", 0.5) else {
+            self.approximated(node.span, "'specular' cannot be textured here; 0.5 is used");
+            return FloatTexture::Constant(1.5);
+        };
+        FloatTexture::Constant(2.0 / (1.0 - (0.08 * specular.clamp(0.0, 1.0)).sqrt()) - 1.0)
+    }
+}

@@ -1,0 +1,89 @@
+//! Constant values of materials are held in the ranges that the catalogue of materials states, and reported where they
+//! were not.
+
+use super::Compiler;
+use std::borrow::Cow;
+use steradian_core::material::catalog;
+use steradian_math::spectra;
+use steradian_scene::{Node, Param, SpectrumValue, Value};
+
+impl Compiler<'_> {
+    /// The node with every constant number and spectrum inside its range. What is refused, and what is not finite,
+    /// stands there as a number for the material's own compiler to report.
+    pub(super) fn within_ranges<'n>(&mut self, node: &'n Node) -> Cow<'n, Node> {
+        let mut held = Cow::Borrowed(node);
+        for p in catalog::ranges(&node.kind) {
+            let Some(given) = node.param(p.name).and_then(|given| self.constant_of(given)) else { continue };
+            let numbers = numbers(&given.value);
+            let (low, high) = p.range;
+            let Some(bad) = numbers.iter().copied().find(|v| !(low..=high).contains(v)) else { continue };
+            let hopeless = |v: &&f64| !v.is_finite() || (!(low..=high).contains(*v) && p.outside.refuses(**v));
+            let value = match numbers.iter().find(hopeless) {
+                Some(hopeless) => Value::Float(*hopeless),
+                None => {
+                    let what = format!(
+                        "parameter '{}' of material '{}' is {bad}; it must be {} and is held there",
+                        p.name,
+                        node.kind,
+                        p.range_text()
+                    );
+                    self.diagnostics.warn(&self.desc.sources, given.span.or(node.span), what);
+                    mapped(&given.value, |v| v.clamp(low, high))
+                }
+            };
+            held.to_mut().set(p.name, value, given.span);
+        }
+        held
+    }
+
+    /// The parameter itself, or the value of the texture it names, where that is the same everywhere.
+    fn constant_of<'p>(&self, mut given: &'p Param) -> Option<&'p Param>
+    where
+        Self: 'p,
+    {
+        for _ in 0..=self.desc.nodes.len() {
+            let Value::Node(id) = given.value else { return Some(given) };
+            let texture = self.node(id);
+            if texture.kind != "constant" {
+                return None;
+            }
+            given = texture.param("value")?;
+        }
+        None
+    }
+}
+
+/// The numbers that a constant value is made of.
+fn numbers(value: &Value) -> Vec<f64> {
+    let wide = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect();
+    match value {
+        Value::Float(v) | Value::Spectrum(SpectrumValue::Constant(v)) => vec![*v],
+        Value::Int(v) => vec![*v as f64],
+        Value::Spectrum(SpectrumValue::Rgb(rgb, _)) => rgb.to_vec(),
+        Value::Spectrum(SpectrumValue::Sampled { values, .. }) => wide(values),
+        Value::Spectrum(SpectrumValue::Named(word)) => spectra::named(word).map_or_else(Vec::new, |c| wide(c.values())),
+        _ => Vec::new(),
+    }
+}
+
+/// The value with a function of each of its numbers in their place.
+fn mapped(value: &Value, f: impl Fn(f64) -> f64) -> Value {
+    let narrow = |values: &[f32]| values.iter().map(|v| f(f64::from(*v)) as f32).collect::<Vec<_>>();
+    match value {
+        Value::Float(v) => Value::Float(f(*v)),
+        Value::Int(v) => Value::Int(f(*v as f64) as i64),
+        Value::Spectrum(s) => Value::Spectrum(match s {
+            SpectrumValue::Constant(v) => SpectrumValue::Constant(f(*v)),
+            SpectrumValue::Rgb(rgb, space) => SpectrumValue::Rgb(rgb.map(&f), *space),
+            SpectrumValue::Sampled { lambdas, values } => {
+                SpectrumValue::Sampled { lambdas: lambdas.clone(), values: narrow(values) }
+            }
+            SpectrumValue::Named(word) => match spectra::named(word) {
+                Some(c) => SpectrumValue::Sampled { lambdas: c.lambda().into(), values: narrow(c.values()) },
+                None => s.clone(),
+            },
+            SpectrumValue::Blackbody(_) => s.clone(),
+        }),
+        _ => value.clone(),
+    }
+}

@@ -1,0 +1,589 @@
+//! Compiling shapes: geometry placed in the space it is traced in, with material, emission and media.
+
+use super::{Compiler, height_field};
+use std::sync::Arc;
+use steradian_accel::Geometry as AccelGeometry;
+use steradian_core::{
+    light::{AreaLight, AreaShape, Emitter, Light},
+    material::Needs,
+    scene::{self, Geometry, Shape},
+    shape::{
+        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SHAPES, SdfGrid, TriMesh,
+        curve::{CurveBasis, CurveKind, CurveParams},
+        subdivision::loop_subdivide,
+    },
+};
+use steradian_math::{
+    Bounds3, Transform, Vec3,
+    spectra::{ColorMode, role::Role},
+    transform::Affine,
+};
+use steradian_scene::{Mesh, Node, names};
+use steradian_texture::FloatTexture;
+
+/// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
+pub(super) type Boxes = Vec<Vec<Bounds3>>;
+
+/// A shape's parameters, how it lies in space, and whether it emits light.
+struct Placed<'a> {
+    node: &'a Node,
+    place: Affine,
+    /// Whether the place swaps left and right.
+    swaps: bool,
+    /// Whether normals are to point to the other side.
+    reverse: bool,
+    emits: bool,
+}
+
+impl Placed<'_> {
+    /// A quadric at a place of its own, with its extent around the axis in degrees.
+    fn quadric(&self, kind: QuadricKind, phi_max: f32, place: Affine) -> Vec<Shape> {
+        let q = Quadric { kind, phi_max: phi_max.to_radians(), place, flip: self.reverse };
+        // Lights need uniform samples of their area, which only similarities (and disks) give.
+        if self.emits && q.similarity().is_none() && !matches!(kind, QuadricKind::Disk { .. }) {
+            let mesh = q.tessellate(128, 64);
+            return vec![Shape::Mesh(Arc::new(TriMesh::new(&mesh, &place, self.swaps, self.reverse, false)))];
+        }
+        vec![Shape::Quadric(Arc::new(q))]
+    }
+}
+
+/// What the hierarchy is built from, for `boxes.len()` geometries from `base` on.
+pub(super) fn accel_geometries<'g>(
+    geometries: &'g [Geometry],
+    base: usize,
+    boxes: &'g Boxes,
+) -> Vec<AccelGeometry<'g>> {
+    geometries[base..]
+        .iter()
+        .zip(boxes)
+        .map(|(g, boxes)| {
+            let shape = match &g.shape {
+                Shape::Mesh(m) => AccelGeometry::triangles(&m.positions, &m.triangles),
+                _ => AccelGeometry::boxes(boxes),
+            };
+            shape.filtered(g.is_masked() || g.is_interface)
+        })
+        .collect()
+}
+
+impl Compiler<'_> {
+    /// Compiles a list of shapes to geometries; gives the boxes of each.
+    pub(super) fn shapes(&mut self, shapes: &[steradian_scene::Shape], world: bool) -> Boxes {
+        let mut boxes = Boxes::new();
+        for shape in shapes {
+            self.shape(shape, world, &mut boxes);
+        }
+        boxes
+    }
+
+    fn shape(&mut self, shape: &steradian_scene::Shape, world: bool, boxes: &mut Boxes) {
+        let node = self.node(shape.node);
+        let Some(place) = shape.world_from_object.affine() else {
+            self.error(node.span, format!("the transform of shape '{}' is singular or not finite", node.kind));
+            return;
+        };
+        let material = self.material(shape.material);
+        let mut alpha = material.alpha;
+        if node.get("alpha").is_some() {
+            let own = self.float_texture(node, "alpha", 1.0);
+            alpha = match (alpha, own) {
+                (None, own) => Some(own),
+                (Some(mask), FloatTexture::Constant(v)) if v >= 1.0 => Some(mask),
+                (Some(_), own) => Some(own),
+            };
+        }
+        if matches!(alpha, Some(FloatTexture::Constant(v)) if v >= 1.0) {
+            alpha = None;
+        }
+        let is_single_sided = self.bool(node, "single_sided", false);
+        let media = shape.is_medium_boundary.then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
+        let emission = shape.emission.map(|id| self.node(id));
+        let placed = Placed {
+            node,
+            place,
+            swaps: shape.world_from_object.swaps_handedness(),
+            reverse: shape.reverse_orientation,
+            emits: emission.is_some(),
+        };
+        let parts = self.parts(shape, &placed);
+        let is_interface = scene::is_interface(&self.materials[material.id as usize]);
+        for part in parts {
+            let part_boxes = match &part {
+                Shape::Mesh(_) | Shape::Plane(_) => Vec::new(),
+                Shape::Quadric(q) => vec![q.bounds()],
+                Shape::Patches(m) => (0..m.patches.len() as u32).map(|i| m.bounds(i)).collect(),
+                Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
+                Shape::Field(f) => (0..f.count()).map(|i| f.bounds(i)).collect(),
+                Shape::Sdf(s) => (0..s.count()).map(|i| s.bounds(i)).collect(),
+            };
+            let reach_is_finite = match &part {
+                Shape::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
+                _ => part_boxes.iter().all(|b| b.is_empty() || (b.min.is_finite() && b.max.is_finite())),
+            };
+            if !reach_is_finite {
+                self.error(node.span, format!("shape '{}' reaches beyond the range of numbers", node.kind));
+                continue;
+            }
+            let mut geometry = Geometry {
+                shape: part,
+                material: material.id,
+                alpha,
+                is_single_sided,
+                emitter: None,
+                lights: Box::default(),
+                media,
+                is_interface,
+                needs: Needs::default(),
+                id: shape.node.0 + 1,
+            };
+            if let Some(light) = emission {
+                if world {
+                    let before = self.emitters.len();
+                    self.emission(light, &mut geometry);
+                    if let (true, Some(id)) = (self.emitters.len() > before, shape.emission) {
+                        let group = self.light_group(light.name.as_deref().or(node.name.as_deref()), id);
+                        self.light_groups.of_emitters.resize(self.emitters.len(), group);
+                    }
+                } else {
+                    let what = "lights on instanced shapes are not supported; this one is left out";
+                    self.diagnostics.dropped(&self.desc.sources, light.span, what);
+                }
+            }
+            self.geometries.push(geometry);
+            boxes.push(part_boxes);
+        }
+    }
+
+    /// The geometry of a shape; none where it is refused.
+    fn parts(&mut self, shape: &steradian_scene::Shape, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        match node.kind.as_str() {
+            "mesh" | "loop_subdivision" if shape.mesh.is_none() => {
+                self.error(node.span, format!("shape '{}' has no mesh data", node.kind));
+                Vec::new()
+            }
+            "mesh" => {
+                let flat = self.bool(node, "flat", false);
+                match shape.mesh.and_then(|m| self.desc.meshes.get(m)) {
+                    Some(mesh) if node.get("displacement").is_some() => {
+                        match self.displaced(node, mesh, &placed.place) {
+                            Some(mesh) => self.mesh_parts(placed, &mesh, flat),
+                            None => Vec::new(),
+                        }
+                    }
+                    Some(mesh) => self.mesh_parts(placed, mesh, flat),
+                    None => Vec::new(),
+                }
+            }
+            "loop_subdivision" => {
+                let levels = self.int(node, "levels").unwrap_or(3).clamp(0, 16) as u32;
+                match shape.mesh.and_then(|m| self.desc.meshes.get(m)).map(|m| loop_subdivide(m, levels)) {
+                    Some(Ok(mesh)) => self.mesh_parts(placed, &mesh, false),
+                    Some(Err(e)) => {
+                        self.error(node.span, format!("cannot subdivide this mesh: {e}"));
+                        Vec::new()
+                    }
+                    None => Vec::new(),
+                }
+            }
+            "sphere" => self.sphere(shape.world_from_object, placed),
+            "disk" => {
+                let kind = QuadricKind::Disk {
+                    height: self.float(node, "height", 0.0),
+                    radius: self.positive(node, "radius", 1.0),
+                    inner: self.float(node, "inner_radius", 0.0).max(0.0),
+                };
+                placed.quadric(kind, self.float(node, "phi_max", 360.0).clamp(0.0, 360.0), placed.place)
+            }
+            "cylinder" => self.cylinder(shape.world_from_object, placed),
+            "plane" => {
+                let n = self.vec3(node, "normal", Vec3::Y);
+                let d = self.float(node, "distance", 0.0);
+                // n·x + d = 0 in object space: the plane's covector goes by the inverse transpose.
+                let covector = placed.place.inv.transpose() * n.extend(d);
+                match Plane::new(covector.truncate(), covector.w, placed.reverse) {
+                    Some(plane) => vec![Shape::Plane(plane)],
+                    None => {
+                        self.error(node.span, "the normal of this plane is zero or not finite");
+                        Vec::new()
+                    }
+                }
+            }
+            "curve" => self.curve(placed),
+            "height_field" => {
+                let most = if placed.emits { height_field::MOST_EMITTING } else { height_field::MOST };
+                match self.height_field(node, &placed.place, placed.swaps, placed.reverse, most) {
+                    // Lights need samples of their area, which triangles give.
+                    Some(field) if placed.emits => self.mesh_parts(placed, &field.mesh(), false),
+                    Some(field) => vec![Shape::Field(Arc::new(field))],
+                    None => Vec::new(),
+                }
+            }
+            "sdf_grid" => self.sdf_grid(placed),
+            other => {
+                let help = names::did_you_mean(other, SHAPES.iter().map(|s| s.0));
+                self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
+                Vec::new()
+            }
+        }
+    }
+
+    fn sphere(&mut self, world_from_object: Transform, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        let radius = self.positive(node, "radius", 1.0);
+        let (z0, z1) = (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
+        let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
+        let center = self.vec3(node, "center", Vec3::ZERO);
+        let Some(place) = (world_from_object * Transform::translate(center.as_dvec3())).affine() else {
+            self.error(node.span, "the centre of this sphere is not finite");
+            return Vec::new();
+        };
+        let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+        placed.quadric(QuadricKind::Sphere { radius, z_min, z_max }, phi, place)
+    }
+
+    /// A cylinder around the z axis, or from `p0` to `p1`.
+    fn cylinder(&mut self, mut world_from_object: Transform, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        let radius = self.positive(node, "radius", 1.0);
+        let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+        let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
+        if node.get("p0").is_some() || node.get("p1").is_some() {
+            let (a, b) = (self.vec3(node, "p0", Vec3::ZERO), self.vec3(node, "p1", Vec3::Z));
+            let (a, b) = (a.as_dvec3(), b.as_dvec3());
+            let Some(axis) = (b - a).try_normalize() else {
+                self.error(node.span, "the two ends of this cylinder are the same point");
+                return Vec::new();
+            };
+            let x = axis.any_orthonormal_vector();
+            let m = steradian_math::DMat4::from_cols(
+                x.extend(0.0),
+                axis.cross(x).extend(0.0),
+                axis.extend(0.0),
+                a.extend(1.0),
+            );
+            world_from_object = world_from_object * Transform { matrix: m };
+            (z0, z1) = (0.0, (b - a).length() as f32);
+        }
+        let Some(place) = world_from_object.affine() else {
+            self.error(node.span, "the ends of this cylinder are not finite");
+            return Vec::new();
+        };
+        placed.quadric(QuadricKind::Cylinder { radius, z_min: z0.min(z1), z_max: z0.max(z1) }, phi, place)
+    }
+
+    fn mesh_parts(&mut self, placed: &Placed<'_>, mesh: &Mesh, flat: bool) -> Vec<Shape> {
+        let &Placed { node, ref place, swaps, reverse, emits } = placed;
+        if let Err(e) = mesh.validate() {
+            self.error(node.span, format!("malformed mesh: {e}"));
+            return Vec::new();
+        }
+        for a in &mesh.attributes {
+            let faults = a.data.iter().filter(|v| !v.is_finite()).count();
+            if faults > 0 {
+                let what = format!(
+                    "{faults} values of the mesh attribute '{}' are infinite or NaN; they count as zero",
+                    a.name
+                );
+                self.diagnostics.warn(&self.desc.sources, node.span, what);
+            }
+        }
+        let mut parts = Vec::new();
+        let (extra, curved) = shape::mesh::split_patches(mesh, emits);
+        if !mesh.triangles.is_empty() || !extra.is_empty() {
+            let mut triangles = TriMesh::new(mesh, place, swaps, reverse, flat);
+            triangles.triangles.extend(extra);
+            if self.mode == ColorMode::Spectral {
+                let is_shown = |name: &str| {
+                    let mut nodes = self.desc.nodes.iter().filter(|n| n.kind == "mesh_attribute");
+                    nodes.any(|n| n.string("name") == Some(name))
+                };
+                triangles.attributes.iter_mut().filter(|a| is_shown(&a.name)).for_each(|a| a.upsample());
+            }
+            if let Some(word) = self.word(node, "tangents") {
+                self.tangents(node, word, &mut triangles, place, swaps ^ reverse);
+            }
+            parts.push(Shape::Mesh(Arc::new(triangles)));
+        }
+        if !curved.is_empty() {
+            let curved = Mesh { patches: curved, triangles: Vec::new(), attributes: Vec::new(), ..mesh.clone() };
+            parts.push(Shape::Patches(Arc::new(PatchMesh::new(&curved, place, swaps, reverse, flat))));
+        }
+        parts
+    }
+
+    /// Tangents for normal maps: those of the coordinates, MikkTSpace's, or a vertex attribute.
+    fn tangents(&mut self, node: &Node, word: &str, mesh: &mut TriMesh, place: &Affine, turned: bool) {
+        match word {
+            "uv" => {}
+            "mikktspace" => mesh.tangents = shape::tangents::mikktspace(mesh),
+            "mikktspace_down" => mesh.tangents = shape::tangents::mikktspace_down(mesh),
+            name => match shape::tangents::from_attribute(mesh, name, place, turned) {
+                Some(tangents) => mesh.tangents = tangents,
+                None => {
+                    let what = format!("this mesh has no vertex attribute '{name}' of three or four numbers");
+                    self.error_help(
+                        node.span,
+                        what,
+                        Some("known are 'uv', 'mikktspace', 'mikktspace_down', and attributes".into()),
+                    );
+                }
+            },
+        }
+    }
+
+    /// The surface of a grid of distances.
+    fn sdf_grid(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        if placed.emits {
+            let what = "surfaces on grids of distances cannot emit light yet; the light is left out";
+            self.diagnostics.dropped(&self.desc.sources, node.span, what);
+        }
+        let smooth = self.choice(node, "normals", true, &[("smooth", true), ("analytic", false)]);
+        let span = node.param("file").and_then(|p| p.span).or(node.span);
+        let Some(grid) = self.voxel_grid(node) else { return Vec::new() };
+        let ([w, h, d], channels) = (grid.size, grid.channels);
+        if channels != 1 || w.min(h).min(d) < 2 {
+            let what = format!(
+                "a grid of distances needs one channel, and two samples along each axis at least; this one has {w} × {h} × {d} of {channels}"
+            );
+            self.error(span, what);
+            return Vec::new();
+        }
+        match SdfGrid::new(grid, placed.place, placed.reverse, smooth) {
+            Some(surface) if surface.count() == 0 => {
+                let what = "the distances of this grid are nowhere zero: there is no surface";
+                self.diagnostics.warn(&self.desc.sources, span, what);
+                Vec::new()
+            }
+            Some(surface) => vec![Shape::Sdf(Arc::new(surface))],
+            None => {
+                self.error(
+                    span,
+                    format!("a grid of {w} × {h} × {d} distances whose surface passes this many cells is too large"),
+                );
+                Vec::new()
+            }
+        }
+    }
+
+    fn curve(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
+        let node = placed.node;
+        if placed.emits {
+            let what = "curves cannot emit light yet; the light is left out";
+            self.diagnostics.dropped(&self.desc.sources, node.span, what);
+        }
+        let mut vectors = |name: &str| -> Vec<Vec3> {
+            let list = self.list(node, name).unwrap_or_default();
+            list.chunks_exact(3).map(Vec3::from_slice).collect()
+        };
+        let (points, normals) = (vectors("points"), vectors("normals"));
+        let params = CurveParams {
+            points,
+            degree: self.int(node, "degree").unwrap_or(3).clamp(0, 255) as u32,
+            basis: self.choice(
+                node,
+                "basis",
+                CurveBasis::Bezier,
+                &[("bezier", CurveBasis::Bezier), ("bspline", CurveBasis::BSpline)],
+            ),
+            kind: self.choice(
+                node,
+                "type",
+                CurveKind::Flat,
+                &[("flat", CurveKind::Flat), ("cylinder", CurveKind::Cylinder), ("ribbon", CurveKind::Ribbon)],
+            ),
+            width: [self.float(node, "width0", 1.0), self.float(node, "width1", 1.0)],
+            normals,
+        };
+        let split = self.int(node, "split_depth").unwrap_or(3).clamp(0, 8) as u32;
+        match Curves::new(&params, &placed.place, split, placed.swaps, placed.reverse) {
+            Ok(curves) => vec![Shape::Curves(Arc::new(curves))],
+            Err(e) => {
+                self.error(node.span, format!("malformed curve: {e}"));
+                Vec::new()
+            }
+        }
+    }
+
+    /// Makes a geometry emit: adds its emitter and a light for each of its parts.
+    fn emission(&mut self, light: &Node, geometry: &mut Geometry) {
+        let directional = match light.kind.as_str() {
+            "area" => false,
+            "directional_area" => true,
+            other => {
+                self.error(light.span, format!("light '{other}' cannot be attached to a shape"));
+                return;
+            }
+        };
+        let area = match &geometry.shape {
+            Shape::Mesh(m) => (0..m.triangles.len() as u32).map(|t| triangle_area(m.corners(t))).sum(),
+            Shape::Quadric(q) => q.area(),
+            Shape::Plane(_) => 1.0,
+            _ => return,
+        };
+        let Some(emitter) = self.emitter(light, area) else { return };
+        if emitter.luminance <= 0.0 {
+            return;
+        }
+        self.emitters.push(emitter);
+        let emitter = self.emitters.len() as u32 - 1;
+        let add = |lights: &mut Vec<Light>, shape: AreaShape, mesh: Option<(Arc<TriMesh>, u32)>| {
+            let light = AreaLight { shape, emitter, mesh };
+            lights.push(if directional { Light::DirectionalArea(light) } else { Light::Area(light) });
+            lights.len() as u32 - 1
+        };
+        let lights: Vec<u32> = match &geometry.shape {
+            Shape::Quadric(q) => {
+                let scale = q.similarity();
+                let shape = match (q.kind, scale) {
+                    (QuadricKind::Sphere { radius, .. }, Some(scale)) if q.is_whole_sphere() => {
+                        AreaShape::Sphere(q.place.point(Vec3::ZERO), radius * scale, q.flip)
+                    }
+                    _ => AreaShape::Quadric(q.clone()),
+                };
+                vec![add(&mut self.lights, shape, None)]
+            }
+            Shape::Mesh(m) => {
+                let textured =
+                    matches!(self.emitters[emitter as usize].radiance, steradian_texture::SpectrumTexture::Texture(..));
+                let mut of_triangle = Vec::with_capacity(m.triangles.len());
+                let mut t = 0;
+                while t < m.triangles.len() as u32 {
+                    let rectangle = if textured { None } else { rectangle(m, t) };
+                    let n = m.geometric_normal(t);
+                    if let Some((corner, ex, ey)) = rectangle {
+                        let area = ex.cross(ey).length();
+                        let l = add(&mut self.lights, AreaShape::Rectangle { corner, ex, ey, n, area }, None);
+                        of_triangle.extend([l, l]);
+                        t += 2;
+                    } else {
+                        let corners = m.corners(t);
+                        let shape = AreaShape::Triangle(corners, n, triangle_area(corners));
+                        of_triangle.push(add(&mut self.lights, shape, Some((m.clone(), t))));
+                        t += 1;
+                    }
+                }
+                of_triangle
+            }
+            // Infinite planes are found by scattering alone: no point of theirs can be chosen evenly.
+            _ => Vec::new(),
+        };
+        // Light that leaves along the normal alone is never met by chance.
+        if !directional {
+            geometry.emitter = Some(emitter);
+            geometry.lights = lights.into();
+        }
+    }
+
+    fn emitter(&mut self, light: &Node, area: f32) -> Option<Emitter> {
+        let two_sided = self.bool(light, "two_sided", false);
+        let mut scale = self.float(light, "scale", 1.0);
+        let (radiance, mean) = if light.get("file").is_some() {
+            let texels = (*self.image(light)?).clone();
+            let texels = Arc::new(self.emitted_texels(light, texels));
+            let mean = super::lights::mean_luminance(&texels);
+            let level = steradian_texture::store::Level::new(texels, None).ok()?;
+            let image = self.image_texture(light, &level);
+            // `scale` of an image texture is the light's own.
+            let image = steradian_texture::ImageTexture { scale: 1.0, ..image };
+            let id = self.textures.add(steradian_texture::Texture::Image(Arc::new(image)));
+            (steradian_texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
+        } else {
+            let radiance = self.emitted(light, "radiance");
+            scale *= self.normalization(light, "radiance");
+            let mean = match &radiance {
+                steradian_texture::SpectrumTexture::Constant(c) => c.luminance(self.mode),
+                steradian_texture::SpectrumTexture::Texture(..) => self.texture_luminance(light, "radiance"),
+            };
+            (radiance, mean)
+        };
+        if let Some(power) = self.if_positive(light, "power") {
+            let sides = if two_sided { 2.0 } else { 1.0 };
+            let k = if light.get("file").is_some() { mean } else { 1.0 };
+            scale *= power / (k * sides * area * std::f32::consts::PI);
+        }
+        if !(scale.is_finite() && scale >= 0.0) {
+            self.error(light.span, format!("the scale of this light comes to {scale}"));
+            return None;
+        }
+        Some(Emitter { radiance, scale, two_sided, luminance: mean * scale })
+    }
+}
+
+fn triangle_area([a, b, c]: [Vec3; 3]) -> f32 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// The rectangle that a triangle and the next one make up, as corner and edges.
+fn rectangle(m: &TriMesh, t: u32) -> Option<(Vec3, Vec3, Vec3)> {
+    let a = m.corners(t);
+    let b = (t as usize + 1 < m.triangles.len()).then(|| m.corners(t + 1))?;
+    // The corner of each triangle that the other lacks, and the two they share.
+    let lonely = |x: &[Vec3; 3], y: &[Vec3; 3]| {
+        let mut it = x.iter().enumerate().filter(|(_, p)| !y.contains(p));
+        let first = it.next()?;
+        it.next().is_none().then_some(first.0)
+    };
+    let (i, j) = (lonely(&a, &b)?, lonely(&b, &a)?);
+    let (corner, s0, s1) = (a[i], a[(i + 1) % 3], a[(i + 2) % 3]);
+    let (ex, ey) = (s0 - corner, s1 - corner);
+    let scale = ex.length().max(ey.length());
+    let right_angle = ex.dot(ey).abs() < 1e-5 * ex.length() * ey.length();
+    let closes = (corner + ex + ey - b[j]).length() < 1e-5 * scale;
+    // Both must shine to the same side.
+    let same_side = m.geometric_normal(t).dot(m.geometric_normal(t + 1)) > 0.99;
+    (right_angle && closes && same_side).then_some((corner, ex, ey))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Options, compile};
+    use steradian_math::{Ray, Vec3};
+    use steradian_scene::{Family, Node, SceneDesc, Shape};
+
+    /// A scene with a grid of distances of this size and these channels, what was said, and how far a ray down its
+    /// middle goes.
+    fn on_a_grid(size: [i32; 4], values: &[f32], emits: bool, normals: Option<&str>) -> (Option<f32>, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bytes = b"VOL\x03\x01\0\0\0".to_vec();
+        size.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0].iter().chain(values).for_each(|v| bytes.extend(v.to_le_bytes()));
+        let path = folder.path().join("a.vol");
+        std::fs::write(&path, bytes).unwrap();
+        let mut desc = SceneDesc::default();
+        let mut node = Node::new(Family::Shape, "sdf_grid", None).with("file", path);
+        if let Some(normals) = normals {
+            node.set("normals", normals, None);
+        }
+        let node = desc.add(node);
+        let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None)));
+        desc.shapes.push(Shape { emission, ..Shape::new(node) });
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        let light = desc.add(Node::new(Family::Light, "point", None));
+        desc.cameras.push(camera);
+        desc.lights.push(light);
+        let compiled = compile(&desc, &Options::default());
+        let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
+        let ray = Ray::new(Vec3::new(0.5, 0.5, 9.0), -Vec3::Z);
+        (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+    }
+
+    #[test]
+    fn grids_of_distances() {
+        // z − ¼ on two samples each way.
+        let slab = [-0.25, -0.25, -0.25, -0.25, 0.75, 0.75, 0.75, 0.75];
+        for normals in [None, Some("smooth"), Some("analytic")] {
+            let (t, said) = on_a_grid([2, 2, 2, 1], &slab, false, normals);
+            assert!(said.is_empty() && (t.unwrap() - 8.75).abs() < 1e-5, "{t:?} {said}");
+        }
+        let says = |size, values: &[f32], emits, normals| on_a_grid(size, values, emits, normals).1;
+        assert!(says([2, 2, 2, 1], &slab, true, None).contains("cannot emit light"));
+        assert!(says([2, 2, 2, 1], &slab, false, Some("flat")).contains("flat"));
+        assert!(says([2, 2, 1, 2], &slab, false, None).contains("needs one channel"));
+        assert!(says([8, 1, 1, 1], &slab, false, None).contains("two samples along each axis"));
+        assert!(says([2, 2, 2, 1], &[1.0; 8], false, None).contains("there is no surface"));
+        assert!(says([2, 2, 2, 1], &[f32::NAN; 8], false, None).contains("8 values of this grid"));
+    }
+}

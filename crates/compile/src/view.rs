@@ -1,0 +1,317 @@
+//! Compiling camera, film, filter, sampler and integrator.
+
+use super::Compiler;
+use steradian_core::{
+    camera::{CAMERAS, Camera, FovAxis, Projection},
+    film::{Crop, FilmSpec, Filter, FilterKind, filter::FILTERS},
+    sampler::{SAMPLERS, SamplerKind},
+    scene::Settings,
+};
+use steradian_math::Vec2;
+use steradian_scene::{Family, Format, Node, NodeId, names};
+
+impl Compiler<'_> {
+    /// The frame: the user's size or the film's.
+    fn frame(&mut self) -> (i64, i64) {
+        let default = if self.desc.format == Format::Mitsuba { (768, 576) } else { (1280, 720) };
+        match (self.options.size, self.desc.film.map(|f| self.node(f))) {
+            (Some((w, h)), _) => (i64::from(w), i64::from(h)),
+            (None, None) => default,
+            (None, Some(film)) => {
+                (self.int(film, "width").unwrap_or(default.0), self.int(film, "height").unwrap_or(default.1))
+            }
+        }
+    }
+
+    /// The camera that renders: the one asked for, or the first.
+    pub(super) fn chosen_camera(&self) -> Option<NodeId> {
+        let cameras = &self.desc.cameras;
+        let Some(want) = &self.options.camera else { return cameras.first().copied() };
+        let by_name = cameras.iter().find(|c| self.desc.node(**c).name.as_ref() == Some(want));
+        by_name.copied().or_else(|| cameras.get(want.parse::<usize>().ok()?).copied())
+    }
+
+    /// Compiles the chosen camera.
+    pub(super) fn camera(&mut self) -> Option<Camera> {
+        let Some(id) = self.chosen_camera() else {
+            self.error(
+                None,
+                match &self.options.camera {
+                    Some(want) => format!("the scene has no camera '{want}'; it has {}", self.desc.cameras.len()),
+                    None => "the scene has no camera".into(),
+                },
+            );
+            return None;
+        };
+        let node = self.node(id);
+        let Some(place) = self.transform(node, "to_world").affine() else {
+            self.error(node.span, "the camera's transform is singular or not finite");
+            return None;
+        };
+        let motion = self.camera_motion(node);
+        let place = motion.as_ref().and_then(|motion| motion.at(0.0)).unwrap_or(place);
+        let motion = motion.filter(|motion| !motion.is_still());
+        let (w, h) = self.frame();
+        let aspect = match node.get("frame_aspect") {
+            Some(_) => self.positive(node, "frame_aspect", 1.0),
+            None => (w.max(1) as f32) / (h.max(1) as f32),
+        };
+        let unit = if aspect >= 1.0 { Vec2::new(aspect, 1.0) } else { Vec2::new(1.0, 1.0 / aspect) };
+        let (projection, half) = match node.kind.as_str() {
+            "perspective" => {
+                let fov = self.positive(node, "fov", 90.0);
+                if fov >= 180.0 {
+                    self.error(node.span, format!("a perspective camera cannot have a field of view of {fov} degrees"));
+                    return None;
+                }
+                let axis_name = self.word(node, "fov_axis").unwrap_or("smaller");
+                let Some(axis) = FovAxis::named(axis_name) else {
+                    self.error(
+                        node.span,
+                        format!("'{axis_name}' is not an axis of view; known are x, y, smaller, larger, diagonal"),
+                    );
+                    return None;
+                };
+                (Projection::Perspective, axis.half_window(fov.to_radians(), aspect))
+            }
+            "orthographic" => {
+                let half = if self.desc.format == Format::Mitsuba { Vec2::new(1.0, 1.0 / aspect) } else { unit };
+                (Projection::Orthographic, half)
+            }
+            "spherical" => {
+                let p = self.choice(
+                    node,
+                    "mapping",
+                    Projection::SphericalEqualArea,
+                    &[
+                        ("equalarea", Projection::SphericalEqualArea),
+                        ("equirectangular", Projection::SphericalEquirectangular),
+                    ],
+                );
+                (p, Vec2::ONE)
+            }
+            other => {
+                let help = names::did_you_mean(other, CAMERAS.iter().map(|c| c.0));
+                self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
+                return None;
+            }
+        };
+        let mut window = [-half.x, half.x, -half.y, half.y];
+        if let Some(s) = self.list(node, "screen_window") {
+            if s.len() != 4 || s[0] == s[1] || s[2] == s[3] {
+                self.error(node.span, "a screen window is four numbers x0 x1 y0 y1 that span an area");
+                return None;
+            }
+            // The window is in units of the shorter half axis.
+            let k = match projection {
+                Projection::Perspective => half.x / unit.x,
+                _ => 1.0,
+            };
+            window = [s[0], s[1], s[2], s[3]].map(|v| v * k);
+        }
+        if let Projection::Perspective | Projection::Orthographic = projection {
+            let (dx, dy) = (self.float(node, "principal_x", 0.0), self.float(node, "principal_y", 0.0));
+            let (ww, wh) = (window[1] - window[0], window[3] - window[2]);
+            window = [window[0] - dx * ww, window[1] - dx * ww, window[2] + dy * wh, window[3] + dy * wh];
+        }
+        let lens_radius = self.float(node, "lens_radius", 0.0).max(0.0);
+        let focal_distance = self.positive(node, "focal_distance", 1e6);
+        let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
+        let medium = self.reference(node, "medium");
+        Some(Camera {
+            projection,
+            world_from_camera: place,
+            motion,
+            window,
+            lens_radius,
+            focal_distance,
+            near,
+            medium: self.medium(medium),
+        })
+    }
+
+    /// Compiles film and filter.
+    pub(super) fn film(&mut self) -> Option<FilmSpec> {
+        let empty = Node::new(Family::Film, "rgb", None);
+        let node = self.desc.film.map_or(&empty, |f| self.desc.node(f));
+        let (w, h) = self.frame();
+        let span = node.param("width").or(node.param("height")).and_then(|p| p.span).or(node.span);
+        if w < 1 || h < 1 || w > FilmSpec::MAX_SIDE || h > FilmSpec::MAX_SIDE {
+            let most = FilmSpec::MAX_SIDE;
+            self.error(span, format!("a film of {w} x {h} pixels cannot be made; its sides are at most {most} pixels"));
+            return None;
+        }
+        let (width, height) = (w as u32, h as u32);
+        let whole = Crop { x0: 0, y0: 0, x1: width, y1: height };
+        let crop = match (self.options.crop, node.get("crop")) {
+            (Some(c), _) => Some(c.map(i64::from)),
+            // A size of the user's own makes pixel numbers of the file meaningless.
+            (None, Some(_)) if self.options.size.is_some() => None,
+            // In the description the two bounds of an axis stand side by side: x0 x1 y0 y1.
+            (None, Some(steradian_scene::Value::Ints(c))) if c.len() == 4 => Some([c[0], c[2], c[1], c[3]]),
+            (None, Some(_)) => {
+                self.error(node.span, "a crop is four whole numbers x0 x1 y0 y1");
+                None
+            }
+            (None, None) => None,
+        };
+        let crop = match crop {
+            None => whole,
+            Some([x0, y0, x1, y1]) => {
+                let at = |v: i64, limit: u32| v.clamp(0, i64::from(limit)) as u32;
+                let c = Crop { x0: at(x0, width), y0: at(y0, height), x1: at(x1, width), y1: at(y1, height) };
+                if c.x0 >= c.x1 || c.y0 >= c.y1 {
+                    self.error(
+                        node.span,
+                        format!("the crop {x0},{y0},{x1},{y1} leaves nothing of {width} x {height} pixels"),
+                    );
+                    return None;
+                }
+                c
+            }
+        };
+        if u64::from(crop.width()) * u64::from(crop.height()) > FilmSpec::MAX_PIXELS {
+            let (w, h, most) = (crop.width(), crop.height(), FilmSpec::MAX_PIXELS);
+            let help = (crop == whole).then(|| "a crop renders a part of it".into());
+            self.error_help(span, format!("a film of {w} x {h} pixels cannot be made; at most {most} pixels"), help);
+            return None;
+        }
+        if let Some(sensor) = self.word(node, "sensor")
+            && sensor != "cie1931"
+        {
+            self.approximated(
+                node.span,
+                format!("film sensor '{sensor}' is not implemented; the CIE 1931 observer stands in"),
+            );
+        }
+        if self.float(node, "white_balance", 0.0) != 0.0 {
+            self.approximated(node.span, "white balance is not implemented; colours are those of D65");
+        }
+        let imaging_ratio = self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
+        let max_component = match node.float("max_component") {
+            // pbrt's own default, and any other number beyond f32, clamp nothing.
+            Some(v) if v > f64::from(f32::MAX) => f32::INFINITY,
+            None if node.get("max_component").is_none() => f32::INFINITY,
+            _ => self.positive(node, "max_component", 1.0),
+        };
+        let filter = self.filter()?;
+        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component })
+    }
+
+    fn filter(&mut self) -> Option<Filter> {
+        let empty = Node::new(Family::Filter, "box", None);
+        let node = self.desc.filter.map_or(&empty, |f| self.desc.node(f));
+        let third = 1.0 / 3.0;
+        let (kind, radius) = match node.kind.as_str() {
+            "box" => (FilterKind::Box, 0.5),
+            "tent" => (FilterKind::Tent, 1.0),
+            "gaussian" => (FilterKind::Gaussian { sigma: self.positive(node, "sigma", 0.5) }, 1.5),
+            "mitchell" => {
+                (FilterKind::Mitchell { b: self.float(node, "b", third), c: self.float(node, "c", third) }, 2.0)
+            }
+            "catmull_rom" => (FilterKind::Mitchell { b: 0.0, c: 0.5 }, 2.0),
+            "lanczos" => (FilterKind::Lanczos { tau: self.positive(node, "tau", 3.0) }, 3.0),
+            "blackman_harris" => (FilterKind::BlackmanHarris, 1.5),
+            other => {
+                let known = FILTERS.iter().map(|f| f.0);
+                let help = names::did_you_mean(other, known);
+                self.error_help(node.span, format!("pixel filter '{other}' is not implemented"), help);
+                return None;
+            }
+        };
+        let radius = Vec2::new(self.positive(node, "radius_x", radius), self.positive(node, "radius_y", radius));
+        let filter = Filter::new(kind, radius);
+        if filter.is_none() {
+            self.error(node.span, format!("pixel filter '{}' with these parameters has no volume", node.kind));
+        }
+        filter
+    }
+
+    /// What the scene asks for.
+    pub(super) fn settings(&mut self) -> Settings {
+        let mut settings = Settings {
+            integrator: "path".into(),
+            max_depth: u32::MAX,
+            rr_depth: 2,
+            hide_emitters: false,
+            options: Vec::new(),
+            spp: 16,
+            sampler: SamplerKind::default(),
+            named_sampler: SamplerKind::default(),
+            seed: 0,
+        };
+        if let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) {
+            settings.integrator = node.kind.clone();
+            settings.max_depth = match self.int(node, "max_depth") {
+                Some(d) if d >= 0 => d.min(i64::from(u32::MAX)) as u32,
+                _ => u32::MAX,
+            };
+            settings.hide_emitters = self.bool(node, "hide_emitters", false);
+            let own = ["photons", "radius", "large_step", "distance"];
+            settings.options =
+                own.into_iter().filter_map(|name| Some((name.to_owned(), node.float(name)?.to_string()))).collect();
+        }
+        if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
+            match SamplerKind::named(&node.kind) {
+                Some(kind) => settings.named_sampler = kind,
+                None => {
+                    let help = names::did_you_mean(&node.kind, SAMPLERS.iter().map(|s| s.0));
+                    self.error_help(node.span, format!("sampler '{}' is not implemented", node.kind), help);
+                }
+            }
+            // The point set changes the noise of a picture, not the picture: files of other programs name theirs, often
+            // what was there by default, and none is better than ours.
+            let named = settings.named_sampler;
+            if self.desc.format == Format::Native {
+                settings.sampler = named;
+            }
+            settings.seed = self.int(node, "seed").unwrap_or(0) as u64;
+            match self.int(node, "samples") {
+                Some(n) if n >= 1 => settings.spp = n.min(1 << 24) as u32,
+                Some(n) => {
+                    let span = node.param("samples").and_then(|p| p.span).or(node.span);
+                    self.error(span, format!("{n} samples per pixel make no picture"));
+                }
+                None => {}
+            }
+        }
+        // Metropolis counts its own.
+        if let Some(n) = self.desc.integrator.and_then(|i| self.desc.node(i).int("samples")) {
+            settings.spp = n.clamp(1, 1 << 24) as u32;
+        }
+        settings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Options, compile};
+    use steradian_core::film::Crop;
+    use steradian_scene::{Family, Node, SceneDesc, Value};
+
+    fn crop(options: Options) -> Option<Crop> {
+        let mut desc = SceneDesc::default();
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        desc.cameras.push(camera);
+        let film = Node::new(Family::Film, "rgb", None)
+            .with("width", 64_i64)
+            .with("height", 32_i64)
+            .with("crop", Value::Ints(vec![8, 40, 4, 12]));
+        desc.film = Some(desc.add(film));
+        compile(&desc, &options).scene.map(|s| s.film.crop)
+    }
+
+    #[test]
+    fn the_crop_of_a_film_is_two_columns_then_two_rows() {
+        assert_eq!(crop(Options::default()), Some(Crop { x0: 8, y0: 4, x1: 40, y1: 12 }));
+    }
+
+    #[test]
+    fn the_user_goes_before_the_film() {
+        let own = Options { crop: Some([1, 2, 3, 4]), ..Options::default() };
+        assert_eq!(crop(own), Some(Crop { x0: 1, y0: 2, x1: 3, y1: 4 }));
+        // A frame of another size has other pixels.
+        let resized = Options { size: Some((16, 8)), ..Options::default() };
+        assert_eq!(crop(resized), Some(Crop { x0: 0, y0: 0, x1: 16, y1: 8 }));
+    }
+}

@@ -1,0 +1,192 @@
+//! Laws of emission, over every family of lights.
+
+use std::f32::consts::PI;
+use steradian_compile::{Options, compile};
+use steradian_core::{
+    Scene,
+    light::{Light, LightContext, emission::Emission},
+};
+use steradian_math::{
+    Vec2, Vec3,
+    hash::HashRng,
+    spectra::{Wavelengths, role::Color},
+    warp,
+};
+use steradian_scene::{ColorSpace, Family, Format, Mesh, Node, SceneDesc, Shape, SpectrumValue, Value};
+
+fn white(v: f64) -> Value {
+    Value::Spectrum(SpectrumValue::Rgb([v; 3], ColorSpace::Srgb))
+}
+
+/// A scene of a black unit sphere about the origin, which tells how large the scene is, and one light.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let light = |kind: &str| Node::new(Family::Light, kind, None);
+    let shape = |kind: &str| Node::new(Family::Shape, kind, None);
+    let area = |two_sided: bool| light("area").with("radiance", white(2.0)).with("two_sided", two_sided);
+    let quad = || Mesh {
+        positions: vec![[0.0, 0.0, 2.0], [0.5, 0.0, 2.0], [0.5, 0.25, 2.0], [0.0, 0.25, 2.0]],
+        triangles: vec![[0, 2, 1], [0, 3, 2]],
+        ..Mesh::default()
+    };
+    let triangle = || Mesh { triangles: vec![[0, 2, 1]], ..quad() };
+    let portal = Value::from(vec![-0.5, -0.5, 1.5, 0.5, -0.5, 1.5, 0.5, 0.5, 1.5, -0.5, 0.5, 1.5]);
+    let mut all = Vec::new();
+    let mut add = |name, of: Option<Node>, on: Option<(Option<Mesh>, Node, Node)>| {
+        let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
+        let film = desc.add(Node::new(Family::Film, "rgb", None).with("width", 4i64).with("height", 4i64));
+        desc.film = Some(film);
+        desc.cameras = vec![desc.add(Node::new(Family::Camera, "perspective", None))];
+        let sphere = desc.add(shape("sphere"));
+        desc.shapes.push(Shape::new(sphere));
+        if let Some(node) = of {
+            let node = desc.add(node);
+            desc.lights.push(node);
+        }
+        if let Some((mesh, node, emission)) = on {
+            let (node, emission) = (desc.add(node), desc.add(emission));
+            let mesh = mesh.map(|m| desc.add_mesh(m));
+            desc.shapes.push(Shape { emission: Some(emission), mesh, ..Shape::new(node) });
+        }
+        let compiled = compile(&desc, &Options::default());
+        let said: Vec<_> = compiled.diagnostics.iter().map(|d| d.message.clone()).collect();
+        all.push((name, compiled.scene.unwrap_or_else(|| panic!("{name}: {said:?}"))));
+    };
+    add("point", Some(light("point").with("intensity", white(3.0))), None);
+    add("spot", Some(light("spot").with("intensity", white(3.0))), None);
+    add("distant", Some(light("distant").with("radiance", white(3.0))), None);
+    add("projection", Some(light("projection").with("radiance", white(3.0)).with("fov", 60.0)), None);
+    add("sky", Some(light("environment").with("radiance", white(0.5))), None);
+    add("portal", Some(light("environment").with("radiance", white(0.5)).with("portal", portal)), None);
+    add("rectangle", None, Some((Some(quad()), shape("mesh"), area(false))));
+    add("triangle", None, Some((Some(triangle()), shape("mesh"), area(false))));
+    add("two-sided", None, Some((Some(quad()), shape("mesh"), area(true))));
+    add("sphere", None, Some((None, shape("sphere").with("center", [0.0, 0.0, 3.0]).with("radius", 0.5), area(false))));
+    add("disk", None, Some((None, shape("disk").with("radius", 0.5), area(false))));
+    let cylinder = shape("cylinder").with("radius", 0.1).with("z_min", -1.0).with("z_max", 0.0);
+    add("cylinder", None, Some((None, cylinder, area(false))));
+    let along = light("directional_area").with("radiance", white(2.0));
+    add("directional", None, Some((Some(quad()), shape("mesh"), along)));
+    all
+}
+
+/// The flux that samples of emission carry is that of the light in closed form, and [`Emission::pdf`] is the density
+/// they come with.
+#[test]
+fn emitted_flux_is_that_of_the_light() {
+    let lambda = Wavelengths::RGB;
+    for (name, scene) in scenes() {
+        let emission = Emission::new(&scene).expect("a light that emits");
+        // Emission of infinite lights comes through a disk a little wider than the scene.
+        let r = scene.bounds().bounding_sphere().1 * 1.001;
+        let expected = f64::from(match name {
+            "point" => 3.0 * 4.0 * PI,
+            "spot" => {
+                let Light::Spot(s) = &scene.lights.lights[0] else { panic!() };
+                3.0 * s.flux_share()
+            }
+            "distant" => 3.0 * PI * r * r,
+            "projection" => {
+                let Light::Projection(p) = &scene.lights.lights[0] else { panic!() };
+                // The solid angle of a rectangle at distance one.
+                let (a, b) = (p.half.x, p.half.y);
+                let k = p.max_intensity(steradian_core::ColorMode::Rgb, &scene.textures);
+                4.0 * (a * b / (1.0 + a * a + b * b).sqrt()).atan() * k
+            }
+            "sky" => 0.5 * 4.0 * PI * PI * r * r,
+            "portal" => 0.5 * PI * 2.0,
+            "rectangle" => 2.0 * PI * 0.125,
+            "triangle" => 2.0 * PI * 0.0625,
+            "two-sided" => 4.0 * PI * 0.125,
+            "sphere" => 2.0 * PI * 4.0 * PI * 0.25,
+            "disk" => 2.0 * PI * PI * 0.25,
+            "cylinder" => {
+                let Light::Area(a) = &scene.lights.lights[0] else { panic!() };
+                2.0 * PI * a.area()
+            }
+            "directional" => 2.0 * 0.125,
+            other => panic!("{other}"),
+        });
+        let mut rng = HashRng::new(3);
+        let (n, mut sum, mut squares) = (40_000, 0.0_f64, 0.0_f64);
+        for _ in 0..n {
+            let (u, a, b) = (rng.next_f32(), [rng.next_f32(), rng.next_f32()], [rng.next_f32(), rng.next_f32()]);
+            let Some(e) = emission.sample(&scene, u, a.into(), b.into(), &lambda) else { continue };
+            let pdf = emission.pdf(&scene, e.light, e.n, e.ray.direction);
+            assert!((pdf / e.pdf - 1.0).abs() < 2e-3, "{name}: density {pdf} for {}", e.pdf);
+            assert!(
+                (e.ray.direction.length() - 1.0).abs() < 1e-4 && (e.cos - e.n.dot(e.ray.direction).abs()).abs() < 1e-3
+            );
+            let v = f64::from(e.radiance[0] * e.cos / e.pdf);
+            sum += v;
+            squares += v * v;
+        }
+        let mean = sum / f64::from(n);
+        let sigma = ((squares / f64::from(n) - mean * mean).max(0.0) / f64::from(n)).sqrt();
+        assert!((mean - expected).abs() < 4.0 * sigma + 2e-4 * expected, "{name}: {mean} ± {sigma} for {expected}");
+    }
+}
+
+/// Two ways to count light that reaches a small disk about the scene's centre, without anything between: emission, and
+/// the light's own samples for a point.
+#[test]
+fn emission_and_next_event_estimation_bring_the_same_light() {
+    let lambda = Wavelengths::RGB;
+    for (name, scene) in scenes() {
+        let emission = Emission::new(&scene).expect("a light that emits");
+        // A sphere that catches what crosses it on its way in: its irradiance, over all of its surface.
+        let (at, size) = (Vec3::new(0.1, -0.05, 0.6), 0.3);
+        let mut rng = HashRng::new(12);
+        let (n, mut direct, mut squares) = (60_000, 0.0_f64, 0.0_f64);
+        let mut numbers = || Vec2::new(rng.next_f32(), rng.next_f32());
+        for _ in 0..n {
+            let normal = warp::uniform_sphere(numbers());
+            let ctx = LightContext { p: at + normal * size, n: Vec3::ZERO };
+            let area = 4.0 * PI * size * size;
+            let v = match &scene.lights.lights[0] {
+                // Scattering finds these.
+                Light::Environment(e) if e.sampled_irradiance() <= 0.0 => {
+                    let w = warp::uniform_sphere(numbers());
+                    e.radiance(ctx.p, w, &lambda)[0] * normal.dot(w).max(0.0) * 4.0 * PI * area
+                }
+                _ => scene
+                    .lights
+                    .sample(0, &ctx, numbers(), &lambda, &scene.textures)
+                    .map_or(0.0, |s| s.radiance[0] * normal.dot(s.wi).max(0.0) / s.pdf * area),
+            };
+            direct += f64::from(v);
+            squares += f64::from(v * v);
+        }
+        let direct = direct / f64::from(n);
+        let variance = (squares / f64::from(n) - direct * direct) / f64::from(n);
+        let (mut emitted, mut squares) = (0.0_f64, 0.0_f64);
+        let m = 400_000;
+        for _ in 0..m {
+            let u = numbers().x;
+            let Some(e) = emission.sample(&scene, u, numbers(), numbers(), &lambda) else { continue };
+            let (d, o) = (e.ray.direction, at - e.ray.origin);
+            let along = o.dot(d);
+            let hits = o.length() > size && along > 0.0 && (o - d * along).length() < size;
+            let entry = e.ray.at(along - (size * size - (o - d * along).length_squared()).max(0.0).sqrt());
+            if hits && scene.lights.reaches(e.light, entry, -d, &lambda) {
+                let v = f64::from(e.radiance[0] * e.cos / e.pdf);
+                emitted += v;
+                squares += v * v;
+            }
+        }
+        let emitted = emitted / f64::from(m);
+        let sigma = (variance + (squares / f64::from(m) - emitted * emitted) / f64::from(m)).max(0.0).sqrt();
+        assert!(sigma < 0.05 * direct.max(1e-9) || direct == 0.0, "{name}: {direct} ± {sigma} tells nothing");
+        assert!((emitted - direct).abs() < 4.0 * sigma + 1e-3 * direct, "{name}: {emitted}, {direct} ± {sigma}");
+    }
+}
+
+/// Black lights are never chosen; scenes without light emit nothing.
+#[test]
+fn only_light_is_emitted() {
+    let (_, mut scene) = scenes().remove(0);
+    scene.lights.lights.push(Light::Point(Vec3::ZERO, Color::BLACK));
+    let emission = Emission::new(&scene).expect("a light that emits");
+    assert_eq!(emission.pdf(&scene, 1, Vec3::Z, Vec3::Z), 0.0);
+    scene.lights.lights.remove(0);
+    assert!(Emission::new(&scene).is_none());
+}
