@@ -10,7 +10,8 @@ use serde::Serialize;
 use std::fmt::Write;
 use steradian::{
     OptionInfo,
-    materials::{self, Parameter},
+    scene::Family,
+    schema::{self, FAMILIES, Parameter},
 };
 
 /// One thing.
@@ -58,17 +59,21 @@ impl From<&OptionInfo> for Described {
 
 impl Entry {
     fn new(family: &str, name: &'static str, description: &'static str) -> Self {
-        let of_all = (name == materials::DETAIL.name).then_some(&materials::DETAIL);
-        let material = materials::entry(name).or(of_all).filter(|_| family == "materials");
+        let family_of = FAMILIES.into_iter().find(|f| f.plural() == family);
+        let model = family_of.and_then(|f| f.models().iter().find(|m| m.kind == name));
+        let group = family_of.and_then(|f| f.groups().into_iter().find(|g| g.name == name));
         Self {
             name,
             description,
-            source: material.map(|m| m.source),
+            source: model.map(|m| m.source).or(group.map(|g| g.source)),
             parameters: match family {
                 "integrators" => steradian::all_integrators()
                     .find(|i| i.name == name)
                     .map(|i| i.options.iter().map(Described::from).collect()),
-                _ => material.map(|m| m.parameters.iter().map(Described::new).collect()),
+                _ => model
+                    .map(|m| m.parameters)
+                    .or(group.map(|g| g.parameters))
+                    .map(|p| p.iter().map(Described::new).collect()),
             },
         }
     }
@@ -76,7 +81,7 @@ impl Entry {
 
 /// Things of a kind.
 #[derive(Debug, Serialize)]
-struct Family {
+struct Listed {
     family: &'static str,
     entries: Vec<Entry>,
 }
@@ -84,16 +89,16 @@ struct Family {
 #[derive(Debug, Serialize)]
 struct Listing<'a> {
     schema: u32,
-    families: &'a [Family],
+    families: &'a [Listed],
 }
 
 /// The registry, the built-in scenes, and the formats that are read.
-fn families() -> Vec<Family> {
+fn families() -> Vec<Listed> {
     let mut all = steradian::registry();
     all.push(("scenes", steradian::cornell::BUILTIN.to_vec()));
     all.push(("formats", steradian::load::EXTENSIONS.to_vec()));
     all.into_iter()
-        .map(|(family, entries)| Family {
+        .map(|(family, entries)| Listed {
             family,
             entries: entries.into_iter().map(|(name, doc)| Entry::new(family, name, doc)).collect(),
         })
@@ -114,12 +119,18 @@ pub fn run(args: &ListArgs) -> Outcome {
         families.retain(|f| f.family == family);
     }
     if args.markdown {
-        if args.family.as_deref().is_none_or(|f| !"materials".starts_with(f)) {
-            return Err(Failure::bad_input(
-                "--markdown writes the page of materials: steradian list materials --markdown",
-            ));
+        let described = FAMILIES.into_iter().filter(|f| !f.models().is_empty());
+        let [family] = &*families else {
+            let known = described.map(Family::plural).collect::<Vec<_>>().join(", ");
+            let what =
+                format!("--markdown writes the page of one family: {known}, as in steradian list materials --markdown");
+            return Err(Failure::bad_input(what));
+        };
+        let known = described.clone().map(Family::plural);
+        let name = known_name(family.family, "family with a page", known).map_err(Failure::bad_input)?.to_owned();
+        if let Some(family) = described.into_iter().find(|f| f.plural() == name) {
+            terminal::data(schema::page(family).as_bytes())?;
         }
-        terminal::data(materials::markdown().as_bytes())?;
     } else if args.json {
         terminal::json(&Listing { schema: 1, families: &families })?;
     } else {
@@ -129,7 +140,7 @@ pub fn run(args: &ListArgs) -> Outcome {
 }
 
 /// A line for each thing; with `details` also what is known of its parameters.
-fn text(families: &[Family], details: bool) -> String {
+fn text(families: &[Listed], details: bool) -> String {
     let mut out = String::new();
     for (i, family) in families.iter().enumerate() {
         let width = family.entries.iter().map(|e| e.name.len()).max().unwrap_or(0);

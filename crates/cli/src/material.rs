@@ -23,8 +23,8 @@ use steradian::{
         gloss::{GEOMETRIES, Gloss, gloss},
         goniometer, plot,
     },
-    materials,
     math::Vec3,
+    scene::Family,
     specimen,
 };
 
@@ -211,7 +211,8 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
         let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);
         return Ok(Glass { scene: ready.scene, index: index as u32, inputs: ready.inputs });
     }
-    known_name(&args.material, "material", materials::MATERIALS.iter().map(|m| m.name)).map_err(Failure::bad_input)?;
+    known_name(&args.material, "material", Family::Material.models().iter().map(|m| m.kind))
+        .map_err(Failure::bad_input)?;
     let desc = specimen::describe(&args.material, &args.params).map_err(Failure::bad_input)?;
     let mode = if args.scene.color == Color::Spectral { ColorMode::Spectral } else { ColorMode::Rgb };
     let compiling = CompileOptions {

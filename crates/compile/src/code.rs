@@ -1,8 +1,7 @@
 //! What readers say of files, said of scenes that are made in code: parameters that nothing has.
 
 use super::Compiler;
-use steradian_core::material::catalog;
-use steradian_scene::{Family, Node, names::did_you_mean, vocabulary};
+use steradian_scene::{Node, vocabulary};
 
 impl Compiler<'_> {
     /// Reports parameters that no model has, with the nearest that there is. Readers of files know their own names.
@@ -24,12 +23,10 @@ impl Compiler<'_> {
 
 /// Whether a node has no parameter of that name; then with the nearest one, if there is any.
 fn unknown(node: &Node, name: &str) -> Option<Option<String>> {
-    if node.family != Family::Material {
-        return vocabulary::unknown(node.family, &node.kind, name);
+    match node.family.model(&node.kind) {
+        Some(model) => model.unknown(name),
+        None => vocabulary::unknown(node.family, &node.kind, name),
     }
-    let entry = catalog::entry(&node.kind)?;
-    let known = || entry.parameters.iter().chain(catalog::DETAIL.parameters).map(|p| p.name);
-    if known().any(|k| k == name) { None } else { Some(did_you_mean(name, known())) }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::{Compiler, ResolvedMaterial};
 use std::sync::Arc;
 use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail};
 use steradian_core::material::{
-    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail, catalog,
+    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
     normal_code::{NORMAL_CODES, NormalCode},
 };
 use steradian_math::spectra::{
@@ -265,7 +265,7 @@ impl Compiler<'_> {
         });
         let say = |c: &mut Self, stand_in: &str| {
             let what = format!("material '{}' is not implemented; {stand_in} stands in", node.kind);
-            let known = catalog::MATERIALS.iter().map(|m| m.name);
+            let known = Family::Material.models().iter().map(|m| m.kind);
             let help = names::did_you_mean(&node.kind, known).filter(|_| node.span.is_none());
             c.diagnostics.approximated_help(&c.desc.sources, node.span, what, help);
         };

@@ -3,7 +3,6 @@
 
 use super::Compiler;
 use std::borrow::Cow;
-use steradian_core::material::catalog;
 use steradian_math::spectra;
 use steradian_scene::{Node, Param, SpectrumValue, Value};
 
@@ -12,7 +11,8 @@ impl Compiler<'_> {
     /// stands there as a number for the material's own compiler to report.
     pub(super) fn within_ranges<'n>(&mut self, node: &'n Node) -> Cow<'n, Node> {
         let mut held = Cow::Borrowed(node);
-        for p in catalog::ranges(&node.kind) {
+        let Some(model) = node.family.model(&node.kind) else { return Cow::Borrowed(node) };
+        for p in model.all() {
             let Some(given) = node.param(p.name).and_then(|given| self.constant_of(given)) else { continue };
             let numbers = numbers(&given.value);
             let (low, high) = p.range;

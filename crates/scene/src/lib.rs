@@ -3,7 +3,6 @@
 pub mod build;
 pub mod diagnostic;
 pub mod mesh;
-pub mod names;
 pub mod node;
 pub mod source;
 pub mod vocabulary;
@@ -14,6 +13,7 @@ mod lines;
 pub use desc::{Format, Group, Instance, Movement, SceneDesc, Shape};
 pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Location, Severity};
 pub use mesh::{Attribute, Domain, Mesh, MeshFault};
-pub use node::{ColorSpace, Family, Node, NodeId, Param, SpectrumValue, Value};
+pub use node::{ColorSpace, Node, NodeId, Param, SpectrumValue, Value};
 pub use source::{FileId, Sources, Span};
 pub use steradian_math::Transform;
+pub use steradian_schema::{Family, names};

@@ -4,49 +4,11 @@ use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use steradian_math::Transform;
+use steradian_schema::Family;
 
 /// Index of a node in [`crate::SceneDesc::nodes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub u32);
-
-/// What a node describes; with the kind it names an entry of the registry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[allow(missing_docs)]
-pub enum Family {
-    Shape,
-    Material,
-    Texture,
-    Light,
-    Medium,
-    Phase,
-    Camera,
-    Film,
-    Filter,
-    Sampler,
-    Integrator,
-    Accelerator,
-}
-
-impl Family {
-    /// The word for it in messages.
-    pub fn noun(self) -> &'static str {
-        match self {
-            Self::Shape => "shape",
-            Self::Material => "material",
-            Self::Texture => "texture",
-            Self::Light => "light",
-            Self::Medium => "medium",
-            Self::Phase => "phase function",
-            Self::Camera => "camera",
-            Self::Film => "film",
-            Self::Filter => "pixel filter",
-            Self::Sampler => "sampler",
-            Self::Integrator => "integrator",
-            Self::Accelerator => "accelerator",
-        }
-    }
-}
 
 /// RGB colour spaces that scene files name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

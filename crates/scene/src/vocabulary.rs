@@ -1,6 +1,6 @@
 //! The parameters that nodes have, to tell misspelt ones. `crates/scene/README.md` says what they mean.
 
-use crate::{names::did_you_mean, node::Family};
+use steradian_schema::{Family, names::did_you_mean};
 
 /// Whether a node of a family has no parameter of that name; then with the nearest one, if there is any.
 pub fn unknown(family: Family, kind: &str, name: &str) -> Option<Option<String>> {

@@ -11,7 +11,7 @@ use steradian::{
     ColorMode, CompileOptions, Quality,
     image::{self, WriteOptions},
     instruments::{Specimen, goniometer},
-    materials::{Kind, MATERIALS},
+    schema::{Type, material::MATERIALS},
     specimen,
 };
 
@@ -273,9 +273,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let mut rows: Vec<Row> = ROWS.to_vec();
     for m in MATERIALS {
-        let needs_more = m.parameters.iter().any(|p| matches!(p.kind, Kind::Material | Kind::Materials | Kind::File));
-        if m.name != "interface" && !needs_more && !ROWS.iter().any(|r| r.0 == m.name) {
-            rows.push((m.name, "defaults", "", &[""]));
+        let needs_more = m.parameters.iter().any(|p| matches!(p.kind, Type::Material | Type::Materials | Type::File));
+        if m.kind != "interface" && !needs_more && !ROWS.iter().any(|r| r.0 == m.kind) {
+            rows.push((m.kind, "defaults", "", &[""]));
         }
     }
     let mut seen = HashMap::new();

@@ -2,9 +2,9 @@
 
 use crate::{Film, Layer, Scene};
 use std::collections::BTreeMap;
-use steradian_core::material::MATERIALS;
 use steradian_film::Names;
 use steradian_image::{Image, Value};
+use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
 /// layers asked for. Layers of first hits need a film on which they were gathered.
@@ -28,7 +28,7 @@ fn material_names(names: &[String]) -> BTreeMap<u32, String> {
     for (number, name) in (1..).zip(names) {
         let count = met.entry(name.as_str()).or_default();
         *count += 1;
-        let is_kind = MATERIALS.iter().any(|m| m.name == name);
+        let is_kind = MATERIALS.iter().any(|m| m.kind == name);
         distinct.insert(number, if is_kind && *count > 1 { format!("{name}_{count}") } else { name.clone() });
     }
     distinct

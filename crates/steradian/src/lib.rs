@@ -41,7 +41,6 @@ pub use steradian_bsdf as bsdf;
 pub use steradian_compile::{Compiled, Options as CompileOptions, compile};
 pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
-pub use steradian_core::material::catalog as materials;
 pub use steradian_core::{ColorMode, Scene};
 pub use steradian_engine as engine;
 pub use steradian_film as film;
@@ -56,10 +55,12 @@ pub use steradian_integrators::{
 };
 pub use steradian_math as math;
 pub use steradian_scene as scene;
+pub use steradian_schema as schema;
 pub use steradian_texture as texture;
 pub use steradian_transport as transport;
 
 use std::sync::Arc;
+use steradian_scene::Family;
 
 /// All integrators: those of rays and photons, and the graphics pipeline.
 pub fn all_integrators() -> impl Iterator<Item = &'static IntegratorInfo> + Clone {
@@ -69,9 +70,13 @@ pub fn all_integrators() -> impl Iterator<Item = &'static IntegratorInfo> + Clon
 /// The registry of models of the core, family by family: plural name of the family, and name and description of each
 /// model.
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
+    let of = |family: Family| {
+        let models = family.models().iter().map(|m| (m.kind, m.doc));
+        (family.plural(), models.chain(family.groups().into_iter().map(|g| (g.name, g.doc))).collect())
+    };
     vec![
         ("integrators", all_integrators().map(|i| (i.name, i.description)).collect()),
-        ("materials", materials::MATERIALS.iter().chain([&materials::DETAIL]).map(|e| (e.name, e.doc)).collect()),
+        of(Family::Material),
         ("textures", texture::TEXTURES.to_vec()),
         ("lights", core::light::LIGHTS.to_vec()),
         ("shapes", core::shape::SHAPES.to_vec()),

@@ -2,9 +2,8 @@
 
 use crate::{CompileOptions, Error, Scene, compile, cornell};
 use std::{path::Path, sync::Arc, time::Duration, time::Instant};
-use steradian_core::material::catalog;
 use steradian_formats::{Import, Options};
-use steradian_scene::{Diagnostic, Diagnostics, Family, SceneDesc, Severity, names::did_you_mean};
+use steradian_scene::{Diagnostic, Diagnostics, SceneDesc, Severity, names::did_you_mean};
 
 /// A scene as it was read.
 #[derive(Debug)]
@@ -67,7 +66,7 @@ pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Op
                 "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
                 "obj" | "ply" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
                 "gltf" | "glb" => steradian_formats::gltf::import_bytes(path, bytes, options),
-                "steradian" => checked(steradian_formats::native::import_bytes(path, bytes, options)),
+                "steradian" => steradian_formats::native::import_bytes(path, bytes, options),
                 _ => unknown(name),
             };
             with_definitions_told(import, &format, options)
@@ -127,7 +126,7 @@ fn read(path: &Path, options: &Options) -> Import {
         "xml" => steradian_formats::mitsuba::import(path, options),
         "obj" | "ply" => steradian_formats::mesh::model::import(path, options),
         "gltf" | "glb" => steradian_formats::gltf::import(path, options),
-        "steradian" => checked(steradian_formats::native::import(path, options)),
+        "steradian" => steradian_formats::native::import(path, options),
         _ => unknown(&name),
     };
     with_definitions_told(import, format, options)
@@ -161,20 +160,6 @@ fn with_definitions_told(mut import: Import, format: &str, options: &Options) ->
             }
         };
         import.diagnostics.unused(&import.desc.sources, None, message, help);
-    }
-    import
-}
-
-/// Tells the parameters that materials do not have: unlike other readers, that of Steradian's own language has no names
-/// but those of the catalog.
-fn checked(mut import: Import) -> Import {
-    for node in import.desc.nodes.iter().filter(|n| n.family == Family::Material) {
-        let Some(entry) = catalog::entry(&node.kind) else { continue };
-        let known = || entry.parameters.iter().chain(catalog::DETAIL.parameters).map(|p| p.name);
-        for param in node.params.iter().filter(|param| !known().any(|name| name == param.name)) {
-            let message = format!("material '{}' has no parameter '{}'", node.kind, param.name);
-            import.diagnostics.unused(&import.desc.sources, param.span, message, did_you_mean(&param.name, known()));
-        }
     }
     import
 }

@@ -1,10 +1,10 @@
 //! A single material, from words: the scene in which instruments look at it and pictures of it are taken.
 
-use steradian_core::material::catalog::{self, Kind, Parameter};
 use steradian_math::DVec3;
 use steradian_scene::{
     ColorSpace, Family, Format, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Transform, Value, names,
 };
+use steradian_schema::{Parameter, Type};
 
 /// Deepest nesting of materials in a parameter.
 const MAX_DEPTH: usize = 8;
@@ -63,14 +63,16 @@ fn add_material(d: &mut SceneDesc, kind: &str, params: &[(String, String)], dept
         let hint = names::did_you_mean(name, known.iter().copied()).map(|h| format!("; {h}")).unwrap_or_default();
         format!("there is no {what} '{name}'{hint} (known: {})", known.join(", "))
     };
-    let entry = catalog::entry(kind)
-        .ok_or_else(|| unknown("material", kind, catalog::MATERIALS.iter().map(|m| m.name).collect()))?;
+    let materials = Family::Material.models();
+    let model = materials
+        .iter()
+        .find(|m| m.kind == kind)
+        .ok_or_else(|| unknown("material", kind, materials.iter().map(|m| m.kind).collect()))?;
     let mut node = Node::new(Family::Material, kind, None);
     for (name, text) in params {
-        let known = || entry.parameters.iter().chain(catalog::DETAIL.parameters);
-        let parameter = known()
-            .find(|p| p.name == name)
-            .ok_or_else(|| unknown(&format!("parameter of '{kind}'"), name, known().map(|p| p.name).collect()))?;
+        let parameter = model
+            .parameter(name)
+            .ok_or_else(|| unknown(&format!("parameter of '{kind}'"), name, model.all().map(|p| p.name).collect()))?;
         let value = value(d, parameter, text, depth)?;
         node.set(name.as_str(), value, None);
     }
@@ -82,38 +84,41 @@ fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<V
     let fault = || format!("'{text}' is no value of '{}', which is {}", p.name, p.values());
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     Ok(match p.kind {
-        Kind::Number => Value::Float(number(text).ok_or_else(fault)?),
-        Kind::Integer => Value::Int(text.parse().map_err(|_| fault())?),
-        Kind::List => {
+        Type::Number => Value::Float(number(text).ok_or_else(fault)?),
+        Type::Integer => Value::Int(text.parse().map_err(|_| fault())?),
+        Type::List => {
             let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
             Value::Floats(numbers.ok_or_else(fault)?)
         }
-        Kind::Flag => Value::Bool(text.parse().map_err(|_| fault())?),
-        Kind::Word(_) => Value::String(text.into()),
-        Kind::File => Value::Path(text.into()),
-        Kind::Vector => {
+        Type::Flag => Value::Bool(text.parse().map_err(|_| fault())?),
+        Type::Word(_) => Value::String(text.into()),
+        Type::File => Value::Path(text.into()),
+        Type::Vector => {
             let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
             Value::Vec3(numbers.and_then(|v| v.try_into().ok()).ok_or_else(fault)?)
         }
-        Kind::Texture | Kind::Spectrum => {
+        Type::Texture | Type::Scalar | Type::Spectrum => {
             let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
             match numbers.as_deref() {
                 Some([v]) => Value::Float(*v),
                 Some([r, g, b]) => Value::Spectrum(SpectrumValue::Rgb([*r, *g, *b], ColorSpace::Srgb)),
                 Some(_) => return Err(fault()),
-                None if p.kind == Kind::Texture && std::path::Path::new(text).is_file() => {
+                None if p.kind != Type::Spectrum && std::path::Path::new(text).is_file() => {
                     let image = Node::new(Family::Texture, "image", None).with("file", Value::Path(text.into()));
                     Value::Node(d.add(image))
                 }
                 None => Value::Spectrum(SpectrumValue::Named(text.into())),
             }
         }
-        Kind::Map => {
+        Type::Map => {
             let image = Node::new(Family::Texture, "image", None).with("file", Value::Path(text.into()));
             Value::Node(d.add(image.with("encoding", "linear").with("raw", true)))
         }
-        Kind::Material => Value::Node(nested(d, text, depth)?),
-        Kind::Materials => {
+        Type::Text => Value::String(text.into()),
+        // No material has any of these.
+        Type::Medium | Type::Phase | Type::Transform | Type::NumberOrList => return Err(fault()),
+        Type::Material => Value::Node(nested(d, text, depth)?),
+        Type::Materials => {
             let parts: Result<Vec<_>, _> = text.split('|').map(|part| nested(d, part, depth)).collect();
             Value::Nodes(parts?)
         }

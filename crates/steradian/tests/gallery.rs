@@ -1,7 +1,7 @@
 //! The page of the gallery says what is there: every material, pictures that exist, and command lines that compile.
 
 use std::{collections::HashSet, path::Path};
-use steradian::{CompileOptions, compile, materials::MATERIALS, specimen};
+use steradian::{CompileOptions, compile, schema::material::MATERIALS, specimen};
 
 /// The words of a line of a shell in which nothing but single quotes is special.
 fn words(line: &str) -> Vec<String> {
@@ -48,8 +48,8 @@ fn the_gallery_is_whole() {
             assert!(page.contains(&format!("]({})", picture.trim_start_matches("docs/"))), "{picture} is not shown");
         }
     }
-    for m in MATERIALS.iter().filter(|m| m.name != "interface") {
-        assert!(kinds.contains(m.name), "'{}' has no picture", m.name);
+    for m in MATERIALS.iter().filter(|m| m.kind != "interface") {
+        assert!(kinds.contains(m.kind), "'{}' has no picture", m.kind);
     }
     let files = pictures.iter().map(|p| std::fs::metadata(root.join(p)).unwrap_or_else(|e| panic!("{p}: {e}")).len());
     let all: u64 = files.sum();

@@ -1,15 +1,10 @@
 //! Every parameter of every kind of material, set to what it should not be: a value outside of its range is told of
 //! with its place, and whatever is made of it scatters finite light.
 
+use super::prepare;
 use steradian_bsdf::TransportMode;
 use steradian_compile::{Options, compile};
-use steradian_core::{
-    Scene,
-    material::{
-        catalog::{self, DETAIL, Entry, Kind, MATERIALS, Parameter},
-        scattering,
-    },
-};
+use steradian_core::{Scene, material::scattering};
 use steradian_math::{
     Vec2, Vec3,
     hash::HashRng,
@@ -18,6 +13,10 @@ use steradian_math::{
 };
 use steradian_scene::{
     ColorSpace, Diagnostic, Family, Format, Node, NodeId, SceneDesc, Shape, Span, SpectrumValue, Value,
+};
+use steradian_schema::{
+    Model, Parameter, Type,
+    material::{MATERIALS, STAND_INS},
 };
 use steradian_texture::TextureContext;
 
@@ -68,32 +67,32 @@ fn written(d: &mut SceneDesc, v: f64, form: usize, span: Span) -> Written {
 }
 
 /// How many values a parameter is tried with, and each of them by its index.
-fn trials(kind: Kind) -> usize {
+fn trials(kind: Type) -> usize {
     match kind {
-        Kind::Number | Kind::Vector => NUMBERS.len(),
-        Kind::Texture | Kind::Spectrum => 2 * NUMBERS.len(),
-        Kind::List => 3 * NUMBERS.len(),
-        Kind::Integer => INTEGERS.len(),
+        Type::Number | Type::Vector => NUMBERS.len(),
+        Type::Texture | Type::Scalar | Type::Spectrum => 2 * NUMBERS.len(),
+        Type::List => 3 * NUMBERS.len(),
+        Type::Integer => INTEGERS.len(),
         _ => 0,
     }
 }
 
-fn trial(d: &mut SceneDesc, kind: Kind, i: usize, turn: usize, span: Span) -> Written {
+fn trial(d: &mut SceneDesc, kind: Type, i: usize, turn: usize, span: Span) -> Written {
     let v = NUMBERS[i % NUMBERS.len()];
     match kind {
-        Kind::Number => (Value::Float(v), vec![v]),
-        Kind::Vector => (Value::Vec3([v, 0.5, 0.5]), vec![v, 0.5]),
-        Kind::List => (Value::Floats(vec![v; [2, 3, 6][i / NUMBERS.len()]]), vec![]),
-        Kind::Integer => (Value::Int(INTEGERS[i]), vec![INTEGERS[i] as f64]),
+        Type::Number => (Value::Float(v), vec![v]),
+        Type::Vector => (Value::Vec3([v, 0.5, 0.5]), vec![v, 0.5]),
+        Type::List => (Value::Floats(vec![v; [2, 3, 6][i / NUMBERS.len()]]), vec![]),
+        Type::Integer => (Value::Int(INTEGERS[i]), vec![INTEGERS[i] as f64]),
         // As it is, and in another form, of which not every spectrum has the last.
         _ if i < NUMBERS.len() => written(d, v, 0, span),
-        _ => written(d, v, 1 + turn % if kind == Kind::Texture { FORMS - 1 } else { FORMS - 2 }, span),
+        _ => written(d, v, 1 + turn % if kind != Type::Spectrum { FORMS - 1 } else { FORMS - 2 }, span),
     }
 }
 
 /// A sphere of a material with one parameter given, and the words of the sources that it stands at.
 fn description(
-    e: &Entry,
+    e: &Model,
     p: &Parameter,
     format: Format,
     value: impl FnOnce(&mut SceneDesc, Span) -> Value,
@@ -101,20 +100,10 @@ fn description(
     let mut d = SceneDesc { format, ..SceneDesc::default() };
     let file = d.sources.add("scene", *b"material parameter");
     let (place, own) = (Span::new(file, 0, 8), Span::new(file, 9, 18));
-    let mut node = Node::new(Family::Material, e.name, Some(place));
+    let mut node = Node::new(Family::Material, e.kind, Some(place));
     let inner = d.add(Node::new(Family::Material, "diffuse", None));
-    for p in e.parameters {
-        match p.kind {
-            Kind::Material => _ = node.set(p.name, inner, None),
-            Kind::Materials => _ = node.set(p.name, Value::Nodes(vec![inner, NodeId(1)]), None),
-            _ => {}
-        }
-    }
     d.add(Node::new(Family::Material, "conductor", None).with("alpha_u", 0.3));
-    if let Some((name, needed)) = p.needs {
-        let value = needed.parse::<f64>().map_or_else(|_| Value::String(needed.into()), Value::Float);
-        node.set(name, value, None);
-    }
+    prepare(&mut node, e, [inner, NodeId(1)], Some(p));
     let value = value(&mut d, own);
     node.set(p.name, value, Some(own));
     let material = d.add(node);
@@ -181,7 +170,7 @@ fn every_bad_value_is_told_of_and_none_spreads() {
                 });
                 let compiled = compile(&d, &Options { mode: Some(mode), ..Options::default() });
                 let legal = numbers.iter().all(|v| (p.range.0..=p.range.1).contains(v) && v.is_finite());
-                let mut fault = |what: String| faults.push(format!("{}: {} = {value_text}: {what}", e.name, p.name));
+                let mut fault = |what: String| faults.push(format!("{}: {} = {value_text}: {what}", e.kind, p.name));
                 if !legal && !compiled.diagnostics.iter().any(|d| tells(d, p, &numbers)) {
                     let said: Vec<_> = compiled.diagnostics.iter().map(|d| &d.message).collect();
                     fault(format!("not told of; said was {said:?}"));
@@ -200,11 +189,12 @@ fn every_bad_value_is_told_of_and_none_spreads() {
 /// A number without an end to its range is one that nothing checks.
 #[test]
 fn every_number_has_a_range() {
-    let numeric = |k| matches!(k, Kind::Texture | Kind::Number | Kind::Integer | Kind::Spectrum | Kind::Vector);
-    for e in MATERIALS.iter().chain([&DETAIL]) {
-        for p in e.parameters.iter().filter(|p| numeric(p.kind)) {
-            assert!(p.range.0.is_finite() && p.range.1.is_finite(), "{}: {}", e.name, p.name);
+    let numeric = |k: Type| k.is_numeric() || k == Type::Vector;
+    for e in MATERIALS {
+        for p in e.all().filter(|p| numeric(p.kind)) {
+            assert!(p.range.0.is_finite() && p.range.1.is_finite(), "{}: {}", e.kind, p.name);
         }
     }
-    assert!(catalog::ranges("subsurface").all(|p| p.range.1.is_finite() || !numeric(p.kind)));
+    let stand_ins = STAND_INS.iter().flat_map(Model::all);
+    assert!(stand_ins.clone().count() > 0 && stand_ins.clone().all(|p| p.range.1.is_finite() || !numeric(p.kind)));
 }

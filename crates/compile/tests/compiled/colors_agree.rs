@@ -1,11 +1,9 @@
 //! Every material looks the same computed in RGB and over wavelengths, as far as three numbers can say it.
 
+use super::prepare;
 use steradian_bsdf::TransportMode::Radiance;
 use steradian_compile::{Options, compile};
-use steradian_core::{
-    material::{MATERIALS, catalog::Kind, scattering},
-    scene::Scene,
-};
+use steradian_core::{material::scattering, scene::Scene};
 use steradian_math::{
     Vec2, Vec3,
     color::space::REC709,
@@ -14,7 +12,8 @@ use steradian_math::{
         role::{Color, Role},
     },
 };
-use steradian_scene::{Family, Node, SceneDesc, Shape, Value};
+use steradian_scene::{Family, Node, SceneDesc, Shape};
+use steradian_schema::material::MATERIALS;
 use steradian_texture::TextureContext;
 
 /// A sphere of a material with its defaults.
@@ -24,15 +23,12 @@ fn scene(kind: &str, mode: ColorMode) -> Scene {
     d.cameras.push(camera);
     let inner = d.add(Node::new(Family::Material, "diffuse", None));
     let mut node = Node::new(Family::Material, kind, None);
-    for p in steradian_core::material::catalog::entry(kind).map_or(&[][..], |e| e.parameters) {
-        match p.kind {
-            Kind::Material => node = node.with(p.name, Value::Node(inner)),
-            Kind::Materials => node = node.with(p.name, Value::Nodes(vec![inner, inner])),
-            // What absorbs along a way has no colour of its own: powers of three numbers are not those of the spectrum
-            // behind them.
-            _ if p.name == "sigma_a" => node = node.with(p.name, 0.3),
-            _ => {}
-        }
+    let model = Family::Material.model(kind).expect("a kind of material");
+    prepare(&mut node, model, [inner; 2], None);
+    // What absorbs along a way has no colour of its own: powers of three numbers are not those of the spectrum behind
+    // them.
+    if model.parameter("sigma_a").is_some() {
+        node.set("sigma_a", 0.3, None);
     }
     let material = d.add(node);
     let sphere = d.add(Node::new(Family::Shape, "sphere", None));
@@ -70,12 +66,12 @@ fn colours_are_the_same_in_rgb_and_over_wavelengths() {
         (Vec3::new(0.3, -0.2, 0.5), Vec3::new(0.1, 0.4, 0.3)),
         (Vec3::new(-0.8, 0.1, 0.3), Vec3::new(0.0, 0.1, 1.0)),
     ];
-    for entry in MATERIALS.iter().filter(|e| !["interface", "measured"].contains(&e.name)) {
-        let [rgb, spectral] = [ColorMode::Rgb, ColorMode::Spectral].map(|mode| scene(entry.name, mode));
+    for entry in MATERIALS.iter().filter(|e| !["interface", "measured"].contains(&e.kind)) {
+        let [rgb, spectral] = [ColorMode::Rgb, ColorMode::Spectral].map(|mode| scene(entry.kind, mode));
         for (wo, wi) in directions.map(|(o, i)| (o.normalize(), i.normalize())) {
             let (a, b) = (seen(&rgb, wo, wi), seen(&spectral, wo, wi));
             let allowed = 0.03 * a.max(b) + Vec3::splat(1e-3);
-            assert!((a - b).abs().cmple(allowed).all(), "{}: {a} in RGB, {b} over wavelengths", entry.name);
+            assert!((a - b).abs().cmple(allowed).all(), "{}: {a} in RGB, {b} over wavelengths", entry.kind);
         }
     }
 }

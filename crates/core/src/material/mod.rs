@@ -1,8 +1,5 @@
 //! Materials: textures and constants that become a [`Bsdf`] at a hit.
 
-pub mod catalog;
-
-pub use catalog::MATERIALS;
 mod hair;
 mod layered;
 mod pbr;

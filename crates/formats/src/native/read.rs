@@ -296,7 +296,11 @@ impl<'a> Reader<'a> {
     }
 
     fn parameter(&mut self, node: &mut Node, key: &Key, item: &Item) -> Read<()> {
-        if let Some(help) = steradian_scene::vocabulary::unknown(node.family, &node.kind, &key.text) {
+        let unknown = match node.family.model(&node.kind) {
+            Some(model) => model.unknown(&key.text),
+            None => steradian_scene::vocabulary::unknown(node.family, &node.kind, &key.text),
+        };
+        if let Some(help) = unknown {
             let message = format!("{} '{}' has no parameter '{}'", node.family.noun(), node.kind, key.text);
             self.diagnostics.unused(&self.desc.sources, Some(key.span), message, help);
         }

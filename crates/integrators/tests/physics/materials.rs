@@ -2,8 +2,8 @@
 
 use crate::stage::{diffuse, material, rgb, white};
 use steradian_bsdf::measured::synthetic::METAL;
-use steradian_core::material::MATERIALS;
 use steradian_scene::{Node, NodeId, SceneDesc, SpectrumValue, Value};
+use steradian_schema::material::MATERIALS;
 
 /// A material to put on a stage.
 pub struct Case {
@@ -193,7 +193,7 @@ fn models() -> Vec<Case> {
 /// All cases. Fails if a registered kind has none.
 pub fn cases() -> Vec<Case> {
     let cases: Vec<Case> = [surfaces(), compounds(), models()].into_iter().flatten().collect();
-    for kind in MATERIALS.iter().map(|m| m.name) {
+    for kind in MATERIALS.iter().map(|m| m.kind) {
         assert!(cases.iter().any(|c| c.kind == kind), "material '{kind}' has no case");
     }
     cases

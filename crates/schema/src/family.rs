@@ -1,0 +1,142 @@
+//! The families of models.
+
+use crate::{
+    material,
+    model::{Group, Model},
+};
+use serde::{Deserialize, Serialize};
+
+/// What a node describes; with the kind it names an entry of the registry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)]
+pub enum Family {
+    Shape,
+    Material,
+    Texture,
+    Light,
+    Medium,
+    Phase,
+    Camera,
+    Film,
+    Filter,
+    Sampler,
+    Integrator,
+    Accelerator,
+}
+
+/// All families.
+pub const FAMILIES: [Family; 12] = {
+    use Family::*;
+    [Shape, Material, Texture, Light, Medium, Phase, Camera, Film, Filter, Sampler, Integrator, Accelerator]
+};
+
+impl Family {
+    /// The word for it in messages.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Self::Shape => "shape",
+            Self::Material => "material",
+            Self::Texture => "texture",
+            Self::Light => "light",
+            Self::Medium => "medium",
+            Self::Phase => "phase function",
+            Self::Camera => "camera",
+            Self::Film => "film",
+            Self::Filter => "pixel filter",
+            Self::Sampler => "sampler",
+            Self::Integrator => "integrator",
+            Self::Accelerator => "accelerator",
+        }
+    }
+
+    /// Its models; none for families that are listed elsewhere.
+    pub fn models(self) -> &'static [Model] {
+        match self {
+            Self::Material => material::MATERIALS,
+            _ => &[],
+        }
+    }
+
+    /// Parameters of all its kinds, those that Steradian lacks with them.
+    pub fn common(self) -> Option<&'static Group> {
+        match self {
+            Self::Material => Some(&material::DETAIL),
+            _ => None,
+        }
+    }
+
+    /// The model of a kind, those with a stand-in among them.
+    pub fn model(self, kind: &str) -> Option<&'static Model> {
+        let stand_ins = if self == Self::Material { material::STAND_INS } else { &[] };
+        self.models().iter().chain(stand_ins).find(|m| m.kind == kind)
+    }
+
+    /// The word for all of it, as `steradian list` has it.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Shape => "shapes",
+            Self::Material => "materials",
+            Self::Texture => "textures",
+            Self::Light => "lights",
+            Self::Medium => "media",
+            Self::Phase => "phases",
+            Self::Camera => "cameras",
+            Self::Film => "films",
+            Self::Filter => "filters",
+            Self::Sampler => "samplers",
+            Self::Integrator => "integrators",
+            Self::Accelerator => "accelerators",
+        }
+    }
+
+    /// The groups of parameters that its models share, in the order in which these name them.
+    pub fn groups(self) -> Vec<&'static Group> {
+        let mut groups: Vec<&'static Group> = Vec::new();
+        for group in self.models().iter().flat_map(|m| m.groups) {
+            if !groups.iter().any(|g| std::ptr::eq(*g, *group)) {
+                groups.push(group);
+            }
+        }
+        groups
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Condition, Type};
+    use std::collections::HashSet;
+
+    /// Names are unique, everything is explained, and every default is what it says: a value of the parameter's type
+    /// and within its range, or another parameter.
+    #[test]
+    fn names_are_unique_and_everything_is_explained() {
+        for family in FAMILIES {
+            let mut kinds = HashSet::new();
+            for m in family.models() {
+                assert!(kinds.insert(m.kind) && !m.doc.is_empty(), "{}", m.kind);
+                let mut names = HashSet::new();
+                for p in m.all() {
+                    let at = format!("{} '{}': {}", family.noun(), m.kind, p.name);
+                    assert!(names.insert(p.name) && !p.doc.is_empty() && !p.default.is_empty(), "{at}");
+                    assert!(p.range.0 < p.range.1, "{at}");
+                    if let Condition::Given(name) | Condition::Is(name, _) = p.condition {
+                        assert!(m.parameter(name).is_some(), "{at} counts with '{name}', which is not there");
+                    }
+                    let default = p.usual_default();
+                    let is_other = ["none", "needed"].contains(&default) || m.parameter(default).is_some();
+                    let is_value = match p.kind {
+                        Type::Flag => default.parse::<bool>().is_ok(),
+                        Type::Word(_) => p.words().any(|w| w == default),
+                        kind if kind.is_numeric() => {
+                            p.default_number().is_some_and(|v| (p.range.0..=p.range.1).contains(&v))
+                        }
+                        _ => true,
+                    };
+                    assert!(is_other || is_value || default.ends_with("'s"), "{at}: default '{default}'");
+                }
+            }
+        }
+    }
+}

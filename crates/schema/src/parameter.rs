@@ -1,0 +1,282 @@
+//! A parameter of a model: its type, unit, range, default and meaning.
+
+use std::fmt::Write;
+
+/// What values a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// A number, a spectrum, or a texture.
+    Texture,
+    /// A number or a texture.
+    Scalar,
+    /// A number or a spectrum, the same everywhere.
+    Spectrum,
+    /// A number.
+    Number,
+    /// A whole number.
+    Integer,
+    /// True or false.
+    Flag,
+    /// One of some words, with commas between them.
+    Word(&'static str),
+    /// Any text.
+    Text,
+    /// A texture.
+    Map,
+    /// A material.
+    Material,
+    /// A list of materials.
+    Materials,
+    /// A medium.
+    Medium,
+    /// A phase function.
+    Phase,
+    /// Three numbers.
+    Vector,
+    /// Some numbers.
+    List,
+    /// Numbers in a list, or one number.
+    NumberOrList,
+    /// A transform.
+    Transform,
+    /// The name of a file.
+    File,
+}
+
+impl Type {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Texture => "number, spectrum or texture",
+            Self::Scalar => "number or texture",
+            Self::Spectrum => "number or spectrum",
+            Self::Number => "number",
+            Self::Integer => "whole number",
+            Self::Flag => "true or false",
+            Self::Word(words) => words,
+            Self::Text => "text",
+            Self::Map => "texture",
+            Self::Material => "material",
+            Self::Materials => "materials",
+            Self::Medium => "medium",
+            Self::Phase => "phase function",
+            Self::Vector => "three numbers",
+            Self::List => "list of numbers",
+            Self::NumberOrList => "number or list of numbers",
+            Self::Transform => "transform",
+            Self::File => "file",
+        }
+    }
+
+    /// Whether its values are numbers that a range can hold.
+    pub fn is_numeric(self) -> bool {
+        matches!(
+            self,
+            Self::Texture | Self::Scalar | Self::Spectrum | Self::Number | Self::Integer | Self::NumberOrList
+        )
+    }
+}
+
+/// What becomes of a number outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// It is held at the end, and reported.
+    Held,
+    /// It is an error.
+    Refused,
+    /// It is an error below zero, else held at the end.
+    NegativeRefused,
+    /// It is an error up to zero, else held at the end.
+    NotPositiveRefused,
+}
+
+impl Outside {
+    /// Whether a value outside the range is an error.
+    pub fn refuses(self, v: f64) -> bool {
+        match self {
+            Self::Held => false,
+            Self::Refused => true,
+            Self::NegativeRefused => v < 0.0,
+            Self::NotPositiveRefused => v <= 0.0,
+        }
+    }
+}
+
+/// What has to be so for a parameter to count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// Nothing.
+    Always,
+    /// Another parameter is given.
+    Given(&'static str),
+    /// Another parameter is a word.
+    Is(&'static str, &'static str),
+}
+
+/// One parameter of a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Its name in descriptions.
+    pub name: &'static str,
+    /// What values it takes.
+    pub kind: Type,
+    /// Unit; empty for pure numbers.
+    pub unit: &'static str,
+    /// Least and greatest number; values outside are reported. Infinite for what has no bounds or is no number.
+    pub range: (f64, f64),
+    /// What becomes of values outside.
+    pub outside: Outside,
+    /// When it counts.
+    pub condition: Condition,
+    /// What counts where it is absent: a value, `none`, `needed`, or the name of another parameter; after a semicolon
+    /// where the default is another one.
+    pub default: &'static str,
+    /// What it is.
+    pub doc: &'static str,
+}
+
+/// Without bounds, or no number.
+pub const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+impl Parameter {
+    /// A parameter with its type, name, range, default and meaning.
+    pub const fn new(
+        kind: Type,
+        name: &'static str,
+        range: (f64, f64),
+        default: &'static str,
+        doc: &'static str,
+    ) -> Self {
+        Self { name, kind, unit: "", range, outside: Outside::Held, condition: Condition::Always, default, doc }
+    }
+
+    /// With a unit.
+    pub const fn unit(mut self, unit: &'static str) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// Whose values outside the range are errors.
+    pub const fn refused(mut self) -> Self {
+        self.outside = Outside::Refused;
+        self
+    }
+
+    /// Whose values below zero are errors.
+    pub const fn not_negative(mut self) -> Self {
+        self.outside = Outside::NegativeRefused;
+        self
+    }
+
+    /// Whose values up to zero are errors.
+    pub const fn above_zero(mut self) -> Self {
+        self.outside = Outside::NotPositiveRefused;
+        self
+    }
+
+    /// That counts only where another parameter is this word.
+    pub const fn with(mut self, name: &'static str, word: &'static str) -> Self {
+        self.condition = Condition::Is(name, word);
+        self
+    }
+
+    /// That counts only where another parameter is given.
+    pub const fn where_given(mut self, name: &'static str) -> Self {
+        self.condition = Condition::Given(name);
+        self
+    }
+
+    /// What it is, and when it counts.
+    pub fn meaning(&self) -> String {
+        match self.condition {
+            Condition::Always => self.doc.into(),
+            Condition::Given(name) => format!("{} (with {name})", self.doc),
+            Condition::Is(name, word) => format!("{} (with {name} = {word})", self.doc),
+        }
+    }
+
+    /// The range as text: `in [0, 1]`, `at least 0`, or nothing.
+    pub fn range_text(&self) -> String {
+        match self.range {
+            ANY => String::new(),
+            (low, f64::INFINITY) => format!("at least {low}"),
+            (low, high) => format!("in [{low}, {high}]"),
+        }
+    }
+
+    /// Type, range and unit in one phrase.
+    pub fn values(&self) -> String {
+        let mut text = self.kind.text().to_owned();
+        for part in [self.range_text(), self.unit.to_owned()].into_iter().filter(|p| !p.is_empty()) {
+            let _ = write!(text, ", {part}");
+        }
+        text
+    }
+
+    /// The words that it may be; none where it is no word.
+    pub fn words(&self) -> impl Iterator<Item = &'static str> + Clone + use<> {
+        let words = if let Type::Word(words) = self.kind { words } else { "" };
+        words.split(", ").filter(|w| !w.is_empty())
+    }
+
+    /// The default without what is said of exceptions.
+    pub fn usual_default(&self) -> &'static str {
+        self.default.split(';').next().unwrap_or_default()
+    }
+
+    /// The number that counts where it is absent; `None` where that is no number.
+    pub fn default_number(&self) -> Option<f64> {
+        self.usual_default().parse().ok()
+    }
+}
+
+macro_rules! shorthands {
+    ($($(#[$doc:meta])* $name:ident $kind:ident;)*) => {
+        $($(#[$doc])*
+        pub(crate) const fn $name(name: &'static str, range: (f64, f64), default: &'static str, doc: &'static str) -> Parameter {
+            Parameter::new(Type::$kind, name, range, default, doc)
+        })*
+    };
+}
+
+shorthands! {
+    /// A number, spectrum or texture.
+    tex Texture;
+    /// A number or texture.
+    scalar Scalar;
+    /// A number.
+    number Number;
+    /// A whole number.
+    integer Integer;
+    /// A number or spectrum.
+    spectrum Spectrum;
+}
+
+macro_rules! unbounded {
+    ($($(#[$doc:meta])* $name:ident $kind:ident;)*) => {
+        $($(#[$doc])*
+        pub(crate) const fn $name(name: &'static str, default: &'static str, doc: &'static str) -> Parameter {
+            Parameter::new(Type::$kind, name, ANY, default, doc)
+        })*
+    };
+}
+
+unbounded! {
+    /// True or false.
+    flag Flag;
+    /// A texture.
+    map Map;
+    /// A material.
+    material Material;
+    /// A file.
+    file File;
+}
+
+/// One of some words.
+pub(crate) const fn word(
+    name: &'static str,
+    words: &'static str,
+    default: &'static str,
+    doc: &'static str,
+) -> Parameter {
+    Parameter::new(Type::Word(words), name, ANY, default, doc)
+}
