@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout, reason = "a benchmark's output")]
 
 use std::{hint::black_box, time::Instant};
-use steradian_bsdf::{Bsdf, MODELS, Model, TransportMode};
+use steradian_bsdf::{Bsdf, Model, TransportMode, models};
 use steradian_math::{
     Vec2, Vec3,
     hash::{HashRng, mix64},
@@ -92,7 +92,7 @@ fn measure_each(values: &[Bsdf<'_>], events: &[Event]) -> Vec<f64> {
 
 /// All cases of all models, shuffled, are handed to `done`. Values borrow from their visitors, so visits are nested:
 /// those of the next model inside the last case of this one.
-fn shuffled(models: &[Model], values: &[Bsdf<'_>], done: &mut dyn FnMut(&[Bsdf<'_>])) {
+fn shuffled(models: &[&Model], values: &[Bsdf<'_>], done: &mut dyn FnMut(&[Bsdf<'_>])) {
     let Some((model, rest)) = models.split_first() else {
         // A fixed shuffle.
         let mut order: Vec<usize> = (0..values.len()).collect();
@@ -113,7 +113,7 @@ fn main() {
     let (wanted, wanted_case) = (arguments.next().unwrap_or_default(), arguments.next().unwrap_or_default());
     let events = events();
     let (mut medians, mut leasts) = (Vec::new(), Vec::new());
-    for model in MODELS.iter().filter(|m| m.name.contains(&wanted)) {
+    for model in models().filter(|m| m.name.contains(&wanted)) {
         let mut times = Vec::new();
         (model.cases)(&mut |case| {
             if !case.label.contains(&wanted_case) {
@@ -140,7 +140,7 @@ fn main() {
     let Some(median) = medians.get(medians.len() / 2) else { return };
     println!("{:24} {median:7.1} ns ({:6.1})", "median over models", leasts[leasts.len() / 2]);
     if wanted.is_empty() {
-        shuffled(MODELS, &[], &mut |values| {
+        shuffled(&models().collect::<Vec<_>>(), &[], &mut |values| {
             let [median, least] = measure(values, &events);
             println!("{:24} {median:7.1} ns ({least:6.1})", "one of each, shuffled");
             let [median, least] = middle_and_least(measure_each(values, &events));

@@ -10,8 +10,10 @@
 //! Blinn–Phong lobe is as wide as a Phong lobe of about a quarter of its exponent. Exponents are in `[0, 10⁶]`.
 
 use super::{
+    Bsdf,
     lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse},
     phong::{FRAC_1_TAU, exponent_in_range},
+    registry::{BLACK, Case, GREY, Model, Recipe, Visitor, WHITE},
 };
 use std::f32::consts::{LN_2, PI};
 use steradian_math::{
@@ -47,6 +49,12 @@ impl BlinnPhong {
 }
 
 impl GlossyLobe for HalfVectorLobe {
+    const MODELS: &'static [Model] = &[
+        Model::new("blinn-phong", "normalised cosine lobe in the half vector", cases),
+        Model::new("blinn-phong-empirical", "without normalisation", empirical_cases).not_reciprocal().gains_energy(),
+    ];
+    const RECIPES: &'static [Recipe] = &[];
+
     fn conserves(&self) -> bool {
         self.normalisation.is_some()
     }
@@ -102,9 +110,23 @@ impl HalfVectorLobe {
     }
 }
 
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, value| visit(Case { label, bsdf: Bsdf::BlinnPhong(value), lossless: false });
+    case("exponent 0", BlinnPhong::normalised(BLACK, WHITE, 0.0));
+    case("exponent 2, white", BlinnPhong::normalised(BLACK, WHITE, 2.0));
+    case("exponent 40, coloured", BlinnPhong::normalised(GREY, WHITE - GREY, 40.0));
+    case("exponent 800", BlinnPhong::normalised(GREY * 0.2, WHITE * 0.5, 800.0));
+}
+
+fn empirical_cases(visit: &mut Visitor<'_>) {
+    let bsdf = Bsdf::BlinnPhong(BlinnPhong::empirical(GREY * 0.5, WHITE, 5.0));
+    visit(Case { label: "exponent 5", bsdf, lossless: false });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Scatter, TransportMode};
 
     #[test]
     fn the_albedo_is_one_at_normal_incidence_and_less_at_others() {
@@ -113,7 +135,7 @@ mod tests {
             let albedo = |degrees: f32| {
                 let (sin, cos) = degrees.to_radians().sin_cos();
                 let wo = Vec3::new(sin, 0.0, cos);
-                steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w).value[0]), 1e-4)
+                steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w, TransportMode::Radiance).value[0]), 1e-4)
             };
             assert!((albedo(0.0) - 1.0).abs() < 1e-3, "n = {n}: {}", albedo(0.0));
             assert!([30.0, 60.0, 85.0].iter().all(|&d| albedo(d) < 1.0 + 1e-3), "n = {n}");

@@ -16,7 +16,14 @@
 //! too high: by 0.2 to 1 % at roughness 0.01, 2 to 9 % at 0.1, 6 to 13 % above 0.3. This model is the walk's true
 //! expectation. An anisotropic coat uses the tables of its mean roughness; its interface reflection is exact.
 
-use super::{BsdfEval, BsdfSample, CoatTable, Lobe, Microfacet, coat_table::RowPlace, fresnel, microfacet::Mirror};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, CoatSeries, CoatTable, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode,
+    coat_table::RowPlace,
+    fresnel,
+    microfacet::Mirror,
+    registry::{Case, GREY, Model, Visitor},
+    scatter::Scatter,
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
@@ -78,13 +85,6 @@ impl<'a> Coated<'a> {
         (!self.microfacet.is_smooth()).then(|| self.microfacet.mirror(wo, wi))
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return BsdfEval::ZERO;
-        }
-        self.eval_at(wo, wi, &self.at(wo), self.mirror(wo, wi))
-    }
-
     /// The value for `wo` that is seen so.
     #[inline(always)]
     fn eval_at(&self, wo: Vec3, wi: Vec3, seen: &Seen, mirror: Option<Mirror>) -> BsdfEval {
@@ -103,8 +103,20 @@ impl<'a> Coated<'a> {
         }
         e
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+impl Scatter for Coated<'_> {
+    const MODELS: &'static [Model] =
+        &[Model::new("coated", "a dielectric coat over a diffuse base: plastic, varnish", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        self.eval_at(wo, wi, &self.at(wo), self.mirror(wo, wi))
+    }
+
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
@@ -122,8 +134,43 @@ impl<'a> Coated<'a> {
         self.eval_at(wo, wi, &seen, mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let (r, t) = self.table.interface(self.place, wo.z.abs());
         self.tint * r + self.base * (t * self.table.mean_transmitted(self.place))
     }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    use NormalDistribution::{Beckmann, Ggx};
+    use Shadowing::{HeightCorrelated, Separable};
+    let pbrt = CoatSeries::Layered { thickness: 0.01, max_depth: 10 };
+    let exact = CoatSeries::Layered { thickness: 0.0, max_depth: u32::MAX };
+    let mut case = |label, table: CoatTable, rho, alpha: (f32, f32), lossless| {
+        let value = Coated::new(&table, rho, Spectrum::ONE, alpha.0, alpha.1);
+        visit(Case { label, bsdf: Bsdf::Coated(value), lossless });
+    };
+    let smooth = (0.0, 0.0);
+    case("smooth, absorbing", CoatTable::new(Ggx, HeightCorrelated, 1.5, smooth, pbrt), GREY, smooth, false);
+    case("smooth over white", CoatTable::new(Ggx, HeightCorrelated, 1.5, smooth, exact), Spectrum::ONE, smooth, true);
+    let plastic = |nonlinear| CoatSeries::Plastic { nonlinear };
+    case("smooth plastic", CoatTable::new(Beckmann, Separable, 1.49, smooth, plastic(false)), GREY, smooth, false);
+    case("nonlinear plastic", CoatTable::new(Beckmann, Separable, 1.49, smooth, plastic(true)), GREY, smooth, false);
+    let rough = (0.3, 0.3);
+    case("GGX, 0.3", CoatTable::new(Ggx, HeightCorrelated, 1.5, rough, pbrt), GREY, rough, false);
+    case(
+        "Beckmann, 0.1",
+        CoatTable::new(Beckmann, Separable, 1.49, (0.1, 0.1), plastic(false)),
+        GREY,
+        (0.1, 0.1),
+        false,
+    );
+    case(
+        "GGX, textured roughness",
+        CoatTable::new(Ggx, HeightCorrelated, 1.5, (0.0, 0.6), pbrt),
+        GREY,
+        (0.2, 0.2),
+        false,
+    );
+    case("GGX, anisotropic", CoatTable::new(Ggx, HeightCorrelated, 1.5, (0.2, 0.2), pbrt), GREY, (0.1, 0.4), false);
+    case("index 1", CoatTable::new(Ggx, HeightCorrelated, 1.0, smooth, exact), Spectrum::ONE, smooth, true);
 }

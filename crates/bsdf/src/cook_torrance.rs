@@ -13,7 +13,12 @@
 //! to a half at grazing angles), which is lost, and at angles between up to 0.0022 more, which the diffuse part must
 //! leave them. `plastic` and `coated_diffuse` have the rough interface's own tables instead.
 
-use super::{BsdfEval, BsdfSample, Lobe, Microfacet, Reflectance, microfacet::Mirror};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, NormalDistribution, Reflectance, Shadowing, ThinFilm, TransportMode,
+    microfacet::Mirror,
+    registry::{BLACK, Case, GREY, Model, Visitor, WHITE, gold},
+    scatter::Scatter,
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
@@ -76,11 +81,6 @@ impl CookTorrance {
         Self::new(Spectrum::ZERO, specular, reflectance, microfacet, DiffuseCoupling::Sum)
     }
 
-    /// Whether there is a mirror direction and nothing else.
-    pub(super) fn is_specular(&self) -> bool {
-        self.microfacet.is_smooth() && self.diffuse.is_black()
-    }
-
     /// `π f_d`.
     fn diffuse(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         match self.coupling {
@@ -107,13 +107,6 @@ impl CookTorrance {
         }
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return BsdfEval::ZERO;
-        }
-        self.eval_at(wo, wi, self.glossy(wo), &self.microfacet.mirror(wo, wi))
-    }
-
     /// The value where facets are sampled with probability `glossy`, with what mirrors.
     #[inline]
     fn eval_at(&self, wo: Vec3, wi: Vec3, glossy: f32, mirror: &Mirror) -> BsdfEval {
@@ -134,8 +127,19 @@ impl CookTorrance {
         }
         e
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+impl Scatter for CookTorrance {
+    const MODELS: &'static [Model] = &[Model::new("cook-torrance", "facets over a diffuse bulk", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        self.eval_at(wo, wi, self.glossy(wo), &self.microfacet.mirror(wo, wi))
+    }
+
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
@@ -152,7 +156,7 @@ impl CookTorrance {
         self.eval_at(wo, wi, glossy, &mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let specular = self.specular * self.reflectance.eval(wo.z);
         let diffuse = match self.coupling {
             DiffuseCoupling::Fresnel => self.diffuse * (Spectrum::ONE - specular),
@@ -160,6 +164,46 @@ impl CookTorrance {
         };
         (diffuse + specular).clamp(0.0, 1.0)
     }
+
+    fn is_specular(&self) -> bool {
+        self.microfacet.is_smooth() && self.diffuse.is_black()
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    use DiffuseCoupling::{AshikhminShirley, Fresnel, Sum};
+    use NormalDistribution::{Beckmann, Gaussian};
+    let mut case =
+        |label, value: CookTorrance, lossless| visit(Case { label, bsdf: Bsdf::CookTorrance(value), lossless });
+    let (eta, k) = gold();
+    let v_grooves = |d, alpha| Microfacet::new(d, Shadowing::VGroove, alpha, alpha);
+    let plain =
+        |diffuse, reflectance, microfacet| CookTorrance::new(diffuse, WHITE - diffuse, reflectance, microfacet, Sum);
+    let metal = Reflectance::Conductor { eta, k };
+    case("Beckmann in V-grooves", plain(GREY, metal, v_grooves(Beckmann, 0.3)), false);
+    case("Gaussian in V-grooves", plain(GREY * 0.5, Reflectance::LargeK { eta, k }, v_grooves(Gaussian, 0.2)), false);
+    let schlick = Reflectance::Schlick { f0: GREY * 0.1, f90: GREY };
+    case("Schlick to F₉₀", plain(GREY, schlick, Microfacet::ggx(0.4, 0.2)), false);
+    case("smooth", plain(GREY, Reflectance::Dielectric(1.5), Microfacet::SMOOTH), false);
+    let coupled = |diffuse, microfacet, coupling| {
+        CookTorrance::new(diffuse, WHITE, Reflectance::Dielectric(1.5), microfacet, coupling)
+    };
+    case("Ashikhmin–Shirley, white", coupled(WHITE, Microfacet::ggx(0.1, 0.3), AshikhminShirley), false);
+    case("Fresnel, white and smooth", coupled(WHITE, Microfacet::SMOOTH, Fresnel), true);
+    case("Fresnel, rough", coupled(GREY, Microfacet::ggx(0.3, 0.3), Fresnel), false);
+    let film = |thickness| Reflectance::ThinFilm { film: ThinFilm::new(1.4, thickness, None), eta, k };
+    case("a film on gold", CookTorrance::specular(WHITE, film(300.0), Microfacet::ggx(0.2, 0.2)), false);
+    case("a film on a smooth metal", CookTorrance::specular(WHITE, film(500.0), Microfacet::SMOOTH), false);
+    let soap = Reflectance::ThinFilm {
+        film: ThinFilm::new(1.33, 400.0, Some([450.0, 550.0, 600.0, 650.0])),
+        eta: Spectrum::splat(1.5),
+        k: BLACK,
+    };
+    case(
+        "a film on glass over a diffuse bulk",
+        CookTorrance::new(GREY, WHITE, soap, Microfacet::ggx(0.1, 0.1), Fresnel),
+        false,
+    );
 }
 
 #[cfg(test)]
@@ -182,7 +226,8 @@ mod tests {
             for (degrees, albedo) in [0.0f32, 30.0, 60.0, 75.0, 85.0].into_iter().zip(albedos) {
                 let (sin, cos) = degrees.to_radians().sin_cos();
                 let wo = Vec3::new(sin, 0.0, cos);
-                let seen = integrate_sphere(|wi| f64::from(facets.eval(wo, wi).value[0]), 1e-4);
+                let seen =
+                    integrate_sphere(|wi| f64::from(facets.eval(wo, wi, TransportMode::Radiance).value[0]), 1e-4);
                 assert!((seen - albedo).abs() < 5e-4, "m = {m}, {degrees}°: {seen} is not {albedo}");
             }
         }
@@ -203,10 +248,14 @@ mod tests {
             };
             for degrees in [0.0f32, 40.0, 80.0] {
                 let wo = direction(degrees, 0.0);
-                let albedo = integrate_sphere(|wi| f64::from(plastic.eval(wo, wi).value[0]), 1e-4);
+                let albedo =
+                    integrate_sphere(|wi| f64::from(plastic.eval(wo, wi, TransportMode::Radiance).value[0]), 1e-4);
                 assert!(albedo < 1.0 + 1e-4 && albedo > 0.3, "{coupling:?}, {degrees}°: {albedo}");
                 let wi = direction(65.0, 2.0);
-                let (there, back) = (plastic.eval(wo, wi).value[0] / wi.z, plastic.eval(wi, wo).value[0] / wo.z);
+                let (there, back) = (
+                    plastic.eval(wo, wi, TransportMode::Radiance).value[0] / wi.z,
+                    plastic.eval(wi, wo, TransportMode::Radiance).value[0] / wo.z,
+                );
                 assert!((there - back).abs() < 1e-5 * there, "{coupling:?}, {degrees}°: {there}, {back}");
             }
         }

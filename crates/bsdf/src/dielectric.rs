@@ -2,7 +2,12 @@
 //! surface or at microfacets (Walter et al. 2007, eqs. 20 and 21). Refraction into a denser medium compresses radiance
 //! by `(η_t/η_i)²`, so radiance that is followed backwards is divided by it.
 
-use super::{BsdfEval, BsdfSample, Lobe, Microfacet, TransportMode, fresnel, microfacet::Facet};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode, fresnel,
+    microfacet::{Facet, further_surfaces},
+    registry::{Case, GREY, Model, Visitor},
+    scatter::Scatter,
+};
 use steradian_math::{Spectrum, Vec2, Vec3};
 
 /// An interface between two transparent media, the same from both sides.
@@ -30,10 +35,6 @@ impl Dielectric {
         (self.eta - 1.0).abs() < 1e-4
     }
 
-    pub(super) fn is_specular(&self) -> bool {
-        self.microfacet.is_smooth() || self.is_matched()
-    }
-
     /// The probability of reflection where the fraction `f` is reflected; `None` where nothing is scattered.
     #[inline]
     fn reflection_probability(&self, f: f32) -> Option<f32> {
@@ -48,7 +49,39 @@ impl Dielectric {
         [r, r + (1.0 - f) * self.transmittance.max_element()]
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+    /// What a facet reflects that reflects the fraction `f` and is sampled to do so with probability `p`.
+    fn reflected(&self, facet: Facet, f: f32, p: f32) -> BsdfEval {
+        BsdfEval { value: self.reflectance * (f * facet.value), pdf: p * facet.pdf }
+    }
+
+    /// What such a facet transmits.
+    fn transmitted(&self, facet: Facet, f: f32, p: f32, eta: f32, mode: TransportMode) -> BsdfEval {
+        let value = (1.0 - f) * facet.value * mode.compression(eta);
+        BsdfEval { value: self.transmittance * value, pdf: (1.0 - p) * facet.pdf }
+    }
+
+    fn sample_smooth(&self, wo: Vec3, u: f32, mode: TransportMode) -> Option<BsdfSample> {
+        let f = if self.is_matched() { 0.0 } else { fresnel::dielectric(wo.z, self.eta) };
+        let p = self.reflection_probability(f)?;
+        if u < p {
+            return Some(BsdfSample::mirrored(wo, self.reflectance * (f / p), p));
+        }
+        let (wi, eta) = if self.is_matched() { (-wo, 1.0) } else { fresnel::refract(wo, Vec3::Z, self.eta)? };
+        let p = 1.0 - p;
+        (p > 0.0).then(|| BsdfSample {
+            wi,
+            weight: self.transmittance * ((1.0 - f) / p * mode.compression(eta)),
+            pdf: p,
+            lobe: Lobe::TRANSMISSION.with(Lobe::SPECULAR),
+            eta,
+        })
+    }
+}
+
+impl Scatter for Dielectric {
+    const MODELS: &'static [Model] = &[Model::new("dielectric", "glass and liquids, smooth or rough", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         if self.is_specular() {
             return BsdfEval::ZERO;
         }
@@ -68,18 +101,7 @@ impl Dielectric {
         e.unwrap_or(BsdfEval::ZERO)
     }
 
-    /// What a facet reflects that reflects the fraction `f` and is sampled to do so with probability `p`.
-    fn reflected(&self, facet: Facet, f: f32, p: f32) -> BsdfEval {
-        BsdfEval { value: self.reflectance * (f * facet.value), pdf: p * facet.pdf }
-    }
-
-    /// What such a facet transmits.
-    fn transmitted(&self, facet: Facet, f: f32, p: f32, eta: f32, mode: TransportMode) -> BsdfEval {
-        let value = (1.0 - f) * facet.value * mode.compression(eta);
-        BsdfEval { value: self.transmittance * value, pdf: (1.0 - p) * facet.pdf }
-    }
-
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
         }
@@ -107,26 +129,47 @@ impl Dielectric {
         e.drawn(wi, side.with(Lobe::GLOSSY), eta)
     }
 
-    fn sample_smooth(&self, wo: Vec3, u: f32, mode: TransportMode) -> Option<BsdfSample> {
-        let f = if self.is_matched() { 0.0 } else { fresnel::dielectric(wo.z, self.eta) };
-        let p = self.reflection_probability(f)?;
-        if u < p {
-            return Some(BsdfSample::mirrored(wo, self.reflectance * (f / p), p));
-        }
-        let (wi, eta) = if self.is_matched() { (-wo, 1.0) } else { fresnel::refract(wo, Vec3::Z, self.eta)? };
-        let p = 1.0 - p;
-        (p > 0.0).then(|| BsdfSample {
-            wi,
-            weight: self.transmittance * ((1.0 - f) / p * mode.compression(eta)),
-            pdf: p,
-            lobe: Lobe::TRANSMISSION.with(Lobe::SPECULAR),
-            eta,
-        })
-    }
-
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let f = fresnel::dielectric(wo.z, self.eta);
         self.reflectance * f + self.transmittance * (1.0 - f)
+    }
+
+    fn is_specular(&self) -> bool {
+        self.microfacet.is_smooth() || self.is_matched()
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn relative_eta(&self) -> f32 {
+        self.eta
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    use NormalDistribution::{Beckmann, Ggx};
+    use Shadowing::Separable;
+    let mut case = |label, value, lossless| visit(Case { label, bsdf: Bsdf::Dielectric(value), lossless });
+    case("smooth glass", Dielectric::new(1.5, Microfacet::SMOOTH), true);
+    case("smooth bubble", Dielectric::new(1.0 / 1.33, Microfacet::SMOOTH), true);
+    case("index 1", Dielectric::new(1.0, Microfacet::ggx(0.3, 0.3)), true);
+    case("GGX glass, 0.1", Dielectric::new(1.5, Microfacet::ggx(0.1, 0.1)), false);
+    case("GGX glass, 0.5", Dielectric::new(1.5, Microfacet::ggx(0.5, 0.5)), false);
+    case("GGX glass, anisotropic, separable", Dielectric::new(1.33, Microfacet::new(Ggx, Separable, 0.15, 0.4)), false);
+    case("GGX bubble, 0.3", Dielectric::new(1.0 / 1.5, Microfacet::ggx(0.3, 0.3)), false);
+    case("GGX diamond, 0.2", Dielectric::new(2.417, Microfacet::ggx(0.2, 0.2)), false);
+    case("Beckmann glass, 0.2", Dielectric::new(1.5, Microfacet::new(Beckmann, Separable, 0.2, 0.2)), false);
+    let tinted = Dielectric {
+        reflectance: GREY,
+        transmittance: Spectrum::new([0.9, 0.1, 0.4, 0.2]),
+        ..Dielectric::new(1.5, Microfacet::ggx(0.25, 0.25))
+    };
+    case("tinted", tinted, false);
+    for (label, distribution, shadowing, x, y) in further_surfaces().into_iter().step_by(3) {
+        case(label, Dielectric::new(1.5, Microfacet::new(distribution, shadowing, x, y)), false);
     }
 }
 

@@ -1,6 +1,11 @@
 //! Lambertian reflection: `f = ρ/π`, the same in every direction.
 
-use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode,
+    registry::{Case, GREY, Model, Visitor},
+    sample_cosine_hemisphere,
+    scatter::Scatter,
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -11,8 +16,10 @@ pub struct Diffuse {
     pub reflectance: Spectrum,
 }
 
-impl Diffuse {
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+impl Scatter for Diffuse {
+    const MODELS: &'static [Model] = &[Model::new("diffuse", "Lambertian reflection", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -20,7 +27,7 @@ impl Diffuse {
         BsdfEval { value: self.reflectance * pdf, pdf }
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, _: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 || self.reflectance.is_black() {
             return None;
         }
@@ -33,4 +40,16 @@ impl Diffuse {
             eta: 1.0,
         })
     }
+
+    #[inline]
+    fn albedo_estimate(&self, _: Vec3) -> Spectrum {
+        self.reflectance
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case =
+        |label, reflectance, lossless| visit(Case { label, bsdf: Bsdf::Diffuse(Diffuse { reflectance }), lossless });
+    case("coloured", GREY, false);
+    case("white", Spectrum::ONE, true);
 }

@@ -1,7 +1,12 @@
 //! Lambertian reflection and transmission: `f = ρ/π` on the side of `wo`, `τ/π` on the other. Leaves, paper,
 //! lampshades.
 
-use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode,
+    registry::{Case, GREY, Model, Visitor},
+    sample_cosine_hemisphere,
+    scatter::Scatter,
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3};
 
@@ -20,8 +25,13 @@ impl DiffuseTransmission {
         let (r, t) = (self.reflectance.max_element(), self.transmittance.max_element());
         (r + t > 0.0).then(|| r / (r + t))
     }
+}
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+impl Scatter for DiffuseTransmission {
+    const MODELS: &'static [Model] =
+        &[Model::new("diffuse-transmission", "Lambertian reflection and transmission", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         let Some(pr) = self.reflection_probability() else { return BsdfEval::ZERO };
         if wo.z == 0.0 || wi.z == 0.0 {
             return BsdfEval::ZERO;
@@ -31,7 +41,7 @@ impl DiffuseTransmission {
         BsdfEval { value: albedo * cosine, pdf: p * cosine }
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         let pr = self.reflection_probability()?;
         if wo.z == 0.0 {
             return None;
@@ -52,4 +62,27 @@ impl DiffuseTransmission {
         }
         Some(BsdfSample { wi, weight: albedo / p, pdf: p * cosine, lobe: side.with(Lobe::DIFFUSE), eta: 1.0 })
     }
+
+    #[inline]
+    fn albedo_estimate(&self, _: Vec3) -> Spectrum {
+        self.reflectance + self.transmittance
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        true
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, reflectance, transmittance, lossless| {
+        visit(Case {
+            label,
+            bsdf: Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance }),
+            lossless,
+        });
+    };
+    case("half and half", Spectrum::splat(0.5), Spectrum::splat(0.5), true);
+    case("coloured", GREY * 0.5, GREY * 0.2, false);
+    case("transmits only", Spectrum::ZERO, GREY, false);
 }

@@ -19,7 +19,11 @@
 //!
 //! The model keeps all energy that it does not absorb, but is not reciprocal: `A_p` and the tilts look at `wo` alone.
 
-use super::{BsdfEval, BsdfSample, Lobe, fresnel};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode, fresnel,
+    registry::{Case, Model, Visitor},
+    scatter::Scatter,
+};
 use std::f32::consts::{PI, TAU};
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -184,12 +188,16 @@ impl Hair {
         }
         e
     }
+}
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+impl Scatter for Hair {
+    const MODELS: &'static [Model] = &[Model::new("hair", "a fibre of hair or fur", cases).not_reciprocal()];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         self.eval_at(&self.outgoing(self.along_fibre(wo)), self.along_fibre(wi))
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         let o = self.outgoing(self.along_fibre(wo));
         // The lobe; what is left of the number turns the direction about the cone of `θ_o`.
         let (mut p, mut u) = (0, u);
@@ -216,10 +224,19 @@ impl Hair {
         e.drawn(wi, side.with(Lobe::GLOSSY), 1.0)
     }
 
-    /// All light that is not absorbed, at this angle.
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let o = self.outgoing(self.along_fibre(wo));
         (o.a[0] + o.a[1] + o.a[2] + o.a[3]).clamp(0.0, 1.0)
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn is_reciprocal(&self) -> bool {
+        false
     }
 }
 
@@ -294,6 +311,24 @@ fn sample_trimmed_logistic(u: f32, s: f32) -> f32 {
     if x.is_nan() { 0.0 } else { x.clamp(-PI, PI) }
 }
 
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, h, sigma_a, eta, beta_m, beta_n, alpha, lossless| {
+        let bsdf = Bsdf::Hair(Hair::new(h, sigma_a, eta, beta_m, beta_n, alpha));
+        visit(Case { label, bsdf, lossless });
+    };
+    use Offset::{FromNormal, Given};
+    let brown = Spectrum::new([0.54, 0.91, 1.78, 1.0]);
+    case("brown", Given(0.3), brown, 1.55, 0.3, 0.3, 2.0, false);
+    case("white", Given(-0.6), Spectrum::ZERO, 1.55, 0.3, 0.3, 2.0, true);
+    case("white, rough", Given(0.9), Spectrum::ZERO, 1.55, 1.0, 1.0, 0.0, true);
+    case("white, on the axis", Given(0.0), Spectrum::ZERO, 1.3, 0.5, 0.2, 0.0, true);
+    case("smooth", Given(0.5), brown * 0.2, 1.55, 0.1, 0.15, 3.0, false);
+    case("at the edge", Given(1.0), brown, 1.55, 0.3, 0.3, 2.0, false);
+    case("index 1", Given(0.4), Spectrum::ZERO, 1.0, 0.4, 0.4, 0.0, true);
+    case("round surface", FromNormal, brown, 1.55, 0.25, 0.3, 2.0, false);
+    case("round and white", FromNormal, Spectrum::ZERO, 1.55, 0.4, 0.5, 2.0, true);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -328,7 +363,10 @@ mod tests {
             let given = Hair::new(Offset::Given(h), sigma, 1.55, 0.3, 0.3, 0.0);
             for wi in [Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.6, -0.64), Vec3::new(0.0, 0.8, 0.6)] {
                 let turned = |w: Vec3| Vec3::new(w.y, -w.x, w.z);
-                let (a, b) = (round.eval(wo, wi), given.eval(turned(wo), turned(wi)));
+                let (a, b) = (
+                    round.eval(wo, wi, TransportMode::Radiance),
+                    given.eval(turned(wo), turned(wi), TransportMode::Radiance),
+                );
                 assert!((a.pdf - b.pdf).abs() < 1e-5 * b.pdf, "{a:?} {b:?}");
             }
             // Reflection by the normal is where the first lobe has its middle: more light goes there than a little
@@ -337,7 +375,10 @@ mod tests {
             let black = Hair::new(Offset::FromNormal, Spectrum::splat(1e3), 1.55, 0.1, 0.1, 0.0);
             let beside = [Vec3::new(x, 0.0, wo.z), Vec3::new(0.0, 0.0, 1.0), Vec3::new(-x, 0.3, wo.z).normalize()];
             for w in beside {
-                assert!(black.eval(wo, mirrored).value[0] > black.eval(wo, w).value[0]);
+                assert!(
+                    black.eval(wo, mirrored, TransportMode::Radiance).value[0]
+                        > black.eval(wo, w, TransportMode::Radiance).value[0]
+                );
             }
         }
     }

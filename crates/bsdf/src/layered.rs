@@ -20,8 +20,11 @@
 //! own; and light that meets smooth layers only is added up exactly, not cut at `max_depth`.
 
 use super::{
-    BsdfEval, BsdfSample, Conductor, Diffuse, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode, fresnel,
+    Bsdf, BsdfEval, BsdfSample, Conductor, Diffuse, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode,
+    fresnel,
+    registry::{Case, GREY, Model, Visitor},
     sample_cosine_hemisphere,
+    scatter::Scatter,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{
@@ -109,10 +112,6 @@ impl Layered {
         self.is_metal && self.base_facets.is_smooth()
     }
 
-    pub(super) fn is_specular(&self) -> bool {
-        self.coat.is_smooth() && self.base_is_smooth() && !self.scatters()
-    }
-
     fn fresnel(&self, cos: f32) -> f32 {
         if self.eta == 1.0 { 0.0 } else { fresnel::dielectric(cos, self.eta) }
     }
@@ -181,71 +180,6 @@ impl Layered {
         let Some(facet) = self.seen_facets().reflecting(-o, -i) else { return 0.0 };
         // Snell: η² cosθ' dω' = cosθ dω.
         facet.pdf * wi.z / (self.eta * self.eta * i.z.abs())
-    }
-
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
-            return 0.0;
-        }
-        let c = self.chances(wo);
-        let mut pdf = (1.0 - c.reflect - c.lobe).max(0.0) * FRAC_1_PI * wi.z;
-        if c.lobe > 0.0 {
-            pdf += c.lobe * self.lobe_pdf(wo, wi);
-        }
-        if !self.coat.is_smooth()
-            && let Some(facet) = self.coat.reflecting(wo, wi)
-        {
-            pdf += c.reflect * facet.pdf;
-        }
-        pdf
-    }
-
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        let pdf = self.pdf(wo, wi);
-        if pdf <= 0.0 || !pdf.is_finite() {
-            return BsdfEval::ZERO;
-        }
-        let mut value = self.walk(wo, wi);
-        if !self.coat.is_smooth()
-            && let Some(facet) = self.coat.reflecting(wo, wi)
-        {
-            value += Spectrum::splat(self.fresnel(facet.cos_o) * facet.value);
-        }
-        BsdfEval { value, pdf }
-    }
-
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
-        if wo.z <= 0.0 {
-            return None;
-        }
-        let c = self.chances(wo);
-        let (wi, lobe) = if u < c.reflect {
-            if self.coat.is_smooth() {
-                return Some(BsdfSample::mirrored(wo, self.mirrored(wo) / c.reflect, c.reflect));
-            }
-            (self.coat.draw(wo, u2).mirrored(wo), Lobe::GLOSSY)
-        } else if u < c.reflect + c.lobe {
-            let (o, _) = fresnel::refract(wo, Vec3::Z, self.eta)?;
-            let i = self.seen_facets().draw(-o, u2).mirrored(-o);
-            if i.z <= 0.0 {
-                return None;
-            }
-            (fresnel::refract(-i, Vec3::Z, self.eta)?.0, Lobe::GLOSSY)
-        } else {
-            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
-        };
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let wi = wi.normalize();
-        let e = self.eval(wo, wi);
-        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
-    }
-
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
-        let r = self.fresnel(wo.z.abs());
-        let base = if self.is_metal { fresnel::conductor(1.0, self.base[0], self.base[1]) } else { self.base[0] };
-        (Spectrum::splat(r) + base * (1.0 - r)).clamp(0.0, 1.0)
     }
 
     /// `f cosθ_i` of the light that entered the coat: the mean of `samples` walks.
@@ -358,10 +292,10 @@ impl Layered {
                 let up = -w;
                 let u = Vec2::new(rng.next_f32(), rng.next_f32());
                 let (towards_end, next) = if self.is_metal {
-                    (metal.eval(up, -end), metal.sample(up, u))
+                    (metal.eval(up, -end, TransportMode::Radiance), metal.sample(up, 0.0, u, TransportMode::Radiance))
                 } else {
                     let base = Diffuse { reflectance: self.base[0] };
-                    (base.eval(up, -end), base.sample(up, u))
+                    (base.eval(up, -end, TransportMode::Radiance), base.sample(up, 0.0, u, TransportMode::Radiance))
                 };
                 if towards_end.pdf > 0.0 {
                     let weight = if exit_is_smooth { 1.0 } else { heuristic(end_pdf, towards_end.pdf) };
@@ -384,11 +318,116 @@ impl Layered {
     }
 }
 
+impl Scatter for Layered {
+    const MODELS: &'static [Model] =
+        &[Model::new("layered", "a coat over a metal or a scattering medium, by random walks", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        let pdf = self.pdf(wo, wi, TransportMode::Radiance);
+        if pdf <= 0.0 || !pdf.is_finite() {
+            return BsdfEval::ZERO;
+        }
+        let mut value = self.walk(wo, wi);
+        if !self.coat.is_smooth()
+            && let Some(facet) = self.coat.reflecting(wo, wi)
+        {
+            value += Spectrum::splat(self.fresnel(facet.cos_o) * facet.value);
+        }
+        BsdfEval { value, pdf }
+    }
+
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let c = self.chances(wo);
+        let (wi, lobe) = if u < c.reflect {
+            if self.coat.is_smooth() {
+                return Some(BsdfSample::mirrored(wo, self.mirrored(wo) / c.reflect, c.reflect));
+            }
+            (self.coat.draw(wo, u2).mirrored(wo), Lobe::GLOSSY)
+        } else if u < c.reflect + c.lobe {
+            let (o, _) = fresnel::refract(wo, Vec3::Z, self.eta)?;
+            let i = self.seen_facets().draw(-o, u2).mirrored(-o);
+            if i.z <= 0.0 {
+                return None;
+            }
+            (fresnel::refract(-i, Vec3::Z, self.eta)?.0, Lobe::GLOSSY)
+        } else {
+            (sample_cosine_hemisphere(u2)?, Lobe::DIFFUSE)
+        };
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let wi = wi.normalize();
+        let e = self.eval(wo, wi, TransportMode::Radiance);
+        e.drawn(wi, Lobe::REFLECTION.with(lobe), 1.0)
+    }
+
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        let r = self.fresnel(wo.z.abs());
+        let base = if self.is_metal { fresnel::conductor(1.0, self.base[0], self.base[1]) } else { self.base[0] };
+        (Spectrum::splat(r) + base * (1.0 - r)).clamp(0.0, 1.0)
+    }
+
+    fn is_specular(&self) -> bool {
+        self.coat.is_smooth() && self.base_is_smooth() && !self.scatters()
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> f32 {
+        if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
+            return 0.0;
+        }
+        let c = self.chances(wo);
+        let mut pdf = (1.0 - c.reflect - c.lobe).max(0.0) * FRAC_1_PI * wi.z;
+        if c.lobe > 0.0 {
+            pdf += c.lobe * self.lobe_pdf(wo, wi);
+        }
+        if !self.coat.is_smooth()
+            && let Some(facet) = self.coat.reflecting(wo, wi)
+        {
+            pdf += c.reflect * facet.pdf;
+        }
+        pdf
+    }
+
+    #[inline]
+    fn is_stochastic(&self) -> bool {
+        !self.is_specular()
+    }
+}
+
 /// The power heuristic's weight of a sample with density `a`, which another way draws with density `b`.
 #[inline]
 fn heuristic(a: f32, b: f32) -> f32 {
     let r = b / a;
     1.0 / (1.0 + r * r)
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let gold = |microfacet| {
+        let (eta, k) = (Spectrum::new([0.18, 0.42, 1.37, 0.37]), Spectrum::new([3.1, 2.35, 1.77, 2.82]));
+        Base::Conductor(Conductor { eta: eta / 1.5, k: k / 1.5, tint: Spectrum::ONE, microfacet })
+    };
+    let clear = Walk { thickness: 0.01, albedo: Spectrum::ZERO, g: 0.0, max_depth: 10, samples: 1 };
+    let milky = Walk { thickness: 0.5, albedo: Spectrum::new([0.9, 0.5, 0.2, 0.7]), g: 0.4, max_depth: 20, samples: 1 };
+    let mut furnace = |label, eta, coat: f32, base, walk, lossless| {
+        let bsdf = Bsdf::Layered(Layered::new(eta, Microfacet::ggx(coat, coat), base, walk));
+        visit(Case { label, bsdf, lossless });
+    };
+    let white = Walk { albedo: Spectrum::ONE, g: 0.3, max_depth: 1000, ..milky };
+    let snow = Base::Diffuse(Diffuse { reflectance: Spectrum::ONE });
+    furnace("white on white", 1.4, 0.0, snow, &white, true);
+    furnace("white on white, rough", 1.4, 0.4, snow, &white, false);
+    let mut case = |label, eta, coat, base, walk| furnace(label, eta, coat, base, walk, false);
+    case("smooth on smooth gold", 1.5, 0.0, gold(Microfacet::SMOOTH), &clear);
+    case("smooth on rough gold", 1.5, 0.0, gold(Microfacet::ggx(0.3, 0.3)), &clear);
+    case("rough on smooth gold", 1.5, 0.3, gold(Microfacet::SMOOTH), &clear);
+    case("rough on rough gold", 1.5, 0.2, gold(Microfacet::ggx(0.4, 0.4)), &clear);
+    case("milky on smooth gold", 1.5, 0.0, gold(Microfacet::SMOOTH), &milky);
+    case("milky on rough gold", 1.5, 0.25, gold(Microfacet::ggx(0.3, 0.3)), &milky);
+    case("milky on grey", 1.5, 0.0, Base::Diffuse(Diffuse { reflectance: GREY }), &milky);
+    case("no interface", 1.0, 0.0, gold(Microfacet::ggx(0.3, 0.3)), &milky);
 }
 
 #[cfg(test)]
@@ -414,7 +453,7 @@ mod tests {
                 (w + d * 1e-3).normalize()
             };
             let (o, i) = (near(wo), near(wi));
-            m.push(f64::from(b.eval(o, i).value[0] / i.z));
+            m.push(f64::from(b.eval(o, i, TransportMode::Radiance).value[0] / i.z));
         }
         m
     }
@@ -477,7 +516,8 @@ mod tests {
                 let mut bands = [Moments::default(); BANDS];
                 for _ in 0..60_000 {
                     let u = Vec2::new(rng.next_f32(), rng.next_f32());
-                    let s = walked.sample(wo, rng.next_f32(), u).filter(|s| !s.lobe.is_specular());
+                    let s =
+                        walked.sample(wo, rng.next_f32(), u, TransportMode::Radiance).filter(|s| !s.lobe.is_specular());
                     for (i, m) in bands.iter_mut().enumerate() {
                         let here = s.filter(|s| ((s.wi.z * BANDS as f32) as usize).min(BANDS - 1) == i);
                         m.push(here.map_or(0.0, |s| f64::from(s.weight[0])));
@@ -503,7 +543,7 @@ mod tests {
         let walk = Walk { thickness: 0.0, albedo: Spectrum::ZERO, g: 0.0, max_depth: 10, samples: 1 };
         let silver = Conductor::from_reflectance(Spectrum::splat(0.9), Microfacet::SMOOTH);
         let b = Layered::new(1.5, Microfacet::SMOOTH, Base::Conductor(silver), &walk);
-        let s = b.sample(Vec3::Z, 0.3, Vec2::new(0.5, 0.5)).expect("a mirror reflects");
+        let s = b.sample(Vec3::Z, 0.3, Vec2::new(0.5, 0.5), TransportMode::Radiance).expect("a mirror reflects");
         let expected = 0.04 + 0.96 * 0.96 * 0.9 / (1.0 - 0.9 * 0.04);
         assert!((s.weight[0] - expected).abs() < 1e-4 && b.is_specular(), "{} is not {expected}", s.weight[0]);
     }

@@ -8,12 +8,11 @@
 //! caller that wants them on both sides flips the frame. Transmitting models work from both sides.
 //!
 //! Every formula is stated once: `sample` draws a direction and asks the same pieces that `eval` uses. The registry
-//! [`MODELS`] lists every model with cases at the corners of its parameters, and the tests run the laws of scattering
+//! [`models`] lists every model with cases at the corners of its parameters, and the tests run the laws of scattering
 //! (density, reciprocity, energy) over all of them.
 
 mod albedo_table;
 pub mod blinn_phong;
-mod classical;
 mod coat_colors;
 pub mod coat_table;
 pub mod coated;
@@ -50,6 +49,7 @@ mod printed_formulae;
 mod reference_values;
 pub mod reflectance;
 pub mod registry;
+mod scatter;
 mod sheen;
 pub mod thin_dielectric;
 pub mod thin_film;
@@ -77,7 +77,8 @@ pub use phong::Phong;
 pub use principled::Principled;
 pub use principled_thin::PrincipledThin;
 pub use reflectance::Reflectance;
-pub use registry::{MODELS, Model};
+pub use registry::{Inputs, MOST_INPUTS, Model, Recipe};
+use scatter::Scatter;
 pub use thin_dielectric::ThinDielectric;
 pub use thin_film::ThinFilm;
 pub use ward::{Ward, WardForm};
@@ -219,9 +220,36 @@ impl TransportMode {
     }
 }
 
-/// How a surface scatters light at one point.
-#[derive(Clone, Copy, Debug)]
-pub enum Bsdf<'a> {
+/// The enum of models, and what is done with each: a new one is a line below.
+macro_rules! models {
+    ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
+        /// How a surface scatters light at one point.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Bsdf<'a> {
+            $($(#[$doc])* $name($model),)*
+        }
+
+        impl<'a> Bsdf<'a> {
+            const MODELS: &'static [&'static [Model]] = &[$(<$model as Scatter>::MODELS),*];
+            const RECIPES: &'static [&'static [Recipe]] = &[$(<$model as Scatter>::RECIPES),*];
+        }
+
+        /// Does something with whatever model it is.
+        macro_rules! each {
+            ($bsdf:expr, $b:ident => $what:expr) => {
+                match $bsdf {
+                    $(Bsdf::$name($b) => $what,)*
+                }
+            };
+        }
+
+        /// The names of all variants.
+        #[cfg(test)]
+        const VARIANTS: &[&str] = &[$(stringify!($name)),*];
+    };
+}
+
+models! {
     /// Lambertian reflection.
     Diffuse(Diffuse),
     /// Lambertian reflection and transmission.
@@ -262,6 +290,16 @@ pub enum Bsdf<'a> {
     PrincipledThin(PrincipledThin),
 }
 
+/// All models.
+pub fn models() -> impl Iterator<Item = &'static Model> + Clone {
+    Bsdf::MODELS.iter().copied().flatten()
+}
+
+/// All ways to make a model from parameters alone.
+pub fn recipes() -> impl Iterator<Item = &'static Recipe> + Clone {
+    Bsdf::RECIPES.iter().copied().flatten()
+}
+
 const _: () = assert!(size_of::<Bsdf<'static>>() <= 128, "a Bsdf is copied at every hit");
 
 impl Bsdf<'_> {
@@ -270,7 +308,7 @@ impl Bsdf<'_> {
     /// same.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        if mode == TransportMode::Radiance || !self.is_one_way() {
+        if mode == TransportMode::Radiance || self.is_reciprocal() {
             return self.eval_of_model(wo, wi, mode);
         }
         let e = self.eval_of_model(wo, wi, mode);
@@ -279,48 +317,22 @@ impl Bsdf<'_> {
         BsdfEval { value: back * cosines, pdf: e.pdf }
     }
 
-    /// Whether it is another surface with the two directions exchanged.
-    #[inline]
-    fn is_one_way(&self) -> bool {
-        match self {
-            Self::Phong(b) => !b.is_reciprocal(),
-            Self::BlinnPhong(b) => !b.is_reciprocal(),
-            Self::CompensatedConductor(b) => !b.is_reciprocal(),
-            Self::Measured(_) | Self::Hair(_) => true,
-            _ => false,
-        }
-    }
-
     #[inline]
     fn eval_of_model(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        match self {
-            Self::Diffuse(b) => b.eval(wo, wi),
-            Self::DiffuseTransmission(b) => b.eval(wo, wi),
-            Self::Conductor(b) => b.eval(wo, wi),
-            Self::Dielectric(b) => b.eval(wo, wi, mode),
-            Self::ThinDielectric(_) => BsdfEval::ZERO,
-            Self::Coated(b) => b.eval(wo, wi),
-            Self::OrenNayar(b) => b.eval(wo, wi),
-            Self::Minnaert(b) => b.eval(wo, wi),
-            Self::Phong(b) => b.eval(wo, wi),
-            Self::BlinnPhong(b) => b.eval(wo, wi),
-            Self::Ward(b) => b.eval(wo, wi),
-            Self::CookTorrance(b) => b.eval(wo, wi),
-            Self::CompensatedConductor(b) => b.eval(wo, wi),
-            Self::Measured(b) => b.eval(wo, wi),
-            Self::Hair(b) => b.eval(wo, wi),
-            Self::Layered(b) => b.eval(wo, wi),
-            Self::Pbr(b) => b.eval(wo, wi, mode),
-            Self::Principled(b) => b.eval(wo, wi, mode),
-            Self::PrincipledThin(b) => b.eval(wo, wi),
-        }
+        each!(self, b => b.eval(wo, wi, mode))
+    }
+
+    /// Whether it is the same surface with the two directions exchanged.
+    #[inline]
+    fn is_reciprocal(&self) -> bool {
+        each!(self, b => b.is_reciprocal())
     }
 
     /// Draws a direction: `u` (in `[0, 1)`) chooses the lobe, `u2` (in `[0, 1)²`) the direction in it. `None` where the
     /// surface scatters nothing or the draw fell outside of the model (it counts as black).
     #[inline]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        if mode == TransportMode::Radiance || !self.is_one_way() {
+        if mode == TransportMode::Radiance || self.is_reciprocal() {
             return self.sample_of_model(wo, u, u2, mode);
         }
         let mut drawn = self.sample_of_model(wo, u, u2, mode)?;
@@ -332,126 +344,56 @@ impl Bsdf<'_> {
 
     #[inline]
     fn sample_of_model(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        match self {
-            Self::Diffuse(b) => b.sample(wo, u2),
-            Self::DiffuseTransmission(b) => b.sample(wo, u, u2),
-            Self::Conductor(b) => b.sample(wo, u2),
-            Self::Dielectric(b) => b.sample(wo, u, u2, mode),
-            Self::ThinDielectric(b) => b.sample(wo, u),
-            Self::Coated(b) => b.sample(wo, u, u2),
-            Self::OrenNayar(b) => b.sample(wo, u2),
-            Self::Minnaert(b) => b.sample(wo, u2),
-            Self::Phong(b) => b.sample(wo, u.into(), u2),
-            Self::BlinnPhong(b) => b.sample(wo, u.into(), u2),
-            Self::Ward(b) => b.sample(wo, u.into(), u2),
-            Self::CookTorrance(b) => b.sample(wo, u, u2),
-            Self::CompensatedConductor(b) => b.sample(wo, u, u2),
-            Self::Measured(b) => b.sample(wo, u, u2),
-            Self::Hair(b) => b.sample(wo, u, u2),
-            Self::Layered(b) => b.sample(wo, u, u2),
-            Self::Pbr(b) => b.sample(wo, u, u2, mode),
-            Self::Principled(b) => b.sample(wo, u, u2, mode),
-            Self::PrincipledThin(b) => b.sample(wo, u, u2),
-        }
+        each!(self, b => b.sample(wo, u, u2, mode))
     }
 
     /// Whether every lobe is a delta distribution, so that next-event estimation cannot contribute.
     #[inline]
     pub fn is_specular(&self) -> bool {
-        match self {
-            Self::OrenNayar(_) | Self::Minnaert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ward(_) => false,
-            Self::CookTorrance(b) => b.is_specular(),
-            Self::CompensatedConductor(b) => b.is_specular(),
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Coated(_) | Self::Measured(_) | Self::Hair(_) => {
-                false
-            }
-            Self::Principled(_) | Self::PrincipledThin(_) => false,
-            Self::Pbr(b) => b.is_specular(),
-            Self::Layered(b) => b.is_specular(),
-            Self::Conductor(b) => b.microfacet.is_smooth(),
-            Self::Dielectric(b) => b.is_specular(),
-            Self::ThinDielectric(_) => true,
-        }
+        each!(self, b => b.is_specular())
     }
 
     /// Whether light can pass to the other side.
     #[inline]
     pub fn has_transmission(&self) -> bool {
-        match self {
-            Self::DiffuseTransmission(_) | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Hair(_) => true,
-            Self::Pbr(b) => b.transmits(),
-            Self::Principled(b) => b.transmits(),
-            Self::PrincipledThin(b) => b.transmits(),
-            _ => false,
-        }
+        each!(self, b => b.transmits())
     }
 
     /// Density with which [`Bsdf::sample`] draws `wi`, the same as [`Bsdf::eval`] gives, for less where the value is
     /// dear.
     #[inline]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
-        match self {
-            Self::Layered(b) => b.pdf(wo, wi),
-            _ => self.eval(wo, wi, mode).pdf,
-        }
+        each!(self, b => b.pdf(wo, wi, mode))
     }
 
     /// Whether values are estimates, right in the mean over directions.
     pub fn is_stochastic(&self) -> bool {
-        matches!(self, Self::Layered(b) if !b.is_specular())
+        each!(self, b => b.is_stochastic())
     }
 
     /// The largest part of the light that leaves again: 1 but for the empirical models that do not keep to it.
     pub fn albedo_bound(&self) -> f32 {
-        match self {
-            Self::Principled(_) | Self::PrincipledThin(_) => Principled::ALBEDO_BOUND,
-            _ => 1.0,
+        fn bound<S: Scatter>(_: &S) -> f32 {
+            S::ALBEDO_BOUND
         }
+        each!(self, b => bound(b))
     }
 
     /// Index of refraction below the surface relative to above, for what refracts into it; else 1.
     pub fn relative_eta(&self) -> f32 {
-        match self {
-            Self::Dielectric(b) => b.eta,
-            Self::Pbr(b) => b.eta(),
-            Self::Principled(b) => b.eta(),
-            _ => 1.0,
-        }
+        each!(self, b => b.relative_eta())
     }
 
     /// The part of light that passes straight through, for models that let it: what a shadow ray loses on its way.
     #[inline]
     pub fn straight_transmission(&self, wo: Vec3) -> Option<Spectrum> {
-        match self {
-            Self::ThinDielectric(b) => Some(b.straight_transmission(wo)),
-            _ => None,
-        }
+        each!(self, b => b.straight_transmission(wo))
     }
 
     /// A cheap estimate of the directional albedo for feature images: the reflectance of diffuse surfaces, the
     /// reflectance at this angle for metals, and 1 (tinted) for glass, as denoisers expect it.
     pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
-        match self {
-            Self::Diffuse(b) => b.reflectance,
-            Self::DiffuseTransmission(b) => b.reflectance + b.transmittance,
-            Self::Conductor(b) => b.albedo_estimate(wo),
-            Self::Dielectric(b) => b.albedo_estimate(wo),
-            Self::ThinDielectric(b) => b.albedo_estimate(wo),
-            Self::Coated(b) => b.albedo_estimate(wo),
-            Self::OrenNayar(b) => b.albedo_estimate(),
-            Self::Minnaert(b) => b.albedo_estimate(),
-            Self::Phong(b) => b.albedo_estimate(),
-            Self::BlinnPhong(b) => b.albedo_estimate(),
-            Self::Ward(b) => b.albedo_estimate(),
-            Self::CookTorrance(b) => b.albedo_estimate(wo),
-            Self::CompensatedConductor(b) => b.albedo_estimate(wo),
-            Self::Measured(b) => b.albedo_estimate(wo),
-            Self::Hair(b) => b.albedo_estimate(wo),
-            Self::Layered(b) => b.albedo_estimate(wo),
-            Self::Pbr(b) => b.albedo_estimate(wo),
-            Self::Principled(b) => b.albedo_estimate(wo),
-            Self::PrincipledThin(b) => b.albedo_estimate(wo),
-        }
+        each!(self, b => b.albedo_estimate(wo))
     }
 }
 

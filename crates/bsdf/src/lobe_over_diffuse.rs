@@ -1,11 +1,20 @@
 //! The classical sum: a Lambertian part and a glossy lobe, `f = k_d/π + k_s f_lobe`.
 
-use super::{BsdfEval, BsdfSample, Lobe};
+use super::{
+    BsdfEval, BsdfSample, Lobe, TransportMode,
+    registry::{Model, Recipe},
+    scatter::Scatter,
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Chance, Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
 /// A reflecting lobe above the surface; both directions are.
 pub trait GlossyLobe: Copy {
+    /// The model, or its forms, with cases for the laws.
+    const MODELS: &'static [Model];
+    /// How it is made from parameters alone.
+    const RECIPES: &'static [Recipe];
+
     /// Whether the lobe of reflectance one sends back no more light than it gets, so that `k_d + k_s ≤ 1` bounds the
     /// sum.
     fn conserves(&self) -> bool;
@@ -45,18 +54,6 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
         Self { diffuse, specular, lobe, glossy: if s > 0.0 { s / (d + s) } else { 0.0 } }
     }
 
-    pub(super) fn is_reciprocal(&self) -> bool {
-        self.lobe.is_reciprocal()
-    }
-
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return BsdfEval::ZERO;
-        }
-        let (value, pdf) = self.eval_lobe(wo, wi);
-        if (value + pdf).is_finite() { self.sum(wi, value, pdf) } else { BsdfEval::ZERO }
-    }
-
     #[inline(always)]
     fn eval_lobe(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         if self.glossy > 0.0 { self.lobe.eval(wo, wi) } else { (0.0, 0.0) }
@@ -71,12 +68,25 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
             pdf: (1.0 - self.glossy) * cosine + self.glossy * pdf,
         }
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u: Chance, u2: Vec2) -> Option<BsdfSample> {
+impl<L: GlossyLobe> Scatter for LobeOverDiffuse<L> {
+    const MODELS: &'static [Model] = L::MODELS;
+    const RECIPES: &'static [Recipe] = L::RECIPES;
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let (value, pdf) = self.eval_lobe(wo, wi);
+        if (value + pdf).is_finite() { self.sum(wi, value, pdf) } else { BsdfEval::ZERO }
+    }
+
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
-        let (wi, (value, pdf), shape) = if u < Chance::from(self.glossy) {
+        let (wi, (value, pdf), shape) = if Chance::from(u) < Chance::from(self.glossy) {
             let (wi, value, pdf) = self.lobe.sample(wo, u2);
             (wi, (value, pdf), Lobe::GLOSSY)
         } else {
@@ -86,7 +96,11 @@ impl<L: GlossyLobe> LobeOverDiffuse<L> {
         self.sum(wi, value, pdf).drawn_above(wi, Lobe::REFLECTION.with(shape))
     }
 
-    pub(super) fn albedo_estimate(&self) -> Spectrum {
+    fn albedo_estimate(&self, _: Vec3) -> Spectrum {
         (self.diffuse + self.specular).clamp(0.0, 1.0)
+    }
+
+    fn is_reciprocal(&self) -> bool {
+        self.lobe.is_reciprocal()
     }
 }

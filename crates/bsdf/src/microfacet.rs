@@ -445,3 +445,20 @@ fn upper(v: Vec3) -> Option<Vec3> {
     let m = unit(v)?;
     Some(m * 1f32.copysign(m.z))
 }
+
+/// For cases: surfaces whose normals are drawn in other ways than those of GGX and Beckmann under Smith's masking.
+pub(super) fn further_surfaces() -> [(&'static str, NormalDistribution, Shadowing, f32, f32); 9] {
+    use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
+    use Shadowing::{HeightCorrelated, Separable, VGroove};
+    [
+        ("Blinn, 0.2", Blinn, Separable, 0.2, 0.2),
+        ("Blinn, anisotropic, V-grooves", Blinn, VGroove, 0.1, 0.5),
+        ("Gaussian, 0.4", Gaussian, HeightCorrelated, 0.4, 0.4),
+        ("Gaussian, V-grooves, 0.15", Gaussian, VGroove, 0.15, 0.15),
+        ("Student's t, long tail, 0.1", StudentT(super::Tail::new(1.8)), HeightCorrelated, 0.1, 0.1),
+        ("Student's t, short tail, anisotropic", StudentT(super::Tail::new(5.0)), Separable, 0.5, 0.2),
+        ("GGX, V-grooves, 0.3", Ggx, VGroove, 0.3, 0.3),
+        ("Beckmann, V-grooves, anisotropic", Beckmann, VGroove, 0.2, 0.6),
+        ("Blinn, 1", Blinn, Separable, 1.0, 1.0),
+    ]
+}

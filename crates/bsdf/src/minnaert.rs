@@ -5,7 +5,12 @@
 //! full Moon has about ½). The albedo is `ρ cos^(k−1) θ_o`, so a surface with `k < 1` sends back more than it gets at
 //! grazing angles: such values are empirical.
 
-use super::{BsdfEval, BsdfSample, Lobe, phong::FRAC_1_TAU};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode,
+    phong::FRAC_1_TAU,
+    registry::{Case, GREY, Model, Visitor, WHITE},
+    scatter::Scatter,
+};
 use steradian_math::{
     Spectrum, Vec2, Vec3,
     elementary::{Exponent, pow, sin_cos_turns},
@@ -44,8 +49,15 @@ impl Minnaert {
     fn density(&self, power: f32) -> f32 {
         (self.exponent.value() + 1.0) * FRAC_1_TAU * power
     }
+}
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+impl Scatter for Minnaert {
+    const MODELS: &'static [Model] = &[
+        Model::new("minnaert", "diffuse reflection with a darkened limb", cases),
+        Model::new("minnaert-bright-limb", "Minnaert below k = 1", bright_limb_cases).gains_energy(),
+    ];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -53,7 +65,7 @@ impl Minnaert {
         BsdfEval { value: self.albedo(wo.z) * pdf, pdf }
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, _: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 || self.reflectance.is_black() {
             return None;
         }
@@ -67,9 +79,23 @@ impl Minnaert {
         (cos > 0.0 && pdf > 0.0).then(|| BsdfSample { wi, weight: self.albedo(wo.z), pdf, lobe, eta: 1.0 })
     }
 
-    pub(super) fn albedo_estimate(&self) -> Spectrum {
+    fn albedo_estimate(&self, _: Vec3) -> Spectrum {
         self.reflectance
     }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, reflectance, k, lossless| {
+        visit(Case { label, bsdf: Bsdf::Minnaert(Minnaert::new(reflectance, k)), lossless });
+    };
+    case("Lambert", WHITE, 1.0, true);
+    case("dark limb", GREY, 1.7, false);
+    case("velvet the wrong way", WHITE, 30.0, false);
+}
+
+fn bright_limb_cases(visit: &mut Visitor<'_>) {
+    let bsdf = Bsdf::Minnaert(Minnaert::new(WHITE, 0.5));
+    visit(Case { label: "the full Moon", bsdf, lossless: false });
 }
 
 #[cfg(test)]
@@ -79,13 +105,13 @@ mod tests {
     #[test]
     fn an_exponent_of_one_is_lambert_and_the_moon_has_no_limb_darkening() {
         let (wo, wi) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.8, 0.6));
-        let lambert = Minnaert::new(Spectrum::splat(0.3), 1.0).eval(wo, wi).value[0];
+        let lambert = Minnaert::new(Spectrum::splat(0.3), 1.0).eval(wo, wi, TransportMode::Radiance).value[0];
         assert!((lambert - 0.3 * 0.6 / std::f32::consts::PI).abs() < 1e-7);
         // At full Moon every point of the disc has wi = wo: with k = ½ it looks equally bright, f cosθ_i the same.
         let moon = Minnaert::new(Spectrum::splat(0.1), 0.5);
         let at = |cos: f32| {
             let w = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-            moon.eval(w, w).value[0]
+            moon.eval(w, w, TransportMode::Radiance).value[0]
         };
         assert!((at(0.9) - at(0.1)).abs() < 1e-6);
     }

@@ -15,8 +15,11 @@
 //! left as it is.
 
 use super::{
-    BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Reflectance, Shadowing, fresnel,
+    Bsdf, BsdfEval, BsdfSample, Conductor, Lobe, Microfacet, NormalDistribution, Reflectance, Shadowing, TransportMode,
+    fresnel,
     microfacet::Mirror,
+    registry::{Case, Model, Visitor, WHITE, gold},
+    scatter::Scatter,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, cell, warp::cosine_hemisphere};
@@ -144,19 +147,8 @@ impl<'a> CompensatedConductor<'a> {
         Self { conductor, table, row: (place.0 as u32, place.1), colour, kind }
     }
 
-    pub(super) fn is_specular(&self) -> bool {
-        self.conductor.microfacet.is_smooth()
-    }
-
     fn lost(&self, cos: f32) -> f32 {
         1.0 - self.table.albedo((self.row.0 as usize, self.row.1), cos)
-    }
-
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
-            return BsdfEval::ZERO;
-        }
-        self.eval_at(wo, wi, self.lost(wo.z), &self.conductor.microfacet.mirror(wo, wi))
     }
 
     /// The value where facets lose `lost` of what they reflect along `wo`, with what mirrors.
@@ -176,13 +168,27 @@ impl<'a> CompensatedConductor<'a> {
         }
         e
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+impl Scatter for CompensatedConductor<'_> {
+    const MODELS: &'static [Model] = &[
+        Model::new("conductor-kulla-conty", "metal with light between facets", kulla_conty),
+        Model::new("conductor-turquin", "metal scaled to conserve energy", turquin).not_reciprocal(),
+    ];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 || self.is_specular() {
+            return BsdfEval::ZERO;
+        }
+        self.eval_at(wo, wi, self.lost(wo.z), &self.conductor.microfacet.mirror(wo, wi))
+    }
+
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
         if self.is_specular() {
-            return self.conductor.sample(wo, u2);
+            return self.conductor.sample(wo, 0.0, u2, TransportMode::Radiance);
         }
         // The broad lobe carries what single scattering loses, and is drawn with that probability.
         let lost = self.lost(wo.z);
@@ -196,12 +202,46 @@ impl<'a> CompensatedConductor<'a> {
         self.eval_at(wo, wi, lost, &mirror).drawn_above(wi, Lobe::REFLECTION.with(lobe))
     }
 
-    pub(super) fn is_reciprocal(&self) -> bool {
-        self.kind == Compensation::KullaConty
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+        self.conductor.albedo_estimate(wo)
     }
 
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
-        self.conductor.albedo_estimate(wo)
+    fn is_specular(&self) -> bool {
+        self.conductor.microfacet.is_smooth()
+    }
+
+    fn is_reciprocal(&self) -> bool {
+        self.kind == Compensation::KullaConty
+    }
+}
+
+fn kulla_conty(visit: &mut Visitor<'_>) {
+    compensated(visit, Compensation::KullaConty);
+}
+
+fn turquin(visit: &mut Visitor<'_>) {
+    compensated(visit, Compensation::Turquin);
+}
+
+fn compensated(visit: &mut Visitor<'_>, kind: Compensation) {
+    use NormalDistribution::{Beckmann, Ggx};
+    use Shadowing::{HeightCorrelated, VGroove};
+    let (eta, k) = gold();
+    let mut case = |label, distribution, shadowing, (x, y), white, lossless| {
+        let microfacet = Microfacet::new(distribution, shadowing, x, y);
+        let metal = Conductor { eta, k, tint: WHITE, microfacet };
+        let conductor = if white { Conductor::mirror(WHITE, microfacet) } else { metal };
+        let table = EnergyTable::new(distribution, shadowing);
+        let value = CompensatedConductor::new(conductor, kind, &table);
+        visit(Case { label, bsdf: Bsdf::CompensatedConductor(value), lossless });
+    };
+    case("GGX gold, 0.5", Ggx, HeightCorrelated, (0.5, 0.5), false, false);
+    case("GGX mirror, 0.3", Ggx, HeightCorrelated, (0.3, 0.3), true, false);
+    case("GGX mirror, 1", Ggx, HeightCorrelated, (1.0, 1.0), true, false);
+    case("Beckmann gold in V-grooves", Beckmann, VGroove, (0.4, 0.4), false, false);
+    // Anisotropic metals are left as they are, so this one is reciprocal in Turquin's form too.
+    if matches!(kind, Compensation::KullaConty) {
+        case("Beckmann mirror, anisotropic", Beckmann, HeightCorrelated, (0.5, 0.15), true, false);
     }
 }
 

@@ -15,7 +15,12 @@
 //! albedo `E`. White loses nothing in EON alone. `σ` is the standard deviation of the facets' slope angle in radians,
 //! in `[0, π/2]`; `r` is in `[0, 1]`. EON's authors draw from a fitted lobe; here directions are drawn by the cosine.
 
-use super::{BsdfEval, BsdfSample, Lobe, sample_cosine_hemisphere};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode,
+    registry::{Case, GREY, Model, Visitor, WHITE},
+    sample_cosine_hemisphere,
+    scatter::Scatter,
+};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use steradian_math::{Spectrum, Vec2, Vec3, elementary::acos};
 
@@ -68,14 +73,6 @@ impl OrenNayar {
         Self { reflectance, lost: scattered_on / (1.0 - mean).max(1e-7), roughness, flat, azimuthal, form }
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return BsdfEval::ZERO;
-        }
-        let pdf = wi.z * FRAC_1_PI;
-        BsdfEval { value: self.times_pi(wo, wi) * pdf, pdf }
-    }
-
     /// `π f`.
     fn times_pi(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         let (rho, s) = (self.reflectance, wo.x * wi.x + wo.y * wi.y);
@@ -116,8 +113,20 @@ impl OrenNayar {
         let between = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_phi * quarter * quarter);
         self.reflectance * direct + self.reflectance * self.reflectance * between
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u2: Vec2) -> Option<BsdfSample> {
+impl Scatter for OrenNayar {
+    const MODELS: &'static [Model] = &[Model::new("oren-nayar", "rough diffuse reflection", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return BsdfEval::ZERO;
+        }
+        let pdf = wi.z * FRAC_1_PI;
+        BsdfEval { value: self.times_pi(wo, wi) * pdf, pdf }
+    }
+
+    fn sample(&self, wo: Vec3, _: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 || self.reflectance.is_black() {
             return None;
         }
@@ -126,7 +135,7 @@ impl OrenNayar {
         Some(BsdfSample { wi, weight: self.times_pi(wo, wi), pdf: wi.z * FRAC_1_PI, lobe, eta: 1.0 })
     }
 
-    pub(super) fn albedo_estimate(&self) -> Spectrum {
+    fn albedo_estimate(&self, _: Vec3) -> Spectrum {
         self.reflectance
     }
 }
@@ -138,6 +147,23 @@ fn excess(cos: f32) -> f32 {
     let theta = acos(cos);
     let tangent = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
     sin * (theta - sin * cos) + 2.0 / 3.0 * (tangent - sin)
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    use OrenNayarForm::{EnergyPreserving, Fujii, Full, Qualitative};
+    let mut case = |label, reflectance, roughness, form, lossless| {
+        visit(Case { label, bsdf: Bsdf::OrenNayar(OrenNayar::new(reflectance, roughness, form)), lossless });
+    };
+    case("qualitative, 0.3", GREY, 0.3, Qualitative, false);
+    case("qualitative, white, 90°", WHITE, 10.0, Qualitative, false);
+    case("full, 0.5", GREY, 0.5, Full, false);
+    case("full, white, 90°", WHITE, 10.0, Full, false);
+    case("Fujii, 0.7", GREY, 0.7, Fujii, false);
+    case("Fujii, white, 1", WHITE, 1.0, Fujii, false);
+    case("EON, coloured", GREY, 0.6, EnergyPreserving, false);
+    case("EON, white, smooth", WHITE, 0.0, EnergyPreserving, true);
+    case("EON, white, 0.5", WHITE, 0.5, EnergyPreserving, true);
+    case("EON, white, 1", WHITE, 1.0, EnergyPreserving, true);
 }
 
 #[cfg(test)]
@@ -154,7 +180,7 @@ mod tests {
     fn without_roughness_all_forms_are_lambertian() {
         let (wo, wi) = (direction(50.0, 0.3), direction(20.0, 2.0));
         for form in [Qualitative, Full, Fujii, EnergyPreserving] {
-            let e = OrenNayar::new(Spectrum::splat(0.6), 0.0, form).eval(wo, wi);
+            let e = OrenNayar::new(Spectrum::splat(0.6), 0.0, form).eval(wo, wi, TransportMode::Radiance);
             assert!((e.value[0] - 0.6 * wi.z * FRAC_1_PI).abs() < 1e-6, "{form:?}");
         }
     }
@@ -175,7 +201,10 @@ mod tests {
         let m = OrenNayar::new(Spectrum::ONE, 0.8, Fujii);
         for degrees in [0.0, 40.0, 75.0, 88.0] {
             let wo = direction(degrees, 0.0);
-            let albedo = steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w).value[0]), 1e-3);
+            let albedo = steradian_testkit::integrate_sphere(
+                |w| f64::from(m.eval(wo, w, TransportMode::Radiance).value[0]),
+                1e-3,
+            );
             let closed = (1.0 + 0.8 * FRAC_1_PI * excess(wo.z)) / (1.0 + C1 * 0.8);
             assert!((albedo - f64::from(closed)).abs() < 2e-3, "{degrees}°: {albedo} is not {closed}");
         }

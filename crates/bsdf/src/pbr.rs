@@ -19,8 +19,12 @@
 //! to 16 bits.
 
 use super::{
-    BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel, principled::schlick_weight,
-    sample_cosine_hemisphere, sheen,
+    Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel,
+    principled::schlick_weight,
+    registry::{Case, GREY, Model, Visitor},
+    sample_cosine_hemisphere,
+    scatter::Scatter,
+    sheen,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, elementary::pow};
@@ -215,20 +219,9 @@ impl Pbr {
         !self.thin && !self.refracted.is_black()
     }
 
-    pub(super) fn transmits(&self) -> bool {
-        !self.refracted.is_black() || !self.through.is_black()
-    }
-
     /// Index below relative to above, as light meets it.
     pub(super) fn eta(&self) -> f32 {
         if self.refracts() { self.eta } else { 1.0 }
-    }
-
-    /// Whether every lobe is a delta distribution.
-    pub(super) fn is_specular(&self) -> bool {
-        let smooth_coat = self.coat.0 == 0 || self.coat_facets().is_smooth();
-        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.is_black());
-        self.facets.is_smooth() && smooth_coat && nothing_else
     }
 
     /// Reflectance of the dielectric where the cosine of the facet is `cos` (negative from inside).
@@ -370,22 +363,6 @@ impl Pbr {
         if t > 0.0 { r / (r + t) } else { 1.0 }
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        if wo.z == 0.0 || wi.z == 0.0 {
-            return BsdfEval::ZERO;
-        }
-        if wo.z > 0.0 {
-            return self.eval_outside(&self.seen_from(wo), wo, wi, mode);
-        }
-        if self.refracts() {
-            self.eval_inside(wo, wi, mode)
-        } else if self.transmits() {
-            self.eval_outside(&self.seen_from(-wo), -wo, -wi, mode)
-        } else {
-            BsdfEval::ZERO
-        }
-    }
-
     /// The value for light that leaves outside and is seen so.
     fn eval_outside(&self, c: &Seen, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         let mut e = BsdfEval::ZERO;
@@ -469,7 +446,57 @@ impl Pbr {
         })
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base
+    /// alone.
+    fn mirrored(&self, wo: Vec3, c: &Seen) -> BsdfSample {
+        let (mut value, mut chance) = (Spectrum::ZERO, 0.0);
+        if self.facets.is_smooth() {
+            let f = self.reflectance_from(wo.z);
+            value = if wo.z > 0.0 { f * self.layers(wo.z, wo.z) } else { f };
+            chance = c.facets * self.reflecting_part(f);
+        }
+        if c.coat > 0.0 && self.coat_facets().is_smooth() {
+            value += Spectrum::splat(self.coat_reflectance(wo.z));
+            chance += c.coat;
+        }
+        BsdfSample::mirrored(wo, value / chance, chance)
+    }
+
+    /// Light that smooth facets of the base let pass.
+    fn passed(&self, wo: Vec3, c: &Seen, mode: TransportMode) -> Option<BsdfSample> {
+        let (value, passing) = self.transmitted(wo.z);
+        let (pdf, lobe) = (c.facets * passing, Lobe::TRANSMISSION.with(Lobe::SPECULAR));
+        if self.thin {
+            let weight = value * self.layers(wo.z, wo.z) / pdf;
+            return Some(BsdfSample { wi: -wo, weight, pdf, lobe, eta: 1.0 });
+        }
+        let (wi, eta) = fresnel::refract(wo, Vec3::Z, self.eta)?;
+        let above = wo.z.max(wi.z);
+        let layers = self.coat_leaves(&[above]) * self.sheen_leaves(above);
+        Some(BsdfSample { wi, weight: value * layers * (mode.compression(eta) / pdf), pdf, lobe, eta })
+    }
+}
+
+impl Scatter for Pbr {
+    const MODELS: &'static [Model] = &[Model::new("pbr", "the surface of glTF and OpenPBR", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+        if wo.z == 0.0 || wi.z == 0.0 {
+            return BsdfEval::ZERO;
+        }
+        if wo.z > 0.0 {
+            return self.eval_outside(&self.seen_from(wo), wo, wi, mode);
+        }
+        if self.refracts() {
+            self.eval_inside(wo, wi, mode)
+        } else if self.transmits() {
+            self.eval_outside(&self.seen_from(-wo), -wo, -wi, mode)
+        } else {
+            BsdfEval::ZERO
+        }
+    }
+
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 || (wo.z < 0.0 && !self.transmits()) {
             return None;
         }
@@ -519,37 +546,7 @@ impl Pbr {
         e.drawn(wi * turn, lobe, eta)
     }
 
-    /// Mirror reflection by all that is smooth: coat and base send light the same way. From inside there is the base
-    /// alone.
-    fn mirrored(&self, wo: Vec3, c: &Seen) -> BsdfSample {
-        let (mut value, mut chance) = (Spectrum::ZERO, 0.0);
-        if self.facets.is_smooth() {
-            let f = self.reflectance_from(wo.z);
-            value = if wo.z > 0.0 { f * self.layers(wo.z, wo.z) } else { f };
-            chance = c.facets * self.reflecting_part(f);
-        }
-        if c.coat > 0.0 && self.coat_facets().is_smooth() {
-            value += Spectrum::splat(self.coat_reflectance(wo.z));
-            chance += c.coat;
-        }
-        BsdfSample::mirrored(wo, value / chance, chance)
-    }
-
-    /// Light that smooth facets of the base let pass.
-    fn passed(&self, wo: Vec3, c: &Seen, mode: TransportMode) -> Option<BsdfSample> {
-        let (value, passing) = self.transmitted(wo.z);
-        let (pdf, lobe) = (c.facets * passing, Lobe::TRANSMISSION.with(Lobe::SPECULAR));
-        if self.thin {
-            let weight = value * self.layers(wo.z, wo.z) / pdf;
-            return Some(BsdfSample { wi: -wo, weight, pdf, lobe, eta: 1.0 });
-        }
-        let (wi, eta) = fresnel::refract(wo, Vec3::Z, self.eta)?;
-        let above = wo.z.max(wi.z);
-        let layers = self.coat_leaves(&[above]) * self.sheen_leaves(above);
-        Some(BsdfSample { wi, weight: value * layers * (mode.compression(eta) / pdf), pdf, lobe, eta })
-    }
-
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let cos = wo.z.abs();
         let below = (self.diffuse.get() + self.through.get() + self.refracted.get())
             * self.below(albedo_table::row(self.facets.mean_alpha()), cos);
@@ -558,4 +555,100 @@ impl Pbr {
         let layered = (under * self.sheen_leaves(cos) + sheen) * self.coat_leaves(&[cos, cos]);
         (layered + Spectrum::splat(self.coat_albedo(cos))).clamp(0.0, 1.0)
     }
+
+    fn is_specular(&self) -> bool {
+        let smooth_coat = self.coat.0 == 0 || self.coat_facets().is_smooth();
+        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.is_black());
+        self.facets.is_smooth() && smooth_coat && nothing_else
+    }
+
+    fn transmits(&self) -> bool {
+        !self.refracted.is_black() || !self.through.is_black()
+    }
+
+    #[inline]
+    fn relative_eta(&self) -> f32 {
+        self.eta()
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut furnace = |label, params: PbrParams, lossless| {
+        visit(Case { label, bsdf: Bsdf::Pbr(Pbr::new(&params)), lossless });
+    };
+    let p = PbrParams {
+        base_color: GREY,
+        metallic: 0.0,
+        facets: Microfacet::ggx(0.3, 0.3),
+        eta: 1.5,
+        specular: 1.0,
+        specular_color: Spectrum::ONE,
+        transmission: 0.0,
+        transmission_color: GREY,
+        thin: true,
+        diffuse_transmission: 0.0,
+        diffuse_transmission_color: GREY,
+        sheen_color: Spectrum::ZERO,
+        sheen_roughness: 0.5,
+        coat: 0.0,
+        coat_facets: Microfacet::ggx(0.1, 0.1),
+        coat_eta: 1.5,
+        coat_color: Spectrum::ONE,
+        tints_metal_edge: false,
+        film: ThinFilm::new(1.3, 0.0, None),
+        film_weight: 0.0,
+    };
+    let white = PbrParams { base_color: Spectrum::ONE, ..p };
+    let clear = PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, facets: Microfacet::SMOOTH, ..white };
+    furnace("smooth pane", clear, true);
+    furnace("smooth glass", PbrParams { thin: false, ..clear }, true);
+    let oxide = ThinFilm::new(2.2, 900.0, Some([450.0, 500.0, 560.0, 640.0]));
+    furnace("film on a smooth pane", PbrParams { film: oxide, film_weight: 1.0, ..clear }, true);
+    let mut case = |label, params: PbrParams| furnace(label, params, false);
+    case("plain", p);
+    case("smooth metal", PbrParams { metallic: 1.0, facets: Microfacet::SMOOTH, ..p });
+    case("smooth, white", PbrParams { facets: Microfacet::SMOOTH, ..white });
+    let smooth_coat = PbrParams { coat: 0.8, coat_facets: Microfacet::SMOOTH, ..white };
+    case("smooth lacquer", smooth_coat);
+    case("smooth lacquer on smooth coloured glass", PbrParams { thin: false, coat_color: GREY, ..clear });
+    case(
+        "smooth lacquer on smooth glass",
+        PbrParams { thin: false, coat: 1.0, coat_facets: Microfacet::SMOOTH, ..clear },
+    );
+    let soap = ThinFilm::new(1.33, 380.0, None);
+    case("film on white", PbrParams { film: soap, film_weight: 1.0, ..white });
+    case("film on metal", PbrParams { film: oxide, film_weight: 0.7, metallic: 0.6, ..white });
+    case(
+        "film on rough glass",
+        PbrParams { film: soap, film_weight: 0.5, thin: false, facets: Microfacet::ggx(0.2, 0.2), ..clear },
+    );
+    case("white, rough", PbrParams { facets: Microfacet::ggx(1.0, 1.0), ..white });
+    case("white, dense", PbrParams { eta: 2.4, facets: Microfacet::ggx(0.1, 0.1), ..white });
+    case("metal, stretched", PbrParams { metallic: 1.0, facets: Microfacet::ggx(0.5, 0.1), ..p });
+    case("metal with a dark edge", PbrParams { metallic: 1.0, specular_color: GREY, tints_metal_edge: true, ..white });
+    case("cloth", PbrParams { sheen_color: Spectrum::ONE, sheen_roughness: 0.4, specular: 0.5, ..white });
+    case("soft cloth", PbrParams { sheen_color: GREY, sheen_roughness: 1.0, specular: 0.0, ..white });
+    let lacquer = PbrParams { coat: 1.0, coat_facets: Microfacet::ggx(0.2, 0.2), ..white };
+    case("lacquer", lacquer);
+    case("coloured lacquer on metal", PbrParams { coat_color: GREY, metallic: 1.0, coat: 0.7, ..lacquer });
+    case("pane", PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, ..white });
+    case("glass", PbrParams { transmission: 1.0, thin: false, ..p });
+    case(
+        "lacquered cloudy glass",
+        PbrParams { transmission: 0.6, transmission_color: Spectrum::ONE, thin: false, eta: 1.3, ..lacquer },
+    );
+    case("leaf", PbrParams { diffuse_transmission: 0.6, diffuse_transmission_color: Spectrum::ONE, ..white });
+    case(
+        "all at once",
+        PbrParams {
+            metallic: 0.3,
+            transmission: 0.4,
+            diffuse_transmission: 0.5,
+            sheen_color: GREY,
+            coat: 0.5,
+            specular: 0.7,
+            specular_color: GREY,
+            ..p
+        },
+    );
 }

@@ -11,7 +11,11 @@
 //! its `k_s`. Lafortune's coefficients lie in `[−1, 1]`: (−1, −1, 1) is Phong, less in `z` makes the lobe lean towards
 //! grazing, a positive `x` and `y` throw light back. Exponents are in `[0, 10⁶]`.
 
-use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
+use super::{
+    Bsdf,
+    lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse},
+    registry::{BLACK, Case, GREY, Model, Recipe, Visitor, WHITE},
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -85,6 +89,13 @@ impl CosineLobe {
 }
 
 impl GlossyLobe for CosineLobe {
+    const MODELS: &'static [Model] = &[
+        Model::new("phong", "normalised cosine lobe around the mirror direction", cases),
+        Model::new("phong-empirical", "Phong of 1975", empirical_cases).not_reciprocal().gains_energy(),
+        Model::new("lafortune", "cosine lobe around a transformed direction", lafortune_cases),
+    ];
+    const RECIPES: &'static [Recipe] = &[];
+
     fn conserves(&self) -> bool {
         !self.empirical
     }
@@ -141,9 +152,35 @@ impl CosineLobe {
     }
 }
 
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, value| visit(Case { label, bsdf: Bsdf::Phong(value), lossless: false });
+    case("exponent 0", Phong::modified(BLACK, WHITE, 0.0));
+    case("exponent 30, Mitsuba's default", Phong::modified(Spectrum::splat(0.5), Spectrum::splat(0.2), 30.0));
+    case("exponent 1000, coloured", Phong::modified(GREY, WHITE - GREY, 1000.0));
+    case("too much of both", Phong::modified(WHITE, WHITE, 5.0));
+    case("diffuse alone", Phong::modified(GREY, BLACK, 10.0));
+}
+
+fn empirical_cases(visit: &mut Visitor<'_>) {
+    let bsdf = Bsdf::Phong(Phong::empirical(GREY * 0.5, WHITE, 3.0));
+    visit(Case { label: "exponent 3", bsdf, lossless: false });
+}
+
+fn lafortune_cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, coefficients, n| {
+        let value = Phong::lafortune(GREY * 0.3, WHITE * 0.6, coefficients, n);
+        visit(Case { label, bsdf: Bsdf::Phong(value), lossless: false });
+    };
+    case("leaning to grazing", Vec3::new(-1.0, -1.0, 0.6), 10.0);
+    case("back where it came from", Vec3::ONE, 20.0);
+    case("anisotropic", Vec3::new(-0.95, -0.5, 0.9), 15.0);
+    case("none", Vec3::ZERO, 15.0);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Scatter, TransportMode};
     use std::f32::consts::TAU;
 
     fn direction(degrees: f32, phi: f32) -> Vec3 {
@@ -153,7 +190,7 @@ mod tests {
 
     fn albedo(m: &Phong, degrees: f32) -> f64 {
         let wo = direction(degrees, 0.7);
-        steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w).value[0]), 1e-4)
+        steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w, TransportMode::Radiance).value[0]), 1e-4)
     }
 
     /// `(n+2)/2π` makes the albedo at normal incidence one (M84), and less at others.
@@ -172,17 +209,17 @@ mod tests {
         let m = Phong::empirical(Spectrum::ZERO, Spectrum::ONE, 2.0);
         assert!((albedo(&m, 0.0) - f64::from(TAU) / 3.0).abs() < 2e-3);
         let (a, b) = (direction(20.0, 0.0), direction(60.0, 3.0));
-        let f = |wo, wi: Vec3| m.eval(wo, wi).value[0] / wi.z;
+        let f = |wo, wi: Vec3| m.eval(wo, wi, TransportMode::Radiance).value[0] / wi.z;
         assert!((f(a, b) / f(b, a) - a.z / b.z).abs() < 1e-4);
     }
 
     #[test]
     fn lafortunes_lobe_with_phongs_coefficients_is_phongs() {
         let (a, b) = (direction(30.0, 0.2), direction(40.0, 3.0));
-        let phong = Phong::modified(Spectrum::ZERO, Spectrum::ONE, 20.0).eval(a, b).value;
+        let phong = Phong::modified(Spectrum::ZERO, Spectrum::ONE, 20.0).eval(a, b, TransportMode::Radiance).value;
         let near = Phong::lafortune(Spectrum::ZERO, Spectrum::ONE, Vec3::new(-1.0, -1.0, 0.999_999), 20.0);
-        assert!((near.eval(a, b).value[0] - phong[0]).abs() < 1e-3 * phong[0]);
+        assert!((near.eval(a, b, TransportMode::Radiance).value[0] - phong[0]).abs() < 1e-3 * phong[0]);
         let retro = Phong::lafortune(Spectrum::ZERO, Spectrum::ONE, Vec3::ONE, 20.0);
-        assert!(retro.eval(a, a).value[0] > 10.0 * retro.eval(a, b).value[0]);
+        assert!(retro.eval(a, a, TransportMode::Radiance).value[0] > 10.0 * retro.eval(a, b, TransportMode::Radiance).value[0]);
     }
 }

@@ -16,9 +16,11 @@
 //! not layered, so that a white base reflects more than arrives at it ([`Principled::ALBEDO_BOUND`]).
 
 use super::{
-    BsdfEval, BsdfSample, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode, fresnel, gtr1,
+    Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode, fresnel, gtr1,
     microfacet::{Facet, Mirror},
+    registry::{Case, GREY, Model, Visitor},
     sample_cosine_hemisphere,
+    scatter::Scatter,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3};
@@ -174,10 +176,6 @@ impl Principled {
         }
     }
 
-    pub(super) fn transmits(&self) -> bool {
-        (1.0 - self.metallic) * self.spec_trans > 0.0
-    }
-
     /// Index below relative to above.
     pub(super) fn eta(&self) -> f32 {
         self.eta
@@ -268,8 +266,13 @@ impl Principled {
         let f = schlick_from(Spectrum::splat(0.04), cos, self.eta)[0];
         (0.25 * self.clearcoat * f * d * masking.g2(wo, wi, h) * wi.z, d * h.z / (4.0 * cos))
     }
+}
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
+impl Scatter for Principled {
+    const ALBEDO_BOUND: f32 = Principled::ALBEDO_BOUND;
+    const MODELS: &'static [Model] = &[Model::new("principled", "Disney's surface", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         let Some(w) = self.weights(wo) else { return BsdfEval::ZERO };
         if wo.z * wi.z >= 0.0 {
             return self.reflected(&w, &self.microfacet.mirror(wo, wi), wo, wi);
@@ -283,7 +286,7 @@ impl Principled {
         BsdfEval::ZERO
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let w = self.weights(wo)?;
         let (wi, mirror, shape) = if u < w.diffuse {
             let wi = sample_cosine_hemisphere(u2)?;
@@ -309,7 +312,7 @@ impl Principled {
         self.reflected(&w, &mirror, wo, wi).drawn(wi, Lobe::REFLECTION.with(shape), 1.0)
     }
 
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         if self.transmits() && wo.z < 0.0 {
             return Spectrum::ONE;
         }
@@ -318,6 +321,62 @@ impl Principled {
         let opaque = self.diffuse.base * (1.0 - self.metallic) * (1.0 - self.spec_trans)
             + schlick_from(self.diffuse.base, wo.z.abs(), 1.5) * self.metallic;
         (opaque + glass * ((1.0 - self.metallic) * self.spec_trans)).clamp(0.0, 1.0)
+    }
+
+    fn transmits(&self) -> bool {
+        (1.0 - self.metallic) * self.spec_trans > 0.0
+    }
+
+    #[inline]
+    fn relative_eta(&self) -> f32 {
+        self.eta()
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, params: PrincipledParams| {
+        visit(Case { label, bsdf: Bsdf::Principled(Principled::new(&params)), lossless: false });
+    };
+    let p = plain();
+    case("plain", p);
+    case("metal", PrincipledParams { metallic: 1.0, roughness: 0.4, anisotropic: 0.7, ..p });
+    case("glass", PrincipledParams { spec_trans: 1.0, roughness: 0.4, ..p });
+    case("bubble", PrincipledParams { spec_trans: 0.8, eta: 0.7, roughness: 0.5, ..p });
+    case("cloth", PrincipledParams { sheen: 1.0, sheen_tint: 0.5, roughness: 1.0, flatness: 0.6, ..p });
+    case("lacquer", PrincipledParams { clearcoat: 1.0, clearcoat_gloss: 0.3, ..p });
+    case("white", PrincipledParams { base_color: Spectrum::ONE, tint: Spectrum::ONE, roughness: 1.0, sheen: 1.0, ..p });
+    case(
+        "all at once",
+        PrincipledParams {
+            metallic: 0.4,
+            spec_trans: 0.5,
+            spec_tint: 0.6,
+            sheen: 0.5,
+            clearcoat: 0.7,
+            flatness: 0.3,
+            anisotropic: 0.4,
+            ..p
+        },
+    );
+}
+
+/// The plain surface that cases depart from.
+pub(super) fn plain() -> PrincipledParams {
+    let luminance = 0.2126 * GREY[0] + 0.7152 * GREY[1] + 0.0722 * GREY[2];
+    PrincipledParams {
+        base_color: GREY,
+        tint: GREY / luminance,
+        roughness: 0.5,
+        anisotropic: 0.0,
+        metallic: 0.0,
+        spec_trans: 0.0,
+        eta: 1.5,
+        spec_tint: 0.0,
+        sheen: 0.0,
+        sheen_tint: 0.0,
+        flatness: 0.0,
+        clearcoat: 0.0,
+        clearcoat_gloss: 0.0,
     }
 }
 

@@ -10,9 +10,11 @@
 //! where transmission is mirrored to the other side and its roughness scaled by `0.65 η − 0.35`.
 
 use super::{
-    BsdfEval, BsdfSample, Lobe, Microfacet, fresnel,
-    principled::{DisneyDiffuse, PrincipledParams, schlick_from, stretched},
+    Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, TransportMode, fresnel,
+    principled::{DisneyDiffuse, PrincipledParams, plain, schlick_from, stretched},
+    registry::{Case, Model, Visitor},
     sample_cosine_hemisphere,
+    scatter::Scatter,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3};
@@ -50,10 +52,6 @@ impl PrincipledThin {
         }
     }
 
-    pub(super) fn transmits(&self) -> bool {
-        self.spec_trans > 0.0 || self.diff_trans > 0.0
-    }
-
     /// A sheet that nothing passes is left to the caller on its lower side, as every model that only reflects.
     fn is_seen_from(&self, wo: Vec3) -> bool {
         wo.z > 0.0 || (wo.z < 0.0 && self.transmits())
@@ -70,8 +68,13 @@ impl PrincipledThin {
     fn turned(wo: Vec3, w: Vec3) -> Vec3 {
         if wo.z < 0.0 { -w } else { w }
     }
+}
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+impl Scatter for PrincipledThin {
+    const ALBEDO_BOUND: f32 = super::Principled::ALBEDO_BOUND;
+    const MODELS: &'static [Model] = &[Model::new("principled-thin", "Disney's thin sheet", cases)];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         if !self.is_seen_from(wo) {
             return BsdfEval::ZERO;
         }
@@ -108,7 +111,7 @@ impl PrincipledThin {
         e
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if !self.is_seen_from(wo) {
             return None;
         }
@@ -129,13 +132,29 @@ impl PrincipledThin {
         if (wo.z * wi.z < 0.0) != lobe.is_transmission() {
             return None;
         }
-        let e = self.eval(wo, wi);
+        let e = self.eval(wo, wi, TransportMode::Radiance);
         e.drawn(wi, lobe, 1.0)
     }
 
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let f = Spectrum::splat(fresnel::dielectric(wo.z.abs(), self.eta));
         let sheet = f + (Spectrum::ONE - f) * self.diffuse.base;
         (sheet * self.spec_trans + self.diffuse.base * (1.0 - self.spec_trans)).clamp(0.0, 1.0)
     }
+
+    fn transmits(&self) -> bool {
+        self.spec_trans > 0.0 || self.diff_trans > 0.0
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, params: PrincipledParams, diff_trans| {
+        let bsdf = Bsdf::PrincipledThin(PrincipledThin::new(&params, diff_trans));
+        visit(Case { label, bsdf, lossless: false });
+    };
+    let p = plain();
+    case("paper", p, 0.8);
+    case("opaque", PrincipledParams { sheen: 0.5, ..p }, 0.0);
+    case("pane", PrincipledParams { spec_trans: 1.0, roughness: 0.5, ..p }, 0.0);
+    case("leaf", PrincipledParams { spec_trans: 0.3, spec_tint: 0.5, anisotropic: 0.5, flatness: 0.5, ..p }, 1.2);
 }

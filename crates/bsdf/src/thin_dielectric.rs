@@ -1,8 +1,12 @@
 //! A pane of glass that is thin against everything else: light is refracted in and out again and leaves without
 //! changing its direction. All reflections inside are summed: `R' = R + T²R/(1 − R²) = 2R/(1 + R)`, `T' = 1 − R'`.
 
-use super::{BsdfSample, Lobe, fresnel};
-use steradian_math::{Spectrum, Vec3};
+use super::{
+    Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode, fresnel,
+    registry::{Case, Model, Visitor},
+    scatter::Scatter,
+};
+use steradian_math::{Spectrum, Vec2, Vec3};
 
 /// A thin transparent sheet, the same from both sides.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +30,12 @@ impl ThinDielectric {
         let r = fresnel::dielectric(wo.z.abs(), self.eta);
         2.0 * r / (1.0 + r)
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u: f32) -> Option<BsdfSample> {
+impl Scatter for ThinDielectric {
+    const MODELS: &'static [Model] = &[Model::new("thin-dielectric", "a thin pane of glass", cases)];
+
+    fn sample(&self, wo: Vec3, u: f32, _: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
         }
@@ -51,15 +59,33 @@ impl ThinDielectric {
         })
     }
 
-    /// The tinted fraction that passes straight through.
-    pub(super) fn straight_transmission(&self, wo: Vec3) -> Spectrum {
-        self.transmittance * (1.0 - self.reflected(wo))
-    }
-
-    pub(super) fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         let f = self.reflected(wo);
         self.reflectance * f + self.transmittance * (1.0 - f)
     }
+
+    fn straight_transmission(&self, wo: Vec3) -> Option<Spectrum> {
+        Some(self.transmittance * (1.0 - self.reflected(wo)))
+    }
+
+    #[inline]
+    fn eval(&self, _: Vec3, _: Vec3, _: TransportMode) -> BsdfEval {
+        BsdfEval::ZERO
+    }
+
+    #[inline]
+    fn is_specular(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        true
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    visit(Case { label: "pane", bsdf: Bsdf::ThinDielectric(ThinDielectric::new(1.5)), lossless: true });
 }
 
 #[cfg(test)]
@@ -74,13 +100,21 @@ mod tests {
             let r = f64::from(fresnel::dielectric(cos.abs(), 1.5));
             let series: f64 = r + (0..200).map(|n| (1.0 - r).powi(2) * r.powi(2 * n + 1)).sum::<f64>();
             let pane = ThinDielectric::new(1.5);
-            let (reflected, transmitted) = (pane.sample(wo, 0.0).unwrap(), pane.sample(wo, 0.999).unwrap());
+            let (reflected, transmitted) = (
+                pane.sample(wo, 0.0, Vec2::ZERO, TransportMode::Radiance).unwrap(),
+                pane.sample(wo, 0.999, Vec2::ZERO, TransportMode::Radiance).unwrap(),
+            );
             assert!((f64::from(reflected.pdf) - series).abs() < 1e-5, "{} is not {series}", reflected.pdf);
             assert!((f64::from(transmitted.pdf) - (1.0 - series)).abs() < 1e-5);
             assert_eq!(reflected.wi, Vec3::new(-wo.x, 0.0, wo.z));
             assert_eq!(transmitted.wi, -wo);
         }
         // At normal incidence on glass 2·0.04/1.04.
-        assert!((ThinDielectric::new(1.5).sample(Vec3::Z, 0.0).unwrap().pdf - 0.076923).abs() < 1e-6);
+        assert!(
+            (ThinDielectric::new(1.5).sample(Vec3::Z, 0.0, Vec2::ZERO, TransportMode::Radiance).unwrap().pdf
+                - 0.076923)
+                .abs()
+                < 1e-6
+        );
     }
 }

@@ -13,7 +13,11 @@
 //! and stays below one. Half vectors are drawn with the density `D cosθ_h`, as Ward's sampling does with its
 //! weight corrected (Walter 2005).
 
-use super::lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse};
+use super::{
+    Bsdf,
+    lobe_over_diffuse::{GlossyLobe, LobeOverDiffuse},
+    registry::{BLACK, Case, GREY, Model, Recipe, Visitor, WHITE},
+};
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -57,6 +61,13 @@ impl Ward {
 }
 
 impl GlossyLobe for GaussianLobe {
+    const MODELS: &'static [Model] = &[
+        Model::new("ward", "Gaussian lobe, the bounded normalisation", cases),
+        Model::new("ward-original", "Gaussian lobe, Ward's own normalisation", original_cases).gains_energy(),
+        Model::new("ward-duer", "Gaussian lobe, Dür's normalisation", duer_cases).gains_energy(),
+    ];
+    const RECIPES: &'static [Recipe] = &[];
+
     fn conserves(&self) -> bool {
         self.form != WardForm::Duer
     }
@@ -108,15 +119,42 @@ impl GaussianLobe {
     }
 }
 
+fn cases(visit: &mut Visitor<'_>) {
+    use WardForm::Bounded;
+    let mut case = |label, diffuse, specular, x, y, form| {
+        visit(Case { label, bsdf: Bsdf::Ward(Ward::new(diffuse, specular, x, y, form)), lossless: false });
+    };
+    case("bounded, 0.1, Mitsuba's default", Spectrum::splat(0.5), Spectrum::splat(0.2), 0.1, 0.1, Bounded);
+    case("bounded, anisotropic", GREY * 0.5, WHITE * 0.5, 0.3, 0.08, Bounded);
+    case("bounded, 0.6", BLACK, WHITE, 0.6, 0.6, Bounded);
+}
+
+/// It loses light where the others gain, but its albedo grows with the root of the cosine beyond all bounds within a
+/// tenth of a degree of the horizon.
+fn original_cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, diffuse, specular, x, y| {
+        let bsdf = Bsdf::Ward(Ward::new(diffuse, specular, x, y, WardForm::Ward));
+        visit(Case { label, bsdf, lossless: false });
+    };
+    case("0.2", BLACK, WHITE, 0.2, 0.2);
+    case("anisotropic", GREY * 0.5, WHITE * 0.4, 0.1, 0.35);
+}
+
+fn duer_cases(visit: &mut Visitor<'_>) {
+    let bsdf = Bsdf::Ward(Ward::new(BLACK, WHITE, 0.2, 0.2, WardForm::Duer));
+    visit(Case { label: "0.2", bsdf, lossless: false });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Scatter, TransportMode};
 
     fn albedo(form: WardForm, degrees: f32) -> f64 {
         let m = Ward::new(Spectrum::ZERO, Spectrum::ONE, 0.2, 0.2, form);
         let (sin, cos) = degrees.to_radians().sin_cos();
         let wo = Vec3::new(sin, 0.0, cos);
-        steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w).value[0]), 1e-4)
+        steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w, TransportMode::Radiance).value[0]), 1e-4)
     }
 
     /// The table of E15 at σ = 0.2.

@@ -16,6 +16,11 @@ mod rusinkiewicz;
 pub mod synthetic;
 pub mod tensor;
 
+use crate::{
+    Bsdf, TransportMode,
+    registry::{Case, Model, Visitor},
+    scatter::Scatter,
+};
 pub use angles::AngleTable;
 pub use btf::Btf;
 pub use merl::Merl;
@@ -159,9 +164,15 @@ impl<'a> Measured<'a> {
     pub fn new(data: &'a MeasuredData, lambda: &Wavelengths, mode: ColorMode, uv: Vec2) -> Self {
         Self { data, lambda: lambda.lambda, mode, uv: if data.varies() { uv } else { Vec2::ZERO } }
     }
+}
 
-    /// `f·cosθ_i` and the density of [`Measured::sample`].
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+impl Scatter for Measured<'_> {
+    const MODELS: &'static [Model] = &[
+        Model::new("measured", "tables of values", both_ways),
+        Model::new("measured-one-way", "tables that are not the same backwards", one_way).not_reciprocal(),
+    ];
+
+    fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -180,8 +191,7 @@ impl<'a> Measured<'a> {
         BsdfEval { value, pdf }
     }
 
-    /// Draws a direction.
-    pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u: f32, u2: Vec2, _: TransportMode) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
@@ -190,14 +200,12 @@ impl<'a> Measured<'a> {
             (Table::Rgl(t), _) => t.sample(wo, u2)?,
             _ => return None,
         };
-        let e = self.eval(wo, wi);
+        let e = self.eval(wo, wi, TransportMode::Radiance);
         let lobe = Lobe::REFLECTION.with(Lobe::GLOSSY);
         e.drawn(wi, lobe, 1.0)
     }
 
-    /// The albedo of a matt surface that reflects as this does at the mirror direction and around: the mean of a few
-    /// directions.
-    pub fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
+    fn albedo_estimate(&self, wo: Vec3) -> Spectrum {
         const DRAWS: [[f32; 3]; 8] = [
             [0.05, 0.1, 0.3],
             [0.2, 0.6, 0.8],
@@ -209,8 +217,42 @@ impl<'a> Measured<'a> {
             [0.95, 0.95, 0.45],
         ];
         let wo = Vec3::new(wo.x, wo.y, wo.z.abs());
-        let draw = |[u, x, y]: [f32; 3]| self.sample(wo, u, Vec2::new(x, y)).map_or(Spectrum::ZERO, |s| s.weight);
+        let draw = |[u, x, y]: [f32; 3]| {
+            self.sample(wo, u, Vec2::new(x, y), TransportMode::Radiance).map_or(Spectrum::ZERO, |s| s.weight)
+        };
         let sum = DRAWS.into_iter().map(draw).fold(Spectrum::ZERO, |a, b| a + b);
         (sum / DRAWS.len() as f32).clamp(0.0, 1.0)
+    }
+
+    #[inline]
+    fn is_reciprocal(&self) -> bool {
+        false
+    }
+}
+
+/// Tables whose lookup or projection treats the two directions differently.
+const ONE_WAY: [&str; 3] = ["adaptive", "harmonics", "anisotropic table"];
+
+fn both_ways(visit: &mut Visitor<'_>) {
+    tabulated(visit, |name| !ONE_WAY.contains(&name));
+}
+
+fn one_way(visit: &mut Visitor<'_>) {
+    tabulated(visit, |name| ONE_WAY.contains(&name));
+}
+
+fn tabulated(visit: &mut Visitor<'_>, wanted: impl Fn(&str) -> bool) {
+    let metal = synthetic::Metal { alpha: 0.4, ..synthetic::METAL };
+    for (label, data) in metal.all().iter().flatten().filter(|d| wanted(d.0)) {
+        let lambda = Wavelengths::sample_visible(0.2);
+        let mut case = |mode| {
+            let bsdf = Bsdf::Measured(Measured::new(data, &lambda, mode, Vec2::splat(0.25)));
+            visit(Case { label, bsdf, lossless: false });
+        };
+        case(ColorMode::Rgb);
+        // Colours that become spectra do so in the same way for all.
+        if *label == "MERL" {
+            case(ColorMode::Spectral);
+        }
     }
 }

@@ -155,6 +155,7 @@ impl Metal {
 mod tests {
     use super::*;
     use crate::Measured;
+    use crate::{Scatter, TransportMode};
     use steradian_math::{
         Vec2,
         hash::HashRng,
@@ -169,12 +170,12 @@ mod tests {
         while errors.len() < 500 {
             let wo = warp::cosine_hemisphere((rng.next_f32(), rng.next_f32()).into());
             let u = (rng.next_f32(), rng.next_f32()).into();
-            let Some(s) = m.sample(wo, rng.next_f32(), u) else { continue };
+            let Some(s) = m.sample(wo, rng.next_f32(), u, TransportMode::Radiance) else { continue };
             if wo.z < 0.2 || s.wi.z < 0.2 {
                 continue;
             }
             let expected = METAL.f(wo.as_dvec3(), s.wi.as_dvec3())[1] * f64::from(s.wi.z);
-            errors.push((f64::from(m.eval(wo, s.wi).value[1]) / expected - 1.0).abs());
+            errors.push((f64::from(m.eval(wo, s.wi, TransportMode::Radiance).value[1]) / expected - 1.0).abs());
         }
         errors.sort_by(f64::total_cmp);
         errors
@@ -210,9 +211,9 @@ mod tests {
                 Vec3::new(w.x * phi.cos() - w.y * phi.sin(), w.x * phi.sin() + w.y * phi.cos(), w.z)
             };
             let (wo, wi) = (Vec3::new(0.48, 0.36, 0.8), Vec3::new(-0.36, 0.0, 0.872_7).normalize());
-            let first = m.eval(wo, wi);
+            let first = m.eval(wo, wi, TransportMode::Radiance);
             for phi in [0.7, 2.0, -1.0, 3.1] {
-                let turned = m.eval(turn(wo, phi), turn(wi, phi));
+                let turned = m.eval(turn(wo, phi), turn(wi, phi), TransportMode::Radiance);
                 let close = |a: f32, b: f32| (a - b).abs() < 2e-3 * a.abs().max(0.01);
                 assert!(
                     close(first.value[0], turned.value[0]) && close(first.pdf, turned.pdf),
@@ -249,7 +250,7 @@ mod tests {
                 for _ in 0..8 {
                     let wo = warp::cosine_hemisphere((rng.next_f32(), rng.next_f32()).into());
                     let u = (rng.next_f32(), rng.next_f32()).into();
-                    if let Some(s) = m.sample(wo, rng.next_f32(), u) {
+                    if let Some(s) = m.sample(wo, rng.next_f32(), u, TransportMode::Radiance) {
                         assert!(s.weight.is_finite() && s.pdf.is_finite() && s.pdf > 0.0 && s.wi.is_finite(), "{s:?}");
                     }
                 }
