@@ -53,7 +53,10 @@ impl GlossyLobe for HalfVectorLobe {
         Model::new("blinn-phong", "normalised cosine lobe in the half vector", cases),
         Model::new("blinn-phong-empirical", "without normalisation", empirical_cases).not_reciprocal().gains_energy(),
     ];
-    const RECIPES: &'static [Recipe] = &[];
+    const RECIPES: &'static [Recipe] = &[Recipe::new("blinn_phong", |i| {
+        let make = [BlinnPhong::normalised, BlinnPhong::empirical][i.choice];
+        Bsdf::BlinnPhong(make(i.colors[0], i.colors[1], i.numbers[0]))
+    })];
 
     fn conserves(&self) -> bool {
         self.normalisation.is_some()
@@ -135,7 +138,10 @@ mod tests {
             let albedo = |degrees: f32| {
                 let (sin, cos) = degrees.to_radians().sin_cos();
                 let wo = Vec3::new(sin, 0.0, cos);
-                steradian_testkit::integrate_sphere(|w| f64::from(m.eval(wo, w, TransportMode::Radiance).value[0]), 1e-4)
+                steradian_testkit::integrate_sphere(
+                    |w| f64::from(m.eval(wo, w, TransportMode::Radiance).value[0]),
+                    1e-4,
+                )
             };
             assert!((albedo(0.0) - 1.0).abs() < 1e-3, "n = {n}: {}", albedo(0.0));
             assert!([30.0, 60.0, 85.0].iter().all(|&d| albedo(d) < 1.0 + 1e-3), "n = {n}");

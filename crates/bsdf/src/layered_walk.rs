@@ -142,7 +142,10 @@ fn textured_roughness_interpolates_the_rows() {
         let (a, b) = (value(&ranged), value(&exact));
         for (zo, zi) in [(0.9, 0.8), (0.5, 0.9), (0.3, 0.3), (0.1, 0.7)] {
             let w = |z: f32, s: f32| Vec3::new(s * (1.0 - z * z).sqrt(), 0.0, z);
-            let (fa, fb) = (a.eval(w(zo, 1.0), w(zi, -1.0), TransportMode::Radiance).value[0], b.eval(w(zo, 1.0), w(zi, -1.0), TransportMode::Radiance).value[0]);
+            let (fa, fb) = (
+                a.eval(w(zo, 1.0), w(zi, -1.0), TransportMode::Radiance).value[0],
+                b.eval(w(zo, 1.0), w(zi, -1.0), TransportMode::Radiance).value[0],
+            );
             assert!((fa - fb).abs() < 0.01 * fb, "roughness {alpha}: {fa} is not {fb}");
         }
     }

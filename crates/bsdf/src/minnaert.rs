@@ -8,7 +8,7 @@
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode,
     phong::FRAC_1_TAU,
-    registry::{Case, GREY, Model, Visitor, WHITE},
+    registry::{Case, GREY, Model, Recipe, Visitor, WHITE},
     scatter::Scatter,
 };
 use steradian_math::{
@@ -56,6 +56,8 @@ impl Scatter for Minnaert {
         Model::new("minnaert", "diffuse reflection with a darkened limb", cases),
         Model::new("minnaert-bright-limb", "Minnaert below k = 1", bright_limb_cases).gains_energy(),
     ];
+    const RECIPES: &'static [Recipe] =
+        &[Recipe::new("minnaert", |i| Bsdf::Minnaert(Self::new(i.colors[0], i.numbers[0])))];
 
     fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {

@@ -17,7 +17,7 @@
 
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode,
-    registry::{Case, GREY, Model, Visitor, WHITE},
+    registry::{Case, GREY, Model, Recipe, Visitor, WHITE},
     sample_cosine_hemisphere,
     scatter::Scatter,
 };
@@ -117,6 +117,13 @@ impl OrenNayar {
 
 impl Scatter for OrenNayar {
     const MODELS: &'static [Model] = &[Model::new("oren-nayar", "rough diffuse reflection", cases)];
+    const RECIPES: &'static [Recipe] = &[Recipe::new("oren_nayar", |i| {
+        use OrenNayarForm::{EnergyPreserving, Fujii, Full, Qualitative};
+        let [roughness, sigma, ..] = i.numbers;
+        let (form, width) =
+            [(EnergyPreserving, roughness), (Fujii, roughness), (Qualitative, sigma), (Full, sigma)][i.choice];
+        Bsdf::OrenNayar(Self::new(i.colors[0], width, form))
+    })];
 
     fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
         if wo.z <= 0.0 || wi.z <= 0.0 {

@@ -94,7 +94,14 @@ impl GlossyLobe for CosineLobe {
         Model::new("phong-empirical", "Phong of 1975", empirical_cases).not_reciprocal().gains_energy(),
         Model::new("lafortune", "cosine lobe around a transformed direction", lafortune_cases),
     ];
-    const RECIPES: &'static [Recipe] = &[];
+    const RECIPES: &'static [Recipe] = &[
+        Recipe::new("phong", |i| {
+            let make = [Phong::modified, Phong::empirical][i.choice];
+            Bsdf::Phong(make(i.colors[0], i.colors[1], i.numbers[0]))
+        }),
+        Recipe::new("lafortune", |i| Bsdf::Phong(Phong::lafortune(i.colors[0], i.colors[1], i.vector, i.numbers[0])))
+            .anisotropic(),
+    ];
 
     fn conserves(&self) -> bool {
         !self.empirical
@@ -220,6 +227,9 @@ mod tests {
         let near = Phong::lafortune(Spectrum::ZERO, Spectrum::ONE, Vec3::new(-1.0, -1.0, 0.999_999), 20.0);
         assert!((near.eval(a, b, TransportMode::Radiance).value[0] - phong[0]).abs() < 1e-3 * phong[0]);
         let retro = Phong::lafortune(Spectrum::ZERO, Spectrum::ONE, Vec3::ONE, 20.0);
-        assert!(retro.eval(a, a, TransportMode::Radiance).value[0] > 10.0 * retro.eval(a, b, TransportMode::Radiance).value[0]);
+        assert!(
+            retro.eval(a, a, TransportMode::Radiance).value[0]
+                > 10.0 * retro.eval(a, b, TransportMode::Radiance).value[0]
+        );
     }
 }

@@ -53,14 +53,14 @@ pub type Visitor<'v> = dyn FnMut(Case<'_>) + 'v;
 /// Most colours, and most numbers, that a recipe takes.
 pub const MOST_INPUTS: usize = 4;
 
-/// Values of a model's parameters at a point, each kind of them in the order in which the model is described.
+/// Values of a model's parameters at a point. Those of a type are in the order in which the schema has them.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs {
-    /// Reflectances and the like.
+    /// Reflectances, in [0, 1].
     pub colors: [Spectrum; MOST_INPUTS],
     /// Numbers.
     pub numbers: [f32; MOST_INPUTS],
-    /// Which of its words a form or the like is, from zero.
+    /// Which of the words its `form` or the like is, from zero.
     pub choice: usize,
     /// A vector.
     pub vector: Vec3,
@@ -75,6 +75,18 @@ pub struct Recipe {
     pub is_anisotropic: bool,
     /// Makes it.
     pub make: fn(&Inputs) -> Bsdf<'static>,
+}
+
+impl Recipe {
+    pub(super) const fn new(kind: &'static str, make: fn(&Inputs) -> Bsdf<'static>) -> Self {
+        Self { kind, is_anisotropic: false, make }
+    }
+
+    /// Of which the orientation of the tangent matters.
+    pub(super) const fn anisotropic(mut self) -> Self {
+        self.is_anisotropic = true;
+        self
+    }
 }
 
 /// Colours of cases.

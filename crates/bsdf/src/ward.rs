@@ -66,7 +66,11 @@ impl GlossyLobe for GaussianLobe {
         Model::new("ward-original", "Gaussian lobe, Ward's own normalisation", original_cases).gains_energy(),
         Model::new("ward-duer", "Gaussian lobe, Dür's normalisation", duer_cases).gains_energy(),
     ];
-    const RECIPES: &'static [Recipe] = &[];
+    const RECIPES: &'static [Recipe] = &[Recipe::new("ward", |i| {
+        let form = [WardForm::Bounded, WardForm::Ward, WardForm::Duer][i.choice];
+        Bsdf::Ward(Ward::new(i.colors[0], i.colors[1], i.numbers[0], i.numbers[1], form))
+    })
+    .anisotropic()];
 
     fn conserves(&self) -> bool {
         self.form != WardForm::Duer

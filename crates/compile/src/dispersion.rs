@@ -16,10 +16,6 @@ impl Compiler<'_> {
     pub(super) fn dispersion(&mut self, node: &Node, default: f64) -> Option<Eta> {
         let formula = if node.param("abbe_number").is_some() {
             let abbe = self.float(node, "abbe_number", 0.0);
-            if abbe < 0.0 {
-                let span = node.param("abbe_number").and_then(|p| p.span).or(node.span);
-                self.error(span, format!("an Abbe number of {abbe} is negative"));
-            }
             Dispersion::from_abbe(f64::from(self.at_sodium_line(node, "eta", default)), f64::from(abbe))
         } else if node.param("cauchy").is_some() {
             let c = self.list(node, "cauchy")?;

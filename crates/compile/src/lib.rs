@@ -1,11 +1,11 @@
 //! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is
 //! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
-mod classical;
 mod coats;
 mod code;
 mod dispersion;
 mod displacement;
+mod facets;
 mod hair;
 mod height_field;
 mod layered;
@@ -15,6 +15,7 @@ mod materials;
 mod measured;
 mod media;
 mod motion;
+mod parametric;
 mod params;
 mod patterns;
 mod pbr;

@@ -2,7 +2,7 @@
 
 use super::{Compiler, ResolvedMaterial};
 use std::sync::Arc;
-use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail};
+use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail, recipes};
 use steradian_core::material::{
     Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
     normal_code::{NORMAL_CODES, NormalCode},
@@ -175,9 +175,6 @@ impl Compiler<'_> {
                 let nonlinear = self.bool(node, "nonlinear", false);
                 self.coated(node, "diffuse_reflectance", 1.49, CoatSeries::Plastic { nonlinear })
             }
-            "oren_nayar" | "minnaert" | "phong" | "lafortune" | "blinn_phong" | "ward" => {
-                Model::Classical(self.classical(node))
-            }
             "cook_torrance" => Model::Facets(self.cook_torrance(node)),
             "measured" => self.measured(node),
             "hair" => self.hair(node),
@@ -228,7 +225,10 @@ impl Compiler<'_> {
                     Model::Interface
                 }
             },
-            _ => return self.nearest_material(node, depth),
+            kind => match (recipes().find(|r| r.kind == kind), Family::Material.model(kind)) {
+                (Some(recipe), Some(model)) => Model::Parametric(Box::new(self.parametric(node, model, recipe))),
+                _ => return self.nearest_material(node, depth),
+            },
         };
         self.add(node, model)
     }
@@ -358,14 +358,7 @@ impl Compiler<'_> {
 
     /// A roughness that is not negative.
     fn roughness_value(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
-        match self.float_texture(node, name, default) {
-            FloatTexture::Constant(v) if v < 0.0 => {
-                let span = node.param(name).and_then(|p| p.span).or(node.span);
-                self.error(span, format!("a roughness of {v} is not possible; '{name}' starts at 0"));
-                FloatTexture::Constant(0.0)
-            }
-            value => value,
-        }
+        self.float_texture(node, name, default)
     }
 
     fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
@@ -409,11 +402,6 @@ impl Compiler<'_> {
 
     pub(super) fn eta_named(&mut self, node: &Node, name: &str, default: f64) -> Eta {
         let sodium = self.at_sodium_line(node, name, default);
-        if sodium <= 0.0 {
-            let span = node.param(name).and_then(|p| p.span).or(node.span);
-            self.error(span, format!("an index of refraction of {sodium} is not possible"));
-            return Eta::Constant(default as f32);
-        }
         if self.mode == ColorMode::Spectral {
             let color = self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
             if let Color::Spectral(_) = color {
@@ -443,14 +431,7 @@ impl Compiler<'_> {
             FloatTexture::Texture(_) => (0.0, 1.0),
         };
         let (u, v) = (range(roughness.u), range(roughness.v));
-        let eta = match self.at_sodium_line(node, "eta", eta) {
-            given if given > 0.0 => given,
-            given => {
-                let span = node.param("eta").and_then(|p| p.span).or(node.span);
-                self.error(span, format!("an index of refraction of {given} is not possible"));
-                eta as f32
-            }
-        };
+        let eta = self.at_sodium_line(node, "eta", eta);
         let alpha = (u.0.min(v.0), u.1.max(v.1));
         Model::Coated {
             reflectance: base,

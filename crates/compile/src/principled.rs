@@ -70,15 +70,7 @@ impl Compiler<'_> {
     /// `eta`, or Disney's `specular`, which spans reflectances from 0 to 8 %.
     fn principled_eta(&mut self, node: &Node, is_thin: bool) -> FloatTexture {
         if node.get("eta").is_some() || is_thin {
-            let eta = self.float_texture(node, "eta", 1.5);
-            if let FloatTexture::Constant(v) = eta
-                && v <= 0.0
-            {
-                let span = node.param("eta").and_then(|p| p.span).or(node.span);
-                self.error(span, format!("an index of refraction of {v} is not possible"));
-                return FloatTexture::Constant(1.5);
-            }
-            return eta;
+            return self.float_texture(node, "eta", 1.5);
         }
         let FloatTexture::Constant(specular) = self.float_texture(node, "specular", 0.5) else {
             self.approximated(node.span, "'specular' cannot be textured here; 0.5 is used");

@@ -1,4 +1,4 @@
-//! Constant values of materials are held in the ranges that the catalogue of materials states, and reported where they
+//! Constant values of materials are held in the ranges that the schema states, and reported where they
 //! were not.
 
 use super::Compiler;
@@ -7,8 +7,8 @@ use steradian_math::spectra;
 use steradian_scene::{Node, Param, SpectrumValue, Value};
 
 impl Compiler<'_> {
-    /// The node with every constant number and spectrum inside its range. What is refused, and what is not finite,
-    /// stands there as a number for the material's own compiler to report.
+    /// The node with every constant number and spectrum inside its range, without what is refused. What is not finite
+    /// stands there as a number, to be reported as such.
     pub(super) fn within_ranges<'n>(&mut self, node: &'n Node) -> Cow<'n, Node> {
         let mut held = Cow::Borrowed(node);
         let Some(model) = node.family.model(&node.kind) else { return Cow::Borrowed(node) };
@@ -17,21 +17,20 @@ impl Compiler<'_> {
             let numbers = numbers(&given.value);
             let (low, high) = p.range;
             let Some(bad) = numbers.iter().copied().find(|v| !(low..=high).contains(v)) else { continue };
-            let hopeless = |v: &&f64| !v.is_finite() || (!(low..=high).contains(*v) && p.outside.refuses(**v));
-            let value = match numbers.iter().find(hopeless) {
-                Some(hopeless) => Value::Float(*hopeless),
-                None => {
-                    let what = format!(
-                        "parameter '{}' of material '{}' is {bad}; it must be {} and is held there",
-                        p.name,
-                        node.kind,
-                        p.range_text()
-                    );
-                    self.diagnostics.warn(&self.desc.sources, given.span.or(node.span), what);
-                    mapped(&given.value, |v| v.clamp(low, high))
-                }
+            let said = |v: f64| {
+                format!("parameter '{}' of material '{}' is {v}; it must be {}", p.name, node.kind, p.range_text())
             };
-            held.to_mut().set(p.name, value, given.span);
+            let span = given.span.or(node.span);
+            let refused = |v: &&f64| !(low..=high).contains(*v) && p.outside.refuses(**v);
+            if let Some(infinite) = numbers.iter().find(|v| !v.is_finite()) {
+                held.to_mut().set(p.name, Value::Float(*infinite), given.span);
+            } else if let Some(refused) = numbers.iter().find(refused) {
+                self.error(span, said(*refused));
+                held.to_mut().params.retain(|given| given.name != p.name);
+            } else {
+                self.diagnostics.warn(&self.desc.sources, span, format!("{} and is held there", said(bad)));
+                held.to_mut().set(p.name, mapped(&given.value, |v| v.clamp(low, high)), given.span);
+            }
         }
         held
     }
@@ -59,6 +58,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     match value {
         Value::Float(v) | Value::Spectrum(SpectrumValue::Constant(v)) => vec![*v],
         Value::Int(v) => vec![*v as f64],
+        Value::Vec3(v) => v.to_vec(),
         Value::Spectrum(SpectrumValue::Rgb(rgb, _)) => rgb.to_vec(),
         Value::Spectrum(SpectrumValue::Sampled { values, .. }) => wide(values),
         Value::Spectrum(SpectrumValue::Named(word)) => spectra::named(word).map_or_else(Vec::new, |c| wide(c.values())),
@@ -72,6 +72,7 @@ fn mapped(value: &Value, f: impl Fn(f64) -> f64) -> Value {
     match value {
         Value::Float(v) => Value::Float(f(*v)),
         Value::Int(v) => Value::Int(f(*v as f64) as i64),
+        Value::Vec3(v) => Value::Vec3(v.map(f)),
         Value::Spectrum(s) => Value::Spectrum(match s {
             SpectrumValue::Constant(v) => SpectrumValue::Constant(f(*v)),
             SpectrumValue::Rgb(rgb, space) => SpectrumValue::Rgb(rgb.map(&f), *space),

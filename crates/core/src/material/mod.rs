@@ -12,10 +12,12 @@ pub use principled::PrincipledMaterial;
 pub mod detail;
 pub mod normal_code;
 pub mod normal_filter;
+mod parametric;
 
-pub use classical::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal};
 pub use detail::{Cover, Facing, NormalMap, SurfaceDetail};
+pub use facets::{FacetReflectance, Facets, Film, Metal};
 pub use normal_filter::{FilteredNormals, NormalFilter};
+pub use parametric::Parametric;
 use std::sync::Arc;
 use steradian_bsdf::{
     Bsdf, BsdfEval, BsdfSample, CoatTable, Coated, CompensatedConductor, Compensation, Conductor, Dielectric, Diffuse,
@@ -28,7 +30,7 @@ use steradian_math::{
 };
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
-mod classical;
+mod facets;
 
 /// Microfacet roughness as a scene gives it.
 #[derive(Clone, Copy, Debug)]
@@ -136,8 +138,8 @@ pub enum Model {
     },
     /// Facets with a choice of reflectance, over a diffuse part.
     Facets(Facets),
-    /// Models of before facets.
-    Classical(Classical),
+    /// A model that takes nothing but its parameters.
+    Parametric(Box<Parametric>),
     /// Metal by its reflectance at normal incidence.
     ConductorReflectance(SpectrumTexture, Roughness),
     /// A mirror of constant reflectance, smooth or rough.
@@ -276,7 +278,7 @@ impl Material {
             Model::Facets(Facets { roughness, .. }) | Model::Compensated { metal: Metal { roughness, .. }, .. } => {
                 of(false, roughness)
             }
-            Model::Classical(c) => Needs { parameters: true, tangent: c.is_anisotropic() },
+            Model::Parametric(p) => Needs { parameters: true, tangent: p.recipe.is_anisotropic },
             Model::Hair(_) | Model::Layered(_) | Model::Measured(_) | Model::Pbr(_) | Model::Principled(_) => {
                 Needs::ALL
             }
@@ -420,7 +422,7 @@ pub fn scattering<'a>(
             Bsdf::CompensatedConductor(CompensatedConductor::new(metal.eval(textures, at, lambda), *kind, table))
         }
         Model::Facets(facets) => Bsdf::CookTorrance(facets.eval(textures, at, lambda)),
-        Model::Classical(model) => model.eval(textures, at, lambda),
+        Model::Parametric(p) => p.bsdf(textures, at, lambda),
         Model::ConductorReflectance(r, roughness) => {
             Bsdf::Conductor(Conductor::from_reflectance(spectrum(r, lambda), roughness.microfacet(textures, at)))
         }

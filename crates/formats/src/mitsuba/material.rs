@@ -7,62 +7,6 @@ use super::{
 };
 use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 
-/// The parameters of models that have the same in both vocabularies: Disney's, and Steradian's own under its own names.
-fn parameters_taken_over(plugin: &str) -> Option<&'static [&'static str]> {
-    Some(match plugin {
-        "principled" => &[
-            "base_color",
-            "roughness",
-            "anisotropic",
-            "metallic",
-            "spec_trans",
-            "eta",
-            "specular",
-            "spec_tint",
-            "sheen",
-            "sheen_tint",
-            "flatness",
-            "clearcoat",
-            "clearcoat_gloss",
-        ],
-        "principledthin" => &[
-            "base_color",
-            "roughness",
-            "anisotropic",
-            "spec_trans",
-            "eta",
-            "spec_tint",
-            "sheen",
-            "sheen_tint",
-            "flatness",
-            "diff_trans",
-        ],
-        "oren_nayar" => &["reflectance", "form", "roughness", "sigma"],
-        "minnaert" => &["reflectance", "k"],
-        "blinn_phong" => &["diffuse_reflectance", "specular_reflectance", "exponent", "form"],
-        "lafortune" => &["diffuse_reflectance", "specular_reflectance", "exponent", "coefficients"],
-        "cook_torrance" => &[
-            "diffuse_reflectance",
-            "specular_reflectance",
-            "fresnel",
-            "eta",
-            "k",
-            "f0",
-            "f90",
-            "film_thickness",
-            "film_eta",
-            "coupling",
-            "alpha_u",
-            "alpha_v",
-            "remap_roughness",
-            "distribution",
-            "gamma",
-            "shadowing",
-        ],
-        _ => return None,
-    })
-}
-
 impl Reader<'_> {
     /// A BSDF as a material node; `None` after an error.
     pub fn material(&mut self, object: ObjectId) -> Option<NodeId> {
@@ -72,11 +16,6 @@ impl Reader<'_> {
     fn material_node(&mut self, object: ObjectId) -> Option<NodeId> {
         let plugin = self.plugin(object).to_owned();
         self.graph.objects[object].visited = true;
-        if let Some(known) = parameters_taken_over(&plugin) {
-            let node = self.verbatim(object, Family::Material);
-            self.only_known(object, known);
-            return node;
-        }
         let node = match plugin.as_str() {
             "diffuse" => {
                 let mut node = self.node(Family::Material, "diffuse", object);
@@ -147,22 +86,28 @@ impl Reader<'_> {
             "polarizer" | "circular" | "retarder" => self.polarizing_filter(object, plugin == "retarder"),
             "null" => self.node(Family::Material, "interface", object),
             "bumpmap" | "normalmap" => return self.mapped(object, plugin == "normalmap"),
+            // Disney's have the same parameters in both vocabularies.
+            "principled" | "principledthin" => return self.taken_over(object, &plugin),
             _ if self.is_known(object) => return self.verbatim(object, Family::Material),
-            _ => {
-                self.unknown_plugin(object);
-                return None;
-            }
+            _ => return self.taken_over(object, &plugin),
         };
         Some(self.desc.add(node))
     }
 
-    /// Has the properties reported that a model taken over as it stands does not know. Sampling rates change the noise
-    /// only.
-    fn only_known(&mut self, object: ObjectId, known: &'static [&'static str]) {
-        self.ignore(object, known);
-        for p in &mut self.graph.objects[object].props {
-            p.used = p.name.is_empty() || p.name.ends_with("_sampling_rate") || known.contains(&p.name.as_str());
+    /// A model under Steradian's own name with its own parameters. Sampling rates change the noise only.
+    fn taken_over(&mut self, object: ObjectId, kind: &str) -> Option<NodeId> {
+        let Some(model) = Family::Material.model(kind) else {
+            self.unknown_plugin(object);
+            return None;
+        };
+        let node = self.verbatim(object, Family::Material);
+        for p in model.all() {
+            self.ignore(object, &[p.name]);
         }
+        for p in &mut self.graph.objects[object].props {
+            p.used = p.name.is_empty() || p.name.ends_with("_sampling_rate") || model.parameter(&p.name).is_some();
+        }
+        node
     }
 
     /// The nested BSDFs, of which there must be between `least` and `most`.

@@ -1,15 +1,12 @@
-//! Compiling the classical models, Cook and Torrance's, and metals with more than an index.
+//! Compiling facets of any reflectance, and metals with more than an index.
 
 use super::Compiler;
-use steradian_bsdf::{Compensation, DiffuseCoupling, NormalDistribution, OrenNayarForm, Shadowing, WardForm};
-use steradian_core::material::{Classical, FacetReflectance, Facets, Film, LobeShape, Metal, Model, Roughness};
-use steradian_math::{
-    Vec3,
-    spectra::{
-        Curve, Spd,
-        dispersion::complex_index,
-        role::{Color, Role},
-    },
+use steradian_bsdf::{Compensation, DiffuseCoupling, NormalDistribution, Shadowing};
+use steradian_core::material::{FacetReflectance, Facets, Film, Metal, Model, Roughness};
+use steradian_math::spectra::{
+    Curve, Spd,
+    dispersion::complex_index,
+    role::{Color, Role},
 };
 use steradian_scene::{Node, SpectrumValue};
 use steradian_texture::{FloatTexture, SpectrumTexture};
@@ -18,90 +15,6 @@ const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 const HALF: SpectrumValue = SpectrumValue::Constant(0.5);
 
 impl Compiler<'_> {
-    /// A material of one of the classical kinds.
-    pub(super) fn classical(&mut self, node: &Node) -> Classical {
-        match node.kind.as_str() {
-            "oren_nayar" => {
-                use OrenNayarForm::{EnergyPreserving, Fujii, Full, Qualitative};
-                let table = [
-                    ("energy_preserving", EnergyPreserving),
-                    ("fujii", Fujii),
-                    ("qualitative", Qualitative),
-                    ("full", Full),
-                ];
-                let form = self.choice(node, "form", EnergyPreserving, &table);
-                let angle = matches!(form, Qualitative | Full);
-                let (name, default, most) = if angle { ("sigma", 0.3, 1.571) } else { ("roughness", 0.5, 1.0) };
-                let roughness = self.between(node, name, default, 0.0, most);
-                Classical::OrenNayar(self.spectrum(node, "reflectance", Role::Albedo, HALF), roughness, form)
-            }
-            "minnaert" => {
-                let k = self.between(node, "k", 1.0, 0.0, 100.0);
-                Classical::Minnaert(self.spectrum(node, "reflectance", Role::Albedo, HALF), k)
-            }
-            _ => {
-                let shape = self.lobe(node);
-                let fifth = SpectrumValue::Constant(0.2);
-                Classical::Lobe {
-                    diffuse: self.spectrum(node, "diffuse_reflectance", Role::Albedo, HALF),
-                    specular: self.spectrum(node, "specular_reflectance", Role::Albedo, fifth),
-                    shape,
-                }
-            }
-        }
-    }
-
-    fn lobe(&mut self, node: &Node) -> LobeShape {
-        let exponent = |c: &mut Self, default| c.between(node, "exponent", default, 0.0, 1e6);
-        match node.kind.as_str() {
-            "lafortune" => {
-                let coefficients = self.vec3(node, "coefficients", Vec3::new(-1.0, -1.0, 1.0));
-                if coefficients.abs().max_element() > 1.0 {
-                    let span = node.param("coefficients").and_then(|p| p.span).or(node.span);
-                    self.error(span, "the coefficients of a lobe lie between -1 and 1; larger ones gain energy");
-                }
-                LobeShape::Lafortune(exponent(self, 30.0), coefficients)
-            }
-            "blinn_phong" => {
-                let n = exponent(self, 120.0);
-                match self.choice(node, "form", true, &[("normalised", true), ("empirical", false)]) {
-                    true => LobeShape::BlinnPhong(n),
-                    false => LobeShape::BlinnPhongEmpirical(n),
-                }
-            }
-            "ward" => {
-                let forms = [("bounded", WardForm::Bounded), ("ward", WardForm::Ward), ("duer", WardForm::Duer)];
-                let form = self.choice(node, "form", WardForm::Bounded, &forms);
-                let u = self.between(node, "alpha_u", 0.1, 0.0, 4.0);
-                let v = if node.get("alpha_v").is_some() { self.between(node, "alpha_v", 0.1, 0.0, 4.0) } else { u };
-                LobeShape::Ward(u, v, form)
-            }
-            _ => {
-                let n = exponent(self, 30.0);
-                match self.choice(node, "form", true, &[("modified", true), ("empirical", false)]) {
-                    true => LobeShape::Phong(n),
-                    false => LobeShape::PhongEmpirical(n),
-                }
-            }
-        }
-    }
-
-    /// A number or texture; a number outside of its range is an error, texels are held in it by the model.
-    fn between(&mut self, node: &Node, name: &str, default: f64, least: f32, most: f32) -> FloatTexture {
-        match self.float_texture(node, name, default) {
-            FloatTexture::Constant(v) if !(least..=most).contains(&v) => {
-                let span = node.param(name).and_then(|p| p.span).or(node.span);
-                let what = format!(
-                    "parameter '{name}' of material '{}' is {v}; it lies between {least} and {most}",
-                    node.kind
-                );
-                self.error(span, what);
-                FloatTexture::Constant(default as f32)
-            }
-            value => value,
-        }
-    }
-
     /// `cook_torrance`.
     pub(super) fn cook_torrance(&mut self, node: &Node) -> Facets {
         let roughness =
@@ -144,22 +57,14 @@ impl Compiler<'_> {
     fn index(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
         match node.get(name) {
             Some(steradian_scene::Value::Node(_)) => self.float_texture(node, name, default),
-            _ => {
-                let v = self.at_sodium_line(node, name, default);
-                if v <= 0.0 {
-                    let span = node.param(name).and_then(|p| p.span).or(node.span);
-                    self.error(span, format!("an index of refraction of {v} is not possible"));
-                    return FloatTexture::Constant(default as f32);
-                }
-                FloatTexture::Constant(v)
-            }
+            _ => FloatTexture::Constant(self.at_sodium_line(node, name, default)),
         }
     }
 
     fn thin_film(&mut self, node: &Node) -> Option<Film> {
         node.param("film_thickness")?;
-        let thickness = self.between(node, "film_thickness", 0.0, 0.0, 1e5);
-        let eta = self.between(node, "film_eta", 1.33, 1.0, 5.0);
+        let thickness = self.float_texture(node, "film_thickness", 0.0);
+        let eta = self.float_texture(node, "film_eta", 1.33);
         Some(Film { thickness, eta, mode: self.mode })
     }
 
@@ -243,10 +148,6 @@ impl Compiler<'_> {
         }
         let [epsilon, mu, sigma] = [("permittivity", 1.0), ("permeability", 1.0), ("conductivity", 0.0)]
             .map(|(name, default)| f64::from(self.float(node, name, default)));
-        if mu <= 0.0 || sigma < 0.0 {
-            self.error(node.span, "permeability is above zero and conductivity not below it");
-            return [constant(1.0), constant(0.0)];
-        }
         let lambdas: Vec<f32> = (36..=83).map(|l| l as f32 * 10.0).collect();
         [0, 1].map(|part| {
             let of = |l: &f32| {
@@ -427,20 +328,29 @@ mod tests {
         };
         bad(
             material("phong").with("exponent", -1.0),
-            "parameter 'exponent' of material 'phong' is -1; it lies between 0 and",
+            "parameter 'exponent' of material 'phong' is -1; it must be in [0, 1000000]",
         );
-        bad(material("oren_nayar").with("roughness", 2.0), "it lies between 0 and 1");
+        bad(material("oren_nayar").with("roughness", 2.0), "it must be in [0, 1]");
         bad(material("oren_nayar").with("form", "rough"), "'rough' is not a form; known are energy_preserving, fujii");
         bad(material("ward").with("alpha_u", "much"), "must be a number");
-        bad(material("conductor").with("alpha_u", -1.0), "a roughness of -1 is not possible");
-        bad(material("dielectric").with("eta", 0.0), "an index of refraction of 0 is not possible");
-        bad(material("cook_torrance").with("eta", -2.0), "an index of refraction of -2 is not possible");
-        bad(material("cook_torrance").with("film_thickness", -5.0), "it lies between 0 and 100000");
+        bad(
+            material("conductor").with("alpha_u", -1.0),
+            "parameter 'alpha_u' of material 'conductor' is -1; it must be in [0, 16]",
+        );
+        bad(material("dielectric").with("eta", 0.0), "'eta' of material 'dielectric' is 0; it must be in [0.05, 20]");
+        bad(material("cook_torrance").with("eta", -2.0), "'eta' of material 'cook_torrance' is -2");
+        bad(material("cook_torrance").with("film_thickness", -5.0), "it must be in [0, 100000]");
         bad(material("dielectric").with("cauchy", Value::Floats(vec![1.5])), "two or three constants, not 1");
         bad(material("dielectric").with("sellmeier", Value::Floats(vec![1.5; 5])), "six constants, not 5");
-        bad(material("dielectric").with("abbe_number", -3.0), "is negative");
-        bad(material("conductor").with("conductivity", -3.0), "conductivity not below it");
-        bad(material("lafortune").with("coefficients", Value::Vec3([2.0, 0.0, 0.0])), "between -1 and 1");
+        bad(
+            material("dielectric").with("abbe_number", -3.0),
+            "'abbe_number' of material 'dielectric' is -3; it must be",
+        );
+        bad(
+            material("conductor").with("conductivity", -3.0),
+            "'conductivity' of material 'conductor' is -3; it must be",
+        );
+        bad(material("lafortune").with("coefficients", Value::Vec3([2.0, 0.0, 0.0])), "it must be in [-1, 1]");
     }
 
     /// A prism of Abbe number 30 bends blue more than red; in RGB it has the index of the sodium line.

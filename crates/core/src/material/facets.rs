@@ -1,79 +1,9 @@
-//! The classical models, and facets with a choice of reflectance, with their textures.
+//! Facets with a choice of reflectance, and metals by their index, with their textures.
 
 use super::{Roughness, albedo, optical_constant};
-use steradian_bsdf::{
-    BlinnPhong, Bsdf, Conductor, CookTorrance, DiffuseCoupling, Minnaert, OrenNayar, OrenNayarForm, Phong, Reflectance,
-    ThinFilm, Ward, WardForm,
-};
-use steradian_math::{
-    Vec3,
-    spectra::{ColorMode, Wavelengths},
-};
+use steradian_bsdf::{Conductor, CookTorrance, DiffuseCoupling, Reflectance, ThinFilm};
+use steradian_math::spectra::{ColorMode, Wavelengths};
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
-
-/// The shape of a glossy lobe over a diffuse part.
-#[derive(Clone, Copy, Debug)]
-pub enum LobeShape {
-    /// Phong, modified.
-    Phong(FloatTexture),
-    /// Phong of 1975.
-    PhongEmpirical(FloatTexture),
-    /// Lafortune, with its coefficients.
-    Lafortune(FloatTexture, Vec3),
-    /// Blinn–Phong, normalised.
-    BlinnPhong(FloatTexture),
-    /// Blinn–Phong without normalisation.
-    BlinnPhongEmpirical(FloatTexture),
-    /// Ward: roughness along the tangent and bitangent.
-    Ward(FloatTexture, FloatTexture, WardForm),
-}
-
-/// A model of before facets.
-#[derive(Clone, Debug)]
-pub enum Classical {
-    /// Albedo and roughness.
-    OrenNayar(SpectrumTexture, FloatTexture, OrenNayarForm),
-    /// Albedo and limb darkening.
-    Minnaert(SpectrumTexture, FloatTexture),
-    /// A lobe beside Lambertian reflection.
-    Lobe {
-        /// `k_d`.
-        diffuse: SpectrumTexture,
-        /// `k_s`.
-        specular: SpectrumTexture,
-        /// The lobe.
-        shape: LobeShape,
-    },
-}
-
-impl Classical {
-    /// Whether the orientation of the tangent matters.
-    pub(super) fn is_anisotropic(&self) -> bool {
-        matches!(self, Self::Lobe { shape: LobeShape::Ward(..) | LobeShape::Lafortune(..), .. })
-    }
-
-    pub(super) fn eval(&self, textures: &Textures, at: &TextureContext, lambda: &Wavelengths) -> Bsdf<'static> {
-        let float = |t: &FloatTexture| t.eval(textures, at);
-        let spectrum = |t: &SpectrumTexture| albedo(t.eval(textures, at, lambda));
-        match self {
-            Self::OrenNayar(rho, roughness, form) => {
-                Bsdf::OrenNayar(OrenNayar::new(spectrum(rho), float(roughness), *form))
-            }
-            Self::Minnaert(rho, k) => Bsdf::Minnaert(Minnaert::new(spectrum(rho), float(k))),
-            Self::Lobe { diffuse, specular, shape } => {
-                let (d, s) = (spectrum(diffuse), spectrum(specular));
-                match shape {
-                    LobeShape::Phong(n) => Bsdf::Phong(Phong::modified(d, s, float(n))),
-                    LobeShape::PhongEmpirical(n) => Bsdf::Phong(Phong::empirical(d, s, float(n))),
-                    LobeShape::Lafortune(n, c) => Bsdf::Phong(Phong::lafortune(d, s, *c, float(n))),
-                    LobeShape::BlinnPhong(n) => Bsdf::BlinnPhong(BlinnPhong::normalised(d, s, float(n))),
-                    LobeShape::BlinnPhongEmpirical(n) => Bsdf::BlinnPhong(BlinnPhong::empirical(d, s, float(n))),
-                    LobeShape::Ward(x, y, form) => Bsdf::Ward(Ward::new(d, s, float(x), float(y), *form)),
-                }
-            }
-        }
-    }
-}
 
 /// A metal by its complex index.
 #[derive(Clone, Debug)]
