@@ -15,12 +15,4 @@ pub enum Error {
     /// Wavelengths and values do not make a curve.
     #[error("spectrum: {0}")]
     Curve(String),
-    /// The chromaticities do not span a colour space.
-    #[error("colour space: primaries {primaries:?} and white {white:?} do not span one")]
-    ColorSpace {
-        /// `(x, y)` of red, green and blue.
-        primaries: [[f64; 2]; 3],
-        /// `(x, y)` of the white.
-        white: [f64; 2],
-    },
 }

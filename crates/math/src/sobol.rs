@@ -88,12 +88,6 @@ const fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The first two dimensions of the point `index`: a (0,2)-sequence in base 2.
-#[inline]
-pub const fn sobol_2d(index: u32) -> [u32; 2] {
-    [index.reverse_bits(), pascal(index).reverse_bits()]
-}
-
 /// One dimension of the point `index`. Dimensions from [`SOBOL_DIMENSIONS`] on are padded: the same dimensions again,
 /// with the index Owen-shuffled by the number of the repetition.
 #[inline]
@@ -149,13 +143,6 @@ impl Scramble {
         let both = (x as u64 | (y as u64) << 32).reverse_bits();
         [unit_f32((both >> 32) as u32), unit_f32(both as u32)]
     }
-}
-
-/// Point `index` of the first dimension, shuffled and scrambled by `seed`.
-#[inline]
-pub fn shuffled_scrambled_sobol_1d(index: u32, seed: u32) -> f32 {
-    let i = owen_scramble(index, mix32(seed));
-    unit_f32(laine_karras(i, combine32(seed, 1)).reverse_bits())
 }
 
 /// Point `index` of the first two dimensions, shuffled and scrambled by `seed`: the points of one seed form an
@@ -219,9 +206,9 @@ mod tests {
     fn the_shifts_equal_the_direction_numbers() {
         let mut rng = HashRng::new(11);
         for i in (0..4096).chain((0..4096).map(|_| rng.next_u64() as u32)) {
-            assert_eq!(sobol_2d(i), [sobol(i, 0), sobol(i, 1)]);
+            assert_eq!([i.reverse_bits(), pascal(i).reverse_bits()], [sobol(i, 0), sobol(i, 1)]);
         }
-        assert_eq!(sobol_2d(3), [0xc000_0000, 0x4000_0000]);
+        assert_eq!([sobol(3, 0), sobol(3, 1)], [0xc000_0000, 0x4000_0000]);
     }
 
     /// Every elementary interval of area 1/n holds one of the first n = 2^k points.
@@ -248,11 +235,6 @@ mod tests {
                 let points: Vec<_> = (0..1_u32 << k).map(|i| scramble.point_2d(i.reverse_bits())).collect();
                 assert!(is_net(&points), "seed {seed}, 2^{k} points");
                 assert!(points.iter().zip(0..).all(|(p, i)| p[0] == scramble.point_1d(u32::reverse_bits(i))));
-                let mut line: Vec<usize> = (0..1_u32 << k)
-                    .map(|i| (shuffled_scrambled_sobol_1d(i, seed) * (1_u32 << k) as f32) as usize)
-                    .collect();
-                line.sort_unstable();
-                assert!(line.iter().enumerate().all(|(i, &x)| i == x));
                 let four: Vec<_> = (0..1 << k).map(|i| shuffled_scrambled_sobol_4d(i, seed)).collect();
                 for d in 0..4 {
                     let mut line: Vec<usize> = four.iter().map(|p| (p[d] * (1_u32 << k) as f32) as usize).collect();

@@ -260,7 +260,7 @@ mod tests {
             let cone = std::f32::consts::TAU * (1.0 - 0.6_f32.cos());
             assert!((s.flux_share() / cone - 1.0).abs() < 1e-5);
             s.start = 0.3;
-            let lambda = Wavelengths::sample_uniform(0.5);
+            let lambda = Wavelengths::sample_visible(0.5);
             let n = 40_000;
             let mut rng = steradian_math::hash::HashRng::new(5);
             let mean = (0..n)

@@ -132,7 +132,7 @@ mod tests {
             scale: 2.0,
             g: 0.0,
         };
-        let w = Wavelengths::sample_uniform(0.3);
+        let w = Wavelengths::sample_visible(0.3);
         let (a, b) = (m.transmittance(0.7, &w)[0], m.transmittance(1.1, &w)[0]);
         assert!((a * b - m.transmittance(1.8, &w)[0]).abs() < 1e-6);
         assert!((a - (-0.7_f32).exp()).abs() < 1e-6);

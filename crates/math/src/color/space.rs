@@ -6,7 +6,7 @@
 //! 1).
 
 use crate::spectra::named::{Illuminant, white_xyz};
-use crate::{Error, Mat3, Vec3};
+use crate::{Mat3, Vec3};
 use glam::{DMat3, DVec3};
 
 /// An RGB colour space: linear components of three primaries, with RGB (1, 1, 1) the white at luminance 1.
@@ -44,19 +44,6 @@ impl RgbSpace {
         Self::all().into_iter().find(|s| s.name.eq_ignore_ascii_case(name))
     }
 
-    /// A space of given primaries and white chromaticities `(x, y)`. Refused where the primaries lie on a line, the
-    /// white has no luminance, or a primary would have to be zero to make it.
-    pub fn from_chromaticities(primaries: [[f64; 2]; 3], white: [f64; 2]) -> Result<Self, Error> {
-        let space =
-            Self::derive("custom", primaries, [white[0] / white[1], 1.0, (1.0 - white[0] - white[1]) / white[1]]);
-        let usable = |m: &DMat3| m.is_finite() && m.determinant().abs() > 1e-9;
-        if usable(&space.xyz_from_rgb) && usable(&space.rgb_from_xyz) {
-            Ok(space)
-        } else {
-            Err(Error::ColorSpace { primaries, white })
-        }
-    }
-
     /// Solves for the luminances of the primaries that add up to the white, and inverts.
     const fn derive(name: &'static str, primaries: [[f64; 2]; 3], white: [f64; 3]) -> Self {
         // Columns: the XYZ of each primary, at x + y + z = 1 (its scale is solved for).
@@ -86,7 +73,7 @@ impl RgbSpace {
         }
     }
 
-    /// The name in scene files; `custom` for [`from_chromaticities`](Self::from_chromaticities).
+    /// The name in scene files.
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -224,16 +211,8 @@ mod tests {
     }
 
     #[test]
-    fn names_and_custom_spaces() {
+    fn spaces_go_by_their_names() {
         assert_eq!(RgbSpace::named("DCI-P3").unwrap(), &DCI_P3);
         assert!(RgbSpace::named("adobe").is_none());
-        let s = RgbSpace::from_chromaticities(REC709.primaries(), [0.3127, 0.3290]).unwrap();
-        assert!(s.xyz_from_rgb().abs_diff_eq(REC709.xyz_from_rgb(), 5e-4));
-        for bad in [[[0.3, 0.3], [0.4, 0.4], [0.5, 0.5]], [[f64::NAN; 2]; 3], [[0.3, 0.3]; 3]] {
-            assert!(RgbSpace::from_chromaticities(bad, [0.3127, 0.3290]).is_err(), "{bad:?}");
-        }
-        assert!(RgbSpace::from_chromaticities(REC709.primaries(), [0.3, 0.0]).is_err());
-        // A white on the side of the triangle opposite to a primary leaves nothing for that primary to do.
-        assert!(RgbSpace::from_chromaticities(REC709.primaries(), [0.47, 0.465]).is_err());
     }
 }

@@ -44,13 +44,7 @@ impl Wavelengths {
         Self { time, ..self }
     }
 
-    /// Four evenly spaced wavelengths of [360, 830] nm from `u` in [0, 1); each is uniformly distributed.
-    pub fn sample_uniform(u: f32) -> Self {
-        let range = LAMBDA_MAX - LAMBDA_MIN;
-        Self { lambda: strata(u).map(|u| LAMBDA_MIN + u * range), pdf: [1.0 / range; 4], time: 0.0 }
-    }
-
-    /// Four stratified wavelengths from `u` in [0, 1), distributed by [`visible_pdf`].
+    /// Four stratified wavelengths from `u` in [0, 1), distributed by the visible-importance density.
     pub fn sample_visible(u: f32) -> Self {
         let tanh = strata(u).map(tanh_at);
         // sech² = 1 − tanh² spares the hyperbolic cosine.
@@ -102,16 +96,6 @@ fn strata(u: f32) -> [f32; 4] {
     [0.0, 0.25, 0.5, 0.75].map(|s| if u + s >= 1.0 { u + s - 1.0 } else { u + s })
 }
 
-/// Density (1/nm) of the visible-importance distribution at `lambda` nm; zero outside [360, 830].
-#[inline]
-pub fn visible_pdf(lambda: f32) -> f32 {
-    if !(LAMBDA_MIN..=LAMBDA_MAX).contains(&lambda) {
-        return 0.0;
-    }
-    let c = (SLOPE * (lambda - CENTRE)).cosh();
-    SLOPE / TANH_RANGE / (c * c)
-}
-
 /// The wavelength (nm, in [360, 830]) below which the visible-importance distribution has the share `u` in [0, 1].
 #[inline]
 pub fn sample_visible(u: f32) -> f32 {
@@ -147,10 +131,10 @@ mod tests {
 
     #[test]
     fn the_density_integrates_to_one_and_inverts() {
-        let sum: f64 = (0..47_000).map(|i| f64::from(visible_pdf(360.005 + i as f32 * 0.01)) * 0.01).sum();
+        let density = |l: f32| SLOPE / TANH_RANGE / (SLOPE * (l - CENTRE)).cosh().powi(2);
+        let sum: f64 = (0..47_000).map(|i| f64::from(density(360.005 + i as f32 * 0.01)) * 0.01).sum();
         assert!((sum - 1.0).abs() < 1e-5, "{sum}");
         assert!((sample_visible(0.0) - 360.0).abs() < 0.01 && (sample_visible(1.0) - 830.0).abs() < 0.02);
-        assert_eq!([359.9, 830.1, f32::NAN].map(visible_pdf), [0.0; 3]);
         for i in 1..100 {
             // The share below the sample of u is u.
             let u = i as f64 / 100.0;
@@ -159,7 +143,7 @@ mod tests {
             assert!((share - u).abs() < 1e-5, "{u}: {share}");
             let w = Wavelengths::sample_visible(u as f32);
             for (l, p) in w.lambda.into_iter().zip(w.pdf) {
-                assert!((p / visible_pdf(l) - 1.0).abs() < 1e-5, "{l} nm");
+                assert!((p / density(l) - 1.0).abs() < 1e-5, "{l} nm");
             }
         }
     }
@@ -170,54 +154,47 @@ mod tests {
     fn every_lane_follows_its_density() {
         const BINS: usize = 47;
         const N: usize = 100_000;
-        let cdf_visible = |l: f64| (0.0072 * (l - 538.0)).tanh() / f64::from(TANH_RANGE);
-        for (sample, cdf) in [
-            (Wavelengths::sample_visible as fn(f32) -> Wavelengths, &cdf_visible as &dyn Fn(f64) -> f64),
-            (Wavelengths::sample_uniform, &|l: f64| l / 470.0),
-        ] {
-            let mut rng = HashRng::new(7);
-            let mut counts = [[0usize; BINS]; 4];
-            for _ in 0..N {
-                let w = sample(rng.next_f32());
-                for (counts, l) in counts.iter_mut().zip(w.lambda) {
-                    counts[(((l - 360.0) / 10.0) as usize).min(BINS - 1)] += 1;
-                }
+        let cdf = |l: f64| (0.0072 * (l - 538.0)).tanh() / f64::from(TANH_RANGE);
+        let mut rng = HashRng::new(7);
+        let mut counts = [[0usize; BINS]; 4];
+        for _ in 0..N {
+            let w = Wavelengths::sample_visible(rng.next_f32());
+            for (counts, l) in counts.iter_mut().zip(w.lambda) {
+                counts[(((l - 360.0) / 10.0) as usize).min(BINS - 1)] += 1;
             }
-            for (lane, counts) in counts.iter().enumerate() {
-                let chi2: f64 = (0..BINS)
-                    .map(|b| {
-                        let low = 360.0 + 10.0 * b as f64;
-                        let expected = N as f64 * (cdf(low + 10.0) - cdf(low));
-                        (counts[b] as f64 - expected).powi(2) / expected
-                    })
-                    .sum();
-                let dof = (BINS - 1) as f64;
-                assert!(chi2 < dof + 4.0 * (2.0 * dof).sqrt(), "lane {lane}: {chi2}");
-            }
+        }
+        for (lane, counts) in counts.iter().enumerate() {
+            let chi2: f64 = (0..BINS)
+                .map(|b| {
+                    let low = 360.0 + 10.0 * b as f64;
+                    let expected = N as f64 * (cdf(low + 10.0) - cdf(low));
+                    (counts[b] as f64 - expected).powi(2) / expected
+                })
+                .sum();
+            let dof = (BINS - 1) as f64;
+            assert!(chi2 < dof + 4.0 * (2.0 * dof).sqrt(), "lane {lane}: {chi2}");
         }
     }
 
     /// A white surface under D65 is RGB (1, 1, 1) on average, with all lanes and with the hero alone.
     #[test]
     fn the_estimate_of_white_is_unbiased() {
-        for sample in [Wavelengths::sample_visible, Wavelengths::sample_uniform] {
-            for terminate in [false, true] {
-                let mut rng = HashRng::new(11);
-                let (n, mut sum, mut square) = (100_000, glam::DVec3::ZERO, glam::DVec3::ZERO);
-                for _ in 0..n {
-                    let mut w = sample(rng.next_f32());
-                    if terminate {
-                        w.terminate_secondary();
-                    }
-                    let v = w.to_rgb(d65().sample(&w)).as_dvec3();
-                    sum += v;
-                    square += v * v;
+        for terminate in [false, true] {
+            let mut rng = HashRng::new(11);
+            let (n, mut sum, mut square) = (100_000, glam::DVec3::ZERO, glam::DVec3::ZERO);
+            for _ in 0..n {
+                let mut w = Wavelengths::sample_visible(rng.next_f32());
+                if terminate {
+                    w.terminate_secondary();
                 }
-                let mean = sum / f64::from(n);
-                let sigma = ((square / f64::from(n) - mean * mean) / f64::from(n)).map(f64::sqrt);
-                assert!(((mean - 1.0).abs() / sigma).max_element() < 4.0, "{mean} ± {sigma}");
-                assert!(sigma.max_element() < 0.02);
+                let v = w.to_rgb(d65().sample(&w)).as_dvec3();
+                sum += v;
+                square += v * v;
             }
+            let mean = sum / f64::from(n);
+            let sigma = ((square / f64::from(n) - mean * mean) / f64::from(n)).map(f64::sqrt);
+            assert!(((mean - 1.0).abs() / sigma).max_element() < 4.0, "{mean} ± {sigma}");
+            assert!(sigma.max_element() < 0.02);
         }
     }
 
@@ -239,13 +216,12 @@ mod tests {
     #[test]
     fn lanes_are_distinct_strata_inside_the_range() {
         for u in [0.0, 0.1, 0.25, 0.5, 0.75, 0.999_999_94] {
-            for w in [Wavelengths::sample_visible(u), Wavelengths::sample_uniform(u)] {
-                let mut sorted = w.lambda;
-                sorted.sort_by(f32::total_cmp);
-                assert!(sorted.windows(2).all(|p| p[1] - p[0] > 20.0), "{sorted:?}");
-                assert!(sorted[0] >= 360.0 && sorted[3] <= 830.0);
-                assert!(w.pdf.iter().all(|&p| p > 0.0));
-            }
+            let w = Wavelengths::sample_visible(u);
+            let mut sorted = w.lambda;
+            sorted.sort_by(f32::total_cmp);
+            assert!(sorted.windows(2).all(|p| p[1] - p[0] > 20.0), "{sorted:?}");
+            assert!(sorted[0] >= 360.0 && sorted[3] <= 830.0);
+            assert!(w.pdf.iter().all(|&p| p > 0.0));
         }
     }
 

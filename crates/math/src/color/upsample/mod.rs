@@ -39,16 +39,13 @@ impl RgbSigmoid {
     }
 
     /// The spectrum of linear `rgb` in `space`, components clamped to [0, 1]; NaN counts as 0. Equal components give a
-    /// constant spectrum exactly. A space without a table of its own goes by linear Rec.709.
+    /// constant spectrum exactly.
     pub fn new(space: &RgbSpace, rgb: Vec3) -> Self {
         let rgb = rgb.to_array().map(unit);
         if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
             return Self::constant(rgb[0]);
         }
-        match table(space) {
-            Some(t) => t.lookup(rgb),
-            None => Self::new(&REC709, space.to_rec709(rgb.into())),
-        }
+        table(space).lookup(rgb)
     }
 
     /// The same, solved for by itself rather than interpolated in the table: for colours that are kept. It is dearer
@@ -56,7 +53,7 @@ impl RgbSigmoid {
     pub fn solved(space: &RgbSpace, rgb: Vec3) -> Self {
         let unit = rgb.to_array().map(unit);
         let is_grey = unit[0] == unit[1] && unit[1] == unit[2];
-        let solved = if is_grey { None } else { table(space).and_then(|t| t.solve(unit)) };
+        let solved = if is_grey { None } else { table(space).solve(unit) };
         solved.unwrap_or_else(|| Self::new(space, rgb))
     }
 
@@ -158,9 +155,6 @@ pub struct RgbIlluminant {
 impl RgbIlluminant {
     /// The emission of linear `rgb` in `space`; negative and NaN components count as 0.
     pub fn new(space: &RgbSpace, rgb: Vec3) -> Self {
-        if table(space).is_none() {
-            return Self::new(&REC709, space.to_rec709(rgb));
-        }
         let white = if *space == ACES2065_1 { aces_d60() } else { d65() };
         Self { factor: RgbUnbounded::new(space, rgb), white }
     }
@@ -189,15 +183,16 @@ fn unit(v: f32) -> f32 {
 }
 
 /// The table of a space, made when it is first asked for; its columns are filled as they are needed.
-fn table(space: &RgbSpace) -> Option<&'static Table> {
+fn table(space: &RgbSpace) -> &'static Table {
     static TABLES: [LazyLock<Table>; 4] = [
         LazyLock::new(|| Table::new(&REC709)),
         LazyLock::new(|| Table::new(&DCI_P3)),
         LazyLock::new(|| Table::new(&REC2020)),
         LazyLock::new(|| Table::new(&ACES2065_1)),
     ];
-    let i = RgbSpace::all().into_iter().position(|s| std::ptr::eq(s, space) || s == space)?;
-    TABLES.get(i).map(|t| &**t)
+    // Every space is one of these.
+    let i = RgbSpace::all().into_iter().position(|s| std::ptr::eq(s, space) || s == space).unwrap_or_default();
+    &TABLES[i]
 }
 
 #[cfg(test)]

@@ -151,15 +151,6 @@ fn values_out_of_range_are_clamped() {
 }
 
 #[test]
-fn a_space_without_a_table_goes_by_rec709() {
-    let space = RgbSpace::from_chromaticities(REC709.primaries(), [0.3127, 0.3290]).unwrap();
-    let rgb = Vec3::new(0.3, 0.4, 0.6);
-    let (a, b) = (RgbIlluminant::new(&space, rgb), RgbIlluminant::new(&REC709, rgb));
-    assert!((a.eval(550.0) / b.eval(550.0) - 1.0).abs() < 0.01);
-    assert!((RgbAlbedo::new(&space, rgb).eval(450.0) - RgbAlbedo::new(&REC709, rgb).eval(450.0)).abs() < 0.01);
-}
-
-#[test]
 fn the_maximum_is_where_the_spectrum_is_largest() {
     for rgb in [Vec3::new(0.1, 0.8, 0.2), Vec3::new(0.9, 0.1, 0.6), Vec3::new(0.9, 0.3, 0.1), DVec3::ZERO.as_vec3()] {
         let s = RgbSigmoid::new(&REC709, rgb);
