@@ -4,7 +4,6 @@
 //! * [`Geometry`] describes what goes in: indexed triangles, or boxes of primitives that the caller intersects itself.
 //! * [`Bvh`] is the hierarchy over some geometries in one space.
 //! * [`TopLevel`] is a hierarchy over world-space geometries and [`Instance`]s of other hierarchies.
-//! * [`MovingBvh`] is a hierarchy over triangles that move, for rays with a time.
 //! * [`UserPrimitives`] is how a query calls back: user primitives, and the filtering of triangle hits (alpha masks).
 //!
 //! The traversal is compiled for several instruction sets and chosen at run time ([`Isa`]); every level gives the same
@@ -53,5 +52,5 @@ pub use construct::Builder;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
 pub use isa::Isa;
 pub use placement::Instance;
-pub use spatial::{Accel, Accelerator, MovingBvh, MovingTriangles, Object, Order, PolygonOrder, Steps};
+pub use spatial::{Accel, Accelerator, Object, Order, PolygonOrder, Steps};
 pub use top_level::TopLevel;

@@ -15,7 +15,6 @@ mod items;
 mod kdtree;
 mod line;
 mod lists;
-mod moving;
 mod octree;
 mod overlap;
 mod partition;
@@ -30,5 +29,4 @@ mod wide;
 
 pub use accel::{Accel, Accelerator, Object};
 pub use bsp::{Order, PolygonOrder};
-pub use moving::{MovingBvh, MovingTriangles};
 pub use search::Steps;

@@ -11,15 +11,13 @@ use steradian_math::{Bounds3, Ray, Vec3};
 
 /// What a child is: nothing, a node, or up to eight slots. The number of slots is above, an index below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Child(u32);
+struct Child(u32);
 
 impl Child {
     const INDEX_BITS: u32 = 28;
-    pub const NONE: Self = Self(u32::MAX);
-    /// The first node.
-    pub const ROOT: Self = Self(0);
+    const NONE: Self = Self(u32::MAX);
 
-    pub fn new(part: Part) -> Self {
+    fn new(part: Part) -> Self {
         match part {
             Part::Node(index) => Self(index),
             Part::Leaf { first, count } => Self(count << Self::INDEX_BITS | first),
@@ -27,7 +25,7 @@ impl Child {
     }
 
     /// How many slots, zero for a node, and the index of the node or of the first slot.
-    pub fn get(self) -> (usize, usize) {
+    fn get(self) -> (usize, usize) {
         ((self.0 >> Self::INDEX_BITS) as usize, (self.0 & ((1 << Self::INDEX_BITS) - 1)) as usize)
     }
 }
