@@ -52,5 +52,5 @@ pub use construct::Builder;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
 pub use isa::Isa;
 pub use placement::Instance;
-pub use spatial::{Accel, Accelerator, Object, Order, PolygonOrder, Steps};
+pub use spatial::{Accel, Accelerator, Object, Steps};
 pub use top_level::TopLevel;

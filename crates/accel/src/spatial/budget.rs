@@ -3,7 +3,7 @@
 /// Entries in lists that may still be added below a node. Children share in proportion to what they hold, so that the
 /// tree is the same in whatever order its parts are built.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget(pub u64);
+pub(super) struct Budget(u64);
 
 impl Budget {
     /// For a tree over `n` primitives: `each` entries for each of them and some more.

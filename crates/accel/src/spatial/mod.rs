@@ -28,5 +28,4 @@ mod tests;
 mod wide;
 
 pub use accel::{Accel, Accelerator, Object};
-pub use bsp::{Order, PolygonOrder};
 pub use search::Steps;

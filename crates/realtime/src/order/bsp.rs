@@ -138,3 +138,82 @@ fn best(polygons: &[Polygon], within: f64) -> Option<DVec4> {
         polygons.iter().find_map(Polygon::plane)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use steradian_math::hash::HashRng;
+
+    fn in_cube(rng: &mut HashRng) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|_| f64::from(rng.next_f32()) * 2.0 - 1.0))
+    }
+
+    fn polygon(number: u32, corners: [DVec3; 3]) -> Polygon {
+        Polygon { number, corners: corners.to_vec(), cuts: Vec::new() }
+    }
+
+    /// How far a line goes to a polygon that it passes through; an error where that is not sure, near the rim or nearly
+    /// along the plane.
+    fn distance(polygon: &Polygon, origin: DVec3, d: DVec3) -> Result<Option<f64>, ()> {
+        let corners = &polygon.corners;
+        let (mut left, mut right) = (false, false);
+        for (i, a) in corners.iter().enumerate() {
+            let b = corners[(i + 1) % corners.len()];
+            let side = (b - *a).normalize_or_zero().cross(d).dot(origin - *a);
+            if side.abs() < 1e-6 {
+                return Err(());
+            }
+            (left, right) = (left || side > 0.0, right || side < 0.0);
+        }
+        if left && right {
+            return Ok(None);
+        }
+        let n = polygon.normal().normalize();
+        if n.dot(d).abs() < 0.01 { Err(()) } else { Ok(Some(n.dot(corners[0] - origin) / n.dot(d))) }
+    }
+
+    /// M242: what a line of sight passes through comes from the back to the front, and so, turned round, from the front to
+    /// the back; parts have the area of the whole.
+    #[test]
+    fn polygons_come_in_order_both_ways() {
+        let mut rng = HashRng::new(93);
+        // Triangles that pierce each other, and two that share a plane.
+        let mut triangles: Vec<Polygon> = (0..40)
+            .map(|number| {
+                let middle = in_cube(&mut rng);
+                polygon(number, std::array::from_fn(|_| middle + in_cube(&mut rng) * 0.8))
+            })
+            .collect();
+        triangles.push(polygon(40, [DVec3::NEG_X, DVec3::X, DVec3::Z]));
+        triangles.push(polygon(41, [DVec3::NEG_X, DVec3::NEG_Z, DVec3::X]));
+        let mut compared = 0;
+        for i in 0..8 {
+            let eye = in_cube(&mut rng).normalize() * 1.7;
+            let from = if i % 2 == 0 { From::Point(eye) } else { From::Direction(-eye.normalize()) };
+            let parts = ordered(triangles.clone(), from).expect("few triangles");
+            assert!(parts.len() > triangles.len(), "nothing was cut");
+            let mut areas = BTreeMap::new();
+            for part in &parts {
+                *areas.entry(part.number).or_insert(0.0) += part.normal().length();
+            }
+            for triangle in &triangles {
+                assert!((areas[&triangle.number] - triangle.normal().length()).abs() < 1e-5);
+            }
+            for _ in 0..400 {
+                let target = in_cube(&mut rng) * 0.8;
+                let (origin, d) = match from {
+                    From::Point(eye) => (eye, (target - eye).normalize()),
+                    From::Direction(d) => (target - d * 5.0, d),
+                };
+                let met: Result<Vec<Option<f64>>, ()> = parts.iter().map(|p| distance(p, origin, d)).collect();
+                let Ok(met) = met else { continue };
+                // What is behind the eye is not seen.
+                let met: Vec<f64> = met.into_iter().flatten().filter(|t| *t > 0.0).collect();
+                assert!(met.windows(2).all(|pair| pair[0] > pair[1] - 1e-4), "{met:?}");
+                compared += usize::from(met.len() > 1);
+            }
+        }
+        assert!(compared > 1000, "{compared}");
+    }
+}

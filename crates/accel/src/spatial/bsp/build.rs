@@ -7,36 +7,24 @@ use crate::spatial::items::Items;
 use crate::spatial::lists::Lists;
 use steradian_math::DVec3;
 
-/// Leaves with no more fragments are not divided, where rays are traced.
+/// Leaves with no more fragments are not divided.
 const LEAF: usize = 6;
 /// Planes of polygons that are tried at a node.
 const TRIED: usize = 4;
 /// Fragments that a plane is judged by.
 const JUDGES: usize = 64;
 
-/// The partition for rays: lists of slots.
-pub(super) fn for_rays(items: &Items) -> Bsp {
+/// Divides space around primitives.
+pub(super) fn partition(items: &Items) -> Bsp {
     let fragments = (0..items.list.len() as u32).map(|slot| Fragment::new(items, slot)).collect();
-    let mut builder = Builder::new(items.padding(), LEAF, false);
+    let builder = Builder { nodes: Vec::new(), lists: Lists::default(), padding: items.padding() };
     builder.build(fragments, Budget::new(items.list.len(), FRAGMENTS_PER_ITEM), DEPTH)
-}
-
-/// The partition for drawing: lists of fragments, which are kept, and no leaf that holds two of them.
-pub(super) fn for_order(items: &Items, budget: Budget) -> (Bsp, Vec<Fragment>) {
-    let fragments = (0..items.list.len() as u32).map(|slot| Fragment::new(items, slot)).collect();
-    let mut builder = Builder::new(items.padding() * 1e-3, 1, true);
-    let bsp = builder.build(fragments, budget, u32::MAX);
-    (bsp, builder.kept)
 }
 
 struct Builder {
     nodes: Vec<Node>,
     lists: Lists,
     padding: f64,
-    leaf: usize,
-    /// Whether fragments are kept, and listed instead of slots.
-    keep: bool,
-    kept: Vec<Fragment>,
 }
 
 /// A part of space that is to be divided, and who holds it: a node and a side.
@@ -48,11 +36,7 @@ struct Pending {
 }
 
 impl Builder {
-    fn new(padding: f64, leaf: usize, keep: bool) -> Self {
-        Self { nodes: Vec::new(), lists: Lists::default(), padding, leaf, keep, kept: Vec::new() }
-    }
-
-    fn build(&mut self, fragments: Vec<Fragment>, budget: Budget, depth: u32) -> Bsp {
+    fn build(mut self, fragments: Vec<Fragment>, budget: Budget, depth: u32) -> Bsp {
         let mut root = Child::List(0);
         let mut pending = vec![Pending { holder: None, fragments, budget, depth }];
         while let Some(Pending { holder, fragments, budget, depth }) = pending.pop() {
@@ -75,22 +59,11 @@ impl Builder {
                 Some((node, side)) => self.nodes[node].children[side] = child,
             }
         }
-        Bsp {
-            root,
-            nodes: std::mem::take(&mut self.nodes),
-            lists: std::mem::take(&mut self.lists),
-            padding: self.padding,
-        }
+        Bsp { root, nodes: self.nodes, lists: self.lists, padding: self.padding }
     }
 
-    /// A list of fragments, or of their slots.
+    /// A list of the slots of fragments.
     fn list(&mut self, fragments: Vec<Fragment>) -> u32 {
-        if self.keep {
-            let first = self.kept.len() as u32;
-            let list: Vec<u32> = (first..first + fragments.len() as u32).collect();
-            self.kept.extend(fragments);
-            return self.lists.push(&list);
-        }
         let mut slots: Vec<u32> = fragments.iter().map(|f| f.slot).collect();
         slots.sort_unstable();
         slots.dedup();
@@ -105,7 +78,7 @@ impl Builder {
         budget: Budget,
         depth: u32,
     ) -> Result<(Plane, Vec<Fragment>, [Vec<Fragment>; 2], Budget), Vec<Fragment>> {
-        if depth == 0 || fragments.len() <= self.leaf {
+        if depth == 0 || fragments.len() <= LEAF {
             return Err(fragments);
         }
         let Some(plane) = self.choose(&fragments) else { return Err(fragments) };

@@ -5,14 +5,12 @@
 //! At most [`DEPTH`] levels, and [`FRAGMENTS_PER_ITEM`] fragments for each primitive.
 
 mod build;
-mod order;
 mod polygon;
 
 use super::items::Items;
 use super::line::{Line, is_beyond};
 use super::lists::Lists;
 use super::search::Visitor;
-pub use order::{Order, PolygonOrder};
 use steradian_math::DVec3;
 
 /// Most levels below the root.
@@ -57,7 +55,7 @@ struct Node {
 pub(super) struct Bsp {
     root: Child,
     nodes: Vec<Node>,
-    /// Lists of slots or, where polygons are kept, of fragments.
+    /// Lists of slots.
     lists: Lists,
     padding: f64,
 }
@@ -65,7 +63,7 @@ pub(super) struct Bsp {
 impl Bsp {
     /// Divides space.
     pub fn build(items: &Items) -> Self {
-        build::for_rays(items)
+        build::partition(items)
     }
 
     /// Visits the leaves along a line in order, and what lies in the planes between them.
