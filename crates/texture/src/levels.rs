@@ -4,6 +4,7 @@
 
 use super::{
     kernel::MipKernel,
+    sample::Kind,
     store::{Level, Pages},
     wrap::Wrap,
 };
@@ -242,7 +243,7 @@ impl Plane {
         let alpha = matches!(self.channels, 2 | 4).then(|| self.channels - 1);
         let stored = |i: usize, v: f32| if alpha == Some(i % self.channels) { v } else { encoding.encode(v) };
         let data = match like.kind() {
-            super::store::Kind::U8 => {
+            Kind::U8 => {
                 let encoder = Encoder8::new(encoding);
                 let code = |(i, &v): (usize, &f32)| {
                     if alpha == Some(i % self.channels) {
@@ -253,20 +254,18 @@ impl Plane {
                 };
                 TexelData::U8(self.data.par_iter().enumerate().map(code).collect())
             }
-            super::store::Kind::U16 => TexelData::U16(
+            Kind::U16 => TexelData::U16(
                 self.data
                     .par_iter()
                     .enumerate()
                     .map(|(i, &v)| steradian_image::encoding::quantize16(stored(i, v)))
                     .collect(),
             ),
-            super::store::Kind::F16 => {
+            Kind::F16 => {
                 // Means of halves are in their range.
                 TexelData::F16(self.data.iter().enumerate().map(|(i, &v)| f16::from_f32(stored(i, v))).collect())
             }
-            super::store::Kind::F32 => {
-                TexelData::F32(self.data.iter().enumerate().map(|(i, &v)| stored(i, v)).collect())
-            }
+            Kind::F32 => TexelData::F32(self.data.iter().enumerate().map(|(i, &v)| stored(i, v)).collect()),
         };
         let texels = Texels {
             width: self.width,

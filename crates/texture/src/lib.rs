@@ -18,6 +18,7 @@ mod one_tap;
 pub mod pages;
 pub mod pattern;
 pub mod ramp;
+pub mod sample;
 pub mod store;
 pub mod summed;
 pub mod triplanar;

@@ -1,7 +1,7 @@
 //! Texels on disk, in square tiles of 64 × 64 in Morton order, of which those that were used last are in memory: scenes
 //! may have more textures than memory. What is looked up has the same bits as without.
 
-use super::store::{Decoder, Kind, from_half};
+use super::sample::{Decoder, Kind, from_half};
 use half::f16;
 use std::{
     collections::HashMap,
