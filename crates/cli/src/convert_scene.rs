@@ -114,7 +114,7 @@ fn picture(desc: &SceneDesc, size: (u32, u32), mode: Option<ColorMode>) -> Resul
     let scene = Arc::new(scene.ok_or_else(none)?);
     let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };
     let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
-    Ok((picture, scene.mode))
+    Ok((picture, scene.mode()))
 }
 
 /// A place in a file, to be compared.

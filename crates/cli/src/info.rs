@@ -134,7 +134,7 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
 
 /// A small picture of the scene.
 fn thumbnail(path: &Path, args: &InfoArgs, opened: &Opened, terminal: Terminal) -> Outcome {
-    let Some(film) = opened.scene.as_ref().map(|s| &s.film) else { return Ok(failure::DONE) };
+    let Some(film) = opened.scene.as_ref().map(Scene::film) else { return Ok(failure::DONE) };
     let scale = f64::from(THUMBNAIL) / f64::from(film.width.max(film.height)).max(1.0);
     let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
     let size = Some((side(film.width), side(film.height)));
@@ -154,8 +154,8 @@ impl Info {
         let kind = |id: Option<NodeId>| id.map(|id| desc.node(id).kind.clone());
         let bounds = scene.map(Scene::bounds).map(|b| [b.min.to_array(), b.max.to_array()]);
         let film = scene.map(|s| {
-            let c = s.film.crop;
-            Film { width: s.film.width, height: s.film.height, crop: [c.x0, c.y0, c.x1, c.y1] }
+            let c = s.film().crop;
+            Film { width: s.film().width, height: s.film().height, crop: [c.x0, c.y0, c.x1, c.y1] }
         });
         let film_bytes = film.as_ref().map(|f| {
             let [x0, y0, x1, y1] = f.crop.map(u64::from);
@@ -175,14 +175,14 @@ impl Info {
                 .collect(),
             film,
             settings: scene.map(|s| Settings {
-                integrator: s.settings.integrator.clone(),
-                sampler: s.settings.sampler.name(),
+                integrator: s.settings().integrator.clone(),
+                sampler: s.settings().sampler.name(),
                 named_sampler: kind(desc.sampler),
                 filter: kind(desc.filter),
-                color: if s.mode == ColorMode::Spectral { "spectral" } else { "rgb" },
-                spp: s.settings.spp,
-                seed: s.settings.seed,
-                max_depth: Some(s.settings.max_depth).filter(|d| *d != u32::MAX),
+                color: if s.mode() == ColorMode::Spectral { "spectral" } else { "rgb" },
+                spp: s.settings().spp,
+                seed: s.settings().seed,
+                max_depth: Some(s.settings().max_depth).filter(|d| *d != u32::MAX),
             }),
             // A scene of infinite planes alone has no bounds.
             bounds: bounds.filter(|b| b.iter().flatten().all(|v| v.is_finite()) && b[0][0] <= b[1][0]),

@@ -120,7 +120,7 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     let report = Report {
         schema: 1,
         material: args.material.clone(),
-        wavelengths: (scene.mode == ColorMode::Spectral).then(|| specimen.wavelengths()),
+        wavelengths: (scene.mode() == ColorMode::Spectral).then(|| specimen.wavelengths()),
         albedo: args.albedo.then(|| ANGLES.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
         gloss: args.gloss.then(|| GEOMETRIES.iter().map(|g| gloss(&specimen, *g, args.samples)).collect()),
         fit: args.fit.then(|| {
@@ -206,7 +206,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
         }
         let ready =
             open::open(Path::new(file), &args.scene, None).into_scene(Path::new(file), args.scene.strict, terminal)?;
-        let names = || ready.scene.material_names.iter().map(String::as_str);
+        let names = || ready.scene.material_names().iter().map(String::as_str);
         known_name(name, "material", names()).map_err(Failure::bad_input)?;
         let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);
         return Ok(Glass { scene: ready.scene, index: index as u32, inputs: ready.inputs });
@@ -226,7 +226,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
     match compiled.scene {
         Some(scene) => {
             let inputs = Inputs::of(desc.files().chain(compiled.files.iter().map(PathBuf::as_path)));
-            Ok(Glass { index: scene.geometries[0].material, scene: Arc::new(scene), inputs })
+            Ok(Glass { index: scene.geometries()[0].material, scene: Arc::new(scene), inputs })
         }
         None => Err(Failure::bad_input(format!("material '{}' has errors", args.material))),
     }

@@ -170,8 +170,8 @@ pub struct Provenance<'a> {
 
 /// Writes into the picture how it was made and, where it is a part of its frame, which part.
 pub fn label(picture: &mut Image, scene: &Scene, provenance: &Provenance<'_>) {
-    let crop = scene.film.crop;
-    let frame = (scene.film.width, scene.film.height);
+    let crop = scene.film().crop;
+    let frame = (scene.film().width, scene.film().height);
     if (crop.width(), crop.height()) != frame {
         picture.offset = [crop.x0 as i32, crop.y0 as i32];
         picture.frame = Some(Window { min: [0, 0], max: [frame.0 as i32, frame.1 as i32] });

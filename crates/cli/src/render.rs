@@ -42,7 +42,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     let Planned { render, spp, pixels, planned } = job.plan(scene)?;
     let integrator = job.quality.integrator_name(scene);
     let signals = Signals::watch();
-    let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
+    let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
     terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
     let solution = job.solution.as_deref().zip(lit);
     let mut session = solving::session(scene, &render, solution, &signals, terminal)?;
@@ -53,7 +53,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if let Some(keeper) = &keeper {
         keeper.restore(&mut *session, pixels, (!job.takes_none()).then_some(spp))?;
     }
-    let color = if scene.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
+    let color = if scene.mode() == ColorMode::Spectral { "spectral" } else { "rgb" };
     let (name, seed, layers) = (&*job.name, render.plan.sampler.seed, &job.quality.layers);
     let making = Making { scene, name, integrator, color, seed, layers };
     let on_the_way = |session: &mut dyn Session, due: Due| {
@@ -79,7 +79,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     if let Some(why) = session.failure() {
         return Err(Failure::failed(why));
     }
-    if scene.texture_pages.as_ref().is_some_and(|pages| pages.has_failed()) {
+    if scene.texture_pages().as_ref().is_some_and(|pages| pages.has_failed()) {
         terminal.warn("some textures could not be read back from the temporary file; they are black in places");
     }
     if session.counters().samples == 0 {
@@ -227,7 +227,7 @@ impl<'a> Job<'a> {
         }
         let partial: Vec<PathBuf> = self.outputs.iter().map(|output| output::partial(output)).collect();
         output::claim(self.outputs.iter().chain(&partial).map(PathBuf::as_path).chain(self.kept()), inputs)?;
-        let size = (scene.film.crop.width(), scene.film.crop.height());
+        let size = (scene.film().crop.width(), scene.film().crop.height());
         self.outputs.iter().zip(&self.kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, size))
     }
 
@@ -239,11 +239,11 @@ impl<'a> Job<'a> {
         let is_pipeline = render.integrator().is_none();
         let plan = &mut render.plan;
         let mattes = if plan.mattes { 16 } else { 0 };
-        let groups = if plan.by_light { 3 * scene.light_groups.names.len() } else { 0 };
+        let groups = if plan.by_light { 3 * scene.light_groups().names.len() } else { 0 };
         check_memory(scene, quality.layers.len() + mattes + groups)?;
         let integrator = quality.integrator_name(scene);
         if let Some(what) = quality.cannot(scene) {
-            let named = &scene.settings.integrator;
+            let named = &scene.settings().integrator;
             terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
         }
         if let Some(LeftOut { what, instead }) = quality.leaves_out(scene) {
@@ -252,7 +252,7 @@ impl<'a> Job<'a> {
         if args.sampler.is_some() && is_pipeline {
             terminal.warn(&format!("--sampler has no effect: '{integrator}' spreads samples in a way of its own"));
         }
-        let crop = &scene.film.crop;
+        let crop = &scene.film().crop;
         let pixels = u64::from(crop.width()) * u64::from(crop.height());
         let spp = plan.sampler.spp;
         if let Some(state) = args.resume.as_deref().filter(|state| state.exists()) {
@@ -264,7 +264,7 @@ impl<'a> Job<'a> {
                 "--time 0 takes no samples: it makes a picture of what --resume FILE keeps",
             ));
         }
-        if plan.adaptive && (crop.width(), crop.height()) != (scene.film.width, scene.film.height) {
+        if plan.adaptive && (crop.width(), crop.height()) != (scene.film().width, scene.film().height) {
             terminal.say(
                 "note: with --adaptive a --crop is sampled by its own needs, so it is not bit for bit the part of the \
                  whole picture",
@@ -347,7 +347,7 @@ impl Making<'_> {
         [load, build, save]: [Duration; 3],
         stop: Option<Stop>,
     ) -> Report<'_> {
-        let (done, crop) = (session.counters(), &self.scene.film.crop);
+        let (done, crop) = (session.counters(), &self.scene.film().crop);
         Report {
             schema: 1,
             software: concat!("Steradian ", env!("CARGO_PKG_VERSION")),
@@ -466,13 +466,13 @@ fn quality(args: &RenderArgs) -> Quality {
 
 /// Refuses films that would not fit into memory, before the system ends the process for it.
 pub fn check_memory(scene: &Scene, layers: usize) -> Result<(), Failure> {
-    let pixels = u64::from(scene.film.crop.width()) * u64::from(scene.film.crop.height());
+    let pixels = u64::from(scene.film().crop.width()) * u64::from(scene.film().crop.height());
     let needed = pixels.saturating_mul(memory::film_bytes_per_pixel(layers));
     match memory::available() {
         Some(available) if needed > available => Err(Failure::bad_input(format!(
             "a picture of {} x {} pixels needs about {} of memory, and {} are there; a smaller --size or a --crop helps",
-            scene.film.crop.width(),
-            scene.film.crop.height(),
+            scene.film().crop.width(),
+            scene.film().crop.height(),
             memory::readable(needed),
             memory::readable(available),
         ))),

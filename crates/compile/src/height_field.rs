@@ -151,7 +151,7 @@ mod tests {
                     assert!((seen - height).abs() < 1e-5, "{seen} {height}");
                 }
                 assert_eq!(height(&scene, 1.1, 0.5), None);
-                assert_eq!(scene.lights.lights.len() > 1, emits);
+                assert_eq!(scene.lights().lights.len() > 1, emits);
             }
         };
         check(&listed, [0.25, 0.75, 1.94]);

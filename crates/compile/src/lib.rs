@@ -35,9 +35,9 @@ use std::{
 use steradian_accel::{Accel, Accelerator, Object};
 use steradian_core::{
     light::{Emitter, Light, LightGroups, Lights},
-    material::{Material, Model, Needs, SurfaceDetail},
+    material::Material,
     medium::Medium,
-    scene::{Geometry, Placement, Scene, Settings},
+    scene::{Geometry, Parts, Placement, Scene, Settings},
 };
 use steradian_image::Texels;
 use steradian_math::spectra::ColorMode;
@@ -199,7 +199,7 @@ impl Compiler<'_> {
             let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
             self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));
         }
-        let mut settings = self.settings();
+        let settings = self.settings();
         let world = self.shapes(&self.desc.shapes, true);
         let mut groups = Vec::new();
         for group in &self.desc.groups {
@@ -224,9 +224,6 @@ impl Compiler<'_> {
             Placement { world_from_group: i.world_from_object, motion: i.motion.clone(), base: *base, count }
         };
         let placements = instances.iter().map(placement).collect();
-        let planes = (0..world.len() as u32)
-            .filter(|&g| matches!(self.geometries[g as usize].shape, steradian_core::scene::Shape::Plane(_)))
-            .collect();
         let textures = std::mem::take(&mut self.textures);
         let lights =
             Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode, &textures);
@@ -236,38 +233,16 @@ impl Compiler<'_> {
         if lights.lights.is_empty() && lights.emitters.is_empty() && !glows {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
-        let has_media =
-            camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)));
-        if has_media {
-            self.choose_for_media(&mut settings);
-        }
         let spp = self.options.spp.unwrap_or(settings.spp);
-        // Bump maps take their differences over the footprint, and normal maps their roughness.
-        let has_detail = self.materials.iter().any(|m| {
-            let filtered = |d: &SurfaceDetail| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some());
-            m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
-        });
-        let footprints = (has_detail || textures.is_filtered()).then(|| camera.view_footprint(&film, spp));
-        self.set_needs(&lights, footprints.is_some());
-        let scene = Scene {
+        let mut parts = Parts {
             mode: self.mode,
-            footprints,
             texture_pages: self.pages.take(),
-            has_media,
-            is_see_through: self
-                .materials
-                .iter()
-                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
-            is_timed: textures.is_timed() || camera.motion.is_some() || instances.iter().any(|i| i.motion.is_some()),
-            has_curves: self.geometries.iter().any(|g| g.shape.faces_rays()),
-            has_mixtures: self.materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
             object_names: self.object_names(),
             light_groups,
             geometries: std::mem::take(&mut self.geometries),
             accel,
             placements,
             world_count: world.len() as u32,
-            planes,
             materials: std::mem::take(&mut self.materials),
             material_names: std::mem::take(&mut self.material_names),
             textures,
@@ -276,8 +251,12 @@ impl Compiler<'_> {
             camera,
             film,
             settings,
+            spp,
         };
-        (Some(scene), build_time)
+        if parts.has_media() {
+            self.choose_for_media(&mut parts.settings);
+        }
+        (Some(Scene::new(parts)), build_time)
     }
 
     /// In a scene with media the integrator is one that renders them, if the user chose none.
@@ -289,19 +268,6 @@ impl Compiler<'_> {
                 self.diagnostics.warn(&self.desc.sources, node.span, what);
             }
             Some(_) => {}
-        }
-    }
-
-    /// What each geometry's hits have to know. Footprints go on from any surface.
-    fn set_needs(&mut self, lights: &Lights, has_footprints: bool) {
-        let mut needs = Vec::with_capacity(self.materials.len());
-        for material in &self.materials {
-            needs.push(material.needs(&needs));
-        }
-        for geometry in &mut self.geometries {
-            let needs = needs[geometry.material as usize];
-            let is_shown = geometry.emitter.is_some_and(|e| lights.emitters[e as usize].is_textured());
-            geometry.needs = Needs { parameters: needs.parameters || is_shown || has_footprints, ..needs };
         }
     }
 

@@ -298,7 +298,7 @@ mod tests {
             .with("height", 32_i64)
             .with("crop", Value::Ints(vec![8, 40, 4, 12]));
         desc.film = Some(desc.add(film));
-        compile(&desc, &options).scene.map(|s| s.film.crop)
+        compile(&desc, &options).scene.map(|s| s.film().crop)
     }
 
     #[test]

@@ -13,7 +13,7 @@ const SETS: usize = 4;
 
 /// The first surface that scatters, along a camera ray.
 pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
-    let forward = scene.camera.forward();
+    let forward = scene.camera().forward();
     let eye = ray.origin;
     let mut ray = ray;
     // A ray meets few interfaces before anything else; beyond that the layers stay empty.
@@ -28,23 +28,23 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
         };
         let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
             let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
-            scene.mode.to_rgb(role::under_white(albedo, lambda, scene.mode), lambda)
+            scene.mode().to_rgb(role::under_white(albedo, lambda, scene.mode()), lambda)
         };
-        let albedo = match scene.mode {
+        let albedo = match scene.mode() {
             ColorMode::Rgb => albedo(&s.bsdf, lambda),
             ColorMode::Spectral => {
                 let (mut sum, mut white) = (Vec3::ZERO, Vec3::ZERO);
                 for set in 0..SETS {
                     let lambda =
                         Wavelengths::sample_visible((set as f32 + 0.5) / (4 * SETS) as f32).at_time(lambda.time);
-                    let one = role::under_white(Spectrum::ONE, &lambda, scene.mode);
-                    white += scene.mode.to_rgb(one, &lambda);
+                    let one = role::under_white(Spectrum::ONE, &lambda, scene.mode());
+                    white += scene.mode().to_rgb(one, &lambda);
                     sum += at(&lambda).map_or(Vec3::ZERO, |(s, _)| albedo(&s.bsdf, &lambda));
                 }
                 sum / white
             }
         };
-        let geometry = &scene.geometries[i.geometry as usize];
+        let geometry = &scene.geometries()[i.geometry as usize];
         let to = i.surface.p - eye;
         let ng = i.surface.n;
         return FirstHit {

@@ -124,7 +124,7 @@ pub struct PixelSample {
 impl PixelSample {
     /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
     pub fn at(scene: &Scene, sampler: &Sampler, partition: &Partition, index: u32, place: &Place) -> (Self, f32) {
-        let film = &scene.film;
+        let film = scene.film();
         let own = sampler.pixel(place.x, place.y, index);
         let is_alone = partition.size() == 1;
         let joint = if is_alone { own } else { partition.joint(sampler, place, index) };
@@ -134,10 +134,10 @@ impl PixelSample {
         };
         let (offset, weight) = film.filter.sample(own.get_2d(dimension::FILM));
         let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
-        let lens = if scene.camera.lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
-        let lambda = scene.mode.wavelengths(|| common(dimension::WAVELENGTH));
-        let lambda = if scene.is_timed { lambda.at_time(common(dimension::TIME)) } else { lambda };
-        let ray = scene.camera.ray_at(film, point, lens, lambda.time);
+        let lens = if scene.camera().lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
+        let lambda = scene.mode().wavelengths(|| common(dimension::WAVELENGTH));
+        let lambda = if scene.is_timed() { lambda.at_time(common(dimension::TIME)) } else { lambda };
+        let ray = scene.camera().ray_at(film, point, lens, lambda.time);
         (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO }, weight)
     }
 }

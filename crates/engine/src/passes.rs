@@ -122,25 +122,25 @@ impl<'s> Run<'s> {
 
     /// The camera sample of a pixel in a pass.
     pub fn camera_sample(&self, x: u32, y: u32, number: u32) -> CameraSample {
-        let (scene, film) = (self.scene, &self.scene.film);
+        let (scene, film) = (self.scene, self.scene.film());
         let sampler = self.sampler.pixel(x, y, number);
         let (offset, weight) = film.filter.sample(sampler.get_2d(dimension::FILM));
         let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
         let lens = sampler.get_2d(dimension::LENS);
-        let ray = scene.camera.ray(film, at, if scene.camera.lens_radius > 0.0 { lens } else { Vec2::splat(0.5) });
+        let ray = scene.camera().ray(film, at, if scene.camera().lens_radius > 0.0 { lens } else { Vec2::splat(0.5) });
         let lambda = self.wavelengths(&sampler);
         CameraSample { at, ray, sampler, lambda, weight }
     }
 
     /// Wavelengths and moment of a path.
     pub fn wavelengths(&self, sampler: &PixelSampler) -> Wavelengths {
-        let lambda = self.scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
-        if self.scene.is_timed { lambda.at_time(sampler.get_1d(dimension::TIME)) } else { lambda }
+        let lambda = self.scene.mode().wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+        if self.scene.is_timed() { lambda.at_time(sampler.get_1d(dimension::TIME)) } else { lambda }
     }
 
     /// Radiance as the film has it.
     pub fn developed(&self, radiance: Spectrum, lambda: &Wavelengths) -> Vec3 {
-        self.scene.film.developed(radiance, lambda, self.scene.mode)
+        self.scene.film().developed(radiance, lambda, self.scene.mode())
     }
 }
 
@@ -185,8 +185,8 @@ pub struct Passes<P> {
 impl<P: Pass> Passes<P> {
     /// Starts with an empty film. Of the plan counts all but `adaptive`: passes are of the whole picture.
     pub fn new(scene: Arc<Scene>, integrator: P, plan: Plan) -> Self {
-        let n = scene.film.crop.width() as usize * scene.film.crop.height() as usize;
-        let groups = scene.light_groups.names.len();
+        let n = scene.film().crop.width() as usize * scene.film().crop.height() as usize;
+        let groups = scene.light_groups().names.len();
         Self {
             total: plan.sampler.spp,
             scene,
@@ -216,7 +216,7 @@ impl<P: Pass> Passes<P> {
             self.is_prepared = true;
         }
         while self.samples() < samples && !self.is_good_enough {
-            let mut film = PassFilm::new(&scene.film, self.by_light.len() / self.pixels.len().max(1));
+            let mut film = PassFilm::new(scene.film(), self.by_light.len() / self.pixels.len().max(1));
             let done = self.integrator.pass(&run, self.passes, &mut film)?;
             self.first_hits(&run)?;
             self.counters += &done;
@@ -241,7 +241,7 @@ impl<P: Pass> Passes<P> {
         if self.features.is_empty() && self.mattes.is_empty() {
             return Some(());
         }
-        let crop = self.scene.film.crop;
+        let crop = self.scene.film().crop;
         let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
             let hit = |x| {
                 let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], self.passes);
@@ -270,7 +270,7 @@ impl<P: Pass> Passes<P> {
 
 impl<P: Pass> Passes<P> {
     fn squared_errors(&self) -> Option<Sum> {
-        let width = self.scene.film.crop.width() as usize;
+        let width = self.scene.film().crop.width() as usize;
         if self.passes < 2 { None } else { Sum::of_rows(&self.pixels, width) }
     }
 }
@@ -335,7 +335,7 @@ impl<P: Pass> Session for Passes<P> {
 
     fn film(&self) -> Film {
         Film {
-            crop: self.scene.film.crop,
+            crop: self.scene.film().crop,
             pixels: self.pixels.clone(),
             features: self.features.clone(),
             mattes: self.mattes.clone(),

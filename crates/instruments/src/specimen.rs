@@ -29,7 +29,7 @@ impl<'a> Specimen<'a> {
 
     /// The material of this name; the last of several, as scene files redefine.
     pub fn named(scene: &'a Scene, name: &str) -> Option<Self> {
-        let i = scene.material_names.iter().rposition(|n| n == name)?;
+        let i = scene.material_names().iter().rposition(|n| n == name)?;
         Some(Self::new(scene, i as u32))
     }
 
@@ -47,7 +47,7 @@ impl<'a> Specimen<'a> {
 
     /// What the lanes of its values are.
     pub fn mode(&self) -> ColorMode {
-        self.scene.mode
+        self.scene.mode()
     }
 
     /// The wavelengths, nm, of the lanes in spectral mode.
@@ -60,11 +60,11 @@ impl<'a> Specimen<'a> {
         let at = TextureContext::new(Vec3::ZERO, self.uv);
         let mut lambda = self.lambda;
         let s = self.scene;
-        material::scattering(&s.materials, &s.textures, self.material, &at, front, choice, &mut lambda)
+        material::scattering(&s.materials(), &s.textures(), self.material, &at, front, choice, &mut lambda)
     }
 
     fn strata(&self) -> u32 {
-        if self.scene.has_mixtures { MIXTURE_STRATA } else { 1 }
+        if self.scene.has_mixtures() { MIXTURE_STRATA } else { 1 }
     }
 
     /// `f·|cosθ_i|` and the density of [`Specimen::sample`], both per steradian.
@@ -91,7 +91,7 @@ impl<'a> Specimen<'a> {
 
     /// Luminance of a value: Rec.709's in RGB mode, the mean of the lanes in spectral mode.
     pub fn luminance(&self, s: Spectrum) -> f32 {
-        match self.scene.mode {
+        match self.scene.mode() {
             ColorMode::Rgb => steradian_math::color::luminance(Vec3::from(s.to_rgb())),
             ColorMode::Spectral => s.mean(),
         }
@@ -99,7 +99,7 @@ impl<'a> Specimen<'a> {
 
     /// The lanes that mean something: three in RGB mode, four in spectral.
     pub fn lanes(&self, s: Spectrum) -> Vec<f32> {
-        match self.scene.mode {
+        match self.scene.mode() {
             ColorMode::Rgb => s.to_rgb().to_vec(),
             ColorMode::Spectral => s.to_array().to_vec(),
         }

@@ -21,7 +21,7 @@ impl Integrator for AmbientOcclusion {
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else { return Spectrum::ZERO };
             let i = scene.interaction(&ray, &hit);
-            let u = sampler.get_1d_lazily(dimension::at(0, dimension::MIXTURE), scene.has_mixtures);
+            let u = sampler.get_1d_lazily(dimension::at(0, dimension::MIXTURE), scene.has_mixtures());
             let Some((_, frame)) = scene.scattering(&i, u, lambda) else {
                 ray = i.spawn(ray.direction);
                 continue;
@@ -32,7 +32,7 @@ impl Integrator for AmbientOcclusion {
             counters.rays += 1;
             let is_open = !scene.occluded(&Ray { t_max: self.distance, ..i.spawn(w) });
             // In spectral mode white is the white of the colour space, not a flat spectrum.
-            return role::under_white(Spectrum::splat(f32::from(is_open)), lambda, scene.mode);
+            return role::under_white(Spectrum::splat(f32::from(is_open)), lambda, scene.mode());
         }
         Spectrum::ZERO
     }

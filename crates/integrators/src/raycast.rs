@@ -32,7 +32,7 @@ impl Integrator for Raycast {
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
                 Some((s, frame)) => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
-                    let color = role::under_white(albedo, lambda, scene.mode);
+                    let color = role::under_white(albedo, lambda, scene.mode());
                     return if self.hide_emitters { color } else { color + nee::emission(scene, &i, &None, lambda) };
                 }
                 None => {

@@ -86,7 +86,7 @@ impl IntegratorKind {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Passes(kind) => kind.cannot(scene).or_else(|| kind.leaves_out(scene)),
-            Self::Path(_) if scene.has_media => Some("participating media".into()),
+            Self::Path(_) if scene.has_media() => Some("participating media".into()),
             Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
             Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {
                 Ok(names) if names.is_empty() => None,

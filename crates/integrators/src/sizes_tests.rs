@@ -86,7 +86,7 @@ impl<const MEDIA: bool> GroupIntegrator for Uneven<MEDIA> {
 
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
         let edge = self.1;
-        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
+        let [columns, rows] = [scene.film().width, scene.film().height].map(|size| size.div_ceil(edge));
         let paths = (0..columns * rows).map(|k| 1 << (k % 3)).collect();
         let splitting = Splitting { paths, columns, edge };
         Precomputed { splitting, ..self.0.prepare(scene, plan, stop) }
@@ -175,12 +175,11 @@ fn crops_at_odd_offsets_are_parts_of_the_whole() {
         for (t, variance_reduction) in few.iter().enumerate() {
             let plan = plan(name, *variance_reduction, 2);
             let whole = take(&scene, plan, CELL);
-            let mut cropped = scene.clone();
             for at in 0..3 {
                 let n = (7 * k + 5 * t + 11 * at) as u32;
                 let (x0, y0) = (n % width, n * 13 % height);
                 let (x1, y1) = ((x0 + 1 + n * 3 % 19).min(width), (y0 + 1 + n * 5 % 23).min(height));
-                cropped.film.crop = Crop { x0, y0, x1, y1 };
+                let cropped = Scene::clone(&scene).changed(|parts| parts.film.crop = Crop { x0, y0, x1, y1 });
                 let part = take(&cropped, plan, CELL);
                 for (i, p) in (0..).zip(&part.pixels) {
                     let [x, y] = [x0 + i % (x1 - x0), y0 + i / (x1 - x0)];
@@ -190,7 +189,7 @@ fn crops_at_odd_offsets_are_parts_of_the_whole() {
                         bits(p),
                         bits(q),
                         "{name} {variance_reduction:?} of {:?}, pixel {x}, {y}",
-                        cropped.film.crop
+                        cropped.film().crop
                     );
                 }
             }

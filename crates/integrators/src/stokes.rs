@@ -29,7 +29,7 @@ impl Integrator for Stokes {
     fn radiance(&self, (): &(), ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
         // Light travels against the ray; its horizontal is across the camera's view and up.
         let k = -ray.direction;
-        let horizontal = context.scene.camera.right();
+        let horizontal = context.scene.camera().right();
         let across = (horizontal - k * k.dot(horizontal)).try_normalize().unwrap_or_else(|| basis(k));
         let to_picture = Mueller::change_basis(k, basis(k), across);
         (to_picture * self.vector(ray, context)).0[self.component]
@@ -65,7 +65,7 @@ impl Stokes {
             if events >= self.depth.max {
                 return sum;
             }
-            let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures);
+            let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures());
             let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
                 passes += 1;
                 if passes > crate::MAX_PASSES {
@@ -76,7 +76,7 @@ impl Stokes {
             };
             let bsdf = &scattering.bsdf;
             let wo = frame.to_local(i.wo);
-            if !bsdf.is_specular() && scene.lights.can_sample() {
+            if !bsdf.is_specular() && scene.lights().can_sample() {
                 let ctx = nee::context(&i, &frame, bsdf);
                 if let Some(s) = nee::sample_light(scene, &ctx, events, sampler, lambda) {
                     let light = nee::unoccluded(&s, wo, &frame, &scattering);

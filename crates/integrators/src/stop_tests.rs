@@ -59,7 +59,7 @@ fn paths_end_where_they_are() {
 /// Rays of one path.
 fn rays<I: Integrator>(integrator: &I, scene: &Scene, stop: &Stop) -> u64 {
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(3, 5, 0);
-    let ray = scene.camera.ray(&scene.film, steradian_math::Vec2::new(3.5, 5.5), steradian_math::Vec2::splat(0.5));
+    let ray = scene.camera().ray(scene.film(), steradian_math::Vec2::new(3.5, 5.5), steradian_math::Vec2::splat(0.5));
     let (mut counters, mut lambda) = (Counters::until(stop), Wavelengths::RGB);
     let context = &mut PathContext { scene, sampler: &sampler, lambda: &mut lambda, counters: &mut counters };
     integrator.radiance(&I::Prepared::default(), ray, context);

@@ -47,7 +47,7 @@ impl Whitted {
         context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
         let PathContext { scene, sampler, lambda, counters } = context;
-        if scene.lights.environments.is_empty() || scattering.bsdf.is_specular() {
+        if scene.lights().environments.is_empty() || scattering.bsdf.is_specular() {
             return Spectrum::ZERO;
         }
         let u = sampler.get_1d(dimension::at(event, dimension::LOBE));
@@ -96,13 +96,13 @@ impl Whitted {
             let wo = frame.to_local(i.wo);
             // Every light in turn.
             let ctx = LightContext { p: i.surface.p, n: nee::context(&i, &frame, bsdf).n };
-            for light in 0..scene.lights.lights.len() as u32 {
-                let environment = matches!(scene.lights.lights[light as usize], Light::Environment(_));
+            for light in 0..scene.lights().lights.len() as u32 {
+                let environment = matches!(scene.lights().lights[light as usize], Light::Environment(_));
                 if bsdf.is_specular() || environment {
                     continue;
                 }
                 let u = sampler.get_2d(dimension::at(events, dimension::LIGHT_POINT) ^ (light + 1) << 8);
-                let Some(s) = scene.lights.sample(light, &ctx, u, lambda, &scene.textures) else { continue };
+                let Some(s) = scene.lights().sample(light, &ctx, u, lambda, scene.textures()) else { continue };
                 let e = scattering.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
                 if e.value.is_black() {
                     continue;

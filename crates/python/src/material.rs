@@ -28,10 +28,10 @@ pub struct Material {
 impl Material {
     /// A material of a scene by its name.
     pub fn named(scene: Arc<Scene>, name: &str) -> PyResult<Self> {
-        match scene.material_names.iter().rposition(|n| n == name) {
+        match scene.material_names().iter().rposition(|n| n == name) {
             Some(index) => Ok(Self { scene, index: index as u32, wavelengths: None }),
             None => {
-                let known = scene.material_names.join(", ");
+                let known = scene.material_names().join(", ");
                 Err(PyKeyError::new_err(format!("there is no material '{name}'; there are {known}")))
             }
         }
@@ -79,7 +79,7 @@ impl Material {
         let compiled = steradian::compile(&desc, &options);
         let Some(scene) = compiled.scene else { return Err(message::error(&compiled.diagnostics)) };
         // The specimen is the first shape.
-        let index = scene.geometries[0].material;
+        let index = scene.geometries()[0].material;
         Ok(Self { scene: Arc::new(scene), index, wavelengths })
     }
 
@@ -105,14 +105,14 @@ impl Material {
             }
             (values, densities)
         });
-        let lanes = if self.scene.mode == ColorMode::Spectral { 4 } else { 3 };
+        let lanes = if self.scene.mode() == ColorMode::Spectral { 4 } else { 3 };
         let values = Array2::from_shape_vec((wo.len(), lanes), values);
         let values = values.map_err(|e| PyValueError::new_err(e.to_string()))?;
         Ok((values.into_pyarray(py), densities.into_pyarray(py)))
     }
 
     fn __repr__(&self) -> String {
-        format!("<steradian.Material '{}'>", self.scene.material_names[self.index as usize])
+        format!("<steradian.Material '{}'>", self.scene.material_names()[self.index as usize])
     }
 }
 

@@ -47,7 +47,7 @@ fn fault(e: steradian::Error) -> PyErr {
 pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
     let Request { scene, quality, .. } = request;
     let render = quality.render(scene).map_err(fault)?;
-    let crop = scene.film.crop;
+    let crop = scene.film().crop;
     let pixels = f64::from(crop.width()) * f64::from(crop.height());
     let planned = pixels * f64::from(render.plan.sampler.spp);
     let mut session = render.session(scene).map_err(fault)?;

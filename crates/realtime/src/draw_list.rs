@@ -30,11 +30,11 @@ impl DrawList {
     pub fn new(scene: &Scene) -> Self {
         let mut items = Vec::new();
         let mut add = |from: u32, to: u32, instance: u32| {
-            let drawn = (from..to).filter(|&g| !scene.geometries[g as usize].is_interface);
+            let drawn = (from..to).filter(|&g| !scene.geometries()[g as usize].is_interface);
             items.extend(drawn.map(|geometry| Item { geometry, in_group: geometry - from, instance }));
         };
-        add(0, scene.world_count, WORLD);
-        for (number, placement) in scene.placements.iter().enumerate() {
+        add(0, scene.world_count(), WORLD);
+        for (number, placement) in scene.placements().iter().enumerate() {
             add(placement.base, placement.base + placement.count, number as u32);
         }
         Self { items }
@@ -42,14 +42,14 @@ impl DrawList {
 
     /// The geometry of an item.
     pub fn geometry<'s>(&self, scene: &'s Scene, item: &Item) -> &'s Geometry {
-        &scene.geometries[item.geometry as usize]
+        &scene.geometries()[item.geometry as usize]
     }
 }
 
 impl Item {
     /// Where its group is.
     pub fn place(&self, scene: &Scene) -> Affine {
-        match scene.placements.get(self.instance as usize) {
+        match scene.placements().get(self.instance as usize) {
             Some(placement) if self.instance != WORLD => placement.world_from_group,
             _ => Affine::IDENTITY,
         }

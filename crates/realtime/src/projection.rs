@@ -69,7 +69,7 @@ impl Projected {
     /// # Errors
     /// Cameras that see all directions, or a frame beyond what viewports hold.
     pub fn new(scene: &Scene, offset: Vec2) -> Result<Self, Error> {
-        let (camera, film) = (&scene.camera, &scene.film);
+        let (camera, film) = (scene.camera(), scene.film());
         let perspective = match camera.projection {
             Projection::Perspective => true,
             Projection::Orthographic => false,
@@ -188,7 +188,7 @@ impl Projected {
         if let Some(LightFrame { size, .. }) = self.light {
             return (Extent::new(size, size), Viewport::new(size as f32, size as f32));
         }
-        let (film, crop) = (&scene.film, scene.film.crop);
+        let (film, crop) = (scene.film(), scene.film().crop);
         let viewport = Viewport::new(film.width as f32, film.height as f32);
         (Extent::new(crop.width(), crop.height()), Viewport { x: -(crop.x0 as f32), y: -(crop.y0 as f32), ..viewport })
     }
@@ -254,10 +254,10 @@ impl Projected {
         if let Some(LightFrame { size, .. }) = self.light {
             return self.light_ray([x, y], size);
         }
-        let crop = scene.film.crop;
+        let crop = scene.film().crop;
         let pixel = Vec2::new((crop.x0 + x) as f32, (crop.y0 + y) as f32) + self.offset;
         // The middle of the lens: no blur.
-        scene.camera.ray(&scene.film, pixel, Vec2::splat(0.5))
+        scene.camera().ray(scene.film(), pixel, Vec2::splat(0.5))
     }
 
     fn light_ray(&self, [x, y]: [u32; 2], size: u32) -> Ray {

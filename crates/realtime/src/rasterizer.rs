@@ -99,7 +99,7 @@ impl Rasterizer {
         }
         let eye = drawing.eye();
         let lesson = pool.install(|| lesson::picture(run.scene, list, &eye, &self.options, shadows))?;
-        let crop = run.scene.film.crop;
+        let crop = run.scene.film().crop;
         let (width, height) = (crop.width() as usize, crop.height() as usize);
         let rows = run.in_order(height, |row, counters| {
             let pixel = |column: usize| match &lesson {
@@ -119,7 +119,7 @@ impl Rasterizer {
 
     /// What a pass sees.
     fn drawing<'a>(&self, run: &'a Run<'a>, list: &'a DrawList, number: u32) -> Result<Drawing<'a>, Error> {
-        let (offset, weight) = place(&run.scene.film, number);
+        let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.
         let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
         let projected = Projected::new(run.scene, offset)?;
@@ -148,7 +148,7 @@ impl Rasterizer {
         let scene = run.scene;
         let seen = visibility.seen(scene, list, projected, at);
         if self.options.show == Show::Clip {
-            let item = visibility.item((at[1] * scene.film.crop.width() + at[0]) as usize);
+            let item = visibility.item((at[1] * scene.film().crop.width() + at[0]) as usize);
             let shown = item.zip(seen).map(|(item, seen)| lesson::clipping(scene, list, projected, item, &seen));
             return Found { value: shown.unwrap_or(Vec3::ZERO), lights: Vec::new() };
         }
@@ -160,7 +160,7 @@ impl Rasterizer {
         }
         let mut lambda = shader.wavelengths(at);
         counters.by_group.clear();
-        let groups = if self.by_light { scene.light_groups.names.len() } else { 0 };
+        let groups = if self.by_light { scene.light_groups().names.len() } else { 0 };
         counters.by_group.resize(groups, Spectrum::ZERO);
         counters.stop = Stop::by(&run.control.cancel);
         let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
@@ -168,9 +168,9 @@ impl Rasterizer {
             radiance = Spectrum::ZERO;
             counters.by_group.fill(radiance);
         }
-        let exposed = scene.film.exposed(radiance);
+        let exposed = scene.film().exposed(radiance);
         let scale = if exposed.is_black() { 0.0 } else { exposed.max_element() / radiance.max_element() };
-        let rgb = |light| scene.mode.to_rgb(light, &lambda) * drawing.weight;
+        let rgb = |light| scene.mode().to_rgb(light, &lambda) * drawing.weight;
         Found { value: rgb(exposed), lights: counters.by_group.iter().map(|light| rgb(*light * scale)).collect() }
     }
 }
@@ -199,9 +199,9 @@ impl Pass for Rasterizer {
 
     fn first_ray(&self, run: &Run<'_>, [x, y]: [u32; 2], number: u32) -> (Ray, Wavelengths) {
         let scene = run.scene;
-        let (offset, _) = place(&scene.film, number);
-        let ray = scene.camera.ray(&scene.film, Vec2::new(x as f32, y as f32) + offset, Vec2::splat(0.5));
-        (ray, scene.mode.wavelengths(|| 0.5))
+        let (offset, _) = place(scene.film(), number);
+        let ray = scene.camera().ray(scene.film(), Vec2::new(x as f32, y as f32) + offset, Vec2::splat(0.5));
+        (ray, scene.mode().wavelengths(|| 0.5))
     }
 
     fn notes(&self) -> Vec<String> {

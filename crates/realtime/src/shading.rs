@@ -83,7 +83,7 @@ impl<'a> Shader<'a> {
 
     /// The wavelengths of a pixel's light.
     pub fn wavelengths(&self, at: [u32; 2]) -> Wavelengths {
-        self.scene.mode.wavelengths(|| self.numbers(at).get_2d(0, self.pass).x)
+        self.scene.mode().wavelengths(|| self.numbers(at).get_2d(0, self.pass).x)
     }
 
     /// A view that shows what is seen, not its light.
@@ -93,7 +93,7 @@ impl<'a> Shader<'a> {
         match self.options.show {
             Show::Depth => {
                 let (center, radius) = crate::extent(self.scene);
-                let eye = self.scene.camera.world_from_camera.point(Vec3::ZERO);
+                let eye = self.scene.camera().world_from_camera.point(Vec3::ZERO);
                 let far = (center - eye).length() + radius;
                 Vec3::splat(1.0 - i.t / far).max(Vec3::ZERO)
             }
@@ -115,7 +115,7 @@ impl<'a> Shader<'a> {
         counters: &mut Counters,
     ) -> Spectrum {
         let (scene, numbers) = (self.scene, self.numbers(at));
-        let pixel = (at[1] * scene.film.crop.width() + at[0]) as usize;
+        let pixel = (at[1] * scene.film().crop.width() + at[0]) as usize;
         let mut trace = Trace { counters, pixel: Some(pixel) };
         let (mut ray, mut hit, mut differential) = (*ray, seen.map(|s| s.hit), scene.ray_differential(ray));
         let (mut sum, mut beta, mut events) = (Spectrum::ZERO, Spectrum::ONE, 0);
@@ -126,9 +126,9 @@ impl<'a> Shader<'a> {
                 return if is_hidden { sum } else { sum + self.background(&ray, beta, lambda, &mut trace) };
             };
             let i = scene.interaction_of_light(&ray, &found);
-            if !is_hidden && let Some(emitter) = scene.geometries[i.geometry as usize].emitter {
+            if !is_hidden && let Some(emitter) = scene.geometries()[i.geometry as usize].emitter {
                 let light = beta * nee::emission(scene, &i, &None, lambda);
-                trace.counters.note(|| Some(scene.light_groups.of_emitters[emitter as usize]), light);
+                trace.counters.note(|| Some(scene.light_groups().of_emitters[emitter as usize]), light);
                 sum += light;
             }
             let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
@@ -172,9 +172,9 @@ impl<'a> Shader<'a> {
 
     fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
         let scene = self.scene;
-        scene.lights.environments.iter().fold(Spectrum::ZERO, |sum, &light| {
+        scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &light| {
             let found = beta * nee::environment(scene, light, ray.origin, ray.direction, &None, lambda);
-            trace.counters.note(|| Some(scene.light_groups.of_lights[light as usize]), found);
+            trace.counters.note(|| Some(scene.light_groups().of_lights[light as usize]), found);
             sum + found
         })
     }
@@ -184,7 +184,7 @@ impl<'a> Shader<'a> {
         if point.scattering.bsdf.is_specular() {
             return Spectrum::ZERO;
         }
-        let lights = &self.scene.lights;
+        let lights = self.scene.lights();
         let (numbers, round, points) = (point.numbers, point.round, self.options.points);
         let mut sum = Spectrum::ZERO;
         if lights.lights.len() > FEW_LIGHTS {
@@ -214,7 +214,7 @@ impl<'a> Shader<'a> {
     /// `chosen`: whether lights are chosen at random.
     fn sky(&self, point: &Point<'_>, chosen: bool, trace: &mut Trace<'_>) -> Spectrum {
         let Point { i, frame, scattering, ctx, lambda, beta, numbers, round } = point;
-        let lights = &self.scene.lights;
+        let lights = self.scene.lights();
         let mut sum = Spectrum::ZERO;
         if lights.environments.is_empty() {
             return sum;
@@ -236,7 +236,7 @@ impl<'a> Shader<'a> {
                 if !arriving.is_black()
                     && *is_open.get_or_insert_with(|| self.shadows.is_open(self.scene, &i.spawn(wi), trace))
                 {
-                    let group = self.scene.light_groups.of_lights[light as usize];
+                    let group = self.scene.light_groups().of_lights[light as usize];
                     let found = *beta * s.weight * arriving / self.options.points as f32;
                     trace.counters.note(|| Some(group), found);
                     sum += found;
@@ -257,7 +257,7 @@ impl<'a> Shader<'a> {
         part: f32,
         trace: &mut Trace<'_>,
     ) -> Spectrum {
-        let Some(s) = self.scene.lights.sample(light, ctx, u, lambda, &self.scene.textures) else {
+        let Some(s) = self.scene.lights().sample(light, ctx, u, lambda, self.scene.textures()) else {
             return Spectrum::ZERO;
         };
         let e = scattering.eval(frame.to_local(i.wo), frame.to_local(s.wi), TransportMode::Radiance);
@@ -269,10 +269,10 @@ impl<'a> Shader<'a> {
             return Spectrum::ZERO;
         }
         // Environments are found by the surface's directions, too.
-        let is_environment = matches!(self.scene.lights.lights[light as usize], Light::Environment(_));
+        let is_environment = matches!(self.scene.lights().lights[light as usize], Light::Environment(_));
         let weight = if is_environment { power_heuristic(s.pdf * p, e.pdf) } else { 1.0 };
         let found = *beta * e.value * s.radiance * (lit * weight * part / (s.pdf * p));
-        trace.counters.note(|| Some(self.scene.light_groups.of_lights[light as usize]), found);
+        trace.counters.note(|| Some(self.scene.light_groups().of_lights[light as usize]), found);
         found
     }
 }

@@ -394,7 +394,7 @@ fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Border) -> Opt
     let id = PrimId { instance: item.instance, geom: item.in_group, prim: part };
     let ray = local(scene, item, ray);
     let hit = |h: steradian_accel::UserHit| Hit { t: h.t, u: h.u, v: h.v, id };
-    match &scene.geometries[item.geometry as usize].shape {
+    match &scene.geometries()[item.geometry as usize].shape {
         Shape::Mesh(mesh) => triangle(&ray, mesh.corners(part), border).map(|(t, u, v)| Hit { t, u, v, id }),
         Shape::Quadric(q) => {
             let first = q.intersect(&ray)?;

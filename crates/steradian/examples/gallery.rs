@@ -261,7 +261,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let velvet = specimen::describe(TABLE_OF.0, &pairs(TABLE_OF.1))?;
     let velvet = steradian::compile(&velvet, &CompileOptions::default()).scene.ok_or("velvet does not compile")?;
-    let velvet = Specimen::new(&velvet, velvet.geometries[0].material);
+    let velvet = Specimen::new(&velvet, velvet.geometries()[0].material);
     fs::write(TABLE, goniometer::table(&velvet, [5.0, 10.0], &[0.0]))?;
     let mut page = format!(
         "# Gallery of materials\n\nA ball on tiles in a studio of three lamps, as `steradian material … --picture` renders it; run the commands in the\n\

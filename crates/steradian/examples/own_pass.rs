@@ -14,7 +14,7 @@ pub(crate) struct Sprinkled;
 
 impl Pass for Sprinkled {
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
-        let (camera, spec) = (&run.scene.camera, &run.scene.film);
+        let (camera, spec) = (run.scene.camera(), run.scene.film());
         let size = Vec2::new(spec.width as f32, spec.height as f32);
         // Pieces of work, on all threads; what they find is added in their order, so bits do not depend on threads.
         let (rows, counters) = run.in_order(spec.height as usize, |row, counters| {

@@ -40,10 +40,10 @@ impl Recursive {
         }
         // The path is long enough, unless the surface lets it through.
         let is_last = events >= self.0.max.min(DEEPEST);
-        if is_last && !scene.is_see_through {
+        if is_last && !scene.is_see_through() {
             return sum;
         }
-        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures);
+        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures());
         match scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda) {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
@@ -94,7 +94,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (scene, messages) = steradian::open(file)?;
     messages.iter().try_for_each(|message| writeln!(std::io::stderr(), "{message}"))?;
     let quality = Quality { spp: Some(64), ..Quality::default() };
-    let depth = Depth { max: scene.settings.max_depth, roulette_after: scene.settings.rr_depth, hide_emitters: false };
+    let depth =
+        Depth { max: scene.settings().max_depth, roulette_after: scene.settings().rr_depth, hide_emitters: false };
     let mut session = PerPixel::per_pixel(Arc::clone(&scene), Recursive(depth), quality.render(&scene)?.plan);
     session.step(u32::MAX, &Default::default());
     let picture = steradian::develop(&scene, &session.film(), &[]);

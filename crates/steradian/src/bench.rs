@@ -20,13 +20,13 @@ pub struct RaySet {
 /// The rays of a scene, at most so many of each kind: through the middles of pixels; in directions distributed by the
 /// cosine from what these meet; and from there to points on lights. The same for every structure, and for every run.
 pub fn ray_sets(scene: &Scene, most: usize) -> [RaySet; 3] {
-    let crop = scene.film.crop;
+    let crop = scene.film().crop;
     let pixels = u64::from(crop.width()) * u64::from(crop.height());
     // Every n-th column and row.
     let step = ((pixels as f64 / most.max(1) as f64).sqrt().ceil() as usize).max(1);
     let columns = || (crop.x0..crop.x1).step_by(step);
     let middle = |x: u32, y: u32| Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-    let ray = |p: Vec2| scene.camera.ray(&scene.film, p, Vec2::splat(0.5));
+    let ray = |p: Vec2| scene.camera().ray(scene.film(), p, Vec2::splat(0.5));
     let rows = (crop.y0..crop.y1).step_by(step);
     let primary: Vec<Ray> = rows.flat_map(|y| columns().map(move |x| ray(middle(x, y)))).collect();
     let mut rng = HashRng::new(1);
@@ -46,10 +46,10 @@ pub fn ray_sets(scene: &Scene, most: usize) -> [RaySet; 3] {
 
 /// A shadow ray from a surface to a light.
 fn to_light(scene: &Scene, i: &Interaction, n: Vec3, choice: f32, u: Vec2) -> Option<Ray> {
-    let lambda = scene.mode.wavelengths(|| 0.5);
+    let lambda = scene.mode().wavelengths(|| 0.5);
     let context = LightContext { p: i.surface.p, n };
-    let (light, _) = scene.lights.choose(&context, choice)?;
-    let sample = scene.lights.sample(light, &context, u, &lambda, &scene.textures)?;
+    let (light, _) = scene.lights().choose(&context, choice)?;
+    let sample = scene.lights().sample(light, &context, u, &lambda, scene.textures())?;
     Some(i.spawn_towards(sample.wi, sample.distance))
 }
 

@@ -10,12 +10,12 @@ use steradian_schema::material::MATERIALS;
 /// layers asked for. Layers of first hits need a film on which they were gathered.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let names = Names {
-        objects: scene.object_names.clone(),
-        materials: material_names(&scene.material_names),
-        light_groups: scene.light_groups.names.clone(),
+        objects: scene.object_names().clone(),
+        materials: material_names(scene.material_names()),
+        light_groups: scene.light_groups().names.clone(),
     };
     let mut image = steradian_film::develop(film, layers, &names);
-    let world_from_camera = scene.camera.world_from_camera;
+    let world_from_camera = scene.camera().world_from_camera;
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
 }

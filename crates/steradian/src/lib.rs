@@ -8,7 +8,7 @@
 //! assert!(messages.is_empty());
 //! let quality = Quality { spp: Some(1), ..Quality::default() };
 //! let picture = render(&scene, &quality)?;
-//! assert_eq!((picture.width(), picture.height()), (scene.film.width as usize, scene.film.height as usize));
+//! assert_eq!((picture.width(), picture.height()), (scene.film().width as usize, scene.film().height as usize));
 //! # Ok::<(), steradian::Error>(())
 //! ```
 

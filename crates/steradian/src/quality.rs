@@ -81,18 +81,19 @@ impl Quality {
         let asked = self.integrator_or_scene(scene);
         let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
         let depth = Depth {
-            max: scene.settings.max_depth,
-            roulette_after: scene.settings.rr_depth,
-            hide_emitters: scene.settings.hide_emitters,
+            max: scene.settings().max_depth,
+            roulette_after: scene.settings().rr_depth,
+            hide_emitters: scene.settings().hide_emitters,
         };
         if name == "radiosity" {
             let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
             let asked = radiosity::options(options, depth)?;
-            let settings = Settings { seed: self.seed.unwrap_or(scene.settings.seed), ..asked.view.settings };
+            let settings = Settings { seed: self.seed.unwrap_or(scene.settings().seed), ..asked.view.settings };
             let view = View { settings, ..asked.view };
             radiosity::can_solve(scene, &view)?;
             // Without a final gather pixels have no noise but that of edges.
-            let spp = self.spp.unwrap_or(if view.gather > 0 { scene.settings.spp } else { scene.settings.spp.min(16) });
+            let spp =
+                self.spp.unwrap_or(if view.gather > 0 { scene.settings().spp } else { scene.settings().spp.min(16) });
             return self.render_of(scene, IntegratorKind::Radiosity(view), spp);
         }
         if name == RASTER.name {
@@ -104,11 +105,14 @@ impl Quality {
             return self.plan_of(scene, Method::Pipeline(options, depth), self.spp.unwrap_or(1));
         }
         if name == "ao" {
-            let of_file =
-                scene.settings.options.iter().find(|(key, _)| name == scene.settings.integrator && key == "distance");
+            let of_file = scene
+                .settings()
+                .options
+                .iter()
+                .find(|(key, _)| name == scene.settings().integrator && key == "distance");
             let distance = of_file.and_then(|(_, value)| value.parse().ok()).unwrap_or(f32::INFINITY);
             let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
-            return self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp));
+            return self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings().spp));
         }
         let PathOptions { mut depth, variance_reduction, own } = PathOptions::parse(name, options, depth)?;
         depth.max = self.max_depth.unwrap_or(depth.max);
@@ -118,8 +122,8 @@ impl Quality {
                 hint: did_you_mean(name, all_integrators().map(|i| i.name)),
                 known: all_integrators().map(|i| i.name).collect::<Vec<_>>().join(", "),
             })?;
-        if name == scene.settings.integrator {
-            for (key, value) in &scene.settings.options {
+        if name == scene.settings().integrator {
+            for (key, value) in &scene.settings().options {
                 // What the file's format allows, and the integrator does not, is of no effect.
                 integrator.set(key, value);
             }
@@ -140,19 +144,19 @@ impl Quality {
         if self.transparent {
             let what = match integrator {
                 IntegratorKind::Passes(_) => Some("a transparent background"),
-                _ if scene.has_media => Some("a transparent background behind media"),
+                _ if scene.has_media() => Some("a transparent background behind media"),
                 _ => None,
             };
             if let Some(what) = what {
                 return Err(Error::CannotRender { integrator: name.into(), what: what.into() });
             }
         }
-        self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings.spp))
+        self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings().spp))
     }
 
     /// Makes paths fit for layers of groups of lights, which share nothing and take one light sample each.
     fn keep_lights_apart(&self, scene: &Scene, method: &mut Method) -> Result<(), String> {
-        let groups = scene.light_groups.names.len();
+        let groups = scene.light_groups().names.len();
         if groups > MOST_LIGHT_GROUPS {
             return Err(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)"));
         }
@@ -197,15 +201,15 @@ impl Quality {
             kept.map_err(|what| Error::CannotRender { integrator: self.integrator_name(scene).into(), what })?;
         }
         let kind = match self.sampler.as_deref() {
-            None => scene.settings.sampler,
-            Some("scene") => scene.settings.named_sampler,
+            None => scene.settings().sampler,
+            Some("scene") => scene.settings().named_sampler,
             Some(name) => SamplerKind::named(name).ok_or_else(|| Error::UnknownSampler {
                 name: name.into(),
                 hint: did_you_mean(name, SAMPLERS.iter().map(|s| s.0)),
                 known: SAMPLERS.iter().map(|s| s.0).collect::<Vec<_>>().join(", "),
             })?,
         };
-        let sampler = Sampler { kind, spp, seed: self.seed.unwrap_or(scene.settings.seed) };
+        let sampler = Sampler { kind, spp, seed: self.seed.unwrap_or(scene.settings().seed) };
         let plan = Plan {
             sampler,
             threads: self.threads,
@@ -227,11 +231,11 @@ impl Quality {
 
     /// The integrator that is asked for, or the scene's; where that cannot do what is in the scene, a path tracer.
     fn integrator_or_scene<'a>(&'a self, scene: &'a Scene) -> &'a str {
-        let named = scene.settings.integrator.as_str();
+        let named = scene.settings().integrator.as_str();
         match &self.integrator {
             Some(asked) => asked,
             None if self.cannot(scene).is_some() => {
-                if scene.has_media {
+                if scene.has_media() {
                     "volpath"
                 } else {
                     "path"
@@ -244,7 +248,7 @@ impl Quality {
     /// What in the scene its own integrator cannot do, where no other one is asked for: a path tracer renders it then.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
-        match IntegratorKind::named(&scene.settings.integrator, depth, VarianceReduction::default())? {
+        match IntegratorKind::named(&scene.settings().integrator, depth, VarianceReduction::default())? {
             kind @ IntegratorKind::Passes(_) if self.integrator.is_none() => kind.cannot(scene),
             _ => None,
         }
@@ -260,10 +264,10 @@ impl Quality {
         }
         let is_raster = name == RASTER.name;
         let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
-        let media = (scene.has_media && is_blind).then_some("participating media");
+        let media = (scene.has_media() && is_blind).then_some("participating media");
         let motion = (scene.moves() && is_raster).then_some("motion: it shows the moment at which the shutter opens");
         let what: Vec<&str> = media.into_iter().chain(motion).collect();
-        let instead = if scene.has_media { "volpath" } else { "path" };
+        let instead = if scene.has_media() { "volpath" } else { "path" };
         (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
     }
 

@@ -114,7 +114,7 @@ pub fn fingerprint(desc: &SceneDesc) -> io::Result<[u8; HASH]> {
 
 /// Settings as they are kept: those that decide about the light.
 fn kept(scene: &Scene, settings: &Settings) -> String {
-    format!("{settings:?}, {:?}", scene.mode)
+    format!("{settings:?}, {:?}", scene.mode())
 }
 
 /// Keeps a solution in a file, which appears whole or not at all.

@@ -147,7 +147,7 @@ impl Saved {
 impl Recipe {
     /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
     pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, render: &Render) -> Self {
-        let (film, Render { method, plan }) = (&scene.film, render);
+        let (film, Render { method, plan }) = (scene.film(), render);
         // Not threads, memory, or structures, which change no bit.
         let settings = [
             ("integrator", format!("{method:?}")),
@@ -162,8 +162,8 @@ impl Recipe {
             ("error", format!("{:?}", plan.error)),
             ("size", format!("{} x {}", film.width, film.height)),
             ("film", format!("{film:?}")),
-            ("camera", format!("{:?}", scene.camera)),
-            ("colour", format!("{:?}", scene.mode)),
+            ("camera", format!("{:?}", scene.camera())),
+            ("colour", format!("{:?}", scene.mode())),
             ("stochastic textures", options.stochastic_textures.to_string()),
         ];
         Self { scene: fingerprint, settings: settings.map(|(name, value)| (name.to_owned(), value)).into() }

@@ -202,7 +202,7 @@ mod tests {
         let gold = params(&[("eta", "metal-Au-eta"), ("k", "metal-Au-k"), ("alpha_u", "0.2")]);
         let d = describe("conductor", &gold).expect("sound");
         let scene = compile(&d, &CompileOptions::default()).scene.expect("it compiles");
-        assert_eq!(scene.material_names[scene.geometries[0].material as usize], "conductor");
+        assert_eq!(scene.material_names()[scene.geometries()[0].material as usize], "conductor");
         let mixed = params(&[("materials", "diffuse(reflectance=0.8,0.1,0.1)|conductor(alpha_u=0.1;alpha_v=0.3)")]);
         let d = describe("mix", &mixed).expect("sound");
         assert!(compile(&d, &CompileOptions::default()).scene.is_some());
@@ -217,8 +217,8 @@ mod tests {
         };
         let d = cover(bare(triangle), "diffuse", &params(&[("reflectance", "0.3")])).expect("sound");
         let scene = compile(&d, &CompileOptions::default()).scene.expect("it compiles");
-        assert_eq!((scene.geometries.len(), d.lights.len()), (1, 1));
-        assert_eq!(scene.material_names[scene.geometries[0].material as usize], "diffuse");
+        assert_eq!((scene.geometries().len(), d.lights.len()), (1, 1));
+        assert_eq!(scene.material_names()[scene.geometries()[0].material as usize], "diffuse");
     }
 
     #[test]

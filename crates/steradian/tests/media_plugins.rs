@@ -172,7 +172,7 @@ fn media_are_rendered_unless_a_path_tracer_is_named() {
     for (name, text) in [("u.pbrt", unnamed), ("u.xml", mitsuba("")), ("u.gltf", gltf)] {
         let (scene, said) = read(&file(name, &text));
         let quality = Quality::default();
-        assert_eq!((scene.has_media, quality.integrator_name(&scene)), (true, "volpath"), "{name}");
+        assert_eq!((scene.has_media(), quality.integrator_name(&scene)), (true, "volpath"), "{name}");
         assert!(!said.iter().any(|m| m.contains("leaves out")), "{name}: {said:?}");
         assert_eq!(quality.leaves_out(&scene), None);
         let asked = Quality { integrator: Some("path".into()), ..Quality::default() };

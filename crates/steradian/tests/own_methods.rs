@@ -118,7 +118,7 @@ fn scenes_are_opened_with_all_that_is_said_of_them() {
     let said = file(wrong).expect_err("errors").to_string();
     assert!(said.contains("s.pbrt:2:7") && said.contains("'sphere'") && said.contains("s.pbrt:3:"), "{said}");
     let (scene, messages) = file("WorldBegin\nShape \"sphere\" \"float raduis\" 2\n").expect("a scene");
-    assert!(scene.geometries.len() == 1 && messages.iter().any(|m| m.to_string().contains("raduis")));
+    assert!(scene.geometries().len() == 1 && messages.iter().any(|m| m.to_string().contains("raduis")));
 }
 
 /// A scene, a picture and a file in one expression; what is wrong comes with its place, and no file is left.

@@ -102,7 +102,7 @@ fn refusal(scene: &Scene, options: &str) -> String {
 
 /// The ray through a place of a pixel.
 fn ray(scene: &Scene, x: u32, y: u32, at: Vec2) -> Ray {
-    scene.camera.ray(&scene.film, Vec2::new(x as f32, y as f32) + at, Vec2::splat(0.5))
+    scene.camera().ray(scene.film(), Vec2::new(x as f32, y as f32) + at, Vec2::splat(0.5))
 }
 
 /// The primitive that a pixel sees is the one that its ray meets, or that a ray meets within the rounding of positions
@@ -144,7 +144,7 @@ fn light_is_that_of_rays() {
     let scene = scene_of(SCENE);
     let found = radiances(&scene, "");
     let whitted = Whitted { depth: Depth { max: 8, roulette_after: 100, hide_emitters: false } };
-    let sampler = Sampler { kind: scene.settings.sampler, spp: 1, seed: 0 };
+    let sampler = Sampler { kind: scene.settings().sampler, spp: 1, seed: 0 };
     let (mut off, mut sum) = (0, 0.0);
     for (x, y) in (0..200).flat_map(|x| (0..150).map(move |y| (x, y))) {
         let centre = ray(&scene, x, y, Vec2::splat(0.5));
@@ -204,8 +204,8 @@ fn threads_crops_and_samples() {
     };
     let first = with_threads(1);
     assert!((2..=4).all(|threads| with_threads(threads) == first));
-    let mut part = scene.clone();
-    part.film.crop = steradian_core::film::Crop { x0: 37, y0: 20, x1: 120, y1: 101 };
+    let crop = steradian_core::film::Crop { x0: 37, y0: 20, x1: 120, y1: 101 };
+    let part = scene.clone().changed(|parts| parts.film.crop = crop);
     let (whole, part) = (radiances(&scene, "show=primitives"), radiances(&part, "show=depth"));
     assert_eq!((whole.len(), part.len()), (200 * 150, 83 * 81));
     let whole = radiances(&scene, "show=depth");
@@ -285,7 +285,7 @@ fn shadow_volumes_are_ray_cast_shadows() {
     ];
     for (number, (text, eye_is_lit)) in cases.into_iter().enumerate() {
         let scene = scene_of(&text);
-        let width = scene.film.width as usize;
+        let width = scene.film().width as usize;
         let (exact, volumes) = (shares(&scene, "shadows=ray"), shares(&scene, "shadows=volume"));
         assert!(exact.iter().flatten().any(|s| *s < 0.9));
         let wrong = differing(&exact, &volumes);
@@ -296,10 +296,10 @@ fn shadow_volumes_are_ray_cast_shadows() {
             let i = scene.interaction(&ray, &hit);
             let lit = |light: u32| {
                 let ctx = steradian_core::light::LightContext { p: i.surface.p, n: Vec3::ZERO };
-                let s = scene.lights.sample(light, &ctx, Vec2::splat(0.5), &Wavelengths::RGB, &scene.textures)?;
+                let s = scene.lights().sample(light, &ctx, Vec2::splat(0.5), &Wavelengths::RGB, scene.textures())?;
                 Some(!scene.occluded(&i.spawn_towards(s.wi, s.distance)))
             };
-            Some((0..scene.lights.lights.len() as u32).map(lit).collect::<Vec<_>>())
+            Some((0..scene.lights().lights.len() as u32).map(lit).collect::<Vec<_>>())
         };
         let off_edges = wrong.iter().filter(|&&i| {
             let here = beside(i, 0, 0);
@@ -452,7 +452,7 @@ fn every_order_shows_what_the_depth_buffer_shows() {
         let by = |method| Visibility::draw_with(&scene, &list, &projected, Some(method)).unwrap();
         let expected = by(Method::ZBuffer);
         let wrong = |found: &Visibility| {
-            let (width, height) = (scene.film.width, scene.film.height);
+            let (width, height) = (scene.film().width, scene.film().height);
             let id = |v: &Visibility, at| v.seen(&scene, &list, &projected, at).map(|s| s.hit.id);
             let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
             let differ: Vec<_> = pixels.filter(|&at| id(found, at) != id(&expected, at)).collect();
@@ -609,7 +609,7 @@ fn it_is_rendered_as_others_are() {
     session.step(u32::MAX, &Control::default());
     let film = session.film();
     for (at, pixel) in film.pixels.iter().enumerate() {
-        let groups = scene.light_groups.names.len();
+        let groups = scene.light_groups().names.len();
         let sum: f64 = film.by_light[at * groups..(at + 1) * groups].iter().map(|l| l[1]).sum();
         assert!((sum - pixel.sum[1]).abs() < 1e-5 * (pixel.sum[1].abs() + 1.0), "{sum} {}", pixel.sum[1]);
         assert_eq!((pixel.samples, film.features[at].samples, film.mattes[at].samples), (4, 4, 4));

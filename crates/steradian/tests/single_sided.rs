@@ -46,7 +46,7 @@ fn rays_pass_the_back() {
     for (material, is_met) in cases {
         for (scale, places) in [(PLAIN, 1), (MIRRORED, 1), (PLAIN, 20), (MIRRORED, 20)] {
             let scene = scene_of(material, scale, false, places);
-            assert_eq!(scene.placements.is_empty(), places == 1);
+            assert_eq!(scene.placements().is_empty(), places == 1);
             let rays: Vec<Ray> = (0..256)
                 .map(|i| {
                     let side = if i % 2 == 0 { 1.0 } else { -1.0 };

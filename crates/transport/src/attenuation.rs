@@ -13,7 +13,7 @@ pub fn towards(
     context: &mut PathContext<'_, '_>,
 ) -> Spectrum {
     let scene = context.scene;
-    if scene.is_see_through {
+    if scene.is_see_through() {
         return visibility(ray, (medium, number), context);
     }
     context.counters.rays += 1;
@@ -27,7 +27,7 @@ pub fn towards(
 /// function of the ray and of a random number.
 pub fn passed(medium: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> Spectrum {
     let (scene, lambda) = (context.scene, &*context.lambda);
-    let medium = &scene.media[medium as usize];
+    let medium = &scene.media()[medium as usize];
     match &medium.field {
         None => medium.transmittance(distance, lambda),
         Some(field) => Stretch { medium, field, ray, distance, lambda, stop: &context.counters.stop }

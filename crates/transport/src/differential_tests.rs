@@ -36,7 +36,7 @@ fn scene(between: &[(Node, &Node)]) -> Scene {
 
 /// The first diffuse point of a path that draws the same numbers everywhere, and the differential with which it is met.
 fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, PathState) {
-    let ray = scene.camera.ray(&scene.film, pixel, Vec2::splat(0.5));
+    let ray = scene.camera().ray(scene.film(), pixel, Vec2::splat(0.5));
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(0, 0, 0);
     let depth = Depth { max: u32::MAX, roulette_after: u32::MAX, hide_emitters: false };
     let mut lambda = Wavelengths::RGB;

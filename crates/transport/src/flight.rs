@@ -17,7 +17,7 @@ pub enum Flight {
 
 /// Lanes that carry something.
 pub fn lanes(scene: &Scene, lambda: &Wavelengths) -> usize {
-    match scene.mode {
+    match scene.mode() {
         ColorMode::Rgb => 3,
         ColorMode::Spectral if lambda.is_secondary_terminated() => 1,
         ColorMode::Spectral => 4,

@@ -57,7 +57,7 @@ pub fn meet<'s, const MEDIA: bool>(
             return;
         }
         if let (true, Some(medium)) = (MEDIA, path_state.medium) {
-            let scattering = &scene.media[medium as usize];
+            let scattering = &scene.media()[medium as usize];
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
@@ -97,15 +97,15 @@ pub fn meet<'s, const MEDIA: bool>(
         let i = scene.interaction_of_light(&path_state.ray, &met);
         if !(path_state.events == 0 && depth.hide_emitters) {
             let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
-            let emitter = || scene.geometries[i.geometry as usize].emitter;
-            counters.note(|| emitter().map(|e| scene.light_groups.of_emitters[e as usize]), light);
+            let emitter = || scene.geometries()[i.geometry as usize].emitter;
+            counters.note(|| emitter().map(|e| scene.light_groups().of_emitters[e as usize]), light);
             *sum += light;
         }
         let is_last = path_state.events >= depth.max;
-        if is_last && !scene.is_see_through {
+        if is_last && !scene.is_see_through() {
             return;
         }
-        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures);
+        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures());
         if let Some((scattering, frame)) = scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda)
         {
             if !is_last {
@@ -145,8 +145,8 @@ pub fn escape(path_state: &PathState, depth: &Depth, sum: &mut Spectrum, context
 fn note_groups(path_state: &PathState, context: &mut PathContext<'_, '_>) {
     let PathContext { scene, lambda, counters, .. } = context;
     let (ray, origin) = (&path_state.ray, &path_state.origin);
-    for &light in &scene.lights.environments {
+    for &light in &scene.lights().environments {
         let found = nee::environment(scene, light, ray.origin, ray.direction, origin, lambda);
-        counters.note(|| Some(scene.light_groups.of_lights[light as usize]), path_state.beta * found);
+        counters.note(|| Some(scene.light_groups().of_lights[light as usize]), path_state.beta * found);
     }
 }

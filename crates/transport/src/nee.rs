@@ -21,8 +21,8 @@ pub fn context(i: &Interaction, frame: &Frame, bsdf: &Bsdf) -> LightContext {
 /// The light that is asked for at an event, and the probability of that.
 #[inline]
 pub fn choose(scene: &Scene, ctx: &LightContext, event: u32, sampler: &PixelSampler) -> Option<(u32, f32)> {
-    let u = sampler.get_1d_lazily(dimension::at(event, dimension::LIGHT), scene.lights.are_many());
-    scene.lights.choose(ctx, u)
+    let u = sampler.get_1d_lazily(dimension::at(event, dimension::LIGHT), scene.lights().are_many());
+    scene.lights().choose(ctx, u)
 }
 
 /// A light chosen for the context and a point on it, with the density of both.
@@ -36,7 +36,7 @@ pub fn sample_light(
 ) -> Option<LightSample> {
     let (light, p) = choose(scene, ctx, event, sampler)?;
     let u = sampler.get_2d(dimension::at(event, dimension::LIGHT_POINT));
-    let mut s = scene.lights.sample(light, ctx, u, lambda, &scene.textures)?;
+    let mut s = scene.lights().sample(light, ctx, u, lambda, scene.textures())?;
     s.pdf *= p;
     Some(s)
 }
@@ -60,17 +60,17 @@ pub type Origin = Option<(LightContext, f32)>;
 /// Emission of the surface that a path met, weighted.
 #[inline]
 pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
-    let geometry = &scene.geometries[i.geometry as usize];
+    let geometry = &scene.geometries()[i.geometry as usize];
     let Some(emitter) = geometry.emitter else { return Spectrum::ZERO };
     let at = || scene.texture_context(i);
-    let e = scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, at, lambda, &scene.textures);
+    let e = scene.lights().emitters[emitter as usize].radiance(i.surface.n, i.wo, at, lambda, scene.textures());
     if e.is_black() {
         return e;
     }
     match (origin, geometry.light(i.id.prim)) {
         (Some((ctx, pdf)), Some(light)) => {
             let distance = (i.surface.p - ctx.p).length();
-            let other = scene.lights.area_pdf(light, ctx, -i.wo, distance, i.surface.n);
+            let other = scene.lights().area_pdf(light, ctx, -i.wo, distance, i.surface.n);
             e * power_heuristic(*pdf, other)
         }
         _ => e,
@@ -80,19 +80,19 @@ pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavele
 /// Light of the environments in a direction, weighted.
 #[inline]
 pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
-    scene.lights.environments.iter().fold(Spectrum::ZERO, |sum, &e| sum + environment(scene, e, p, w, origin, lambda))
+    scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &e| sum + environment(scene, e, p, w, origin, lambda))
 }
 
 /// Light of one of the environments in a direction, weighted.
 #[inline]
 pub fn environment(scene: &Scene, light: u32, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
-    let Light::Environment(e) = &scene.lights.lights[light as usize] else { return Spectrum::ZERO };
+    let Light::Environment(e) = &scene.lights().lights[light as usize] else { return Spectrum::ZERO };
     let radiance = e.radiance(p, w, lambda);
     if radiance.is_black() {
         return Spectrum::ZERO;
     }
     match origin {
         None => radiance,
-        Some((ctx, pdf)) => radiance * power_heuristic(*pdf, scene.lights.environment_pdf(light, ctx, w)),
+        Some((ctx, pdf)) => radiance * power_heuristic(*pdf, scene.lights().environment_pdf(light, ctx, w)),
     }
 }

@@ -68,7 +68,7 @@ impl PathState {
         Self {
             ray,
             beta: Spectrum::ONE,
-            medium: scene.camera.medium,
+            medium: scene.camera().medium,
             differential: scene.ray_differential(&ray),
             ..Self::NONE
         }
@@ -88,7 +88,7 @@ impl PathState {
             let light = self.beta * first;
             let PathContext { scene, sampler, counters, .. } = context;
             let chosen = || nee::choose(scene, &v.context(), self.event_of_light(0), sampler);
-            counters.note(|| chosen().map(|(light, _)| scene.light_groups.of_lights[light as usize]), light);
+            counters.note(|| chosen().map(|(light, _)| scene.light_groups().of_lights[light as usize]), light);
             return light;
         }
         let mut sample = |k| v.direct::<MEDIA>(self.event_of_light(k), context);

@@ -149,7 +149,7 @@ impl Vertex<'_> {
     #[inline]
     fn unoccluded(&self, event: u32, context: &PathContext<'_, '_>) -> Option<(Spectrum, Vec3, f32)> {
         let PathContext { scene, sampler, lambda, .. } = context;
-        if self.is_specular() || !scene.lights.can_sample() {
+        if self.is_specular() || !scene.lights().can_sample() {
             return None;
         }
         let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;

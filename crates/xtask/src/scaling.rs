@@ -46,7 +46,7 @@ pub fn triangles(folder: &Path, most: usize, report: &mut Report) -> Result<(), 
             json!(faces as u64),
             json!(load),
             json!(build),
-            json!(scene.accel.bytes() as f64 / faces),
+            json!(scene.accel().bytes() as f64 / faces),
             json!(scene.bytes() as f64 / faces),
             json!(each),
         ]);

@@ -65,7 +65,7 @@ pub fn measure(folder: &Path, most: usize, report: &mut Report) -> Result<(), Bo
             let sets = sets.get_or_insert_with(|| bench::ray_sets(&scene, 1 << 16));
             let name = accelerator.about().0;
             let mut cells: Vec<Value> =
-                vec![json!(triangles), json!(name), json!(build), json!(scene.accel.bytes() as f64 / faces)];
+                vec![json!(triangles), json!(name), json!(build), json!(scene.accel().bytes() as f64 / faces)];
             let mut checksums = Vec::new();
             for set in sets.iter() {
                 let Some(m) = bench::measure(&scene, set, Duration::from_millis(300)) else { continue };

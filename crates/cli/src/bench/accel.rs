@@ -118,7 +118,7 @@ pub fn run(args: &AccelArgs, terminal: Terminal) -> Outcome {
         rows.push(Row {
             structure: name,
             build_seconds: compiled.build_time.as_secs_f64(),
-            bytes: scene.accel.bytes(),
+            bytes: scene.accel().bytes(),
             kinds: measured.iter().zip(&first).map(kind).collect(),
         });
     }

@@ -123,12 +123,12 @@ fn tells(d: &Diagnostic, p: &Parameter, numbers: &[f64]) -> bool {
 
 /// Whether all light that the sphere's material scatters is finite.
 fn is_finite(scene: &Scene) -> Result<(), String> {
-    let id = scene.geometries.first().map_or(0, |g| g.material);
+    let id = scene.geometries().first().map_or(0, |g| g.material);
     let mut rng = HashRng::new(7);
     for i in 0..8 {
         let at = TextureContext::new(Vec3::ZERO, Vec2::new(rng.next_f32(), rng.next_f32()));
-        let mut lambda = scene.mode.wavelengths(|| rng.next_f32());
-        let Some(s) = scattering(&scene.materials, &scene.textures, id, &at, i % 2 == 0, rng.next_f32(), &mut lambda)
+        let mut lambda = scene.mode().wavelengths(|| rng.next_f32());
+        let Some(s) = scattering(scene.materials(), scene.textures(), id, &at, i % 2 == 0, rng.next_f32(), &mut lambda)
         else {
             return Ok(());
         };

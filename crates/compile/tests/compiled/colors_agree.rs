@@ -40,21 +40,21 @@ fn scene(kind: &str, mode: ColorMode) -> Scene {
 /// The colour of white light scattered from one direction to another, or of the specular lobe; in spectral mode by
 /// quadrature.
 fn seen(scene: &Scene, wo: Vec3, wi: Vec3) -> Vec3 {
-    let n = if scene.mode == ColorMode::Rgb { 1 } else { 128 };
-    let white = Color::rgb(Vec3::ONE, &REC709, Role::Illuminant, scene.mode);
+    let n = if scene.mode() == ColorMode::Rgb { 1 } else { 128 };
+    let white = Color::rgb(Vec3::ONE, &REC709, Role::Illuminant, scene.mode());
     let at = TextureContext::new(Vec3::ZERO, Vec2::splat(0.4));
     let mut sum = Vec3::ZERO;
     for i in 0..n {
-        let mut lambda = scene.mode.wavelengths(|| (i as f32 + 0.5) / n as f32);
-        let material = scene.geometries[0].material;
-        let s =
-            scattering(&scene.materials, &scene.textures, material, &at, true, 0.3, &mut lambda).expect("it scatters");
+        let mut lambda = scene.mode().wavelengths(|| (i as f32 + 0.5) / n as f32);
+        let material = scene.geometries()[0].material;
+        let s = scattering(scene.materials(), scene.textures(), material, &at, true, 0.3, &mut lambda)
+            .expect("it scatters");
         let value = if s.bsdf.is_specular() {
             s.bsdf.sample(wo, 0.01, Vec2::splat(0.3), Radiance).expect("a lobe").weight
         } else {
             s.bsdf.eval(wo, wi, Radiance).value
         };
-        sum += scene.mode.to_rgb(value * white.eval(&lambda), &lambda);
+        sum += scene.mode().to_rgb(value * white.eval(&lambda), &lambda);
     }
     sum / n as f32
 }

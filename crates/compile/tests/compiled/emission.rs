@@ -81,15 +81,15 @@ fn emitted_flux_is_that_of_the_light() {
         let expected = f64::from(match name {
             "point" => 3.0 * 4.0 * PI,
             "spot" => {
-                let Light::Spot(s) = &scene.lights.lights[0] else { panic!() };
+                let Light::Spot(s) = &scene.lights().lights[0] else { panic!() };
                 3.0 * s.flux_share()
             }
             "distant" => 3.0 * PI * r * r,
             "projection" => {
-                let Light::Projection(p) = &scene.lights.lights[0] else { panic!() };
+                let Light::Projection(p) = &scene.lights().lights[0] else { panic!() };
                 // The solid angle of a rectangle at distance one.
                 let (a, b) = (p.half.x, p.half.y);
-                let k = p.max_intensity(steradian_core::ColorMode::Rgb, &scene.textures);
+                let k = p.max_intensity(steradian_core::ColorMode::Rgb, scene.textures());
                 4.0 * (a * b / (1.0 + a * a + b * b).sqrt()).atan() * k
             }
             "sky" => 0.5 * 4.0 * PI * PI * r * r,
@@ -100,7 +100,7 @@ fn emitted_flux_is_that_of_the_light() {
             "sphere" => 2.0 * PI * 4.0 * PI * 0.25,
             "disk" => 2.0 * PI * PI * 0.25,
             "cylinder" => {
-                let Light::Area(a) = &scene.lights.lights[0] else { panic!() };
+                let Light::Area(a) = &scene.lights().lights[0] else { panic!() };
                 2.0 * PI * a.area()
             }
             "directional" => 2.0 * 0.125,
@@ -142,15 +142,15 @@ fn emission_and_next_event_estimation_bring_the_same_light() {
             let normal = warp::uniform_sphere(numbers());
             let ctx = LightContext { p: at + normal * size, n: Vec3::ZERO };
             let area = 4.0 * PI * size * size;
-            let v = match &scene.lights.lights[0] {
+            let v = match &scene.lights().lights[0] {
                 // Scattering finds these.
                 Light::Environment(e) if e.sampled_irradiance() <= 0.0 => {
                     let w = warp::uniform_sphere(numbers());
                     e.radiance(ctx.p, w, &lambda)[0] * normal.dot(w).max(0.0) * 4.0 * PI * area
                 }
                 _ => scene
-                    .lights
-                    .sample(0, &ctx, numbers(), &lambda, &scene.textures)
+                    .lights()
+                    .sample(0, &ctx, numbers(), &lambda, scene.textures())
                     .map_or(0.0, |s| s.radiance[0] * normal.dot(s.wi).max(0.0) / s.pdf * area),
             };
             direct += f64::from(v);
@@ -167,7 +167,7 @@ fn emission_and_next_event_estimation_bring_the_same_light() {
             let along = o.dot(d);
             let hits = o.length() > size && along > 0.0 && (o - d * along).length() < size;
             let entry = e.ray.at(along - (size * size - (o - d * along).length_squared()).max(0.0).sqrt());
-            if hits && scene.lights.reaches(e.light, entry, -d, &lambda) {
+            if hits && scene.lights().reaches(e.light, entry, -d, &lambda) {
                 let v = f64::from(e.radiance[0] * e.cos / e.pdf);
                 emitted += v;
                 squares += v * v;
@@ -183,10 +183,10 @@ fn emission_and_next_event_estimation_bring_the_same_light() {
 /// Black lights are never chosen; scenes without light emit nothing.
 #[test]
 fn only_light_is_emitted() {
-    let (_, mut scene) = scenes().remove(0);
-    scene.lights.lights.push(Light::Point(Vec3::ZERO, Color::BLACK));
+    let (_, scene) = scenes().remove(0);
+    let scene = scene.changed(|parts| parts.lights.lights.push(Light::Point(Vec3::ZERO, Color::BLACK)));
     let emission = Emission::new(&scene).expect("a light that emits");
     assert_eq!(emission.pdf(&scene, 1, Vec3::Z, Vec3::Z), 0.0);
-    scene.lights.lights.remove(0);
+    let scene = scene.changed(|parts| _ = parts.lights.lights.remove(0));
     assert!(Emission::new(&scene).is_none());
 }

@@ -62,27 +62,27 @@ fn seen_from(name: &str, scene: Scene, p: Vec3, complete: bool) -> Case {
     let other = scene.clone();
     let sample = move |u: Vec2| {
         // The choice of a light takes its number from the first coordinate, and gives it back stretched.
-        let n = other.lights.lights.len() as f32;
+        let n = other.lights().lights.len() as f32;
         let light = ((u.x * n) as u32).min(n as u32 - 1);
         let u = Vec2::new((u.x * n - light as f32).clamp(0.0, 1.0 - f32::EPSILON), u.y);
-        let s = other.lights.sample(light, &ctx, u, &LAMBDA, &other.textures)?;
+        let s = other.lights().sample(light, &ctx, u, &LAMBDA, &other.textures())?;
         Some((s.wi, s.pdf / n))
     };
     let density = move |w: Vec3| {
-        let n = scene.lights.lights.len() as f64;
+        let n = scene.lights().lights.len() as f64;
         let (mut ray, mut sum) = (Ray::new(p, w), 0.0);
         for _ in 0..8 {
             let Some(hit) = scene.intersect(&ray) else { break };
             let i = scene.interaction(&ray, &hit);
-            let geometry = &scene.geometries[i.geometry as usize];
+            let geometry = &scene.geometries()[i.geometry as usize];
             let (emitter, light) = (geometry.emitter.expect("a lamp"), geometry.light(i.id.prim).expect("a light"));
             let at = || scene.texture_context(&i);
             let shines =
-                scene.lights.emitters[emitter as usize].radiance(i.surface.n, i.wo, at, &LAMBDA, &scene.textures);
+                scene.lights().emitters[emitter as usize].radiance(i.surface.n, i.wo, at, &LAMBDA, scene.textures());
             if !shines.is_black() {
                 // The density of the light alone: that of its choice is divided out.
-                let chosen = scene.lights.probability(&ctx, light);
-                let pdf = scene.lights.area_pdf(light, &ctx, w, (i.surface.p - p).length(), i.surface.n);
+                let chosen = scene.lights().probability(&ctx, light);
+                let pdf = scene.lights().area_pdf(light, &ctx, w, (i.surface.p - p).length(), i.surface.n);
                 sum += f64::from(pdf / chosen) / n;
             }
             ray = i.spawn(w);
@@ -122,7 +122,7 @@ fn surfaces() -> Vec<Case> {
         let corners = [[-1.0, -0.5, 0.0], [1.0, -0.5, 0.0], [1.0, 0.5, 0.0], [-1.0, 0.5, 0.0]];
         lamp(shape("mesh"), mesh(&corners, &[[0, 1, 2], [0, 2, 3]]), here, two_sided, false)
     };
-    assert_eq!(rectangle(true).lights.lights.len(), 1, "two triangles that make a rectangle are one light");
+    assert_eq!(rectangle(true).lights().lights.len(), 1, "two triangles that make a rectangle are one light");
     for (at, p) in
         [("near", Vec3::new(0.3, -0.2, 0.2)), ("beside", Vec3::new(2.0, 1.0, 0.5)), ("far", Vec3::new(-4.0, 5.0, 20.0))]
     {
@@ -180,7 +180,7 @@ fn surfaces() -> Vec<Case> {
     cases.push(seen_from("part of a sphere", part(false), Vec3::new(1.5, 0.9, 0.7), false));
     cases.push(seen_from("part of a sphere, both sides, within", part(true), Vec3::new(0.2, 0.3, 0.1), true));
     let egg = lamp(shape("sphere"), None, Transform::scale(DVec3::new(1.0, 0.5, 0.7)), false, false);
-    assert!(egg.lights.lights.len() > 1, "an egg is a lamp of triangles");
+    assert!(egg.lights().lights.len() > 1, "an egg is a lamp of triangles");
     cases
 }
 

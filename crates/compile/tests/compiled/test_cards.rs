@@ -72,8 +72,8 @@ fn seen(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let ray = Ray::new(Vec3::new(x, y, 1.0), -Vec3::Z);
     let hit = scene.intersect(&ray).expect("a surface");
     let at: TextureContext = scene.texture_context(&scene.interaction(&ray, &hit));
-    let Model::Diffuse(SpectrumTexture::Texture(id, _)) = &scene.materials[1].model else { panic!("no texture") };
-    Vec3::from(scene.textures.spectrum(*id, &at, Role::Albedo, &LAMBDA).to_rgb())
+    let Model::Diffuse(SpectrumTexture::Texture(id, _)) = &scene.materials()[1].model else { panic!("no texture") };
+    Vec3::from(scene.textures().spectrum(*id, &at, Role::Albedo, &LAMBDA).to_rgb())
 }
 
 /// The card's value in the middle of the texel that holds (x right, y down).

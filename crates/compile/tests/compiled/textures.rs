@@ -43,14 +43,14 @@ fn compiled(node: Node) -> Result<(Scene, TextureId), Vec<String>> {
 
 fn compiled_in(mut desc: SceneDesc, id: NodeId) -> Result<(Scene, TextureId), Vec<String>> {
     let scene = scene(&mut desc, id)?;
-    match &scene.materials[1].model {
+    match &scene.materials()[1].model {
         Model::Diffuse(SpectrumTexture::Texture(t, Role::Albedo)) => Ok((scene.clone(), *t)),
         m => panic!("{m:?}"),
     }
 }
 
 fn value((scene, id): &(Scene, TextureId), at: &TextureContext) -> Vec3 {
-    Vec3::from(scene.textures.spectrum(*id, at, Role::Albedo, &LAMBDA).to_rgb())
+    Vec3::from(scene.textures().spectrum(*id, at, Role::Albedo, &LAMBDA).to_rgb())
 }
 
 fn at(u: f32, v: f32) -> TextureContext<'static> {

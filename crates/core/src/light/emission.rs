@@ -77,8 +77,8 @@ impl Emission {
     pub fn new(scene: &Scene) -> Option<Self> {
         let (center, radius) = scene.bounds().bounding_sphere();
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
-        let lights = &scene.lights;
-        let is_sent = |l: &Light| scene.planes.is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
+        let lights = scene.lights();
+        let is_sent = |l: &Light| scene.planes().is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
         let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius, scene) } else { 0.0 };
         let weights: Vec<f32> = lights.lights.iter().map(flux).map(|f| if f.is_finite() { f } else { 0.0 }).collect();
         let is_any = weights.iter().any(|w| *w > 0.0);
@@ -110,7 +110,7 @@ impl Emission {
         direction: Vec2,
         lambda: &Wavelengths,
     ) -> Option<EmittedRay> {
-        let lights = &scene.lights;
+        let lights = scene.lights();
         let point = |p: Vec3, Drawn { w, pdf }: Drawn, radiance: Spectrum| EmittedRay {
             light,
             ray: Ray::new(p, w),
@@ -138,7 +138,7 @@ impl Emission {
                 let local = warp::uniform_cone(direction, m);
                 let pdf = warp::uniform_cone_pdf(m) / s.world_from_light.solid_angle(local);
                 let w = s.world_from_light.vector(local).try_normalize()?;
-                point(s.position, Drawn { w, pdf }, s.intensity(s.position + w, lambda, &scene.textures))
+                point(s.position, Drawn { w, pdf }, s.intensity(s.position + w, lambda, scene.textures()))
             }
             Light::Projection(s) => {
                 let at = (direction * 2.0 - 1.0) * s.half;
@@ -147,7 +147,7 @@ impl Emission {
                 let w = s.world_from_light.vector(local).try_normalize()?;
                 let pdf = pdf / s.world_from_light.solid_angle(local);
                 let p = s.position();
-                point(p, Drawn { w, pdf }, s.intensity(p + w, lambda, &scene.textures, lights.mode()))
+                point(p, Drawn { w, pdf }, s.intensity(p + w, lambda, scene.textures(), lights.mode()))
             }
             Light::Distant(to, irradiance) => EmittedRay {
                 light,
@@ -191,13 +191,13 @@ impl Emission {
                 }
                 let cos = local.z.abs();
                 let w = Frame::from_z(n).to_world(local);
-                let radiance = emitter.radiance(n, w, || at, lambda, &scene.textures);
+                let radiance = emitter.radiance(n, w, || at, lambda, scene.textures());
                 let pdf = lobe(cos, emitter.two_sided) / a.area();
                 EmittedRay { light, ray: Ray::new(a.leave(p, n, w), w), n, cos, radiance, pdf }
             }
             Light::DirectionalArea(a) => {
                 let (p, n, at) = a.sample_place(place);
-                let radiance = lights.emitters[a.emitter as usize].radiance(n, n, || at, lambda, &scene.textures);
+                let radiance = lights.emitters[a.emitter as usize].radiance(n, n, || at, lambda, scene.textures());
                 EmittedRay { light, ray: Ray::new(a.leave(p, n, n), n), n, cos: 1.0, radiance, pdf: 1.0 / a.area() }
             }
         })
@@ -207,7 +207,7 @@ impl Emission {
     /// included, as in [`EmittedRay::pdf`].
     pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3) -> f32 {
         let disk = 1.0 / (PI * self.radius * self.radius);
-        let pdf = match &scene.lights.lights[light as usize] {
+        let pdf = match &scene.lights().lights[light as usize] {
             Light::Point(..) | Light::Goniometric(_) => 0.25 * FRAC_1_PI,
             Light::Spot(s) => {
                 let local = s.world_from_light.inverse().vector(w).normalize_or_zero();
@@ -232,7 +232,7 @@ impl Emission {
                 None => self.sky_pdf(e, -w) * disk,
             },
             Light::Area(a) => {
-                let two_sided = scene.lights.emitters[a.emitter as usize].two_sided;
+                let two_sided = scene.lights().emitters[a.emitter as usize].two_sided;
                 let cos = if two_sided { n.dot(w).abs() } else { n.dot(w).max(0.0) };
                 lobe(cos, two_sided) / a.area()
             }
@@ -270,7 +270,7 @@ impl Lights {
             Light::Goniometric(g) => 4.0 * PI * g.mean() * g.intensity.luminance(mode),
             Light::Projection(p) => {
                 // The solid angle of the slide is less than its area at distance one.
-                p.max_intensity(mode, &scene.textures) * (4.0 * p.half.x * p.half.y).min(TAU)
+                p.max_intensity(mode, scene.textures()) * (4.0 * p.half.x * p.half.y).min(TAU)
             }
             Light::Distant(_, irradiance) => irradiance.luminance(mode) * section,
             Light::Environment(e) => {

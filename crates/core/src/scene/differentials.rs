@@ -12,19 +12,19 @@ impl Scene {
     /// The differential of a camera ray, where the scene has textures that ask for footprints.
     #[inline]
     pub fn ray_differential(&self, ray: &Ray) -> Option<RayDifferential> {
-        let spacing = self.footprints.as_ref()?.spacing;
-        self.camera.differential(&self.film, ray, spacing)
+        let spacing = self.facts.footprints.as_ref()?.spacing;
+        self.parts.camera.differential(&self.parts.film, ray, spacing)
     }
 
     /// The footprint at a hit: of the ray's differential where it has one, else as the camera would see the point.
     #[inline]
     pub fn footprint(&self, i: &Interaction, differential: Option<&RayDifferential>) -> Footprint {
-        match &self.footprints {
+        match &self.facts.footprints {
             None => Footprint::POINT,
             Some(camera) => {
                 let [dpdx, dpdy] = match differential {
                     Some(d) => d.transfer(-i.wo, i.t, i.surface.n),
-                    None => camera.displacements(&self.camera, i.surface.p, i.surface.n),
+                    None => camera.displacements(&self.parts.camera, i.surface.p, i.surface.n),
                 };
                 Footprint::new(dpdx, dpdy, i.surface.dpdu, self.dpdv(i))
             }
@@ -49,7 +49,7 @@ impl Scene {
     /// ∂p/∂v at a hit, in the world; may be zero. For curves it runs along the rim and for quadrics along the profile.
     pub fn dpdv(&self, i: &Interaction) -> Vec3 {
         let (u, v) = (i.coordinates.x, i.coordinates.y);
-        let local = match &self.geometries[i.geometry as usize].shape {
+        let local = match &self.parts.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) => m.dpdv(i.id.prim),
             Shape::Patches(m) => m.dpdv(i.id.prim, u, v),
             // Both are in the space that the point is in.
@@ -59,13 +59,17 @@ impl Scene {
             Shape::Sdf(_) => Vec3::ZERO,
             Shape::Plane(p) => p.dpdv(),
         };
-        if i.id.instance == WORLD { local } else { self.placements[i.id.instance as usize].at(i.time).vector(local) }
+        if i.id.instance == WORLD {
+            local
+        } else {
+            self.parts.placements[i.id.instance as usize].at(i.time).vector(local)
+        }
     }
 
     /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches,
     /// curves and height fields is left out.
     fn normal_derivative(&self, i: &Interaction, dp: Vec3) -> Vec3 {
-        match &self.geometries[i.geometry as usize].shape {
+        match &self.parts.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) if !m.normals.is_empty() => {
                 let place = self.place(i.id, i.time);
                 let into = |v: Vec3| place.map_or(v, |a| a.inverse().vector(v));
@@ -98,7 +102,7 @@ impl Scene {
     fn local_point(&self, i: &Interaction) -> Vec3 {
         match i.id.instance {
             WORLD => i.surface.p,
-            instance => self.placements[instance as usize].at(i.time).inverse().point(i.surface.p),
+            instance => self.parts.placements[instance as usize].at(i.time).inverse().point(i.surface.p),
         }
     }
 }

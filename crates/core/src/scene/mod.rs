@@ -1,206 +1,239 @@
 //! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
 
 mod differentials;
+mod parts;
 
+pub use crate::shape::Shape;
 use crate::{
     camera::{Camera, ViewFootprint},
     film::FilmSpec,
     footprint::RayDifferential,
     light::{LightGroups, Lights},
-    material::{self, Material, Model, Needs, Scattering, detail::Base},
+    material::{self, Material, Model, Needs, Scattering, SurfaceDetail, detail::Base},
     medium::Medium,
-    sampler::SamplerKind,
-    shape::{Curves, Field, PatchMesh, Plane, Quadric, SdfGrid, SurfacePoint, TriMesh},
+    shape::SurfacePoint,
 };
+pub use parts::{Geometry, Parts, Placement, Settings};
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
 use steradian_math::{
-    Bounds3, Frame, Motion, Ray, Vec2, Vec3,
+    Bounds3, Frame, Ray, Vec2, Vec3,
     ray::offset_ray_origin,
     spectra::{ColorMode, Wavelengths},
     transform::Affine,
 };
 use steradian_texture::{FloatTexture, Footprint, MeshAttributes, TextureContext, Textures, hash_point, pages::Pages};
 
-/// The geometry of a shape.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// Triangles.
-    Mesh(Arc<TriMesh>),
-    /// Sphere, disk or cylinder.
-    Quadric(Arc<Quadric>),
-    /// Bilinear patches.
-    Patches(Arc<PatchMesh>),
-    /// Curves.
-    Curves(Arc<Curves>),
-    /// A height field.
-    Field(Arc<Field>),
-    /// A surface on a grid of distances.
-    Sdf(Arc<SdfGrid>),
-    /// An infinite plane.
-    Plane(Plane),
-}
-
-impl Shape {
-    /// The box around it; empty for infinite planes.
-    pub fn bounds(&self) -> Bounds3 {
-        match self {
-            Self::Mesh(m) => Bounds3::from_points(m.positions.iter().copied()),
-            Self::Quadric(q) => q.bounds(),
-            Self::Patches(m) => Bounds3::from_points(m.positions.iter().copied()),
-            Self::Curves(c) => (0..c.count()).fold(Bounds3::EMPTY, |b, k| b.union(c.bounds(k))),
-            Self::Field(f) => (0..f.count()).fold(Bounds3::EMPTY, |b, k| b.union(f.bounds(k))),
-            Self::Sdf(s) => (0..s.count()).fold(Bounds3::EMPTY, |b, k| b.union(s.bounds(k))),
-            Self::Plane(_) => Bounds3::EMPTY,
-        }
-    }
-
-    /// Whether it turns towards every ray: curves of all kinds, since the width of ribbons is measured across the ray.
-    pub fn faces_rays(&self) -> bool {
-        matches!(self, Self::Curves(_))
-    }
-}
-
-/// A shape with what is attached to it.
-#[derive(Clone, Debug)]
-pub struct Geometry {
-    /// Where it is.
-    pub shape: Shape,
-    /// Index of its material.
-    pub material: u32,
-    /// Opacity that lets rays through by chance.
-    pub alpha: Option<FloatTexture>,
-    /// Whether rays pass that meet it from behind, against the geometric normal.
-    pub is_single_sided: bool,
-    /// Index of what it emits.
-    pub emitter: Option<u32>,
-    /// For emitting shapes the light of each primitive; one entry when all belong to the same.
-    pub lights: Box<[u32]>,
-    /// The media on the side against the normal and on the side of it, where the shape separates media.
-    pub media: Option<(Option<u32>, Option<u32>)>,
-    /// Whether it scatters nothing.
-    pub is_interface: bool,
-    /// What is asked of its points to scatter and to emit light.
-    pub needs: Needs,
-    /// Number of the shape in the description, from one.
-    pub id: u32,
-}
-
-impl Geometry {
-    /// Whether rays pass some of its points.
-    #[inline]
-    pub fn is_masked(&self) -> bool {
-        self.alpha.is_some() || self.is_single_sided
-    }
-
-    /// The light that a primitive belongs to.
-    #[inline]
-    pub fn light(&self, prim: u32) -> Option<u32> {
-        match &*self.lights {
-            [] => None,
-            [one] => Some(*one),
-            many => many.get(prim as usize).copied(),
-        }
-    }
-}
-
-/// A placed group.
-#[derive(Clone, Debug)]
-pub struct Placement {
-    /// Where it is as the shutter opens.
-    pub world_from_group: Affine,
-    /// How it moves while the shutter is open.
-    pub motion: Option<Arc<Motion>>,
-    /// First geometry of the group in [`Scene::geometries`].
-    pub base: u32,
-    /// How many geometries the group has.
-    pub count: u32,
-}
-
-impl Placement {
-    /// Where it is at a moment of the exposure.
-    #[inline]
-    pub fn at(&self, time: f32) -> Affine {
-        match &self.motion {
-            None => self.world_from_group,
-            Some(motion) => motion.at(time).unwrap_or(self.world_from_group),
-        }
-    }
-}
-
-/// What a scene asks of the renderer; what the user asks goes before it.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// Integrator by name.
-    pub integrator: String,
-    /// Most scattering events on a path; `u32::MAX` for no limit.
-    pub max_depth: u32,
-    /// Scattering events before Russian roulette.
-    pub rr_depth: u32,
-    /// Whether lights are invisible to the camera.
-    pub hide_emitters: bool,
-    /// Options of that integrator that are its own, as `NAME:key=value` has them.
-    pub options: Vec<(String, String)>,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// The point set.
-    pub sampler: SamplerKind,
-    /// The one that the file names, which is another one than `sampler` where files of other programs name theirs.
-    pub named_sampler: SamplerKind,
-    /// Random seed.
-    pub seed: u64,
-}
-
-/// A scene that can be rendered.
+/// A scene that can be rendered: its [`Parts`], and what follows from them.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    parts: Parts,
+    facts: Facts,
+}
+
+/// What follows from the parts of a scene.
+#[derive(Clone, Debug)]
+struct Facts {
+    planes: Vec<u32>,
+    footprints: Option<ViewFootprint>,
+    is_timed: bool,
+    has_mixtures: bool,
+    has_media: bool,
+    is_see_through: bool,
+    has_curves: bool,
+}
+
+impl Facts {
+    fn of(parts: &Parts) -> Self {
+        let Parts { geometries, materials, textures, camera, placements, .. } = parts;
+        // Bump maps take their differences over the footprint, and normal maps their roughness.
+        let has_detail = materials.iter().any(|m| {
+            let filtered = |d: &SurfaceDetail| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some());
+            m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
+        });
+        let has_footprints = has_detail || textures.is_filtered();
+        let world = &geometries[..parts.world_count as usize];
+        Self {
+            planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
+            footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
+            is_timed: textures.is_timed() || camera.motion.is_some() || placements.iter().any(|p| p.motion.is_some()),
+            has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
+            has_media: parts.has_media(),
+            is_see_through: materials
+                .iter()
+                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
+        }
+    }
+}
+
+impl Scene {
+    /// The scene of these parts.
+    pub fn new(mut parts: Parts) -> Self {
+        let facts = Facts::of(&parts);
+        set_needs(&mut parts, facts.footprints.is_some());
+        Self { parts, facts }
+    }
+
+    /// Changes some of its parts.
+    pub fn change(&mut self, change: impl FnOnce(&mut Parts)) {
+        change(&mut self.parts);
+        self.facts = Facts::of(&self.parts);
+        set_needs(&mut self.parts, self.facts.footprints.is_some());
+    }
+
+    /// The same scene with some of its parts changed.
+    #[must_use]
+    pub fn changed(mut self, change: impl FnOnce(&mut Parts)) -> Self {
+        self.change(change);
+        self
+    }
+
     /// What the lanes of spectra are.
-    pub mode: ColorMode,
+    #[inline]
+    pub fn mode(&self) -> ColorMode {
+        self.parts.mode
+    }
+
     /// World geometry first, then that of each group.
-    pub geometries: Vec<Geometry>,
+    #[inline]
+    pub fn geometries(&self) -> &[Geometry] {
+        &self.parts.geometries
+    }
+
     /// The structure that rays go through: the hierarchy, unless another one was asked for.
-    pub accel: Accel,
+    #[inline]
+    pub fn accel(&self) -> &Accel {
+        &self.parts.accel
+    }
+
     /// Placed groups, by the hierarchy's instance index.
-    pub placements: Vec<Placement>,
+    #[inline]
+    pub fn placements(&self) -> &[Placement] {
+        &self.parts.placements
+    }
+
     /// How many of the geometries are the world's own; those of groups follow.
-    pub world_count: u32,
+    #[inline]
+    pub fn world_count(&self) -> u32 {
+        self.parts.world_count
+    }
+
     /// Indices of infinite planes among the geometries.
-    pub planes: Vec<u32>,
+    #[inline]
+    pub fn planes(&self) -> &[u32] {
+        &self.facts.planes
+    }
+
     /// Materials.
-    pub materials: Vec<Material>,
+    #[inline]
+    pub fn materials(&self) -> &[Material] {
+        &self.parts.materials
+    }
+
     /// Textures.
-    pub textures: Textures,
+    #[inline]
+    pub fn textures(&self) -> &Textures {
+        &self.parts.textures
+    }
+
     /// Lights.
-    pub lights: Lights,
+    #[inline]
+    pub fn lights(&self) -> &Lights {
+        &self.parts.lights
+    }
+
     /// Media.
-    pub media: Vec<Medium>,
+    #[inline]
+    pub fn media(&self) -> &[Medium] {
+        &self.parts.media
+    }
+
     /// Camera.
-    pub camera: Camera,
+    #[inline]
+    pub fn camera(&self) -> &Camera {
+        &self.parts.camera
+    }
+
     /// Film.
-    pub film: FilmSpec,
+    #[inline]
+    pub fn film(&self) -> &FilmSpec {
+        &self.parts.film
+    }
+
     /// What the scene asks for.
-    pub settings: Settings,
+    #[inline]
+    pub fn settings(&self) -> &Settings {
+        &self.parts.settings
+    }
+
     /// Groups of lights.
-    pub light_groups: LightGroups,
+    #[inline]
+    pub fn light_groups(&self) -> &LightGroups {
+        &self.parts.light_groups
+    }
+
     /// Names of objects, by [`Geometry::id`]; those that the file gives none are numbered.
-    pub object_names: BTreeMap<u32, String>,
+    #[inline]
+    pub fn object_names(&self) -> &BTreeMap<u32, String> {
+        &self.parts.object_names
+    }
+
     /// Names of materials, by index, for reports.
-    pub material_names: Vec<String>,
+    #[inline]
+    pub fn material_names(&self) -> &[String] {
+        &self.parts.material_names
+    }
+
     /// Where textures wait that are not in memory, where these are limited.
-    pub texture_pages: Option<Arc<Pages>>,
-    /// What footprints are made from, where any texture asks for them.
-    pub footprints: Option<ViewFootprint>,
+    #[inline]
+    pub fn texture_pages(&self) -> Option<&Arc<Pages>> {
+        self.parts.texture_pages.as_ref()
+    }
+
     /// Whether anything changes over the exposure.
-    pub is_timed: bool,
+    #[inline]
+    pub fn is_timed(&self) -> bool {
+        self.facts.is_timed
+    }
+
     /// Whether any material is a mixture.
-    pub has_mixtures: bool,
+    #[inline]
+    pub fn has_mixtures(&self) -> bool {
+        self.facts.has_mixtures
+    }
+
     /// Whether light is lost or scattered between surfaces.
-    pub has_media: bool,
+    #[inline]
+    pub fn has_media(&self) -> bool {
+        self.facts.has_media
+    }
+
     /// Whether there are surfaces that light passes straight: interfaces and thin panes.
-    pub is_see_through: bool,
+    #[inline]
+    pub fn is_see_through(&self) -> bool {
+        self.facts.is_see_through
+    }
+
     /// Whether there are curves, which face the ray ([`Scene::faces_rays`]).
-    pub has_curves: bool,
+    #[inline]
+    pub fn has_curves(&self) -> bool {
+        self.facts.has_curves
+    }
+}
+
+/// What each geometry's hits have to know. Footprints go on from any surface.
+fn set_needs(parts: &mut Parts, has_footprints: bool) {
+    let mut needs = Vec::with_capacity(parts.materials.len());
+    for material in &parts.materials {
+        needs.push(material.needs(&needs));
+    }
+    for geometry in &mut parts.geometries {
+        let needs = needs[geometry.material as usize];
+        let is_shown = geometry.emitter.is_some_and(|e| parts.lights.emitters[e as usize].is_textured());
+        geometry.needs = Needs { parameters: needs.parameters || is_shown || has_footprints, ..needs };
+    }
 }
 
 /// A point of a surface that a ray met.
@@ -261,11 +294,7 @@ impl<const SHADOW: bool> Query<'_, SHADOW> {
             return false;
         }
         if geometry.is_single_sided {
-            let front = match &geometry.shape {
-                Shape::Mesh(m) => m.front(hit.id.prim),
-                shape => surface(shape, hit, ray).n,
-            };
-            if front.dot(ray.direction) > 0.0 {
+            if geometry.shape.front(hit, ray).dot(ray.direction) > 0.0 {
                 return false;
             }
         }
@@ -281,22 +310,7 @@ impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
     fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit> {
         let geometry = self.0.geometry(id);
         let passes = |h: &UserHit| self.passes(geometry, &Hit { t: h.t, u: h.u, v: h.v, id }, ray);
-        match &geometry.shape {
-            Shape::Quadric(q) => {
-                let first = q.intersect(ray)?;
-                if passes(&first) {
-                    return Some(first);
-                }
-                // The far side may count where the near one does not.
-                let beyond = q.intersect_after(ray, first.t)?;
-                passes(&beyond).then_some(beyond)
-            }
-            Shape::Patches(m) => m.intersect(id.prim, ray).filter(passes),
-            Shape::Curves(c) => c.intersect(id.prim, ray).filter(passes),
-            Shape::Field(f) => f.intersect(id.prim, ray, passes),
-            Shape::Sdf(s) => s.intersect(id.prim, ray, passes),
-            Shape::Mesh(_) | Shape::Plane(_) => None,
-        }
+        geometry.shape.intersect(id.prim, ray, passes)
     }
 
     #[inline]
@@ -315,34 +329,34 @@ impl Scene {
     /// The geometry of a primitive.
     #[inline]
     pub fn geometry(&self, id: PrimId) -> &Geometry {
-        &self.geometries[self.geometry_index(id) as usize]
+        &self.parts.geometries[self.geometry_index(id) as usize]
     }
 
     #[inline]
     fn geometry_index(&self, id: PrimId) -> u32 {
-        if id.instance == WORLD { id.geom } else { self.placements[id.instance as usize].base + id.geom }
+        if id.instance == WORLD { id.geom } else { self.parts.placements[id.instance as usize].base + id.geom }
     }
 
     /// Where the group of a primitive is at a moment; `None` in the world.
     #[inline]
     pub fn place(&self, id: PrimId, time: f32) -> Option<Affine> {
-        (id.instance != WORLD).then(|| self.placements[id.instance as usize].at(time))
+        (id.instance != WORLD).then(|| self.parts.placements[id.instance as usize].at(time))
     }
 
     /// Whether normal or bump maps change the shading of any material.
     pub fn has_surface_detail(&self) -> bool {
-        let bends = |d: &material::SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();
-        self.materials.iter().any(|m| m.detail.as_ref().is_some_and(bends))
+        let bends = |d: &SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();
+        self.parts.materials.iter().any(|m| m.detail.as_ref().is_some_and(bends))
     }
 
     /// Whether a geometry turns towards every ray, so that a point of it is one of its surface only from one side.
     pub fn faces_rays(&self, geometry: u32) -> bool {
-        self.geometries[geometry as usize].shape.faces_rays()
+        self.parts.geometries[geometry as usize].shape.faces_rays()
     }
 
     /// Whether anything moves while the shutter is open.
     pub fn moves(&self) -> bool {
-        self.camera.motion.is_some() || self.placements.iter().any(|p| p.motion.is_some())
+        self.parts.camera.motion.is_some() || self.parts.placements.iter().any(|p| p.motion.is_some())
     }
 
     /// Whether a hit counts that was found otherwise than by [`Scene::intersect`]: not where the opacity of its shape
@@ -364,7 +378,7 @@ impl Scene {
     /// The probability with which a ray that met a surface met it, in (0, 1].
     #[inline]
     pub fn opacity(&self, i: &Interaction) -> f32 {
-        let geometry = &self.geometries[i.geometry as usize];
+        let geometry = &self.parts.geometries[i.geometry as usize];
         let Some(alpha) = &geometry.alpha else { return 1.0 };
         let ray = Ray { time: i.time, ..Ray::new(i.surface.p + i.wo * i.t, -i.wo) };
         let ray = self.place(i.id, i.time).map_or(ray, |place| place.inverse().ray(&ray));
@@ -383,20 +397,20 @@ impl Scene {
                 ..TextureContext::new(ray.at(hit.t), m.uv(hit.id.prim, hit.u, hit.v))
             },
             _ => {
-                let s = surface(&geometry.shape, hit, ray);
+                let s = geometry.shape.surface(hit, ray);
                 TextureContext { n: s.ns, ..TextureContext::new(s.p, s.uv) }
             }
         };
         let p = at.p;
-        if self.footprints.is_some()
-            && matches!(alpha, FloatTexture::Texture(id) if self.textures.effort(*id).is_filtered)
+        if self.facts.footprints.is_some()
+            && matches!(alpha, FloatTexture::Texture(id) if self.parts.textures.effort(*id).is_filtered)
         {
             // Nothing is known of how the ray came: the footprint is that which the camera would have here.
             let place = self.place(hit.id, ray.time);
             let i = self.interaction(&place.map_or(*ray, |place| place.ray(ray)), hit);
             (at.p, at.n, at.footprint) = (i.surface.p, i.surface.ns, self.footprint(&i, None));
         }
-        (alpha.eval(&self.textures, &at), p)
+        (alpha.eval(&self.parts.textures, &at), p)
     }
 
     /// The nearest surface along a ray.
@@ -404,7 +418,7 @@ impl Scene {
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let mut ray = *ray;
         let plane = self.nearest_plane::<false>(&mut ray);
-        self.accel.intersect(&ray, &Query::<false>(self)).or(plane)
+        self.parts.accel.intersect(&ray, &Query::<false>(self)).or(plane)
     }
 
     /// [`Scene::intersect`] of many rays at once.
@@ -413,8 +427,8 @@ impl Scene {
     /// When the slices differ in length.
     #[inline]
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        if self.planes.is_empty() {
-            self.accel.intersect_batch(rays, &Query::<false>(self), hits);
+        if self.facts.planes.is_empty() {
+            self.parts.accel.intersect_batch(rays, &Query::<false>(self), hits);
         } else {
             assert_eq!(rays.len(), hits.len(), "one place for each ray");
             rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray));
@@ -427,8 +441,8 @@ impl Scene {
     /// When the slices differ in length.
     #[inline]
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
-        if self.planes.is_empty() {
-            self.accel.occluded_batch(rays, &Query::<true>(self), occluded);
+        if self.facts.planes.is_empty() {
+            self.parts.accel.occluded_batch(rays, &Query::<true>(self), occluded);
         } else {
             assert_eq!(rays.len(), occluded.len(), "one place for each ray");
             rays.iter().zip(occluded).for_each(|(ray, is)| *is = self.occluded(ray));
@@ -438,21 +452,21 @@ impl Scene {
     /// Whether anything that scatters is met within the ray's interval.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.nearest_plane::<true>(&mut ray.clone()).is_some() || self.accel.occluded(ray, &Query::<true>(self))
+        self.nearest_plane::<true>(&mut ray.clone()).is_some() || self.parts.accel.occluded(ray, &Query::<true>(self))
     }
 
     /// What [`Scene::intersect`] costs in the structure.
     pub fn intersect_cost(&self, ray: &Ray) -> Steps {
         let mut ray = *ray;
         self.nearest_plane::<false>(&mut ray);
-        self.accel.intersect_cost(&ray, &Query::<false>(self))
+        self.parts.accel.intersect_cost(&ray, &Query::<false>(self))
     }
 
     /// What [`Scene::occluded`] costs in the structure.
     pub fn occluded_cost(&self, ray: &Ray) -> Steps {
         match self.nearest_plane::<true>(&mut ray.clone()) {
             Some(_) => Steps::default(),
-            None => self.accel.occluded_cost(ray, &Query::<true>(self)),
+            None => self.parts.accel.occluded_cost(ray, &Query::<true>(self)),
         }
     }
 
@@ -460,8 +474,8 @@ impl Scene {
     #[inline]
     fn nearest_plane<const SHADOW: bool>(&self, ray: &mut Ray) -> Option<Hit> {
         let mut best = None;
-        for &g in &self.planes {
-            let geometry = &self.geometries[g as usize];
+        for &g in &self.facts.planes {
+            let geometry = &self.parts.geometries[g as usize];
             let Shape::Plane(plane) = &geometry.shape else { continue };
             let Some(t) = plane.intersect(ray) else { continue };
             let hit = Hit { t, u: 0.0, v: 0.0, id: PrimId { instance: WORLD, geom: g, prim: 0 } };
@@ -475,17 +489,15 @@ impl Scene {
 
     /// The surface at a hit of a ray whose direction has unit length.
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
-        self.interaction_by(ray, hit, |geometry, ray| surface(&geometry.shape, hit, ray))
+        self.interaction_by(ray, hit, |geometry, ray| geometry.shape.surface(hit, ray))
     }
 
     /// As [`Scene::interaction`], with the parametrisation left zero where nothing that scatters or emits light asks
     /// for it.
     #[inline]
     pub fn interaction_of_light(&self, ray: &Ray, hit: &Hit) -> Interaction {
-        self.interaction_by(ray, hit, |geometry, ray| match &geometry.shape {
-            Shape::Mesh(m) if !geometry.needs.parameters => m.bare(hit.id.prim, hit.u, hit.v),
-            Shape::Quadric(q) if !geometry.needs.parameters => q.bare(ray, hit.t),
-            shape => surface(shape, hit, ray),
+        self.interaction_by(ray, hit, |geometry, ray| {
+            if geometry.needs.parameters { geometry.shape.surface(hit, ray) } else { geometry.shape.bare(hit, ray) }
         })
     }
 
@@ -498,11 +510,11 @@ impl Scene {
         surface: impl FnOnce(&Geometry, &Ray) -> SurfacePoint,
     ) -> Interaction {
         let index = self.geometry_index(hit.id);
-        let geometry = &self.geometries[index as usize];
+        let geometry = &self.parts.geometries[index as usize];
         let surface = if hit.id.instance == WORLD {
             surface(geometry, ray)
         } else {
-            let place = self.placements[hit.id.instance as usize].at(ray.time);
+            let place = self.parts.placements[hit.id.instance as usize].at(ray.time);
             let s = surface(geometry, &place.inverse().ray(ray));
             // Normals keep to their side: the inverse transpose does not turn them over against each other.
             SurfacePoint {
@@ -534,7 +546,7 @@ impl Scene {
     /// Where textures are looked up at a point of a surface, over a footprint.
     #[inline]
     pub fn texture_context_over<'a>(&'a self, i: &Interaction, footprint: Footprint) -> TextureContext<'a> {
-        let mesh: Option<(&dyn MeshAttributes, _, _)> = match &self.geometries[i.geometry as usize].shape {
+        let mesh: Option<(&dyn MeshAttributes, _, _)> = match &self.parts.geometries[i.geometry as usize].shape {
             Shape::Mesh(m) => Some((&**m, i.id.prim, i.coordinates)),
             _ => None,
         };
@@ -562,7 +574,7 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
-        if !self.geometries[i.geometry as usize].needs.parameters {
+        if !self.parts.geometries[i.geometry as usize].needs.parameters {
             return self.scattering_when(i, &TextureContext::NOWHERE, choice, lambda);
         }
         let mut at = self.texture_context_over(i, self.footprint(i, differential));
@@ -590,20 +602,27 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
-        let geometry = &self.geometries[i.geometry as usize];
+        let geometry = &self.parts.geometries[i.geometry as usize];
         if geometry.is_interface {
             return None;
         }
         let front = i.surface.ns.dot(i.wo) > 0.0;
-        let mut s =
-            material::scattering(&self.materials, &self.textures, geometry.material, at, front, choice, lambda)?;
+        let mut s = material::scattering(
+            &self.parts.materials,
+            &self.parts.textures,
+            geometry.material,
+            at,
+            front,
+            choice,
+            lambda,
+        )?;
         let mut base = None;
         let (ns, tangent) = match s.detail {
             None => (i.surface.ns, i.surface.dpdu),
             Some(detail) => {
                 let base = base.insert(self.base(i));
-                let ns = detail.shading_normal(&self.textures, at, base, i.wo);
-                (ns, detail.tangent(&self.textures, at, base))
+                let ns = detail.shading_normal(&self.parts.textures, at, base, i.wo);
+                (ns, detail.tangent(&self.parts.textures, at, base))
             }
         };
         let z = if s.flipped { -ns } else { ns };
@@ -615,7 +634,7 @@ impl Scene {
     /// The surface that bump and normal maps change.
     fn base(&self, i: &Interaction) -> Base {
         let s = &i.surface;
-        let Shape::Mesh(m) = &self.geometries[i.geometry as usize].shape else {
+        let Shape::Mesh(m) = &self.parts.geometries[i.geometry as usize].shape else {
             return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: self.dpdv(i), tangent: None };
         };
         let place = self.place(i.id, i.time);
@@ -631,7 +650,7 @@ impl Scene {
     /// The medium on the side of a surface that a direction points to; `current` where the surface separates none.
     #[inline]
     pub fn medium_towards(&self, i: &Interaction, w: Vec3, current: Option<u32>) -> Option<u32> {
-        match self.geometries[i.geometry as usize].media {
+        match self.parts.geometries[i.geometry as usize].media {
             Some((interior, exterior)) => {
                 if w.dot(i.surface.n) > 0.0 {
                     exterior
@@ -645,34 +664,13 @@ impl Scene {
 
     /// Box around all bounded geometry.
     pub fn bounds(&self) -> Bounds3 {
-        self.accel.bounds()
+        self.parts.accel.bounds()
     }
 
     /// Bytes of hierarchy and mesh data.
     pub fn bytes(&self) -> usize {
-        let shapes = self.geometries.iter().map(|g| match &g.shape {
-            Shape::Mesh(m) => m.bytes(),
-            Shape::Patches(m) => m.bytes(),
-            Shape::Curves(c) => c.bytes(),
-            Shape::Field(f) => f.bytes(),
-            Shape::Sdf(s) => s.bytes(),
-            Shape::Quadric(_) | Shape::Plane(_) => size_of::<Quadric>(),
-        });
-        self.accel.bytes() + shapes.sum::<usize>()
-    }
-}
-
-/// The surface at a hit, in the space of the shape.
-#[inline]
-fn surface(shape: &Shape, hit: &Hit, ray: &Ray) -> SurfacePoint {
-    match shape {
-        Shape::Mesh(m) => m.surface(hit.id.prim, hit.u, hit.v),
-        Shape::Quadric(q) => q.surface(ray, hit.t),
-        Shape::Patches(m) => m.surface(hit.id.prim, hit.u, hit.v),
-        Shape::Curves(c) => c.surface(hit.id.prim, hit.u, hit.v, ray, hit.t),
-        Shape::Field(f) => f.surface(hit.u, hit.v),
-        Shape::Sdf(s) => s.surface(hit.id.prim, ray, hit.t),
-        Shape::Plane(p) => p.surface(ray, hit.t),
+        let shapes = self.parts.geometries.iter().map(|g| g.shape.bytes());
+        self.parts.accel.bytes() + shapes.sum::<usize>()
     }
 }
 

@@ -19,7 +19,9 @@ pub use plane::Plane;
 pub use quadric::{Quadric, QuadricKind};
 pub use sdf_grid::SdfGrid;
 
-use steradian_math::{Vec2, Vec3};
+use std::sync::Arc;
+use steradian_accel::{Hit, UserHit};
+use steradian_math::{Bounds3, Ray, Vec2, Vec3};
 
 /// The shapes by name, for the registry.
 pub const SHAPES: &[(&str, &str)] = &[
@@ -33,6 +35,113 @@ pub const SHAPES: &[(&str, &str)] = &[
     ("loop_subdivision", "the limit surface of a mesh by Loop's rules; levels"),
     ("curve", "cubic or quadratic Bézier or B-spline; points, degree, basis, type, width0, width1, normals"),
 ];
+
+/// The geometry of a shape.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Triangles.
+    Mesh(Arc<TriMesh>),
+    /// Sphere, disk or cylinder.
+    Quadric(Arc<Quadric>),
+    /// Bilinear patches.
+    Patches(Arc<PatchMesh>),
+    /// Curves.
+    Curves(Arc<Curves>),
+    /// A height field.
+    Field(Arc<Field>),
+    /// A surface on a grid of distances.
+    Sdf(Arc<SdfGrid>),
+    /// An infinite plane.
+    Plane(Plane),
+}
+
+impl Shape {
+    /// The box around it; empty for infinite planes.
+    pub fn bounds(&self) -> Bounds3 {
+        match self {
+            Self::Mesh(m) => Bounds3::from_points(m.positions.iter().copied()),
+            Self::Quadric(q) => q.bounds(),
+            Self::Patches(m) => Bounds3::from_points(m.positions.iter().copied()),
+            Self::Curves(c) => (0..c.count()).fold(Bounds3::EMPTY, |b, k| b.union(c.bounds(k))),
+            Self::Field(f) => (0..f.count()).fold(Bounds3::EMPTY, |b, k| b.union(f.bounds(k))),
+            Self::Sdf(s) => (0..s.count()).fold(Bounds3::EMPTY, |b, k| b.union(s.bounds(k))),
+            Self::Plane(_) => Bounds3::EMPTY,
+        }
+    }
+
+    /// Whether it turns towards every ray: curves of all kinds, since the width of ribbons is measured across the ray.
+    pub fn faces_rays(&self) -> bool {
+        matches!(self, Self::Curves(_))
+    }
+
+    /// The surface at a hit of a ray, both in the space of the shape.
+    #[inline]
+    pub fn surface(&self, hit: &Hit, ray: &Ray) -> SurfacePoint {
+        match self {
+            Self::Mesh(m) => m.surface(hit.id.prim, hit.u, hit.v),
+            Self::Quadric(q) => q.surface(ray, hit.t),
+            Self::Patches(m) => m.surface(hit.id.prim, hit.u, hit.v),
+            Self::Curves(c) => c.surface(hit.id.prim, hit.u, hit.v, ray, hit.t),
+            Self::Field(f) => f.surface(hit.u, hit.v),
+            Self::Sdf(s) => s.surface(hit.id.prim, ray, hit.t),
+            Self::Plane(p) => p.surface(ray, hit.t),
+        }
+    }
+
+    /// [`Shape::surface`] without its parametrisation, where that is dear.
+    #[inline]
+    pub fn bare(&self, hit: &Hit, ray: &Ray) -> SurfacePoint {
+        match self {
+            Self::Mesh(m) => m.bare(hit.id.prim, hit.u, hit.v),
+            Self::Quadric(q) => q.bare(ray, hit.t),
+            shape => shape.surface(hit, ray),
+        }
+    }
+
+    /// The normal on the side from which it is seen, at a hit.
+    #[inline]
+    pub fn front(&self, hit: &Hit, ray: &Ray) -> Vec3 {
+        match self {
+            Self::Mesh(m) => m.front(hit.id.prim),
+            shape => shape.surface(hit, ray).n,
+        }
+    }
+
+    /// Where a ray meets one of its primitives first, of those hits that pass; triangles of meshes and planes are met
+    /// elsewhere.
+    #[inline]
+    pub fn intersect(&self, prim: u32, ray: &Ray, passes: impl Fn(&UserHit) -> bool) -> Option<UserHit> {
+        match self {
+            Self::Quadric(q) => {
+                let first = q.intersect(ray)?;
+                if passes(&first) {
+                    return Some(first);
+                }
+                // The far side may count where the near one does not.
+                let beyond = q.intersect_after(ray, first.t)?;
+                passes(&beyond).then_some(beyond)
+            }
+            Self::Patches(m) => m.intersect(prim, ray).filter(passes),
+            Self::Curves(c) => c.intersect(prim, ray).filter(passes),
+            Self::Field(f) => f.intersect(prim, ray, passes),
+            Self::Sdf(s) => s.intersect(prim, ray, passes),
+            Self::Mesh(_) | Self::Plane(_) => None,
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Mesh(m) => m.bytes(),
+            Self::Patches(m) => m.bytes(),
+            Self::Curves(c) => c.bytes(),
+            Self::Field(f) => f.bytes(),
+            Self::Sdf(s) => s.bytes(),
+            Self::Quadric(_) => size_of::<Quadric>(),
+            Self::Plane(_) => size_of::<Plane>(),
+        }
+    }
+}
 
 /// The surface at a point, in the space of the shape's placement.
 #[derive(Clone, Copy, Debug)]

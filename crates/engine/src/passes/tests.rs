@@ -16,7 +16,7 @@ const PARTICLES: usize = 1000;
 
 impl Pass for Rain {
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
-        let size = Vec2::new(run.scene.film.width as f32, run.scene.film.height as f32);
+        let size = Vec2::new(run.scene.film().width as f32, run.scene.film().height as f32);
         let (splats, counters) = run.in_order(PARTICLES / 50, |piece, counters| {
             if self.begun.fetch_add(1, Ordering::Relaxed) == self.cancel_at {
                 run.control.cancel.store(true, Ordering::Relaxed);
@@ -116,7 +116,7 @@ fn filters_spread_splats_evenly() {
 #[test]
 fn splats_that_are_no_numbers_are_black() {
     let scene = scene("box");
-    let mut film = PassFilm::new(&scene.film, 0);
+    let mut film = PassFilm::new(scene.film(), 0);
     film.splat(&Splat { at: Vec2::splat(2.5), rgb: Vec3::new(1.0, f32::NAN, 1.0) });
     film.splat(&Splat { at: Vec2::new(f32::INFINITY, 2.5), rgb: Vec3::ONE });
     film.splat(&Splat { at: Vec2::splat(-1e30), rgb: Vec3::ONE });

@@ -237,7 +237,7 @@ struct Frame {
 impl Frame {
     /// Without samples.
     fn new(scene: Arc<Scene>, plan: Plan) -> Self {
-        let crop = scene.film.crop;
+        let crop = scene.film().crop;
         let round = Round::first(plan.sampler.spp, plan.adaptive);
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;
@@ -250,7 +250,7 @@ impl Frame {
                     x1: (x + TILE).min(crop.x1),
                     y1: (y + TILE).min(crop.y1),
                 };
-                tiles.push(Mutex::new(Tile::new(area, &plan, scene.light_groups.names.len(), round.length())));
+                tiles.push(Mutex::new(Tile::new(area, &plan, scene.light_groups().names.len(), round.length())));
             }
         }
         let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
@@ -357,14 +357,14 @@ impl Frame {
     }
 
     fn error(&self) -> Option<f64> {
-        let crop = self.scene.film.crop;
+        let crop = self.scene.film().crop;
         let pixels = crop.width() as usize * crop.height() as usize;
         self.squared_errors().map(|sum| sum.relative(pixels))
     }
 
     /// Why the error is not to be trusted, if so, where one path of the picture finds the rarest light so often.
     fn doubt(&self, rarest: Option<f64>) -> Option<Doubt> {
-        let crop = self.scene.film.crop;
+        let crop = self.scene.film().crop;
         let paths = f64::from(crop.width()) * f64::from(crop.height()) * f64::from(self.next);
         if rarest.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
             return Some(Doubt::HardlyFound);
@@ -374,12 +374,12 @@ impl Frame {
 
     /// Groups of lights that are kept apart.
     fn light_groups(&self) -> usize {
-        if self.plan.by_light { self.scene.light_groups.names.len() } else { 0 }
+        if self.plan.by_light { self.scene.light_groups().names.len() } else { 0 }
     }
 
     /// The film as it is.
     fn film(&self) -> Film {
-        let crop = self.scene.film.crop;
+        let crop = self.scene.film().crop;
         let n = crop.width() as usize * crop.height() as usize;
         let mut film = Film {
             crop,

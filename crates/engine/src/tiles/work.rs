@@ -160,7 +160,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         scratch.hits.clear();
         scratch.lights.clear();
         let place = [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1];
-        let crop = self.frame.scene.film.crop;
+        let crop = self.frame.scene.film().crop;
         let first = [crop.x0 / TILE, crop.y0 / TILE].map(|v| v as i32);
         for window in self.partition.windows([0, 1].map(|axis| first[axis] + place[axis]), tick) {
             if self.stop.is_asked() {
@@ -206,12 +206,12 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     /// Who of a group takes a sample in a tick.
     fn gather(&self, window: Window, tick: u32, members: &mut Vec<Member>) {
         let Frame { scene, round, columns, targets, ticks, .. } = self.frame;
-        let crop = scene.film.crop;
+        let crop = scene.film().crop;
         let origin = [crop.x0 / TILE, crop.y0 / TILE];
         members.clear();
         for place in self.partition.places(window) {
             let Place { x, y, .. } = place;
-            if x >= scene.film.width || y >= scene.film.height {
+            if x >= scene.film().width || y >= scene.film().height {
                 continue;
             }
             let is_kept = (crop.x0..crop.x1).contains(&x) && (crop.y0..crop.y1).contains(&y);
@@ -246,7 +246,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     /// One sample of each pixel of a group, which is the mean of as many paths as the preparation wants.
     fn group(&self, window: Window, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
         let Frame { scene, plan, round, .. } = self.frame;
-        let film = &scene.film;
+        let film = scene.film();
         self.gather(window, tick, &mut scratch.members);
         let Scratch { members, taking, pixel_samples, buffer, found, hits, lights } = scratch;
         if !members.iter().any(|m| m.kept.is_some()) {
@@ -287,9 +287,10 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
                 for (sum, light) in lights[begin_of_lights..].iter_mut().zip(&mut counters.by_group) {
                     let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                     let light = std::mem::replace(light, Spectrum::ZERO) * scale;
-                    *sum += scene.mode.to_rgb(light, &pixel_sample.lambda) * (*weight / members[*number].paths as f32);
+                    *sum +=
+                        scene.mode().to_rgb(light, &pixel_sample.lambda) * (*weight / members[*number].paths as f32);
                 }
-                members[*number].sum += scene.mode.to_rgb(l, &pixel_sample.lambda) * *weight;
+                members[*number].sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * *weight;
                 if let Some(hit) = hit.filter(|_| gathers && members[*number].kept.is_some()) {
                     hits.push((*number, hit));
                 }

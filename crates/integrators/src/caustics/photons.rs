@@ -61,10 +61,10 @@ struct Target {
 /// Sends photons towards everything that may focus light; those that land, in an order that depends on the scene alone.
 pub(super) fn send(scene: &Scene, stop: &Stop) -> Vec<Photon> {
     let targets = targets(scene);
-    if targets.is_empty() || !scene.lights.can_sample() {
+    if targets.is_empty() || !scene.lights().can_sample() {
         return Vec::new();
     }
-    let pixels = scene.film.width.saturating_mul(scene.film.height);
+    let pixels = scene.film().width.saturating_mul(scene.film().height);
     let count = (pixels / PIXELS).clamp(PHOTONS.0, PHOTONS.1).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 0 };
     let mut photons: Vec<_> = (0..count)
@@ -92,20 +92,20 @@ pub(super) fn is_receiver(bsdf: &Bsdf) -> bool {
 
 /// Everything that may focus light, by its share of the cross-sections.
 fn targets(scene: &Scene) -> Vec<Target> {
-    let focuses = focusing(&scene.materials);
+    let focuses = focusing(scene.materials());
     let boxes: Vec<Option<Bounds3>> = scene
-        .geometries
+        .geometries()
         .iter()
         .map(|g| (focuses[g.material as usize] && !g.is_interface).then(|| g.shape.bounds()))
         .collect();
     // Where the geometry of the world and of each group begins.
-    let mut starts: Vec<u32> = scene.placements.iter().map(|p| p.base).collect();
-    starts.push(scene.geometries.len() as u32);
+    let mut starts: Vec<u32> = scene.placements().iter().map(|p| p.base).collect();
+    starts.push(scene.geometries().len() as u32);
     starts.sort_unstable();
     starts.dedup();
     let within = |from: u32, to: u32| boxes[from as usize..to as usize].iter().flatten();
     let mut bounds: Vec<Bounds3> = within(0, starts[0]).copied().collect();
-    for place in &scene.placements {
+    for place in scene.placements() {
         // Nothing comes after a group without geometry at the end.
         let end = starts.get(starts.partition_point(|s| *s <= place.base)).copied().unwrap_or(place.base);
         let placed = |b: &Bounds3| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))));
@@ -181,8 +181,8 @@ fn trace(
     sampler: &PixelSampler,
     mut land: impl FnMut(Photon) -> bool,
 ) -> Option<()> {
-    let mut lambda = scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
-    let luminance = |s: Spectrum, lambda: &Wavelengths| scene.mode.luminance(s, lambda);
+    let mut lambda = scene.mode().wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+    let luminance = |s: Spectrum, lambda: &Wavelengths| scene.mode().luminance(s, lambda);
     let u = sampler.get_1d(dimension::TARGET);
     let target = targets.get(targets.partition_point(|t| t.sum <= u)).or(targets.last())?;
     let across = sampler.get_2d(dimension::POINT);
@@ -201,7 +201,7 @@ fn trace(
         let i = scene.interaction_of_light(&ray, &hit);
         length += hit.t;
         let at = |decision| crate::dimension::at(event, decision);
-        let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures);
+        let choice = sampler.get_1d_lazily(at(crate::dimension::MIXTURE), scene.has_mixtures());
         let Some((scattering, frame)) = scene.scattering(&i, choice, &mut lambda) else {
             ray = i.spawn(ray.direction);
             continue;

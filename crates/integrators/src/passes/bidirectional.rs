@@ -52,16 +52,16 @@ pub struct Bidirectional {
 impl Bidirectional {
     /// What of the scene it cannot do.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.has_media {
+        if scene.has_media() {
             return Some("participating media".into());
         }
         if self.strategy != Strategy::Light {
             return None;
         }
-        if scene.has_curves {
+        if scene.has_curves() {
             return Some("curves: they face the ray, and light paths do not pass them".into());
         }
-        if !scene.camera.can_receive() {
+        if !scene.camera().can_receive() {
             return Some("a spherical camera with a lens".into());
         }
         super::light_reaches_all(scene)
@@ -89,8 +89,8 @@ impl Tracer {
 
     /// The ways of a pass.
     pub(super) fn ways(&self, scene: &Scene, number: u32) -> Ways {
-        let light_paths = scene.film.width as f32 * scene.film.height as f32;
-        let to_camera = scene.camera.can_receive() && self.emission.is_some();
+        let light_paths = scene.film().width as f32 * scene.film().height as f32;
+        let to_camera = scene.camera().can_receive() && self.emission.is_some();
         match self.settings.strategy {
             Strategy::Merging => Ways::merging(light_paths, to_camera, radius::of_pass(self.radius, number)),
             _ => Ways::connections(light_paths, to_camera),
@@ -160,7 +160,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     fn to_camera(&self, v: &Vertex<'_>, found: &mut Found<'_>, counters: &mut Counters) {
         let scene = self.scene();
         let lens = self.numbers.two(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
-        let Some(seen) = scene.camera.receive(&scene.film, v.i.surface.p, lens) else { return };
+        let Some(seen) = scene.camera().receive(scene.film(), v.i.surface.p, lens) else { return };
         let Some(e) = v.eval(scene, seen.to_camera, Importance) else { return };
         let weight = match self.tracer.settings.strategy {
             Strategy::Light => 1.0,
@@ -231,11 +231,11 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         if path.events == 0 || light.is_black() {
             return light;
         }
-        let geometry = &scene.geometries[i.geometry as usize];
+        let geometry = &scene.geometries()[i.geometry as usize];
         let Some(index) = geometry.light(i.id.prim) else { return light };
         let (n, wo) = (i.surface.n, i.wo);
         let by_area = n.dot(wo).abs() / (distance * distance);
-        let asked = path.context.map_or(0.0, |ctx| scene.lights.area_pdf(index, &ctx, -wo, distance, n) * by_area);
+        let asked = path.context.map_or(0.0, |ctx| scene.lights().area_pdf(index, &ctx, -wo, distance, n) * by_area);
         light * self.met(index, asked, n, wo, sums)
     }
 
@@ -247,14 +247,14 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         }
         let (p, w) = (path.ray.origin, path.ray.direction);
         let mut sum = Spectrum::ZERO;
-        for &index in &scene.lights.environments {
-            let Light::Environment(e) = &scene.lights.lights[index as usize] else { continue };
+        for &index in &scene.lights().environments {
+            let Light::Environment(e) = &scene.lights().lights[index as usize] else { continue };
             let light = path.beta * e.radiance(p, w, &path.lambda);
             if light.is_black() || path.events == 0 {
                 sum += light;
                 continue;
             }
-            let asked = path.context.map_or(0.0, |ctx| scene.lights.environment_pdf(index, &ctx, w));
+            let asked = path.context.map_or(0.0, |ctx| scene.lights().environment_pdf(index, &ctx, w));
             sum += light * self.met(index, asked, -w, -w, path.sums());
         }
         sum
@@ -269,12 +269,12 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     /// Light straight from a light.
     fn light_sample(&self, v: &Vertex<'_>, counters: &mut Counters) -> Spectrum {
         let scene = self.scene();
-        let lights = &scene.lights;
+        let lights = scene.lights();
         let at = |decision| dimension::at(v.events, decision);
         let (context, u) = (v.context(), self.numbers.one(at(dimension::LIGHT)));
         let Some((light, choice)) = lights.choose(&context, u) else { return Spectrum::ZERO };
         let u = self.numbers.two(at(dimension::LIGHT_POINT));
-        let Some(s) = lights.sample(light, &context, u, &v.lambda, &scene.textures) else { return Spectrum::ZERO };
+        let Some(s) = lights.sample(light, &context, u, &v.lambda, scene.textures()) else { return Spectrum::ZERO };
         let Some(e) = v.eval(scene, s.wi, Radiance) else { return Spectrum::ZERO };
         let kind = lights.lights[light as usize].kind();
         let pdf = s.pdf * choice;
@@ -383,7 +383,7 @@ impl Pass for Tracer {
         let scene = run.scene;
         let ways = self.ways(scene, number);
         let shared = self.merges().then(|| super::pass_wavelengths(run, number));
-        let (width, height) = (scene.film.width, scene.film.height);
+        let (width, height) = (scene.film().width, scene.film().height);
         let pixels = width as usize * height as usize;
         let pieces = pixels.div_ceil(PIECE);
         let place = |k: usize| (k as u32 % width, k as u32 / width);

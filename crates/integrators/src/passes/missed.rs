@@ -21,8 +21,8 @@ const PATHS: u32 = 1 << 14;
 /// What the caustics of lights without size add to the mean of the picture, in linear Rec.709, where the camera sees
 /// them on surfaces that are not specular: an estimate to a few per cent of itself, always the same for a scene.
 pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
-    let lights = &scene.lights.lights;
-    if scene.has_media || !scene.camera.can_receive() || !lights.iter().any(|l| l.kind().is_delta) {
+    let lights = &scene.lights().lights;
+    if scene.has_media() || !scene.camera().can_receive() || !lights.iter().any(|l| l.kind().is_delta) {
         return Vec3::ZERO;
     }
     let Some(emission) = Emission::new(scene) else { return Vec3::ZERO };
@@ -30,7 +30,7 @@ pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
     let run = Run { scene, sampler, threads: 1, control: &control };
     let sum: Vec3 = (0..PATHS).map(|k| path(&run, &emission, depth, &sampler.pixel(k & 0xff, k >> 8, 0))).sum();
-    sum / (scene.film.crop.width() as f32 * scene.film.crop.height() as f32)
+    sum / (scene.film().crop.width() as f32 * scene.film().crop.height() as f32)
 }
 
 /// What a light path brings to the crop.
@@ -59,9 +59,9 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
 
 /// What a vertex of a light path brings to the crop.
 fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler) -> Vec3 {
-    let (scene, crop) = (run.scene, run.scene.film.crop);
+    let (scene, crop) = (run.scene, run.scene.film().crop);
     let lens = numbers.get_2d(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
-    let Some(seen) = scene.camera.receive(&scene.film, v.i.surface.p, lens) else { return Vec3::ZERO };
+    let Some(seen) = scene.camera().receive(scene.film(), v.i.surface.p, lens) else { return Vec3::ZERO };
     let within = |at: f32, from: u32, to: u32| at >= from as f32 && at < to as f32;
     if !within(seen.at.x, crop.x0, crop.x1) || !within(seen.at.y, crop.y0, crop.y1) {
         return Vec3::ZERO;

@@ -182,14 +182,14 @@ struct Sample {
 impl Chains {
     /// The sample of the numbers as they are, of the picture as a whole.
     fn sample(&self, run: &Run<'_>, numbers: &Proposal, counters: &mut Counters) -> Sample {
-        let (scene, film) = (run.scene, &run.scene.film);
+        let (scene, film) = (run.scene, run.scene.film());
         let size = Vec2::new(film.width as f32, film.height as f32);
         let margin = (film.filter.radius() - 0.5).max(Vec2::ZERO);
         // Filters of pixels at the edge reach beyond the frame.
         let at = numbers.two(dimension::FILM) * (size + 2.0 * margin) - margin;
-        let ray = scene.camera.ray(film, at, numbers.two(dimension::LENS));
-        let lambda = scene.mode.wavelengths(|| numbers.one(dimension::WAVELENGTH));
-        let lambda = if scene.is_timed { lambda.at_time(numbers.one(dimension::TIME)) } else { lambda };
+        let ray = scene.camera().ray(film, at, numbers.two(dimension::LENS));
+        let lambda = scene.mode().wavelengths(|| numbers.one(dimension::WAVELENGTH));
+        let lambda = if scene.is_timed() { lambda.at_time(numbers.one(dimension::TIME)) } else { lambda };
         let sampler = run.sampler.pixel(0, 0, 0);
         let camera = CameraSample { at, ray, sampler, lambda, weight: 1.0 };
         let (own, mut splats) = self.tracer.connect(run, &camera, numbers, counters);
@@ -262,7 +262,7 @@ impl Pass for Chains {
     }
 
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
-        let spec = &run.scene.film;
+        let spec = run.scene.film();
         let pixels = u64::from(spec.width) * u64::from(spec.height);
         let chains = (pixels * u64::from(SAMPLES)).div_ceil(MUTATIONS as u64).max(1) as usize;
         let mut total = Counters::default();

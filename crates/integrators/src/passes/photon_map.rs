@@ -34,7 +34,7 @@ pub struct PhotonMap {
 impl PhotonMap {
     /// What of the scene it cannot do.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.has_media { Some("participating media".into()) } else { super::light_reaches_all(scene) }
+        if scene.has_media() { Some("participating media".into()) } else { super::light_reaches_all(scene) }
     }
 }
 
@@ -135,7 +135,7 @@ impl Mapped {
                 (false, true) if stage == Stage::Open => Stage::Bounce,
                 (false, _) => Stage::Gathered,
             };
-            if stage == Stage::Gathered && !scene.has_curves {
+            if stage == Stage::Gathered && !scene.has_curves() {
                 break;
             }
         }

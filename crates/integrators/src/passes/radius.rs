@@ -42,13 +42,13 @@ pub(super) fn of_pass(first: f32, number: u32) -> f32 {
 /// The median edge of a pixel on what the camera sees.
 fn pixel_size(scene: &Scene) -> f32 {
     const EDGE: u32 = 16;
-    let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+    let size = Vec2::new(scene.film().width as f32, scene.film().height as f32);
     let mut edges = Vec::new();
     for k in 0..EDGE * EDGE {
         let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
-        let ray = scene.camera.ray(&scene.film, place * size, Vec2::splat(0.5));
+        let ray = scene.camera().ray(scene.film(), place * size, Vec2::splat(0.5));
         let Some(hit) = scene.intersect(&ray) else { continue };
-        let d = scene.camera.ray_density(&scene.film, &ray);
+        let d = scene.camera().ray_density(scene.film(), &ray);
         let distance = if d.is_parallel { 1.0 } else { hit.t + d.start };
         edges.push(distance / d.density.sqrt());
     }

@@ -79,7 +79,7 @@ impl PassKind {
 
     /// What of a scene it cannot do and refuses; `None` where there is a picture.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.camera.motion.is_some() {
+        if scene.camera().motion.is_some() {
             return Some("a camera that moves".into());
         }
         match self {

@@ -23,7 +23,7 @@ const MOST: usize = 1 << 20;
 
 /// Light paths of a pass: so many, or with 0 one for each pixel.
 pub(super) fn paths(photons: u32, run: &Run<'_>) -> usize {
-    let film = &run.scene.film;
+    let film = run.scene.film();
     match photons {
         0 => (film.width as usize * film.height as usize).min(MOST),
         n => n as usize,
@@ -44,7 +44,7 @@ pub struct Sppm {
 impl Sppm {
     /// What of the scene it cannot do.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.has_media { Some("participating media".into()) } else { super::light_reaches_all(scene) }
+        if scene.has_media() { Some("participating media".into()) } else { super::light_reaches_all(scene) }
     }
 }
 
@@ -141,7 +141,7 @@ pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, coun
             };
             let i = scene.interaction_of_light(&ray, &hit);
             sum += s.weight * nee::emission(scene, &i, &origin, &v.lambda);
-            if !scene.geometries[i.geometry as usize].is_interface {
+            if !scene.geometries()[i.geometry as usize].is_interface {
                 break;
             }
             ray = i.spawn(ray.direction);
@@ -160,7 +160,7 @@ impl Pass for Progressive {
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
         let (scene, depth) = (run.scene, &self.settings.depth);
         let lambda = super::pass_wavelengths(run, number);
-        let (width, count) = (scene.film.width, paths(self.settings.photons, run));
+        let (width, count) = (scene.film().width, paths(self.settings.photons, run));
         let mut total = Counters::default();
         let photons = match &self.emission {
             None => Vec::new(),
@@ -228,7 +228,7 @@ impl Progressive {
             }
             // Of surfaces that have a specular lobe too, that lobe goes on.
             is_gathered |= !is_curve && path.context.is_some();
-            if is_gathered && !scene.has_curves {
+            if is_gathered && !scene.has_curves() {
                 break;
             }
         }

@@ -117,7 +117,7 @@ pub(super) enum Arrival<'s> {
 impl Subpath {
     /// From the camera along one of its rays.
     pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways) -> Self {
-        let d = scene.camera.ray_density(&scene.film, &ray);
+        let d = scene.camera().ray_density(scene.film(), &ray);
         let vcm = if ways.to_camera { squared(ways.light_paths / d.density) } else { 0.0 };
         Self {
             ray: Ray { time: lambda.time, ..ray },
@@ -143,7 +143,7 @@ impl Subpath {
         let place = numbers.two(at(dimension::LIGHT_POINT));
         let direction = numbers.two(at(dimension::DIRECTION));
         let emitted = emission.sample(scene, numbers.one(at(dimension::LIGHT)), place, direction, &lambda)?;
-        let kind = scene.lights.lights[emitted.light as usize].kind();
+        let kind = scene.lights().lights[emitted.light as usize].kind();
         let beta = emitted.radiance * (emitted.cos / emitted.pdf);
         let live = live_max(beta, &lambda);
         let vc = if kind.is_delta { 0.0 } else { squared(emitted.cos / emitted.pdf) };
@@ -167,7 +167,7 @@ impl Subpath {
 
     /// Whether it comes from a light without size; asked before it arrives anywhere.
     pub fn is_from_delta(&self, scene: &Scene) -> bool {
-        self.emitted.as_ref().is_some_and(|e| scene.lights.lights[e.light as usize].kind().is_delta)
+        self.emitted.as_ref().is_some_and(|e| scene.lights().lights[e.light as usize].kind().is_delta)
     }
 
     /// The dimension of a decision at the next event.
@@ -205,7 +205,7 @@ impl Subpath {
             let cos = i.surface.n.dot(i.wo).abs().max(1e-12);
             let sums = self.sums_at(distance, cos);
             met(self, &i, distance, sums);
-            let choice = if scene.has_mixtures { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
+            let choice = if scene.has_mixtures() { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
             if let Some(side) = scene.scattering(&i, choice, &mut self.lambda) {
                 let carried = (self.beta, self.lambda);
                 let mut v = Vertex::new(scene, i, side, choice, carried, (self.events, sums));
@@ -217,7 +217,7 @@ impl Subpath {
                     v.sums = Sums::default();
                 }
                 if let Some(e) = self.emitted.take() {
-                    if !scene.lights.reaches(e.light, i.surface.p, i.wo, &self.lambda) {
+                    if !scene.lights().reaches(e.light, i.surface.p, i.wo, &self.lambda) {
                         return Arrival::Ended;
                     }
                     v.sums.vcm = squared(asked(scene, &e, &v.context(), distance) / (e.pdf * cos));
@@ -295,7 +295,7 @@ fn sums_are_sound(s: &Sums) -> bool {
 /// The density with which a light sample for a context finds the light that emitted a ray, so that it can be divided by
 /// that of emission and the cosine where the ray arrives.
 fn asked(scene: &Scene, e: &EmittedRay, context: &LightContext, distance: f32) -> f32 {
-    let (lights, wi) = (&scene.lights, -e.ray.direction);
+    let (lights, wi) = (scene.lights(), -e.ray.direction);
     let kind = lights.lights[e.light as usize].kind();
     match (kind.is_delta, kind.is_parallel) {
         (false, false) => lights.area_pdf(e.light, context, wi, distance, e.n) * e.cos,

@@ -18,8 +18,8 @@ const DIRECTIONS: u32 = 4;
 
 /// Lights without extent, which can be asked for at any point without noise.
 pub fn sharp_lights(scene: &Scene) -> Vec<u32> {
-    let is_sharp = |l: &u32| !matches!(scene.lights.lights[*l as usize], Light::Area(_) | Light::Environment(_));
-    (0..scene.lights.lights.len() as u32).filter(is_sharp).collect()
+    let is_sharp = |l: &u32| !matches!(scene.lights().lights[*l as usize], Light::Area(_) | Light::Environment(_));
+    (0..scene.lights().lights.len() as u32).filter(is_sharp).collect()
 }
 
 /// Irradiance by patch and band, the mean over the points of each: from lights without extent, or from environments.
@@ -31,7 +31,7 @@ pub fn irradiance(
     sharp: bool,
     tell: &(dyn Fn(usize) -> bool + Sync),
 ) -> Vec<DVec4> {
-    let lights = if sharp { sharp_lights(scene) } else { scene.lights.environments.clone() };
+    let lights = if sharp { sharp_lights(scene) } else { scene.lights().environments.clone() };
     if lights.is_empty() {
         return vec![DVec4::ZERO; patches.len() * bands.count()];
     }
@@ -63,13 +63,13 @@ fn at_point(
     sum: &mut [Spectrum],
 ) {
     let ctx = LightContext { p: point.p, n: point.n };
-    if let Light::Environment(e) = &scene.lights.lights[light as usize] {
+    if let Light::Environment(e) = &scene.lights().lights[light as usize] {
         environment(scene, e, point, seed, k, wavelengths, sum);
         return;
     }
     let mut is_seen = None;
     for (sum, lambda) in sum.iter_mut().zip(wavelengths) {
-        let Some(s) = scene.lights.sample(light, &ctx, Vec2::splat(0.5), lambda, &scene.textures) else { continue };
+        let Some(s) = scene.lights().sample(light, &ctx, Vec2::splat(0.5), lambda, scene.textures()) else { continue };
         let cos = s.wi.dot(point.n);
         if cos > 0.0
             && *is_seen

@@ -177,7 +177,7 @@ impl Exchange<'_> {
         for _ in 0..PASSES {
             let Some(h) = hit else { return NONE };
             let i = self.scene.interaction(&ray, &h);
-            if self.scene.geometries[i.geometry as usize].is_interface {
+            if self.scene.geometries()[i.geometry as usize].is_interface {
                 ray = i.spawn(ray.direction);
                 hit = self.scene.intersect(&ray);
                 continue;

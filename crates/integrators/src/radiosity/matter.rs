@@ -56,8 +56,8 @@ pub fn of_surface(scene: &Scene, i: &Interaction, choice: f32, lambda: &Waveleng
 pub fn of_cell(scene: &Scene, piece: &Piece, cell: &Cell, front: bool, bands: &Bands) -> (Vec<Matter>, bool) {
     let mut sum = vec![Matter::default(); bands.count()];
     let mut is_pure = true;
-    let geometry = &scene.geometries[piece.geometry as usize];
-    let is_plain = !geometry.needs.parameters && !scene.has_mixtures;
+    let geometry = &scene.geometries()[piece.geometry as usize];
+    let is_plain = !geometry.needs.parameters && !scene.has_mixtures();
     let places = if is_plain { 1 } else { PLACES };
     for k in 0..places {
         let u = if is_plain {
@@ -80,8 +80,8 @@ pub fn of_cell(scene: &Scene, piece: &Piece, cell: &Cell, front: bool, bands: &B
 
 /// Radiance that a surface emits towards where it is seen from.
 pub fn emitted(scene: &Scene, i: &Interaction, lambda: &Wavelengths) -> Spectrum {
-    let Some(emitter) = scene.geometries[i.geometry as usize].emitter else { return Spectrum::ZERO };
+    let Some(emitter) = scene.geometries()[i.geometry as usize].emitter else { return Spectrum::ZERO };
     let n: Vec3 = i.surface.n;
     let at = || scene.texture_context(i);
-    scene.lights.emitters[emitter as usize].radiance(n, i.wo, at, lambda, &scene.textures)
+    scene.lights().emitters[emitter as usize].radiance(n, i.wo, at, lambda, scene.textures())
 }

@@ -184,8 +184,8 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
 /// [`Refusal`] for scenes that cannot be cut into patches.
 pub fn beyond_lambert(scene: &Scene) -> Result<Vec<String>, Refusal> {
     let surfaces = Surfaces::new(scene)?;
-    let patches = Patches::new(scene, &surfaces, &Cells::new(&surfaces), &Bands::new(scene.mode, 1), &|_| true);
-    Ok(patches.unwrap_or_default().impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect())
+    let patches = Patches::new(scene, &surfaces, &Cells::new(&surfaces), &Bands::new(scene.mode(), 1), &|_| true);
+    Ok(patches.unwrap_or_default().impure.iter().map(|m| scene.material_names()[*m as usize].clone()).collect())
 }
 
 fn within(what: &'static str, count: usize, limit: usize) -> Result<(), Refusal> {
@@ -202,7 +202,7 @@ fn within(what: &'static str, count: usize, limit: usize) -> Result<(), Refusal>
 pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Result<Option<Solution>, Refusal> {
     check(scene, settings)?;
     let surfaces = Surfaces::new(scene)?;
-    let bands = Bands::new(scene.mode, settings.bands);
+    let bands = Bands::new(scene.mode(), settings.bands);
     let tell = |parts: usize| watcher.advances(parts as u64);
     let mut cells = Cells::new(&surfaces);
     let is_adaptive = settings.adaptive > 0 && settings.method != Method::Hierarchical;
@@ -308,7 +308,7 @@ fn solve_cells(
     };
     report.patches = patches.len();
     report.rays = rays.into_inner();
-    report.impure = patches.impure.iter().map(|m| scene.material_names[*m as usize].clone()).collect();
+    report.impure = patches.impure.iter().map(|m| scene.material_names()[*m as usize].clone()).collect();
     report.left_out = surfaces.left_out.iter().map(|s| (*s).into()).collect();
     let light = Light::new(&patches, &exchanged);
     Ok(Solution::new(scene, surfaces.clone(), cells, bands.clone(), light, report, &tell))

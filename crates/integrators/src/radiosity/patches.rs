@@ -93,7 +93,7 @@ impl Patches {
             for (side, made) in sides.into_iter().enumerate() {
                 if !made.is_pure {
                     let piece = &surfaces.pieces[cells.cells[*leaf as usize].piece as usize];
-                    all.impure.push(scene.geometries[piece.geometry as usize].material);
+                    all.impure.push(scene.geometries()[piece.geometry as usize].material);
                 }
                 let Some((patch, matter)) = made.patch else { continue };
                 let index = all.list.len() as u32;

@@ -68,7 +68,7 @@ impl Solution {
             return Err(LoadError::OtherScene("more than the file holds"));
         }
         let surfaces = Surfaces::seen_from(scene, eye)?;
-        let of_scene = Bands::new(scene.mode, bands as usize);
+        let of_scene = Bands::new(scene.mode(), bands as usize);
         if surfaces.pieces.len() as u64 != pieces {
             return Err(LoadError::OtherScene("other surfaces"));
         }

@@ -245,7 +245,7 @@ impl Surfaces {
     /// # Errors
     /// [`Refusal`] for scenes with media, with too many infinite planes, or without surfaces.
     pub fn new(scene: &Scene) -> Result<Self, Refusal> {
-        Self::seen_from(scene, scene.camera.world_from_camera.point(Vec3::ZERO).as_dvec3())
+        Self::seen_from(scene, scene.camera().world_from_camera.point(Vec3::ZERO).as_dvec3())
     }
 
     /// Cuts a scene whose infinite planes end where others cut them off from a point.
@@ -253,30 +253,30 @@ impl Surfaces {
     /// # Errors
     /// As [`Surfaces::new`].
     pub fn seen_from(scene: &Scene, eye: DVec3) -> Result<Self, Refusal> {
-        if scene.has_media {
+        if scene.has_media() {
             return Err(Refusal::Media);
         }
-        if scene.placements.iter().any(|p| p.motion.is_some()) {
+        if scene.placements().iter().any(|p| p.motion.is_some()) {
             return Err(Refusal::Motion);
         }
         let is_masked = |alpha: &FloatTexture| !matches!(alpha, FloatTexture::Constant(a) if *a >= 1.0);
-        if scene.geometries.iter().any(|g| g.alpha.as_ref().is_some_and(is_masked)) {
+        if scene.geometries().iter().any(|g| g.alpha.as_ref().is_some_and(is_masked)) {
             return Err(Refusal::Masks);
         }
         let mut all = Self { eye, ..Self::default() };
-        let world = scene.placements.iter().map(|p| p.base).min().unwrap_or(scene.geometries.len() as u32);
-        for (g, geometry) in scene.geometries[..world as usize].iter().enumerate() {
+        let world = scene.placements().iter().map(|p| p.base).min().unwrap_or(scene.geometries().len() as u32);
+        for (g, geometry) in scene.geometries()[..world as usize].iter().enumerate() {
             let id = PrimId { instance: WORLD, geom: g as u32, prim: 0 };
             all.geometry(scene, geometry, id, g as u32, None)?;
         }
-        for (instance, placement) in scene.placements.iter().enumerate() {
+        for (instance, placement) in scene.placements().iter().enumerate() {
             all.placed.push(all.blocks.len() as u32);
             // Groups end where the next one begins.
-            let next = scene.placements.iter().map(|p| p.base).filter(|b| *b > placement.base).min();
-            let end = next.unwrap_or(scene.geometries.len() as u32);
+            let next = scene.placements().iter().map(|p| p.base).filter(|b| *b > placement.base).min();
+            let end = next.unwrap_or(scene.geometries().len() as u32);
             for g in placement.base..end {
                 let id = PrimId { instance: instance as u32, geom: g - placement.base, prim: 0 };
-                let geometry = &scene.geometries[g as usize];
+                let geometry = &scene.geometries()[g as usize];
                 all.geometry(scene, geometry, id, g, Some(&placement.world_from_group))?;
             }
         }
@@ -329,8 +329,8 @@ impl Surfaces {
                     }
                 }
                 Shape::Plane(plane) => {
-                    if scene.planes.len() > PLANES {
-                        return Err(Refusal::TooManyPlanes { count: scene.planes.len(), limit: PLANES });
+                    if scene.planes().len() > PLANES {
+                        return Err(Refusal::TooManyPlanes { count: scene.planes().len(), limit: PLANES });
                     }
                     if let Some(part) = face_of(scene, index, plane, eye) {
                         let c = part.corners();
@@ -420,10 +420,10 @@ const PLANES: usize = 10;
 /// The part of an infinite plane that the camera may see past the other opaque planes, within a box around everything.
 fn face_of(scene: &Scene, index: u32, plane: &Plane, eye: DVec3) -> Option<Polygon> {
     let others: Vec<&Plane> = scene
-        .planes
+        .planes()
         .iter()
         .filter(|g| **g != index)
-        .map(|g| &scene.geometries[*g as usize])
+        .map(|g| &scene.geometries()[*g as usize])
         .filter(|g| !g.is_masked() && !g.is_interface)
         .filter_map(|g| if let Shape::Plane(p) = &g.shape { Some(p) } else { None })
         .collect();
@@ -456,7 +456,7 @@ fn extent(scene: &Scene, eye: Vec3) -> Bounds3 {
     if !inner.is_empty() {
         bounds = bounds.union(inner);
     }
-    for light in &scene.lights.lights {
+    for light in &scene.lights().lights {
         use steradian_core::light::Light;
         match light {
             Light::Point(p, _) => bounds = bounds.union_point(*p),
@@ -467,9 +467,9 @@ fn extent(scene: &Scene, eye: Vec3) -> Bounds3 {
         }
     }
     let planes: Vec<&Plane> = scene
-        .planes
+        .planes()
         .iter()
-        .filter_map(|g| if let Shape::Plane(p) = &scene.geometries[*g as usize].shape { Some(p) } else { None })
+        .filter_map(|g| if let Shape::Plane(p) = &scene.geometries()[*g as usize].shape { Some(p) } else { None })
         .collect();
     let reach = bounds.diagonal().length().max(1e-3) * 10.0;
     for (i, a) in planes.iter().enumerate() {

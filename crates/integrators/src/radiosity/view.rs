@@ -59,7 +59,7 @@ impl Integrator for View {
             if shows_lights {
                 l += beta * nee::emission(scene, &i, &None, lambda);
             }
-            let u = sampler.get_1d_lazily(dimension::at(event, dimension::MIXTURE), scene.has_mixtures);
+            let u = sampler.get_1d_lazily(dimension::at(event, dimension::MIXTURE), scene.has_mixtures());
             let Some((s, frame)) = scene.scattering(&i, u, lambda) else {
                 ray = i.spawn(ray.direction);
                 continue;
@@ -134,7 +134,9 @@ impl Seen<'_> {
         let ns = if i.surface.ns.dot(n) < 0.0 { -i.surface.ns } else { i.surface.ns };
         let mut sum = Spectrum::ZERO;
         for &light in &self.solution.sharp_lights {
-            let Some(s) = scene.lights.sample(light, &ctx, Vec2::splat(0.5), lambda, &scene.textures) else { continue };
+            let Some(s) = scene.lights().sample(light, &ctx, Vec2::splat(0.5), lambda, scene.textures()) else {
+                continue;
+            };
             let cos = s.wi.dot(ns);
             if cos > 0.0 && s.wi.dot(n) > 0.0 {
                 counters.rays += 1;
@@ -179,7 +181,7 @@ impl Seen<'_> {
                 return l + drawn.weight * nee::background(scene, ray.origin, ray.direction, &origin, lambda);
             };
             let y = scene.interaction(&ray, &hit);
-            if scene.geometries[y.geometry as usize].is_interface {
+            if scene.geometries()[y.geometry as usize].is_interface {
                 ray = y.spawn(ray.direction);
                 continue;
             }

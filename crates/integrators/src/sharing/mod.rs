@@ -158,7 +158,7 @@ pub(crate) fn group<'s, const MEDIA: bool>(
     counters: &mut Counters,
 ) {
     let guide = precomputed.caustics.as_ref();
-    if MEDIA && scene.is_see_through {
+    if MEDIA && scene.is_see_through() {
         // Ways between points may lead through several media.
         for PixelSample { ray, own, lambda, radiance, .. } in pixel_samples {
             *radiance = path.arriving(*ray, guide, &mut PathContext { scene, sampler: own, lambda, counters });

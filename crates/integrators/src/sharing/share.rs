@@ -104,7 +104,7 @@ pub(super) fn share<const MEDIA: bool>(
         let mut light = Spectrum::ZERO;
         if shared != Shared::ByDirection {
             light = path.leaving(y, path_state, precomputed.caustics.as_ref(), context);
-            light = for_all_wavelengths(light, &lambda, common, scene.mode);
+            light = for_all_wavelengths(light, &lambda, common, scene.mode());
             if shared == Shared::No || !light.is_finite() {
                 *radiance += light;
                 continue;
@@ -176,7 +176,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
             }
             (values, density / total)
         };
-        if scene.lights.can_sample()
+        if scene.lights().can_sample()
             && let Some(s) = nee::sample_light(scene, &y.context(), path_state.events, &joint, &lambda)
         {
             let (values, density) = towards_all(s.wi);
@@ -215,7 +215,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
         match &next {
             Arrival::Vertex(v) => {
                 let beyond = path.leaving(v, path_state, guide, context);
-                light += for_all_wavelengths(beyond, &left, &lambda, scene.mode);
+                light += for_all_wavelengths(beyond, &left, &lambda, scene.mode());
             }
             Arrival::Escaped => {
                 let context = &mut PathContext { scene, sampler: &joint, lambda: &mut lambda, counters };
@@ -258,7 +258,9 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
         let flight = |x: &Vertex<'_>, w: Vec3, distance: f32, lambda: &Wavelengths| {
             let medium = if MEDIA { x.medium_towards(scene, w) } else { None };
             match medium {
-                Some(m) => flight::flight_density(scene, &scene.media[m as usize], distance, facing.is_none(), lambda),
+                Some(m) => {
+                    flight::flight_density(scene, &scene.media()[m as usize], distance, facing.is_none(), lambda)
+                }
                 None => (Spectrum::ONE, 1.0),
             }
         };

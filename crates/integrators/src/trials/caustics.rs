@@ -42,7 +42,7 @@ pub(crate) struct Outcome {
 
 /// What the photons of `precomputed` are good for.
 pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, path: &PathTracer<MEDIA>, precomputed: &Precomputed) -> Outcome {
-    let cells = [scene.film.width, scene.film.height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
+    let cells = [scene.film().width, scene.film().height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
     let count = PATHS.max(FEWEST_PATHS / (cells[0] * cells[1])).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 1 };
     let paths: Vec<Vec<Contributions>> = (0..cells[0] * cells[1])
@@ -109,15 +109,15 @@ fn trace<const MEDIA: bool>(
     (at, cells): ([u32; 2], [u32; 2]),
     sampler: &PixelSampler,
 ) -> Contributions {
-    let film = &scene.film;
-    let mut lambda = scene.mode.wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
-    if scene.is_timed {
+    let film = scene.film();
+    let mut lambda = scene.mode().wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+    if scene.is_timed() {
         lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
     }
     let within = sampler.get_2d(dimension::FILM);
     let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
     let place = Vec2::new(place(0, film.width), place(1, film.height));
-    let ray = scene.camera.ray_at(film, place, sampler.get_2d(dimension::LENS), lambda.time);
+    let ray = scene.camera().ray_at(film, place, sampler.get_2d(dimension::LENS), lambda.time);
     let counters = &mut Counters::until(&precomputed.stop);
     let context = &mut PathContext { scene, sampler, lambda: &mut lambda, counters };
     let mut path_state = PathState::camera(scene, ray);
@@ -130,7 +130,7 @@ fn trace<const MEDIA: bool>(
             Arrival::Vertex(v) => light += path_state.beta * v.direct::<MEDIA>(path_state.events, context),
             Arrival::End => {}
         }
-        let light = f64::from(scene.mode.luminance(light, context.lambda) * film.imaging_ratio);
+        let light = f64::from(scene.mode().luminance(light, context.lambda) * film.imaging_ratio);
         if light.is_finite() && light != 0.0 {
             found.push((light, ratio));
         }

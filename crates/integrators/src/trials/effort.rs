@@ -86,7 +86,7 @@ pub(crate) fn trial<const MEDIA: bool>(
     scene: &Scene,
     precomputed: &Precomputed,
 ) -> PathEffort {
-    if precomputed.reuse() < 2 || !scene.lights.can_sample() {
+    if precomputed.reuse() < 2 || !scene.lights().can_sample() {
         return PathEffort::default();
     }
     let trials = TRIED.map(|effort| Precomputed { effort, ..precomputed.clone() });
@@ -98,7 +98,7 @@ pub(crate) fn trial<const MEDIA: bool>(
 /// The `k`th of some tiles, spread over the picture.
 fn tile(scene: &Scene, k: u32, seed: u32) -> [i32; 2] {
     let place = sobol::shuffled_scrambled_sobol_2d(k, seed);
-    let tiles = [scene.film.width, scene.film.height].map(|size| size.div_ceil(TILE));
+    let tiles = [scene.film().width, scene.film().height].map(|size| size.div_ceil(TILE));
     [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as i32)
 }
 

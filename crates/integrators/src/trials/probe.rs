@@ -25,7 +25,7 @@ pub(crate) struct Probe<'a, 's> {
 impl<'a, 's> Probe<'a, 's> {
     /// A group of a partition.
     pub fn new(scene: &Scene, partition: &'a Partition, window: Window) -> Self {
-        let is_on_film = |p: &Place| p.x < scene.film.width && p.y < scene.film.height;
+        let is_on_film = |p: &Place| p.x < scene.film().width && p.y < scene.film().height;
         let places = partition.places(window).filter(is_on_film).collect();
         Self { places, partition, pixel_samples: Vec::new(), buffer: GroupBuffer::default() }
     }
@@ -51,8 +51,9 @@ impl<'a, 's> Probe<'a, 's> {
         sharing::group(path, scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
         let mut light = [0.0; MAX_GROUP];
         for (light, pixel_sample) in light.iter_mut().zip(&self.pixel_samples) {
-            let l =
-                f64::from(scene.mode.luminance(pixel_sample.radiance, &pixel_sample.lambda) * scene.film.imaging_ratio);
+            let l = f64::from(
+                scene.mode().luminance(pixel_sample.radiance, &pixel_sample.lambda) * scene.film().imaging_ratio,
+            );
             *light = if l.is_finite() { l } else { 0.0 };
         }
         (light, (self.pixel_samples.len() as u64 + counters.rays) as f64)

@@ -103,7 +103,7 @@ fn of_group<const MEDIA: bool>(
     k: u32,
 ) -> [Found; SIZES.len()] {
     let place = sobol::shuffled_scrambled_sobol_2d(k, 9);
-    let size = [scene.film.width, scene.film.height];
+    let size = [scene.film().width, scene.film().height];
     let tile = [0, 1].map(|axis| (place[axis] * size[axis].div_ceil(TILE) as f32) as i32);
     let large = Partition::new(MAX_GROUP as u32, 0);
     let layer = k % Partition::LAYERS;

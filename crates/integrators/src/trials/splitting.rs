@@ -37,7 +37,7 @@ pub(crate) fn trial<const MEDIA: bool>(
     precomputed: &Precomputed,
     samples: u64,
 ) -> Splitting {
-    let film = &scene.film;
+    let film = scene.film();
     let most = (samples / SAMPLES).min(MOST_CELLS);
     let mut edge = CELL;
     while u64::from(film.width.div_ceil(edge)) * u64::from(film.height.div_ceil(edge)) > most {
@@ -73,7 +73,7 @@ impl PilotStatistics {
         precomputed: &Precomputed,
         edge: u32,
     ) -> Self {
-        let [columns, rows] = [scene.film.width, scene.film.height].map(|size| size.div_ceil(edge));
+        let [columns, rows] = [scene.film().width, scene.film().height].map(|size| size.div_ceil(edge));
         let need = |k| need(path, scene, precomputed, [k % columns, k / columns], edge);
         Self { needs: (0..columns * rows).into_par_iter().map(need).collect(), columns, edge }
     }
@@ -129,7 +129,7 @@ fn need<const MEDIA: bool>(
     edge: u32,
 ) -> Need {
     let hash = combine32(mix32(square[0]), square[1]);
-    let size = [scene.film.width, scene.film.height];
+    let size = [scene.film().width, scene.film().height];
     // A cell of it that begins on the film.
     let at: [u32; 2] = std::array::from_fn(|axis| {
         let first = square[axis] * edge;

@@ -359,8 +359,8 @@ fn crops_are_parts_of_the_whole() {
     let mut stage = room(0.6);
     lamp(&mut stage, 0.6, 6.0);
     let whole = stage.scene();
-    let mut part = whole.clone();
-    part.film.crop = steradian_core::film::Crop { x0: 3, y0: 5, x1: 9, y1: 11 };
+    let crop = steradian_core::film::Crop { x0: 3, y0: 5, x1: 9, y1: 11 };
+    let part = whole.clone().changed(|parts| parts.film.crop = crop);
     for method in ["light", "bdpt", "vcm", "sppm", "pssmlt"] {
         let (a, b) = (Shot::of(method, 16).depth(4).take(&whole), Shot::of(method, 16).depth(4).take(&part));
         for (k, p) in b.pixels.iter().enumerate() {

@@ -76,8 +76,8 @@ fn steps_do_not_change_a_bit() {
 #[test]
 fn crops_do_not_change_a_bit() {
     let scene = collection(ColorMode::Rgb);
-    let mut cropped = scene.clone();
-    cropped.film.crop = steradian_core::film::Crop { x0: 5, y0: 7, x1: 30, y1: 24 };
+    let crop = steradian_core::film::Crop { x0: 5, y0: 7, x1: 30, y1: 24 };
+    let cropped = scene.clone().changed(|parts| parts.film.crop = crop);
     for reuse in [1, 4, 16] {
         let shot = Shot::of("path", 2).reuse(reuse);
         let (whole, part) = (shot.take(&scene), shot.take(&cropped));

@@ -28,7 +28,7 @@ fn filters_on_a_step_edge() {
         for edge in [8.0, 8.3, 7.5] {
             let scene = step_edge(name, edge).scene();
             let film = Shot::of("path", 8_000).take(&scene);
-            let filter = &scene.film.filter;
+            let filter = &scene.film().filter;
             // The integral over an axis, by the midpoint rule; the other axis cancels.
             let integral = |to: f64| {
                 let (n, r) = (40_000, 8.0);

@@ -309,9 +309,8 @@ fn spotted(parametrization: Parametrization) -> Environment {
 
 /// The scene under a sky instead of its lights.
 fn under(stage: &Stage, sky: Environment) -> Scene {
-    let mut scene = stage.scene();
-    scene.lights = Lights::new(vec![Light::Environment(Box::new(sky))], Vec::new(), ColorMode::Rgb, &scene.textures);
-    scene
+    let sky = vec![Light::Environment(Box::new(sky))];
+    stage.scene().changed(|parts| parts.lights = Lights::new(sky, Vec::new(), ColorMode::Rgb, &parts.textures))
 }
 
 const PARAMETRIZATIONS: [Parametrization; 3] =
@@ -328,7 +327,7 @@ fn environment_images() {
             steradian_testkit::integrate_sphere(cosine, 1e-3)
         });
         let scene = under(&receiver(0.1), sky);
-        assert!(scene.lights.can_sample());
+        assert!(scene.lights().can_sample());
         let e = mean(&Shot::of("direct", 60_000).take(&scene)).times(PI);
         e.is_near(&format!("{parametrization:?}"), expected, 0.02);
     }
@@ -380,7 +379,7 @@ fn textured_lamps() {
     let mut sheet = rectangle(at(corner), ex, ey);
     sheet.uvs = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
     stage.mesh_lamp(sheet, 1.0).emission = Some(emission);
-    assert_eq!(stage.scene().lights.lights.len(), 2);
+    assert_eq!(stage.scene().lights().lights.len(), 2);
     check(&stage, "textured square", 1.5 * lambert(&polygon), true);
 }
 

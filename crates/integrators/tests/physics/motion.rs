@@ -74,7 +74,7 @@ fn a_square_that_passes_covers_its_share() {
         stage.scene()
     };
     for (name, scene) in [("the square moves", passing()), ("the camera moves", passed())] {
-        assert!(scene.moves() && scene.is_timed);
+        assert!(scene.moves() && scene.is_timed());
         for integrator in ["path", "volpath", "direct", "raycast"] {
             for (x, seen) in row(&scene, integrator).into_iter().enumerate() {
                 let expected = uncovered(x);
@@ -92,7 +92,7 @@ fn an_instant_is_sharp() {
         let mut stage = square(shift(at), shift(at), [0.0, 1.0]);
         stage.film(32, 1).camera(camera());
         let scene = stage.scene();
-        assert!(!scene.moves() && !scene.is_timed);
+        assert!(!scene.moves() && !scene.is_timed());
         Shot::of("direct", 4).take(&scene)
     };
     for (times, shutter, at) in

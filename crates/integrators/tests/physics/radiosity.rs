@@ -38,17 +38,17 @@ fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32
     let view = View { settings: Settings::default(), depth, gather, smooth: true };
     let solution = Some(Arc::new(solution));
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 1 };
-    let (w, h) = (scene.film.width, scene.film.height);
+    let (w, h) = (scene.film().width, scene.film().height);
     let mut sum = [0.0; 3];
     for k in 0..w * h * spp {
         let (x, y, index) = (k / spp % w, k / spp / w, k % spp);
         let s = sampler.pixel(x, y, index);
         let at = Vec2::new(x as f32, y as f32) + s.get_2d(0);
-        let ray: Ray = scene.camera.ray(&scene.film, at, Vec2::splat(0.5));
-        let mut lambda = scene.mode.wavelengths(|| s.get_1d(2));
+        let ray: Ray = scene.camera().ray(scene.film(), at, Vec2::splat(0.5));
+        let mut lambda = scene.mode().wavelengths(|| s.get_1d(2));
         let counters = &mut Counters::default();
         let l = view.radiance(&solution, ray, &mut PathContext { scene, sampler: &s, lambda: &mut lambda, counters });
-        let c = scene.mode.to_rgb(l, &lambda);
+        let c = scene.mode().to_rgb(l, &lambda);
         sum.iter_mut().zip(c.to_array()).for_each(|(s, c)| *s += f64::from(c) / f64::from(w * h * spp));
     }
     sum
@@ -211,8 +211,7 @@ fn a_closed_sphere_of_a_scene_is_ten() {
     let lamp = stage.add(light("area").with("radiance", white(1.0 / std::f64::consts::PI)).with("two_sided", true));
     stage.solid(sphere([0.0; 3], 2.0), diffuse(0.9)).emission = Some(lamp);
     stage.probe([0.0; 3], [0.0, 0.0, 1.0]);
-    let mut scene = stage.scene();
-    scene.materials.iter_mut().for_each(|m| m.two_sided = true);
+    let scene = stage.scene().changed(|parts| parts.materials.iter_mut().for_each(|m| m.two_sided = true));
     for (method, factors) in [
         (Method::Direct, FormFactors::MonteCarlo(256)),
         (Method::GaussSeidel, FormFactors::Hemicube(32)),
@@ -242,8 +241,7 @@ fn radiosity_is_spectral_and_linear() {
     let ours = picture(&scene, solution, 1, 256);
     assert!(relative(ours, truth.mean) < 0.015, "{ours:?} {truth:?}");
     let dim = reflected(&solved(&stage.scene(), &settings(Method::GaussSeidel, 300)));
-    let mut bright = stage.scene();
-    bright.lights.emitters.iter_mut().for_each(|e| e.scale *= 2.0);
+    let bright = stage.scene().changed(|parts| parts.lights.emitters.iter_mut().for_each(|e| e.scale *= 2.0));
     let bright = reflected(&solved(&bright, &settings(Method::GaussSeidel, 300)));
     assert!(relative(bright, dim.map(|v| 2.0 * v)) < 1e-5);
 }

@@ -15,7 +15,7 @@ use steradian_scene::{Family, Node};
 
 /// The means of the quadrants of pictures with many seeds.
 pub fn quadrants(shot: Shot, scene: &Scene, seeds: u64) -> [Estimate; 4] {
-    let (w, h) = (scene.film.width as usize, scene.film.height as usize);
+    let (w, h) = (scene.film().width as usize, scene.film().height as usize);
     let (mut sum, mut squares) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
     for seed in 0..seeds {
         let film = shot

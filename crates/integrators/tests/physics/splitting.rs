@@ -49,8 +49,8 @@ fn splitting_pays_and_changes_nothing_else() {
         session.step(n, &Control::default());
     }
     same_bits(&film, &session.film(), "three steps");
-    let mut cropped = scene.clone();
-    cropped.film.crop = Crop { x0: 90, y0: 100, x1: 131, y1: 117 };
+    let crop = Crop { x0: 90, y0: 100, x1: 131, y1: 117 };
+    let cropped = scene.clone().changed(|parts| parts.film.crop = crop);
     let part = split.take(&cropped);
     for (k, p) in part.pixels.iter().enumerate() {
         let (x, y) = (90 + k % 41, 100 + k / 41);

@@ -168,12 +168,14 @@ impl Stage {
 
 /// The same scene, whose surfaces shine without being lights that next-event estimation could find: all light is then
 /// met by scattering.
-pub fn found_by_scattering_alone(mut scene: Scene) -> Scene {
-    for geometry in &mut scene.geometries {
-        geometry.lights = Box::default();
-    }
-    scene.lights = Lights::new(Vec::new(), scene.lights.emitters.clone(), scene.mode, &scene.textures);
-    assert!(!scene.lights.can_sample());
+pub fn found_by_scattering_alone(scene: Scene) -> Scene {
+    let scene = scene.changed(|parts| {
+        for geometry in &mut parts.geometries {
+            geometry.lights = Box::default();
+        }
+        parts.lights = Lights::new(Vec::new(), parts.lights.emitters.clone(), parts.mode, &parts.textures);
+    });
+    assert!(!scene.lights().can_sample());
     scene
 }
 

@@ -97,9 +97,9 @@ impl Shadowing {
     pub fn new(scene: &Scene, list: &DrawList, options: &Options, eye: &Eye) -> Result<Self, Error> {
         let filter = Filter { bias: options.bias, bias_by: options.bias_by, pcf: options.pcf };
         let mut lights = Vec::new();
-        if !matches!(options.shadows, Shadows::None | Shadows::Ray) && scene.lights.lights.len() <= MOST_LIGHTS {
+        if !matches!(options.shadows, Shadows::None | Shadows::Ray) && scene.lights().lights.len() <= MOST_LIGHTS {
             let maker = Maker { scene, list, options, eye, casters: Casters::new(scene, list, options.shadows)? };
-            lights = scene.lights.lights.iter().map(|light| maker.means(light)).collect::<Result<_, _>>()?;
+            lights = scene.lights().lights.iter().map(|light| maker.means(light)).collect::<Result<_, _>>()?;
         }
         Ok(Self { kind: options.shadows, filter, lights })
     }
@@ -163,12 +163,12 @@ impl Shadowing {
 
 /// Whether a scene has a light without extent.
 pub fn has_sharp_light(scene: &Scene) -> bool {
-    scene.lights.lights.iter().any(|light| Source::of(light).is_some())
+    scene.lights().lights.iter().any(|light| Source::of(light).is_some())
 }
 
 /// Whether there are shadow maps in a scene by such options.
 pub fn has_maps(scene: &Scene, options: &Options) -> bool {
-    let lights = &scene.lights.lights;
+    let lights = &scene.lights().lights;
     let has_some = match options.shadows {
         Shadows::Map | Shadows::Cube | Shadows::Trapezoid | Shadows::Perspective | Shadows::Cascades => {
             has_sharp_light(scene)
@@ -181,7 +181,7 @@ pub fn has_maps(scene: &Scene, options: &Options) -> bool {
 
 /// How many shadow volumes of the first light without extent each pixel is in; `None` where there is no such light.
 pub fn stencil_counts(scene: &Scene, casters: &Casters, eye: &Eye) -> Result<Option<Vec<u8>>, Error> {
-    let Some(source) = scene.lights.lights.iter().find_map(Source::of) else { return Ok(None) };
+    let Some(source) = scene.lights().lights.iter().find_map(Source::of) else { return Ok(None) };
     Ok(Some(Volumes::new(scene, casters, source, eye, true)?.into_counts()))
 }
 

@@ -32,7 +32,7 @@ pub struct Planar {
 impl Planar {
     /// Projects the casters to all flat meshes and planes that the eye sees.
     pub fn new(scene: &Scene, list: &DrawList, casters: &Casters, source: Source, eye: &Eye) -> Result<Self, Error> {
-        let pixels = (scene.film.crop.width() * scene.film.crop.height()) as usize;
+        let pixels = (scene.film().crop.width() * scene.film().crop.height()) as usize;
         let seen: Vec<Option<u32>> = (0..pixels).map(|pixel| eye.visibility.item(pixel)).collect();
         let mut receivers: Vec<u32> = seen.iter().flatten().copied().collect();
         receivers.sort_unstable();
@@ -57,7 +57,7 @@ impl Planar {
 fn plane(scene: &Scene, item: &Item) -> Option<(Vec3, Vec3)> {
     let place = item.place(scene);
     let in_world = |p: Vec3| if item.instance == WORLD { p } else { place.point(p) };
-    match &scene.geometries[item.geometry as usize].shape {
+    match &scene.geometries()[item.geometry as usize].shape {
         Shape::Mesh(mesh) => {
             let corners = || (0..mesh.triangles.len() as u32).flat_map(|t| mesh.corners(t)).map(in_world);
             let start = corners().next()?;

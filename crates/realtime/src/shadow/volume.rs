@@ -131,7 +131,7 @@ impl Volumes {
     /// Whether the point that a pixel sees is lit from `wi`; `None` where rays must tell.
     pub fn lit(&self, scene: &Scene, i: &Interaction, wi: Vec3, pixel: usize) -> Option<f32> {
         // The far side of a triangle is in the volume of the triangle itself, which casts no shadow on it.
-        let geometry = &scene.geometries[i.geometry as usize];
+        let geometry = &scene.geometries()[i.geometry as usize];
         let is_caster = matches!(geometry.shape, Shape::Mesh(_)) && !geometry.is_masked();
         let n = i.surface.n;
         let own = u8::from(is_caster && n.dot(i.wo) * n.dot(wi) < 0.0);

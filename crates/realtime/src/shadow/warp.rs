@@ -70,7 +70,7 @@ pub fn warp(scene: &Scene, eye: &Eye, light: &Projected, trapezoid: bool) -> Opt
 
 /// Points that the eye sees, of up to about 40 000 pixels.
 fn visible(scene: &Scene, eye: &Eye) -> Vec<Vec3> {
-    let (width, height) = (scene.film.crop.width(), scene.film.crop.height());
+    let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
     let step = ((width as f32 * height as f32 / 40_000.0).sqrt() as u32).max(1);
     let axis = eye.projected.eye().1;
     let pixels =

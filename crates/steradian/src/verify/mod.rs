@@ -132,15 +132,15 @@ fn verify_by(
     control: &Control,
     mut told: impl FnMut(&str),
 ) -> Result<Report, Error> {
-    if !scene.settings.hide_emitters {
-        Arc::make_mut(scene).settings.hide_emitters = true;
+    if !scene.settings().hide_emitters {
+        Arc::make_mut(scene).change(|parts| parts.settings.hide_emitters = true);
     }
     let scene = &*scene;
-    let seed = quality.seed.unwrap_or(scene.settings.seed);
+    let seed = quality.seed.unwrap_or(scene.settings().seed);
     let maker = Maker { take, scene, quality, control, seed };
     let (mut reference, has_caustics) = maker.reference(&mut told)?;
     let incomplete = reference.lacks(scene);
-    let is_default = |name: &&str| !OTHERS.contains(name) && (*name != "volpath" || scene.has_media);
+    let is_default = |name: &&str| !OTHERS.contains(name) && (*name != "volpath" || scene.has_media());
     let default: Vec<String> = INTEGRATORS.iter().map(|i| i.name).filter(is_default).map(str::to_owned).collect();
     let mut verified = Vec::new();
     for (k, name) in (1..).zip(if named.is_empty() { &default } else { named }) {
@@ -192,7 +192,7 @@ impl Method {
 
     /// Of a reference, what light it does not find.
     fn lacks(&self, scene: &Scene) -> Option<String> {
-        let settings = &scene.settings;
+        let settings = scene.settings();
         let depth = Depth { max: settings.max_depth, roulette_after: settings.rr_depth, hide_emitters: true };
         let missed = missed_caustics(scene, &depth);
         if missed::share_of(missed, self.picture.film.as_ref()?) <= COMPLETE {
@@ -259,7 +259,7 @@ impl Maker<'_> {
     /// The method that all others are held against: of those that find all light the one that errs least; and whether
     /// paths alone hardly find some of it.
     fn reference(&self, told: &mut impl FnMut(&str)) -> Result<(Method, bool), Error> {
-        let path = if self.scene.has_media { "volpath" } else { "path" };
+        let path = if self.scene.has_media() { "volpath" } else { "path" };
         let mut found: Vec<Method> = Vec::new();
         // Pixels that share paths have errors that are not independent of each other.
         for (number, name) in [(0, &*format!("{path}:reuse=1,effort=even")), (u64::from(u16::MAX), "bdpt")] {
@@ -326,6 +326,6 @@ fn with_less_bias(integrator: &IntegratorKind) -> Option<(IntegratorKind, Integr
 
 /// The film of a render that was cancelled before it began.
 fn empty(scene: &Scene) -> Film {
-    let crop = scene.film.crop;
+    let crop = scene.film().crop;
     Film { crop, pixels: Vec::new(), features: Vec::new(), mattes: Vec::new(), by_light: Vec::new() }
 }

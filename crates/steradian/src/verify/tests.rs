@@ -1,7 +1,6 @@
 //! Faulty integrators are found, and sound ones are not accused.
 
 use super::*;
-use steradian_core::scene::Geometry;
 
 /// What a room has; the default is what is right.
 #[derive(Clone, Copy)]
@@ -69,9 +68,7 @@ fn verdict(method: &str, fault: Fault<'_>) -> Verdict {
 
 /// A picture of another scene.
 fn of_room(room: Room) -> impl Fn(&Arc<Scene>, Render, &Control, &mut Picture) {
-    let mut scene = room.scene();
-    scene.settings.hide_emitters = true;
-    let scene = Arc::new(scene);
+    let scene = Arc::new(room.scene().changed(|parts| parts.settings.hide_emitters = true));
     move |_, render, control, picture| picture.add(&scene, render, control)
 }
 
@@ -87,7 +84,7 @@ fn of_values(change: impl Fn(usize, f64) -> f64) -> impl Fn(&Arc<Scene>, Render,
 
 /// A method with its depth of paths changed.
 fn with_depth(max: u32, method: &str, scene: &Scene) -> IntegratorKind {
-    let depth = Depth { max, roulette_after: scene.settings.rr_depth, hide_emitters: true };
+    let depth = Depth { max, roulette_after: scene.settings().rr_depth, hide_emitters: true };
     IntegratorKind::named(method, depth, Default::default()).expect("a known method")
 }
 
@@ -113,13 +110,11 @@ fn mutants_are_found() {
         picture.append(all);
     };
     let clamped = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
-        let mut scene = Scene::clone(scene);
-        scene.film.max_component = 0.6;
+        let scene = Scene::clone(scene).changed(|parts| parts.film.max_component = 0.6);
         picture.add(&Arc::new(scene), render, control);
     };
     let opaque = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
-        let mut scene = Scene::clone(scene);
-        scene.geometries.iter_mut().for_each(|g: &mut Geometry| g.alpha = None);
+        let scene = Scene::clone(scene).changed(|parts| parts.geometries.iter_mut().for_each(|g| g.alpha = None));
         picture.add(&Arc::new(scene), render, control);
     };
     let missed: Vec<String> = [

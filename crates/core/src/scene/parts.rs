@@ -1,0 +1,151 @@
+//! What a scene is made of.
+
+use crate::{
+    camera::Camera,
+    film::FilmSpec,
+    light::{LightGroups, Lights},
+    material::{Material, Needs},
+    medium::Medium,
+    sampler::SamplerKind,
+    shape::Shape,
+};
+use std::{collections::BTreeMap, sync::Arc};
+use steradian_accel::Accel;
+use steradian_math::{Motion, spectra::ColorMode, transform::Affine};
+use steradian_texture::{FloatTexture, Textures, pages::Pages};
+
+/// A shape with what is attached to it.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// Where it is.
+    pub shape: Shape,
+    /// Index of its material.
+    pub material: u32,
+    /// Opacity that lets rays through by chance.
+    pub alpha: Option<FloatTexture>,
+    /// Whether rays pass that meet it from behind, against the geometric normal.
+    pub is_single_sided: bool,
+    /// Index of what it emits.
+    pub emitter: Option<u32>,
+    /// For emitting shapes the light of each primitive; one entry when all belong to the same.
+    pub lights: Box<[u32]>,
+    /// The media on the side against the normal and on the side of it, where the shape separates media.
+    pub media: Option<(Option<u32>, Option<u32>)>,
+    /// Whether it scatters nothing.
+    pub is_interface: bool,
+    /// What is asked of its points to scatter and to emit light; [`Scene::new`](super::Scene::new) finds out.
+    pub needs: Needs,
+    /// Number of the shape in the description, from one.
+    pub id: u32,
+}
+
+impl Geometry {
+    /// Whether rays pass some of its points.
+    #[inline]
+    pub fn is_masked(&self) -> bool {
+        self.alpha.is_some() || self.is_single_sided
+    }
+
+    /// The light that a primitive belongs to.
+    #[inline]
+    pub fn light(&self, prim: u32) -> Option<u32> {
+        match &*self.lights {
+            [] => None,
+            [one] => Some(*one),
+            many => many.get(prim as usize).copied(),
+        }
+    }
+}
+
+/// A placed group.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    /// Where it is as the shutter opens.
+    pub world_from_group: Affine,
+    /// How it moves while the shutter is open.
+    pub motion: Option<Arc<Motion>>,
+    /// First geometry of the group in [`Parts::geometries`].
+    pub base: u32,
+    /// How many geometries the group has.
+    pub count: u32,
+}
+
+impl Placement {
+    /// Where it is at a moment of the exposure.
+    #[inline]
+    pub fn at(&self, time: f32) -> Affine {
+        match &self.motion {
+            None => self.world_from_group,
+            Some(motion) => motion.at(time).unwrap_or(self.world_from_group),
+        }
+    }
+}
+
+/// What a scene asks of the renderer; what the user asks goes before it.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Integrator by name.
+    pub integrator: String,
+    /// Most scattering events on a path; `u32::MAX` for no limit.
+    pub max_depth: u32,
+    /// Scattering events before Russian roulette.
+    pub rr_depth: u32,
+    /// Whether lights are invisible to the camera.
+    pub hide_emitters: bool,
+    /// Options of that integrator that are its own, as `NAME:key=value` has them.
+    pub options: Vec<(String, String)>,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// The point set.
+    pub sampler: SamplerKind,
+    /// The one that the file names, which is another one than `sampler` where files of other programs name theirs.
+    pub named_sampler: SamplerKind,
+    /// Random seed.
+    pub seed: u64,
+}
+
+/// What a [`Scene`](super::Scene) is made of; all else follows from it.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// What the lanes of spectra are.
+    pub mode: ColorMode,
+    /// World geometry first, then that of each group.
+    pub geometries: Vec<Geometry>,
+    /// The structure that rays go through: the hierarchy, unless another one was asked for.
+    pub accel: Accel,
+    /// Placed groups, by the hierarchy's instance index.
+    pub placements: Vec<Placement>,
+    /// How many of the geometries are the world's own; those of groups follow.
+    pub world_count: u32,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Textures.
+    pub textures: Textures,
+    /// Lights.
+    pub lights: Lights,
+    /// Media.
+    pub media: Vec<Medium>,
+    /// Camera.
+    pub camera: Camera,
+    /// Film.
+    pub film: FilmSpec,
+    /// What the scene asks for.
+    pub settings: Settings,
+    /// Groups of lights.
+    pub light_groups: LightGroups,
+    /// Names of objects, by [`Geometry::id`]; those that the file gives none are numbered.
+    pub object_names: BTreeMap<u32, String>,
+    /// Names of materials, by index, for reports.
+    pub material_names: Vec<String>,
+    /// Where textures wait that are not in memory, where these are limited.
+    pub texture_pages: Option<Arc<Pages>>,
+    /// Samples per pixel by which footprints are as wide as they are.
+    pub spp: u32,
+}
+
+impl Parts {
+    /// Whether light is lost or scattered between surfaces.
+    pub fn has_media(&self) -> bool {
+        self.camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)))
+    }
+}
