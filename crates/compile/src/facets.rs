@@ -212,7 +212,7 @@ mod tests {
     fn with_bsdf<T>(scene: &Scene, uv: Vec2, lambda: &mut Wavelengths, look: impl FnOnce(&Bsdf<'_>) -> T) -> T {
         let at = TextureContext::new(Vec3::ZERO, uv);
         let id = scene.materials().len() as u32 - 1;
-        look(&scattering(&scene.materials(), &scene.textures(), id, &at, true, 0.5, lambda).unwrap().bsdf)
+        look(&scattering(scene.materials(), scene.textures(), id, &at, true, 0.5, lambda).unwrap().bsdf)
     }
 
     fn value(scene: &Scene, uv: Vec2) -> Spectrum {

@@ -60,7 +60,7 @@ impl<'a> Specimen<'a> {
         let at = TextureContext::new(Vec3::ZERO, self.uv);
         let mut lambda = self.lambda;
         let s = self.scene;
-        material::scattering(&s.materials(), &s.textures(), self.material, &at, front, choice, &mut lambda)
+        material::scattering(s.materials(), s.textures(), self.material, &at, front, choice, &mut lambda)
     }
 
     fn strata(&self) -> u32 {

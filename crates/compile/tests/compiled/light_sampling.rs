@@ -65,7 +65,7 @@ fn seen_from(name: &str, scene: Scene, p: Vec3, complete: bool) -> Case {
         let n = other.lights().lights.len() as f32;
         let light = ((u.x * n) as u32).min(n as u32 - 1);
         let u = Vec2::new((u.x * n - light as f32).clamp(0.0, 1.0 - f32::EPSILON), u.y);
-        let s = other.lights().sample(light, &ctx, u, &LAMBDA, &other.textures())?;
+        let s = other.lights().sample(light, &ctx, u, &LAMBDA, other.textures())?;
         Some((s.wi, s.pdf / n))
     };
     let density = move |w: Vec3| {

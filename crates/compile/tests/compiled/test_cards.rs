@@ -1,6 +1,8 @@
 //! Test cards: an orientation card under every wrap, transform and projector, and tangent frames, against what must be
 //! seen. The gallery (`examples/texture_gallery.rs`) has the same as pictures.
 
+#![allow(clippy::type_complexity)]
+
 use super::one_shape;
 use std::path::PathBuf;
 use steradian_compile::{Options, compile};

@@ -293,10 +293,8 @@ impl<const SHADOW: bool> Query<'_, SHADOW> {
         if SHADOW && geometry.is_interface {
             return false;
         }
-        if geometry.is_single_sided {
-            if geometry.shape.front(hit, ray).dot(ray.direction) > 0.0 {
-                return false;
-            }
+        if geometry.is_single_sided && geometry.shape.front(hit, ray).dot(ray.direction) > 0.0 {
+            return false;
         }
         match &geometry.alpha {
             None => true,
