@@ -8,7 +8,7 @@
 //! ```
 //!
 //! which is the expectation of pbrt-v4's random walk for `coateddiffuse` (Pharr et al. 2023, 14.3) and the model of
-//! Mitsuba's `plastic` and `roughplastic`; [`CoatSeries`](super::CoatSeries) says where the two differ. `T`, `K` and
+//! Mitsuba's `plastic` and `roughplastic`; [`CoatSeries`] says where the two differ. `T`, `K` and
 //! the absorption in the coat come from a [`CoatTable`].
 //!
 //! Where it departs: pbrt-v4's *evaluation* of a rough coat (not its sampling) weighs its two strategies by densities
