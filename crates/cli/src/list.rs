@@ -119,18 +119,16 @@ pub fn run(args: &ListArgs) -> Outcome {
         families.retain(|f| f.family == family);
     }
     if args.markdown {
-        let described = FAMILIES.into_iter().filter(|f| !f.models().is_empty());
-        let [family] = &*families else {
-            let known = described.map(Family::plural).collect::<Vec<_>>().join(", ");
-            let what =
-                format!("--markdown writes the page of one family: {known}, as in steradian list materials --markdown");
+        let described = || FAMILIES.into_iter().filter(|f| !f.models().is_empty());
+        let wanted = described().find(|f| matches!(&*families, [one] if one.family == f.plural()));
+        let Some(family) = wanted else {
+            let known = described().map(Family::plural).collect::<Vec<_>>().join(", ");
+            let what = format!(
+                "--markdown writes the page of one family ({known}), as in steradian list materials --markdown"
+            );
             return Err(Failure::bad_input(what));
         };
-        let known = described.clone().map(Family::plural);
-        let name = known_name(family.family, "family with a page", known).map_err(Failure::bad_input)?.to_owned();
-        if let Some(family) = described.into_iter().find(|f| f.plural() == name) {
-            terminal::data(schema::page(family).as_bytes())?;
-        }
+        terminal::data(schema::page(family).as_bytes())?;
     } else if args.json {
         terminal::json(&Listing { schema: 1, families: &families })?;
     } else {
