@@ -1,6 +1,6 @@
 //! Makes the pictures of `docs/textures-gallery.md`:
-//! `cargo run -p steradian-compile --example texture_gallery -- [FOLDER [NAME…]]`. Without names it makes all of them, and
-//! the page.
+//! `cargo run -p steradian-compile --example texture_gallery -- [FOLDER [NAME…]]`. Without names it makes all of them,
+//! and the page.
 
 #[path = "../tests/compiled/one_shape/mod.rs"]
 mod one_shape;

@@ -7,8 +7,9 @@ use std::fmt::Write;
 pub fn page(family: Family) -> String {
     let (title, list) = (capital(family.plural()), family.plural());
     let mut out = format!(
-        "# {title}\n\nEvery kind of {} in Steradian's vocabulary, to which the readers of other formats translate. This page is written by\n\
-         `steradian list {list} --markdown`. Values outside their range are reported, and refused or held at its end.\n",
+        "# {title}\n\nEvery kind of {} in Steradian's vocabulary, to which the readers of other formats translate. \
+         This page is written by\n`steradian list {list} --markdown`. Values outside their range are reported, and \
+         refused or held at its end.\n",
         family.noun()
     );
     for model in family.models() {

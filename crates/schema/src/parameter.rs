@@ -232,7 +232,12 @@ impl Parameter {
 macro_rules! shorthands {
     ($($(#[$doc:meta])* $name:ident $kind:ident;)*) => {
         $($(#[$doc])*
-        pub(crate) const fn $name(name: &'static str, range: (f64, f64), default: &'static str, doc: &'static str) -> Parameter {
+        pub(crate) const fn $name(
+            name: &'static str,
+            range: (f64, f64),
+            default: &'static str,
+            doc: &'static str,
+        ) -> Parameter {
             Parameter::new(Type::$kind, name, range, default, doc)
         })*
     };

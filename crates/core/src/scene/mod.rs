@@ -83,7 +83,7 @@ impl Scene {
         set_needs(&mut self.parts, self.facts.footprints.is_some());
     }
 
-    /// The same scene with some of its parts changed.
+    /// This scene with some of its parts changed.
     #[must_use]
     pub fn changed(mut self, change: impl FnOnce(&mut Parts)) -> Self {
         self.change(change);
