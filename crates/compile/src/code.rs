@@ -1,7 +1,6 @@
 //! What readers say of files, said of scenes that are made in code: parameters that nothing has.
 
 use super::Compiler;
-use steradian_scene::{Node, vocabulary};
 
 impl Compiler<'_> {
     /// Reports parameters that no model has, with the nearest that there is. Readers of files know their own names.
@@ -12,20 +11,13 @@ impl Compiler<'_> {
         }
         for node in &self.desc.nodes {
             for param in &node.params {
-                if let Some(help) = unknown(node, &param.name) {
+                let model = node.family.model(&node.kind);
+                if let Some(help) = model.and_then(|m| m.unknown(&param.name)) {
                     let what = format!("{} '{}' has no parameter '{}'", node.family.noun(), node.kind, param.name);
                     self.diagnostics.unused(&self.desc.sources, param.span.or(node.span), what, help);
                 }
             }
         }
-    }
-}
-
-/// Whether a node has no parameter of that name; then with the nearest one, if there is any.
-fn unknown(node: &Node, name: &str) -> Option<Option<String>> {
-    match node.family.model(&node.kind) {
-        Some(model) => model.unknown(name),
-        None => vocabulary::unknown(node.family, &node.kind, name),
     }
 }
 

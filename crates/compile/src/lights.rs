@@ -2,7 +2,7 @@
 
 use super::Compiler;
 use steradian_core::light::{
-    Environment, Goniometric, LIGHTS, Light, Projection, Spot,
+    Environment, Goniometric, Light, Projection, Spot,
     environment::{EnvironmentImage, Parametrization},
     punctual::{Falloff, Slide},
 };
@@ -13,7 +13,7 @@ use steradian_math::{
     spectra::role::{Color, Role},
     transform::Affine,
 };
-use steradian_scene::{ColorSpace, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_scene::{ColorSpace, Family, Format, Node, NodeId, SpectrumValue, Value, names};
 use steradian_texture::SpectrumTexture;
 
 const WHITE: SpectrumValue = SpectrumValue::Rgb([1.0; 3], ColorSpace::Srgb);
@@ -108,7 +108,7 @@ impl Compiler<'_> {
             "goniometric" => self.goniometric(node),
             "projection" => self.projection(node),
             other => {
-                let help = names::did_you_mean(other, LIGHTS.iter().map(|l| l.0));
+                let help = names::did_you_mean(other, Family::Light.kinds());
                 self.error_help(node.span, format!("light '{other}' is not implemented"), help);
                 None
             }

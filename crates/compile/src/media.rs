@@ -2,7 +2,7 @@
 
 use super::{Compiler, materials::combine};
 use std::sync::Arc;
-use steradian_core::medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, MEDIA, Medium, Variation};
+use steradian_core::medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, Medium, Variation};
 use steradian_math::{
     Bounds3, Transform, Vec3,
     spectra::{
@@ -11,7 +11,7 @@ use steradian_math::{
     },
     transform::Affine,
 };
-use steradian_scene::{Node, NodeId, SpectrumValue, Value};
+use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 use steradian_texture::{Wrap, grid::Interpolation};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
@@ -28,7 +28,7 @@ impl Compiler<'_> {
             "homogeneous" => Some(self.homogeneous(node)),
             "uniformgrid" | "rgbgrid" | "cloud" | "heterogeneous" => self.varying(node),
             other => {
-                let known = MEDIA.iter().map(|m| m.0).collect::<Vec<_>>().join(", ");
+                let known = Family::Medium.kinds().collect::<Vec<_>>().join(", ");
                 let what = format!("medium '{other}' is not implemented (there is {known}); it is left out");
                 self.diagnostics.dropped(&self.desc.sources, node.span, what);
                 None

@@ -8,7 +8,7 @@ use steradian_core::{
     material::Needs,
     scene::{self, Geometry, Shape},
     shape::{
-        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SHAPES, SdfGrid, TriMesh,
+        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SdfGrid, TriMesh,
         curve::{CurveBasis, CurveKind, CurveParams},
         subdivision::loop_subdivide,
     },
@@ -18,7 +18,7 @@ use steradian_math::{
     spectra::{ColorMode, role::Role},
     transform::Affine,
 };
-use steradian_scene::{Mesh, Node, names};
+use steradian_scene::{Family, Mesh, Node, names};
 use steradian_texture::FloatTexture;
 
 /// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
@@ -222,7 +222,7 @@ impl Compiler<'_> {
             }
             "sdf_grid" => self.sdf_grid(placed),
             other => {
-                let help = names::did_you_mean(other, SHAPES.iter().map(|s| s.0));
+                let help = names::did_you_mean(other, Family::Shape.kinds());
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
                 Vec::new()
             }

@@ -2,9 +2,9 @@
 
 use super::Compiler;
 use steradian_core::{
-    camera::{CAMERAS, Camera, FovAxis, Projection},
-    film::{Crop, FilmSpec, Filter, FilterKind, filter::FILTERS},
-    sampler::{SAMPLERS, SamplerKind},
+    camera::{Camera, FovAxis, Projection},
+    film::{Crop, FilmSpec, Filter, FilterKind},
+    sampler::SamplerKind,
     scene::Settings,
 };
 use steradian_math::Vec2;
@@ -91,7 +91,7 @@ impl Compiler<'_> {
                 (p, Vec2::ONE)
             }
             other => {
-                let help = names::did_you_mean(other, CAMERAS.iter().map(|c| c.0));
+                let help = names::did_you_mean(other, Family::Camera.kinds());
                 self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
                 return None;
             }
@@ -213,8 +213,7 @@ impl Compiler<'_> {
             "lanczos" => (FilterKind::Lanczos { tau: self.positive(node, "tau", 3.0) }, 3.0),
             "blackman_harris" => (FilterKind::BlackmanHarris, 1.5),
             other => {
-                let known = FILTERS.iter().map(|f| f.0);
-                let help = names::did_you_mean(other, known);
+                let help = names::did_you_mean(other, Family::Filter.kinds());
                 self.error_help(node.span, format!("pixel filter '{other}' is not implemented"), help);
                 return None;
             }
@@ -255,7 +254,7 @@ impl Compiler<'_> {
             match SamplerKind::named(&node.kind) {
                 Some(kind) => settings.named_sampler = kind,
                 None => {
-                    let help = names::did_you_mean(&node.kind, SAMPLERS.iter().map(|s| s.0));
+                    let help = names::did_you_mean(&node.kind, Family::Sampler.kinds());
                     self.error_help(node.span, format!("sampler '{}' is not implemented", node.kind), help);
                 }
             }

@@ -33,17 +33,6 @@ pub enum FilterKind {
     BlackmanHarris,
 }
 
-/// The filters by name, for the registry: name and what it is.
-pub const FILTERS: &[(&str, &str)] = &[
-    ("box", "constant over the radius; parameters radius_x, radius_y (0.5 pixels)"),
-    ("tent", "linear falloff; radius_x, radius_y (1)"),
-    ("gaussian", "Gaussian less its value at the radius; radius_x, radius_y (1.5), sigma (0.5)"),
-    ("mitchell", "Mitchell–Netravali cubic; radius_x, radius_y (2), b, c (1/3)"),
-    ("catmull_rom", "the Mitchell family at b = 0, c = 1/2; radius_x, radius_y (2)"),
-    ("lanczos", "windowed sinc; radius_x, radius_y (3), tau (3 lobes)"),
-    ("blackman_harris", "Blackman–Harris window; radius_x, radius_y (1.5)"),
-];
-
 const BINS: usize = 256;
 
 /// A filter ready to be sampled.

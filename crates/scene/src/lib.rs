@@ -5,7 +5,6 @@ pub mod diagnostic;
 pub mod mesh;
 pub mod node;
 pub mod source;
-pub mod vocabulary;
 
 mod desc;
 mod lines;

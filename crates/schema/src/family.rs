@@ -1,8 +1,9 @@
 //! The families of models.
 
 use crate::{
-    material,
+    camera, film, light, material, medium,
     model::{Group, Model},
+    shape, texture,
 };
 use serde::{Deserialize, Serialize};
 
@@ -53,15 +54,26 @@ impl Family {
     /// Its models; none for families that are listed elsewhere.
     pub fn models(self) -> &'static [Model] {
         match self {
+            Self::Shape => shape::SHAPES,
             Self::Material => material::MATERIALS,
-            _ => &[],
+            Self::Texture => texture::TEXTURES,
+            Self::Light => light::LIGHTS,
+            Self::Medium => medium::MEDIA,
+            Self::Phase => medium::PHASES,
+            Self::Camera => camera::CAMERAS,
+            Self::Film => film::FILMS,
+            Self::Filter => film::FILTERS,
+            Self::Sampler => film::SAMPLERS,
+            Self::Integrator | Self::Accelerator => &[],
         }
     }
 
     /// Parameters of all its kinds, those that Steradian lacks with them.
     pub fn common(self) -> Option<&'static Group> {
         match self {
+            Self::Shape => Some(&shape::ANY_SHAPE),
             Self::Material => Some(&material::DETAIL),
+            Self::Camera => Some(&camera::ANY_CAMERA),
             _ => None,
         }
     }
@@ -70,6 +82,11 @@ impl Family {
     pub fn model(self, kind: &str) -> Option<&'static Model> {
         let stand_ins = if self == Self::Material { material::STAND_INS } else { &[] };
         self.models().iter().chain(stand_ins).find(|m| m.kind == kind)
+    }
+
+    /// The names of its models.
+    pub fn kinds(self) -> impl Iterator<Item = &'static str> + Clone {
+        self.models().iter().map(|m| m.kind)
     }
 
     /// The word for all of it, as `steradian list` has it.
@@ -113,7 +130,8 @@ mod tests {
     #[test]
     fn names_are_unique_and_everything_is_explained() {
         for family in FAMILIES {
-            let mut kinds = HashSet::new();
+            let mut kinds: HashSet<_> = family.groups().into_iter().map(|g| g.name).collect();
+            assert_eq!(kinds.len(), family.groups().len(), "groups of {}", family.plural());
             for m in family.models() {
                 assert!(kinds.insert(m.kind) && !m.doc.is_empty(), "{}", m.kind);
                 let mut names = HashSet::new();
@@ -128,7 +146,7 @@ mod tests {
                     let is_other = ["none", "needed"].contains(&default) || m.parameter(default).is_some();
                     let is_value = match p.kind {
                         Type::Flag => default.parse::<bool>().is_ok(),
-                        Type::Word(_) => p.words().any(|w| w == default),
+                        Type::Word(_) | Type::WordOrNumber(_) => p.words().any(|w| w == default),
                         kind if kind.is_numeric() => {
                             p.default_number().is_some_and(|v| (p.range.0..=p.range.1).contains(&v))
                         }

@@ -1,11 +1,17 @@
 #![doc = include_str!("../README.md")]
 
+pub mod camera;
 mod family;
+pub mod film;
+pub mod light;
 pub mod material;
+pub mod medium;
 mod model;
 pub mod names;
 mod page;
 mod parameter;
+pub mod shape;
+pub mod texture;
 
 pub use family::{FAMILIES, Family};
 pub use model::{Group, Model};

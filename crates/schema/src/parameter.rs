@@ -19,6 +19,8 @@ pub enum Type {
     Flag,
     /// One of some words, with commas between them.
     Word(&'static str),
+    /// One of some words, or a number.
+    WordOrNumber(&'static str),
     /// Any text.
     Text,
     /// A texture.
@@ -35,8 +37,14 @@ pub enum Type {
     Vector,
     /// Some numbers.
     List,
+    /// Some whole numbers.
+    Integers,
     /// Numbers in a list, or one number.
     NumberOrList,
+    /// A number, a texture, or numbers in a list.
+    ScalarOrList,
+    /// A spectrum, or numbers in a list.
+    SpectrumOrList,
     /// A transform.
     Transform,
     /// The name of a file.
@@ -52,7 +60,7 @@ impl Type {
             Self::Number => "number",
             Self::Integer => "whole number",
             Self::Flag => "true or false",
-            Self::Word(words) => words,
+            Self::Word(words) | Self::WordOrNumber(words) => words,
             Self::Text => "text",
             Self::Map => "texture",
             Self::Material => "material",
@@ -61,7 +69,10 @@ impl Type {
             Self::Phase => "phase function",
             Self::Vector => "three numbers",
             Self::List => "list of numbers",
+            Self::Integers => "list of whole numbers",
             Self::NumberOrList => "number or list of numbers",
+            Self::ScalarOrList => "number, texture or list of numbers",
+            Self::SpectrumOrList => "spectrum or list of numbers",
             Self::Transform => "transform",
             Self::File => "file",
         }
@@ -137,6 +148,9 @@ pub struct Parameter {
 /// Without bounds, or no number.
 pub const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
+/// Above zero, without an upper bound.
+pub const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::INFINITY);
+
 impl Parameter {
     /// A parameter with its type, name, range, default and meaning.
     pub const fn new(
@@ -198,6 +212,8 @@ impl Parameter {
     pub fn range_text(&self) -> String {
         match self.range {
             ANY => String::new(),
+            POSITIVE => "above 0".into(),
+            (f64::MIN_POSITIVE, high) => format!("above 0 and at most {high}"),
             (low, f64::INFINITY) => format!("at least {low}"),
             (low, high) => format!("in [{low}, {high}]"),
         }
@@ -206,6 +222,9 @@ impl Parameter {
     /// Type, range and unit in one phrase.
     pub fn values(&self) -> String {
         let mut text = self.kind.text().to_owned();
+        if let Type::WordOrNumber(_) = self.kind {
+            text += ", or a number";
+        }
         for part in [self.range_text(), self.unit.to_owned()].into_iter().filter(|p| !p.is_empty()) {
             let _ = write!(text, ", {part}");
         }
@@ -214,7 +233,7 @@ impl Parameter {
 
     /// The words that it may be; none where it is no word.
     pub fn words(&self) -> impl Iterator<Item = &'static str> + Clone + use<> {
-        let words = if let Type::Word(words) = self.kind { words } else { "" };
+        let words = if let Type::Word(words) | Type::WordOrNumber(words) = self.kind { words } else { "" };
         words.split(", ").filter(|w| !w.is_empty())
     }
 
@@ -274,6 +293,14 @@ unbounded! {
     material Material;
     /// A file.
     file File;
+    /// Any text.
+    text Text;
+    /// Three numbers.
+    vector Vector;
+    /// Some numbers.
+    list List;
+    /// A transform.
+    transform Transform;
 }
 
 /// One of some words.

@@ -67,8 +67,8 @@ pub fn all_integrators() -> impl Iterator<Item = &'static IntegratorInfo> + Clon
     INTEGRATORS.iter().chain([&raster::RASTER])
 }
 
-/// The registry of models of the core, family by family: plural name of the family, and name and description of each
-/// model.
+/// Everything that has a name, family by family: plural name of the family, and name and description of each model and
+/// of what several models share.
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     let of = |family: Family| {
         let models = family.models().iter().map(|m| (m.kind, m.doc));
@@ -77,13 +77,15 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     vec![
         ("integrators", all_integrators().map(|i| (i.name, i.description)).collect()),
         of(Family::Material),
-        ("textures", texture::TEXTURES.to_vec()),
-        ("lights", core::light::LIGHTS.to_vec()),
-        ("shapes", core::shape::SHAPES.to_vec()),
-        ("cameras", core::camera::CAMERAS.to_vec()),
-        ("media", core::medium::MEDIA.to_vec()),
-        ("filters", film::filter::FILTERS.to_vec()),
-        ("samplers", core::sampler::SAMPLERS.iter().map(|s| (s.0, s.2)).collect()),
+        of(Family::Texture),
+        of(Family::Light),
+        of(Family::Shape),
+        of(Family::Camera),
+        of(Family::Medium),
+        of(Family::Phase),
+        of(Family::Film),
+        of(Family::Filter),
+        of(Family::Sampler),
         ("accelerators", Accelerator::ALL.iter().map(|a| a.about()).collect()),
         ("tones", steradian_image::tone::CURVES.iter().map(|c| (c.name, c.doc)).collect()),
         ("layers", Layer::ALL.iter().map(|l| (l.name(), l.doc())).collect()),

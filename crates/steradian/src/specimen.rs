@@ -116,7 +116,14 @@ fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<V
         }
         Type::Text => Value::String(text.into()),
         // No material has any of these.
-        Type::Medium | Type::Phase | Type::Transform | Type::NumberOrList => return Err(fault()),
+        Type::Medium
+        | Type::Phase
+        | Type::Transform
+        | Type::WordOrNumber(_)
+        | Type::Integers
+        | Type::NumberOrList
+        | Type::ScalarOrList
+        | Type::SpectrumOrList => return Err(fault()),
         Type::Material => Value::Node(nested(d, text, depth)?),
         Type::Materials => {
             let parts: Result<Vec<_>, _> = text.split('|').map(|part| nested(d, part, depth)).collect();

@@ -48,60 +48,6 @@ use steradian_math::{
 pub use triplanar::Triplanar;
 pub use wrap::Wrap;
 
-/// The textures by name, for the registry.
-pub const TEXTURES: &[(&str, &str)] = &[
-    ("constant", "the same everywhere; value"),
-    (
-        "image",
-        "a picture; file, filter (nearest bilinear bicubic bspline mitchell catmull_rom lanczos trilinear ripmap box ewa), \
-         max_anisotropy, mip_filter (box gaussian lanczos kaiser), keep_coverage, stochastic, channel, wrap_u, wrap_v (repeat mirror clamp black one border octahedral), border, \
-         encoding, raw, origin, scale, invert, mapping",
-    ),
-    ("checkerboard", "squares or cubes of two values; a, b, dimension (2 or 3), pattern"),
-    (
-        "bricks",
-        "rectangles in rows with mortar between them; a (mortar), b (brick), width, height, mortar, shift (½), pattern",
-    ),
-    ("tiles", "bricks without shift; a (grout), b (tile), width, height, mortar, pattern"),
-    ("brick_shade", "a random number for each brick or tile; width, height, mortar, shift, seed, pattern"),
-    ("stripes", "stripes across u; a, b, duty (½: share of b), pattern"),
-    ("dots", "pbrt's polka dots; a (outside), b (inside), pattern"),
-    ("gradient", "from one value to another; a, b, type (u, v, radial, angular), pattern"),
-    ("bilerp", "bilinear between four values; v00, v01, v10, v11, mapping"),
-    ("noise", "one octave of noise in [-1, 1]; basis (gradient, value), seed, pattern"),
-    ("fbm", "fractional Brownian motion; octaves (8), roughness (0.5), lacunarity (1.99), basis, seed, pattern"),
-    ("wrinkled", "turbulence; as fbm"),
-    ("ridged", "ridges in [0, 1]; as fbm"),
-    ("windy", "waves by wind of varying strength; pattern"),
-    (
-        "worley",
-        "distance to random points; feature (f1, f2, border), metric (euclidean, manhattan, chebyshev), jitter (1), seed, pattern",
-    ),
-    ("voronoi", "a random number for each cell of a Voronoi diagram; as worley"),
-    ("wood", "rings around z; ring (1), light (2/3), wobble, lobes, twist, grain, a (dark), b (light), fbm's, pattern"),
-    ("marble", "veins across y, pbrt's colours without a and b; octaves, roughness, scale, variation (0.2), pattern"),
-    ("facing", "the cosine between the surface's normal and a direction; a, b, dir"),
-    (
-        "grid",
-        "numbers or colours on a 3-D grid; file (.vol), filter (nearest, trilinear, tetrahedral), wrap, scale, use_grid_bounds",
-    ),
-    ("scale", "the product of two textures; texture, scale"),
-    ("add", "the sum of two textures; a, b"),
-    ("mix", "linear interpolation; a, b, amount"),
-    ("direction_mix", "interpolation by |n·dir|: a where the surface faces the direction; a, b, dir"),
-    ("triplanar", "three projections along the axes; texture or x, y, z, sharpness (4), mapping's transform"),
-    ("ramp", "a colour for a number; input, places, colors, interpolation (step, linear, smooth, catmull_rom, bezier)"),
-    ("curve", "a curve on each component; input, places, values, interpolation"),
-    ("channel", "one component; input, channel (r, g, b, luminance, mean, max)"),
-    (
-        "color_space",
-        "linear colours of another space; input, from, to (srgb, dci-p3, rec2020, aces), or matrix (9 numbers)",
-    ),
-    ("hsv", "turned hue, scaled saturation and value; input, hue, saturation, value"),
-    ("time", "the moment of the exposure, from 0 as the shutter opens to 1"),
-    ("mesh_attribute", "a vertex or face attribute of the mesh; name, domain, scale"),
-];
-
 /// What an attribute of a mesh has one value per.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {

@@ -9,16 +9,6 @@ use crate::film::FilmSpec;
 use std::sync::Arc;
 use steradian_math::{Motion, Ray, Vec2, Vec3, transform::Affine, warp};
 
-/// The cameras by name, for the registry.
-pub const CAMERAS: &[(&str, &str)] = &[
-    (
-        "perspective",
-        "pinhole or thin lens; fov (degrees), fov_axis, lens_radius, focal_distance, screen_window, frame_aspect",
-    ),
-    ("orthographic", "parallel rays; screen_window, frame_aspect, lens_radius, focal_distance"),
-    ("spherical", "all directions; mapping equalarea or equirectangular"),
-];
-
 /// How the film maps to directions.
 #[derive(Clone, Copy, Debug)]
 pub enum Projection {

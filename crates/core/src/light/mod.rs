@@ -19,24 +19,6 @@ use steradian_math::{
 use steradian_texture::Textures;
 use tree::{LightBounds, LightTree};
 
-/// The lights by name, for the registry.
-pub const LIGHTS: &[(&str, &str)] = &[
-    ("area", "emission of a shape; radiance, two_sided, scale, normalize, power, file"),
-    ("directional_area", "emission of a flat shape along its normal alone; radiance"),
-    ("point", "intensity, position, scale, normalize, power"),
-    (
-        "spot",
-        "intensity, cone_angle, falloff_start (degrees), falloff (smoothstep, linear), texture, scale, normalize, power",
-    ),
-    ("distant", "parallel light; radiance, direction, scale, normalize, illuminance"),
-    (
-        "environment",
-        "light from all directions, constant or an image; radiance or file, parametrization, scale, normalize, illuminance, portal",
-    ),
-    ("goniometric", "a point light with an image of directions; file, intensity, scale, normalize, power"),
-    ("projection", "a slide projector; file or texture, radiance, fov, fov_axis, scale, normalize, power"),
-];
-
 /// Reference point for light sampling.
 #[derive(Clone, Copy, Debug)]
 pub struct LightContext {

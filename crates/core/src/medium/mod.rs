@@ -10,24 +10,6 @@ use steradian_math::{
     warp,
 };
 
-/// The media by name, for the registry.
-pub const MEDIA: &[(&str, &str)] = &[
-    (
-        "homogeneous",
-        "constant coefficients: sigma_a, sigma_s (per scene unit) or sigma_t and albedo; scale; phase (isotropic, or hg with g); Le, Lescale",
-    ),
-    (
-        "uniformgrid",
-        "those coefficients times density, nx × ny × nz numbers in the box from p0 to p1 of the medium's to_world; Le, Lescale, temperature (K, as many numbers)",
-    ),
-    ("rgbgrid", "sigma_a, sigma_s, Le: nx × ny × nz colours in the box; Lescale; scale; phase"),
-    (
-        "cloud",
-        "sigma_a, sigma_s times the density of a cloud of noise in the box: density, wispiness, frequency (pbrt)",
-    ),
-    ("heterogeneous", "sigma_t, albedo (grids or constant), within the box around sigma_t's cube; scale; phase"),
-];
-
 /// A medium with a Henyey–Greenstein phase function.
 #[derive(Clone, Debug)]
 pub struct Medium {

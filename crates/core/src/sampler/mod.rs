@@ -43,40 +43,16 @@ pub enum SamplerKind {
     Lattice,
 }
 
-/// The samplers by name, for the registry: name, kind, what it is.
-pub const SAMPLERS: &[(&str, SamplerKind, &str)] = &[
-    (
-        "zsobol",
-        SamplerKind::ZSobol,
-        "Owen-scrambled Sobol' pairs, shared along a Z-curve so that the error is blue noise (Ahmed, Wonka 2020); the default",
-    ),
-    (
-        "sobol",
-        SamplerKind::Sobol,
-        "Owen-scrambled Sobol' pairs, shuffled per dimension (Burley 2020); pixels are independent",
-    ),
-    ("halton", SamplerKind::Halton, "Halton points with Owen-scrambled digits"),
-    (
-        "pmj02",
-        SamplerKind::Pmj02,
-        "progressive multi-jittered (0,2) points that keep a distance (Christensen, Kensler, Kilpatrick 2018); for powers of two of samples",
-    ),
-    (
-        "lattice",
-        SamplerKind::Lattice,
-        "an extensible rank-1 lattice (Cools, Kuo, Nuyens 2006), shifted at random (Cranley, Patterson 1976)",
-    ),
-    (
-        "multijitter",
-        SamplerKind::MultiJitter,
-        "correlated multi-jittering (Kensler 2013); the number of samples must be known",
-    ),
-    (
-        "stratified",
-        SamplerKind::Stratified,
-        "jittered strata over the samples of a pixel, shuffled per dimension; the number of samples must be known",
-    ),
-    ("independent", SamplerKind::Independent, "independent uniform random numbers"),
+/// The samplers by name; the schema says what they are.
+pub const SAMPLERS: &[(&str, SamplerKind)] = &[
+    ("zsobol", SamplerKind::ZSobol),
+    ("sobol", SamplerKind::Sobol),
+    ("halton", SamplerKind::Halton),
+    ("pmj02", SamplerKind::Pmj02),
+    ("lattice", SamplerKind::Lattice),
+    ("multijitter", SamplerKind::MultiJitter),
+    ("stratified", SamplerKind::Stratified),
+    ("independent", SamplerKind::Independent),
 ];
 
 impl SamplerKind {

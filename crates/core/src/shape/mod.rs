@@ -23,19 +23,6 @@ use std::sync::Arc;
 use steradian_accel::{Hit, UserHit};
 use steradian_math::{Bounds3, Ray, Vec2, Vec3};
 
-/// The shapes by name, for the registry.
-pub const SHAPES: &[(&str, &str)] = &[
-    ("mesh", "triangles and bilinear patches; alpha, flat, displacement, edge_length, tangents"),
-    ("sphere", "center, radius, z_min, z_max, phi_max (degrees)"),
-    ("disk", "height, radius, inner_radius, phi_max (degrees)"),
-    ("cylinder", "radius, z_min, z_max, phi_max (degrees); or p0, p1, radius"),
-    ("height_field", "heights over the unit square, traced without triangles; heights, nu, nv, file, scale, smooth"),
-    ("sdf_grid", "where a signed distance function on a grid over the unit cube is zero; file, normals"),
-    ("plane", "the infinite plane n·x + d = 0; normal, distance"),
-    ("loop_subdivision", "the limit surface of a mesh by Loop's rules; levels"),
-    ("curve", "cubic or quadratic Bézier or B-spline; points, degree, basis, type, width0, width1, normals"),
-];
-
 /// The geometry of a shape.
 #[derive(Clone, Debug)]
 pub enum Shape {

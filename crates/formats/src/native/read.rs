@@ -296,11 +296,7 @@ impl<'a> Reader<'a> {
     }
 
     fn parameter(&mut self, node: &mut Node, key: &Key, item: &Item) -> Read<()> {
-        let unknown = match node.family.model(&node.kind) {
-            Some(model) => model.unknown(&key.text),
-            None => steradian_scene::vocabulary::unknown(node.family, &node.kind, &key.text),
-        };
-        if let Some(help) = unknown {
+        if let Some(help) = node.family.model(&node.kind).and_then(|m| m.unknown(&key.text)) {
             let message = format!("{} '{}' has no parameter '{}'", node.family.noun(), node.kind, key.text);
             self.diagnostics.unused(&self.desc.sources, Some(key.span), message, help);
         }

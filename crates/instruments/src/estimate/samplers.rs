@@ -50,7 +50,7 @@ fn run(values: &Values) -> Result<Report, Error> {
     let mut report = Report::default();
     report.quantity("exact value", exact, "");
     let mut chart = Chart::new(kind, Axis::log("samples"), Axis::log("root-mean-square error"));
-    for (name, sampler, _) in SAMPLERS {
+    for (name, sampler) in SAMPLERS {
         let mut points = Vec::new();
         let mut n = 4;
         while n <= most {

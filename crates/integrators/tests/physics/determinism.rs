@@ -43,7 +43,7 @@ fn threads_do_not_change_a_bit() {
         }
     }
     let scene = collection(ColorMode::Rgb);
-    for (name, sampler, _) in SAMPLERS {
+    for (name, sampler) in SAMPLERS {
         let shot = Shot { sampler: *sampler, ..Shot::of("path", 4).reuse(16) };
         same_bits(&shot.take(&scene), &Shot { threads: 5, ..shot }.take(&scene), name);
     }
@@ -54,7 +54,7 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn steps_do_not_change_a_bit() {
     let scene = collection(ColorMode::Spectral);
-    for (name, sampler, _) in SAMPLERS {
+    for (name, sampler) in SAMPLERS {
         let shot = Shot { sampler: *sampler, threads: 2, ..Shot::of("path", 8).reuse(4) };
         let whole = shot.take(&scene);
         let mut session = shot.session(&scene);

@@ -1,0 +1,90 @@
+//! Cameras.
+
+use crate::{
+    model::{Group, Model},
+    parameter::{ANY, POSITIVE, Parameter, Type, list, number, transform, word},
+};
+
+const NEAR: Parameter = number("near", ANY, "0", "distance along the axis where rays start; below 0 counts as 0");
+const FAR: Parameter = number("far", ANY, "none", "without effect: rays do not end");
+const LENS_RADIUS: Parameter = number("lens_radius", ANY, "0", "radius of the thin lens; up to 0 is a pinhole");
+const FOCAL_DISTANCE: Parameter =
+    number("focal_distance", POSITIVE, "1e6", "distance of what is in focus, along the axis").refused();
+const FRAME_ASPECT: Parameter =
+    number("frame_aspect", POSITIVE, "the film's", "width over height of the window").refused();
+const PRINCIPAL_X: Parameter =
+    number("principal_x", ANY, "0", "offset of the axis to the right, as a share of the film");
+const PRINCIPAL_Y: Parameter = number("principal_y", ANY, "0", "offset of the axis downwards, as a share of the film");
+
+/// All cameras.
+pub const CAMERAS: &[Model] = &[
+    Model {
+        kind: "perspective",
+        doc: "a pinhole or thin lens",
+        parameters: &[
+            number("fov", (f64::MIN_POSITIVE, 180.0), "90", "angle of view; 180 is refused").unit("degrees").refused(),
+            word("fov_axis", "smaller, larger, x, y, diagonal", "smaller", "what the angle spans"),
+            LENS_RADIUS,
+            FOCAL_DISTANCE,
+            list(
+                "screen_window",
+                "the whole view",
+                "what the film shows, x0 x1 y0 y1: 1 is half the angle of view on the shorter axis",
+            ),
+            FRAME_ASPECT,
+            NEAR,
+            FAR,
+            PRINCIPAL_X,
+            PRINCIPAL_Y,
+        ],
+        groups: &[&ANY_CAMERA],
+        source: "pbrt-v4, 5.2",
+    },
+    Model {
+        kind: "orthographic",
+        doc: "parallel rays",
+        parameters: &[
+            list(
+                "screen_window",
+                "from -1 to 1 on the shorter axis; on x in Mitsuba scenes",
+                "what the film shows, x0 x1 y0 y1, in units of camera space",
+            ),
+            FRAME_ASPECT,
+            LENS_RADIUS,
+            FOCAL_DISTANCE,
+            NEAR,
+            FAR,
+            PRINCIPAL_X,
+            PRINCIPAL_Y,
+        ],
+        groups: &[&ANY_CAMERA],
+        source: "pbrt-v4, 5.2",
+    },
+    Model {
+        kind: "spherical",
+        doc: "all directions",
+        parameters: &[word(
+            "mapping",
+            "equalarea, equirectangular",
+            "equalarea",
+            "the octahedral map of equal areas, or longitude and latitude",
+        )],
+        groups: &[&ANY_CAMERA],
+        source: "pbrt-v4, 5.3; Clarberg, Fast equal-area mapping of the (hemi)sphere (2008)",
+    },
+];
+
+/// What can be set of every camera.
+pub static ANY_CAMERA: Group = Group {
+    name: "any",
+    doc: "every camera: where it is, what is around it, and when it looks",
+    parameters: &[
+        transform("to_world", "identity", "places it; it looks along its own +z, +y is up and +x to the right"),
+        Parameter::new(Type::Medium, "medium", ANY, "none", "the medium that it is in"),
+        number("shutter_open", ANY, "0", "when the shutter opens; pbrt's exposure follows from this and the next"),
+        number("shutter_close", ANY, "1", "when it closes"),
+        transform("to_world_end", "none", "its place at the end of its motion"),
+        list("motion_times", "0,1", "when its motion begins and ends").where_given("to_world_end"),
+    ],
+    source: "",
+};

@@ -1,0 +1,151 @@
+//! Films, pixel filters and samplers.
+
+use crate::{
+    model::Model,
+    parameter::{ANY, POSITIVE, Parameter, Type, integer, number, text},
+};
+
+/// Longest side of a film, pixels.
+pub const MAX_SIDE: f64 = 1_048_576.0;
+
+const FILM: &[Parameter] = &[
+    integer("width", (1.0, MAX_SIDE), "1280; 768 in Mitsuba scenes", "width").unit("pixels").refused(),
+    integer("height", (1.0, MAX_SIDE), "720; 576 in Mitsuba scenes", "height").unit("pixels").refused(),
+    Parameter::new(
+        Type::Integers,
+        "crop",
+        ANY,
+        "none",
+        "the part that is rendered: x0 x1 y0 y1, the last ones exclusive; held on the film",
+    )
+    .unit("pixels"),
+    number("iso", POSITIVE, "100", "sensitivity: the picture's factor is exposure_time · iso / 100").refused(),
+    number("exposure_time", POSITIVE, "1", "exposure time").unit("s").refused(),
+    text("sensor", "cie1931", "the sensor; every other one is approximated by this one"),
+    number("white_balance", ANY, "0", "temperature of white; every other one than 0 is approximated by D65").unit("K"),
+    number("max_component", POSITIVE, "none", "samples whose largest component is above are scaled down to it")
+        .refused(),
+    text("filename", "none", "without effect: the command line names outputs"),
+];
+
+/// All films; the three give the same picture.
+pub const FILMS: &[Model] = &[
+    Model { kind: "rgb", doc: "colours", parameters: FILM, groups: &[], source: "pbrt-v4, 5.4" },
+    Model { kind: "gbuffer", doc: "the same as rgb", parameters: FILM, groups: &[], source: "pbrt-v4, 5.4" },
+    Model { kind: "spectral", doc: "the same as rgb", parameters: FILM, groups: &[], source: "pbrt-v4, 5.4" },
+];
+
+const fn radius_x(default: &'static str) -> Parameter {
+    number("radius_x", POSITIVE, default, "half width").unit("pixels").refused()
+}
+
+const fn radius_y(default: &'static str) -> Parameter {
+    number("radius_y", POSITIVE, default, "half height").unit("pixels").refused()
+}
+
+/// All pixel filters.
+pub const FILTERS: &[Model] = &[
+    Model {
+        kind: "box",
+        doc: "constant over the radius",
+        parameters: &[radius_x("0.5"), radius_y("0.5")],
+        groups: &[],
+        source: "pbrt-v4, 8.8",
+    },
+    Model {
+        kind: "tent",
+        doc: "linear falloff",
+        parameters: &[radius_x("1"), radius_y("1")],
+        groups: &[],
+        source: "pbrt-v4, 8.8",
+    },
+    Model {
+        kind: "gaussian",
+        doc: "a Gaussian less its value at the radius",
+        parameters: &[
+            radius_x("1.5"),
+            radius_y("1.5"),
+            number("sigma", POSITIVE, "0.5", "standard deviation").unit("pixels").refused(),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 8.8",
+    },
+    Model {
+        kind: "mitchell",
+        doc: "Mitchell and Netravali's cubic",
+        parameters: &[
+            radius_x("2"),
+            radius_y("2"),
+            number("b", ANY, "0.3333333333333333", "the cubic's B"),
+            number("c", ANY, "0.3333333333333333", "the cubic's C"),
+        ],
+        groups: &[],
+        source: "Mitchell, Netravali, Reconstruction filters in computer graphics (1988)",
+    },
+    Model {
+        kind: "catmull_rom",
+        doc: "the same cubic at B = 0, C = 1/2",
+        parameters: &[radius_x("2"), radius_y("2")],
+        groups: &[],
+        source: "Catmull, Rom, A class of local interpolating splines (1974)",
+    },
+    Model {
+        kind: "lanczos",
+        doc: "a windowed sinc",
+        parameters: &[radius_x("3"), radius_y("3"), number("tau", POSITIVE, "3", "lobes over the radius").refused()],
+        groups: &[],
+        source: "Duchon, Lanczos filtering in one and two dimensions (1979)",
+    },
+    Model {
+        kind: "blackman_harris",
+        doc: "the Blackman–Harris window",
+        parameters: &[radius_x("1.5"), radius_y("1.5")],
+        groups: &[],
+        source: "Harris, On the use of windows for harmonic analysis (1978)",
+    },
+];
+
+const SAMPLER: &[Parameter] = &[
+    integer("samples", (1.0, f64::INFINITY), "16", "samples of a pixel; at most 16777216 count").refused(),
+    integer("seed", ANY, "0", "number of the random sequence"),
+];
+
+const fn sampler(kind: &'static str, doc: &'static str, source: &'static str) -> Model {
+    Model { kind, doc, parameters: SAMPLER, groups: &[], source }
+}
+
+/// All samplers. Scenes of Steradian's own get the one they name, others the default unless the user decides.
+pub const SAMPLERS: &[Model] = &[
+    sampler(
+        "zsobol",
+        "Owen-scrambled Sobol' pairs, shared along a Z-curve so that the error is blue noise; the default",
+        "Ahmed, Wonka, Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels (2020)",
+    ),
+    sampler(
+        "sobol",
+        "Owen-scrambled Sobol' pairs, shuffled per dimension; pixels are independent",
+        "Burley, Practical Hash-based Owen Scrambling (2020)",
+    ),
+    sampler("halton", "Halton points with Owen-scrambled digits", "Owen (1995)"),
+    sampler(
+        "pmj02",
+        "progressive multi-jittered (0,2) points that keep a distance; for powers of two of samples",
+        "Christensen, Kensler, Kilpatrick, Progressive Multi-Jittered Sample Sequences (2018)",
+    ),
+    sampler(
+        "lattice",
+        "an extensible rank-1 lattice, shifted at random",
+        "Cools, Kuo, Nuyens (2006); Cranley, Patterson (1976)",
+    ),
+    sampler(
+        "multijitter",
+        "correlated multi-jittering; the number of samples must be known",
+        "Kensler, Correlated Multi-Jittered Sampling (2013)",
+    ),
+    sampler(
+        "stratified",
+        "jittered strata over the samples of a pixel, shuffled per dimension; the number of samples must be known",
+        "",
+    ),
+    sampler("independent", "independent uniform random numbers", ""),
+];

@@ -1,0 +1,151 @@
+//! Lights: those of shapes, and those that stand for themselves.
+
+use crate::{
+    model::Model,
+    parameter::{ANY, POSITIVE, Parameter, file, flag, list, map, number, spectrum, tex, transform, vector, word},
+    texture::{MAPPING, PICTURE},
+};
+
+const SCALE: Parameter = number("scale", ANY, "1", "factor on what is emitted");
+const NORMALIZE: Parameter =
+    flag("normalize", "false", "whether a spectrum that is no colour is divided by its luminance, as in pbrt");
+const POWER: Parameter = number("power", ANY, "none", "the light's power, as in pbrt; counts above 0").unit("lm");
+const ILLUMINANCE: Parameter =
+    number("illuminance", ANY, "none", "illuminance of a surface that faces it, as in pbrt; counts above 0").unit("lx");
+const INTENSITY: Parameter = spectrum("intensity", ANY, "1", "radiant intensity");
+const FILE_FIRST: &str = "a picture over u and v, instead of radiance";
+
+/// Of lights that shapes have.
+const OF_SHAPES: &[Parameter] = &[
+    tex("radiance", ANY, "1", "radiance"),
+    flag("two_sided", "false", "whether both sides emit"),
+    SCALE,
+    NORMALIZE,
+    POWER,
+    file("file", "none", FILE_FIRST),
+];
+
+/// All lights.
+pub const LIGHTS: &[Model] = &[
+    Model {
+        kind: "area",
+        doc: "emission of a shape; picture and mapping are of its file",
+        parameters: OF_SHAPES,
+        groups: &[&PICTURE, &MAPPING],
+        source: "pbrt-v4, 12.4",
+    },
+    Model {
+        kind: "directional_area",
+        doc: "emission of a flat shape along its normal alone (Mitsuba's directionalarea); picture and mapping are of its file",
+        parameters: OF_SHAPES,
+        groups: &[&PICTURE, &MAPPING],
+        source: "Mitsuba 3, plugin documentation: directionalarea",
+    },
+    Model {
+        kind: "point",
+        doc: "the same in all directions, from a point",
+        parameters: &[
+            INTENSITY,
+            vector("position", "0,0,0", "where it is"),
+            SCALE,
+            NORMALIZE,
+            POWER,
+            transform("to_world", "identity", "places it"),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 12.2",
+    },
+    Model {
+        kind: "spot",
+        doc: "a cone of light from a point",
+        parameters: &[
+            INTENSITY,
+            number("cone_angle", POSITIVE, "30", "angle between the axis and the end of the light; held in [0.001, 180]")
+                .unit("degrees")
+                .refused(),
+            number("falloff_start", ANY, "25", "angle between the axis and where light begins to fade; held in [0, cone_angle]")
+                .unit("degrees"),
+            word("falloff", "smoothstep, linear", "smoothstep", "how it fades: as in pbrt, or as in Mitsuba"),
+            map("texture", "none", "a slide in front of it"),
+            SCALE,
+            NORMALIZE,
+            POWER,
+            transform("to_world", "identity", "places it; its own +z is the axis"),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 12.2.1; Mitsuba 3, plugin documentation: spot",
+    },
+    Model {
+        kind: "distant",
+        doc: "parallel light",
+        parameters: &[
+            spectrum("radiance", ANY, "1", "irradiance of a plane that faces it"),
+            vector("direction", "0,0,1", "the way the light travels, in the world; it has a length"),
+            SCALE,
+            NORMALIZE,
+            ILLUMINANCE,
+        ],
+        groups: &[],
+        source: "pbrt-v4, 12.3",
+    },
+    Model {
+        kind: "environment",
+        doc: "light from all directions, constant or a picture",
+        parameters: &[
+            spectrum("radiance", ANY, "1", "radiance, or factor on the picture"),
+            file("file", "none", "the picture"),
+            word(
+                "parametrization",
+                "auto, latlong, octahedral",
+                "auto",
+                "what the picture maps: auto is octahedral for square ones, else by longitude and latitude",
+            )
+            .where_given("file"),
+            word(
+                "rows",
+                "centers, poles",
+                "centers",
+                "where the rows of a latlong with +y up are: at the middle of strips, or the first and last at the poles (Mitsuba 3)",
+            )
+            .where_given("file"),
+            SCALE,
+            NORMALIZE,
+            ILLUMINANCE,
+            list("portal", "none", "twelve numbers: the corners of a rectangle that the light comes through"),
+            transform("to_world", "identity", "turns it; of its own, +y is up in a latlong (+z in pbrt scenes), +z in octahedral maps"),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 12.5; Bitterli, Novák, Jarosz, Portal-masked environment map sampling (2015)",
+    },
+    Model {
+        kind: "goniometric",
+        doc: "a point light with a picture of all directions",
+        parameters: &[
+            file("file", "needed", "the picture, an octahedral map"),
+            INTENSITY,
+            SCALE,
+            NORMALIZE,
+            POWER,
+            transform("to_world", "identity", "places it"),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 12.2.3",
+    },
+    Model {
+        kind: "projection",
+        doc: "a slide projector",
+        parameters: &[
+            file("file", "none", "the slide"),
+            tex("texture", ANY, "none", "the slide, where there is no file"),
+            tex("radiance", ANY, "1", "the slide, where there is neither"),
+            number("fov", POSITIVE, "90", "angle of view; held in [0.001, 179.9]").unit("degrees").refused(),
+            word("fov_axis", "smaller, larger, x, y, diagonal", "smaller", "what it spans: smaller in pbrt, x in Mitsuba"),
+            SCALE,
+            flag("normalize", "false", "without effect: what pbrt sets of every light"),
+            number("power", ANY, "none", "the light's power, as in pbrt; of a file alone, and counts above 0").unit("lm"),
+            transform("to_world", "identity", "places it; its own +z is the axis, +x right, +y up"),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 12.2.2",
+    },
+];

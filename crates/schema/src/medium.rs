@@ -1,0 +1,180 @@
+//! Participating media and phase functions.
+
+use crate::{
+    model::{Group, Model},
+    parameter::{ANY, Parameter, Type, integer, list, number, spectrum, tex, transform, vector},
+};
+
+const SIGMA_A: Parameter = spectrum("sigma_a", ANY, "0", "absorption").unit("per scene unit");
+const SIGMA_S: Parameter = spectrum("sigma_s", ANY, "0", "scattering").unit("per scene unit");
+const SIGMA_T: Parameter =
+    spectrum("sigma_t", ANY, "none; 1 beside albedo", "extinction, with albedo instead of sigma_a and sigma_s")
+        .unit("per scene unit");
+const ALBEDO: Parameter = spectrum("albedo", ANY, "none; 0.75 beside sigma_t", "share of the extinction that scatters");
+const SCALE: Parameter = number("scale", (0.0, f64::INFINITY), "1", "factor on all coefficients").refused();
+const PHASE: Parameter = Parameter::new(Type::Phase, "phase", ANY, "none", "phase function");
+const G: Parameter = number(
+    "g",
+    ANY,
+    "0",
+    "mean cosine of Henyey and Greenstein's phase function where there is no phase; refused up to -1 and from 1",
+);
+const LESCALE: Parameter = Parameter::new(
+    Type::NumberOrList,
+    "Lescale",
+    ANY,
+    "1",
+    "factor on what is emitted, or as many as there are cells; a single one below 0 counts as 0",
+);
+const LE_GRID: Parameter =
+    list("Le", "none", "emitted radiance: as many linear colours as there are cells, three numbers each");
+const LE_OR_GRID: Parameter = Parameter::new(
+    Type::SpectrumOrList,
+    "Le",
+    ANY,
+    "none",
+    "emitted radiance: a spectrum, which is divided by its luminance where it is no colour, or as many linear colours as there are cells",
+);
+
+/// All media.
+pub const MEDIA: &[Model] = &[
+    Model {
+        kind: "homogeneous",
+        doc: "the same everywhere",
+        parameters: &[
+            SIGMA_A,
+            SIGMA_S,
+            SIGMA_T,
+            ALBEDO,
+            SCALE,
+            PHASE,
+            G,
+            spectrum(
+                "Le",
+                ANY,
+                "none",
+                "emitted radiance, times absorption and length; spectra that are no colours are divided by their luminance, and plain numbers are ignored",
+            ),
+            number("Lescale", ANY, "1", "factor on what is emitted; below 0 counts as 0"),
+        ],
+        groups: &[],
+        source: "pbrt-v4, 11.4",
+    },
+    Model {
+        kind: "uniformgrid",
+        doc: "coefficients times a density on a grid",
+        parameters: &[
+            SIGMA_A,
+            SIGMA_S,
+            SIGMA_T,
+            ALBEDO,
+            SCALE,
+            PHASE,
+            G,
+            list("density", "needed", "as many numbers as there are cells"),
+            LE_OR_GRID,
+        ],
+        groups: &[&CELLS, &BOX, &GLOW],
+        source: "pbrt-v4, 11.4",
+    },
+    Model {
+        kind: "rgbgrid",
+        doc: "coefficients on a grid",
+        parameters: &[
+            list("sigma_a", "1 everywhere", "absorption: as many linear colours as there are cells")
+                .unit("per scene unit"),
+            list("sigma_s", "1 everywhere", "scattering: as many linear colours as there are cells")
+                .unit("per scene unit"),
+            SCALE,
+            PHASE,
+            G,
+            LE_GRID,
+        ],
+        groups: &[&CELLS, &BOX, &GLOW],
+        source: "pbrt-v4, 11.4",
+    },
+    Model {
+        kind: "cloud",
+        doc: "coefficients times the density of a cloud of noise",
+        parameters: &[
+            SIGMA_A,
+            SIGMA_S,
+            SIGMA_T,
+            ALBEDO,
+            SCALE,
+            PHASE,
+            G,
+            number("density", ANY, "1", "factor on the density"),
+            number("wispiness", ANY, "1", "how far noise moves the noise"),
+            number("frequency", ANY, "5", "factor on coordinates"),
+            LE_OR_GRID,
+        ],
+        groups: &[&CELLS, &BOX, &GLOW],
+        source: "pbrt-v4, 11.4",
+    },
+    Model {
+        kind: "heterogeneous",
+        doc: "extinction and albedo on grids (Mitsuba's); it fills the box, parallel to the world's axes, around the unit cube of sigma_t's grid",
+        parameters: &[
+            tex("sigma_t", ANY, "1", "extinction: constant, or a texture grid, of which filter and wrap count")
+                .unit("per scene unit"),
+            tex("albedo", ANY, "0.75", "share of the extinction that scatters: constant, or a texture grid"),
+            SCALE,
+            PHASE,
+            G,
+            transform("to_world", "identity", "places the unit cube where sigma_t is constant"),
+            LE_GRID,
+        ],
+        groups: &[&CELLS, &GLOW],
+        source: "Mitsuba 3, plugin documentation: heterogeneous",
+    },
+];
+
+/// All phase functions.
+pub const PHASES: &[Model] = &[
+    Model { kind: "isotropic", doc: "the same in all directions", parameters: &[], groups: &[], source: "" },
+    Model {
+        kind: "hg",
+        doc: "Henyey and Greenstein's",
+        parameters: &[number("g", ANY, "0.8", "mean cosine; refused up to -1 and from 1")],
+        groups: &[],
+        source: "Henyey, Greenstein, Diffuse radiation in the galaxy (1941)",
+    },
+];
+
+/// The box of a medium.
+pub static BOX: Group = Group {
+    name: "box",
+    doc: "the box that the medium fills; outside of it there is nothing, so that the outermost half cells of a grid fade",
+    parameters: &[
+        vector("p0", "0,0,0", "one corner"),
+        vector("p1", "1,1,1", "the opposite one"),
+        transform("to_world", "identity", "places the box"),
+    ],
+    source: "",
+};
+
+/// The cells of grids.
+pub static CELLS: Group = Group {
+    name: "cells",
+    doc: "grids of nx × ny × nz numbers, x fastest, at the centres of the cells of the medium's box",
+    parameters: &[
+        integer("nx", (1.0, 1_048_576.0), "1", "cells along x").refused(),
+        integer("ny", (1.0, 1_048_576.0), "1", "cells along y").refused(),
+        integer("nz", (1.0, 1_048_576.0), "1", "cells along z").refused(),
+    ],
+    source: "",
+};
+
+/// What grids give off.
+pub static GLOW: Group = Group {
+    name: "glow",
+    doc: "what the medium gives off: by Le, or as a black body whose spectrum's largest value is Lescale",
+    parameters: &[
+        LESCALE,
+        list("temperature", "none", "as many numbers as there are cells, instead of Le").unit("K"),
+        number("temperatureoffset", ANY, "0", "what is taken from the temperature, after interpolation").unit("K"),
+        number("temperaturescale", ANY, "1", "factor on the temperature, after that"),
+    ],
+    source: "pbrt-v4, 11.4",
+};
