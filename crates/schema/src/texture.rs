@@ -11,6 +11,8 @@ use crate::{
 const SHARE: (f64, f64) = (0.0, 1.0);
 
 const FREQUENCY: Parameter = number("frequency", ANY, "1", "factor on coordinates in space");
+/// Of patterns that are not in space.
+const NO_FREQUENCY: Parameter = number("frequency", ANY, "1", "without effect: it is of patterns in space");
 const DIMENSION: Parameter = integer("dimension", ANY, "3", "2 for the pattern over u and v, else in space");
 const BASIS: Parameter = word("basis", "gradient, value", "gradient", "noise of random slopes, or of random values");
 const SEED: Parameter = integer("seed", ANY, "0", "number of the random sequence; 0 is Perlin's own permutation");
@@ -57,7 +59,7 @@ pub const TEXTURES: &[Model] = &[
     Model {
         kind: "bricks",
         doc: "rectangles in rows with mortar between them: 1 on bricks",
-        parameters: &[BRICK_WIDTH, BRICK_HEIGHT, MORTAR, SHIFT],
+        parameters: &[BRICK_WIDTH, BRICK_HEIGHT, MORTAR, SHIFT, NO_FREQUENCY],
         groups: &[&SHADES, &PATTERN, &MAPPING],
         source: "",
     },
@@ -69,6 +71,7 @@ pub const TEXTURES: &[Model] = &[
             BRICK_HEIGHT,
             MORTAR,
             number("shift", ANY, "0", "shift of each row against the one below, in tiles"),
+            NO_FREQUENCY,
         ],
         groups: &[&SHADES, &PATTERN, &MAPPING],
         source: "",
@@ -76,33 +79,36 @@ pub const TEXTURES: &[Model] = &[
     Model {
         kind: "brick_shade",
         doc: "a random number for each brick",
-        parameters: &[BRICK_WIDTH, BRICK_HEIGHT, MORTAR, SHIFT, SEED],
+        parameters: &[BRICK_WIDTH, BRICK_HEIGHT, MORTAR, SHIFT, SEED, NO_FREQUENCY],
         groups: &[&SHADES, &PATTERN, &MAPPING],
         source: "",
     },
     Model {
         kind: "stripes",
         doc: "stripes across u, of period 1",
-        parameters: &[number("duty", SHARE, "0.5", "share of a period that is 1").refused()],
+        parameters: &[number("duty", SHARE, "0.5", "share of a period that is 1").refused(), NO_FREQUENCY],
         groups: &[&SHADES, &PATTERN, &MAPPING],
         source: "",
     },
     Model {
         kind: "dots",
         doc: "pbrt's polka dots: 1 inside",
-        parameters: &[],
+        parameters: &[NO_FREQUENCY],
         groups: &[&SHADES, &PATTERN, &MAPPING],
         source: "pbrt-v3, 10.6",
     },
     Model {
         kind: "gradient",
         doc: "from 0 to 1",
-        parameters: &[word(
-            "type",
-            "u, v, radial, angular",
-            "u",
-            "what it follows: a coordinate, the distance from (½, ½), which is 1 from ½ on, or the angle around it",
-        )],
+        parameters: &[
+            word(
+                "type",
+                "u, v, radial, angular",
+                "u",
+                "what it follows: a coordinate, the distance from (½, ½), which is 1 from ½ on, or the angle around it",
+            ),
+            NO_FREQUENCY,
+        ],
         groups: &[&SHADES, &PATTERN, &MAPPING],
         source: "",
     },
@@ -209,7 +215,7 @@ pub const TEXTURES: &[Model] = &[
     Model {
         kind: "facing",
         doc: "the cosine between the surface's normal and a direction, without its sign",
-        parameters: &[DIRECTION, FROM_WORLD],
+        parameters: &[DIRECTION, FROM_WORLD, NO_FREQUENCY],
         groups: &[&SHADES, &PATTERN],
         source: "pbrt-v4: directionmix",
     },
@@ -221,6 +227,7 @@ pub const TEXTURES: &[Model] = &[
             tex("b", ANY, "1", "where it is seen from the side"),
             DIRECTION,
             FROM_WORLD,
+            NO_FREQUENCY,
         ],
         groups: &[&PATTERN],
         source: "pbrt-v4, 10.3",
@@ -392,7 +399,7 @@ pub static PICTURE: Group = Group {
         ),
         flag("raw", "false", "whether its values are numbers, not colours: encoding is then linear"),
         word("origin", "bottom, top", "bottom", "where v = 0 is: at the last row (pbrt), or at the first"),
-        flag("invert", "false", "whether values are one less what is stored"),
+        flag("invert", "false", "whether values are one minus what is stored"),
     ],
     source: "",
 };

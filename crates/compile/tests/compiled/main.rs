@@ -3,6 +3,7 @@
 mod bad_values;
 mod colors_agree;
 mod emission;
+mod families;
 mod light_sampling;
 mod one_shape;
 mod schema;

@@ -79,7 +79,10 @@ fn every_kind_compiles_and_varies() {
         "marble",
     ];
     for kind in kinds {
-        let c = compiled(texture(kind).with("frequency", 2.0)).unwrap_or_else(|e| panic!("{kind}: {e:?}"));
+        let known = |name: &&str| Family::Texture.model(kind).is_some_and(|m| m.parameter(name).is_some());
+        let scaled = ["frequency", "scale"].into_iter().find(known);
+        let node = scaled.into_iter().fold(texture(kind), |node, name| node.with(name, 2.0));
+        let c = compiled(node).unwrap_or_else(|e| panic!("{kind}: {e:?}"));
         let mut rng = HashRng::new(1);
         let values: Vec<Vec3> =
             (0..200).map(|_| value(&c, &at(rng.next_f32() * 4.0 - 2.0, rng.next_f32() * 4.0 - 2.0))).collect();
