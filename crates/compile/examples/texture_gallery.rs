@@ -804,7 +804,7 @@ fn main() -> Result<(), String> {
     let relief = Relief { field, cones, relaxed, distances };
     let mut page = String::from(
         "# Textures: a gallery\n\nEach tile is made by `cargo run -p steradian-compile --example texture_gallery -- docs/textures NAME`; the parameters\n\
-         stand in that example, their meaning in [the vocabulary](../crates/scene/README.md). The same without a name makes all of them and\n\
+         stand in that example, their meaning in [textures.md](textures.md). The same without a name makes all of them and\n\
          this page. The test card is black in its first corner, has an arrow along u (with the longer head) and one along v.\n",
     );
     let mut section = "";

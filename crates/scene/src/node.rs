@@ -84,7 +84,7 @@ pub struct Node {
     pub kind: String,
     /// The name the file gave it.
     pub name: Option<String>,
-    /// What is set; what is not set has its default in the registry.
+    /// What is set; what is not set has the default of its table in the schema.
     pub params: Vec<Param>,
     /// Where the file declares it.
     pub span: Option<Span>,

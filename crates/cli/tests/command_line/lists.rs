@@ -30,7 +30,8 @@ fn every_family_is_listed() {
         assert!(materials.contains(part), "{part}");
     }
     assert!(place.succeed(&["list", "materials", "--markdown"]).stdout.starts_with("# Materials"));
-    place.refuse(2, &["list", "lights", "--markdown"], &["list materials --markdown"]);
+    assert!(place.succeed(&["list", "lights", "--markdown"]).stdout.starts_with("# Lights"));
+    place.refuse(2, &["list", "tones", "--markdown"], &["list materials --markdown"]);
     let json = place.succeed(&["list", "materials", "--json"]).json();
     assert_eq!(json["families"][0]["entries"][0]["parameters"][0]["range"][1], 1.0);
     let json = place.succeed(&["list", "integrators", "--json"]).json();

@@ -5,7 +5,7 @@
 //! of Python; by hand comments,
 //! bare words and names of other nodes (`@gold`) may be used. A node is a map that begins with its family and
 //! kind, so that nothing
-//! depends on where it stands; all else follows the vocabulary of [`steradian_scene`].
+//! depends on where it stands; all else follows the vocabulary of the schema.
 
 mod parse;
 mod ply;

@@ -1,5 +1,5 @@
-//! Every parameter of the vocabulary, as the README of the scene crate lists it, set to every value that it should not
-//! have, in a scene made in code. What the README names is what is tried, so nothing can be forgotten.
+//! Every parameter of the vocabulary, as the schema has it, set to every value that it should not have, in a scene made
+//! in code. What the schema names is what is tried, so nothing can be forgotten.
 
 use crate::{
     case::{Case, Expect},
@@ -10,70 +10,30 @@ use steradian::{
     cornell,
     math::{DVec3, Transform},
     scene::{ColorSpace, Family, Format, Group, Instance, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value},
+    schema::FAMILIES,
 };
 
-const README: &str = include_str!("../../../scene/README.md");
-const MAPPING: [&str; 9] =
-    ["mapping", "scale_u", "scale_v", "delta_u", "delta_v", "v1", "v2", "to_uv", "texture_from_world"];
+/// Of methods, which are no models: some of them, and the parameters that the compiler reads.
+const METHODS: [&str; 4] = ["path", "volpath", "direct", "whitted"];
+const OF_METHODS: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "distance"];
 
 /// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each
 /// value of each name is tried with an eighth of the kinds at least.
 const TURNS: usize = 8;
 
-/// A kind of node and the words of its row that may be parameters.
+/// A kind of node and its parameters.
 struct Row {
     family: Family,
-    kind: String,
-    parameters: Vec<String>,
+    kind: &'static str,
+    parameters: Vec<&'static str>,
 }
 
-/// The words in backquotes, but for those in parentheses, which are values.
-fn quoted(cell: &str) -> Vec<String> {
-    let outside: String = cell.split(')').map(|part| part.split('(').next().unwrap_or_default()).collect();
-    outside.split('`').skip(1).step_by(2).map(str::to_owned).collect()
-}
-
-fn family(word: &str) -> Family {
-    let all = [
-        Family::Shape,
-        Family::Material,
-        Family::Texture,
-        Family::Light,
-        Family::Medium,
-        Family::Phase,
-        Family::Camera,
-        Family::Film,
-        Family::Filter,
-        Family::Sampler,
-        Family::Integrator,
-    ];
-    let found = all.into_iter().find(|f| format!("{f:?}").eq_ignore_ascii_case(word));
-    found.unwrap_or_else(|| panic!("the vocabulary names a family '{word}'"))
-}
-
-/// The table of the README; words for all kinds of a family (`any`, `all`) go to each.
+/// All kinds of all families.
 fn rows() -> Vec<Row> {
-    let lines = README.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| family"));
-    let mut rows = Vec::new();
-    let mut of_all: Vec<(Family, Vec<String>)> = Vec::new();
-    for cells in lines.map(|l| l.split('|').map(str::trim).collect::<Vec<_>>()) {
-        let family = family(cells[1]);
-        let mut parameters = quoted(cells[3]);
-        if cells[3].contains("*mapping*") {
-            parameters.extend(MAPPING.map(str::to_owned));
-        }
-        match cells[2] {
-            "any" | "all" => of_all.push((family, parameters)),
-            kinds => {
-                rows.extend(quoted(kinds).into_iter().map(|kind| Row { family, kind, parameters: parameters.clone() }))
-            }
-        }
-    }
-    for row in &mut rows {
-        let more = of_all.iter().filter(|(family, _)| *family == row.family).flat_map(|(_, p)| p.clone());
-        row.parameters.extend(more);
-    }
-    rows
+    let models = FAMILIES.into_iter().flat_map(|family| family.models().iter().map(move |m| (family, m)));
+    let models = models.map(|(family, m)| Row { family, kind: m.kind, parameters: m.all().map(|p| p.name).collect() });
+    let methods = METHODS.map(|kind| Row { family: Family::Integrator, kind, parameters: OF_METHODS.to_vec() });
+    models.chain(methods).collect()
 }
 
 /// Values of every type, none of which belongs in a scene. `own` is the node that gets them, `other` one of a family
@@ -178,6 +138,12 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
         (Family::Material, "mix") => {
             let metal = scene.add(Node::new(Family::Material, "conductor", None));
             node.set("materials", vec![diffuse, metal], None);
+        }
+        (Family::Texture, "ramp") => _ = node.set("colors", vec![0.0, 0.0, 0.0, 1.0, 0.5, 0.2], None),
+        (Family::Texture, "curve") => _ = node.set("values", vec![0.0, 1.0], None),
+        (Family::Medium, "uniformgrid") => _ = node.set("density", vec![1.0], None),
+        (Family::Shape, "height_field") => {
+            node.set("heights", vec![0.0, 0.1, 0.2, 0.0], None).set("nu", 2_i64, None).set("nv", 2_i64, None);
         }
         (Family::Shape, "curve") => {
             _ = node.set("points", vec![-1.0, 0.0, 0.0, -0.5, 1.0, 0.0, 0.5, 1.0, 0.0, 1.0, 0.0, 0.0], None)
@@ -292,32 +258,31 @@ fn unsound() -> Vec<Case> {
 /// Each kind as it is, and then with each of its parameters poisoned.
 pub fn table() -> impl Iterator<Item = Case> {
     let rows = rows();
-    let mut kinds: HashMap<(Family, String), usize> = HashMap::new();
+    let mut kinds: HashMap<(Family, &str), usize> = HashMap::new();
     for row in &rows {
-        row.parameters.iter().for_each(|p| *kinds.entry((row.family, p.clone())).or_default() += 1);
+        row.parameters.iter().for_each(|p| *kinds.entry((row.family, *p)).or_default() += 1);
     }
     let mut turns = HashMap::new();
     unsound().into_iter().chain(rows.into_iter().flat_map(move |row| {
         let Row { family, kind, parameters } = row;
         let sound = Format::Native;
-        let first = case(format!("{family:?} {kind}"), scene_of(family, &kind, sound).0, true, Expect::Either);
-        let mut whose_turn = |parameter: &String| {
-            let key = (family, parameter.clone());
-            let turn = turns.entry(key.clone()).or_insert(0);
+        let first = case(format!("{family:?} {kind}"), scene_of(family, kind, sound).0, true, Expect::Either);
+        let mut whose_turn = |parameter| {
+            let key = (family, parameter);
+            let turn = turns.entry(key).or_insert(0);
             *turn += 1;
             (*turn, kinds[&key].min(TURNS))
         };
-        let parameters: Vec<_> = parameters.into_iter().map(|p| (whose_turn(&p), p)).collect();
+        let parameters: Vec<_> = parameters.into_iter().map(|p| (whose_turn(p), p)).collect();
         let poisoned = parameters.into_iter().enumerate().flat_map(move |(i, ((turn, turns), parameter))| {
             // Formats differ in defaults and in colour: they take turns.
             let format = [Format::Native, Format::Pbrt, Format::Mitsuba][i % 3];
-            let kind = kind.clone();
-            let (_, id) = scene_of(family, &kind, format);
+            let (_, id) = scene_of(family, kind, format);
             let values = poison(id, NodeId(0)).into_iter().enumerate();
             let values = values.filter(move |(v, _)| (turn + v).is_multiple_of(turns));
             values.map(move |(_, (value_name, value))| {
-                let (mut scene, id) = scene_of(family, &kind, format);
-                scene.node_mut(id).set(parameter.as_str(), value, None);
+                let (mut scene, id) = scene_of(family, kind, format);
+                scene.node_mut(id).set(parameter, value, None);
                 // A film without a limit on components clamps nothing.
                 let means_none = parameter == "max_component" && value_name == "Float(inf)";
                 let wild = (value_name.contains("NaN") || value_name.contains("inf")) && !means_none;
