@@ -119,7 +119,8 @@ pub const SAMPLERS: &[Model] = &[
     sampler(
         "zsobol",
         "Owen-scrambled Sobol' pairs, shared along a Z-curve so that the error is blue noise; the default",
-        "Ahmed, Wonka, Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels (2020)",
+        "Ahmed, Wonka, Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical \
+         Ordering of Pixels (2020)",
     ),
     sampler(
         "sobol",

@@ -36,7 +36,8 @@ pub const LIGHTS: &[Model] = &[
     },
     Model {
         kind: "directional_area",
-        doc: "emission of a flat shape along its normal alone (Mitsuba's directionalarea); picture and mapping are of its file",
+        doc: "emission of a flat shape along its normal alone (Mitsuba's directionalarea); picture and mapping \
+         are of its file",
         parameters: OF_SHAPES,
         groups: &[&PICTURE, &MAPPING],
         source: "Mitsuba 3, plugin documentation: directionalarea",
@@ -60,11 +61,21 @@ pub const LIGHTS: &[Model] = &[
         doc: "a cone of light from a point",
         parameters: &[
             INTENSITY,
-            number("cone_angle", POSITIVE, "30", "angle between the axis and the end of the light; held in [0.001, 180]")
-                .unit("degrees")
-                .refused(),
-            number("falloff_start", ANY, "25", "angle between the axis and where light begins to fade; held in [0, cone_angle]")
-                .unit("degrees"),
+            number(
+                "cone_angle",
+                POSITIVE,
+                "30",
+                "angle between the axis and the end of the light; held in [0.001, 180]",
+            )
+            .unit("degrees")
+            .refused(),
+            number(
+                "falloff_start",
+                ANY,
+                "25",
+                "angle between the axis and where light begins to fade; held in [0, cone_angle]",
+            )
+            .unit("degrees"),
             word("falloff", "smoothstep, linear", "smoothstep", "how it fades: as in pbrt, or as in Mitsuba"),
             map("texture", "none", "a slide in front of it"),
             SCALE,
@@ -105,14 +116,19 @@ pub const LIGHTS: &[Model] = &[
                 "rows",
                 "centers, poles",
                 "centers",
-                "where the rows of a latlong with +y up are: at the middle of strips, or the first and last at the poles (Mitsuba 3)",
+                "where the rows of a latlong with +y up are: at the middle of strips, or the first and last at \
+                 the poles (Mitsuba 3)",
             )
             .where_given("file"),
             SCALE,
             NORMALIZE,
             ILLUMINANCE,
             list("portal", "none", "twelve numbers: the corners of a rectangle that the light comes through"),
-            transform("to_world", "identity", "turns it; of its own, +y is up in a latlong (+z in pbrt scenes), +z in octahedral maps"),
+            transform(
+                "to_world",
+                "identity",
+                "turns it; of its own, +y is up in a latlong (+z in pbrt scenes), +z in octahedral maps",
+            ),
         ],
         groups: &[],
         source: "pbrt-v4, 12.5; Bitterli, Novák, Jarosz, Portal-masked environment map sampling (2015)",
@@ -139,10 +155,16 @@ pub const LIGHTS: &[Model] = &[
             tex("texture", ANY, "none", "the slide, where there is no file"),
             tex("radiance", ANY, "1", "the slide, where there is neither"),
             number("fov", POSITIVE, "90", "angle of view; held in [0.001, 179.9]").unit("degrees").refused(),
-            word("fov_axis", "smaller, larger, x, y, diagonal", "smaller", "what it spans: smaller in pbrt, x in Mitsuba"),
+            word(
+                "fov_axis",
+                "smaller, larger, x, y, diagonal",
+                "smaller",
+                "what it spans: smaller in pbrt, x in Mitsuba",
+            ),
             SCALE,
             flag("normalize", "false", "without effect: what pbrt sets of every light"),
-            number("power", ANY, "none", "the light's power, as in pbrt; of a file alone, and counts above 0").unit("lm"),
+            number("power", ANY, "none", "the light's power, as in pbrt; of a file alone, and counts above 0")
+                .unit("lm"),
             transform("to_world", "identity", "places it; its own +z is the axis, +x right, +y up"),
         ],
         groups: &[],

@@ -106,7 +106,8 @@ pub const MATERIALS: &[Model] = &[
             REFLECTANCE_FACTOR,
         ],
         groups: &[&DETAIL],
-        source: "Cook, Torrance (1982); Walter et al. (2007); masking: Heitz, JCGT 3(2) (2014); sampling: Heitz, JCGT 7(4) (2018); \
+        source: "Cook, Torrance (1982); Walter et al. (2007); masking: Heitz, JCGT 3(2) (2014); sampling: \
+         Heitz, JCGT 7(4) (2018); \
                  compensation: Kulla, Conty (2017), Turquin (2019)",
     },
     Model {
@@ -205,7 +206,8 @@ pub const MATERIALS: &[Model] = &[
                 .with("form", "full"),
         ],
         groups: &[&DETAIL],
-        source: "Oren, Nayar (1994); Fujii; Portsmouth, Kutz, Hill, EON: A practical energy-preserving rough diffuse BRDF (2025)",
+        source: "Oren, Nayar (1994); Fujii; Portsmouth, Kutz, Hill, EON: A practical energy-preserving rough \
+         diffuse BRDF (2025)",
     },
     Model {
         kind: "minnaert",
@@ -309,7 +311,8 @@ pub const MATERIALS: &[Model] = &[
     },
     Model {
         kind: "measured",
-        doc: "reflection from a file: MERL binary, RGL tensor file (pbrt's and Mitsuba's measured), polarimetric tensor file (Mitsuba's \
+        doc: "reflection from a file: MERL binary, RGL tensor file (pbrt's and Mitsuba's measured), \
+         polarimetric tensor file (Mitsuba's \
               measured_polarized, its intensities), table of angles (ASTM E2387), or index of a BTF's pictures",
         parameters: &[
             file("file", "needed", "the measurements, told apart by content"),
@@ -321,7 +324,8 @@ pub const MATERIALS: &[Model] = &[
             ),
         ],
         groups: &[&DETAIL],
-        source: "Matusik et al., A Data-Driven Reflectance Model (2003); Dupuy, Jakob, An Adaptive Parameterization for Efficient Material \
+        source: "Matusik et al., A Data-Driven Reflectance Model (2003); Dupuy, Jakob, An Adaptive \
+         Parameterization for Efficient Material \
                  Acquisition and Rendering (2018); Baek et al. (2020); Dana et al. (1999); Kautz et al. (2002)",
     },
     Model {
@@ -345,7 +349,8 @@ pub const MATERIALS: &[Model] = &[
             flag("round", "false", "whether the surface is a tube along the bitangent, not a strip along the tangent"),
         ],
         groups: &[&DETAIL],
-        source: "Chiang, Bitterli, Tappan, Burley, A Practical and Controllable Hair and Fur Model (2016); d'Eon et al. (2011)",
+        source: "Chiang, Bitterli, Tappan, Burley, A Practical and Controllable Hair and Fur Model (2016); \
+         d'Eon et al. (2011)",
     },
     Model {
         kind: "coated_conductor",
@@ -370,7 +375,8 @@ pub const MATERIALS: &[Model] = &[
             integer("samples", (1.0, 1000.0), "1", "walks for each evaluation"),
         ],
         groups: &[&DETAIL],
-        source: "Guo, Hašan, Zhao, Position-Free Monte Carlo Simulation for Arbitrary Layered BSDFs (2018); PBR 4th ed., 14.3",
+        source: "Guo, Hašan, Zhao, Position-Free Monte Carlo Simulation for Arbitrary Layered BSDFs (2018); PBR \
+         4th ed., 14.3",
     },
     Model {
         kind: "principled",
@@ -470,7 +476,8 @@ pub const MATERIALS: &[Model] = &[
             scalar("thin_film_ior", (1.0, 5.0), "1.4", "index of refraction of the film"),
         ],
         groups: &[&DETAIL],
-        source: "Academy Software Foundation, OpenPBR Surface 1.1 (2024); Hoffman, Fresnel Equations Considered Harmful (2019)",
+        source: "Academy Software Foundation, OpenPBR Surface 1.1 (2024); Hoffman, Fresnel Equations Considered \
+         Harmful (2019)",
     },
     Model {
         kind: "sheen",
@@ -548,7 +555,8 @@ pub static DETAIL: Group = Group {
             "detail_facing",
             "bent, turned, as_it_is",
             "bent; turned in Mitsuba scenes",
-            "what is done with normals turned away from the viewer: bent until the mirror direction leaves the surface, or mirrored about its normal",
+            "what is done with normals turned away from the viewer: bent until the mirror direction leaves the \
+             surface, or mirrored about its normal",
         ),
         flag(
             "detail_shadowing",
@@ -556,7 +564,8 @@ pub static DETAIL: Group = Group {
             "whether bumps shade light from near the horizon; not of bent normals",
         ),
     ],
-    source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, Baker, LEAN mapping (2010)",
+    source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, \
+     Baker, LEAN mapping (2010)",
 };
 
 /// Kinds for which another material stands in: what is read of them.

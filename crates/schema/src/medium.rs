@@ -33,7 +33,8 @@ const LE_OR_GRID: Parameter = Parameter::new(
     "Le",
     ANY,
     "none",
-    "emitted radiance: a spectrum, which is divided by its luminance where it is no colour, or as many linear colours as there are cells",
+    "emitted radiance: a spectrum, which is divided by its luminance where it is no colour, or as many linear \
+     colours as there are cells",
 );
 
 /// All media.
@@ -53,7 +54,8 @@ pub const MEDIA: &[Model] = &[
                 "Le",
                 ANY,
                 "none",
-                "emitted radiance, times absorption and length; spectra that are no colours are divided by their luminance, and plain numbers are ignored",
+                "emitted radiance, times absorption and length; spectra that are no colours are divided by \
+                 their luminance, and plain numbers are ignored",
             ),
             number("Lescale", ANY, "1", "factor on what is emitted; below 0 counts as 0"),
         ],
@@ -114,7 +116,8 @@ pub const MEDIA: &[Model] = &[
     },
     Model {
         kind: "heterogeneous",
-        doc: "extinction and albedo on grids (Mitsuba's); it fills the box, parallel to the world's axes, around the unit cube of sigma_t's grid",
+        doc: "extinction and albedo on grids (Mitsuba's); it fills the box, parallel to the world's axes, \
+         around the unit cube of sigma_t's grid",
         parameters: &[
             tex("sigma_t", ANY, "1", "extinction: constant, or a texture grid, of which filter and wrap count")
                 .unit("per scene unit"),
@@ -145,7 +148,8 @@ pub const PHASES: &[Model] = &[
 /// The box of a medium.
 pub static BOX: Group = Group {
     name: "box",
-    doc: "the box that the medium fills; outside of it there is nothing, so that the outermost half cells of a grid fade",
+    doc: "the box that the medium fills; outside of it there is nothing, so that the outermost half cells of a \
+     grid fade",
     parameters: &[
         vector("p0", "0,0,0", "one corner"),
         vector("p1", "1,1,1", "the opposite one"),

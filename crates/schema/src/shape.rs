@@ -10,7 +10,8 @@ const RADIUS: Parameter = number("radius", POSITIVE, "1", "radius").refused();
 const TANGENTS: Parameter = text(
     "tangents",
     "uv",
-    "tangents of normal maps: uv (those of each triangle's coordinates), mikktspace, mikktspace_down (v grows downwards, glTF), \
+    "tangents of normal maps: uv (those of each triangle's coordinates), mikktspace, mikktspace_down (v grows \
+     downwards, glTF), \
      or a vertex attribute (x, y, z, and the sign of the bitangent)",
 );
 
@@ -39,7 +40,8 @@ pub const SHAPES: &[Model] = &[
                 .where_given("displacement"),
         ],
         groups: &[&ANY_SHAPE],
-        source: "pbrt-v4, 6.5 and 6.6; Cook, Shade trees (1984); Mikkelsen, Simulation of Wrinkled Surfaces Revisited (2008)",
+        source: "pbrt-v4, 6.5 and 6.6; Cook, Shade trees (1984); Mikkelsen, Simulation of Wrinkled Surfaces \
+         Revisited (2008)",
     },
     Model {
         kind: "loop_subdivision",
@@ -98,7 +100,8 @@ pub const SHAPES: &[Model] = &[
                 "type",
                 "flat, cylinder, ribbon",
                 "flat",
-                "a strip that faces the ray, the same with the normals of a cylinder, or a strip that faces along normals",
+                "a strip that faces the ray, the same with the normals of a cylinder, or a strip that faces \
+                 along normals",
             ),
             number("width0", ANY, "1", "width at the beginning"),
             number("width1", ANY, "1", "width at the end"),
@@ -110,7 +113,8 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "height_field",
-        doc: "heights over the unit square, along z, bilinear between samples and traced without triangles: a file, or heights",
+        doc: "heights over the unit square, along z, bilinear between samples and traced without triangles: a \
+         file, or heights",
         parameters: &[
             Parameter::new(
                 Type::ScalarOrList,
@@ -134,7 +138,8 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "sdf_grid",
-        doc: "where a signed distance function is zero that is trilinear between samples on a grid over the unit cube; it has no coordinates and does not emit",
+        doc: "where a signed distance function is zero that is trilinear between samples on a grid over the \
+         unit cube; it has no coordinates and does not emit",
         parameters: &[
             file(
                 "file",

@@ -167,7 +167,8 @@ pub const TEXTURES: &[Model] = &[
                 "feature",
                 "f1, f2, border",
                 "f1",
-                "distance to the nearest point, to the second nearest, or the difference of the two, which is 0 on the borders of cells",
+                "distance to the nearest point, to the second nearest, or the difference of the two, which is 0 \
+                 on the borders of cells",
             ),
             METRIC,
             JITTER,
@@ -337,7 +338,8 @@ pub const TEXTURES: &[Model] = &[
     },
     Model {
         kind: "time",
-        doc: "the moment of the exposure, from 0 as the shutter opens to 1: with ramp and curve parameters that vary over it (opacities and displacement are taken at 0)",
+        doc: "the moment of the exposure, from 0 as the shutter opens to 1: with ramp and curve parameters that \
+         vary over it (opacities and displacement are taken at 0)",
         parameters: &[],
         groups: &[],
         source: "",
@@ -377,8 +379,10 @@ pub static PICTURE: Group = Group {
             "keep_coverage",
             ANY,
             "none",
-            "opacity at which smaller levels keep the picture's coverage; colours are then weighted by alpha. For pictures \
-             that something compares with a threshold: masks and alpha are passed by chance, for which plain means are right",
+            "opacity at which smaller levels keep the picture's coverage; colours are then weighted by alpha. \
+             For pictures \
+             that something compares with a threshold: masks and alpha are passed by chance, for which plain \
+              means are right",
         ),
         flag("stochastic", "false", "whether one texel is taken at random, which is the filter's value in the mean"),
         word("channel", "color, r, g, b, a", "color", "all of it, or one number"),
@@ -409,7 +413,8 @@ const WRAPS: &str = "repeat, mirror, clamp, octahedral, border, black, one";
 /// From a point of a surface to coordinates.
 pub static MAPPING: Group = Group {
     name: "mapping",
-    doc: "from a point of a surface to texture coordinates: first the mapping, then scale_u to delta_v, then to_uv or glTF's transform",
+    doc: "from a point of a surface to texture coordinates: first the mapping, then scale_u to delta_v, then \
+     to_uv or glTF's transform",
     parameters: &[
         word(
             "mapping",
@@ -421,13 +426,15 @@ pub static MAPPING: Group = Group {
             .with("mapping", "uv"),
         vector("v1", "1,0,0", "the vector that u is measured along").with("mapping", "planar"),
         vector("v2", "0,1,0", "the vector that v is measured along").with("mapping", "planar"),
-        list("corners", "needed", "nine numbers: a triangle's corners in the space of the texture").with("mapping", "triangle"),
+        list("corners", "needed", "nine numbers: a triangle's corners in the space of the texture")
+            .with("mapping", "triangle"),
         list("corner_uvs", "needed", "six numbers: its corners' coordinates").with("mapping", "triangle"),
         word(
             "object_map",
             "centroid, reflection, normal, proxy_normal",
             "centroid",
-            "where on the surface around it: where the line from the origin through the point leads, the reflected line of \
+            "where on the surface around it: where the line from the origin through the point leads, the \
+             reflected line of \
              sight, or the normal, or the point whose own normal leads here",
         )
         .with("mapping", "two_part"),
