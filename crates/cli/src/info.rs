@@ -90,11 +90,21 @@ struct Settings {
     max_depth: Option<u32>,
 }
 
+/// A table of the compiled scene.
+#[derive(Debug, Serialize)]
+struct Table {
+    name: &'static str,
+    count: usize,
+    bytes: usize,
+}
+
 /// Bytes.
 #[derive(Debug, Serialize)]
 struct Memory {
     /// Hierarchy and geometry.
     geometry_bytes: Option<usize>,
+    /// What the compiled scene holds, table by table.
+    tables: Vec<Table>,
     /// Film of a render without layers.
     film_bytes: Option<u64>,
     /// The whole process while it opened the scene, images too; null where the system does not tell.
@@ -161,6 +171,10 @@ impl Info {
             let [x0, y0, x1, y1] = f.crop.map(u64::from);
             (x1 - x0) * (y1 - y0) * memory::film_bytes_per_pixel(0)
         });
+        let tables = scene.map(Scene::tables).unwrap_or_default().into_iter();
+        let tables: Vec<_> = tables.map(|t| Table { name: t.name, count: t.count, bytes: t.bytes }).collect();
+        let of_geometry = |t: &&Table| ["shapes", "ray structure"].contains(&t.name);
+        let geometry_bytes = scene.map(|_| tables.iter().filter(of_geometry).map(|t| t.bytes).sum());
         Self {
             schema: 1,
             scene: name.into(),
@@ -186,7 +200,7 @@ impl Info {
             }),
             // A scene of infinite planes alone has no bounds.
             bounds: bounds.filter(|b| b.iter().flatten().all(|v| v.is_finite()) && b[0][0] <= b[1][0]),
-            memory: Memory { geometry_bytes: scene.map(Scene::bytes), film_bytes, peak_rss_bytes: memory::peak() },
+            memory: Memory { geometry_bytes, tables, film_bytes, peak_rss_bytes: memory::peak() },
             load_seconds: opened.load.as_secs_f64(),
             build_seconds: opened.build.as_secs_f64(),
             diagnostics: Counts::of(&opened.diagnostics),
@@ -257,6 +271,11 @@ impl Info {
                 bytes(self.memory.peak_rss_bytes),
             ),
         );
+        let held: Vec<_> = self.memory.tables.iter().filter(|t| t.count > 0).collect();
+        for (i, t) in held.iter().enumerate() {
+            let what = if t.count == 1 { t.name.into() } else { format!("{} {}", t.count, t.name) };
+            row(if i == 0 { "  tables" } else { "" }, format!("{what}: {}", memory::readable(t.bytes as u64)));
+        }
         row("time", format!("load {:.2} s, build {:.2} s", self.load_seconds, self.build_seconds));
         let d = &self.diagnostics;
         row(

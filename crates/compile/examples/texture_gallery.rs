@@ -473,7 +473,7 @@ fn plane(uv: f32) -> Mesh {
     Mesh {
         positions: all.map(|c| c.0).to_vec(),
         uvs: all.map(|c| c.1).to_vec(),
-        triangles: vec![[0, 1, 3], [0, 3, 2]],
+        triangles: vec![[0, 1, 3], [0, 3, 2]].into(),
         ..Mesh::default()
     }
 }
@@ -715,7 +715,7 @@ fn turned_squares() -> Mesh {
 fn octahedron() -> Mesh {
     let p: Vec<[f32; 3]> = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z].map(|v| v.to_array()).into();
     let triangles = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
-    let flat = Mesh { positions: p.clone(), normals: p, triangles, ..Mesh::default() };
+    let flat = Mesh { positions: p.clone(), normals: p, triangles: triangles.into(), ..Mesh::default() };
     let round = |v: &steradian_core::shape::displacement::Vertex| v.p.normalize() - v.p;
     let by = |a: Vec3, b: Vec3| (a - b).length() / 0.2;
     steradian_core::shape::displacement::displace(&flat, 1 << 16, by, round).unwrap_or(flat)

@@ -199,7 +199,7 @@ mod tests {
         let node = make(&mut desc);
         let (material, node) = (desc.add(node), desc.add(Node::new(Family::Shape, "mesh", None)));
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let mesh = desc.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() });
+        let mesh = desc.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]].into(), ..Mesh::default() });
         desc.shapes.push(Shape { mesh: Some(mesh), material: Some(material), ..Shape::new(node) });
         let camera = desc.add(Node::new(Family::Camera, "perspective", None));
         desc.cameras.push(camera);

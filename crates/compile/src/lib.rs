@@ -1,6 +1,7 @@
 //! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is
 //! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
+mod assets;
 mod coats;
 mod code;
 mod dispersion;
@@ -8,6 +9,7 @@ mod displacement;
 mod facets;
 mod hair;
 mod height_field;
+mod kept;
 mod layered;
 mod lights;
 mod mapping;
@@ -26,6 +28,10 @@ mod sound;
 mod textures;
 mod view;
 
+use assets::Assets;
+use coats::Coats;
+pub use kept::Kept;
+use kept::{KeptAccel, KeptShape, Space};
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
     path::PathBuf,
@@ -39,14 +45,9 @@ use steradian_core::{
     medium::Medium,
     scene::{Geometry, Parts, Placement, Scene, Settings},
 };
-use steradian_image::Texels;
 use steradian_math::spectra::ColorMode;
 use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
-use steradian_texture::{
-    FloatTexture, TextureId, Textures,
-    levels::{Levels, Recipe},
-    store::{Level, Pages},
-};
+use steradian_texture::{FloatTexture, TextureId, Textures};
 
 /// What the user decides about a scene.
 #[derive(Clone, Debug, Default)]
@@ -98,14 +99,6 @@ struct ResolvedMaterial {
     alpha: Option<FloatTexture>,
 }
 
-/// An image file that was read.
-#[derive(Clone, Debug)]
-struct Loaded<T> {
-    texels: T,
-    /// How many of its values were infinite or NaN.
-    faults: usize,
-}
-
 struct Compiler<'a> {
     desc: &'a SceneDesc,
     mode: ColorMode,
@@ -113,15 +106,9 @@ struct Compiler<'a> {
     diagnostics: Diagnostics,
     textures: Textures,
     texture_ids: HashMap<NodeId, TextureId>,
-    grids: HashMap<PathBuf, Arc<steradian_image::VoxelGrid>>,
+    assets: Assets,
     /// Files that were read and that the description does not name.
     files: Vec<PathBuf>,
-    images: HashMap<PathBuf, Result<Loaded<Arc<Texels>>, String>>,
-    /// Images of textures that are kept in `pages`, where textures are limited.
-    paged: HashMap<PathBuf, Result<Loaded<Level>, String>>,
-    pages: Option<Arc<Pages>>,
-    /// Sizes of images that were made, by file, encoding and recipe.
-    levels: Vec<(PathBuf, steradian_image::Encoding, Recipe, Arc<Levels>)>,
     materials: Vec<Material>,
     material_names: Vec<String>,
     material_ids: HashMap<NodeId, ResolvedMaterial>,
@@ -129,7 +116,7 @@ struct Compiler<'a> {
     medium_ids: HashMap<NodeId, Option<u32>>,
     /// Materials and textures that are being compiled: one that is met again contains itself.
     open: HashSet<NodeId>,
-    coats: coats::Coats,
+    coats: Coats,
     /// Where the camera is, and what a pixel measures at distance one.
     eye: Option<(steradian_math::Vec3, f32)>,
     emitters: Vec<Emitter>,
@@ -140,14 +127,30 @@ struct Compiler<'a> {
     /// Lights that are no part of shapes, with their groups.
     grouped: Vec<(u32, u32)>,
     geometries: Vec<Geometry>,
+    /// Shapes of an earlier compilation, and those of this one for the next, where these are asked for.
+    kept_shapes: Option<[HashMap<NodeId, KeptShape>; 2]>,
+    kept_accel: Option<KeptAccel>,
 }
 
 /// Compiles a description.
 pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
+    compiled(desc, options, None)
+}
+
+/// Compiles a description that has changed since: what an earlier compilation made is used where it was made from the
+/// same, and what this one makes is kept for the next.
+pub fn recompile(desc: &SceneDesc, options: &Options, kept: &mut Kept) -> Compiled {
+    compiled(desc, options, Some(kept))
+}
+
+fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) -> Compiled {
     let mode = options.mode.unwrap_or(match desc.format {
         Format::Pbrt => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
+    if let Some(kept) = kept.as_deref_mut() {
+        kept.refresh(desc, mode, options);
+    }
     let mut c = Compiler {
         desc,
         mode,
@@ -155,19 +158,15 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         diagnostics: Diagnostics::default(),
         textures: Textures::new(mode),
         texture_ids: HashMap::new(),
-        images: HashMap::new(),
-        grids: HashMap::new(),
+        assets: kept.as_deref_mut().map(|k| std::mem::take(&mut k.assets)).unwrap_or_default(),
         files: Vec::new(),
-        paged: HashMap::new(),
-        pages: None,
-        levels: Vec::new(),
         materials: vec![Material::default_diffuse()],
         material_names: vec!["default".into()],
         material_ids: HashMap::new(),
         media: Vec::new(),
         medium_ids: HashMap::new(),
         open: HashSet::new(),
-        coats: coats::Coats::new(mode),
+        coats: kept.as_deref_mut().and_then(|k| k.coats.take()).unwrap_or_else(|| Coats::new(mode)),
         eye: None,
         emitters: Vec::new(),
         lights: Vec::new(),
@@ -175,8 +174,14 @@ pub fn compile(desc: &SceneDesc, options: &Options) -> Compiled {
         unnamed_lights: HashMap::new(),
         grouped: Vec::new(),
         geometries: Vec::new(),
+        kept_shapes: kept.as_deref_mut().map(|k| [std::mem::take(&mut k.shapes), HashMap::new()]),
+        kept_accel: kept.as_deref_mut().and_then(|k| k.accel.take()),
     };
     let (scene, build_time) = c.run();
+    if let Some(kept) = kept {
+        (kept.assets, kept.coats) = (std::mem::take(&mut c.assets), Some(c.coats));
+        (kept.shapes, kept.accel) = (c.kept_shapes.map(|[_, now]| now).unwrap_or_default(), c.kept_accel);
+    }
     let scene = if c.diagnostics.has_errors() { None } else { scene };
     Compiled { scene, diagnostics: c.diagnostics, build_time, files: c.files }
 }
@@ -215,7 +220,7 @@ impl Compiler<'_> {
             return (None, Duration::ZERO);
         }
         let start = Instant::now();
-        let accel = self.hierarchy(&world, &groups, &instances);
+        let accel = self.kept_hierarchy(&world, &groups, &instances);
         let build_time = start.elapsed();
         let Some(accel) = accel else { return (None, build_time) };
         let placement = |i: &steradian_accel::Instance| {
@@ -236,7 +241,7 @@ impl Compiler<'_> {
         let spp = self.options.spp.unwrap_or(settings.spp);
         let mut parts = Parts {
             mode: self.mode,
-            texture_pages: self.pages.take(),
+            texture_pages: self.assets.pages.clone(),
             object_names: self.object_names(),
             light_groups,
             geometries: std::mem::take(&mut self.geometries),
@@ -305,6 +310,25 @@ impl Compiler<'_> {
             out.push(steradian_accel::Instance { object: instance.group as u32, world_from_object, motion });
         }
         out
+    }
+
+    /// The structure of the earlier compilation, if nothing in it has moved, or a new one.
+    fn kept_hierarchy(
+        &mut self,
+        world: &shapes::Boxes,
+        groups: &[(u32, shapes::Boxes)],
+        instances: &[steradian_accel::Instance],
+    ) -> Option<Arc<Accel>> {
+        if self.kept_shapes.is_none() {
+            return self.hierarchy(world, groups, instances).map(Arc::new);
+        }
+        let space = Space::new(&self.geometries, groups.iter().map(|g| g.0), &self.desc.instances);
+        let accel = match self.kept_accel.as_ref().and_then(|kept| kept.over(&space)) {
+            Some(accel) => accel,
+            None => Arc::new(self.hierarchy(world, groups, instances)?),
+        };
+        self.kept_accel = Some(KeptAccel::new(space, accel.clone()));
+        Some(accel)
     }
 
     fn hierarchy(

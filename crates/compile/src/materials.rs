@@ -116,7 +116,7 @@ impl Compiler<'_> {
             self.error(node.span, "'normal_map_filter' needs a normal map that is a picture");
             return None;
         };
-        match FilteredNormals::new(image, kind, |v| map.decode(v), self.pages.as_ref()) {
+        match FilteredNormals::new(image, kind, |v| map.decode(v), self.assets.pages.as_ref()) {
             Ok(filtered) => Some(Arc::new(filtered)),
             Err(e) => {
                 self.error(node.span, format!("cannot keep the levels of this normal map: {e}"));

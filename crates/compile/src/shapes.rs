@@ -1,6 +1,9 @@
 //! Compiling shapes: geometry placed in the space it is traced in, with material, emission and media.
 
-use super::{Compiler, height_field};
+use super::{
+    Compiler, height_field,
+    kept::{KeptShape, Origin},
+};
 use std::sync::Arc;
 use steradian_accel::Geometry as AccelGeometry;
 use steradian_core::{
@@ -106,7 +109,7 @@ impl Compiler<'_> {
             reverse: shape.reverse_orientation,
             emits: emission.is_some(),
         };
-        let parts = self.parts(shape, &placed);
+        let parts = self.kept_parts(shape, &placed);
         let is_interface = scene::is_interface(&self.materials[material.id as usize]);
         for part in parts {
             let part_boxes = match &part {
@@ -153,6 +156,22 @@ impl Compiler<'_> {
             self.geometries.push(geometry);
             boxes.push(part_boxes);
         }
+    }
+
+    /// The geometry of a shape, that of an earlier compilation if it was made from the same.
+    fn kept_parts(&mut self, shape: &steradian_scene::Shape, placed: &Placed<'_>) -> Vec<Shape> {
+        let origin = Origin::of(self.desc, shape, self.mode);
+        let (Some([before, _]), Some(from)) = (&mut self.kept_shapes, origin) else {
+            return self.parts(shape, placed);
+        };
+        let known = before.remove(&shape.node).filter(|kept| kept.from == from);
+        let told = self.diagnostics.iter().count();
+        let parts = known.map_or_else(|| self.parts(shape, placed), |kept| kept.parts);
+        // What there is to say about a shape is said each time.
+        if let (Some([_, now]), true) = (&mut self.kept_shapes, told == self.diagnostics.iter().count()) {
+            now.insert(shape.node, KeptShape { from, parts: parts.clone() });
+        }
+        parts
     }
 
     /// The geometry of a shape; none where it is refused.
@@ -293,7 +312,9 @@ impl Compiler<'_> {
         let (extra, curved) = shape::mesh::split_patches(mesh, emits);
         if !mesh.triangles.is_empty() || !extra.is_empty() {
             let mut triangles = TriMesh::new(mesh, place, swaps, reverse, flat);
-            triangles.triangles.extend(extra);
+            if !extra.is_empty() {
+                triangles.triangles.extend(extra);
+            }
             if self.mode == ColorMode::Spectral {
                 let is_shown = |name: &str| {
                     let mut nodes = self.desc.nodes.iter().filter(|n| n.kind == "mesh_attribute");
@@ -307,7 +328,7 @@ impl Compiler<'_> {
             parts.push(Shape::Mesh(Arc::new(triangles)));
         }
         if !curved.is_empty() {
-            let curved = Mesh { patches: curved, triangles: Vec::new(), attributes: Vec::new(), ..mesh.clone() };
+            let curved = Mesh { patches: curved, triangles: Vec::new().into(), attributes: Vec::new(), ..mesh.clone() };
             parts.push(Shape::Patches(Arc::new(PatchMesh::new(&curved, place, swaps, reverse, flat))));
         }
         parts

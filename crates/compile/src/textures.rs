@@ -1,6 +1,9 @@
 //! Compiling textures and loading images.
 
-use super::{Compiler, Loaded};
+use super::{
+    Compiler,
+    assets::{Image, Loaded, Source},
+};
 use rayon::prelude::*;
 use std::{
     cmp::Reverse,
@@ -37,13 +40,13 @@ impl Compiler<'_> {
         let names = |wanted: fn(&Node) -> bool| -> BTreeSet<&Path> {
             self.desc.nodes.iter().filter(|n| wanted(n)).filter_map(|n| n.path("file")).collect()
         };
-        let textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
+        let mut textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
         let mut others = names(|n| n.family == Family::Light || n.kind == "height_field");
         if !self.pictures_fit(&textures, &others, film) {
             return;
         }
         let (limits, desc) = (self.options.image_limits, self.desc);
-        let load = |p: &Path| -> Result<Loaded<Arc<Texels>>, String> {
+        let load = |p: &Path| -> Image<Arc<Texels>> {
             let read = match desc.embedded.get(p) {
                 Some(bytes) => steradian_image::read_texels_bytes(bytes, Some(p), &limits),
                 None => steradian_image::read_texels(p, &limits),
@@ -54,30 +57,33 @@ impl Compiler<'_> {
         };
         match self.options.texture_limit {
             None => others.extend(&textures),
-            Some(limit) => match Pages::new(limit) {
-                Ok(pages) => {
-                    let page = |p: &Path| -> Result<Loaded<Level>, String> {
-                        let mut faults = 0;
-                        let texels = if desc.embedded.contains_key(p) {
-                            let image = load(p)?;
-                            faults = image.faults;
-                            Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?
-                        } else {
-                            Level::read(p, &limits, &pages, |band| faults += blacken_non_finite(band))
-                                .map_err(|e| e.to_string())?
-                        };
-                        Ok(Loaded { texels, faults })
+            Some(limit) => {
+                let pages = match self.assets.pages.clone().map_or_else(|| Pages::new(limit), Ok) {
+                    Ok(pages) => pages,
+                    Err(e) => return self.error(None, format!("cannot make a temporary file for textures: {e}")),
+                };
+                let page = |p: &Path| -> Image<Level> {
+                    let mut faults = 0;
+                    let texels = if desc.embedded.contains_key(p) {
+                        let image = load(p)?;
+                        faults = image.faults;
+                        Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?
+                    } else {
+                        Level::read(p, &limits, &pages, |band| faults += blacken_non_finite(band))
+                            .map_err(|e| e.to_string())?
                     };
-                    self.paged = load_within(limit / 2, textures, page);
-                    self.pages = Some(pages);
-                }
-                Err(e) => {
-                    self.error(None, format!("cannot make a temporary file for textures: {e}"));
-                    return;
-                }
-            },
+                    Ok(Loaded { texels, faults })
+                };
+                textures.retain(|p| !self.assets.paged.contains_key(*p));
+                self.assets.sources_of(desc, &textures);
+                self.assets.paged.extend(load_within(limit / 2, textures, page));
+                self.assets.pages = Some(pages);
+            }
         }
-        self.images = others.par_iter().map(|p| (p.to_path_buf(), load(p))).collect();
+        others.retain(|p| !self.assets.images.contains_key(*p));
+        self.assets.sources_of(desc, &others);
+        let read: Vec<_> = others.par_iter().map(|p| (p.to_path_buf(), load(p))).collect();
+        self.assets.images.extend(read);
     }
 
     /// Whether there is memory for the film and for pictures with all their sizes; reported where not, before anything
@@ -109,7 +115,7 @@ impl Compiler<'_> {
 
     /// The image a node names in its parameter `file`; a failure is reported.
     pub(super) fn image(&mut self, node: &Node) -> Option<Arc<Texels>> {
-        match node.path("file").and_then(|p| self.images.get(p)).cloned() {
+        match node.path("file").and_then(|p| self.assets.images.get(p)).cloned() {
             Some(image) => self.reported(node, image),
             None => {
                 let span = node.param("file").and_then(|p| p.span).or(node.span);
@@ -140,7 +146,7 @@ impl Compiler<'_> {
     /// The image of a texture, in memory or, where textures are limited, in pages.
     fn texture_level(&mut self, node: &Node) -> Option<Level> {
         let file = node.path("file").unwrap_or(Path::new(""));
-        if let Some(level) = self.paged.get(file).cloned() {
+        if let Some(level) = self.assets.paged.get(file).cloned() {
             return self.reported(node, level);
         }
         let texels = self.image(node)?;
@@ -259,9 +265,10 @@ impl Compiler<'_> {
             self.error(span, format!("{} '{}' needs a file", node.family.noun(), node.kind));
             return None;
         };
-        if let Some(grid) = self.grids.get(path) {
+        if let Some(grid) = self.assets.grids.get(path) {
             return Some(grid.clone());
         }
+        let source = Source::of(self.desc, path);
         let mut grid = steradian_image::read_voxel_grid(path, &self.options.image_limits)
             .map_err(|e| self.error(span, e.to_string()))
             .ok()?;
@@ -271,7 +278,11 @@ impl Compiler<'_> {
             self.diagnostics.warn(&self.desc.sources, span, what);
         }
         let grid = Arc::new(grid);
-        self.grids.insert(path.to_path_buf(), grid.clone());
+        // One with something to say about it is read anew each time.
+        if faults == 0 {
+            self.assets.sources.insert(path.to_path_buf(), source);
+        }
+        self.assets.grids.insert(path.to_path_buf(), grid.clone());
         Some(grid)
     }
 
@@ -409,15 +420,15 @@ impl Compiler<'_> {
             return Arc::new(Levels::flat(base));
         }
         let file = node.path("file").map(Path::to_path_buf).unwrap_or_default();
-        let known = self.levels.iter().find(|l| l.0 == file && l.1 == base.encoding() && l.2 == *recipe);
+        let known = self.assets.levels.iter().find(|l| l.0 == file && l.1 == base.encoding() && l.2 == *recipe);
         if let Some((.., levels)) = known {
             return levels.clone();
         }
         let encoding = base.encoding();
-        match Levels::new(base.clone(), recipe, self.pages.as_ref()) {
+        match Levels::new(base.clone(), recipe, self.assets.pages.as_ref()) {
             Ok(levels) => {
                 let levels = Arc::new(levels);
-                self.levels.push((file, encoding, *recipe, levels.clone()));
+                self.assets.levels.push((file, encoding, *recipe, levels.clone()));
                 levels
             }
             Err(e) => {
@@ -433,8 +444,8 @@ impl Compiler<'_> {
 fn load_within(
     bytes: usize,
     files: BTreeSet<&Path>,
-    load: impl Fn(&Path) -> Result<Loaded<Level>, String> + Sync,
-) -> HashMap<PathBuf, Result<Loaded<Level>, String>> {
+    load: impl Fn(&Path) -> Image<Level> + Sync,
+) -> HashMap<PathBuf, Image<Level>> {
     let size = |p: &Path| std::fs::metadata(p).map_or(0, |m| m.len());
     let mut files: Vec<&Path> = files.into_iter().collect();
     files.sort_by_key(|p| Reverse(size(p)));
@@ -443,9 +454,8 @@ fn load_within(
     while !rest.is_empty() {
         let (now, later) = rest.split_at(at_once.min(rest.len()));
         let levels: Vec<_> = now.par_iter().map(|p| load(p)).collect();
-        let taken = |(p, level): (&&Path, &Result<Loaded<Level>, String>)| {
-            size(p) as usize + level.as_ref().map_or(0, |l| l.texels.byte_size())
-        };
+        let taken =
+            |(p, level): (&&Path, &Image<Level>)| size(p) as usize + level.as_ref().map_or(0, |l| l.texels.byte_size());
         let most = now.iter().zip(&levels).map(taken).max().unwrap_or(0);
         at_once = (bytes / most.max(1)).clamp(1, rayon::current_num_threads());
         loaded.extend(now.iter().map(|p| p.to_path_buf()).zip(levels));

@@ -42,7 +42,7 @@ pub use encoding::Encoding;
 pub use error::{Error, Result};
 pub use limits::Limits;
 pub use read::{FileKind, declared_bytes, read, read_bands, read_bytes, read_texels, read_texels_bytes};
-pub use regular::{open_regular, read_regular};
+pub use regular::{Stamp, open_regular, read_regular};
 pub use texels::{TakeBand, TexelData, Texels};
 pub use together::write_together;
 pub use voxel_grid::{VoxelGrid, decode as decode_voxel_grid, read_voxel_grid};

@@ -4,6 +4,7 @@ use std::{
     fs::File,
     io::{Error, ErrorKind, Read, Result},
     path::Path,
+    time::SystemTime,
 };
 
 /// Opens a file and tells its length.
@@ -14,6 +15,17 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
     // Asked before it is opened.
     let meta = std::fs::metadata(path)?;
     if meta.is_file() { Ok((File::open(path)?, meta.len())) } else { Err(Error::other("it is not a regular file")) }
+}
+
+/// The length of a file and when it was last written: another stamp, other bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp(Option<(u64, Option<SystemTime>)>);
+
+impl Stamp {
+    /// That of a file now; one without anything where it cannot be asked.
+    pub fn of(path: &Path) -> Self {
+        Self(std::fs::metadata(path).ok().map(|meta| (meta.len(), meta.modified().ok())))
+    }
 }
 
 /// All of a file.

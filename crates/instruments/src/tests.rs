@@ -39,7 +39,7 @@ fn material(kind: &str) -> Node {
 fn flat() -> Mesh {
     Mesh {
         positions: vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Mesh::default()
     }
 }

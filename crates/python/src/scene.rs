@@ -19,7 +19,7 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use steradian::{
-    ColorMode, CompileOptions, Layer, Loaded, Quality,
+    ColorMode, CompileOptions, Kept, Layer, Loaded, Quality,
     formats::{Options, native},
     scene::{Diagnostics, NodeId, SceneDesc},
 };
@@ -46,6 +46,8 @@ struct State {
     desc: Arc<SceneDesc>,
     diagnostics: Diagnostics,
     ready: Option<Ready>,
+    /// What the last compilation made, which an edit leaves as it is for the most part.
+    kept: Kept,
 }
 
 impl Scene {
@@ -57,7 +59,8 @@ impl Scene {
             let lost = loaded.diagnostics.iter().filter(|d| d.fidelity.is_some());
             return Err(SceneError::new_err(lost.map(ToString::to_string).collect::<Vec<_>>().join("\n")));
         }
-        let state = State { desc: Arc::new(loaded.desc), diagnostics: loaded.diagnostics, ready: None };
+        let state =
+            State { desc: Arc::new(loaded.desc), diagnostics: loaded.diagnostics, ready: None, kept: Kept::default() };
         Ok(Self { options, state: Mutex::new(state) })
     }
 
@@ -91,8 +94,8 @@ impl State {
             return Ok(ready.scene.clone());
         }
         self.ready = None;
-        let desc = self.desc.clone();
-        let compiled = py.detach(|| steradian::compile(&desc, options));
+        let Self { desc, kept, .. } = self;
+        let compiled = py.detach(|| steradian::recompile(desc, options, kept));
         let Some(scene) = compiled.scene else { return Err(error(&compiled.diagnostics)) };
         // Those of a repeated compilation are kept once.
         self.diagnostics.extend(compiled.diagnostics);

@@ -4,6 +4,7 @@ pub mod build;
 pub mod diagnostic;
 pub mod mesh;
 pub mod node;
+pub mod shared;
 pub mod source;
 
 mod desc;
@@ -13,6 +14,7 @@ pub use desc::{Format, Group, Instance, Movement, SceneDesc, Shape};
 pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Location, Severity};
 pub use mesh::{Attribute, Domain, Mesh, MeshFault};
 pub use node::{ColorSpace, Node, NodeId, Param, SpectrumValue, Value};
+pub use shared::Shared;
 pub use source::{FileId, Sources, Span};
 pub use steradian_math::Transform;
 pub use steradian_schema::{Family, names};

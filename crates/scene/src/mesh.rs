@@ -1,5 +1,6 @@
 //! Polygon meshes as they come from files: pure arrays.
 
+use crate::Shared;
 use serde::{Deserialize, Serialize};
 
 /// What an [`Attribute`] has one value per.
@@ -36,7 +37,7 @@ pub struct Mesh {
     /// Vertex tangents: none or one per position.
     pub tangents: Vec<[f32; 3]>,
     /// Vertex indices of each triangle, counter-clockwise seen from the front.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Shared<[u32; 3]>,
     /// Vertex indices of each bilinear patch, in the order p00, p10, p01, p11.
     pub patches: Vec<[u32; 4]>,
     /// Further data per vertex or face.

@@ -38,7 +38,7 @@ pub use quality::{LeftOut, Quality};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
 pub use steradian_bsdf as bsdf;
-pub use steradian_compile::{Compiled, Options as CompileOptions, compile};
+pub use steradian_compile::{Compiled, Kept, Options as CompileOptions, compile, recompile};
 pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
 pub use steradian_core::{ColorMode, Scene};

@@ -185,7 +185,7 @@ fn quad(d: &mut SceneDesc, corners: [[f32; 3]; 4], material: Option<NodeId>, emi
     let mesh = d.add_mesh(Mesh {
         positions: corners.to_vec(),
         uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Mesh::default()
     });
     let node = d.add(Node::new(Family::Shape, "mesh", None));
@@ -219,7 +219,7 @@ mod tests {
     fn geometry_is_covered_and_nothing_else_is_left() {
         let triangle = Mesh {
             positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            triangles: vec![[0, 1, 2]],
+            triangles: vec![[0, 1, 2]].into(),
             ..Mesh::default()
         };
         let d = cover(bare(triangle), "diffuse", &params(&[("reflectance", "0.3")])).expect("sound");

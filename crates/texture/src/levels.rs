@@ -92,6 +92,11 @@ impl Levels {
         self.levels.iter().map(Level::byte_size).sum()
     }
 
+    /// Bytes of those that are in memory always.
+    pub fn resident_bytes(&self) -> usize {
+        self.levels.iter().map(Level::resident_bytes).sum()
+    }
+
     /// The picture alone.
     pub fn flat(base: Level) -> Self {
         Self { levels: vec![base], columns: 1, rows: 1 }

@@ -34,7 +34,7 @@ pub use image::ImageTexture;
 pub use mapping::Mapping;
 pub use pattern::{Pattern, PatternTexture};
 use std::{
-    collections::{BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap, HashSet},
     sync::Arc,
 };
 use steradian_math::{
@@ -325,6 +325,21 @@ impl Textures {
     /// Whether any texture is averaged over footprints.
     pub fn is_filtered(&self) -> bool {
         self.efforts.iter().any(|e| e.is_filtered)
+    }
+
+    /// Bytes of the textures and of the pictures and grids that they keep in memory, each once.
+    pub fn bytes(&self) -> usize {
+        let mut seen = HashSet::new();
+        let mut once = |address: usize, bytes: usize| if seen.insert(address) { bytes } else { 0 };
+        let pictures = self.nodes.iter().map(|t| match t {
+            Texture::Image(image) => {
+                let sums = image.sums.as_ref().map_or(0, |s| once(Arc::as_ptr(s).addr(), s.byte_size()));
+                once(Arc::as_ptr(&image.levels).addr(), image.levels.resident_bytes()) + sums
+            }
+            Texture::Grid(grid) => once(Arc::as_ptr(&grid.grid).addr(), size_of_val(&grid.grid.data[..])),
+            _ => 0,
+        });
+        pictures.sum::<usize>() + size_of_val(&self.nodes[..])
     }
 
     /// What it takes to evaluate a texture.

@@ -31,12 +31,16 @@ pub struct Arguments {
 /// What was found under each name.
 type Found = BTreeMap<&'static str, Vec<String>>;
 
-/// Ceilings, and public items that stay though only tests use them, with reasons.
+/// Ceilings, public items that stay though only tests use them, and files that may use the system, with reasons.
 #[derive(Debug, Default, Deserialize, Serialize)]
 struct Baseline {
     ceilings: BTreeMap<String, usize>,
     public_items_that_stay: BTreeMap<String, String>,
+    files_that_use_the_system: BTreeMap<String, String>,
 }
+
+/// Crates that face the user, who may be asked and told by way of the system.
+const FACING: [&str; 5] = ["steradian", "cli", "python", "xtask", "testkit"];
 
 /// A source file.
 struct Source {
@@ -104,7 +108,9 @@ fn counted() -> Result<Found, Box<dyn Error>> {
     found.insert("modules in circles", circles(&sources));
     found.insert("crates over 20000 lines", large(&sources));
     found.insert("unused dependencies", unused_dependencies(&sources)?);
-    found.insert("public items used by tests alone", unused_items(&sources, &baseline()?));
+    let baseline = baseline()?;
+    found.insert("public items used by tests alone", unused_items(&sources, &baseline));
+    found.insert("uses of files, clock, environment or processes", uses_of_system(&sources, &baseline));
     for name in ["long lines", "functions of 8 arguments", "functions over 100 lines", "comments that begin 'The same'"]
     {
         found.entry(name).or_default();
@@ -291,6 +297,80 @@ fn is_of_tests(attributes: &[syn::Attribute]) -> bool {
         .any(|a| a.path().is_ident("cfg") && a.meta.require_list().is_ok_and(|l| l.tokens.to_string().contains("test")))
 }
 
+/// Where a crate below the façade looks at files, the clock, the environment or processes, outside the files that are
+/// there for it: what it computes then depends on more than what it is given.
+fn uses_of_system(sources: &[Source], baseline: &Baseline) -> Vec<String> {
+    let mut used = Vec::new();
+    for source in sources.iter().filter(|s| s.is_shipped && !FACING.contains(&s.krate.as_str())) {
+        let path = source.path.display().to_string();
+        if !baseline.files_that_use_the_system.contains_key(&path) {
+            System { path: &path, used: &mut used }.visit_file(&source.parsed);
+        }
+    }
+    used
+}
+
+/// Names of the system's modules, types and of methods of paths, in what is not a test.
+struct System<'a> {
+    path: &'a str,
+    used: &'a mut Vec<String>,
+}
+
+impl System<'_> {
+    fn add(&mut self, names: &[String]) {
+        let is_clock = || names.iter().any(|n| n == "Instant" || n == "SystemTime");
+        let of_std = names.first().is_some_and(|n| n == "std");
+        let module = names.get(1).map(String::as_str);
+        if of_std && (matches!(module, Some("fs" | "env" | "process")) || module == Some("time") && is_clock()) {
+            self.used.push(format!("{}: {}", self.path, names.join("::")));
+        }
+    }
+
+    fn tree(&mut self, before: &mut Vec<String>, tree: &syn::UseTree) {
+        match tree {
+            syn::UseTree::Path(p) => {
+                before.push(p.ident.to_string());
+                self.tree(before, &p.tree);
+                before.pop();
+            }
+            syn::UseTree::Group(g) => g.items.iter().for_each(|tree| self.tree(before, tree)),
+            syn::UseTree::Name(syn::UseName { ident }) | syn::UseTree::Rename(syn::UseRename { ident, .. }) => {
+                before.push(ident.to_string());
+                self.add(before);
+                before.pop();
+            }
+            syn::UseTree::Glob(_) => self.add(before),
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for System<'_> {
+    fn visit_item(&mut self, item: &'ast syn::Item) {
+        if !is_test_item(item) {
+            syn::visit::visit_item(self, item);
+        }
+    }
+
+    fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
+        self.tree(&mut Vec::new(), &item.tree);
+    }
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let names: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
+        self.add(&names);
+        syn::visit::visit_path(self, path);
+    }
+
+    fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
+        let name = call.method.to_string();
+        let of_paths = ["canonicalize", "exists", "is_dir", "is_file", "read_dir", "symlink_metadata", "try_exists"];
+        if call.args.is_empty() && of_paths.contains(&name.as_str()) {
+            self.used.push(format!("{}: .{name}()", self.path));
+        }
+        syn::visit::visit_expr_method_call(self, call);
+    }
+}
+
 /// Crates with more lines than are good for one.
 fn large(sources: &[Source]) -> Vec<String> {
     let mut lines: BTreeMap<&str, usize> = BTreeMap::new();
@@ -441,6 +521,19 @@ mod tests {
             source("k/e.rs", "use crate::d;"),
         ];
         assert_eq!(circles(&circle), ["k: a", "k: b", "k: c"]);
+    }
+
+    #[test]
+    fn uses_of_the_system_are_found() {
+        let text = "use std::{fs, path::Path, time::{Duration, Instant}};
+            fn f(p: &Path) -> bool { std::env::var(NAME).is_ok() && p.exists() }
+            #[cfg(test)] mod tests { use std::process; }";
+        let sources = [source("k/a.rs", text), source("k/b.rs", text), source("cli/a.rs", text)];
+        let of_b = ("k/b.rs".to_owned(), "it reads".to_owned());
+        let baseline = Baseline { files_that_use_the_system: [of_b].into(), ..Baseline::default() };
+        let used =
+            ["std::fs", "std::time::Instant", "std::env::var", ".exists()"].map(|name| format!("k/a.rs: {name}"));
+        assert_eq!(uses_of_system(&sources, &baseline), used);
     }
 
     #[test]

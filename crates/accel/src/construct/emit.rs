@@ -6,7 +6,7 @@
 use super::Builder;
 use super::binary::{BinaryNode, PARALLEL};
 use super::nodes::BinaryTree;
-use super::primitives::{Indices, PrimRef, Primitives};
+use super::primitives::{Indices, Primitives, Tag};
 use crate::Error;
 use crate::arena::Arena;
 use crate::bvh::Tree;
@@ -18,7 +18,7 @@ use steradian_math::Bounds3;
 /// Lays out the wide tree, parents before their children.
 pub(super) fn emit(
     primitives: &Primitives,
-    refs: &[PrimRef],
+    tags: &[Tag],
     binary: &BinaryTree<LANES>,
     builder: Builder,
 ) -> Result<Tree, Error> {
@@ -26,9 +26,9 @@ pub(super) fn emit(
     let mut subtrees = Vec::new();
     let root = match binary.root() {
         None => ChildRef::EMPTY,
-        Some(root) if root.is_leaf() => upper.leaf(root, refs),
+        Some(root) if root.is_leaf() => upper.leaf(root, tags),
         Some(root) => {
-            subtrees = upper.lay_out(refs, if root.count as usize > PARALLEL { PARALLEL } else { 0 });
+            subtrees = upper.lay_out(tags, if root.count as usize > PARALLEL { PARALLEL } else { 0 });
             ChildRef::node(0)
         }
     };
@@ -36,7 +36,7 @@ pub(super) fn emit(
         let nodes = binary.from(left_out.binary);
         let mut part = Layout::new(Source::Subtree(nodes));
         part.reserve(nodes[0].count as usize);
-        part.lay_out(refs, 0);
+        part.lay_out(tags, 0);
         part
     };
     let mut parts: Vec<Layout> = subtrees.par_iter().map(lower).collect();
@@ -53,7 +53,7 @@ pub(super) fn emit(
     let lines = Arena::lines(nodes, blocks) as u64;
     let limit = u64::from(ChildRef::LIMIT);
     if lines >= limit {
-        let count = refs.len() as u64;
+        let count = tags.len() as u64;
         return Err(Error::TooManyPrimitives {
             count,
             limit: (u128::from(count) * u128::from(limit) / u128::from(lines)) as u64,
@@ -61,7 +61,7 @@ pub(super) fn emit(
     }
     let sizes: Vec<_> = parts.iter().map(|part| (part.nodes.len(), part.leaves.len())).collect();
     let node = |part: usize, i: usize| parts[part].node(i, nodes);
-    let block = |part: usize, i: usize| block(primitives, refs, parts[part].leaves[i]);
+    let block = |part: usize, i: usize| block(primitives, tags, parts[part].leaves[i]);
     // A root that is a leaf is the first of all.
     let root = if root.is_block() { Arena::block_ref(nodes, 0) } else { root };
     Ok(Tree {
@@ -69,17 +69,17 @@ pub(super) fn emit(
         root,
         bounds: binary.root().map_or(Bounds3::EMPTY, |root| root.bounds),
         first: primitives.first.clone(),
-        primitives: refs.len(),
+        primitives: tags.len(),
         only_triangles,
         builder,
     })
 }
 
 /// The block of a range of references.
-fn block(primitives: &Primitives, refs: &[PrimRef], (first, count): (u32, u32)) -> Block {
+fn block(primitives: &Primitives, tags: &[Tag], (first, count): (u32, u32)) -> Block {
     let mut triangles = [None; LANES];
-    for (triangle, r) in triangles.iter_mut().zip(&refs[first as usize..][..count as usize]) {
-        *triangle = primitives.indices(r.index());
+    for (triangle, tag) in triangles.iter_mut().zip(&tags[first as usize..][..count as usize]) {
+        *triangle = primitives.indices(tag.index());
     }
     let mut block = Block::EMPTY;
     for (lane, triangle) in triangles.into_iter().enumerate() {
@@ -148,18 +148,18 @@ impl<'a> Layout<'a> {
     }
 
     /// A leaf: a user primitive or a block of triangles.
-    fn leaf(&mut self, node: &BinaryNode<LANES>, refs: &[PrimRef]) -> ChildRef {
-        let r = &refs[node.first as usize];
-        if r.is_user() {
+    fn leaf(&mut self, node: &BinaryNode<LANES>, tags: &[Tag]) -> ChildRef {
+        let tag = tags[node.first as usize];
+        if tag.is_user() {
             self.only_triangles = false;
-            return ChildRef::user(r.index());
+            return ChildRef::user(tag.index());
         }
         self.leaves.push((node.first, node.count));
         ChildRef::block(self.leaves.len() as u32 - 1)
     }
 
     /// All below the root, which is not a leaf, down to subtrees of at most so many references, which are left out.
-    fn lay_out(&mut self, refs: &[PrimRef], small: usize) -> Vec<LeftOut> {
+    fn lay_out(&mut self, tags: &[Tag], small: usize) -> Vec<LeftOut> {
         const NOTHING: [Child; LANES] = [Child { binary: 0, child: ChildRef::EMPTY }; LANES];
         let mut left_out = Vec::new();
         self.nodes.push(NOTHING);
@@ -170,7 +170,7 @@ impl<'a> Layout<'a> {
             for (slot, binary) in children.into_iter().flatten().enumerate() {
                 let below = self.source.get(binary);
                 let child = if below.is_leaf() {
-                    self.leaf(below, refs)
+                    self.leaf(below, tags)
                 } else if below.count as usize <= small {
                     left_out.push(LeftOut { node: index, slot, binary });
                     ChildRef::EMPTY

@@ -22,7 +22,8 @@ use crate::{Error, Geometry};
 use binary::BinaryNode;
 use explicit::Explicit;
 use nodes::{BinaryTree, Nodes};
-use primitives::PrimRef;
+use primitives::{PrimRef, Tag};
+use rayon::prelude::*;
 use steradian_math::Bounds3;
 
 /// Greatest depth of a tree, in nodes on a way from the root to a leaf: below [`binary::SAH_DEPTH`] ranges are halved,
@@ -58,7 +59,10 @@ pub(crate) fn build(geometries: &[Geometry], builder: Builder) -> Result<Tree, E
     let refs = primitives.refs();
     let count = refs.len();
     let (refs, nodes) = binary_tree(&primitives, refs, builder);
-    Ok(Tree { primitives: count, ..emit::emit(&primitives, &refs, &nodes, builder)? })
+    let tags: Vec<Tag> = refs.par_iter().map(PrimRef::tag).collect();
+    // Their memory is half of what the tree takes, which is written next.
+    drop(refs);
+    Ok(Tree { primitives: count, ..emit::emit(&primitives, &tags, &nodes, builder)? })
 }
 
 /// What a child of a wide node is.

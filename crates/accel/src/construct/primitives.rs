@@ -22,6 +22,22 @@ pub(super) struct PrimRef {
     high: Vec4,
 }
 
+/// What a reference refers to, without its box: all that is asked of references once they are sorted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tag(u32);
+
+impl Tag {
+    /// Index over all geometries.
+    pub fn index(self) -> u32 {
+        self.0 & (PrimRef::NORMAL - 1)
+    }
+
+    /// Whether it is a user primitive.
+    pub fn is_user(self) -> bool {
+        self.0 & PrimRef::USER != 0
+    }
+}
+
 /// A box in two registers, whose fourth coordinates mean nothing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
@@ -66,14 +82,19 @@ impl PrimRef {
         Self { low: bounds.min.extend(self.low.w), high: bounds.max.extend(0.0) }
     }
 
+    /// What it refers to.
+    pub fn tag(&self) -> Tag {
+        Tag(self.low.w.to_bits())
+    }
+
     /// Index over all geometries.
     pub fn index(&self) -> u32 {
-        self.low.w.to_bits() & (Self::NORMAL - 1)
+        self.tag().index()
     }
 
     /// Whether it is a user primitive.
     pub fn is_user(&self) -> bool {
-        self.low.w.to_bits() & Self::USER != 0
+        self.tag().is_user()
     }
 
     /// The middle of the box, without overflow.

@@ -124,8 +124,13 @@ fn info_tells_what_is_in_a_scene() {
     assert_eq!((&about["location"]["line"], &about["fidelity"]), (&13.into(), &"approximated".into()));
     assert!(json["bounds"][1][0].as_f64().is_some_and(|x| (x - 1.0).abs() < 1e-3), "{}", json["bounds"]);
     assert!(json["memory"]["geometry_bytes"].as_u64().unwrap() > 0);
+    let tables = json["memory"]["tables"].as_array().unwrap();
+    let table = |name: &str| tables.iter().find(|t| t["name"] == name).unwrap();
+    assert_eq!((&table("shapes")["count"], &table("instances")["count"]), (&2.into(), &1.into()));
+    // A triangle has three vertices of twelve bytes.
+    assert!(table("shapes")["bytes"].as_u64().unwrap() >= 36);
     let run = place.succeed(&["info", "ball.pbrt"]);
-    for part in ["pbrt-v4", "24 x 16", "1 of 1 groups", "perspective", "1 approximated"] {
+    for part in ["2 shapes: ", "pbrt-v4", "24 x 16", "1 of 1 groups", "perspective", "1 approximated"] {
         assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
     }
     assert!(run.stderr.contains("approximated: "));

@@ -25,10 +25,10 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let area = |two_sided: bool| light("area").with("radiance", white(2.0)).with("two_sided", two_sided);
     let quad = || Mesh {
         positions: vec![[0.0, 0.0, 2.0], [0.5, 0.0, 2.0], [0.5, 0.25, 2.0], [0.0, 0.25, 2.0]],
-        triangles: vec![[0, 2, 1], [0, 3, 2]],
+        triangles: vec![[0, 2, 1], [0, 3, 2]].into(),
         ..Mesh::default()
     };
-    let triangle = || Mesh { triangles: vec![[0, 2, 1]], ..quad() };
+    let triangle = || Mesh { triangles: vec![[0, 2, 1]].into(), ..quad() };
     let portal = Value::from(vec![-0.5, -0.5, 1.5, 0.5, -0.5, 1.5, 0.5, 0.5, 1.5, -0.5, 0.5, 1.5]);
     let mut all = Vec::new();
     let mut add = |name, of: Option<Node>, on: Option<(Option<Mesh>, Node, Node)>| {

@@ -146,7 +146,7 @@ fn stage(d: &mut SceneDesc, family: Family, kind: &str, node: NodeId) {
             shape = Shape::new(node);
             if ["mesh", "loop_subdivision"].contains(&kind) {
                 let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-                shape.mesh = Some(d.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() }));
+                shape.mesh = Some(d.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]].into(), ..Mesh::default() }));
             }
         }
         Family::Material | Family::Integrator | Family::Accelerator => panic!("{family:?}"),

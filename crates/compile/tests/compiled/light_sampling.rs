@@ -97,7 +97,7 @@ fn shape(kind: &str) -> Node {
 }
 
 fn mesh(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<Mesh> {
-    Some(Mesh { positions: points.to_vec(), triangles: triangles.to_vec(), ..Mesh::default() })
+    Some(Mesh { positions: points.to_vec(), triangles: triangles.to_vec().into(), ..Mesh::default() })
 }
 
 /// Surfaces of every kind, from points for which they look large and small.

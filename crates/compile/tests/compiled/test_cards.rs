@@ -47,7 +47,7 @@ fn quad(uvs: [[f32; 2]; 4]) -> Mesh {
     Mesh {
         positions: vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., 1., 0.]],
         uvs: uvs.to_vec(),
-        triangles: vec![[0, 1, 3], [0, 3, 2]],
+        triangles: vec![[0, 1, 3], [0, 3, 2]].into(),
         ..Mesh::default()
     }
 }

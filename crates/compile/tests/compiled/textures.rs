@@ -266,7 +266,7 @@ fn masks_from_afar_keep_their_coverage() {
         let quad = steradian_scene::Mesh {
             positions: vec![[-50., -50., 50.], [50., -50., 50.], [50., 50., 50.], [-50., 50., 50.]],
             uvs: vec![[0., 0.], [1., 0.], [1., 1.], [0., 1.]],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
             ..Default::default()
         };
         let shape = Node::new(Family::Shape, "mesh", None).with("alpha", mask);

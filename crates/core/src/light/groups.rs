@@ -1,7 +1,7 @@
 //! Groups of lights: pictures can show the light of each by itself.
 
 use super::{Light, Lights};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Which light belongs to which group. Lights and emitting shapes of the same name are one group; those without a name
 /// are one for each light that the file describes.
@@ -14,7 +14,7 @@ pub struct LightGroups {
     /// The group of each of [`Lights::emitters`].
     pub of_emitters: Vec<u32>,
     /// The numbers of the names.
-    numbers: HashMap<String, u32>,
+    numbers: BTreeMap<String, u32>,
 }
 
 impl LightGroups {

@@ -86,6 +86,15 @@ pub struct Lights {
 const UNIFORM_SHARE: f32 = 0.1;
 
 impl Lights {
+    /// Bytes of lights, of their pictures, and of what one is chosen by.
+    pub fn bytes(&self) -> usize {
+        let pictures = self.lights.iter().map(|light| match light {
+            Light::Environment(e) => e.image.as_ref().map_or(0, |image| size_of_val(&**e) + image.texels.byte_size()),
+            _ => 0,
+        });
+        size_of_val(&self.lights[..]) + size_of_val(&self.emitters[..]) + self.tree.bytes() + pictures.sum::<usize>()
+    }
+
     /// Prepares the choice among lights.
     pub fn new(lights: Vec<Light>, emitters: Vec<Emitter>, mode: ColorMode, textures: &Textures) -> Self {
         let mut bounded = Vec::new();

@@ -137,6 +137,11 @@ pub struct LightTree {
 const MAX_FREE_DEPTH: u32 = 30;
 
 impl LightTree {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.trails[..])
+    }
+
     /// Builds the tree over (index, bounds); `count` is the number of all lights.
     pub fn new(lights: &[(u32, LightBounds)], count: usize) -> Self {
         let mut tree = Self { nodes: Vec::with_capacity(lights.len() * 2), trails: vec![u64::MAX; count] };

@@ -2,6 +2,7 @@
 
 mod differentials;
 mod parts;
+mod tables;
 
 pub use crate::shape::Shape;
 use crate::{
@@ -24,6 +25,7 @@ use steradian_math::{
     transform::Affine,
 };
 use steradian_texture::{FloatTexture, Footprint, MeshAttributes, TextureContext, Textures, hash_point, pages::Pages};
+pub use tables::Table;
 
 /// A scene that can be rendered: its [`Parts`], and what follows from them.
 #[derive(Clone, Debug)]
@@ -663,12 +665,6 @@ impl Scene {
     /// Box around all bounded geometry.
     pub fn bounds(&self) -> Bounds3 {
         self.parts.accel.bounds()
-    }
-
-    /// Bytes of hierarchy and mesh data.
-    pub fn bytes(&self) -> usize {
-        let shapes = self.parts.geometries.iter().map(|g| g.shape.bytes());
-        self.parts.accel.bytes() + shapes.sum::<usize>()
     }
 }
 

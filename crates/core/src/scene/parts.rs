@@ -112,7 +112,7 @@ pub struct Parts {
     /// World geometry first, then that of each group.
     pub geometries: Vec<Geometry>,
     /// The structure that rays go through: the hierarchy, unless another one was asked for.
-    pub accel: Accel,
+    pub accel: Arc<Accel>,
     /// Placed groups, by the hierarchy's instance index.
     pub placements: Vec<Placement>,
     /// How many of the geometries are the world's own; those of groups follow.

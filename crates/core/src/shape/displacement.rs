@@ -127,7 +127,7 @@ fn split(
             return Err(TooFine(most));
         }
     }
-    m.triangles = triangles;
+    m.triangles = triangles.into();
     *faces = parents;
     Ok(any)
 }
@@ -257,7 +257,7 @@ mod tests {
         // An octahedron's corners, as normals too.
         let p: Vec<[f32; 3]> = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z].map(|v| v.to_array()).into();
         let triangles = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
-        Mesh { positions: p.clone(), normals: p, triangles, ..Mesh::default() }
+        Mesh { positions: p.clone(), normals: p, triangles: triangles.into(), ..Mesh::default() }
     }
 
     fn edges_are_closed(m: &Mesh) {
@@ -294,7 +294,7 @@ mod tests {
         let m = Mesh {
             positions: vec![p(0., 0.), p(1., 0.), p(1., 1.), p(0., 0.), p(1., 1.), p(0., 1.)],
             uvs: vec![[0., 0.], [1., 0.], [1., 1.], [5., 0.], [6., 1.], [5., 1.]],
-            triangles: vec![[0, 1, 2], [3, 4, 5]],
+            triangles: vec![[0, 1, 2], [3, 4, 5]].into(),
             ..Mesh::default()
         };
         let fine = displace(&m, 10_000, |a, b| (a - b).length() / 0.2, |v| v.n * (v.uv.x * 3.0).sin()).unwrap();

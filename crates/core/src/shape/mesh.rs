@@ -12,7 +12,7 @@ use steradian_math::{
     spectra::Wavelengths,
     transform::Affine,
 };
-use steradian_scene::Mesh;
+use steradian_scene::{Mesh, Shared};
 use steradian_texture::{Domain, MeshAttributes};
 
 /// Data on a mesh, such as colours.
@@ -58,7 +58,7 @@ pub struct TriMesh {
     /// Texture coordinates: none or one per vertex.
     pub uvs: Vec<Vec2>,
     /// Vertex indices.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Shared<[u32; 3]>,
     /// Further data.
     pub attributes: Vec<MeshAttribute>,
     /// Tangents of normal maps at the corners of triangles, with the sign of the bitangent: none, or one for each
@@ -328,7 +328,7 @@ mod tests {
         };
         let mesh = Mesh {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            triangles: vec![[0, 1, 2]],
+            triangles: vec![[0, 1, 2]].into(),
             attributes: vec![
                 attribute("color", steradian_scene::Domain::Vertex, &colors, 1.0),
                 attribute("side", steradian_scene::Domain::Face, &colors[1..2], 1.0),

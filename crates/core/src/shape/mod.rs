@@ -116,6 +116,21 @@ impl Shape {
         }
     }
 
+    /// Whether rays meet the same: the very geometry, not one that equals it. Planes, which no structure holds, are all
+    /// the same.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
+            (Self::Quadric(a), Self::Quadric(b)) => Arc::ptr_eq(a, b),
+            (Self::Patches(a), Self::Patches(b)) => Arc::ptr_eq(a, b),
+            (Self::Curves(a), Self::Curves(b)) => Arc::ptr_eq(a, b),
+            (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
+            (Self::Sdf(a), Self::Sdf(b)) => Arc::ptr_eq(a, b),
+            (Self::Plane(_), Self::Plane(_)) => true,
+            _ => false,
+        }
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         match self {

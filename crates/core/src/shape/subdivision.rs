@@ -284,7 +284,7 @@ mod tests {
     use steradian_math::hash::HashRng;
 
     fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
-        Mesh { positions: positions.to_vec(), triangles: triangles.to_vec(), ..Mesh::default() }
+        Mesh { positions: positions.to_vec(), triangles: triangles.to_vec().into(), ..Mesh::default() }
     }
 
     const TETRAHEDRON: [[f32; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];

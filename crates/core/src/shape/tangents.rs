@@ -154,7 +154,7 @@ mod tests {
             positions: positions.iter().map(|&p| p.into()).collect(),
             normals: normals.iter().map(|&n| Vec3::from(n).normalize()).collect(),
             uvs: uvs.iter().map(|&t| t.into()).collect(),
-            triangles: triangles.to_vec(),
+            triangles: triangles.to_vec().into(),
             ..TriMesh::default()
         }
     }

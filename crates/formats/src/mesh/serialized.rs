@@ -213,7 +213,7 @@ impl Stream<'_> {
             mesh.attributes.push(Attribute { name: "color".into(), domain: Domain::Vertex, channels: 3, data });
         }
         let start = self.at;
-        mesh.triangles = self.groups(triangles, "the triangles", u32::from_le_bytes)?;
+        mesh.triangles = self.groups(triangles, "the triangles", u32::from_le_bytes)?.into();
         if let Some(face) = mesh.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= vertices)) {
             let index = mesh.triangles[face].iter().max().copied().unwrap_or(0);
             let message =

@@ -8,7 +8,7 @@ pub(crate) fn rectangle() -> Mesh {
         positions: vec![[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]],
         normals: vec![[0., 0., 1.]; 4],
         uvs: vec![[0., 0.], [1., 0.], [1., 1.], [0., 1.]],
-        triangles: vec![[0, 1, 2], [2, 3, 0]],
+        triangles: vec![[0, 1, 2], [2, 3, 0]].into(),
         ..Mesh::default()
     }
 }

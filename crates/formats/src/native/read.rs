@@ -497,7 +497,7 @@ fn inline_mesh(pairs: &[(Key, Item)]) -> Read<Mesh> {
             "normals" => mesh.normals = tuples(item)?,
             "uvs" => mesh.uvs = tuples(item)?,
             "tangents" => mesh.tangents = tuples(item)?,
-            "triangles" => mesh.triangles = indices(item)?,
+            "triangles" => mesh.triangles = indices(item)?.into(),
             "patches" => mesh.patches = indices(item)?,
             "attributes" => mesh.attributes = attributes(item)?,
             other => {

@@ -140,7 +140,7 @@ fn everything() -> SceneDesc {
     let film = Node::new(Family::Film, "rgb", None).with("crop", Value::Ints(vec![1, 2, 3, 4]));
     d.film = Some(d.add(film));
     let grid: Vec<[f32; 3]> = (0..50).map(|i| [i as f32 * 0.1, 1.0 / (i + 1) as f32, -7.3e-12]).collect();
-    let big = Mesh { normals: grid.clone(), positions: grid, triangles: vec![[0, 1, 2]; 9], ..Mesh::default() };
+    let big = Mesh { normals: grid.clone(), positions: grid, triangles: vec![[0, 1, 2]; 9].into(), ..Mesh::default() };
     let attribute = Attribute { name: "color".into(), domain: Domain::Vertex, channels: 3, data: vec![0.3; 150] };
     let patches = Mesh { patches: vec![[3, 4, 5, 6]], ..big.clone() };
     for mesh in [big.clone(), patches, Mesh { attributes: vec![attribute], ..big }] {

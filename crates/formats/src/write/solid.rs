@@ -131,7 +131,7 @@ pub(crate) fn plane(node: &Node) -> Option<Mesh> {
     let at = |v: DVec3| v.as_vec3().to_array();
     Some(Mesh {
         positions: vec![at(origin - x - y), at(origin + x - y), at(origin + x + y), at(origin - x + y)],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Mesh::default()
     })
 }

@@ -22,7 +22,7 @@ pub(crate) fn oriented(mesh: &Mesh, world: &Transform, reverse: bool, flat: bool
         mesh.normals.iter_mut().for_each(|n| *n = n.map(|v| -v));
     }
     let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    for t in &mut mesh.triangles {
+    for t in mesh.triangles.iter_mut() {
         let swap = if mesh.normals.is_empty() {
             reverse != mirrored
         } else {

@@ -161,7 +161,8 @@ fn triangles() {
         let mut stage = receiver(0.004);
         let emission =
             stage.add(crate::stage::light("area").with("radiance", crate::stage::white(1.0)).with("two_sided", true));
-        stage.mesh_lamp(Mesh { positions, triangles, ..Mesh::default() }, 1.0).emission = Some(emission);
+        stage.mesh_lamp(Mesh { positions, triangles: triangles.into(), ..Mesh::default() }, 1.0).emission =
+            Some(emission);
         check(&stage, &format!("triangles at {:?}", points[0]), expected, expected > 0.1);
     }
 }

@@ -184,7 +184,7 @@ pub fn rectangle(corner: [f64; 3], ex: [f64; 3], ey: [f64; 3]) -> Mesh {
     let at = |s: f64, t: f64| std::array::from_fn(|i| (corner[i] + ex[i] * s + ey[i] * t) as f32);
     Mesh {
         positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Mesh::default()
     }
 }

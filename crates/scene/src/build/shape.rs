@@ -129,7 +129,7 @@ impl TriangleMesh {
     /// Vertices, and three of them for each triangle, counter-clockwise seen from the front. What does not fit together
     /// is reported when the scene is compiled.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
-        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        let mesh = Mesh { positions, triangles: triangles.into(), ..Mesh::default() };
         Self(Geometry { mesh: Some(mesh), ..Geometry::new(Draft::new(Family::Shape, "mesh")) })
     }
 

@@ -112,12 +112,12 @@ fn poison(own: NodeId, other: NodeId) -> Vec<(String, Value)> {
 fn meshes() -> [Mesh; 2] {
     let square = Mesh {
         positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Mesh::default()
     };
     let tetrahedron = Mesh {
         positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        triangles: vec![[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        triangles: vec![[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]].into(),
         ..Mesh::default()
     };
     [square, tetrahedron]
@@ -238,7 +238,7 @@ fn unsound() -> Vec<Case> {
         }),
         ("a corner", |d, _| {
             let [square, _] = meshes();
-            let mesh = d.add_mesh(Arc::new(Mesh { triangles: vec![[0, 1, u32::MAX]], ..square }));
+            let mesh = d.add_mesh(Arc::new(Mesh { triangles: vec![[0, 1, u32::MAX]].into(), ..square }));
             let node = d.add(Node::new(Family::Shape, "mesh", None));
             d.shapes.push(Shape { mesh: Some(mesh), ..Shape::new(node) });
         }),

@@ -31,7 +31,7 @@ pub fn all(files: &[PathBuf]) -> Result<Vec<Case>, Box<dyn Error>> {
         let read =
             ply::read(&std::fs::read(file)?, &Default::default()).map_err(|e| format!("{}: {e}", file.display()))?;
         let positions = read.mesh.positions.iter().map(|&p| Vec3::from_array(p)).collect();
-        let mesh = (positions, read.mesh.triangles);
+        let mesh = (positions, read.mesh.triangles.to_vec());
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
         let view = View::of(&mesh);
         cases.push(case(&name, mesh, Vec::new(), &[view]));

@@ -58,7 +58,7 @@ impl Work {
     fn mesh(&mut self, bytes: &[u8], part: &Part, parsed: &Parsed) -> Result<Mesh, MeshError> {
         let has_uvs = part.corners.iter().any(|c| c[1] != NONE);
         let has_normals = part.corners.iter().any(|c| c[2] != NONE);
-        let mut mesh = Mesh { triangles: Vec::with_capacity(part.faces.len()), ..Mesh::default() };
+        let mut triangles = Vec::with_capacity(part.faces.len());
         let mut indices = Vec::new();
         let mut start = 0;
         // Normals made for faces that lack them count on after those of the file.
@@ -77,7 +77,7 @@ impl Work {
                 indices.push(self.sharing.vertex(c));
             }
             let position = |k: usize| parsed.positions[corners[k][0] as usize];
-            let emit = |t: [usize; 3]| mesh.triangles.push(t.map(|k| indices[k]));
+            let emit = |t: [usize; 3]| triangles.push(t.map(|k| indices[k]));
             self.cutter.cut(corners.len(), position, emit).map_err(|_| {
                 let message = format!("a concave face of {} corners is too complex", corners.len());
                 MeshError::in_text(Kind::TooLarge, bytes, at, message)
@@ -85,7 +85,8 @@ impl Work {
         }
 
         let vertices = self.sharing.take();
-        mesh.positions = vertices.iter().map(|c| parsed.positions[c[0] as usize]).collect();
+        let positions = vertices.iter().map(|c| parsed.positions[c[0] as usize]).collect();
+        let mut mesh = Mesh { positions, triangles: triangles.into(), ..Mesh::default() };
         if has_uvs {
             mesh.uvs = vertices.iter().map(|c| parsed.uvs.get(c[1] as usize).copied().unwrap_or_default()).collect();
         }

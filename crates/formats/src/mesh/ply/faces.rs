@@ -64,6 +64,7 @@ fn packed<const L: usize, const BIG: bool>(cursor: &mut Cursor<'_>, element: &El
     let count = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
     let size = L + 12;
     let mut done = 0;
+    let triangles = &mut *mesh.triangles;
     for record in cursor.bytes[cursor.at..].chunks_exact(size).take(element.count) {
         let word = |at: usize| u32::get(record, at, BIG);
         let corners = if L == 1 { u32::from(record[0]) } else { word(0) };
@@ -71,7 +72,7 @@ fn packed<const L: usize, const BIG: bool>(cursor: &mut Cursor<'_>, element: &El
         if corners != 3 || triangle.iter().any(|&i| i >= count) {
             break;
         }
-        mesh.triangles.push(triangle);
+        triangles.push(triangle);
         done += 1;
     }
     cursor.at += done * size;

@@ -1,0 +1,128 @@
+//! What one compilation leaves to the next of the same scene: after an edit only what changed is made anew.
+
+use super::{Options, assets::Assets, coats::Coats};
+use std::{collections::HashMap, sync::Arc};
+use steradian_accel::Accel;
+use steradian_core::scene::{Geometry, Shape};
+use steradian_math::spectra::ColorMode;
+use steradian_scene::{Instance, Mesh, Node, NodeId, SceneDesc, Transform, Value};
+
+/// Pictures and grids that were read, shapes that were placed, tables of coats, and the structure that rays go through,
+/// each with what it was made from. What is made from it is bit for bit what is made without it.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// The options that all of it depends on.
+    options: String,
+    pub(super) assets: Assets,
+    pub(super) coats: Option<Coats>,
+    pub(super) shapes: HashMap<NodeId, KeptShape>,
+    pub(super) accel: Option<KeptAccel>,
+}
+
+impl Kept {
+    /// Forgets what was made for other options, and of files that have changed.
+    pub(super) fn refresh(&mut self, desc: &SceneDesc, mode: ColorMode, options: &Options) {
+        let Options { accelerator, texture_limit, image_limits, .. } = options;
+        let now = format!("{mode:?} {accelerator:?} {texture_limit:?} {image_limits:?}");
+        if self.options != now {
+            *self = Self { options: now, ..Self::default() };
+        }
+        self.assets.refresh(desc);
+    }
+}
+
+/// A shape's geometry.
+#[derive(Debug)]
+pub(super) struct KeptShape {
+    pub from: Origin,
+    pub parts: Vec<Shape>,
+}
+
+/// All that the geometry of a shape is made from.
+#[derive(Debug)]
+pub(super) struct Origin {
+    node: Node,
+    mesh: Option<Arc<Mesh>>,
+    place: Transform,
+    reverse: bool,
+    emits: bool,
+}
+
+impl Origin {
+    /// That of a shape; `None` where it depends on other nodes, files, or where the camera is.
+    pub fn of(desc: &SceneDesc, shape: &steradian_scene::Shape, mode: ColorMode) -> Option<Self> {
+        let node = desc.node(shape.node);
+        let mesh = shape.mesh.and_then(|m| desc.meshes.get(m));
+        let refers = node.params.iter().any(|p| matches!(p.value, Value::Node(_) | Value::Path(_)));
+        // Attributes get spectra where textures show them.
+        let shows = mode == ColorMode::Spectral && mesh.is_some_and(|m| !m.attributes.is_empty());
+        (!refers && !shows && node.get("displacement").is_none()).then(|| Self {
+            node: node.clone(),
+            mesh: mesh.cloned(),
+            place: shape.world_from_object,
+            reverse: shape.reverse_orientation,
+            emits: shape.emission.is_some(),
+        })
+    }
+}
+
+impl PartialEq for Origin {
+    fn eq(&self, other: &Self) -> bool {
+        let meshes = match (&self.mesh, &other.mesh) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let own = |o: &Self| (o.place, o.reverse, o.emits);
+        meshes && own(self) == own(other) && self.node == other.node
+    }
+}
+
+/// The structure that rays go through, and what it was built over.
+#[derive(Debug)]
+pub(super) struct KeptAccel {
+    over: Space,
+    pub accel: Arc<Accel>,
+}
+
+/// What a structure is built over.
+#[derive(Clone, Debug)]
+pub(super) struct Space {
+    shapes: Vec<(Shape, bool)>,
+    /// The first shape of each group.
+    groups: Vec<u32>,
+    instances: Vec<Instance>,
+}
+
+impl Space {
+    /// That of these geometries, groups and instances.
+    pub fn new(geometries: &[Geometry], groups: impl Iterator<Item = u32>, instances: &[Instance]) -> Self {
+        Self {
+            shapes: geometries.iter().map(|g| (g.shape.clone(), g.is_masked() || g.is_interface)).collect(),
+            groups: groups.collect(),
+            instances: instances.to_vec(),
+        }
+    }
+
+    /// Whether a structure over the one is a structure over the other.
+    fn is_same(&self, other: &Self) -> bool {
+        // When things move depends on the camera's shutter.
+        let is_still = self.instances.iter().all(|i| i.movement.is_none());
+        is_still
+            && self.shapes.len() == other.shapes.len()
+            && self.shapes.iter().zip(&other.shapes).all(|(a, b)| a.1 == b.1 && a.0.is_same(&b.0))
+            && self.groups == other.groups
+            && self.instances == other.instances
+    }
+}
+
+impl KeptAccel {
+    /// Keeps a structure.
+    pub fn new(over: Space, accel: Arc<Accel>) -> Self {
+        Self { over, accel }
+    }
+
+    /// The structure, if it is one over this.
+    pub fn over(&self, space: &Space) -> Option<Arc<Accel>> {
+        self.over.is_same(space).then(|| self.accel.clone())
+    }
+}
