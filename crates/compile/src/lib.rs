@@ -230,8 +230,7 @@ impl Compiler<'_> {
         };
         let placements = instances.iter().map(placement).collect();
         let textures = std::mem::take(&mut self.textures);
-        let lights =
-            Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode, &textures);
+        let lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
         let mut light_groups = std::mem::take(&mut self.light_groups);
         light_groups.assign(&lights, &self.grouped);
         let glows = self.media.iter().any(|m| m.glow.is_some());

@@ -2,7 +2,7 @@
 
 use super::Compiler;
 use steradian_core::light::{
-    Environment, Goniometric, Light, Projection, Spot,
+    Environment, Goniometric, Isotropic, Light, Projection, Spot,
     environment::{EnvironmentImage, Parametrization},
     punctual::{Falloff, Slide},
 };
@@ -143,7 +143,7 @@ impl Compiler<'_> {
             self.error(node.span, "the position of this light is not finite");
             return None;
         }
-        Some(Light::Point(p, color.scaled(scale)))
+        Some(Isotropic { position: p, intensity: color.scaled(scale) }.into())
     }
 
     fn spot(&mut self, node: &Node) -> Option<Light> {
@@ -171,7 +171,7 @@ impl Compiler<'_> {
             scale *= power / spot.flux_share();
         }
         spot.intensity = color.scaled(scale);
-        Some(Light::Spot(Box::new(spot)))
+        Some(spot.into())
     }
 
     fn distant(&mut self, node: &Node) -> Option<Light> {
@@ -284,7 +284,7 @@ impl Compiler<'_> {
             scale *= power / (4.0 * PI * light.mean()).max(1e-20);
         }
         light.intensity = color.scaled(scale);
-        Some(Light::Goniometric(Box::new(light)))
+        Some(light.into())
     }
 
     fn projection(&mut self, node: &Node) -> Option<Light> {
@@ -315,9 +315,9 @@ impl Compiler<'_> {
             light.scale *= std::f32::consts::PI;
         }
         if let (Some(power), Slide::Image(image)) = (self.power(node), &light.slide) {
-            light.scale *= power / light.flux(image).max(1e-20);
+            light.scale *= power / light.flux_of(image).max(1e-20);
         }
-        Some(Light::Projection(Box::new(light)))
+        Some(light.into())
     }
 }
 

@@ -79,12 +79,15 @@ impl Compiler<'_> {
         Medium { field: None, glow, sigma_a, sigma_s, scale: scale.max(0.0), g }
     }
 
-    /// What a medium gives off: `Le`, as bright as `Lescale` says.
+    /// What a medium gives off: `Le`, as bright as `Lescale` says. Lists are grids, which media that vary look at.
     fn glow(&mut self, node: &Node) -> Option<Glow> {
-        let spectrum = node.param("Le").filter(|p| matches!(p.value, Value::Spectrum(_)))?;
+        let value = &node.param("Le")?.value;
+        if matches!(value, Value::Floats(_)) && node.kind != "homogeneous" {
+            return None;
+        }
         let color = self.constant_color(node, "Le", Role::Illuminant, ONE);
-        // As pbrt has it, other spectra than colours are of luminance one first.
-        let is_color = matches!(spectrum.value, Value::Spectrum(SpectrumValue::Rgb(..)));
+        // As pbrt has it, other spectra than colours are of luminance one first; plain numbers are grey.
+        let is_color = matches!(value, Value::Spectrum(SpectrumValue::Rgb(..)) | Value::Float(_) | Value::Int(_));
         let luminance = if is_color { 1.0 } else { color.luminance(self.mode) };
         let scale = self.glow_scale(node);
         let color = color.scaled(if luminance > 0.0 { scale / luminance } else { 0.0 });
@@ -112,10 +115,11 @@ impl Compiler<'_> {
             };
             return Some(GlowSource::Heat(Box::new(Heat::new(temperatures, (offset, scale), color))));
         }
-        let colors = match node.get("Le") {
-            Some(Value::Floats(_)) => self.list(node, "Le")?.into_iter().map(|v| v * factor).collect(),
-            _ => return None,
-        };
+        // What is no grid is the same everywhere, which media with coefficients of their own know.
+        if matches!(node.kind.as_str(), "uniformgrid" | "cloud") && !matches!(node.get("Le"), Some(Value::Floats(_))) {
+            return None;
+        }
+        let colors = self.list(node, "Le")?.into_iter().map(|v| v * factor).collect();
         let channels = self.grid_of(node, "Le", colors, 3)?.try_into().ok()?;
         Some(GlowSource::Rgb(Box::new(channels), self.mode))
     }
@@ -187,6 +191,12 @@ impl Compiler<'_> {
             return Some(Variation::Cloud(Cloud { density, wispiness, frequency: value("frequency", 5.0) }));
         }
         if node.kind == "uniformgrid" {
+            if node.get("density").is_none() {
+                self.error(
+                    node.span,
+                    "medium 'uniformgrid' needs the parameter 'density', a grid of nx × ny × nz numbers",
+                );
+            }
             let density = self.list(node, "density")?;
             return self.grid_of(node, "density", density, 1)?.pop().map(Variation::Density);
         }
@@ -205,17 +215,30 @@ impl Compiler<'_> {
     fn cells(&mut self, node: &Node) -> Option<[usize; 3]> {
         let mut size = [1; 3];
         for (n, name) in size.iter_mut().zip(["nx", "ny", "nz"]) {
-            *n = usize::try_from(self.int(node, name).unwrap_or(1)).ok().filter(|n| (1..=1 << 20).contains(n))?;
+            let count = self.int(node, name).unwrap_or(1);
+            let usable = usize::try_from(count).ok().filter(|n| (1..=1 << 20).contains(n));
+            if usable.is_none() {
+                let span = node.param(name).and_then(|p| p.span).or(node.span);
+                self.error(
+                    span,
+                    format!("parameter '{name}' of medium '{}' is {count}; it must be in [1, 1048576]", node.kind),
+                );
+            }
+            *n = usable?;
         }
         let count = size.iter().try_fold(1_usize, |n, s| n.checked_mul(*s));
-        count.filter(|n| *n <= 1 << 28).map(|_| size)
+        if count.is_none_or(|n| n > 1 << 28) {
+            self.error(node.span, format!("a grid of {} × {} × {} numbers is too large", size[0], size[1], size[2]));
+            return None;
+        }
+        Some(size)
     }
 
     /// Grids of the channels of a list of numbers.
     fn grid_of(&mut self, node: &Node, name: &str, values: Vec<f32>, channels: usize) -> Option<Vec<Grid>> {
-        let size = self.cells(node);
+        let size = self.cells(node)?;
         let channel = |c: usize| values.iter().skip(c).step_by(channels).copied().collect::<Vec<f32>>();
-        let grids = size.and_then(|size| (0..channels).map(|c| Grid::new(size, channel(c), Wrap::Border)).collect());
+        let grids = (0..channels).map(|c| Grid::new(size, channel(c), Wrap::Border)).collect::<Option<Vec<_>>>();
         if grids.is_none() {
             let span = node.param(name).and_then(|p| p.span).or(node.span);
             self.error(span, format!("'{name}' has {} numbers, which are no grid of nx × ny × nz", values.len()));

@@ -10,6 +10,7 @@ mod convert;
 mod image;
 mod material;
 mod message;
+mod parameter;
 mod render;
 mod scene;
 
@@ -28,6 +29,8 @@ mod _steradian {
     use super::material::{Material, spectrum};
     #[pymodule_export]
     use super::message::Message;
+    #[pymodule_export]
+    use super::parameter::Parameter;
     #[pymodule_export]
     use super::registry;
     #[pymodule_export]

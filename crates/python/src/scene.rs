@@ -6,6 +6,7 @@ use crate::{
     image::Image,
     material::Material,
     message::{Message, error},
+    parameter::{self, Parameter},
     render::{self, Request},
 };
 use pyo3::{
@@ -21,7 +22,7 @@ use std::{
 use steradian::{
     ColorMode, CompileOptions, Kept, Layer, Loaded, Quality,
     formats::{Options, native},
-    scene::{Diagnostics, NodeId, SceneDesc},
+    scene::{Diagnostics, Node, NodeId, SceneDesc},
 };
 
 /// Files by their names.
@@ -159,7 +160,7 @@ impl Scene {
     fn nodes(&self, py: Python<'_>) -> Vec<(String, (String, String))> {
         let desc = &self.state(py).desc;
         let ids = native::ids(desc);
-        let family = |n: &steradian::scene::Node| n.family.noun().split(' ').next().unwrap_or_default().to_owned();
+        let family = |n: &Node| n.family.noun().split(' ').next().unwrap_or_default().to_owned();
         ids.into_iter().zip(&desc.nodes).map(|(id, n)| (id, (family(n), n.kind.clone()))).collect()
     }
 
@@ -176,6 +177,15 @@ impl Scene {
         let state = self.state(py);
         let id = state.find(node)?;
         Ok(state.desc.node(id).params.iter().map(|p| p.name.clone()).collect())
+    }
+
+    /// All that can be set of all nodes, family by family as the schema has it.
+    fn params(&self, py: Python<'_>) -> PyResult<Vec<Parameter>> {
+        let desc = &self.state(py).desc;
+        let ids = native::ids(desc);
+        let of = |(node, id): (&Node, &String)| parameter::all_of(py, &ids, node, id);
+        let all = desc.nodes.iter().zip(&ids).map(of).collect::<PyResult<Vec<_>>>()?;
+        Ok(all.into_iter().flatten().collect())
     }
 
     /// The value of a node's parameter; `None` where it is not set.

@@ -86,6 +86,8 @@ def test_parameters_are_read_edited_and_rendered_again():
     assert list(scene["clay"]) == []
     with pytest.raises(KeyError, match="did you mean 'clay'"):
         scene["clya"]
+    with pytest.raises(st.SceneError, match="material 'diffuse' has no parameter 'reflectanse'.*\n.*did you mean 'reflectance'"):
+        scene["clay"]["reflectanse"] = 0.3
     with pytest.raises(st.SceneError, match="no colour space"):
         scene["clay"]["reflectance"] = {"rgb": [1, 1, 1], "space": "srgbb"}
 
@@ -227,3 +229,22 @@ def test_the_readers_are_all_there():
         scene = st.load(os.path.join(ROOT, "scenes", name))
         assert "Scene" in repr(scene) and len(scene.cameras) == 1
     assert "path" in st.registry()["integrators"]
+
+
+def test_parameters_are_described():
+    scene = st.scene(BALL)
+    params = scene.params()
+    assert {key.rpartition(".")[0] for key in params} >= {"clay", "sky", "camera"} & set(scene)
+    reflectance = params["clay.reflectance"]
+    assert reflectance.value == {"rgb": [0.7, 0.3, 0.2]} and reflectance.range is not None and reflectance.doc
+    unset = [p for p in params.values() if p.value is None]
+    assert unset and all(p.default and p.type and p.doc for p in unset)
+    before = scene.render(spp=1, size=(8, 8))["R"].sum()
+    params["clay.reflectance"] = 0.0
+    assert params["clay.reflectance"].value == 0.0
+    assert scene.render(spp=1, size=(8, 8))["R"].sum() < before
+    assert "clay.reflectance" in repr(params) and "reflectance" in repr(reflectance)
+    with pytest.raises(KeyError, match="did you mean 'clay'"):
+        params["clya.reflectance"]
+    with pytest.raises(st.SceneError):
+        params["clay.reflektance"] = 0.5

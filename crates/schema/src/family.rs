@@ -3,6 +3,7 @@
 use crate::{
     camera, film, light, material, medium,
     model::{Group, Model},
+    parameter::Parameter,
     shape, texture,
 };
 use serde::{Deserialize, Serialize};
@@ -82,6 +83,13 @@ impl Family {
     pub fn model(self, kind: &str) -> Option<&'static Model> {
         let stand_ins = if self == Self::Material { material::STAND_INS } else { &[] };
         self.models().iter().chain(stand_ins).find(|m| m.kind == kind)
+    }
+
+    /// All that can be set of a kind; nothing for kinds that are not described here.
+    pub fn parameters(self, kind: &str) -> Option<impl Iterator<Item = &'static Parameter> + Clone + use<>> {
+        let common = self.common().into_iter().flat_map(|group| group.parameters);
+        let model = self.model(kind)?;
+        Some(model.all().chain(common.filter(|p| model.parameter(p.name).is_none())))
     }
 
     /// The names of its models.

@@ -33,7 +33,7 @@ const LE_OR_GRID: Parameter = Parameter::new(
     "Le",
     ANY,
     "none",
-    "emitted radiance: a spectrum, which is divided by its luminance where it is no colour, or as many linear \
+    "emitted radiance: a number or colour, another spectrum, which is divided by its luminance, or as many linear \
      colours as there are cells",
 );
 
@@ -54,8 +54,8 @@ pub const MEDIA: &[Model] = &[
                 "Le",
                 ANY,
                 "none",
-                "emitted radiance, times absorption and length; spectra that are no colours are divided by \
-                 their luminance, and plain numbers are ignored",
+                "emitted radiance, times absorption and length; spectra that are neither colours nor plain \
+                 numbers are divided by their luminance",
             ),
             number("Lescale", ANY, "1", "factor on what is emitted; below 0 counts as 0"),
         ],

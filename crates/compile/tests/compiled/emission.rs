@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 use steradian_compile::{Options, compile};
 use steradian_core::{
     Scene,
-    light::{Light, LightContext, emission::Emission},
+    light::{Isotropic, Light, LightContext, Punctual, emission::Emission},
 };
 use steradian_math::{
     Vec2, Vec3,
@@ -81,15 +81,15 @@ fn emitted_flux_is_that_of_the_light() {
         let expected = f64::from(match name {
             "point" => 3.0 * 4.0 * PI,
             "spot" => {
-                let Light::Spot(s) = &scene.lights().lights[0] else { panic!() };
+                let Light::Punctual(Punctual::Spot(s)) = &scene.lights().lights[0] else { panic!() };
                 3.0 * s.flux_share()
             }
             "distant" => 3.0 * PI * r * r,
             "projection" => {
-                let Light::Projection(p) = &scene.lights().lights[0] else { panic!() };
+                let Light::Punctual(Punctual::Projection(p)) = &scene.lights().lights[0] else { panic!() };
                 // The solid angle of a rectangle at distance one.
                 let (a, b) = (p.half.x, p.half.y);
-                let k = p.max_intensity(steradian_core::ColorMode::Rgb, scene.textures());
+                let k = p.max_intensity(steradian_core::ColorMode::Rgb);
                 4.0 * (a * b / (1.0 + a * a + b * b).sqrt()).atan() * k
             }
             "sky" => 0.5 * 4.0 * PI * PI * r * r,
@@ -184,9 +184,45 @@ fn emission_and_next_event_estimation_bring_the_same_light() {
 #[test]
 fn only_light_is_emitted() {
     let (_, scene) = scenes().remove(0);
-    let scene = scene.changed(|parts| parts.lights.lights.push(Light::Point(Vec3::ZERO, Color::BLACK)));
+    let scene = scene
+        .changed(|parts| parts.lights.lights.push(Isotropic { position: Vec3::ZERO, intensity: Color::BLACK }.into()));
     let emission = Emission::new(&scene).expect("a light that emits");
     assert_eq!(emission.pdf(&scene, 1, Vec3::Z, Vec3::Z), 0.0);
     let scene = scene.changed(|parts| _ = parts.lights.lights.remove(0));
     assert!(Emission::new(&scene).is_none());
+}
+
+/// What media give off may be a number, a colour or a grid; what is none of these, and grids that do not fit their cells,
+/// is said.
+#[test]
+fn glows_and_grids_of_media_count_or_are_refused() {
+    let medium = |kind: &str| Node::new(Family::Medium, kind, None);
+    let compiled = |medium: Node| {
+        let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
+        desc.film = Some(desc.add(Node::new(Family::Film, "rgb", None).with("width", 4i64).with("height", 4i64)));
+        desc.cameras = vec![desc.add(Node::new(Family::Camera, "perspective", None))];
+        let (medium, sphere) = (desc.add(medium), desc.add(Node::new(Family::Shape, "sphere", None)));
+        desc.shapes.push(Shape { interior: Some(medium), is_medium_boundary: true, ..Shape::new(sphere) });
+        let compiled = compile(&desc, &Options::default());
+        let said: Vec<_> = compiled.diagnostics.iter().map(|d| d.message.clone()).collect();
+        compiled.scene.map(|scene| scene.media()[0].glow.is_some()).ok_or_else(|| said.join("; "))
+    };
+    let eight = |v: f64| Value::Floats(vec![v; 8]);
+    let grid = |kind: &str| medium(kind).with("nx", 2i64).with("ny", 2i64).with("nz", 2i64);
+    for le in [Value::Float(2.0), Value::Int(1), white(2.0)] {
+        for node in [medium("homogeneous"), grid("uniformgrid").with("density", eight(1.0)), medium("cloud")] {
+            assert_eq!(compiled(node.with("Le", le.clone())), Ok(true));
+        }
+        assert!(
+            compiled(grid("rgbgrid").with("Le", le)).unwrap_err().contains("'Le' of medium 'rgbgrid' must be a list")
+        );
+    }
+    assert_eq!(compiled(medium("homogeneous")), Ok(false));
+    assert_eq!(compiled(grid("rgbgrid").with("Le", Value::Floats(vec![1.0; 24]))), Ok(true));
+    assert!(compiled(medium("homogeneous").with("Le", "bright")).unwrap_err().contains("'Le'"));
+    assert!(compiled(grid("uniformgrid")).unwrap_err().contains("needs the parameter 'density'"));
+    assert!(compiled(medium("rgbgrid").with("nx", 0i64)).unwrap_err().contains("'nx' of medium 'rgbgrid' is 0"));
+    assert!(
+        compiled(medium("uniformgrid").with("density", eight(1.0))).unwrap_err().contains("'density' has 8 numbers")
+    );
 }

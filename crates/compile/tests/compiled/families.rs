@@ -17,8 +17,6 @@ fn is_unread(family: Family, kind: &str, name: &str) -> bool {
     match (family, name) {
         // Readers of other formats set these.
         (Family::Camera, "far") | (Family::Film, "filename") => true,
-        // Of another type they count as absent.
-        (Family::Camera, "shutter_open" | "shutter_close") => true,
         // The reader of pbrt's files sets it of every light, and slides have no use for it.
         (Family::Light, "normalize") => kind == "projection",
         _ => false,

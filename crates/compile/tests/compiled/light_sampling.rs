@@ -344,17 +344,17 @@ fn environments_follow_their_densities() {
 /// and in volumes: χ² over the lights, and the probabilities of all with what is left for none add up to one.
 #[test]
 fn lights_are_chosen_with_their_probability() {
-    use steradian_core::light::{Light, Lights};
+    use steradian_core::light::{Isotropic, Light, Lights};
     let mut rng = HashRng::new(3);
     let mut lights: Vec<Light> = (0..60)
         .map(|_| {
             let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 8.0 - 4.0;
-            Light::Point(p, Color::constant(rng.next_f32().powi(4)))
+            Isotropic { position: p, intensity: Color::constant(rng.next_f32().powi(4)) }.into()
         })
         .collect();
     lights.push(Light::Distant(Vec3::Y, Color::constant(0.02)));
     lights.push(Light::Distant(-Vec3::X, Color::constant(0.01)));
-    let lights = Lights::new(lights, Vec::new(), ColorMode::Rgb, &Default::default());
+    let lights = Lights::new(lights, Vec::new(), ColorMode::Rgb);
     let contexts: Vec<LightContext> = (0..40)
         .map(|i| {
             let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 12.0 - 6.0;

@@ -7,7 +7,7 @@
 
 use super::{AreaLight, AreaShape, Environment, Light, Lights};
 use crate::Scene;
-use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use std::f32::consts::{FRAC_1_PI, PI};
 use steradian_math::{
     Frame, Ray, Spectrum, Vec2, Vec3,
     distribution::AliasTable,
@@ -56,19 +56,13 @@ impl Light {
     /// What kind of light it is.
     pub fn kind(&self) -> Kind {
         let (is_delta, is_parallel) = match self {
-            Self::Point(..) | Self::Spot(_) | Self::Goniometric(_) | Self::Projection(_) => (true, false),
+            Self::Punctual(_) => (true, false),
             Self::Distant(..) | Self::DirectionalArea(_) => (true, true),
             Self::Environment(_) => (false, true),
             Self::Area(_) => (false, false),
         };
         Kind { is_delta, is_parallel }
     }
-}
-
-/// A direction by which a light shines, and its density.
-struct Drawn {
-    w: Vec3,
-    pdf: f32,
 }
 
 impl Emission {
@@ -79,7 +73,7 @@ impl Emission {
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
         let lights = scene.lights();
         let is_sent = |l: &Light| scene.planes().is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
-        let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius, scene) } else { 0.0 };
+        let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius) } else { 0.0 };
         let weights: Vec<f32> = lights.lights.iter().map(flux).map(|f| if f.is_finite() { f } else { 0.0 }).collect();
         let is_any = weights.iter().any(|w| *w > 0.0);
         is_any.then(|| Self { choice: AliasTable::new(&weights), center, radius })
@@ -111,14 +105,6 @@ impl Emission {
         lambda: &Wavelengths,
     ) -> Option<EmittedRay> {
         let lights = scene.lights();
-        let point = |p: Vec3, Drawn { w, pdf }: Drawn, radiance: Spectrum| EmittedRay {
-            light,
-            ray: Ray::new(p, w),
-            n: w,
-            cos: 1.0,
-            radiance,
-            pdf,
-        };
         // Parallel light through a disk across it.
         let through_disk = |w: Vec3| {
             let d = warp::concentric_disk(place) * self.radius;
@@ -127,27 +113,10 @@ impl Emission {
         };
         let disk = 1.0 / (PI * self.radius * self.radius);
         Some(match &lights.lights[light as usize] {
-            Light::Point(p, intensity) => point(*p, uniform(direction), intensity.eval(lambda)),
-            Light::Goniometric(g) => {
-                let drawn = uniform(direction);
-                let intensity = g.intensity(g.position + drawn.w, lambda);
-                point(g.position, drawn, intensity)
-            }
-            Light::Spot(s) => {
-                let m = 1.0 - s.total.cos();
-                let local = warp::uniform_cone(direction, m);
-                let pdf = warp::uniform_cone_pdf(m) / s.world_from_light.solid_angle(local);
-                let w = s.world_from_light.vector(local).try_normalize()?;
-                point(s.position, Drawn { w, pdf }, s.intensity(s.position + w, lambda, scene.textures()))
-            }
-            Light::Projection(s) => {
-                let at = (direction * 2.0 - 1.0) * s.half;
-                let local = Vec3::new(at.x, at.y, 1.0).normalize();
-                let pdf = 1.0 / (4.0 * s.half.x * s.half.y * local.z.powi(3));
-                let w = s.world_from_light.vector(local).try_normalize()?;
-                let pdf = pdf / s.world_from_light.solid_angle(local);
-                let p = s.position();
-                point(p, Drawn { w, pdf }, s.intensity(p + w, lambda, scene.textures(), lights.mode()))
+            Light::Punctual(at) => {
+                let (p, (w, pdf)) = (at.position(), at.draw(direction)?);
+                let radiance = at.intensity(p + w, lambda, scene.textures(), lights.mode());
+                EmittedRay { light, ray: Ray::new(p, w), n: w, cos: 1.0, radiance, pdf }
             }
             Light::Distant(to, irradiance) => EmittedRay {
                 light,
@@ -208,24 +177,7 @@ impl Emission {
     pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3) -> f32 {
         let disk = 1.0 / (PI * self.radius * self.radius);
         let pdf = match &scene.lights().lights[light as usize] {
-            Light::Point(..) | Light::Goniometric(_) => 0.25 * FRAC_1_PI,
-            Light::Spot(s) => {
-                let local = s.world_from_light.inverse().vector(w).normalize_or_zero();
-                if local.z >= s.total.cos() {
-                    warp::uniform_cone_pdf(1.0 - s.total.cos()) / s.world_from_light.solid_angle(local)
-                } else {
-                    0.0
-                }
-            }
-            Light::Projection(s) => {
-                let local = s.world_from_light.inverse().vector(w).normalize_or_zero();
-                let at = Vec2::new(local.x, local.y) / (local.z * s.half);
-                if local.z > 0.0 && at.abs().max_element() <= 1.0 {
-                    1.0 / (4.0 * s.half.x * s.half.y * local.z.powi(3)) / s.world_from_light.solid_angle(local)
-                } else {
-                    0.0
-                }
-            }
+            Light::Punctual(light) => light.pdf(w),
             Light::Distant(..) => disk,
             Light::Environment(e) => match e.portal {
                 Some([_, ex, ey]) => 0.5 * FRAC_1_PI / ex.cross(ey).length(),
@@ -248,11 +200,6 @@ impl Emission {
     }
 }
 
-/// A direction from a point, over the whole sphere.
-fn uniform(u: Vec2) -> Drawn {
-    Drawn { w: warp::uniform_sphere(u), pdf: 0.25 * FRAC_1_PI }
-}
-
 /// The cosine density, on one side or both.
 fn lobe(cos: f32, two_sided: bool) -> f32 {
     cos * FRAC_1_PI * if two_sided { 0.5 } else { 1.0 }
@@ -261,17 +208,11 @@ fn lobe(cos: f32, two_sided: bool) -> f32 {
 impl Lights {
     /// The luminous flux that a light sends into a sphere of a radius around the scene (an estimate for pictures and
     /// textures).
-    fn flux(&self, light: &Light, radius: f32, scene: &Scene) -> f32 {
+    fn flux(&self, light: &Light, radius: f32) -> f32 {
         let mode = self.mode();
         let section = PI * radius * radius;
         match light {
-            Light::Point(_, intensity) => 4.0 * PI * intensity.luminance(mode),
-            Light::Spot(s) => s.flux_share() * s.intensity.luminance(mode),
-            Light::Goniometric(g) => 4.0 * PI * g.mean() * g.intensity.luminance(mode),
-            Light::Projection(p) => {
-                // The solid angle of the slide is less than its area at distance one.
-                p.max_intensity(mode, scene.textures()) * (4.0 * p.half.x * p.half.y).min(TAU)
-            }
+            Light::Punctual(light) => light.flux(mode),
             Light::Distant(_, irradiance) => irradiance.luminance(mode) * section,
             Light::Environment(e) => {
                 let through = e.portal.map_or(section, |[_, ex, ey]| 2.0 * ex.cross(ey).length());

@@ -10,14 +10,14 @@ pub mod tree;
 pub use area::{AreaLight, AreaShape, Emitter};
 pub use environment::Environment;
 pub use groups::LightGroups;
-pub use punctual::{Goniometric, Projection, Spot};
+pub use punctual::{Goniometric, Isotropic, Projection, Punctual, Shining, Spot};
 
 use steradian_math::{
     Spectrum, Vec2, Vec3,
     spectra::{ColorMode, Wavelengths, role::Color},
 };
 use steradian_texture::Textures;
-use tree::{LightBounds, LightTree};
+use tree::LightTree;
 
 /// Reference point for light sampling.
 #[derive(Clone, Copy, Debug)]
@@ -47,18 +47,12 @@ pub struct LightSample {
 /// A source of light.
 #[derive(Clone, Debug)]
 pub enum Light {
-    /// All directions from a point: position and intensity.
-    Point(Vec3, Color),
-    /// A cone from a point.
-    Spot(Box<Spot>),
+    /// From a point.
+    Punctual(Punctual),
     /// Parallel light: the unit direction to the light, and the irradiance on a facing surface.
     Distant(Vec3, Color),
     /// Light from all directions.
     Environment(Box<Environment>),
-    /// A point with an image of directions.
-    Goniometric(Box<Goniometric>),
-    /// A slide projector.
-    Projection(Box<Projection>),
     /// Part of a surface.
     Area(AreaLight),
     /// A flat part of a surface that shines along its normal.
@@ -96,12 +90,11 @@ impl Lights {
     }
 
     /// Prepares the choice among lights.
-    pub fn new(lights: Vec<Light>, emitters: Vec<Emitter>, mode: ColorMode, textures: &Textures) -> Self {
+    pub fn new(lights: Vec<Light>, emitters: Vec<Emitter>, mode: ColorMode) -> Self {
         let mut bounded = Vec::new();
         let (mut infinite, mut environments) = (Vec::new(), Vec::new());
         for (i, light) in lights.iter().enumerate() {
             let i = i as u32;
-            let point = |p: Vec3, intensity: f32| LightBounds::point(p, intensity);
             match light {
                 Light::Environment(e) => {
                     environments.push(i);
@@ -110,10 +103,7 @@ impl Lights {
                     }
                 }
                 Light::Distant(_, irradiance) => infinite.push((i, irradiance.luminance(mode))),
-                Light::Point(p, intensity) => bounded.push((i, point(*p, intensity.luminance(mode)))),
-                Light::Spot(s) => bounded.push((i, s.bounds(mode))),
-                Light::Goniometric(g) => bounded.push((i, point(g.position, g.max_intensity(mode)))),
-                Light::Projection(p) => bounded.push((i, point(p.position(), p.max_intensity(mode, textures)))),
+                Light::Punctual(light) => bounded.push((i, light.bounds(mode))),
                 Light::Area(a) | Light::DirectionalArea(a) => {
                     bounded.push((i, a.bounds(&emitters[a.emitter as usize])));
                 }
@@ -211,10 +201,10 @@ impl Lights {
             })
         };
         match &self.lights[light as usize] {
-            Light::Point(p, intensity) => delta(*p - ctx.p, intensity.eval(lambda)),
-            Light::Spot(s) => delta(s.position - ctx.p, s.intensity(ctx.p, lambda, textures)),
-            Light::Goniometric(g) => delta(g.position - ctx.p, g.intensity(ctx.p, lambda)),
-            Light::Projection(s) => delta(s.position() - ctx.p, s.intensity(ctx.p, lambda, textures, self.mode)),
+            Light::Punctual(light) => {
+                let light: &dyn Shining = &**light;
+                delta(light.position() - ctx.p, light.intensity(ctx.p, lambda, textures, self.mode))
+            }
             Light::Distant(wi, irradiance) => Some(LightSample {
                 wi: *wi,
                 distance: f32::INFINITY,

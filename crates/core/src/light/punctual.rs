@@ -1,6 +1,7 @@
-//! Lights at a point with a distribution over directions.
+//! Lights at a point with a distribution over directions. One that is new is a type here and its name in the list.
 
-use super::tree::LightBounds;
+use super::{Light, tree::LightBounds};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use steradian_image::Texels;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -12,6 +13,96 @@ use steradian_math::{
     warp,
 };
 use steradian_texture::{SpectrumTexture, TextureContext, Textures};
+
+/// A light at a point.
+pub trait Shining {
+    /// Where it is.
+    fn position(&self) -> Vec3;
+
+    /// Intensity towards a point.
+    fn intensity(&self, p: Vec3, lambda: &Wavelengths, textures: &Textures, mode: ColorMode) -> Spectrum;
+
+    /// Bounds for choosing among lights.
+    fn bounds(&self, mode: ColorMode) -> LightBounds;
+
+    /// The luminous flux, an estimate for pictures and textures.
+    fn flux(&self, mode: ColorMode) -> f32;
+
+    /// A direction in which it shines, and its density: any, unless it is known better. `None` for none.
+    fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        Some((warp::uniform_sphere(u), 0.25 * FRAC_1_PI))
+    }
+
+    /// The density with which a direction is drawn.
+    fn pdf(&self, _w: Vec3) -> f32 {
+        0.25 * FRAC_1_PI
+    }
+}
+
+macro_rules! lights {
+    ($($(#[$doc:meta])* $name:ident),* $(,)?) => {
+        /// A light at a point, of any kind.
+        #[derive(Clone, Debug)]
+        pub enum Punctual {
+            $($(#[$doc])* $name(Box<$name>),)*
+        }
+
+        impl std::ops::Deref for Punctual {
+            type Target = dyn Shining;
+
+            #[inline]
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$name(light) => &**light,)*
+                }
+            }
+        }
+
+        $(impl From<$name> for Light {
+            fn from(light: $name) -> Self {
+                Self::Punctual(Punctual::$name(Box::new(light)))
+            }
+        })*
+    };
+}
+
+lights! {
+    /// The same in all directions.
+    Isotropic,
+    /// A cone.
+    Spot,
+    /// An image of directions.
+    Goniometric,
+    /// A slide projector.
+    Projection,
+}
+
+/// The same in all directions.
+#[derive(Clone, Debug)]
+pub struct Isotropic {
+    /// Where it is.
+    pub position: Vec3,
+    /// Its intensity.
+    pub intensity: Color,
+}
+
+impl Shining for Isotropic {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    fn intensity(&self, _p: Vec3, lambda: &Wavelengths, _textures: &Textures, _mode: ColorMode) -> Spectrum {
+        self.intensity.eval(lambda)
+    }
+
+    fn bounds(&self, mode: ColorMode) -> LightBounds {
+        LightBounds::point(self.position, self.intensity.luminance(mode))
+    }
+
+    fn flux(&self, mode: ColorMode) -> f32 {
+        4.0 * PI * self.intensity.luminance(mode)
+    }
+}
 
 /// How a spot light falls off between its two cones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +151,23 @@ impl Spot {
         }
     }
 
-    /// Intensity towards a point.
-    pub fn intensity(&self, p: Vec3, lambda: &Wavelengths, textures: &Textures) -> Spectrum {
+    /// Flux for an intensity of one on the axis: `∫ share dω`.
+    pub fn flux_share(&self) -> f32 {
+        // Midpoint rule over the falloff; exact inside.
+        let steps = 256;
+        let (a, b) = (self.total.cos(), self.start.cos());
+        let h = (b - a) / steps as f32;
+        let between: f32 = (0..steps).map(|i| self.share(a + (i as f32 + 0.5) * h) * h).sum();
+        TAU * ((1.0 - b) + between)
+    }
+}
+
+impl Shining for Spot {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    fn intensity(&self, p: Vec3, lambda: &Wavelengths, textures: &Textures, _mode: ColorMode) -> Spectrum {
         let local = self.world_from_light.inverse().vector(p - self.position).normalize_or_zero();
         let share = self.share(local.z);
         if share <= 0.0 {
@@ -76,18 +182,27 @@ impl Spot {
         intensity
     }
 
-    /// Flux for an intensity of one on the axis: `∫ share dω`.
-    pub fn flux_share(&self) -> f32 {
-        // Midpoint rule over the falloff; exact inside.
-        let steps = 256;
-        let (a, b) = (self.total.cos(), self.start.cos());
-        let h = (b - a) / steps as f32;
-        let between: f32 = (0..steps).map(|i| self.share(a + (i as f32 + 0.5) * h) * h).sum();
-        std::f32::consts::TAU * ((1.0 - b) + between)
+    fn flux(&self, mode: ColorMode) -> f32 {
+        self.flux_share() * self.intensity.luminance(mode)
     }
 
-    /// Bounds for choosing among lights.
-    pub fn bounds(&self, mode: ColorMode) -> LightBounds {
+    fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        let m = 1.0 - self.total.cos();
+        let local = warp::uniform_cone(u, m);
+        let pdf = warp::uniform_cone_pdf(m) / self.world_from_light.solid_angle(local);
+        Some((self.world_from_light.vector(local).try_normalize()?, pdf))
+    }
+
+    fn pdf(&self, w: Vec3) -> f32 {
+        let local = self.world_from_light.inverse().vector(w).normalize_or_zero();
+        if local.z >= self.total.cos() {
+            warp::uniform_cone_pdf(1.0 - self.total.cos()) / self.world_from_light.solid_angle(local)
+        } else {
+            0.0
+        }
+    }
+
+    fn bounds(&self, mode: ColorMode) -> LightBounds {
         LightBounds {
             axis: self.world_from_light.vector(Vec3::Z).normalize(),
             cos_o: 1.0,
@@ -118,19 +233,27 @@ impl Goniometric {
         nearest(&self.image, uv).element_sum() / 3.0
     }
 
-    /// Intensity towards a point.
-    pub fn intensity(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
-        self.intensity.eval(lambda) * self.factor(p)
-    }
-
     /// Mean of the image.
     pub fn mean(&self) -> f32 {
         mean(&self.image).element_sum() / 3.0
     }
+}
 
-    /// A bound on the intensity, as luminance.
-    pub fn max_intensity(&self, mode: ColorMode) -> f32 {
-        self.intensity.luminance(mode) * max(&self.image)
+impl Shining for Goniometric {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    fn intensity(&self, p: Vec3, lambda: &Wavelengths, _textures: &Textures, _mode: ColorMode) -> Spectrum {
+        self.intensity.eval(lambda) * self.factor(p)
+    }
+
+    fn bounds(&self, mode: ColorMode) -> LightBounds {
+        LightBounds::point(self.position, self.intensity.luminance(mode) * max(&self.image))
+    }
+
+    fn flux(&self, mode: ColorMode) -> f32 {
+        4.0 * PI * self.mean() * self.intensity.luminance(mode)
     }
 }
 
@@ -159,14 +282,12 @@ pub struct Projection {
     pub is_irradiance: bool,
 }
 
-impl Projection {
-    /// Where it is.
-    pub fn position(&self) -> Vec3 {
+impl Shining for Projection {
+    fn position(&self) -> Vec3 {
         self.world_from_light.point(Vec3::ZERO)
     }
 
-    /// Intensity towards a point.
-    pub fn intensity(&self, p: Vec3, lambda: &Wavelengths, textures: &Textures, mode: ColorMode) -> Spectrum {
+    fn intensity(&self, p: Vec3, lambda: &Wavelengths, textures: &Textures, mode: ColorMode) -> Spectrum {
         let local = self.world_from_light.inverse().point(p);
         if local.z <= 0.0 {
             return Spectrum::ZERO;
@@ -184,8 +305,37 @@ impl Projection {
         value * if self.is_irradiance { self.scale / (cos * cos * cos) } else { self.scale }
     }
 
+    fn bounds(&self, mode: ColorMode) -> LightBounds {
+        LightBounds::point(self.position(), self.max_intensity(mode))
+    }
+
+    fn flux(&self, mode: ColorMode) -> f32 {
+        // The solid angle of the slide is less than its area at distance one.
+        self.max_intensity(mode) * (4.0 * self.half.x * self.half.y).min(TAU)
+    }
+
+    fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        let at = (u * 2.0 - 1.0) * self.half;
+        let local = Vec3::new(at.x, at.y, 1.0).normalize();
+        let pdf = 1.0 / (4.0 * self.half.x * self.half.y * local.z.powi(3));
+        let w = self.world_from_light.vector(local).try_normalize()?;
+        Some((w, pdf / self.world_from_light.solid_angle(local)))
+    }
+
+    fn pdf(&self, w: Vec3) -> f32 {
+        let local = self.world_from_light.inverse().vector(w).normalize_or_zero();
+        let at = Vec2::new(local.x, local.y) / (local.z * self.half);
+        if local.z > 0.0 && at.abs().max_element() <= 1.0 {
+            1.0 / (4.0 * self.half.x * self.half.y * local.z.powi(3)) / self.world_from_light.solid_angle(local)
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Projection {
     /// A bound on the intensity, as luminance; a guess of one for textures.
-    pub fn max_intensity(&self, mode: ColorMode, _textures: &Textures) -> f32 {
+    pub fn max_intensity(&self, mode: ColorMode) -> f32 {
         let value = match &self.slide {
             Slide::Image(image) => max(image),
             Slide::Texture(SpectrumTexture::Constant(c)) => c.luminance(mode),
@@ -196,7 +346,7 @@ impl Projection {
     }
 
     /// Flux for the image as it is, as luminance, before the scale.
-    pub fn flux(&self, image: &Texels) -> f32 {
+    pub fn flux_of(&self, image: &Texels) -> f32 {
         let area = 4.0 * self.half.x * self.half.y;
         let mut sum = 0.0_f64;
         for y in 0..image.height {
@@ -257,7 +407,7 @@ mod tests {
                 falloff,
                 texture: None,
             };
-            let cone = std::f32::consts::TAU * (1.0 - 0.6_f32.cos());
+            let cone = TAU * (1.0 - 0.6_f32.cos());
             assert!((s.flux_share() / cone - 1.0).abs() < 1e-5);
             s.start = 0.3;
             let lambda = Wavelengths::sample_visible(0.5);
@@ -265,10 +415,10 @@ mod tests {
             let mut rng = steradian_math::hash::HashRng::new(5);
             let mean = (0..n)
                 .map(|_| warp::uniform_sphere(Vec2::new(rng.next_f32(), rng.next_f32())))
-                .map(|w| s.intensity(w * 3.0, &lambda, &Textures::default())[0])
+                .map(|w| s.intensity(w * 3.0, &lambda, &Textures::default(), ColorMode::Spectral)[0])
                 .sum::<f32>()
                 / n as f32;
-            let flux = mean * 4.0 * std::f32::consts::PI;
+            let flux = mean * 4.0 * PI;
             assert!((flux / s.flux_share() - 1.0).abs() < 0.06, "{flux} {}", s.flux_share());
         }
     }

@@ -25,7 +25,7 @@ use std::{
     collections::{HashMap, HashSet},
     path::Path,
 };
-use steradian_scene::{Diagnostics, NodeId, SceneDesc, Value};
+use steradian_scene::{Diagnostics, Node, NodeId, SceneDesc, Value, names};
 
 /// The version of the language.
 pub const VERSION: i64 = 1;
@@ -78,6 +78,11 @@ pub fn set(
     text: &str,
     options: &Options,
 ) -> Result<(), Diagnostics> {
+    if let Some(what) = unknown(desc.node(node), parameter) {
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.error_help(&desc.sources, None, what.0, what.1);
+        return Err(diagnostics);
+    }
     let known = ids(desc).into_iter().enumerate().map(|(i, id)| (id, NodeId(i as u32))).collect();
     let folder = desc.path.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_path_buf();
     let mut search = SearchPath { folders: vec![folder] };
@@ -109,6 +114,18 @@ pub fn set(
             Err(reader.diagnostics)
         }
     }
+}
+
+/// What is wrong with the name of a parameter that a node does not have, and the nearest that its kind has.
+fn unknown(node: &Node, parameter: &str) -> Option<(String, Option<String>)> {
+    let mut known = node.family.parameters(&node.kind)?.map(|p| p.name);
+    if known.any(|name| name == parameter) || node.get(parameter).is_some() {
+        return None;
+    }
+    let what = format!("{} '{}' has no parameter '{parameter}'", node.family.noun(), node.kind);
+    let known = node.family.parameters(&node.kind)?.map(|p| p.name);
+    let all = || format!("it has {}", known.clone().collect::<Vec<_>>().join(", "));
+    Some((what, names::did_you_mean(parameter, known.clone()).or_else(|| Some(all()))))
 }
 
 /// A value in the language, nodes by their [`ids`].

@@ -458,12 +458,8 @@ fn extent(scene: &Scene, eye: Vec3) -> Bounds3 {
     }
     for light in &scene.lights().lights {
         use steradian_core::light::Light;
-        match light {
-            Light::Point(p, _) => bounds = bounds.union_point(*p),
-            Light::Spot(s) => bounds = bounds.union_point(s.position),
-            Light::Goniometric(g) => bounds = bounds.union_point(g.position),
-            Light::Projection(p) => bounds = bounds.union_point(p.position()),
-            _ => {}
+        if let Light::Punctual(light) = light {
+            bounds = bounds.union_point(light.position());
         }
     }
     let planes: Vec<&Plane> = scene

@@ -311,7 +311,7 @@ fn spotted(parametrization: Parametrization) -> Environment {
 /// The scene under a sky instead of its lights.
 fn under(stage: &Stage, sky: Environment) -> Scene {
     let sky = vec![Light::Environment(Box::new(sky))];
-    stage.scene().changed(|parts| parts.lights = Lights::new(sky, Vec::new(), ColorMode::Rgb, &parts.textures))
+    stage.scene().changed(|parts| parts.lights = Lights::new(sky, Vec::new(), ColorMode::Rgb))
 }
 
 const PARAMETRIZATIONS: [Parametrization; 3] =

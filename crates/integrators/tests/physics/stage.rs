@@ -173,7 +173,7 @@ pub fn found_by_scattering_alone(scene: Scene) -> Scene {
         for geometry in &mut parts.geometries {
             geometry.lights = Box::default();
         }
-        parts.lights = Lights::new(Vec::new(), parts.lights.emitters.clone(), parts.mode, &parts.textures);
+        parts.lights = Lights::new(Vec::new(), parts.lights.emitters.clone(), parts.mode);
     });
     assert!(!scene.lights().can_sample());
     scene

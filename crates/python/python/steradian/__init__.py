@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _steradian
-from ._steradian import Image, Message, Progress, SceneError, registry
+from ._steradian import Image, Message, Parameter, Progress, SceneError, registry
 
 __all__ = [
-    "Image", "Material", "Message", "Node", "Progress", "Scene", "SceneError", "load", "material", "registry", "scene", "spectrum",
+    "Image", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError", "load", "material", "registry",
+    "scene", "spectrum",
 ]
 
 StrPath = Union[str, "os.PathLike[str]"]
@@ -69,6 +70,42 @@ class Node(MutableMapping[str, Any]):
         return f"<steradian.Node '{self._name}' {dict(self)}>"
 
 
+class Parameters(Mapping[str, Parameter]):
+    """All that can be set of a scene, by `node.parameter`, those at their defaults too. Setting takes effect at the next render.
+
+    A snapshot: what is set later by other ways is not in it.
+    """
+
+    def __init__(self, scene: _steradian.Scene):
+        self._scene = scene
+        self._all = {f"{p.node}.{p.name}": p for p in scene.params()}
+
+    def __getitem__(self, key: str) -> Parameter:
+        if key not in self._all:
+            node, _, parameter = key.rpartition(".")
+            self._scene.parameters(node)
+            raise KeyError(f"'{node}' has no parameter '{parameter}'")
+        return self._all[key]
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        node, _, parameter = key.rpartition(".")
+        self._scene.set_text(node, parameter, _text(value))
+        self._all = {f"{p.node}.{p.name}": p for p in self._scene.params()}
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __repr__(self) -> str:
+        def row(key: str, p: Parameter) -> str:
+            value = f"default {p.default}" if p.value is None else str(p.value)
+            return f"  {key:<32} {value if len(value) < 40 else value[:37] + '...':<40} {p.type}"
+
+        return "\n".join(["Parameters[", *(row(key, p) for key, p in self._all.items()), "]"])
+
+
 class Scene(Mapping[str, Node]):
     """A scene: a mapping from the names of its nodes to their parameters."""
 
@@ -99,6 +136,10 @@ class Scene(Mapping[str, Node]):
     def messages(self) -> list[Message]:
         """What reading and compiling had to say: approximations, parameters that nothing reads, …"""
         return self._inner.messages
+
+    def params(self) -> Parameters:
+        """All that can be set, each with its value, default, type, unit, range and meaning: `scene.params()["clay.reflectance"].doc`."""
+        return Parameters(self._inner)
 
     def material(self, name: str, *, color: str = "auto") -> Material:
         """A material by its name, to be evaluated."""

@@ -26,6 +26,17 @@ class Message:
     text: str
 
 @final
+class Parameter:
+    node: str
+    name: str
+    value: Any
+    default: str
+    type: str
+    unit: str
+    range: Optional[tuple[float, float]]
+    doc: str
+
+@final
 class Progress:
     fraction: float
     spp: float
@@ -79,6 +90,7 @@ class Scene:
     @property
     def cameras(self) -> list[str]: ...
     def parameters(self, node: str) -> list[str]: ...
+    def params(self) -> list[Parameter]: ...
     def get(self, node: str, parameter: str) -> Any: ...
     def set_text(self, node: str, parameter: str, value: str) -> None: ...
     def text(self, path: StrPath) -> tuple[str, list[tuple[os.PathLike[str], bytes]]]: ...

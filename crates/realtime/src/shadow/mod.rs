@@ -79,10 +79,7 @@ enum Source {
 impl Source {
     fn of(light: &Light) -> Option<Self> {
         Some(match light {
-            Light::Point(p, _) => Self::At(*p),
-            Light::Spot(s) => Self::At(s.position),
-            Light::Goniometric(g) => Self::At(g.position),
-            Light::Projection(p) => Self::At(p.position()),
+            Light::Punctual(light) => Self::At(light.position()),
             Light::Distant(wi, _) => Self::From(*wi),
             _ => return None,
         })
