@@ -67,7 +67,7 @@ macro_rules! lights {
 }
 
 lights! {
-    /// The same in all directions.
+    /// Even in all directions.
     Isotropic,
     /// A cone.
     Spot,
@@ -77,7 +77,7 @@ lights! {
     Projection,
 }
 
-/// The same in all directions.
+/// Light that is even in all directions.
 #[derive(Clone, Debug)]
 pub struct Isotropic {
     /// Where it is.
