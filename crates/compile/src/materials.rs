@@ -64,7 +64,7 @@ impl Compiler<'_> {
     fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
         let is_sheet = matches!(&model, Model::Principled(p) if p.thin.is_some());
         let two_sided = is_sheet || self.desc.format != Format::Mitsuba;
-        self.materials.push(Material { model, two_sided, detail: None });
+        self.materials.push(Material::new(model, two_sided));
         self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
         ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
     }

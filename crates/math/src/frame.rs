@@ -14,7 +14,11 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The axes.
+    pub const IDENTITY: Self = Self { x: Vec3::X, y: Vec3::Y, z: Vec3::Z };
+
     /// A frame around a unit vector, without branches on its direction (Duff et al. 2017).
+    #[inline]
     pub fn from_z(z: Vec3) -> Self {
         let sign = 1.0_f32.copysign(z.z);
         let a = -1.0 / (sign + z.z);

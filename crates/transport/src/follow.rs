@@ -9,9 +9,9 @@ use crate::{
     tracking::Stretch,
     vertex::Vertex,
 };
-use steradian_core::scene::Hit;
+use steradian_core::{material::Scattering, scene::Hit};
 use steradian_engine::{PathContext, dimension};
-use steradian_math::Spectrum;
+use steradian_math::{Frame, Spectrum};
 
 /// What a ray leads to. In place, since nothing is allocated per sample.
 #[allow(clippy::large_enum_variant)]
@@ -106,13 +106,19 @@ pub fn meet<'s, const MEDIA: bool>(
             return;
         }
         let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures());
-        if let Some((scattering, frame)) = scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda)
-        {
-            if !is_last {
-                *arrival = Arrival::Vertex(Vertex::Surface { i, scattering, frame, medium: path_state.medium });
+        let surface =
+            Vertex::Surface { i, scattering: Scattering::NONE, frame: Frame::IDENTITY, medium: path_state.medium };
+        *arrival = Arrival::Vertex(surface);
+        let Arrival::Vertex(Vertex::Surface { i, scattering, frame, .. }) = arrival else { return };
+        let differential = path_state.differential.as_ref();
+        if scene.write_scattering(i, differential, choice, lambda, (scattering, frame)) {
+            if is_last {
+                *arrival = Arrival::End;
             }
             return;
         }
+        let i = *i;
+        *arrival = Arrival::End;
         path_state.passes += 1;
         if MEDIA {
             path_state.medium = scene.medium_towards(&i, path_state.ray.direction, path_state.medium);

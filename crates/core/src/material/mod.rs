@@ -26,7 +26,7 @@ use steradian_bsdf::{
 };
 use steradian_math::{
     Spectrum, Vec2, Vec3,
-    spectra::{Wavelengths, role::Color},
+    spectra::{ColorMode, Wavelengths, role::Color},
 };
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
@@ -218,6 +218,14 @@ pub struct Scattering<'a> {
 }
 
 impl<'a> Scattering<'a> {
+    /// Black, to be written over.
+    pub const NONE: Self = Self {
+        bsdf: Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ZERO }),
+        flipped: false,
+        detail: None,
+        cover: None,
+    };
+
     /// A value on a surface as it is.
     pub fn plain(bsdf: Bsdf<'a>) -> Self {
         Self { bsdf, flipped: false, detail: None, cover: None }
@@ -250,9 +258,23 @@ impl<'a> Scattering<'a> {
 }
 
 impl Material {
+    /// A material that scatters as a model does, on a surface as it is.
+    pub fn new(model: Model, two_sided: bool) -> Self {
+        Self { model, two_sided, detail: None }
+    }
+
     /// Grey, for shapes without a material.
     pub fn default_diffuse() -> Self {
-        Self { model: Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), two_sided: true, detail: None }
+        Self::new(Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), true)
+    }
+
+    /// What it is at all points, if that is the same, in RGB mode.
+    fn constant(&self, textures: &Textures) -> Option<Bsdf<'static>> {
+        if self.detail.is_some() || self.needs(&[]).parameters {
+            return None;
+        }
+        let mut lambda = Wavelengths::RGB;
+        owned(&self.model, textures, &TextureContext::NOWHERE, &mut lambda).filter(|_| lambda == Wavelengths::RGB)
     }
 
     /// What it asks of the surface, by what the materials with smaller indices ask.
@@ -406,6 +428,56 @@ pub fn scattering<'a>(
     };
     let spectrum = |t: &SpectrumTexture, lambda: &Wavelengths| albedo(t.eval(textures, at, lambda));
     let bsdf = match &material.model {
+        Model::Compensated { metal, kind, table } => {
+            Bsdf::CompensatedConductor(CompensatedConductor::new(metal.eval(textures, at, lambda), *kind, table))
+        }
+        Model::Facets(facets) => Bsdf::CookTorrance(facets.eval(textures, at, lambda)),
+        Model::Parametric(p) => p.bsdf(textures, at, lambda),
+        Model::Coated { reflectance, tint, roughness, table } => {
+            let (u, v) = roughness.alpha(textures, at);
+            Bsdf::Coated(Coated::new(table, spectrum(reflectance, lambda), spectrum(tint, lambda), u, v))
+        }
+        Model::Measured(data) => Bsdf::Measured(Measured::new(data, lambda, textures.mode(), at.uv)),
+        Model::Hair(m) => m.bsdf(&Point { textures, at, lambda }),
+        Model::Layered(m) => m.bsdf(textures, at, lambda),
+        Model::Pbr(m) => m.bsdf(textures, at, lambda),
+        Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),
+        model => owned(model, textures, at, lambda)?,
+    };
+    let turns = !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided);
+    Some(Scattering { flipped: flipped || turns, detail, ..Scattering::plain(bsdf) })
+}
+
+/// What a material is on one side at all points and wavelengths, and whether with the normal turned over.
+pub type Constant = (Bsdf<'static>, bool);
+
+/// Those of the back and the front of each material; `None` where they vary.
+pub(crate) fn constants(materials: &[Material], textures: &Textures) -> Vec<[Option<Constant>; 2]> {
+    let constant = |material: &Material, front: bool| {
+        if textures.mode() != ColorMode::Rgb || material.detail.is_some() {
+            return None;
+        }
+        match &material.model {
+            Model::Mix(..) => None,
+            Model::TwoSided(a, b) => {
+                let side = &materials[if front { *a } else { *b } as usize];
+                let is_wrapper = matches!(side.model, Model::Mix(..) | Model::TwoSided(..));
+                if is_wrapper { None } else { Some((side.constant(textures)?, !front)) }
+            }
+            _ => {
+                let bsdf = material.constant(textures)?;
+                Some((bsdf, !front && !bsdf.has_transmission() && material.two_sided))
+            }
+        }
+    };
+    materials.iter().map(|m| [constant(m, false), constant(m, true)]).collect()
+}
+
+/// The value of a model that refers to no table; `None` for others.
+#[inline]
+fn owned(model: &Model, textures: &Textures, at: &TextureContext, lambda: &mut Wavelengths) -> Option<Bsdf<'static>> {
+    let spectrum = |t: &SpectrumTexture, lambda: &Wavelengths| albedo(t.eval(textures, at, lambda));
+    Some(match model {
         Model::Diffuse(r) => Bsdf::Diffuse(Diffuse { reflectance: spectrum(r, lambda) }),
         Model::DiffuseTransmission(r, t) => {
             let (r, t) = (spectrum(r, lambda), spectrum(t, lambda));
@@ -418,11 +490,6 @@ pub fn scattering<'a>(
             tint: spectrum(tint, lambda),
             microfacet: roughness.microfacet(textures, at),
         }),
-        Model::Compensated { metal, kind, table } => {
-            Bsdf::CompensatedConductor(CompensatedConductor::new(metal.eval(textures, at, lambda), *kind, table))
-        }
-        Model::Facets(facets) => Bsdf::CookTorrance(facets.eval(textures, at, lambda)),
-        Model::Parametric(p) => p.bsdf(textures, at, lambda),
         Model::ConductorReflectance(r, roughness) => {
             Bsdf::Conductor(Conductor::from_reflectance(spectrum(r, lambda), roughness.microfacet(textures, at)))
         }
@@ -440,19 +507,6 @@ pub fn scattering<'a>(
             reflectance: spectrum(reflectance, lambda),
             transmittance: spectrum(transmittance, lambda),
         }),
-        Model::Coated { reflectance, tint, roughness, table } => {
-            let (u, v) = roughness.alpha(textures, at);
-            Bsdf::Coated(Coated::new(table, spectrum(reflectance, lambda), spectrum(tint, lambda), u, v))
-        }
-        Model::Measured(data) => Bsdf::Measured(Measured::new(data, lambda, textures.mode(), at.uv)),
-        Model::Hair(m) => m.bsdf(&Point { textures, at, lambda }),
-        Model::Layered(m) => m.bsdf(textures, at, lambda),
-        Model::Pbr(m) => m.bsdf(textures, at, lambda),
-        Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),
-        Model::Interface | Model::Mix(..) | Model::TwoSided(..) => return None,
-    };
-    if !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided) {
-        flipped = true;
-    }
-    Some(Scattering { flipped, detail, ..Scattering::plain(bsdf) })
+        _ => return None,
+    })
 }

@@ -44,6 +44,8 @@ struct Facts {
     has_media: bool,
     is_see_through: bool,
     has_curves: bool,
+    /// The back and the front of each material.
+    constants: Vec<[Option<material::Constant>; 2]>,
 }
 
 impl Facts {
@@ -66,6 +68,7 @@ impl Facts {
                 .iter()
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
+            constants: material::constants(materials, textures),
         }
     }
 }
@@ -416,6 +419,9 @@ impl Scene {
     /// The nearest surface along a ray.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        if self.facts.planes.is_empty() {
+            return self.parts.accel.intersect(ray, &Query::<false>(self));
+        }
         let mut ray = *ray;
         let plane = self.nearest_plane::<false>(&mut ray);
         self.parts.accel.intersect(&ray, &Query::<false>(self)).or(plane)
@@ -452,7 +458,8 @@ impl Scene {
     /// Whether anything that scatters is met within the ray's interval.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.nearest_plane::<true>(&mut ray.clone()).is_some() || self.parts.accel.occluded(ray, &Query::<true>(self))
+        let meets_plane = || self.nearest_plane::<true>(&mut ray.clone()).is_some();
+        !self.facts.planes.is_empty() && meets_plane() || self.parts.accel.occluded(ray, &Query::<true>(self))
     }
 
     /// What [`Scene::intersect`] costs in the structure.
@@ -574,12 +581,39 @@ impl Scene {
         choice: f32,
         lambda: &mut Wavelengths,
     ) -> Option<(Scattering<'a>, Frame)> {
-        if !self.parts.geometries[i.geometry as usize].needs.parameters {
-            return self.scattering_when(i, &TextureContext::NOWHERE, choice, lambda);
+        let (mut scattering, mut frame) = (Scattering::NONE, Frame::IDENTITY);
+        self.write_scattering(i, differential, choice, lambda, (&mut scattering, &mut frame))
+            .then_some((scattering, frame))
+    }
+
+    /// As [`Scene::scattering_along`], written where it stays, since it is large; whether anything scatters.
+    #[inline]
+    pub fn write_scattering<'a>(
+        &'a self,
+        i: &Interaction,
+        differential: Option<&RayDifferential>,
+        choice: f32,
+        lambda: &mut Wavelengths,
+        (scattering, frame): (&mut Scattering<'a>, &mut Frame),
+    ) -> bool {
+        let Geometry { material, needs, .. } = &self.parts.geometries[i.geometry as usize];
+        let front = i.surface.ns.dot(i.wo) > 0.0;
+        let constant = &self.facts.constants[*material as usize][usize::from(front)];
+        if let (Some((bsdf, flipped)), false) = (constant, needs.tangent) {
+            *scattering = Scattering { flipped: *flipped, ..Scattering::plain(*bsdf) };
+            *frame = Frame::from_z(if *flipped { -i.surface.ns } else { i.surface.ns });
+            return true;
         }
-        let mut at = self.texture_context_over(i, self.footprint(i, differential));
-        at.time = lambda.time;
-        self.scattering_when(i, &at, choice, lambda)
+        let found = if needs.parameters {
+            let mut at = self.texture_context_over(i, self.footprint(i, differential));
+            at.time = lambda.time;
+            self.scattering_when(i, &at, choice, lambda)
+        } else {
+            self.scattering_when(i, &TextureContext::NOWHERE, choice, lambda)
+        };
+        let Some(found) = found else { return false };
+        (*scattering, *frame) = found;
+        true
     }
 
     /// As [`Scene::scattering`], with textures looked up where `at` says.

@@ -312,7 +312,10 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
 
     /// Adds what was found to the film.
     fn add(&self, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
-        scratch.found.sort_unstable_by_key(|f| (f.tile, f.at));
+        // Of one tile each pixel has one sample, in whatever order.
+        if scratch.found.iter().any(|f| f.tile != scratch.found[0].tile) {
+            scratch.found.sort_unstable_by_key(|f| (f.tile, f.at));
+        }
         let groups = counters.by_group.len();
         for found in scratch.found.chunk_by(|a, b| a.tile == b.tile) {
             let mut tile = lock(&self.frame.tiles[found[0].tile as usize]);

@@ -272,7 +272,7 @@ mod tests {
     /// Mixtures of mixtures are looked at once each.
     #[test]
     fn mixtures_focus_as_their_parts_do() {
-        let material = |model| Material { model, two_sided: false, detail: None };
+        let material = |model| Material::new(model, false);
         for focuses in [false, true] {
             let white = SpectrumTexture::Constant(Color::constant(1.0));
             let first = if focuses {
