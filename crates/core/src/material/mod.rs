@@ -249,11 +249,10 @@ impl<'a> Scattering<'a> {
     /// [`Bsdf::sample`], under the surface's cover.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        // Nothing is between the model and who asks for the sample: it is large, and not copied on the way.
+        let Some(cover) = &self.cover else { return self.bsdf.sample(wo, u, u2, mode) };
         let drawn = self.bsdf.sample(wo, u, u2, mode)?;
-        match &self.cover {
-            None => Some(drawn),
-            Some(cover) => Some(BsdfSample { weight: drawn.weight * cover.passes(drawn.wi)?, ..drawn }),
-        }
+        Some(BsdfSample { weight: drawn.weight * cover.passes(drawn.wi)?, ..drawn })
     }
 }
 

@@ -518,30 +518,32 @@ impl Scene {
     ) -> Interaction {
         let index = self.geometry_index(hit.id);
         let geometry = &self.parts.geometries[index as usize];
-        let surface = if hit.id.instance == WORLD {
-            surface(geometry, ray)
-        } else {
-            let place = self.parts.placements[hit.id.instance as usize].at(ray.time);
-            let s = surface(geometry, &place.inverse().ray(ray));
-            // Normals keep to their side: the inverse transpose does not turn them over against each other.
-            SurfacePoint {
-                p: place.point(s.p),
-                error: place.point_error(s.p, s.error),
-                n: place.normal(s.n).normalize_or_zero(),
-                ns: place.normal(s.ns).normalize_or_zero(),
-                dpdu: place.vector(s.dpdu),
-                uv: s.uv,
-            }
-        };
-        Interaction {
-            surface,
+        let mut i = Interaction {
+            surface: SurfacePoint::bare(Vec3::ZERO, Vec3::ZERO, Vec3::Z),
             wo: -ray.direction,
             t: hit.t,
             time: ray.time,
             geometry: index,
             id: hit.id,
             coordinates: Vec2::new(hit.u, hit.v),
+        };
+        // Written where it stays.
+        if hit.id.instance == WORLD {
+            i.surface = surface(geometry, ray);
+            return i;
         }
+        let place = self.parts.placements[hit.id.instance as usize].at(ray.time);
+        let s = surface(geometry, &place.inverse().ray(ray));
+        // Normals keep to their side: the inverse transpose does not turn them over against each other.
+        i.surface = SurfacePoint {
+            p: place.point(s.p),
+            error: place.point_error(s.p, s.error),
+            n: place.normal(s.n).normalize_or_zero(),
+            ns: place.normal(s.ns).normalize_or_zero(),
+            dpdu: place.vector(s.dpdu),
+            uv: s.uv,
+        };
+        i
     }
 
     /// Where textures are looked up at a point of a surface, over the footprint that the camera would have there.
