@@ -173,8 +173,7 @@ impl Info {
         });
         let tables = scene.map(Scene::tables).unwrap_or_default().into_iter();
         let tables: Vec<_> = tables.map(|t| Table { name: t.name, count: t.count, bytes: t.bytes }).collect();
-        let of_geometry = |t: &&Table| ["shapes", "ray structure"].contains(&t.name);
-        let geometry_bytes = scene.map(|_| tables.iter().filter(of_geometry).map(|t| t.bytes).sum());
+        let geometry_bytes = scene.map(Scene::geometry_bytes);
         Self {
             schema: 1,
             scene: name.into(),

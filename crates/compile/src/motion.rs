@@ -5,12 +5,14 @@ use std::sync::Arc;
 use steradian_math::{Motion, Transform};
 use steradian_scene::{Movement, Node, Span};
 
+/// When the shutter opens and closes: parameters of the camera, with their defaults.
+const SHUTTER: [(&str, f64); 2] = [("shutter_open", 0.0), ("shutter_close", 1.0)];
+
 impl Compiler<'_> {
     /// When the shutter opens and closes.
     fn shutter(&self) -> [f64; 2] {
         let camera = self.chosen_camera().map(|id| self.desc.node(id));
-        [("shutter_open", 0.0), ("shutter_close", 1.0)]
-            .map(|(name, default)| camera.and_then(|c| c.float(name)).unwrap_or(default))
+        SHUTTER.map(|(name, default)| camera.and_then(|c| c.float(name)).unwrap_or(default))
     }
 
     /// A motion over the time of the shutter; `None`, reported, where it is not one.
@@ -41,8 +43,11 @@ impl Compiler<'_> {
         motion
     }
 
-    /// How a camera moves.
+    /// How a camera moves; times of its shutter that are no numbers are reported, once for all motions.
     pub(super) fn camera_motion(&mut self, node: &Node) -> Option<Arc<Motion>> {
+        for (name, default) in SHUTTER {
+            self.float(node, name, default);
+        }
         node.get("to_world_end")?;
         let times = match self.list(node, "motion_times").as_deref() {
             None => [0.0, 1.0],

@@ -48,9 +48,6 @@ impl Compiler<'_> {
             self.error(node.span, "the camera's transform is singular or not finite");
             return None;
         };
-        for (name, usual) in [("shutter_open", 0.0), ("shutter_close", 1.0)] {
-            self.float(node, name, usual);
-        }
         let motion = self.camera_motion(node);
         let place = motion.as_ref().and_then(|motion| motion.at(0.0)).unwrap_or(place);
         let motion = motion.filter(|motion| !motion.is_still());

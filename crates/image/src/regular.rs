@@ -17,7 +17,8 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
     if meta.is_file() { Ok((File::open(path)?, meta.len())) } else { Err(Error::other("it is not a regular file")) }
 }
 
-/// The length of a file and when it was last written: another stamp, other bytes.
+/// The length of a file and when it was last written. A file with the same stamp is taken for unchanged; one that is
+/// written again within a step of the file system's clock, with as many bytes, is not noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp(Option<(u64, Option<SystemTime>)>);
 

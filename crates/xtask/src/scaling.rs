@@ -47,7 +47,7 @@ pub fn triangles(folder: &Path, most: usize, report: &mut Report) -> Result<(), 
             json!(load),
             json!(build),
             json!(scene.accel().bytes() as f64 / faces),
-            json!(scene.tables().iter().map(|t| t.bytes).sum::<usize>() as f64 / faces),
+            json!(scene.geometry_bytes() as f64 / faces),
             json!(each),
         ]);
         // Large meshes are written anew each time.

@@ -252,28 +252,29 @@ impl Paths<'_> {
         let is_module = |name: &&String| name.chars().next().is_some_and(char::is_lowercase) && **name != own[0];
         self.used.extend(target.filter(is_module).cloned());
     }
+}
 
-    fn tree(&mut self, before: &mut Vec<String>, tree: &syn::UseTree) {
-        match tree {
-            syn::UseTree::Path(p) => {
-                before.push(p.ident.to_string());
-                self.tree(before, &p.tree);
-                before.pop();
-            }
-            syn::UseTree::Group(g) => g.items.iter().for_each(|tree| self.tree(before, tree)),
-            syn::UseTree::Name(n) => {
-                before.push(n.ident.to_string());
-                self.add(before);
-                before.pop();
-            }
-            syn::UseTree::Rename(_) | syn::UseTree::Glob(_) => self.add(before),
+/// The paths that a `use` names, each from its first name on; of a glob that of the module.
+fn used_paths(before: &mut Vec<String>, tree: &syn::UseTree, path: &mut impl FnMut(&[String])) {
+    match tree {
+        syn::UseTree::Path(p) => {
+            before.push(p.ident.to_string());
+            used_paths(before, &p.tree, path);
+            before.pop();
         }
+        syn::UseTree::Group(g) => g.items.iter().for_each(|tree| used_paths(before, tree, path)),
+        syn::UseTree::Name(syn::UseName { ident }) | syn::UseTree::Rename(syn::UseRename { ident, .. }) => {
+            before.push(ident.to_string());
+            path(before);
+            before.pop();
+        }
+        syn::UseTree::Glob(_) => path(before),
     }
 }
 
 impl<'ast> Visit<'ast> for Paths<'_> {
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        self.tree(&mut Vec::new(), &item.tree);
+        used_paths(&mut Vec::new(), &item.tree, &mut |names| self.add(names));
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
@@ -325,23 +326,6 @@ impl System<'_> {
             self.used.push(format!("{}: {}", self.path, names.join("::")));
         }
     }
-
-    fn tree(&mut self, before: &mut Vec<String>, tree: &syn::UseTree) {
-        match tree {
-            syn::UseTree::Path(p) => {
-                before.push(p.ident.to_string());
-                self.tree(before, &p.tree);
-                before.pop();
-            }
-            syn::UseTree::Group(g) => g.items.iter().for_each(|tree| self.tree(before, tree)),
-            syn::UseTree::Name(syn::UseName { ident }) | syn::UseTree::Rename(syn::UseRename { ident, .. }) => {
-                before.push(ident.to_string());
-                self.add(before);
-                before.pop();
-            }
-            syn::UseTree::Glob(_) => self.add(before),
-        }
-    }
 }
 
 impl<'ast> Visit<'ast> for System<'_> {
@@ -352,7 +336,7 @@ impl<'ast> Visit<'ast> for System<'_> {
     }
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        self.tree(&mut Vec::new(), &item.tree);
+        used_paths(&mut Vec::new(), &item.tree, &mut |names| self.add(names));
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {

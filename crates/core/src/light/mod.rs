@@ -10,7 +10,7 @@ pub mod tree;
 pub use area::{AreaLight, AreaShape, Emitter};
 pub use environment::Environment;
 pub use groups::LightGroups;
-pub use punctual::{Goniometric, Isotropic, Projection, Punctual, Shining, Spot};
+pub use punctual::{Goniometric, Isotropic, Projection, Punctual, PunctualLight, Spot};
 
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -80,7 +80,7 @@ pub struct Lights {
 const UNIFORM_SHARE: f32 = 0.1;
 
 impl Lights {
-    /// Bytes of lights, of their pictures, and of what one is chosen by.
+    /// Bytes of the records, of the pictures of environments, and of the light tree.
     pub fn bytes(&self) -> usize {
         let pictures = self.lights.iter().map(|light| match light {
             Light::Environment(e) => e.image.as_ref().map_or(0, |image| size_of_val(&**e) + image.texels.byte_size()),
@@ -202,7 +202,7 @@ impl Lights {
         };
         match &self.lights[light as usize] {
             Light::Punctual(light) => {
-                let light: &dyn Shining = &**light;
+                let light: &dyn PunctualLight = &**light;
                 delta(light.position() - ctx.p, light.intensity(ctx.p, lambda, textures, self.mode))
             }
             Light::Distant(wi, irradiance) => Some(LightSample {

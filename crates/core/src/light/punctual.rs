@@ -15,7 +15,7 @@ use steradian_math::{
 use steradian_texture::{SpectrumTexture, TextureContext, Textures};
 
 /// A light at a point.
-pub trait Shining {
+pub trait PunctualLight {
     /// Where it is.
     fn position(&self) -> Vec3;
 
@@ -48,7 +48,7 @@ macro_rules! lights {
         }
 
         impl std::ops::Deref for Punctual {
-            type Target = dyn Shining;
+            type Target = dyn PunctualLight;
 
             #[inline]
             fn deref(&self) -> &Self::Target {
@@ -86,7 +86,7 @@ pub struct Isotropic {
     pub intensity: Color,
 }
 
-impl Shining for Isotropic {
+impl PunctualLight for Isotropic {
     fn position(&self) -> Vec3 {
         self.position
     }
@@ -162,7 +162,7 @@ impl Spot {
     }
 }
 
-impl Shining for Spot {
+impl PunctualLight for Spot {
     fn position(&self) -> Vec3 {
         self.position
     }
@@ -239,7 +239,7 @@ impl Goniometric {
     }
 }
 
-impl Shining for Goniometric {
+impl PunctualLight for Goniometric {
     fn position(&self) -> Vec3 {
         self.position
     }
@@ -282,7 +282,7 @@ pub struct Projection {
     pub is_irradiance: bool,
 }
 
-impl Shining for Projection {
+impl PunctualLight for Projection {
     fn position(&self) -> Vec3 {
         self.world_from_light.point(Vec3::ZERO)
     }

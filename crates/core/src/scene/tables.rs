@@ -1,7 +1,7 @@
 //! What a scene holds: how many records of each kind, and what they take.
 
 use super::Scene;
-use crate::{medium::Field, shape::Shape};
+use crate::medium::Field;
 use std::{collections::HashSet, sync::Arc};
 
 /// Records of one kind.
@@ -16,19 +16,28 @@ pub struct Table {
 }
 
 impl Scene {
-    /// Its tables. Of materials the records alone count, not the tables of coats and measurements.
+    /// Bytes of shapes and of the structure that rays go through.
+    pub fn geometry_bytes(&self) -> usize {
+        self.shape_bytes() + self.parts.accel.bytes()
+    }
+
+    fn shape_bytes(&self) -> usize {
+        let mut seen = HashSet::new();
+        let shapes = self.parts.geometries.iter().filter(|g| seen.insert(g.shape.address())).map(|g| g.shape.bytes());
+        size_of_val(&self.parts.geometries[..]) + shapes.sum::<usize>()
+    }
+
+    /// Its tables. Of materials the records alone count, not the tables of coats and measurements; index lists that
+    /// several meshes share count for each of them.
     pub fn tables(&self) -> Vec<Table> {
         let parts = &self.parts;
-        let mut seen = HashSet::new();
-        let geometry = parts.geometries.iter().filter(|g| seen.insert(address(&g.shape))).map(|g| g.shape.bytes());
-        let shapes = size_of_val(&parts.geometries[..]) + geometry.sum::<usize>();
         let mut fields = HashSet::new();
         let field = |f: &Arc<Field>| if fields.insert(Arc::as_ptr(f)) { f.bytes() } else { 0 };
         let media = size_of_val(&parts.media[..])
             + parts.media.iter().filter_map(|m| m.field.as_ref()).map(field).sum::<usize>();
         let table = |name, count, bytes| Table { name, count, bytes };
         vec![
-            table("shapes", parts.geometries.len(), shapes),
+            table("shapes", parts.geometries.len(), self.shape_bytes()),
             table("instances", parts.placements.len(), size_of_val(&parts.placements[..])),
             table("ray structure", 1, parts.accel.bytes()),
             table("materials", parts.materials.len(), size_of_val(&parts.materials[..])),
@@ -36,18 +45,5 @@ impl Scene {
             table("lights", parts.lights.lights.len(), parts.lights.bytes()),
             table("media", parts.media.len(), media),
         ]
-    }
-}
-
-/// Where a shape's geometry is; planes, which point to nothing, are all at none.
-fn address(shape: &Shape) -> usize {
-    match shape {
-        Shape::Mesh(m) => Arc::as_ptr(m).addr(),
-        Shape::Quadric(q) => Arc::as_ptr(q).addr(),
-        Shape::Patches(m) => Arc::as_ptr(m).addr(),
-        Shape::Curves(c) => Arc::as_ptr(c).addr(),
-        Shape::Field(f) => Arc::as_ptr(f).addr(),
-        Shape::Sdf(s) => Arc::as_ptr(s).addr(),
-        Shape::Plane(_) => 0,
     }
 }

@@ -116,19 +116,22 @@ impl Shape {
         }
     }
 
-    /// Whether rays meet the same: the very geometry, not one that equals it. Planes, which no structure holds, are all
-    /// the same.
+    /// Whether both share their geometry in memory. Planes, which no ray structure holds, count as one.
     pub fn is_same(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
-            (Self::Quadric(a), Self::Quadric(b)) => Arc::ptr_eq(a, b),
-            (Self::Patches(a), Self::Patches(b)) => Arc::ptr_eq(a, b),
-            (Self::Curves(a), Self::Curves(b)) => Arc::ptr_eq(a, b),
-            (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
-            (Self::Sdf(a), Self::Sdf(b)) => Arc::ptr_eq(a, b),
-            (Self::Plane(_), Self::Plane(_)) => true,
-            _ => false,
-        }
+        self.address() == other.address()
+    }
+
+    /// Where its geometry is in memory; `None` for planes, which are stored in place.
+    pub(crate) fn address(&self) -> Option<usize> {
+        Some(match self {
+            Self::Mesh(m) => Arc::as_ptr(m).addr(),
+            Self::Quadric(q) => Arc::as_ptr(q).addr(),
+            Self::Patches(m) => Arc::as_ptr(m).addr(),
+            Self::Curves(c) => Arc::as_ptr(c).addr(),
+            Self::Field(f) => Arc::as_ptr(f).addr(),
+            Self::Sdf(s) => Arc::as_ptr(s).addr(),
+            Self::Plane(_) => return None,
+        })
     }
 
     /// Bytes held.

@@ -118,14 +118,13 @@ pub fn set(
 
 /// What is wrong with the name of a parameter that a node does not have, and the nearest that its kind has.
 fn unknown(node: &Node, parameter: &str) -> Option<(String, Option<String>)> {
-    let mut known = node.family.parameters(&node.kind)?.map(|p| p.name);
-    if known.any(|name| name == parameter) || node.get(parameter).is_some() {
+    let known: Vec<&str> = node.family.parameters(&node.kind)?.map(|p| p.name).collect();
+    if known.contains(&parameter) || node.get(parameter).is_some() {
         return None;
     }
     let what = format!("{} '{}' has no parameter '{parameter}'", node.family.noun(), node.kind);
-    let known = node.family.parameters(&node.kind)?.map(|p| p.name);
-    let all = || format!("it has {}", known.clone().collect::<Vec<_>>().join(", "));
-    Some((what, names::did_you_mean(parameter, known.clone()).or_else(|| Some(all()))))
+    let nearest = names::did_you_mean(parameter, known.iter().copied());
+    Some((what, nearest.or_else(|| Some(format!("it has {}", known.join(", "))))))
 }
 
 /// A value in the language, nodes by their [`ids`].
