@@ -7,7 +7,7 @@ pub enum Isa {
     Baseline,
     /// x86-64 with AVX2, FMA and BMI.
     Avx2,
-    /// x86-64 with AVX-512 F and VL, in 256-bit registers.
+    /// x86-64 with AVX-512 F, VL, BW and DQ.
     Avx512,
 }
 
@@ -29,7 +29,11 @@ impl Isa {
             }
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
-                Self::Avx2.is_supported() && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
+                Self::Avx2.is_supported()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512dq")
             }
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,

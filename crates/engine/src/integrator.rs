@@ -53,6 +53,22 @@ pub trait GroupIntegrator: Debug + Send + Sync {
         counters: &mut Counters,
     );
 
+    /// Takes samples that share nothing, and says of each how many rays it took.
+    fn wave<'s>(
+        &self,
+        scene: &'s Scene,
+        prepared: &Self::Prepared,
+        pixel_samples: &mut [PixelSample],
+        buffer: &mut Self::Buffer<'s>,
+        counters: &mut Counters,
+    ) {
+        for sample in pixel_samples {
+            let before = counters.rays;
+            self.group(scene, prepared, std::slice::from_mut(sample), buffer, counters);
+            sample.rays = (counters.rays - before) as u32;
+        }
+    }
+
     /// Pixels of a group: 1, 4 or 16.
     fn group_size(&self, _prepared: &Self::Prepared) -> u32 {
         1
@@ -119,6 +135,8 @@ pub struct PixelSample {
     pub lambda: Wavelengths,
     /// The result.
     pub radiance: Spectrum,
+    /// Rays that it took, where it shares none.
+    pub rays: u32,
 }
 
 impl PixelSample {
@@ -138,6 +156,6 @@ impl PixelSample {
         let lambda = scene.mode().wavelengths(|| common(dimension::WAVELENGTH));
         let lambda = if scene.is_timed() { lambda.at_time(common(dimension::TIME)) } else { lambda };
         let ray = scene.camera().ray_at(film, point, lens, lambda.time);
-        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO }, weight)
+        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO, rays: 0 }, weight)
     }
 }

@@ -56,6 +56,13 @@ pub fn cell_of(x: u32, y: u32) -> usize {
     (y % TILE / CELL * CELLS + x % TILE / CELL) as usize
 }
 
+impl Place {
+    /// A pixel that shares nothing.
+    pub fn alone([x, y]: [u32; 2]) -> Self {
+        Self { x, y, layer: 0 }
+    }
+}
+
 impl Partition {
     /// Layers, each of which has one pixel of every block.
     pub const LAYERS: u32 = BLOCK * BLOCK;

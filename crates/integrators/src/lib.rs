@@ -16,6 +16,7 @@ mod precomputed;
 mod shared_path;
 mod sharing;
 mod trials;
+mod wave;
 
 #[cfg(test)]
 mod sizes_tests;

@@ -22,7 +22,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
             (PathState::camera(context.scene, ray), Spectrum::ZERO, Arrival::End);
         arrive::<MEDIA>(&mut path_state, &self.depth, &mut sum, &mut first, context);
         match &first {
-            Arrival::Vertex(v) => sum + self.leaving(v, path_state, guide, context),
+            Arrival::Vertex(v) => self.leaving(v, path_state, guide, context, sum),
             Arrival::End => sum,
             Arrival::Escaped => {
                 escape(&path_state, &self.depth, &mut sum, context);
@@ -31,8 +31,8 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         }
     }
 
-    /// What a path that arrived at a vertex brings from there: light scattered towards where it came from, without
-    /// emission.
+    /// What a path brings that arrived at a vertex, `sum` of it before: light scattered there towards where it came
+    /// from, without emission.
     #[inline]
     pub(crate) fn leaving<'s>(
         &self,
@@ -40,8 +40,9 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         mut path_state: PathState,
         guide: Option<&impl Guide>,
         context: &mut PathContext<'s, '_>,
+        mut sum: Spectrum,
     ) -> Spectrum {
-        let (mut vertex, mut next, mut sum) = (vertex, Arrival::End, Spectrum::ZERO);
+        let (mut vertex, mut next) = (vertex, Arrival::End);
         loop {
             // Light that arrives straight from a light.
             sum += path_state.direct::<MEDIA>(vertex, context);

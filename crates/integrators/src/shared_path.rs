@@ -6,6 +6,7 @@ use crate::{
     precomputed::{Precomputed, VarianceReduction},
     sharing::{self, GroupBuffer},
     trials,
+    wave::{WaveBuffer, wave},
 };
 use steradian_core::Scene;
 use steradian_engine::{GroupIntegrator, PathContext, PixelSample};
@@ -21,7 +22,7 @@ pub struct SharedPath<const MEDIA: bool> {
 
 impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
     type Prepared = Precomputed;
-    type Buffer<'s> = GroupBuffer<'s>;
+    type Buffer<'s> = (GroupBuffer<'s>, WaveBuffer);
 
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
         trials::run(scene, &self.path, &self.variance_reduction, plan, stop)
@@ -36,7 +37,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         scene: &'s Scene,
         precomputed: &Precomputed,
         pixel_samples: &mut [PixelSample],
-        buffer: &mut GroupBuffer<'s>,
+        (buffer, _): &mut Self::Buffer<'s>,
         counters: &mut Counters,
     ) {
         match pixel_samples {
@@ -46,6 +47,17 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
             }
             _ => sharing::group(&self.path, scene, precomputed, pixel_samples, buffer, counters),
         }
+    }
+
+    fn wave<'s>(
+        &self,
+        scene: &'s Scene,
+        precomputed: &Precomputed,
+        pixel_samples: &mut [PixelSample],
+        (_, buffer): &mut Self::Buffer<'s>,
+        counters: &mut Counters,
+    ) {
+        wave(&self.path, scene, precomputed, pixel_samples, buffer, counters);
     }
 
     fn group_size(&self, precomputed: &Precomputed) -> u32 {

@@ -3,7 +3,7 @@
 
 use crate::{
     Control, Depth, Film, INTEGRATORS, IntegratorKind, PathEffort, Plan, Precomputed, Session, SharedPath, Stop,
-    VarianceReduction, adaptive::CELL, precomputed::Splitting, sharing::GroupBuffer,
+    VarianceReduction, adaptive::CELL, precomputed::Splitting,
 };
 use std::sync::Arc;
 use steradian_compile::{Options, compile};
@@ -82,7 +82,7 @@ struct Uneven<const MEDIA: bool>(SharedPath<MEDIA>, u32);
 
 impl<const MEDIA: bool> GroupIntegrator for Uneven<MEDIA> {
     type Prepared = Precomputed;
-    type Buffer<'s> = GroupBuffer<'s>;
+    type Buffer<'s> = <SharedPath<MEDIA> as GroupIntegrator>::Buffer<'s>;
 
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
         let edge = self.1;
@@ -101,7 +101,7 @@ impl<const MEDIA: bool> GroupIntegrator for Uneven<MEDIA> {
         scene: &'s Scene,
         precomputed: &Precomputed,
         pixel_samples: &mut [PixelSample],
-        buffer: &mut GroupBuffer<'s>,
+        buffer: &mut Self::Buffer<'s>,
         counters: &mut crate::Counters,
     ) {
         self.0.group(scene, precomputed, pixel_samples, buffer, counters);

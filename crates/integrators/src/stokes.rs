@@ -12,7 +12,7 @@ use steradian_math::{
     Ray, Spectrum,
     polarization::{Mueller, Stokes as Vector, basis},
 };
-use steradian_transport::roulette::roulette;
+use steradian_transport::roulette::{number, roulette};
 
 /// The path tracer of polarised light.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +105,7 @@ impl Stokes {
             // row sum.
             let strongest = chain.0[0].iter().fold(Spectrum::ZERO, |m, v| m + v.map(f32::abs));
             let live = live_max(strongest, lambda) * eta2;
-            match roulette(live, events, &self.depth, None, sampler) {
+            match roulette(live, events, &self.depth, None, || number(events, sampler)) {
                 Some(scale) => chain = chain.scaled(Spectrum::splat(scale)),
                 None => return sum,
             }

@@ -255,7 +255,7 @@ pub fn asin(x: f32) -> f32 {
 }
 
 /// Sine and cosine of `¼π x` for `x` within ±1, absolute error below 2·10⁻⁷: polynomials by least squares.
-#[inline]
+#[inline(always)]
 pub fn sin_cos_octant(x: f32) -> (f32, f32) {
     let q = x * x;
     let sin = x * FRAC_PI_4 + (x * q) * ((-0.080_745_43 + q * 0.0024899836) + (q * q) * -0.0000359351);

@@ -18,7 +18,7 @@ impl Frame {
     pub const IDENTITY: Self = Self { x: Vec3::X, y: Vec3::Y, z: Vec3::Z };
 
     /// A frame around a unit vector, without branches on its direction (Duff et al. 2017).
-    #[inline]
+    #[inline(always)]
     pub fn from_z(z: Vec3) -> Self {
         let sign = 1.0_f32.copysign(z.z);
         let a = -1.0 / (sign + z.z);
@@ -44,11 +44,13 @@ impl Frame {
     }
 
     /// Coordinates of `v` in this frame.
+    #[inline(always)]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
 
     /// The vector with local coordinates `v`.
+    #[inline(always)]
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }

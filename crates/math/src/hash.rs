@@ -2,7 +2,7 @@
 //! drawn.
 
 /// A bijective 32-bit mixer with low bias (Wellons, "hash prospector", constants of the `lowbias32` family).
-#[inline]
+#[inline(always)]
 pub const fn mix32(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
@@ -12,7 +12,7 @@ pub const fn mix32(mut x: u32) -> u32 {
 }
 
 /// A bijective 64-bit mixer (Stafford's variant 13, the finaliser of SplitMix64).
-#[inline]
+#[inline(always)]
 pub const fn mix64(mut x: u64) -> u64 {
     x ^= x >> 30;
     x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -37,7 +37,7 @@ pub const fn combine64(seed: u64, value: u64) -> u64 {
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON * 0.5;
 
 /// A number in `[0, 1)` from the top 24 bits of an integer.
-#[inline]
+#[inline(always)]
 pub fn unit_f32(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }

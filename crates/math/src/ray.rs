@@ -41,7 +41,7 @@ pub const fn gamma(n: u32) -> f32 {
 /// Moves a hit point off the surface, just past its error box, to the side that `w` points to.
 ///
 /// `error` is the half-size of the box that is known to contain the true point, `n` the geometric normal.
-#[inline]
+#[inline(always)]
 pub fn offset_ray_origin(p: Vec3, error: Vec3, n: Vec3, w: Vec3) -> Vec3 {
     let d = n.abs().dot(error);
     let offset = n * d.copysign(w.dot(n));

@@ -69,7 +69,7 @@ const fn matrices() -> [[u32; 32]; SOBOL_DIMENSIONS] {
 
 /// Dimension 1 before its final bit reversal: the product with the Pascal matrix modulo 2, which is a Kronecker power
 /// of `[1 1; 0 1]` and so takes one masked shift per level.
-#[inline]
+#[inline(always)]
 const fn pascal(mut x: u32) -> u32 {
     x ^= (x >> 1) & 0x5555_5555;
     x ^= (x >> 2) & 0x3333_3333;
@@ -79,7 +79,7 @@ const fn pascal(mut x: u32) -> u32 {
 }
 
 /// Laine–Karras permutation: every bit is flipped as a function of the bits below it and of the seed.
-#[inline]
+#[inline(always)]
 const fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -119,7 +119,7 @@ pub struct Scramble {
 
 impl Scramble {
     /// That of a hash of what the pair is for.
-    #[inline]
+    #[inline(always)]
     pub const fn new(hash: u64) -> Self {
         // Two halves and the high half of a product.
         Self { order: hash as u32, x: (hash >> 32) as u32, y: (hash.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32 }
@@ -127,7 +127,7 @@ impl Scramble {
 
     /// The point of the first dimension, for an index given with its bits reversed, which is where both shuffling and
     /// scrambling start.
-    #[inline]
+    #[inline(always)]
     pub fn point_1d(self, reversed: u32) -> f32 {
         let i = laine_karras(reversed, self.order).reverse_bits();
         unit_f32(laine_karras(i, self.x).reverse_bits())
@@ -135,7 +135,7 @@ impl Scramble {
 
     /// The point of the first two dimensions, for an index given with its bits reversed: as
     /// [`shuffled_scrambled_sobol_2d`].
-    #[inline]
+    #[inline(always)]
     pub fn point_2d(self, reversed: u32) -> [f32; 2] {
         let i = laine_karras(reversed, self.order).reverse_bits();
         // Both are turned round at once.

@@ -36,7 +36,7 @@ pub struct Depth {
 }
 
 /// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).
-#[inline]
+#[inline(always)]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
     if a == 0.0 {
         return 0.0;

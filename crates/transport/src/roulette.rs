@@ -12,9 +12,16 @@ const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 pub const LONG_PATH: (u32, f32) = (1000, 0.99);
 
 /// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette
-/// ([`crate::PathState::for_roulette`]), goes on with times as much, or `None` where it ends.
-#[inline]
-pub fn roulette(live: f32, events: u32, depth: &Depth, below: Option<f32>, sampler: &PixelSampler) -> Option<f32> {
+/// ([`crate::PathState::for_roulette`]), goes on with times as much, or `None` where it ends. The number is that of
+/// [`number`].
+#[inline(always)]
+pub fn roulette(
+    live: f32,
+    events: u32,
+    depth: &Depth,
+    below: Option<f32>,
+    number: impl FnOnce() -> f32,
+) -> Option<f32> {
     if live <= 0.0 {
         return None;
     }
@@ -25,5 +32,11 @@ pub fn roulette(live: f32, events: u32, depth: &Depth, below: Option<f32>, sampl
     if survival >= 1.0 || (below.is_none() && events <= depth.roulette_after) {
         return Some(1.0);
     }
-    (sampler.get_1d(dimension::at(events, dimension::ROULETTE)) < survival).then(|| 1.0 / survival)
+    (number() < survival).then(|| 1.0 / survival)
+}
+
+/// The random number of the decision after `events` scattering events.
+#[inline]
+pub fn number(events: u32, sampler: &PixelSampler) -> f32 {
+    sampler.get_1d(dimension::at(events, dimension::ROULETTE))
 }

@@ -4,7 +4,7 @@ use crate::{
     Depth,
     guide::{Guide, GuidedDirection},
     live_max, nee,
-    roulette::roulette,
+    roulette::{number, roulette},
     vertex::Vertex,
 };
 use steradian_bsdf::{Bsdf, BsdfSample, Lobe, TransportMode};
@@ -99,7 +99,8 @@ impl PathState {
     #[inline]
     pub fn survives(&mut self, depth: &Depth, context: &PathContext<'_, '_>) -> bool {
         let live = live_max(self.beta, context.lambda) * self.for_roulette;
-        let scale = roulette(live, self.events, depth, self.roulette_below, context.sampler);
+        let number = || number(self.events, context.sampler);
+        let scale = roulette(live, self.events, depth, self.roulette_below, number);
         self.beta *= scale.unwrap_or(0.0);
         scale.is_some()
     }

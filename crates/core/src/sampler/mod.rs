@@ -147,6 +147,12 @@ impl GroupSampler {
     }
 }
 
+/// How the Sobol' points of a dimension are shuffled and scrambled, for a seed.
+#[inline(always)]
+pub fn sobol_scramble(seed: u32, dimension: u32) -> Scramble {
+    Scramble::new(mix64(u64::from(seed) << 32 | u64::from(dimension)))
+}
+
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSampler {
@@ -186,7 +192,14 @@ impl PixelSampler {
     /// How the points of a dimension are shuffled and scrambled.
     #[inline]
     fn scramble(&self, dimension: u32) -> Scramble {
-        Scramble::new(mix64(u64::from(self.seed) << 32 | u64::from(dimension)))
+        sobol_scramble(self.seed, dimension)
+    }
+
+    /// The seed and the index with its bits reversed, of which and of a dimension its numbers are made by
+    /// [`sobol_scramble`]; `None` for other points than Sobol's.
+    #[inline]
+    pub fn sobol(&self) -> Option<(u32, u32)> {
+        matches!(self.kind, SamplerKind::ZSobol | SamplerKind::Sobol).then_some((self.seed, self.reversed))
     }
 
     /// Out of the way of the default.

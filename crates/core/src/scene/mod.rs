@@ -12,7 +12,7 @@ use crate::{
     light::{LightGroups, Lights},
     material::{self, Material, Model, Needs, Scattering, SurfaceDetail, detail::Base},
     medium::Medium,
-    shape::SurfacePoint,
+    shape::{SurfacePoint, TriMesh},
 };
 pub use parts::{Geometry, Parts, Placement, Settings};
 use std::{collections::BTreeMap, sync::Arc};
@@ -46,6 +46,8 @@ struct Facts {
     has_curves: bool,
     /// The back and the front of each material.
     constants: Vec<[Option<material::Constant>; 2]>,
+    /// Which geometries are uniform ([`Scene::uniform`]).
+    uniform: Vec<bool>,
 }
 
 impl Facts {
@@ -69,15 +71,33 @@ impl Facts {
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
             constants: material::constants(materials, textures),
+            uniform: Vec::new(),
         }
+    }
+}
+
+impl Facts {
+    /// Finds meshes that are uniform, which takes what is asked of their points.
+    fn find_uniform(&mut self, parts: &Parts) {
+        let is_uniform = |g: &Geometry| {
+            let sides = &self.constants[g.material as usize];
+            matches!(g.shape, Shape::Mesh(_))
+                && !g.needs.parameters
+                && !g.is_interface
+                && g.emitter.is_none()
+                && g.media.is_none()
+                && sides.iter().all(Option::is_some)
+        };
+        self.uniform = parts.geometries.iter().map(is_uniform).collect();
     }
 }
 
 impl Scene {
     /// The scene of these parts.
     pub fn new(mut parts: Parts) -> Self {
-        let facts = Facts::of(&parts);
+        let mut facts = Facts::of(&parts);
         set_needs(&mut parts, facts.footprints.is_some());
+        facts.find_uniform(&parts);
         Self { parts, facts }
     }
 
@@ -86,6 +106,7 @@ impl Scene {
         change(&mut self.parts);
         self.facts = Facts::of(&self.parts);
         set_needs(&mut self.parts, self.facts.footprints.is_some());
+        self.facts.find_uniform(&self.parts);
     }
 
     /// This scene with some of its parts changed.
@@ -271,16 +292,21 @@ impl Interaction {
     /// A ray to a point at a distance in a unit direction, that ends just before it.
     #[inline]
     pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {
-        let ray = self.spawn(direction);
-        // Rays start off curves by their width: there the direction to the point is another.
-        let moved = ray.origin - self.surface.p;
-        if moved.length_squared() > (MOVED * distance) * (MOVED * distance) {
-            let to = direction * distance - moved;
-            let distance = to.length();
-            return Ray { direction: to / distance, t_max: distance * SHADOW_END, ..ray };
-        }
-        Ray { t_max: distance * SHADOW_END, ..ray }
+        let s = &self.surface;
+        Ray { time: self.time, ..shadow_ray(s.p, offset_ray_origin(s.p, s.error, s.n, direction), direction, distance) }
     }
+}
+
+/// The ray from an origin near a point to what is at a distance from that in a unit direction, which ends just before.
+#[inline(always)]
+pub fn shadow_ray(p: Vec3, origin: Vec3, direction: Vec3, distance: f32) -> Ray {
+    // Rays start off curves by their width: there the direction to the point is another.
+    let moved = origin - p;
+    let is_moved = moved.length_squared() > (MOVED * distance) * (MOVED * distance);
+    let to = direction * distance - moved;
+    let left = to.length();
+    let (direction, distance) = if is_moved { (to / left, left) } else { (direction, distance) };
+    Ray { t_max: distance * SHADOW_END, ..Ray::new(origin, direction) }
 }
 
 /// Shadow rays end this share of the way to the light, so that they do not meet it.
@@ -327,6 +353,18 @@ impl Scene {
     /// `steradian_compile::compile` turns into a scene.
     pub fn builder() -> steradian_scene::build::SceneBuilder {
         steradian_scene::build::Scene::builder()
+    }
+
+    /// The mesh of a primitive that is in the world, emits nothing, separates no media, and of which each side scatters
+    /// in the same way everywhere; and how its back and its front do.
+    #[inline]
+    pub fn uniform(&self, id: PrimId) -> Option<(&TriMesh, &[Option<material::Constant>; 2])> {
+        if id.instance != WORLD || !self.facts.uniform[id.geom as usize] {
+            return None;
+        }
+        let geometry = &self.parts.geometries[id.geom as usize];
+        let Shape::Mesh(mesh) = &geometry.shape else { return None };
+        Some((mesh, &self.facts.constants[geometry.material as usize]))
     }
 
     /// The geometry of a primitive.

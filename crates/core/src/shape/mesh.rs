@@ -116,7 +116,7 @@ impl TriMesh {
     /// elsewhere. Zero for a degenerate triangle.
     pub fn geometric_normal(&self, triangle: u32) -> Vec3 {
         let [p0, p1, p2] = self.corners(triangle);
-        let n = face_normal(p0, p1, p2);
+        let n = face_normal([p0, p1, p2]);
         if self.normals.is_empty() {
             return if self.flip { -n } else { n };
         }
@@ -139,27 +139,10 @@ impl TriMesh {
     #[inline]
     pub fn bare(&self, triangle: u32, u: f32, v: f32) -> SurfacePoint {
         let index = self.triangles[triangle as usize];
-        let [p0, p1, p2] = index.map(|i| self.positions[i as usize]);
-        let w = 1.0 - u - v;
-        let p = p0 * w + p1 * u + p2 * v;
-        let error = ((p0 * w).abs() + (p1 * u).abs() + (p2 * v).abs()) * gamma(7);
-        let mut n = face_normal(p0, p1, p2);
-        let mut ns = n;
-        if self.normals.is_empty() {
-            if self.flip {
-                n = -n;
-            }
-            ns = n;
-        } else {
-            let [n0, n1, n2] = index.map(|i| self.normals[i as usize]);
-            let s = n0 * w + n1 * u + n2 * v;
-            let len2 = s.length_squared();
-            if len2 > 0.0 {
-                ns = s / len2.sqrt();
-                n = if n.dot(ns) < 0.0 { -n } else { n };
-            }
-        }
-        SurfacePoint { ns, ..SurfacePoint::bare(p, error, n) }
+        let corners = index.map(|i| self.positions[i as usize]);
+        let is_smooth = !self.normals.is_empty();
+        let normals = if is_smooth { index.map(|i| self.normals[i as usize]) } else { [Vec3::ZERO; 3] };
+        on_triangle(corners, normals, (is_smooth, self.flip), (u, v), face_normal(corners))
     }
 
     /// Texture coordinates at barycentric coordinates of a triangle.
@@ -260,16 +243,46 @@ impl MeshAttributes for TriMesh {
     }
 }
 
+/// The surface at barycentric coordinates `(1 − u − v, u, v)` of a triangle of a mesh that has vertex normals or none,
+/// and may be turned over, by its normal by winding; without a parametrisation.
+#[inline(always)]
+pub fn on_triangle(
+    [p0, p1, p2]: [Vec3; 3],
+    [n0, n1, n2]: [Vec3; 3],
+    (is_smooth, flip): (bool, bool),
+    (u, v): (f32, f32),
+    face: Vec3,
+) -> SurfacePoint {
+    let w = 1.0 - u - v;
+    let (q0, q1, q2) = (p0 * w, p1 * u, p2 * v);
+    let error = (q0.abs() + q1.abs() + q2.abs()) * gamma(7);
+    let mut n = if flip && !is_smooth { -face } else { face };
+    let mut ns = n;
+    if is_smooth {
+        let s = n0 * w + n1 * u + n2 * v;
+        let len2 = s.length_squared();
+        if len2 > 0.0 {
+            ns = s / len2.sqrt();
+            n = if n.dot(ns) < 0.0 { -n } else { n };
+        }
+    }
+    SurfacePoint { ns, ..SurfacePoint::bare(q0 + q1 + q2, error, n) }
+}
+
 /// Unit normal by winding; zero where the corners lie on a line.
 #[inline]
-fn face_normal(p0: Vec3, p1: Vec3, p2: Vec3) -> Vec3 {
+pub fn face_normal([p0, p1, p2]: [Vec3; 3]) -> Vec3 {
+    // Squares of tiny and huge triangles leave the range of f32.
+    usual_face_normal([p0, p1, p2])
+        .unwrap_or_else(|| (p1 - p0).as_dvec3().cross((p2 - p0).as_dvec3()).normalize_or_zero().as_vec3())
+}
+
+/// [`face_normal`], where single precision does for it.
+#[inline(always)]
+pub fn usual_face_normal([p0, p1, p2]: [Vec3; 3]) -> Option<Vec3> {
     let n = (p1 - p0).cross(p2 - p0);
     let len2 = n.length_squared();
-    if len2 > 0.0 && len2.is_finite() {
-        return n / len2.sqrt();
-    }
-    // Tiny or huge triangles: the squares leave the range of f32.
-    (p1 - p0).as_dvec3().cross((p2 - p0).as_dvec3()).normalize_or_zero().as_vec3()
+    (len2 > 0.0 && len2.is_finite()).then(|| n / len2.sqrt())
 }
 
 /// ∂p/∂u of a triangle; zero where the parametrisation is degenerate.

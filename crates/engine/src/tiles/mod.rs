@@ -7,6 +7,7 @@
 //! ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that
 //! are fixed.
 
+mod alone;
 mod scales;
 mod sound;
 mod state;

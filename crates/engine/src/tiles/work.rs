@@ -5,7 +5,8 @@
 //! These reach into the tiles to the right and below, so tiles are counted from one before the first. All pieces are
 //! worked at in the order of ticks. A piece is added to the film as a whole, when the pieces about it are there up to
 //! the tick before, which they mostly are long since; so each pixel's samples are added in their order. Where nothing
-//! is shared, pieces have nothing to do with each other, and a tile is brought to the end of the step at once.
+//! is shared, pieces have nothing to do with each other, and a tile is brought to the end of the step at once
+//! (`alone.rs`).
 
 use super::{Frame, lock};
 use crate::{
@@ -25,19 +26,23 @@ use steradian_math::{Spectrum, Vec3, hash::combine64};
 /// Rays are counted for pixels in this part of one, so that a group's can be divided among its members.
 pub(super) const RAYS: u64 = 64;
 
-/// A pixel's part in a group.
+/// A sample of a pixel: its part in a group, or alone.
 #[derive(Clone, Copy)]
-struct Member {
-    place: Place,
+pub(super) struct Member {
+    pub place: Place,
     /// The tile that keeps it, and where; `None` beyond the crop.
-    kept: Option<(u32, u32)>,
+    pub kept: Option<(u32, u32)>,
     /// The number of its sample in the round, and the samples of the round.
     sample: u32,
     of: u32,
     /// Of how many paths the sample is the mean.
-    paths: u32,
+    pub paths: u32,
     /// What they bring.
-    sum: Vec3,
+    pub sum: Vec3,
+    /// Rays that they took, where they share none.
+    pub rays: u32,
+    /// When it is taken.
+    pub tick: u32,
 }
 
 /// A sample on its way to the film.
@@ -49,21 +54,19 @@ struct Found {
     rays: u64,
     /// First hits of its paths: where they begin among those of the piece, and how many.
     hits: (usize, usize),
-    /// Where its light by groups begins among that of the piece.
-    lights: usize,
 }
 
 /// What a thread works with; kept, so that nothing is allocated per sample.
-struct Scratch<B> {
-    members: Vec<Member>,
+pub(super) struct Scratch<B> {
+    pub members: Vec<Member>,
     /// Who takes part in a path of the group, and the weight that the film gives it.
-    taking: Vec<(usize, f32)>,
-    pixel_samples: Vec<PixelSample>,
-    buffer: B,
+    pub taking: Vec<(usize, f32)>,
+    pub pixel_samples: Vec<PixelSample>,
+    pub buffer: B,
     found: Vec<Found>,
-    hits: Vec<(usize, FirstHit)>,
+    pub hits: Vec<(usize, FirstHit)>,
     /// The light of each group of lights that samples bring, one after the other.
-    lights: Vec<Vec3>,
+    pub lights: Vec<Vec3>,
 }
 
 impl<B: Default> Default for Scratch<B> {
@@ -82,16 +85,16 @@ impl<B: Default> Default for Scratch<B> {
 
 /// A step under way.
 pub(super) struct Work<'a, G: GroupIntegrator> {
-    frame: &'a Frame,
-    integrator: &'a G,
-    prepared: &'a G::Prepared,
-    control: &'a Control,
-    stop: Stop,
-    partition: Partition,
+    pub frame: &'a Frame,
+    pub integrator: &'a G,
+    pub prepared: &'a G::Prepared,
+    pub control: &'a Control,
+    pub stop: Stop,
+    pub partition: Partition,
     /// Tiles of a row, one before the first included.
     across: usize,
     /// Ticks to begin with, and to come to.
-    ticks: (u32, u32),
+    pub ticks: (u32, u32),
     /// The next piece of work.
     next: AtomicU64,
     total: Mutex<Counters>,
@@ -138,9 +141,12 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             if piece >= pieces {
                 break;
             }
-            let (tile, first) = ((piece % tiles) as usize, self.ticks.0 + (piece / tiles) as u32);
-            let last = if alone { self.ticks.1 } else { first + 1 };
-            if !(first..last).all(|tick| self.advance(tile, tick, &mut scratch, &mut counters)) {
+            let (tile, tick) = ((piece % tiles) as usize, self.ticks.0 + (piece / tiles) as u32);
+            let is_done = match alone {
+                true => self.finish(tile, &mut scratch, &mut counters),
+                false => self.advance(tile, tick, &mut scratch, &mut counters),
+            };
+            if !is_done {
                 break;
             }
         }
@@ -155,13 +161,10 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             return true;
         }
         let mut mine = Counters::until(&self.stop);
-        mine.by_group.resize(self.frame.light_groups(), Spectrum::ZERO);
         scratch.found.clear();
         scratch.hits.clear();
-        scratch.lights.clear();
-        let place = [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1];
-        let crop = self.frame.scene.film().crop;
-        let first = [crop.x0 / TILE, crop.y0 / TILE].map(|v| v as i32);
+        let place = self.place(tile);
+        let first = self.origin().map(|v| v as i32);
         for window in self.partition.windows([0, 1].map(|axis| first[axis] + place[axis]), tick) {
             if self.stop.is_asked() {
                 return false;
@@ -173,18 +176,31 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         }
         self.add(tick, scratch, &mut mine);
         done.store(tick + 1, Ordering::Release);
-        self.control.samples.fetch_add(mine.samples, Ordering::Relaxed);
-        self.control.rays.fetch_add(mine.rays, Ordering::Relaxed);
+        self.report(&mine);
         *counters += &mine;
         true
+    }
+
+    /// Column and row of a tile among those that are kept.
+    pub fn place(&self, tile: usize) -> [i32; 2] {
+        [(tile % self.across) as i32 - 1, (tile / self.across) as i32 - 1]
+    }
+
+    /// Column and row in the frame of the first tile that is kept.
+    pub fn origin(&self) -> [u32; 2] {
+        let crop = self.frame.scene.film().crop;
+        [crop.x0 / TILE, crop.y0 / TILE]
+    }
+
+    /// Adds to what others see of the step.
+    pub fn report(&self, mine: &Counters) {
+        self.control.samples.fetch_add(mine.samples, Ordering::Relaxed);
+        self.control.rays.fetch_add(mine.rays, Ordering::Relaxed);
     }
 
     /// Waits for the pieces about a tile to be added up to a tick; `false` where that was cancelled. They were begun
     /// before, so each will be.
     fn wait(&self, [column, row]: [i32; 2], tick: u32) -> bool {
-        if self.partition.size() == 1 {
-            return true;
-        }
         let down = self.frame.done.len() / self.across;
         for (x, y) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (column + 1 + x, row + 1 + y))) {
             if !((0..self.across as i32).contains(&x) && (0..down as i32).contains(&y)) {
@@ -203,120 +219,112 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         true
     }
 
-    /// Who of a group takes a sample in a tick.
-    fn gather(&self, window: Window, tick: u32, members: &mut Vec<Member>) {
+    /// The sample that a pixel takes in a tick, if it takes one.
+    pub fn member(&self, place: Place, tick: u32) -> Option<Member> {
         let Frame { scene, round, columns, targets, ticks, .. } = self.frame;
-        let crop = scene.film().crop;
-        let origin = [crop.x0 / TILE, crop.y0 / TILE];
-        members.clear();
-        for place in self.partition.places(window) {
-            let Place { x, y, .. } = place;
-            if x >= scene.film().width || y >= scene.film().height {
-                continue;
-            }
-            let is_kept = (crop.x0..crop.x1).contains(&x) && (crop.y0..crop.y1).contains(&y);
-            let tile = || [x / TILE - origin[0], y / TILE - origin[1]];
-            // Members beyond the crop take part, so that a crop has the bits of the whole; nothing is known of what
-            // they need.
-            let of = match (round.number, is_kept) {
-                (0, _) => *ticks,
-                (_, true) => {
-                    let cell = cell_of(x, y) as u32;
-                    let [column, row] = tile().map(|v| v * CELLS);
-                    targets[(row + cell / CELLS) as usize * columns + (column + cell % CELLS) as usize]
-                }
-                (_, false) => continue,
-            };
-            let until = |tick: u32| (u64::from(of) * u64::from(tick) / u64::from((*ticks).max(1))) as u32;
-            let sample = until(tick);
-            if until(tick + 1) == sample {
-                continue;
-            }
-            let kept = is_kept.then(|| {
-                let [column, row] = tile();
-                let corner = [(x / TILE * TILE).max(crop.x0), (y / TILE * TILE).max(crop.y0)];
-                let width = (x / TILE * TILE + TILE).min(crop.x1) - corner[0];
-                (row * (*columns as u32 / CELLS) + column, (y - corner[1]) * width + x - corner[0])
-            });
-            let paths = self.integrator.paths(self.prepared, [x, y]);
-            members.push(Member { place, kept, sample, of, paths, sum: Vec3::ZERO });
+        let Place { x, y, .. } = place;
+        let film = scene.film();
+        if x >= film.width || y >= film.height {
+            return None;
         }
+        let crop = film.crop;
+        let is_kept = (crop.x0..crop.x1).contains(&x) && (crop.y0..crop.y1).contains(&y);
+        let tile = || [x / TILE - crop.x0 / TILE, y / TILE - crop.y0 / TILE];
+        // Members beyond the crop take part, so that a crop has the bits of the whole; nothing is known of what they
+        // need.
+        let of = match (round.number, is_kept) {
+            (0, _) => *ticks,
+            (_, true) => {
+                let cell = cell_of(x, y) as u32;
+                let [column, row] = tile().map(|v| v * CELLS);
+                targets[(row + cell / CELLS) as usize * columns + (column + cell % CELLS) as usize]
+            }
+            (_, false) => return None,
+        };
+        let until = |tick: u32| (u64::from(of) * u64::from(tick) / u64::from((*ticks).max(1))) as u32;
+        let sample = until(tick);
+        if until(tick + 1) == sample {
+            return None;
+        }
+        let kept = is_kept.then(|| {
+            let [column, row] = tile();
+            let corner = [(x / TILE * TILE).max(crop.x0), (y / TILE * TILE).max(crop.y0)];
+            let width = (x / TILE * TILE + TILE).min(crop.x1) - corner[0];
+            (row * (*columns as u32 / CELLS) + column, (y - corner[1]) * width + x - corner[0])
+        });
+        let paths = self.integrator.paths(self.prepared, [x, y]);
+        Some(Member { place, kept, sample, of, paths, sum: Vec3::ZERO, rays: 0, tick })
+    }
+
+    /// One of the paths that a sample is the mean of, and the weight that the film gives it.
+    pub fn pixel_sample(&self, m: &Member, path: u32) -> (PixelSample, f32) {
+        let Frame { scene, plan, round, .. } = self.frame;
+        // Rounds are independent of each other.
+        let seed = match round.number {
+            0 => plan.sampler.seed,
+            n => combine64(plan.sampler.seed, n.into()),
+        };
+        // The first paths of all samples come first in a pixel's points, then the second ones, for those who have such.
+        let sampler = Sampler { spp: m.of.saturating_mul(m.paths), seed, ..plan.sampler };
+        let index = m.sample.wrapping_add(path.wrapping_mul(m.of));
+        PixelSample::at(scene, &sampler, &self.partition, index, &m.place)
+    }
+
+    /// What the film takes of a path, and what its ray hits first where that is asked for.
+    pub fn exposed(&self, pixel_sample: &PixelSample) -> (Spectrum, Option<FirstHit>) {
+        let Frame { scene, plan, .. } = self.frame;
+        let l = scene.film().exposed(pixel_sample.radiance);
+        if !(plan.features || plan.mattes || plan.transparent) {
+            return (l, None);
+        }
+        let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda);
+        let l = if plan.transparent && hit.coverage == 0.0 { Spectrum::ZERO } else { l };
+        (l, (plan.features || plan.mattes).then_some(hit))
     }
 
     /// One sample of each pixel of a group, which is the mean of as many paths as the preparation wants.
     fn group(&self, window: Window, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
-        let Frame { scene, plan, round, .. } = self.frame;
-        let film = scene.film();
-        self.gather(window, tick, &mut scratch.members);
-        let Scratch { members, taking, pixel_samples, buffer, found, hits, lights } = scratch;
+        let Frame { scene, .. } = self.frame;
+        let Scratch { members, taking, pixel_samples, buffer, found, hits, .. } = scratch;
+        members.clear();
+        members.extend(self.partition.places(window).filter_map(|place| self.member(place, tick)));
         if !members.iter().any(|m| m.kept.is_some()) {
             return;
         }
         let begin = hits.len();
-        let groups = counters.by_group.len();
-        let begin_of_lights = lights.len();
-        lights.resize(begin_of_lights + groups, Vec3::ZERO);
-        let gathers = plan.features || plan.mattes;
         let before = counters.rays;
         for path in 0..members.iter().map(|m| m.paths).max().unwrap_or(0) {
             pixel_samples.clear();
             taking.clear();
             for (number, m) in members.iter().enumerate().filter(|(_, m)| m.paths > path) {
-                // Rounds are independent of each other.
-                let seed = match round.number {
-                    0 => plan.sampler.seed,
-                    n => combine64(plan.sampler.seed, n.into()),
-                };
-                // The first paths of all samples come first in a pixel's points, then the second ones, for those who
-                // have such.
-                let sampler = Sampler { spp: m.of.saturating_mul(m.paths), seed, ..plan.sampler };
-                let index = m.sample.wrapping_add(path.wrapping_mul(m.of));
-                let (pixel_sample, weight) = PixelSample::at(scene, &sampler, &self.partition, index, &m.place);
+                let (pixel_sample, weight) = self.pixel_sample(m, path);
                 pixel_samples.push(pixel_sample);
                 taking.push((number, weight));
             }
             self.integrator.group(scene, self.prepared, pixel_samples, buffer, counters);
-            for ((number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
-                let mut l = film.exposed(pixel_sample.radiance);
-                let hit =
-                    (gathers || plan.transparent).then(|| first_hit(scene, pixel_sample.ray, &pixel_sample.lambda));
-                if hit.is_some_and(|hit| plan.transparent && hit.coverage == 0.0) {
-                    l = Spectrum::ZERO;
-                }
-                // Paths that share nothing: the group has one member.
-                for (sum, light) in lights[begin_of_lights..].iter_mut().zip(&mut counters.by_group) {
-                    let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
-                    let light = std::mem::replace(light, Spectrum::ZERO) * scale;
-                    *sum +=
-                        scene.mode().to_rgb(light, &pixel_sample.lambda) * (*weight / members[*number].paths as f32);
-                }
-                members[*number].sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * *weight;
-                if let Some(hit) = hit.filter(|_| gathers && members[*number].kept.is_some()) {
-                    hits.push((*number, hit));
+            for (&(number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
+                let (l, hit) = self.exposed(pixel_sample);
+                members[number].sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * weight;
+                if let Some(hit) = hit.filter(|_| members[number].kept.is_some()) {
+                    hits.push((number, hit));
                 }
             }
         }
-        if gathers {
-            hits[begin..].sort_by_key(|(number, _)| *number);
-        }
+        hits[begin..].sort_by_key(|(number, _)| *number);
         let rays = (counters.rays - before) * RAYS / members.len() as u64;
         let mut at_hit = begin;
         for (number, m) in members.iter().enumerate() {
             let Some((tile, at)) = m.kept else { continue };
             let count = hits[at_hit..].iter().take_while(|(n, _)| *n == number).count();
             let (value, cell) = (m.sum / m.paths as f32, cell_of(m.place.x, m.place.y) as u32);
-            found.push(Found { tile, at, cell, value, rays, hits: (at_hit, count), lights: begin_of_lights });
+            found.push(Found { tile, at, cell, value, rays, hits: (at_hit, count) });
             at_hit += count;
         }
     }
 
     /// Adds what was found to the film.
     fn add(&self, tick: u32, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
-        // Of one tile each pixel has one sample, in whatever order.
-        if scratch.found.iter().any(|f| f.tile != scratch.found[0].tile) {
-            scratch.found.sort_unstable_by_key(|f| (f.tile, f.at));
-        }
-        let groups = counters.by_group.len();
+        scratch.found.sort_unstable_by_key(|f| (f.tile, f.at));
         for found in scratch.found.chunk_by(|a, b| a.tile == b.tile) {
             let mut tile = lock(&self.frame.tiles[found[0].tile as usize]);
             for f in found {
@@ -325,9 +333,6 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
                 let cell = &mut tile.cells[f.cell as usize];
                 cell.rays += f.rays;
                 cell.samples += 1;
-                if groups > 0 && f.value.is_finite() {
-                    tile.add_lights(f.at as usize, &scratch.lights[f.lights..f.lights + groups]);
-                }
                 for (_, hit) in &scratch.hits[f.hits.0..f.hits.0 + f.hits.1] {
                     tile.add_hit(f.at as usize, hit);
                 }

@@ -184,14 +184,14 @@ pub(crate) fn group<'s, const MEDIA: bool>(
             member.pixel_sample = index;
             count += 1;
         } else {
-            *radiance += path.leaving(x, member.path_state, guide, context);
+            *radiance = path.leaving(x, member.path_state, guide, context, *radiance);
         }
     }
     let group = &mut members[..count];
     if let [Member { pixel_sample, x: Arrival::Vertex(x), path_state, .. }] = group {
         let PixelSample { own, lambda, radiance, .. } = &mut pixel_samples[*pixel_sample];
         let context = &mut PathContext { scene, sampler: own, lambda, counters };
-        *radiance += path.leaving(x, *path_state, guide, context);
+        *radiance = path.leaving(x, *path_state, guide, context, *radiance);
         return;
     }
     for k in 0..precomputed.effort.lights {

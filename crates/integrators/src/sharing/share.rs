@@ -103,7 +103,7 @@ pub(super) fn share<const MEDIA: bool>(
         }
         let mut light = Spectrum::ZERO;
         if shared != Shared::ByDirection {
-            light = path.leaving(y, path_state, precomputed.caustics.as_ref(), context);
+            light = path.leaving(y, path_state, precomputed.caustics.as_ref(), context, Spectrum::ZERO);
             light = for_all_wavelengths(light, &lambda, common, scene.mode());
             if shared == Shared::No || !light.is_finite() {
                 *radiance += light;
@@ -214,7 +214,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
         arrive::<MEDIA>(&mut path_state, depth, &mut light, &mut next, context);
         match &next {
             Arrival::Vertex(v) => {
-                let beyond = path.leaving(v, path_state, guide, context);
+                let beyond = path.leaving(v, path_state, guide, context, Spectrum::ZERO);
                 light += for_all_wavelengths(beyond, &left, &lambda, scene.mode());
             }
             Arrival::Escaped => {

@@ -18,8 +18,7 @@ pub use phase::{hg_phase, sample_hg};
 pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::{spherical_triangle, spherical_triangle_area, spherical_triangle_pdf};
 
-use crate::{Vec2, Vec3, Vec4, elementary::sin_cos_octant};
-use glam::Vec4Swizzles;
+use crate::{Vec2, Vec3, elementary::sin_cos_octant};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 /// Density of [`uniform_hemisphere`], `1/2π`.
@@ -42,19 +41,14 @@ impl DiskPoint {
     #[inline(always)]
     pub fn new(u: Vec2) -> Self {
         let p = 2.0 * u - Vec2::ONE;
-        // Of (x, y) and (y, x) the one whose first is longer, chosen by bits: a branch would be mispredicted half of
-        // the time.
-        let (same, exchanged) = (Vec4::new(p.x, p.y, p.x, p.y), Vec4::new(p.y, p.x, p.y, p.x));
-        let is_high = same.abs().xxxx().cmple(same.abs().yyyy());
-        // The middle is no exception: zero over the smallest number.
-        let quotients = exchanged / same.abs().max(Vec4::splat(f32::MIN_POSITIVE));
-        let (sin, cos) = sin_cos_octant(Vec4::select(is_high, quotients.yyyy(), quotients).x);
-        // Along the longer axis the cosine, with its sign.
-        let low = Vec2::new(cos.copysign(p.x), sin);
-        let high = Vec2::new(sin, cos.copysign(p.y));
-        let azimuth = Vec4::select(is_high, high.extend(0.0).extend(0.0), low.extend(0.0).extend(0.0));
         let (x, y) = (p.x.abs(), p.y.abs());
-        Self { radius: if x > y { x } else { y }, azimuth: azimuth.truncate().truncate() }
+        // Along the longer axis the cosine, with its sign. The middle is no exception: zero over the smallest number.
+        let is_high = x <= y;
+        let (long, short) = if is_high { (p.y, p.x) } else { (p.x, p.y) };
+        let (sin, cos) = sin_cos_octant(short / long.abs().max(f32::MIN_POSITIVE));
+        let cos = cos.copysign(long);
+        let azimuth = if is_high { Vec2::new(sin, cos) } else { Vec2::new(cos, sin) };
+        Self { radius: if x > y { x } else { y }, azimuth }
     }
 
     /// The point itself.
@@ -77,7 +71,7 @@ pub fn concentric_disk(u: Vec2) -> Vec2 {
 }
 
 /// A direction with density `cosθ/π`, by Malley's method: a uniform point of the disk, lifted to the hemisphere.
-#[inline]
+#[inline(always)]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     DiskPoint::new(u).lifted()
 }

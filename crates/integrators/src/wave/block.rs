@@ -1,0 +1,304 @@
+//! Vertices in columns, and the kernels that fill them: what follows from a hit, random numbers, light and the way on.
+
+use std::f32::consts::FRAC_1_PI;
+use steradian_accel::kernel;
+use steradian_core::{
+    sampler::sobol_scramble,
+    scene::shadow_ray,
+    shape::mesh::{on_triangle, usual_face_normal},
+};
+use steradian_engine::dimension;
+use steradian_math::{Frame, Vec2, Vec3, ray::offset_ray_origin, warp};
+use steradian_transport::{Depth, power_heuristic, roulette::roulette};
+
+/// Vertices of a block.
+pub const WIDTH: usize = 32;
+
+/// A number of each vertex.
+pub type Column<T = f32> = [T; WIDTH];
+
+/// Vertices on triangles of meshes. All columns are one value, so that kernels see that none overlaps another.
+#[repr(align(64))]
+#[derive(Clone, Debug)]
+pub struct Block {
+    // The hit, and the path that comes to it.
+    /// Corners of the triangle.
+    pub corners: [[Column; 3]; 3],
+    /// Normals at these, of meshes that have them.
+    pub normals: [[Column; 3]; 3],
+    /// Whether the mesh has them, and whether it is turned over.
+    pub is_smooth: Column<u32>,
+    pub is_flipped: Column<u32>,
+    /// Barycentric coordinates.
+    pub uv: [Column; 2],
+    /// Of the ray.
+    pub direction: [Column; 3],
+    pub beta: [Column; 4],
+    pub for_roulette: Column,
+    pub events: Column<u32>,
+    /// Seed and reversed index of the sampler.
+    pub sampler: [Column<u32>; 2],
+
+    // By `surfaces`.
+    pub p: [Column; 3],
+    pub error: [Column; 3],
+    pub n: [Column; 3],
+    pub ns: [Column; 3],
+    /// Whether the triangle is too small or too large for that.
+    pub is_unusual: Column<u32>,
+    /// Whether the ray comes from the side that the shading normal points to.
+    pub is_front: Column<u32>,
+
+    // By `numbers`.
+    pub light_point: [Column; 2],
+    pub turn: [Column; 2],
+    pub survival: Column,
+
+    // The material on that side, and a light sample of density zero where there is none.
+    pub reflectance: [Column; 4],
+    /// −1 where the shading normal is turned over, else 1.
+    pub side: Column,
+    pub light_wi: [Column; 3],
+    pub light_distance: Column,
+    pub light_radiance: [Column; 4],
+    pub light_pdf: Column,
+    pub light_is_delta: Column<u32>,
+
+    // By `diffuse`.
+    /// What the light brings if nothing is before it, and whether that is anything.
+    pub light: [Column; 4],
+    pub is_lit: Column<u32>,
+    pub shadow_origin: [Column; 3],
+    pub shadow_direction: [Column; 3],
+    pub shadow_end: Column,
+    /// Density of the direction of the way on.
+    pub pdf: Column,
+    pub origin: [Column; 3],
+    pub way_on: [Column; 3],
+    /// How the path goes on: [`ENDS`], [`GOES_ON`] or [`IS_NOT_FINITE`].
+    pub fate: Column<u32>,
+}
+
+pub const ENDS: u32 = 0;
+pub const GOES_ON: u32 = 1;
+/// What it carries is no number.
+pub const IS_NOT_FINITE: u32 = 2;
+
+impl Default for Block {
+    fn default() -> Self {
+        const ONE: Column = [0.0; WIDTH];
+        const NONE: Column<u32> = [0; WIDTH];
+        const THREE: [Column; 3] = [ONE; 3];
+        Self {
+            corners: [THREE; 3],
+            normals: [THREE; 3],
+            is_smooth: NONE,
+            is_flipped: NONE,
+            uv: [ONE; 2],
+            direction: THREE,
+            beta: [ONE; 4],
+            for_roulette: ONE,
+            events: NONE,
+            sampler: [NONE; 2],
+            p: THREE,
+            error: THREE,
+            n: THREE,
+            ns: THREE,
+            is_unusual: NONE,
+            is_front: NONE,
+            light_point: [ONE; 2],
+            turn: [ONE; 2],
+            survival: ONE,
+            reflectance: [ONE; 4],
+            side: ONE,
+            light_wi: THREE,
+            light_distance: ONE,
+            light_radiance: [ONE; 4],
+            light_pdf: ONE,
+            light_is_delta: NONE,
+            light: [ONE; 4],
+            is_lit: NONE,
+            shadow_origin: THREE,
+            shadow_direction: THREE,
+            shadow_end: ONE,
+            pdf: ONE,
+            origin: THREE,
+            way_on: THREE,
+            fate: NONE,
+        }
+    }
+}
+
+/// The vector of a vertex.
+#[inline(always)]
+pub fn get3(columns: &[Column; 3], k: usize) -> Vec3 {
+    Vec3::new(columns[0][k], columns[1][k], columns[2][k])
+}
+
+/// Sets the vector of a vertex.
+#[inline(always)]
+pub fn set3(columns: &mut [Column; 3], k: usize, v: Vec3) {
+    (columns[0][k], columns[1][k], columns[2][k]) = (v.x, v.y, v.z);
+}
+
+/// The spectrum of a vertex.
+#[inline(always)]
+pub fn get4(columns: &[Column; 4], k: usize) -> [f32; 4] {
+    [columns[0][k], columns[1][k], columns[2][k], columns[3][k]]
+}
+
+/// Sets the spectrum of a vertex.
+#[inline(always)]
+pub fn set4(columns: &mut [Column; 4], k: usize, v: [f32; 4]) {
+    (columns[0][k], columns[1][k], columns[2][k], columns[3][k]) = (v[0], v[1], v[2], v[3]);
+}
+
+#[inline(always)]
+fn map4(f: impl Fn(usize) -> f32) -> [f32; 4] {
+    [f(0), f(1), f(2), f(3)]
+}
+
+#[inline(always)]
+fn is_black(v: [f32; 4]) -> bool {
+    (v[0] == 0.0) & (v[1] == 0.0) & (v[2] == 0.0) & (v[3] == 0.0)
+}
+
+kernel! {
+    /// The surface at the hits.
+    pub fn surfaces(b: &'a mut Block) {
+        for k in 0..WIDTH {
+            let corners = [get3(&b.corners[0], k), get3(&b.corners[1], k), get3(&b.corners[2], k)];
+            let normals = [get3(&b.normals[0], k), get3(&b.normals[1], k), get3(&b.normals[2], k)];
+            let face = usual_face_normal(corners);
+            let how = (b.is_smooth[k] != 0, b.is_flipped[k] != 0);
+            let s = on_triangle(corners, normals, how, (b.uv[0][k], b.uv[1][k]), face.unwrap_or(Vec3::ZERO));
+            b.is_unusual[k] = u32::from(face.is_none());
+            set3(&mut b.p, k, s.p);
+            set3(&mut b.error, k, s.error);
+            set3(&mut b.n, k, s.n);
+            set3(&mut b.ns, k, s.ns);
+            b.is_front[k] = u32::from(s.ns.dot(-get3(&b.direction, k)) > 0.0);
+        }
+    }
+}
+
+kernel! {
+    /// The numbers of Sobol' samplers for the event.
+    pub fn numbers(b: &'a mut Block) {
+        for k in 0..WIDTH {
+            let (seed, reversed, event) = (b.sampler[0][k], b.sampler[1][k], b.events[k]);
+            let at = |event: u32, decision: u32| sobol_scramble(seed, dimension::at(event, decision));
+            let light = at(event, dimension::LIGHT_POINT).point_2d(reversed);
+            let turn = at(event, dimension::DIRECTION).point_2d(reversed);
+            (b.light_point[0][k], b.light_point[1][k]) = (light[0], light[1]);
+            (b.turn[0][k], b.turn[1][k]) = (turn[0], turn[1]);
+            b.survival[k] = at(event.wrapping_add(1), dimension::ROULETTE).point_1d(reversed);
+        }
+    }
+}
+
+kernel! {
+    /// Light and the way on at Lambertian surfaces.
+    pub fn diffuse(b: &'a mut Block, depth: Depth) {
+        for k in 0..WIDTH {
+            let (p, error, n) = (get3(&b.p, k), get3(&b.error, k), get3(&b.n, k));
+            let frame = Frame::from_z(get3(&b.ns, k) * b.side[k]);
+            let o = frame.to_local(-get3(&b.direction, k));
+            let (reflectance, beta) = (get4(&b.reflectance, k), get4(&b.beta, k));
+
+            let wi = get3(&b.light_wi, k);
+            let i = frame.to_local(wi);
+            let (pdf, cos) = (b.light_pdf[k], i.z * FRAC_1_PI);
+            let weight = if b.light_is_delta[k] != 0 { 1.0 } else { power_heuristic(pdf, cos) };
+            let factor = weight / pdf;
+            let radiance = get4(&b.light_radiance, k);
+            let light = map4(|c| reflectance[c] * cos * radiance[c] * factor);
+            set4(&mut b.light, k, map4(|c| beta[c] * light[c]));
+            b.is_lit[k] = u32::from((o.z > 0.0) & (i.z > 0.0) & (pdf > 0.0) & !is_black(light));
+            let ray = shadow_ray(p, offset_ray_origin(p, error, n, wi), wi, b.light_distance[k]);
+            set3(&mut b.shadow_origin, k, ray.origin);
+            set3(&mut b.shadow_direction, k, ray.direction);
+            b.shadow_end[k] = ray.t_max;
+
+            let w = warp::cosine_hemisphere(Vec2::new(b.turn[0][k], b.turn[1][k]));
+            let is_drawn = (o.z > 0.0) & (w.z > 0.0) & !is_black(reflectance);
+            let direction = frame.to_world(w);
+            b.pdf[k] = w.z * FRAC_1_PI;
+            set3(&mut b.way_on, k, direction);
+            set3(&mut b.origin, k, offset_ray_origin(p, error, n, direction));
+            let beta = map4(|c| beta[c] * reflectance[c]);
+            let is_finite = beta[0].is_finite() & beta[1].is_finite() & beta[2].is_finite() & beta[3].is_finite();
+            let live = beta[0].max(beta[1]).max(beta[2].max(beta[3])) * b.for_roulette[k];
+            let number = b.survival[k];
+            let scale = roulette(live, b.events[k].wrapping_add(1), &depth, None, || number);
+            let survives = scale.is_some();
+            let scale = scale.unwrap_or(0.0);
+            set4(&mut b.beta, k, map4(|c| beta[c] * scale));
+            b.fate[k] = if !is_drawn {
+                ENDS
+            } else if !is_finite {
+                IS_NOT_FINITE
+            } else {
+                u32::from(survives)
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_accel::{Isa, Lanes};
+    use steradian_math::hash::HashRng;
+
+    /// A block of any vertices, among them degenerate triangles, lights behind, black and white surfaces.
+    fn any() -> Block {
+        let (mut b, mut rng) = (Block::default(), HashRng::new(7));
+        for k in 0..WIDTH {
+            let mut number = || rng.next_f32() * 2.0 - 1.0;
+            let mut vector = || Vec3::new(number(), number(), number());
+            for corner in 0..3 {
+                set3(&mut b.corners[corner], k, if k == 3 { Vec3::ONE } else { vector() });
+                set3(&mut b.normals[corner], k, if k == 5 { Vec3::ZERO } else { vector().normalize() });
+            }
+            set3(&mut b.direction, k, vector().normalize());
+            set3(&mut b.light_wi, k, vector().normalize());
+            let mut unit = || rng.next_f32();
+            (b.uv[0][k], b.uv[1][k]) = (unit() * 0.5, unit() * 0.5);
+            b.light_distance[k] = if k == 8 { f32::INFINITY } else { unit() };
+            b.light_pdf[k] = if k == 9 { 0.0 } else { unit() * 4.0 };
+            (b.light_is_delta[k], b.is_smooth[k]) = ((k % 3 == 0).into(), (k % 2).try_into().unwrap());
+            (b.side[k], b.for_roulette[k]) = (if k % 5 == 0 { -1.0 } else { 1.0 }, 1.0);
+            let grey = [0.0, 1.0, unit()][k % 3];
+            set4(&mut b.reflectance, k, [grey; 4]);
+            set4(&mut b.light_radiance, k, [unit(), unit(), unit(), 0.0]);
+            set4(&mut b.beta, k, if k == 7 { [f32::INFINITY; 4] } else { [unit(), unit(), unit(), unit()] });
+            b.events[k] = k as u32 / 2;
+            b.sampler = [b.sampler[0], b.sampler[1]].map(|mut c| {
+                c[k] = (unit() * 4e9) as u32;
+                c
+            });
+        }
+        b
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let depth = Depth { max: 20, roulette_after: 3, hide_emitters: false };
+        let all = Isa::ALL.map(|isa| {
+            let (mut b, lanes) = (any(), Lanes::of(isa));
+            surfaces(lanes, &mut b);
+            numbers(lanes, &mut b);
+            diffuse(lanes, &mut b, depth);
+            format!("{b:?}")
+        });
+        assert!(all.iter().all(|found| *found == all[0]));
+        let (mut b, lanes) = (any(), Lanes::best());
+        surfaces(lanes, &mut b);
+        numbers(lanes, &mut b);
+        diffuse(lanes, &mut b, depth);
+        assert_eq!(b.is_unusual[3], 1);
+        let count = |column: &Column<u32>, value| column.iter().filter(|v| **v == value).count();
+        assert!(count(&b.fate, GOES_ON) > 3 && count(&b.fate, ENDS) > 3 && count(&b.is_lit, 1) > 1);
+    }
+}

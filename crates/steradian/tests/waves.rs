@@ -1,0 +1,41 @@
+//! Paths that are followed together have the bits of paths that are followed one by one, which they are where light is
+//! counted by groups.
+
+use std::{path::PathBuf, sync::Arc};
+use steradian::{ColorMode, CompileOptions, Control, Film, Layer, Quality, Scene, compile, load};
+
+fn film(scene: &Arc<Scene>, integrator: &str, layers: Vec<Layer>) -> Film {
+    let quality = Quality { integrator: Some(integrator.into()), spp: Some(5), layers, ..Quality::default() };
+    let mut session = quality.render(scene).expect("a registered integrator").session(scene).expect("a session");
+    session.step(u32::MAX, &Control::default());
+    session.film()
+}
+
+#[test]
+fn waves_have_the_bits_of_single_paths() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes/verify");
+    let files = std::fs::read_dir(folder).expect("the folder").map(|e| e.expect("an entry").path());
+    let all = files.chain(["builtin:cornell".into()]);
+    let mut count = 0;
+    for path in all {
+        let mut loaded = load(&path, &Default::default());
+        let film_node = loaded.desc.film.expect("a film");
+        loaded.desc.node_mut(film_node).set("width", 37_i64, None);
+        loaded.desc.node_mut(film_node).set("height", 21_i64, None);
+        for mode in [ColorMode::Rgb, ColorMode::Spectral] {
+            let options = CompileOptions { mode: Some(mode), ..CompileOptions::default() };
+            let scene = Arc::new(compile(&loaded.desc, &options).scene.expect("a sound scene"));
+            assert!(!scene.light_groups().names.is_empty());
+            for integrator in ["path:reuse=1,caustics=false,effort=even", "volpath:reuse=1,caustics=false"] {
+                let (together, alone) =
+                    (film(&scene, integrator, vec![]), film(&scene, integrator, vec![Layer::LightGroups]));
+                assert!(!alone.by_light.is_empty() && together.by_light.is_empty());
+                let bits =
+                    |film: &Film| film.pixels.iter().map(|p| (p.sum.map(f64::to_bits), p.samples)).collect::<Vec<_>>();
+                assert!(bits(&together) == bits(&alone), "{}, {mode:?}, {integrator}", path.display());
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 100);
+}
