@@ -184,6 +184,9 @@ impl BsdfEval {
 }
 
 impl BsdfSample {
+    /// One that carries nothing.
+    pub const NONE: Self = Self { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 };
+
     /// Mirror reflection at the surface, chosen with a probability.
     #[inline]
     pub(crate) fn mirrored(wo: Vec3, weight: Spectrum, probability: f32) -> Self {

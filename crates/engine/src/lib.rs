@@ -6,6 +6,7 @@
 //! limits of time and saved states are here, once, for all of them.
 
 pub mod adaptive;
+mod camera_rays;
 mod context;
 mod counters;
 pub mod dimension;

@@ -22,7 +22,7 @@ pub struct SharedPath<const MEDIA: bool> {
 
 impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
     type Prepared = Precomputed;
-    type Buffer<'s> = (GroupBuffer<'s>, WaveBuffer);
+    type Buffer<'s> = (GroupBuffer<'s>, WaveBuffer<'s>);
 
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
         trials::run(scene, &self.path, &self.variance_reduction, plan, stop)

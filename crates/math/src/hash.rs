@@ -22,7 +22,7 @@ pub const fn mix64(mut x: u64) -> u64 {
 }
 
 /// Folds a value into a running 32-bit hash.
-#[inline]
+#[inline(always)]
 pub const fn combine32(seed: u32, value: u32) -> u32 {
     mix32(seed ^ value.wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15))
 }

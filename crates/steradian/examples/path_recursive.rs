@@ -48,9 +48,7 @@ impl Recursive {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
-                // `path` adds up what is scattered before what is seen of a light itself.
-                let before = if events == 0 { std::mem::replace(&mut sum, Spectrum::ZERO) } else { Spectrum::ZERO };
-                before + self.leaving(&vertex, path_state, sum, context)
+                self.leaving(&vertex, path_state, sum, context)
             }
             None if passes >= MAX_PASSES.min(DEEPEST) => sum,
             None => {

@@ -18,12 +18,9 @@ fn waves_have_the_bits_of_single_paths() {
     let all = files.chain(["builtin:cornell".into()]);
     let mut count = 0;
     for path in all {
-        let mut loaded = load(&path, &Default::default());
-        let film_node = loaded.desc.film.expect("a film");
-        loaded.desc.node_mut(film_node).set("width", 37_i64, None);
-        loaded.desc.node_mut(film_node).set("height", 21_i64, None);
+        let loaded = load(&path, &Default::default());
         for mode in [ColorMode::Rgb, ColorMode::Spectral] {
-            let options = CompileOptions { mode: Some(mode), ..CompileOptions::default() };
+            let options = CompileOptions { size: Some((37, 21)), mode: Some(mode), ..CompileOptions::default() };
             let scene = Arc::new(compile(&loaded.desc, &options).scene.expect("a sound scene"));
             assert!(!scene.light_groups().names.is_empty());
             for integrator in ["path:reuse=1,caustics=false,effort=even", "volpath:reuse=1,caustics=false"] {

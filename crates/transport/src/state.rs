@@ -7,7 +7,7 @@ use crate::{
     roulette::{number, roulette},
     vertex::Vertex,
 };
-use steradian_bsdf::{Bsdf, BsdfSample, Lobe, TransportMode};
+use steradian_bsdf::{Bsdf, BsdfSample};
 use steradian_core::{
     Scene,
     footprint::{Bounce, RayDifferential},
@@ -51,7 +51,7 @@ impl PathState {
     /// One that leads nowhere.
     pub const NONE: Self = Self {
         ray: Ray { t_max: 0.0, ..Ray::new(Vec3::ZERO, Vec3::Z) },
-        beta: Spectrum::ZERO,
+        beta: Spectrum::ONE,
         for_roulette: 1.0,
         origin: None,
         events: 0,
@@ -65,12 +65,19 @@ impl PathState {
     /// From the camera.
     #[inline]
     pub fn camera(scene: &Scene, ray: Ray) -> Self {
-        Self {
-            ray,
-            beta: Spectrum::ONE,
-            medium: scene.camera().medium,
-            differential: scene.ray_differential(&ray),
-            ..Self::NONE
+        let mut state = Self::NONE;
+        state.start(scene, ray);
+        state
+    }
+
+    /// As [`PathState::camera`], written over one that leads nowhere.
+    #[inline]
+    pub fn start(&mut self, scene: &Scene, ray: Ray) {
+        self.ray = ray;
+        self.medium = scene.camera().medium;
+        // Large, and not written where there is none.
+        if let Some(differential) = scene.ray_differential(&ray) {
+            self.differential = Some(differential);
         }
     }
 
@@ -114,22 +121,15 @@ impl PathState {
         guide: Option<&impl Guide>,
     ) -> Option<GuidedDirection> {
         let u2 = sampler.get_2d(dimension::at(self.events, dimension::DIRECTION));
-        match v {
-            Vertex::Surface { i, scattering, frame, .. } => {
-                let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
-                let is_asked = guide.is_some() || !has_one_lobe;
-                let u = sampler.get_1d_lazily(self.dimension(dimension::LOBE), is_asked);
-                let wo = frame.to_local(i.wo);
-                match guide {
-                    Some(guide) => guide.sample(i.surface.p, frame, wo, scattering, u, u2),
-                    None => scattering.sample(wo, u, u2, TransportMode::Radiance).map(GuidedDirection::by_surface),
-                }
-            }
-            Vertex::Medium { wo, scattering, .. } => {
-                let (wi, pdf) = scattering.sample_phase(*wo, u2);
-                let sample = BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 };
-                Some(GuidedDirection::by_surface(sample))
-            }
+        let Vertex::Surface { i, scattering, frame, .. } = v else {
+            return v.draw(0.5, u2).map(GuidedDirection::by_surface);
+        };
+        let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
+        let is_asked = guide.is_some() || !has_one_lobe;
+        let u = sampler.get_1d_lazily(self.dimension(dimension::LOBE), is_asked);
+        match guide {
+            Some(guide) => guide.sample(i.surface.p, frame, frame.to_local(i.wo), scattering, u, u2),
+            None => v.draw(u, u2).map(GuidedDirection::by_surface),
         }
     }
 
@@ -148,16 +148,24 @@ impl PathState {
             self.pass::<MEDIA>(scene, v);
             return;
         }
+        self.leave::<MEDIA>(scene, v, s, v.spawn(v.world(s.wi)));
+    }
+
+    /// On from a vertex by a ray in the direction that was drawn there; not straight on. What it carries is left as it
+    /// is.
+    #[inline]
+    pub fn leave<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, s: &BsdfSample, ray: Ray) {
         self.origin = if s.lobe.is_specular() { None } else { Some((v.context(), s.pdf)) };
-        let direction = v.world(s.wi);
         if MEDIA {
-            self.medium = v.medium_towards(scene, direction);
+            self.medium = v.medium_towards(scene, ray.direction);
         }
-        self.ray = v.spawn(direction);
+        self.ray = ray;
         self.events += 1;
         self.lights = 1;
         self.differential = match (&self.differential, v, Bounce::of(s)) {
-            (Some(d), Vertex::Surface { i, .. }, Some(bounce)) => scene.scatter_differential(i, d, direction, bounce),
+            (Some(d), Vertex::Surface { i, .. }, Some(bounce)) => {
+                scene.scatter_differential(i, d, ray.direction, bounce)
+            }
             _ => None,
         };
     }

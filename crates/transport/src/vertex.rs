@@ -1,17 +1,17 @@
 //! Where a path scatters: light straight from lights, and the way on.
 
 use crate::{attenuation, nee, power_heuristic};
-use steradian_bsdf::{BsdfEval, TransportMode};
+use steradian_bsdf::{Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode};
 use steradian_core::{
     Scene,
-    light::LightContext,
+    light::{LightContext, LightSample},
     material::Scattering,
     medium::Medium,
     sampler::PixelSampler,
     scene::{Interaction, SHADOW_END},
 };
 use steradian_engine::{PathContext, dimension};
-use steradian_math::{Frame, Ray, Spectrum, Vec3};
+use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3};
 
 /// Where a path scatters. In place, since nothing is allocated per sample.
 #[allow(clippy::large_enum_variant)]
@@ -144,24 +144,80 @@ impl Vertex<'_> {
         }
     }
 
-    /// Light straight from a light, scattered back along the path, if nothing stands between: its value, unit direction
-    /// and distance.
+    /// Whether light samples bring nothing.
     #[inline]
-    fn unoccluded(&self, event: u32, context: &PathContext<'_, '_>) -> Option<(Spectrum, Vec3, f32)> {
-        let PathContext { scene, sampler, lambda, .. } = context;
-        if self.is_specular() || !scene.lights().can_sample() {
-            return None;
+    pub fn is_unlit(&self) -> bool {
+        match self {
+            Self::Surface { scattering, .. } => {
+                scattering.bsdf.is_specular()
+                    || matches!(&scattering.bsdf, Bsdf::Diffuse(b) if b.reflectance.is_black())
+            }
+            Self::Medium { .. } => false,
         }
-        let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;
-        let light = match self {
-            Self::Surface { i, scattering, frame, .. } => nee::unoccluded(&s, frame.to_local(i.wo), frame, scattering),
+    }
+
+    /// The half-size of the box that holds the point, and the geometric normal: rays leave beyond that box.
+    #[inline]
+    pub fn spread(&self) -> (Vec3, Vec3) {
+        match self {
+            Self::Surface { i, .. } => (i.surface.error, i.surface.n),
+            Self::Medium { .. } => (Vec3::ZERO, Vec3::ZERO),
+        }
+    }
+
+    /// Light of a light sample, scattered back along the path, if nothing stands between.
+    #[inline]
+    pub fn reflected(&self, s: &LightSample) -> Spectrum {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => nee::unoccluded(s, frame.to_local(i.wo), frame, scattering),
             Self::Medium { wo, scattering, .. } => {
                 let phase = scattering.phase(*wo, s.wi);
                 let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, phase) };
                 s.radiance * (phase * weight / s.pdf)
             }
-        };
+        }
+    }
+
+    /// A direction drawn by what scatters here, with a number for the choice of a lobe and two for the direction.
+    #[inline]
+    pub fn draw(&self, u: f32, u2: Vec2) -> Option<BsdfSample> {
+        match self {
+            Self::Surface { i, scattering, frame, .. } => {
+                scattering.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance)
+            }
+            Self::Medium { wo, scattering, .. } => {
+                let (wi, pdf) = scattering.sample_phase(*wo, u2);
+                Some(BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 })
+            }
+        }
+    }
+
+    /// Light straight from a light, scattered back along the path, if nothing stands between: its value, unit direction
+    /// and distance.
+    #[inline]
+    fn unoccluded(&self, event: u32, context: &PathContext<'_, '_>) -> Option<(Spectrum, Vec3, f32)> {
+        let PathContext { scene, sampler, lambda, .. } = context;
+        if self.is_unlit() || !scene.lights().can_sample() {
+            return None;
+        }
+        let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;
+        let light = self.reflected(&s);
         (!light.is_black()).then_some((light, s.wi, s.distance))
+    }
+
+    /// What is left of light that comes from a distance in a direction, by the medium on the way; where nothing is
+    /// passed straight.
+    #[inline]
+    pub fn attenuated<const MEDIA: bool>(
+        &self,
+        light: Spectrum,
+        (wi, distance): (Vec3, f32),
+        event: u32,
+        context: &PathContext<'_, '_>,
+    ) -> Spectrum {
+        let (true, Some(m)) = (MEDIA, self.medium_towards(context.scene, wi)) else { return light };
+        let number = shadow_number::<MEDIA>(context.sampler, event);
+        light * attenuation::passed(m, (&self.spawn(wi), distance), number, context)
     }
 
     /// Light straight from a light, scattered back along the path.
@@ -197,11 +253,8 @@ impl Vertex<'_> {
         event: u32,
         context: &PathContext<'_, '_>,
     ) -> Option<(Spectrum, Ray)> {
-        let (mut light, wi, distance) = self.unoccluded(event, context)?;
-        if let (true, Some(m)) = (MEDIA, self.medium_towards(context.scene, wi)) {
-            let number = shadow_number::<MEDIA>(context.sampler, event);
-            light *= attenuation::passed(m, (&self.spawn(wi), distance), number, context);
-        }
+        let (light, wi, distance) = self.unoccluded(event, context)?;
+        let light = self.attenuated::<MEDIA>(light, (wi, distance), event, context);
         Some((light, self.spawn_towards(wi, distance)))
     }
 }

@@ -88,7 +88,41 @@ impl FovAxis {
     }
 }
 
+/// A perspective camera without lens and motion: what makes a ray of a point on the film.
+#[derive(Clone, Copy, Debug)]
+pub struct Pinhole {
+    size: [f32; 2],
+    window: [f32; 4],
+    near: f32,
+    /// Columns of the matrix that places it, the last of them its place.
+    place: [Vec3; 4],
+}
+
+impl Pinhole {
+    /// Origin and unit direction of the ray through a point of the full frame, with the bits of [`Camera::ray`].
+    #[inline(always)]
+    pub fn ray(&self, pixel: Vec2) -> (Vec3, Vec3) {
+        let s = Vec2::new(pixel.x / self.size[0], pixel.y / self.size[1]);
+        let [x0, x1, y0, y1] = self.window;
+        let d = Vec3::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y, 1.0);
+        let vector = |v: Vec3| self.place[0] * v.x + self.place[1] * v.y + self.place[2] * v.z;
+        (self.place[3] + vector(d * self.near), vector(d).normalize())
+    }
+}
+
 impl Camera {
+    /// The camera as one without a lens, if it is.
+    pub fn pinhole(&self, film: &FilmSpec) -> Option<Pinhole> {
+        let is_pinhole = matches!(self.projection, Projection::Perspective) && self.lens_radius <= 0.0;
+        let m = &self.world_from_camera.m;
+        (is_pinhole && self.motion.is_none()).then(|| Pinhole {
+            size: [film.width as f32, film.height as f32],
+            window: self.window,
+            near: self.near.max(0.0),
+            place: [m.x_axis, m.y_axis, m.z_axis, m.w_axis].map(glam::Vec4::truncate),
+        })
+    }
+
     /// The ray through a point of the full frame in pixels (origin at the top left, y down) and a point of the lens
     /// (`u` in the unit square). Directions have unit length.
     #[inline]

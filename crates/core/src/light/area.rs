@@ -48,6 +48,15 @@ impl Emitter {
         radiance * self.scale
     }
 
+    /// The radiance, if it is the same at all points.
+    #[inline]
+    pub fn everywhere(&self, lambda: &Wavelengths) -> Option<Spectrum> {
+        match &self.radiance {
+            SpectrumTexture::Constant(color) => Some(color.eval(lambda) * self.scale),
+            _ => None,
+        }
+    }
+
     /// A constant emitter.
     pub fn constant(color: Color, two_sided: bool, mode: ColorMode) -> Self {
         let luminance = color.luminance(mode);
@@ -123,9 +132,69 @@ fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2) -> (Vec3, f32, Vec3, f32) {
     }
 }
 
+/// A flat light without a texture: a rectangle, or a triangle that looks small, by a corner and two edges.
+#[derive(Clone, Copy, Debug)]
+pub struct FlatLight {
+    /// The corner.
+    pub corner: Vec3,
+    /// The edges.
+    pub edges: [Vec3; 2],
+    /// Unit normal.
+    pub n: Vec3,
+    /// Area.
+    pub area: f32,
+    /// Whether it is a triangle.
+    pub is_triangle: bool,
+}
+
+impl FlatLight {
+    /// A point of it as seen from `p`: unit direction, distance, and density per solid angle, which is zero where it
+    /// cannot be sampled.
+    #[inline(always)]
+    pub fn sample(&self, p: Vec3, u: Vec2) -> (Vec3, f32, f32) {
+        let Self { corner, edges: [ex, ey], n, area, is_triangle } = *self;
+        let is_large = !is_triangle && AreaLight::looks_large(corner + (ex + ey) * 0.5, n, area, p);
+        let rectangle = warp::SphericalRectangle::new(corner, ex, ey, p);
+        let b = warp::uniform_triangle(u);
+        let (s, t) = if is_triangle { (b[1], b[2]) } else { (u.x, u.y) };
+        let (s, t) = if is_large { rectangle.sample_coordinates(u) } else { (s, t) };
+        let to = corner + ex * s + ey * t - p;
+        let d2 = to.length_squared();
+        let distance = d2.sqrt();
+        let wi = to / distance;
+        let cos = n.dot(wi).abs();
+        let by_angle = if rectangle.solid_angle > 0.0 { 1.0 / rectangle.solid_angle } else { 0.0 };
+        let pdf = if is_large { by_angle } else { d2 / (cos * area) };
+        let is_sound = (d2 > 0.0) & (cos != 0.0) & (pdf > 0.0) & (pdf < f32::INFINITY);
+        (wi, distance, if is_sound { pdf } else { 0.0 })
+    }
+}
+
 impl AreaLight {
+    /// The light, if it is flat and has columns for what is asked of it at `p`: not a triangle that looks large.
+    #[inline(always)]
+    pub fn flat(&self, p: Vec3) -> Option<FlatLight> {
+        match &self.shape {
+            AreaShape::Triangle(v, n, area) => {
+                let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
+                let flat = || FlatLight {
+                    corner: v[0],
+                    edges: [v[1] - v[0], v[2] - v[0]],
+                    n: *n,
+                    area: *area,
+                    is_triangle: true,
+                };
+                (!Self::looks_large(center, *n, *area, p)).then(flat)
+            }
+            AreaShape::Rectangle { corner, ex, ey, n, area } => {
+                Some(FlatLight { corner: *corner, edges: [*ex, *ey], n: *n, area: *area, is_triangle: false })
+            }
+            _ => None,
+        }
+    }
+
     /// Whether the light looks large from `p`: a pure function of `p`, so that sampling and density agree.
-    #[inline]
+    #[inline(always)]
     fn looks_large(center: Vec3, n: Vec3, area: f32, p: Vec3) -> bool {
         let d = p - center;
         let d2 = d.length_squared();
@@ -153,7 +222,8 @@ impl AreaLight {
                     Some((b, pdf)) => (b, Some(pdf)),
                     None => (warp::uniform_triangle(u), None),
                 };
-                (v[0] * b[0] + v[1] * b[1] + v[2] * b[2], *n, pdf.ok_or(*area), Vec2::new(b[1], b[2]))
+                let q = v[0] + (v[1] - v[0]) * b[1] + (v[2] - v[0]) * b[2];
+                (q, *n, pdf.ok_or(*area), Vec2::new(b[1], b[2]))
             }
             AreaShape::Rectangle { corner, ex, ey, n, area } => {
                 let center = *corner + (*ex + *ey) * 0.5;

@@ -149,24 +149,35 @@ impl Lights {
         Shares { tree, per_irradiance, even }
     }
 
-    /// Chooses a light for a point in proportion to an estimate of what it can contribute: index, probability, and `u`
-    /// made anew.
+    /// Chooses a light for a point in proportion to an estimate of what it can contribute: index, and probability.
     #[inline]
     pub fn choose(&self, ctx: &LightContext, u: f32) -> Option<(u32, f32)> {
+        match self.choose_kind(ctx, u)? {
+            Choice::Infinite(light, p) => Some((light, p)),
+            Choice::Tree(u, share) => self.tree.sample(ctx, u).map(|(light, p)| (light, p * share)),
+        }
+    }
+
+    /// The first step of [`Lights::choose`]: an infinite light, or one of the tree.
+    #[inline]
+    pub fn choose_kind(&self, ctx: &LightContext, u: f32) -> Option<Choice> {
         let shares = self.shares(ctx);
         let mut u = u;
         for &(light, irradiance) in &self.infinite {
             let p = irradiance * shares.per_irradiance + shares.even;
             if u < p {
-                return Some((light, p));
+                return Some(Choice::Infinite(light, p));
             }
             u -= p;
         }
-        if shares.tree <= 0.0 {
-            return None;
-        }
         let u = (u / shares.tree).min(steradian_math::hash::ONE_MINUS_EPSILON);
-        self.tree.sample(ctx, u).map(|(light, p)| (light, p * shares.tree))
+        (shares.tree > 0.0).then_some(Choice::Tree(u, shares.tree))
+    }
+
+    /// The tree of lights that have bounds.
+    #[inline]
+    pub fn tree(&self) -> &LightTree {
+        &self.tree
     }
 
     /// The probability with which [`Lights::choose`] gives a light.
@@ -243,6 +254,15 @@ impl Lights {
             _ => 0.0,
         }
     }
+}
+
+/// What [`Lights::choose_kind`] gives.
+#[derive(Clone, Copy, Debug)]
+pub enum Choice {
+    /// An infinite light and its probability.
+    Infinite(u32, f32),
+    /// A number to choose a light of the tree with, and the probability that it is one of these.
+    Tree(f32, f32),
 }
 
 struct Shares {

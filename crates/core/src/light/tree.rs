@@ -39,53 +39,66 @@ impl LightBounds {
             two_sided: self.two_sided | o.two_sided,
         }
     }
+}
+
+/// What the choice among lights asks of [`LightBounds`].
+#[derive(Clone, Copy, Debug)]
+pub struct Cluster {
+    /// The middle of the box.
+    pub center: Vec3,
+    /// The square of half its diagonal.
+    pub half2: f32,
+    /// As in [`LightBounds`].
+    pub axis: Vec3,
+    /// As in [`LightBounds`].
+    pub cos_o: f32,
+    /// As in [`LightBounds`].
+    pub cos_e: f32,
+    /// As in [`LightBounds`].
+    pub intensity: f32,
+    /// As in [`LightBounds`].
+    pub two_sided: bool,
+}
+
+impl Cluster {
+    fn new(light: &LightBounds) -> Self {
+        let center = light.bounds.center();
+        let LightBounds { bounds, axis, cos_o, cos_e, intensity, two_sided } = *light;
+        Self { center, half2: (bounds.max - center).length_squared(), axis, cos_o, cos_e, intensity, two_sided }
+    }
 
     /// An estimate of the irradiance that a surface (or, without a normal, a volume) at the point receives, ignoring
     /// visibility; never zero where there is any.
-    #[inline]
-    fn importance(&self, ctx: &LightContext) -> f32 {
-        let center = self.bounds.center();
-        let half2 = (self.bounds.max - center).length_squared();
-        let to = ctx.p - center;
+    #[inline(always)]
+    pub fn importance(&self, ctx: &LightContext) -> f32 {
+        let half2 = self.half2;
+        let to = ctx.p - self.center;
         let d2 = to.length_squared();
         // The nearest that the light can be in the mean: half the diagonal keeps it finite within the box.
         let falloff = d2.max(half2).max(1e-30);
         let w = to / d2.sqrt().max(1e-30);
         // The angle the box subtends.
-        let (sin_b, cos_b) = if d2 <= half2 {
-            (0.0, -1.0)
-        } else {
-            let s2 = half2 / d2;
-            (s2.sqrt(), (1.0 - s2).sqrt())
-        };
-        let mut cos_w = self.axis.dot(w);
-        if self.two_sided {
-            cos_w = cos_w.abs();
-        }
-        let cos_emit = if self.cos_o <= -1.0 || cos_b <= -1.0 {
-            1.0
-        } else {
-            let sin = |c: f32| (1.0 - c * c).max(0.0).sqrt();
-            let (sin_w, sin_o) = (sin(cos_w), sin(self.cos_o));
-            let (sin_x, cos_x) = minus(sin_w, cos_w, sin_o, self.cos_o);
-            let (_, cos_p) = minus(sin_x, cos_x, sin_b, cos_b);
-            if cos_p <= self.cos_e {
-                return 0.0;
-            }
-            cos_p
-        };
-        let mut importance = self.intensity * cos_emit / falloff;
-        if ctx.n != Vec3::ZERO {
-            let cos_i = -w.dot(ctx.n);
-            let (_, cos) = minus((1.0 - cos_i * cos_i).max(0.0).sqrt(), cos_i, sin_b, cos_b);
-            importance *= if cos_b <= -1.0 { 1.0 } else { cos.max(0.0) };
-        }
-        importance
+        let s2 = half2 / d2;
+        let is_inside = d2 <= half2;
+        let (sin_b, cos_b) = if is_inside { (0.0, -1.0) } else { (s2.sqrt(), (1.0 - s2).sqrt()) };
+        let cos_w = self.axis.dot(w);
+        let cos_w = if self.two_sided { cos_w.abs() } else { cos_w };
+        let sin = |c: f32| (1.0 - c * c).max(0.0).sqrt();
+        let (sin_w, sin_o) = (sin(cos_w), sin(self.cos_o));
+        let (sin_x, cos_x) = minus(sin_w, cos_w, sin_o, self.cos_o);
+        let (_, cos_p) = minus(sin_x, cos_x, sin_b, cos_b);
+        let cos_p = if cos_p <= self.cos_e { 0.0 } else { cos_p };
+        let cos_emit = if self.cos_o <= -1.0 || cos_b <= -1.0 { 1.0 } else { cos_p };
+        let importance = self.intensity * cos_emit / falloff;
+        let cos_i = -w.dot(ctx.n);
+        let (_, cos) = minus(sin(cos_i), cos_i, sin_b, cos_b);
+        let facing = if cos_b <= -1.0 || ctx.n == Vec3::ZERO { 1.0 } else { cos.max(0.0) };
+        importance * facing
     }
 }
 
 /// Sine and cosine of `max(0, a − b)`.
-#[inline]
+#[inline(always)]
 fn minus(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> (f32, f32) {
     if cos_a > cos_b { (0.0, 1.0) } else { (sin_a * cos_b - cos_a * sin_b, cos_a * cos_b + sin_a * sin_b) }
 }
@@ -116,12 +129,27 @@ fn union_cones(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     }
 }
 
+/// A node of the tree.
 #[derive(Clone, Debug)]
-struct Node {
-    light: LightBounds,
+pub struct Node {
+    /// What is known of the lights below it.
+    pub cluster: Cluster,
     /// The second child (the first follows the node), or the light's index for a leaf.
-    index: u32,
-    leaf: bool,
+    pub index: u32,
+    /// Whether it is one light.
+    pub leaf: bool,
+}
+
+/// The first of two children in proportion to their importance, or the second: whether it is that, its probability, and
+/// `u` made anew; probability zero where neither can contribute.
+#[inline(always)]
+pub fn choose_child(first: f32, second: f32, u: f32) -> (bool, f32, f32) {
+    let total = first + second;
+    let p = first / total;
+    let is_second = u >= p;
+    let (chance, u) = if is_second { (1.0 - p, (u - p) / (1.0 - p)) } else { (p, u / p) };
+    let is_sound = (total > 0.0) & (total < f32::INFINITY);
+    (is_second, if is_sound { chance } else { 0.0 }, u.min(steradian_math::hash::ONE_MINUS_EPSILON))
 }
 
 /// A binary tree over the lights that have bounds.
@@ -167,11 +195,11 @@ impl LightTree {
         let at = self.nodes.len();
         if let [(light, bounds)] = items {
             self.trails[*light as usize] = trail;
-            self.nodes.push(Node { light: *bounds, index: *light, leaf: true });
+            self.nodes.push(Node { cluster: Cluster::new(bounds), index: *light, leaf: true });
             return at;
         }
         let all = items.iter().map(|i| i.1).reduce(|a, b| a.union(&b)).unwrap_or(items[0].1);
-        self.nodes.push(Node { light: all, index: 0, leaf: false });
+        self.nodes.push(Node { cluster: Cluster::new(&all), index: 0, leaf: false });
         let middle = if depth < MAX_FREE_DEPTH { split(items) } else { None };
         let middle = middle.unwrap_or_else(|| {
             let axis = all.bounds.longest_axis();
@@ -188,7 +216,7 @@ impl LightTree {
     /// The root's importance.
     #[inline]
     pub fn importance(&self, ctx: &LightContext) -> f32 {
-        self.nodes.first().map_or(0.0, |n| n.light.importance(ctx))
+        self.nodes.first().map_or(0.0, |n| n.cluster.importance(ctx))
     }
 
     /// Walks down, choosing a child in proportion to its importance; gives a light and its probability.
@@ -202,22 +230,18 @@ impl LightTree {
                 return Some((node.index, p));
             }
             let (a, b) = (at + 1, node.index as usize);
-            let (ia, ib) = (self.nodes[a].light.importance(ctx), self.nodes[b].light.importance(ctx));
-            let total = ia + ib;
-            if !(total > 0.0 && total.is_finite()) {
+            let (ia, ib) = (self.nodes[a].cluster.importance(ctx), self.nodes[b].cluster.importance(ctx));
+            let (is_second, chance, next) = choose_child(ia, ib, u);
+            if chance <= 0.0 {
                 return None;
             }
-            let pa = ia / total;
-            if u < pa {
-                u = (u / pa).min(steradian_math::hash::ONE_MINUS_EPSILON);
-                p *= pa;
-                at = a;
-            } else {
-                u = ((u - pa) / (1.0 - pa)).min(steradian_math::hash::ONE_MINUS_EPSILON);
-                p *= 1.0 - pa;
-                at = b;
-            }
+            (u, p, at) = (next, p * chance, if is_second { b } else { a });
         }
+    }
+
+    /// The nodes, of which the first is the root.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
     }
 
     /// The probability with which [`LightTree::sample`] gives a light.
@@ -235,7 +259,7 @@ impl LightTree {
                 return p;
             }
             let (a, b) = (at + 1, node.index as usize);
-            let (ia, ib) = (self.nodes[a].light.importance(ctx), self.nodes[b].light.importance(ctx));
+            let (ia, ib) = (self.nodes[a].cluster.importance(ctx), self.nodes[b].cluster.importance(ctx));
             let total = ia + ib;
             if !(total > 0.0 && total.is_finite()) {
                 return 0.0;

@@ -91,13 +91,32 @@ impl Sampler {
     #[inline]
     pub fn pixel(&self, x: u32, y: u32, index: u32) -> PixelSampler {
         if self.kind != SamplerKind::ZSobol {
-            return self.with(0x5d4e_8a1b, [x, y, 0], index);
+            return self.with(PIXEL, [x, y, 0], index);
         }
-        // A pixel's samples are 2^bits consecutive points of the block's sequence, so they are a net of their own.
-        let bits = self.spp.max(1).next_power_of_two().trailing_zeros().min(LONGEST);
-        let place = spread_bits(x) | spread_bits(y) << 1;
-        let within = index & ((1 << bits) - 1);
-        self.with(0x5d4e_8a1b, [x >> BLOCK, y >> BLOCK, index >> bits], place << bits | within)
+        let (seed, index) = z_order(self.base(PIXEL), [x, y], index, self.bits());
+        self.at(seed, index)
+    }
+
+    /// The sampler of a pixel whose seed and index are known.
+    #[inline]
+    pub fn at(&self, seed: u32, index: u32) -> PixelSampler {
+        PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index, reversed: index.reverse_bits() }
+    }
+
+    /// What the first argument of [`z_order`] is for pixels; `None` for other points than those of `ZSobol`.
+    pub fn z_base(&self) -> Option<u32> {
+        (self.kind == SamplerKind::ZSobol).then(|| self.base(PIXEL))
+    }
+
+    /// A pixel's samples are 2^bits consecutive points of the block's sequence, so they are a net of their own.
+    #[inline]
+    pub fn bits(&self) -> u32 {
+        self.spp.max(1).next_power_of_two().trailing_zeros().min(LONGEST)
+    }
+
+    #[inline]
+    fn base(&self, salt: u32) -> u32 {
+        mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ salt)
     }
 
     /// The sampler of one sample of a group of `of` pixels, whose samples together form one point set. It is that of
@@ -115,14 +134,23 @@ impl Sampler {
     /// A sample of the point set that some numbers name.
     #[inline]
     fn with(&self, salt: u32, name: [u32; 3], index: u32) -> PixelSampler {
-        let base = mix32(self.seed as u32 ^ (self.seed >> 32) as u32 ^ salt);
-        let seed = name.iter().fold(base, |seed, n| combine32(seed, *n));
-        PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index, reversed: index.reverse_bits() }
+        self.at(name.iter().fold(self.base(salt), |seed, n| combine32(seed, *n)), index)
     }
 }
 
+/// What the numbers of pixels are hashed with.
+const PIXEL: u32 = 0x5d4e_8a1b;
+
+/// Seed and index of a sample of a pixel where the pixels of a block take consecutive parts of one sequence.
+#[inline(always)]
+pub fn z_order(base: u32, [x, y]: [u32; 2], index: u32, bits: u32) -> (u32, u32) {
+    let seed = combine32(combine32(combine32(base, x >> BLOCK), y >> BLOCK), index >> bits);
+    let place = spread_bits(x) | spread_bits(y) << 1;
+    (seed, place << bits | index & ((1 << bits) - 1))
+}
+
 /// Puts a zero above each of the last bits of a coordinate in a block.
-#[inline]
+#[inline(always)]
 const fn spread_bits(v: u32) -> u32 {
     let v = v & ((1 << BLOCK) - 1);
     let v = (v | v << 4) & 0x0f0f;

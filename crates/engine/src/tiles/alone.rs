@@ -5,7 +5,7 @@ use super::{
     work::{Member, RAYS, Scratch, Work},
 };
 use crate::{
-    Counters, GroupIntegrator,
+    Counters, GroupIntegrator, PixelSample,
     partition::{Place, TILE, cell_of},
 };
 use std::sync::atomic::Ordering;
@@ -55,15 +55,16 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         scratch.hits.clear();
         scratch.lights.clear();
         scratch.lights.resize(scratch.members.len() * counters.by_group.len(), Vec3::ZERO);
-        scratch.pixel_samples.clear();
-        scratch.taking.clear();
+        scratch.pixels.clear();
+        scratch.numbers.clear();
+        let sampler = self.sampler();
         for number in 0..scratch.members.len() {
             let m = scratch.members[number];
             for path in 0..m.paths {
-                let (pixel_sample, weight) = self.pixel_sample(&m, path);
-                scratch.pixel_samples.push(pixel_sample);
-                scratch.taking.push((number, weight));
-                if scratch.taking.len() == WAVE {
+                let (sampler, index) = self.numbered(sampler, &m, path);
+                scratch.pixels.push((m.place, sampler, index));
+                scratch.numbers.push(number);
+                if scratch.pixels.len() == WAVE {
                     self.wave(scratch, counters);
                 }
             }
@@ -74,12 +75,22 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     /// Takes the samples of a wave.
     fn wave(&self, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
         let scene = &*self.frame.scene;
-        let Scratch { members, taking, pixel_samples, buffer, hits, lights, .. } = scratch;
+        let Scratch { members, pixels, numbers, weights, camera_rays, pixel_samples, buffer, hits, lights, .. } =
+            scratch;
+        pixel_samples.clear();
+        weights.clear();
+        match camera_rays {
+            Some(camera_rays) => camera_rays.extend(scene, pixels, pixel_samples, weights),
+            None => {
+                let at = |(place, sampler, index): &_| PixelSample::at(scene, sampler, &self.partition, *index, place);
+                (*pixel_samples, *weights) = pixels.iter().map(at).unzip();
+            }
+        }
         let groups = counters.by_group.len();
         if groups == 0 {
             self.integrator.wave(scene, self.prepared, pixel_samples, buffer, counters);
         }
-        for ((number, weight), pixel_sample) in taking.drain(..).zip(&mut *pixel_samples) {
+        for ((number, weight), pixel_sample) in numbers.drain(..).zip(&*weights).zip(&mut *pixel_samples) {
             if groups > 0 {
                 // Light is counted by groups for one path at a time.
                 let before = counters.rays;
@@ -91,13 +102,13 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             for (sum, light) in lights[number * groups..][..groups].iter_mut().zip(&mut counters.by_group) {
                 let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                 let light = std::mem::replace(light, Spectrum::ZERO) * scale;
-                *sum += scene.mode().to_rgb(light, &pixel_sample.lambda) * (weight / m.paths as f32);
+                *sum += scene.mode().to_rgb(light, &pixel_sample.lambda) * (*weight / m.paths as f32);
             }
-            m.sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * weight;
+            m.sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * *weight;
             m.rays += pixel_sample.rays;
             hits.extend(hit.map(|hit| (number, hit)));
         }
-        pixel_samples.clear();
+        pixels.clear();
     }
 
     /// Adds what was found to the film.

@@ -10,7 +10,9 @@
 
 use super::{Frame, lock};
 use crate::{
-    Control, Counters, GroupIntegrator, PixelSample, Stop, first_hit,
+    Control, Counters, GroupIntegrator, PixelSample, Stop,
+    camera_rays::CameraRays,
+    first_hit,
     partition::{CELLS, Partition, Place, TILE, Window, cell_of},
 };
 use std::{
@@ -61,6 +63,11 @@ pub(super) struct Scratch<B> {
     pub members: Vec<Member>,
     /// Who takes part in a path of the group, and the weight that the film gives it.
     pub taking: Vec<(usize, f32)>,
+    /// The pixels of a wave, with samplers and numbers of samples, and which members they are of.
+    pub pixels: Vec<(Place, Sampler, u32)>,
+    pub numbers: Vec<usize>,
+    pub weights: Vec<f32>,
+    pub camera_rays: Option<CameraRays>,
     pub pixel_samples: Vec<PixelSample>,
     pub buffer: B,
     found: Vec<Found>,
@@ -74,6 +81,10 @@ impl<B: Default> Default for Scratch<B> {
         Self {
             members: Vec::new(),
             taking: Vec::new(),
+            pixels: Vec::new(),
+            numbers: Vec::new(),
+            weights: Vec::new(),
+            camera_rays: None,
             pixel_samples: Vec::new(),
             buffer: B::default(),
             found: Vec::new(),
@@ -132,6 +143,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     pub fn run(&self) {
         let _guard = CancelOnPanic(self.control);
         let (mut scratch, mut counters) = (Scratch::default(), Counters::until(&self.stop));
+        scratch.camera_rays = CameraRays::new(&self.frame.scene, &self.sampler());
         let tiles = self.frame.done.len() as u64;
         let ticks = u64::from(self.ticks.1.saturating_sub(self.ticks.0));
         let alone = self.partition.size() == 1;
@@ -242,8 +254,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             (_, false) => return None,
         };
         let until = |tick: u32| (u64::from(of) * u64::from(tick) / u64::from((*ticks).max(1))) as u32;
-        let sample = until(tick);
-        if until(tick + 1) == sample {
+        let sample = if of == *ticks { tick } else { until(tick) };
+        if of != *ticks && until(tick + 1) == sample {
             return None;
         }
         let kept = is_kept.then(|| {
@@ -256,18 +268,20 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         Some(Member { place, kept, sample, of, paths, sum: Vec3::ZERO, rays: 0, tick })
     }
 
-    /// One of the paths that a sample is the mean of, and the weight that the film gives it.
-    pub fn pixel_sample(&self, m: &Member, path: u32) -> (PixelSample, f32) {
-        let Frame { scene, plan, round, .. } = self.frame;
-        // Rounds are independent of each other.
+    /// The sampler of the step. Rounds are independent of each other.
+    pub fn sampler(&self) -> Sampler {
+        let Frame { plan, round, .. } = self.frame;
         let seed = match round.number {
             0 => plan.sampler.seed,
             n => combine64(plan.sampler.seed, n.into()),
         };
+        Sampler { seed, ..plan.sampler }
+    }
+
+    /// The sampler of one of the paths that a sample is the mean of, and its number.
+    pub fn numbered(&self, sampler: Sampler, m: &Member, path: u32) -> (Sampler, u32) {
         // The first paths of all samples come first in a pixel's points, then the second ones, for those who have such.
-        let sampler = Sampler { spp: m.of.saturating_mul(m.paths), seed, ..plan.sampler };
-        let index = m.sample.wrapping_add(path.wrapping_mul(m.of));
-        PixelSample::at(scene, &sampler, &self.partition, index, &m.place)
+        (Sampler { spp: m.of.saturating_mul(m.paths), ..sampler }, m.sample.wrapping_add(path.wrapping_mul(m.of)))
     }
 
     /// What the film takes of a path, and what its ray hits first where that is asked for.
@@ -291,13 +305,14 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         if !members.iter().any(|m| m.kept.is_some()) {
             return;
         }
-        let begin = hits.len();
+        let (begin, sampler) = (hits.len(), self.sampler());
         let before = counters.rays;
         for path in 0..members.iter().map(|m| m.paths).max().unwrap_or(0) {
             pixel_samples.clear();
             taking.clear();
             for (number, m) in members.iter().enumerate().filter(|(_, m)| m.paths > path) {
-                let (pixel_sample, weight) = self.pixel_sample(m, path);
+                let (sampler, index) = self.numbered(sampler, m, path);
+                let (pixel_sample, weight) = PixelSample::at(scene, &sampler, &self.partition, index, &m.place);
                 pixel_samples.push(pixel_sample);
                 taking.push((number, weight));
             }

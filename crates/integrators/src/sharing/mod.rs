@@ -25,10 +25,10 @@ mod share;
 
 use crate::{Counters, path::PathTracer, precomputed::Precomputed};
 use share::share;
-use steradian_bsdf::{Bsdf, BsdfSample, Lobe};
+use steradian_bsdf::{Bsdf, BsdfSample};
 use steradian_core::{Scene, scene::Hit};
 use steradian_engine::{PathContext, PixelSample, partition::MAX_GROUP};
-use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths};
+use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 use steradian_transport::{Arrival, PathState, Vertex, arrive, escape, live_max, meet};
 
 const NO_RAY: Ray = PathState::NONE.ray;
@@ -76,7 +76,7 @@ impl<'s> Member<'s> {
         x: Arrival::End,
         beta: Spectrum::ZERO,
         events: 0,
-        sample: BsdfSample { wi: Vec3::Z, weight: Spectrum::ZERO, pdf: 0.0, lobe: Lobe::DIFFUSE, eta: 1.0 },
+        sample: BsdfSample::NONE,
         ratio: 1.0,
         path_state: PathState::NONE,
         y: Arrival::End,

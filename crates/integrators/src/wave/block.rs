@@ -3,6 +3,11 @@
 use std::f32::consts::FRAC_1_PI;
 use steradian_accel::kernel;
 use steradian_core::{
+    light::{
+        LightContext,
+        area::FlatLight,
+        tree::{Cluster, choose_child},
+    },
     sampler::sobol_scramble,
     scene::shadow_ray,
     shape::mesh::{on_triangle, usual_face_normal},
@@ -35,7 +40,11 @@ pub struct Block {
     pub direction: [Column; 3],
     pub beta: [Column; 4],
     pub for_roulette: Column,
+    /// Whether one wavelength is left.
+    pub is_single: Column<u32>,
+    /// Scattering events before this one, and surfaces passed.
     pub events: Column<u32>,
+    pub passes: Column<u32>,
     /// Seed and reversed index of the sampler.
     pub sampler: [Column<u32>; 2],
 
@@ -52,19 +61,40 @@ pub struct Block {
     // By `numbers`.
     pub light_point: [Column; 2],
     pub turn: [Column; 2],
+    pub lobe: Column,
     pub survival: Column,
+
+    // Two children of a node of the light tree.
+    pub children: [Children; 2],
+    pub choice: Column,
+    /// The probability of the node.
+    pub chance: Column,
+    pub is_second: Column<u32>,
 
     // The material on that side, and a light sample of density zero where there is none.
     pub reflectance: [Column; 4],
-    /// −1 where the shading normal is turned over, else 1.
-    pub side: Column,
+    /// The side from which light matters, zero for any; at Lambertian surfaces the axis of the frame.
+    pub light_n: [Column; 3],
     pub light_wi: [Column; 3],
     pub light_distance: Column,
     pub light_radiance: [Column; 4],
     pub light_pdf: Column,
     pub light_is_delta: Column<u32>,
+    /// Where that is left to [`flat_lights`]: a flat light, which is a triangle or a rectangle and may shine to both
+    /// sides. The density is that of its choice then.
+    pub is_flat: Column<u32>,
+    pub flat_corner: [Column; 3],
+    pub flat_edges: [[Column; 3]; 2],
+    pub flat_n: [Column; 3],
+    pub flat_area: Column,
+    pub flat_is_triangle: Column<u32>,
+    pub flat_is_two_sided: Column<u32>,
 
-    // By `diffuse`.
+    // By the model; the direction of the way on, and whether there is one, are overwritten by `diffuse` too.
+    pub is_drawn: Column<u32>,
+    pub way_on: [Column; 3],
+
+    // By `diffuse` and `depart`.
     /// What the light brings if nothing is before it, and whether that is anything.
     pub light: [Column; 4],
     pub is_lit: Column<u32>,
@@ -74,9 +104,53 @@ pub struct Block {
     /// Density of the direction of the way on.
     pub pdf: Column,
     pub origin: [Column; 3],
-    pub way_on: [Column; 3],
     /// How the path goes on: [`ENDS`], [`GOES_ON`] or [`IS_NOT_FINITE`].
     pub fate: Column<u32>,
+}
+
+/// A child of a node of the light tree.
+#[derive(Clone, Debug)]
+pub struct Children {
+    center: [Column; 3],
+    half2: Column,
+    axis: [Column; 3],
+    cos_o: Column,
+    cos_e: Column,
+    intensity: Column,
+    two_sided: Column<u32>,
+}
+
+impl Children {
+    const NONE: Self = Self {
+        center: [[0.0; WIDTH]; 3],
+        half2: [0.0; WIDTH],
+        axis: [[0.0; WIDTH]; 3],
+        cos_o: [0.0; WIDTH],
+        cos_e: [0.0; WIDTH],
+        intensity: [0.0; WIDTH],
+        two_sided: [0; WIDTH],
+    };
+
+    #[inline(always)]
+    pub fn set(&mut self, k: usize, c: &Cluster) {
+        set3(&mut self.center, k, c.center);
+        set3(&mut self.axis, k, c.axis);
+        (self.half2[k], self.cos_o[k], self.cos_e[k], self.intensity[k]) = (c.half2, c.cos_o, c.cos_e, c.intensity);
+        self.two_sided[k] = c.two_sided.into();
+    }
+
+    #[inline(always)]
+    fn get(&self, k: usize) -> Cluster {
+        Cluster {
+            center: get3(&self.center, k),
+            half2: self.half2[k],
+            axis: get3(&self.axis, k),
+            cos_o: self.cos_o[k],
+            cos_e: self.cos_e[k],
+            intensity: self.intensity[k],
+            two_sided: self.two_sided[k] != 0,
+        }
+    }
 }
 
 pub const ENDS: u32 = 0;
@@ -98,7 +172,9 @@ impl Default for Block {
             direction: THREE,
             beta: [ONE; 4],
             for_roulette: ONE,
+            is_single: NONE,
             events: NONE,
+            passes: NONE,
             sampler: [NONE; 2],
             p: THREE,
             error: THREE,
@@ -108,14 +184,28 @@ impl Default for Block {
             is_front: NONE,
             light_point: [ONE; 2],
             turn: [ONE; 2],
+            lobe: ONE,
             survival: ONE,
+            children: [Children::NONE; 2],
+            choice: ONE,
+            chance: ONE,
+            is_second: NONE,
             reflectance: [ONE; 4],
-            side: ONE,
+            light_n: THREE,
             light_wi: THREE,
             light_distance: ONE,
             light_radiance: [ONE; 4],
             light_pdf: ONE,
             light_is_delta: NONE,
+            is_flat: NONE,
+            flat_corner: THREE,
+            flat_edges: [THREE; 2],
+            flat_n: THREE,
+            flat_area: ONE,
+            flat_is_triangle: NONE,
+            flat_is_two_sided: NONE,
+            is_drawn: NONE,
+            way_on: THREE,
             light: [ONE; 4],
             is_lit: NONE,
             shadow_origin: THREE,
@@ -123,7 +213,6 @@ impl Default for Block {
             shadow_end: ONE,
             pdf: ONE,
             origin: THREE,
-            way_on: THREE,
             fate: NONE,
         }
     }
@@ -192,7 +281,45 @@ kernel! {
             let turn = at(event, dimension::DIRECTION).point_2d(reversed);
             (b.light_point[0][k], b.light_point[1][k]) = (light[0], light[1]);
             (b.turn[0][k], b.turn[1][k]) = (turn[0], turn[1]);
+            let lobe = dimension::at(event, dimension::LOBE) ^ (b.passes[k] << 16);
+            b.lobe[k] = sobol_scramble(seed, lobe).point_1d(reversed);
             b.survival[k] = at(event.wrapping_add(1), dimension::ROULETTE).point_1d(reversed);
+        }
+    }
+}
+
+kernel! {
+    /// A step down the light tree.
+    pub fn children(b: &'a mut Block) {
+        for k in 0..WIDTH {
+            let ctx = LightContext { p: get3(&b.p, k), n: get3(&b.light_n, k) };
+            let [first, second] = [b.children[0].get(k).importance(&ctx), b.children[1].get(k).importance(&ctx)];
+            let (is_second, chance, u) = choose_child(first, second, b.choice[k]);
+            (b.is_second[k], b.choice[k]) = (is_second.into(), u);
+            b.chance[k] *= chance;
+        }
+    }
+}
+
+kernel! {
+    /// Samples of flat lights.
+    pub fn flat_lights(b: &'a mut Block) {
+        for k in 0..WIDTH {
+            let light = FlatLight {
+                corner: get3(&b.flat_corner, k),
+                edges: [get3(&b.flat_edges[0], k), get3(&b.flat_edges[1], k)],
+                n: get3(&b.flat_n, k),
+                area: b.flat_area[k],
+                is_triangle: b.flat_is_triangle[k] != 0,
+            };
+            let (wi, distance, pdf) = light.sample(get3(&b.p, k), Vec2::new(b.light_point[0][k], b.light_point[1][k]));
+            let shines = (b.flat_is_two_sided[k] != 0) | (light.n.dot(-wi) > 0.0);
+            let pdf = if shines { pdf * b.light_pdf[k] } else { 0.0 };
+            let is_flat = b.is_flat[k] != 0;
+            let (before, distance_before) = (get3(&b.light_wi, k), b.light_distance[k]);
+            set3(&mut b.light_wi, k, if is_flat { wi } else { before });
+            b.light_distance[k] = if is_flat { distance } else { distance_before };
+            b.light_pdf[k] = if is_flat { pdf } else { b.light_pdf[k] };
         }
     }
 }
@@ -201,8 +328,7 @@ kernel! {
     /// Light and the way on at Lambertian surfaces.
     pub fn diffuse(b: &'a mut Block, depth: Depth) {
         for k in 0..WIDTH {
-            let (p, error, n) = (get3(&b.p, k), get3(&b.error, k), get3(&b.n, k));
-            let frame = Frame::from_z(get3(&b.ns, k) * b.side[k]);
+            let frame = Frame::from_z(get3(&b.light_n, k));
             let o = frame.to_local(-get3(&b.direction, k));
             let (reflectance, beta) = (get4(&b.reflectance, k), get4(&b.beta, k));
 
@@ -215,34 +341,52 @@ kernel! {
             let light = map4(|c| reflectance[c] * cos * radiance[c] * factor);
             set4(&mut b.light, k, map4(|c| beta[c] * light[c]));
             b.is_lit[k] = u32::from((o.z > 0.0) & (i.z > 0.0) & (pdf > 0.0) & !is_black(light));
-            let ray = shadow_ray(p, offset_ray_origin(p, error, n, wi), wi, b.light_distance[k]);
-            set3(&mut b.shadow_origin, k, ray.origin);
-            set3(&mut b.shadow_direction, k, ray.direction);
-            b.shadow_end[k] = ray.t_max;
 
             let w = warp::cosine_hemisphere(Vec2::new(b.turn[0][k], b.turn[1][k]));
-            let is_drawn = (o.z > 0.0) & (w.z > 0.0) & !is_black(reflectance);
-            let direction = frame.to_world(w);
+            b.is_drawn[k] = u32::from((o.z > 0.0) & (w.z > 0.0) & !is_black(reflectance));
             b.pdf[k] = w.z * FRAC_1_PI;
-            set3(&mut b.way_on, k, direction);
-            set3(&mut b.origin, k, offset_ray_origin(p, error, n, direction));
-            let beta = map4(|c| beta[c] * reflectance[c]);
-            let is_finite = beta[0].is_finite() & beta[1].is_finite() & beta[2].is_finite() & beta[3].is_finite();
-            let live = beta[0].max(beta[1]).max(beta[2].max(beta[3])) * b.for_roulette[k];
-            let number = b.survival[k];
-            let scale = roulette(live, b.events[k].wrapping_add(1), &depth, None, || number);
-            let survives = scale.is_some();
-            let scale = scale.unwrap_or(0.0);
-            set4(&mut b.beta, k, map4(|c| beta[c] * scale));
-            b.fate[k] = if !is_drawn {
-                ENDS
-            } else if !is_finite {
-                IS_NOT_FINITE
-            } else {
-                u32::from(survives)
-            };
+            set3(&mut b.way_on, k, frame.to_world(w));
+            set4(&mut b.beta, k, map4(|c| beta[c] * reflectance[c]));
+            depart_from(b, k, &depth);
         }
     }
+}
+
+kernel! {
+    /// The rays that leave, towards the light and on, and roulette.
+    pub fn depart(b: &'a mut Block, depth: Depth) {
+        for k in 0..WIDTH {
+            depart_from(b, k, &depth);
+        }
+    }
+}
+
+/// [`depart`] of a vertex.
+#[inline(always)]
+fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
+    let (p, error, n) = (get3(&b.p, k), get3(&b.error, k), get3(&b.n, k));
+    let wi = get3(&b.light_wi, k);
+    let ray = shadow_ray(p, offset_ray_origin(p, error, n, wi), wi, b.light_distance[k]);
+    set3(&mut b.shadow_origin, k, ray.origin);
+    set3(&mut b.shadow_direction, k, ray.direction);
+    b.shadow_end[k] = ray.t_max;
+    set3(&mut b.origin, k, offset_ray_origin(p, error, n, get3(&b.way_on, k)));
+    let beta = get4(&b.beta, k);
+    let is_finite = beta[0].is_finite() & beta[1].is_finite() & beta[2].is_finite() & beta[3].is_finite();
+    let most = beta[0].max(beta[1]).max(beta[2].max(beta[3]));
+    let live = if b.is_single[k] != 0 { beta[0] } else { most } * b.for_roulette[k];
+    let number = b.survival[k];
+    let scale = roulette(live, b.events[k].wrapping_add(1), depth, None, || number);
+    let survives = scale.is_some();
+    let scale = scale.unwrap_or(0.0);
+    set4(&mut b.beta, k, map4(|c| beta[c] * scale));
+    b.fate[k] = if b.is_drawn[k] == 0 {
+        ENDS
+    } else if !is_finite {
+        IS_NOT_FINITE
+    } else {
+        u32::from(survives)
+    };
 }
 
 #[cfg(test)]
@@ -263,12 +407,23 @@ mod tests {
             }
             set3(&mut b.direction, k, vector().normalize());
             set3(&mut b.light_wi, k, vector().normalize());
+            set3(&mut b.light_n, k, vector().normalize());
+            let (x, y) = (vector().normalize(), vector());
+            let y = y - x * x.dot(y);
+            set3(&mut b.flat_corner, k, vector() * 3.0);
+            set3(&mut b.flat_edges[0], k, x);
+            set3(&mut b.flat_edges[1], k, y);
+            set3(&mut b.flat_n, k, x.cross(y).normalize());
             let mut unit = || rng.next_f32();
             (b.uv[0][k], b.uv[1][k]) = (unit() * 0.5, unit() * 0.5);
+            b.is_flat[k] = (k % 4 < 2).into();
+            (b.flat_is_triangle[k], b.flat_is_two_sided[k]) = ((k % 8 < 2).into(), (k % 3 == 0).into());
+            b.flat_area[k] = 1.0;
             b.light_distance[k] = if k == 8 { f32::INFINITY } else { unit() };
             b.light_pdf[k] = if k == 9 { 0.0 } else { unit() * 4.0 };
             (b.light_is_delta[k], b.is_smooth[k]) = ((k % 3 == 0).into(), (k % 2).try_into().unwrap());
-            (b.side[k], b.for_roulette[k]) = (if k % 5 == 0 { -1.0 } else { 1.0 }, 1.0);
+            b.for_roulette[k] = 1.0;
+            b.is_single[k] = (k % 7 == 0).into();
             let grey = [0.0, 1.0, unit()][k % 3];
             set4(&mut b.reflectance, k, [grey; 4]);
             set4(&mut b.light_radiance, k, [unit(), unit(), unit(), 0.0]);
@@ -289,6 +444,7 @@ mod tests {
             let (mut b, lanes) = (any(), Lanes::of(isa));
             surfaces(lanes, &mut b);
             numbers(lanes, &mut b);
+            flat_lights(lanes, &mut b);
             diffuse(lanes, &mut b, depth);
             format!("{b:?}")
         });
@@ -296,6 +452,7 @@ mod tests {
         let (mut b, lanes) = (any(), Lanes::best());
         surfaces(lanes, &mut b);
         numbers(lanes, &mut b);
+        flat_lights(lanes, &mut b);
         diffuse(lanes, &mut b, depth);
         assert_eq!(b.is_unusual[3], 1);
         let count = |column: &Column<u32>, value| column.iter().filter(|v| **v == value).count();

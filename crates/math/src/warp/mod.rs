@@ -126,7 +126,7 @@ pub fn uniform_cone_pdf(one_minus_cos_max: f32) -> f32 {
 
 /// Barycentric coordinates of a uniform point of a triangle, with little distortion (Heitz 2019). Density `1/area` per
 /// area.
-#[inline]
+#[inline(always)]
 pub fn uniform_triangle(u: Vec2) -> [f32; 3] {
     let (b0, b1) = if u.x < u.y {
         let b0 = 0.5 * u.x;

@@ -1,7 +1,10 @@
 //! Uniform sampling of the solid angle of a rectangle (Ureña, Fajardo and King 2013, "An area-preserving
 //! parametrization for spherical rectangles").
 
-use crate::{Vec2, Vec3};
+use crate::{
+    Vec2, Vec3,
+    elementary::{angle_f64, sin_cos_f64},
+};
 use std::f64::consts::TAU;
 
 /// A planar rectangle as seen from a point, ready to be sampled uniformly in solid angle. The angles are kept in `f64`:
@@ -29,49 +32,70 @@ pub struct SphericalRectangle {
 
 impl SphericalRectangle {
     /// The rectangle `corner + s·ex + t·ey`, `s, t ∈ [0,1]`, `ex ⊥ ey`, seen from `p`.
-    #[inline]
+    #[inline(always)]
     pub fn new(corner: Vec3, ex: Vec3, ey: Vec3, p: Vec3) -> Self {
         let (lx, ly) = (ex.as_dvec3().length(), ey.as_dvec3().length());
-        let (x, y) = (ex.as_dvec3() / lx, ey.as_dvec3() / ly);
+        let (x, y) = (ex.as_dvec3() * (1.0 / lx), ey.as_dvec3() * (1.0 / ly));
         let d = corner.as_dvec3() - p.as_dvec3();
         let (x0, y0, z0) = (d.dot(x), d.dot(y), -d.dot(x.cross(y)).abs());
         let (x1, y1) = (x0 + lx, y0 + ly);
 
-        // Unit normals of the four side planes are (0, ·, n) or (·, 0, n); only their z components are needed.
-        let n = |s: f64| s / (s * s + z0 * z0).sqrt();
-        let (n0, n1, n2, n3) = (-n(y0), n(x1), n(y1), -n(x0));
-        let angle = |a: f64, b: f64| (-a * b).clamp(-1.0, 1.0).acos();
-        let (g2, g3) = (angle(n2, n3), angle(n3, n0));
-        let area = angle(n0, n1) + angle(n1, n2) + g2 + g3 - TAU;
+        // The angle between two side planes, times whose lengths the cosine of the normals' angle is −ab for signed
+        // distances a, b of the sides, and the sine |z| times the distance of the corner; so nothing cancels. Angles
+        // are added up as products of complex numbers.
+        let corner_at = |a: f64, b: f64| (a * a + b * b + z0 * z0).sqrt() * -z0;
+        let both = |(c0, s0): (f64, f64), (c1, s1): (f64, f64)| {
+            let (c, s) = (c0 * c1 - s0 * s1, s0 * c1 + c0 * s1);
+            let angle = angle_f64(s.abs(), c);
+            if s < 0.0 { TAU - angle } else { angle }
+        };
+        let first = both((y0 * x1, corner_at(y0, x1)), (-x1 * y1, corner_at(x1, y1)));
+        let last = both((y1 * x0, corner_at(y1, x0)), (-x0 * y0, corner_at(x0, y0)));
+        let area = first + last - TAU;
+        let side = |s: f64| s / (s * s + z0 * z0).sqrt();
         // Also false for NaN, which zero edges and a point in the plane's edges give.
         let usable = area > 0.0 && z0 < 0.0 && area.is_finite();
         let area = if usable { area } else { 0.0 };
-        Self { solid_angle: area as f32, corner, ex, ey, x0, x1, y0, y1, z0, b0: n0, b1: n2, k: TAU - g2 - g3, area }
+        Self {
+            solid_angle: area as f32,
+            corner,
+            ex,
+            ey,
+            x0,
+            x1,
+            y0,
+            y1,
+            z0,
+            b0: -side(y0),
+            b1: side(y1),
+            k: TAU - last,
+            area,
+        }
     }
 
     /// A point of the rectangle, uniform in solid angle with density `1/solid_angle`.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (s, t) = self.sample_coordinates(u);
         self.corner + self.ex * s + self.ey * t
     }
 
     /// Like [`SphericalRectangle::sample`], as the coordinates `(s, t) ∈ [0,1]²` of the point.
-    #[inline]
+    #[inline(always)]
     pub fn sample_coordinates(&self, u: Vec2) -> (f32, f32) {
         if self.area <= 0.0 {
             return (u.x, u.y);
         }
         // x: the vertical line that cuts off u.x of the solid angle.
-        let (sin, cos) = (f64::from(u.x) * self.area + self.k).sin_cos();
+        let (sin, cos) = sin_cos_f64(f64::from(u.x) * self.area + self.k);
         let f = (cos * self.b0 - self.b1) / sin;
-        let c = (f.signum() / (f * f + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
-        let x = (-(c * self.z0) / (1.0 - c * c).max(f64::MIN_POSITIVE).sqrt()).clamp(self.x0, self.x1);
+        let c = (1.0_f64.copysign(f) / (f * f + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
+        let x = (-(c * self.z0) / (1.0 - c * c).max(f64::MIN_POSITIVE).sqrt()).max(self.x0).min(self.x1);
         // y: uniform in the sine of the elevation along that line.
         let d2 = x * x + self.z0 * self.z0;
         let (h0, h1) = (self.y0 / (d2 + self.y0 * self.y0).sqrt(), self.y1 / (d2 + self.y1 * self.y1).sqrt());
         let h = h0 + f64::from(u.y) * (h1 - h0);
-        let y = (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).clamp(self.y0, self.y1);
+        let y = (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).max(self.y0).min(self.y1);
         (((x - self.x0) / (self.x1 - self.x0)) as f32, ((y - self.y0) / (self.y1 - self.y0)) as f32)
     }
 }
