@@ -32,6 +32,15 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// With so few primitives rays that go different ways visit much the same nodes. Measured.
+    const SMALL: usize = 4096;
+
+    /// Whether it has few primitives.
+    #[inline(always)]
+    pub fn is_small(&self) -> bool {
+        self.primitives <= Self::SMALL
+    }
+
     /// Follows geometry that has moved: the shape of the tree is kept (`true`) when the same primitives can be hit as
     /// before, else it is built anew.
     pub fn update(&mut self, geometries: &[Geometry]) -> Result<bool, Error> {

@@ -61,7 +61,7 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: UserLeaves>(
             continue;
         }
         let beam = beam_constants.beam(group.trailing_zeros() as usize);
-        if !beam.is_narrow(l, group, NARROW) {
+        if !tree.is_small() && !beam.is_narrow(l, group, NARROW) {
             alone |= group;
         } else {
             Query { isa, s, l, tree, packet, users, beam, single: &single }.run(group, found);

@@ -148,22 +148,33 @@ pub struct FlatLight {
 }
 
 impl FlatLight {
-    /// A point of it as seen from `p`: unit direction, distance, and density per solid angle, which is zero where it
-    /// cannot be sampled.
+    /// Whether it is a rectangle that is sampled by the solid angle that it subtends at a point.
     #[inline(always)]
-    pub fn sample(&self, p: Vec3, u: Vec2) -> (Vec3, f32, f32) {
+    pub fn is_large(&self, p: Vec3) -> bool {
         let Self { corner, edges: [ex, ey], n, area, is_triangle } = *self;
-        let is_large = !is_triangle && AreaLight::looks_large(corner + (ex + ey) * 0.5, n, area, p);
-        let rectangle = warp::SphericalRectangle::new(corner, ex, ey, p);
+        !is_triangle && AreaLight::looks_large(corner + (ex + ey) * 0.5, n, area, p)
+    }
+
+    /// A point of it as seen from `p`: unit direction, distance, and density per solid angle, which is zero where it
+    /// cannot be sampled. `may_be_large` spares what is dear where it is known not to be [large](Self::is_large).
+    #[inline(always)]
+    pub fn sample(&self, p: Vec3, u: Vec2, may_be_large: bool) -> (Vec3, f32, f32) {
+        let Self { corner, edges: [ex, ey], n, area, is_triangle } = *self;
+        let is_large = may_be_large && self.is_large(p);
         let b = warp::uniform_triangle(u);
-        let (s, t) = if is_triangle { (b[1], b[2]) } else { (u.x, u.y) };
-        let (s, t) = if is_large { rectangle.sample_coordinates(u) } else { (s, t) };
+        let (mut s, mut t) = if is_triangle { (b[1], b[2]) } else { (u.x, u.y) };
+        let mut by_angle = 0.0;
+        if may_be_large {
+            let rectangle = warp::SphericalRectangle::new(corner, ex, ey, p);
+            let at = rectangle.sample_coordinates(u);
+            (s, t) = if is_large { at } else { (s, t) };
+            by_angle = if rectangle.solid_angle > 0.0 { 1.0 / rectangle.solid_angle } else { 0.0 };
+        }
         let to = corner + ex * s + ey * t - p;
         let d2 = to.length_squared();
         let distance = d2.sqrt();
         let wi = to / distance;
         let cos = n.dot(wi).abs();
-        let by_angle = if rectangle.solid_angle > 0.0 { 1.0 / rectangle.solid_angle } else { 0.0 };
         let pdf = if is_large { by_angle } else { d2 / (cos * area) };
         let is_sound = (d2 > 0.0) & (cos != 0.0) & (pdf > 0.0) & (pdf < f32::INFINITY);
         (wi, distance, if is_sound { pdf } else { 0.0 })

@@ -5,7 +5,7 @@ mod field;
 pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation};
 use std::sync::Arc;
 use steradian_math::{
-    Spectrum, Vec2, Vec3,
+    Spectrum, Vec2, Vec3, elementary,
     spectra::{Wavelengths, role::Color},
     warp,
 };
@@ -81,7 +81,10 @@ impl Medium {
 /// `exp(−σ_t d)`, with lanes of no extinction kept at one over infinite distances.
 #[inline]
 pub fn transmittance(sigma_t: Spectrum, distance: f32) -> Spectrum {
-    sigma_t.map(|s| if s == 0.0 { 1.0 } else { (-s * distance).exp() })
+    let of = |s: f32| if s == 0.0 { 1.0 } else { elementary::exp(-s * distance) };
+    // Most media are grey.
+    let first = of(sigma_t[0]);
+    sigma_t.map(|s| if s == sigma_t[0] { first } else { of(s) })
 }
 
 #[cfg(test)]

@@ -302,26 +302,42 @@ kernel! {
 }
 
 kernel! {
-    /// Samples of flat lights.
+    /// Samples of flat lights, of which some may be large.
     pub fn flat_lights(b: &'a mut Block) {
         for k in 0..WIDTH {
-            let light = FlatLight {
-                corner: get3(&b.flat_corner, k),
-                edges: [get3(&b.flat_edges[0], k), get3(&b.flat_edges[1], k)],
-                n: get3(&b.flat_n, k),
-                area: b.flat_area[k],
-                is_triangle: b.flat_is_triangle[k] != 0,
-            };
-            let (wi, distance, pdf) = light.sample(get3(&b.p, k), Vec2::new(b.light_point[0][k], b.light_point[1][k]));
-            let shines = (b.flat_is_two_sided[k] != 0) | (light.n.dot(-wi) > 0.0);
-            let pdf = if shines { pdf * b.light_pdf[k] } else { 0.0 };
-            let is_flat = b.is_flat[k] != 0;
-            let (before, distance_before) = (get3(&b.light_wi, k), b.light_distance[k]);
-            set3(&mut b.light_wi, k, if is_flat { wi } else { before });
-            b.light_distance[k] = if is_flat { distance } else { distance_before };
-            b.light_pdf[k] = if is_flat { pdf } else { b.light_pdf[k] };
+            flat_light(b, k, true);
         }
     }
+}
+
+kernel! {
+    /// Samples of flat lights none of which is large.
+    pub fn small_lights(b: &'a mut Block) {
+        for k in 0..WIDTH {
+            flat_light(b, k, false);
+        }
+    }
+}
+
+/// [`flat_lights`] at a vertex.
+#[inline(always)]
+fn flat_light(b: &mut Block, k: usize, may_be_large: bool) {
+    let light = FlatLight {
+        corner: get3(&b.flat_corner, k),
+        edges: [get3(&b.flat_edges[0], k), get3(&b.flat_edges[1], k)],
+        n: get3(&b.flat_n, k),
+        area: b.flat_area[k],
+        is_triangle: b.flat_is_triangle[k] != 0,
+    };
+    let u = Vec2::new(b.light_point[0][k], b.light_point[1][k]);
+    let (wi, distance, pdf) = light.sample(get3(&b.p, k), u, may_be_large);
+    let shines = (b.flat_is_two_sided[k] != 0) | (light.n.dot(-wi) > 0.0);
+    let pdf = if shines { pdf * b.light_pdf[k] } else { 0.0 };
+    let is_flat = b.is_flat[k] != 0;
+    let (before, distance_before) = (get3(&b.light_wi, k), b.light_distance[k]);
+    set3(&mut b.light_wi, k, if is_flat { wi } else { before });
+    b.light_distance[k] = if is_flat { distance } else { distance_before };
+    b.light_pdf[k] = if is_flat { pdf } else { b.light_pdf[k] };
 }
 
 kernel! {

@@ -502,7 +502,8 @@ fn illuminate(
     scene: &Scene,
     pixel_samples: &[PixelSample],
 ) {
-    let (all, mut has_flat, mut lights) = (scene.lights(), false, [0; WIDTH]);
+    let (all, mut lights) = (scene.lights(), [0; WIDTH]);
+    let (mut has_flat, mut has_large) = (false, false);
     choose(lanes, b, numbers.clone(), scene, pixel_samples, &mut lights);
     for (k, number) in numbers.enumerate() {
         b.is_flat[k] = 0;
@@ -524,6 +525,7 @@ fn illuminate(
                 b.flat_is_two_sided[k] = emitter.two_sided.into();
                 b.light_pdf[k] = if radiance.is_black() { 0.0 } else { p };
                 (b.is_flat[k], has_flat) = (1, true);
+                has_large |= flat.is_large(at);
                 continue;
             }
         }
@@ -536,24 +538,30 @@ fn illuminate(
         (b.light_distance[k], b.light_pdf[k]) = (s.distance, s.pdf * p);
         b.light_is_delta[k] = s.is_delta.into();
     }
-    if has_flat {
-        block::flat_lights(lanes, b);
+    match (has_flat, has_large) {
+        (_, true) => block::flat_lights(lanes, b),
+        (true, false) => block::small_lights(lanes, b),
+        (false, false) => {}
     }
 }
 
-/// Puts paths next to each other whose rays have the same signs of direction.
+/// Puts paths next to each other whose rays have the same signs of direction and the same greatest axis.
 fn sort(live: &mut Vec<u32>, order: &mut Vec<u32>, walkers: &[Walker]) {
-    let octant = |w: u32| {
+    const CLASSES: usize = 24;
+    let class = |w: u32| {
         let d = walkers[w as usize].state.ray.direction;
-        (d.x.to_bits() >> 31 | d.y.to_bits() >> 31 << 1 | d.z.to_bits() >> 31 << 2) as usize
+        let signs = d.x.to_bits() >> 31 | d.y.to_bits() >> 31 << 1 | d.z.to_bits() >> 31 << 2;
+        let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
+        let axis = if x >= y && x >= z { 0 } else { 1 + u32::from(z > y) };
+        (axis * 8 + signs) as usize
     };
-    let mut starts = [0; 9];
-    live.iter().for_each(|&w| starts[octant(w) + 1] += 1);
-    (0..8).for_each(|k| starts[k + 1] += starts[k]);
+    let mut starts = [0; CLASSES + 1];
+    live.iter().for_each(|&w| starts[class(w) + 1] += 1);
+    (0..CLASSES).for_each(|k| starts[k + 1] += starts[k]);
     order.clear();
     order.resize(live.len(), 0);
     for &w in &*live {
-        let start = &mut starts[octant(w)];
+        let start = &mut starts[class(w)];
         order[*start] = w;
         *start += 1;
     }

@@ -1,16 +1,18 @@
 //! One-dimensional warps: exponential distances and the tent filter.
 
+use crate::elementary;
+
 /// A distance with density `rate·e^(−rate·t)` on `[0, ∞)`, by inversion: `−ln(1 − u)/rate`. Infinite for a rate of
 /// zero, unless `u` is zero too (then 0/0: the caller skips empty media).
 #[inline]
 pub fn exponential(u: f32, rate: f32) -> f32 {
-    -(-u).ln_1p() / rate
+    -elementary::ln_1p(-u) / rate
 }
 
 /// Density of [`exponential`].
 #[inline]
 pub fn exponential_pdf(t: f32, rate: f32) -> f32 {
-    rate * (-rate * t).exp()
+    rate * elementary::exp(-rate * t)
 }
 
 /// A number with density `(1 − |x|/r)/r` on `[−r, r]`: the tent filter of half-width `r`. Continuous and increasing in
