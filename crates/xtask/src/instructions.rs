@@ -124,10 +124,10 @@ fn counted_occluded(accel: &Accel, rays: &[Ray]) -> usize {
     rays.iter().filter(|ray| accel.occluded(ray, &())).count()
 }
 
-/// Paths in the Cornell box.
+/// Paths in the Cornell box, in waves: a kernel that the compiler no longer makes vector instructions of shows here.
 fn shading() {
-    let Some(desc) = steradian::cornell::builtin("cornell-box") else { return };
-    let options = CompileOptions { size: Some((32, 32)), ..CompileOptions::default() };
+    let Some(desc) = steradian::cornell::builtin("cornell-box-area") else { return };
+    let options = CompileOptions { size: Some((64, 64)), ..CompileOptions::default() };
     let Some(scene) = steradian::compile(&desc, &options).scene else { return };
     black_box(bench::ray_sets(&scene, 1));
     counted_shading(&Arc::new(scene));
