@@ -77,12 +77,7 @@ pub fn flight_density(
 
 /// [`flight_density`] of coefficients of absorption and scattering.
 #[inline]
-fn density(
-    (sigma_a, sigma_s): (Spectrum, Spectrum),
-    distance: f32,
-    scatters: bool,
-    lanes: usize,
-) -> (Spectrum, f32) {
+fn density((sigma_a, sigma_s): (Spectrum, Spectrum), distance: f32, scatters: bool, lanes: usize) -> (Spectrum, f32) {
     let sigma_t = sigma_a + sigma_s;
     let tr = transmittance(sigma_t, distance);
     match scatters {

@@ -63,7 +63,9 @@ pub fn meet<'s, const MEDIA: bool>(
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
             let flight = match &scattering.field {
                 None => {
-                    *sum += path_state.beta * scattering.glow_over(distance, lambda);
+                    if scattering.glow.is_some() {
+                        *sum += path_state.beta * scattering.glow_over(distance, lambda);
+                    }
                     flight::sample_flight(scene, scattering, distance, lane, u, lambda)
                 }
                 Some(field) => {

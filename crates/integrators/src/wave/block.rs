@@ -83,6 +83,8 @@ pub struct Block {
     /// Where that is left to [`flat_lights`]: a flat light, which is a triangle or a rectangle and may shine to both
     /// sides. The density is that of its choice then.
     pub is_flat: Column<u32>,
+    /// Which light the columns below are of; they stay from block to block.
+    pub flat_number: Column<u32>,
     pub flat_corner: [Column; 3],
     pub flat_edges: [[Column; 3]; 2],
     pub flat_n: [Column; 3],
@@ -198,6 +200,7 @@ impl Default for Block {
             light_pdf: ONE,
             light_is_delta: NONE,
             is_flat: NONE,
+            flat_number: [u32::MAX; WIDTH],
             flat_corner: THREE,
             flat_edges: [THREE; 2],
             flat_n: THREE,

@@ -515,16 +515,19 @@ fn illuminate(
         if let Light::Area(area) = &all.lights[light as usize] {
             let emitter = &all.emitters[area.emitter as usize];
             if let (Some(flat), Some(radiance)) = (area.flat(at), emitter.everywhere(lambda)) {
-                set3(&mut b.flat_corner, k, flat.corner);
-                set3(&mut b.flat_edges[0], k, flat.edges[0]);
-                set3(&mut b.flat_edges[1], k, flat.edges[1]);
-                set3(&mut b.flat_n, k, flat.n);
+                if b.flat_number[k] != light {
+                    b.flat_number[k] = light;
+                    set3(&mut b.flat_corner, k, flat.corner);
+                    set3(&mut b.flat_edges[0], k, flat.edges[0]);
+                    set3(&mut b.flat_edges[1], k, flat.edges[1]);
+                    set3(&mut b.flat_n, k, flat.n);
+                    b.flat_area[k] = flat.area;
+                    b.flat_is_triangle[k] = flat.is_triangle.into();
+                    b.flat_is_two_sided[k] = emitter.two_sided.into();
+                }
                 set4(&mut b.light_radiance, k, radiance.to_array());
-                (b.flat_area[k], b.light_is_delta[k]) = (flat.area, 0);
-                b.flat_is_triangle[k] = flat.is_triangle.into();
-                b.flat_is_two_sided[k] = emitter.two_sided.into();
+                (b.light_is_delta[k], b.is_flat[k], has_flat) = (0, 1, true);
                 b.light_pdf[k] = if radiance.is_black() { 0.0 } else { p };
-                (b.is_flat[k], has_flat) = (1, true);
                 has_large |= flat.is_large(at);
                 continue;
             }
