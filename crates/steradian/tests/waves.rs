@@ -1,14 +1,15 @@
 //! Paths that are followed together have the bits of paths that are followed one by one, which they are where light is
-//! counted by groups.
+//! counted by groups, and take as many rays.
 
 use std::{path::PathBuf, sync::Arc};
 use steradian::{ColorMode, CompileOptions, Control, Film, Layer, Quality, Scene, compile, load};
 
-fn film(scene: &Arc<Scene>, integrator: &str, layers: Vec<Layer>) -> Film {
+/// The film, and the rays that it took.
+fn film(scene: &Arc<Scene>, integrator: &str, layers: Vec<Layer>) -> (Film, u64) {
     let quality = Quality { integrator: Some(integrator.into()), spp: Some(5), layers, ..Quality::default() };
     let mut session = quality.render(scene).expect("a registered integrator").session(scene).expect("a session");
     session.step(u32::MAX, &Control::default());
-    session.film()
+    (session.film(), session.counters().rays)
 }
 
 #[test]
@@ -25,12 +26,13 @@ fn waves_have_the_bits_of_single_paths() {
             let scene = Arc::new(scene.unwrap_or_else(|| panic!("{}: no scene", path.display())));
             assert!(!scene.light_groups().names.is_empty());
             for integrator in ["path:reuse=1,caustics=false,effort=even", "volpath:reuse=1,caustics=false"] {
-                let (together, alone) =
+                let ((together, rays), (alone, rays_alone)) =
                     (film(&scene, integrator, vec![]), film(&scene, integrator, vec![Layer::LightGroups]));
                 assert!(!alone.by_light.is_empty() && together.by_light.is_empty());
                 let bits =
                     |film: &Film| film.pixels.iter().map(|p| (p.sum.map(f64::to_bits), p.samples)).collect::<Vec<_>>();
                 assert!(bits(&together) == bits(&alone), "{}, {mode:?}, {integrator}", path.display());
+                assert_eq!(rays, rays_alone, "{}, {mode:?}, {integrator}", path.display());
                 count += 1;
             }
         }
