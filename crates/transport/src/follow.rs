@@ -104,7 +104,7 @@ pub fn meet<'s, const MEDIA: bool>(
             *sum += light;
         }
         let is_last = path_state.events >= depth.max;
-        if is_last && !scene.is_see_through() {
+        if is_last && !scene.is_see_through() || scene.is_black(i.geometry) {
             return;
         }
         let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures());

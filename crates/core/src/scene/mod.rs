@@ -18,8 +18,9 @@ pub use parts::{Geometry, Parts, Placement, Settings};
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
+use steradian_bsdf::Bsdf;
 use steradian_math::{
-    Bounds3, Frame, Ray, Vec2, Vec3,
+    Bounds3, Frame, Ray, Spectrum, Vec2, Vec3,
     ray::offset_ray_origin,
     spectra::{ColorMode, Wavelengths},
     transform::Affine,
@@ -46,8 +47,8 @@ struct Facts {
     has_curves: bool,
     /// The back and the front of each material.
     constants: Vec<[Option<material::Constant>; 2]>,
-    /// Which geometries are uniform ([`Scene::uniform`]).
-    uniform: Vec<bool>,
+    /// What is known of each geometry.
+    kinds: Vec<Kind>,
 }
 
 impl Facts {
@@ -71,24 +72,44 @@ impl Facts {
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
             constants: material::constants(materials, textures),
-            uniform: Vec::new(),
+            kinds: Vec::new(),
         }
     }
 }
 
+/// How a geometry scatters, where that is simple.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// In any way.
+    Any,
+    /// By Lambert's law, the same everywhere on each side: a mesh in the world that emits nothing and separates no
+    /// media.
+    Lambertian,
+    /// Not at all, by Lambert's law with an albedo of zero.
+    Black,
+}
+
 impl Facts {
-    /// Finds meshes that are uniform, which takes what is asked of their points.
-    fn find_uniform(&mut self, parts: &Parts) {
-        let is_uniform = |g: &Geometry| {
-            let sides = &self.constants[g.material as usize];
-            matches!(g.shape, Shape::Mesh(_))
-                && !g.needs.parameters
-                && !g.is_interface
-                && g.emitter.is_none()
-                && g.media.is_none()
-                && sides.iter().all(Option::is_some)
+    /// Finds the kinds of geometries, which takes what is asked of their points.
+    fn find_kinds(&mut self, parts: &Parts) {
+        let kind = |(number, g): (usize, &Geometry)| {
+            let [Some((Bsdf::Diffuse(back), _)), Some((Bsdf::Diffuse(front), _))] =
+                &self.constants[g.material as usize]
+            else {
+                return Kind::Any;
+            };
+            let is_plain = g.emitter.is_none() && g.media.is_none() && number < parts.world_count as usize;
+            if g.is_interface || g.needs.tangent {
+                Kind::Any
+            } else if back.reflectance.is_black() && front.reflectance.is_black() {
+                Kind::Black
+            } else if is_plain && matches!(g.shape, Shape::Mesh(_)) && !g.needs.parameters {
+                Kind::Lambertian
+            } else {
+                Kind::Any
+            }
         };
-        self.uniform = parts.geometries.iter().map(is_uniform).collect();
+        self.kinds = parts.geometries.iter().enumerate().map(kind).collect();
     }
 }
 
@@ -97,7 +118,7 @@ impl Scene {
     pub fn new(mut parts: Parts) -> Self {
         let mut facts = Facts::of(&parts);
         set_needs(&mut parts, facts.footprints.is_some());
-        facts.find_uniform(&parts);
+        facts.find_kinds(&parts);
         Self { parts, facts }
     }
 
@@ -106,7 +127,7 @@ impl Scene {
         change(&mut self.parts);
         self.facts = Facts::of(&self.parts);
         set_needs(&mut self.parts, self.facts.footprints.is_some());
-        self.facts.find_uniform(&self.parts);
+        self.facts.find_kinds(&self.parts);
     }
 
     /// This scene with some of its parts changed.
@@ -355,16 +376,29 @@ impl Scene {
         steradian_scene::build::Scene::builder()
     }
 
-    /// The mesh of a primitive that is in the world, emits nothing, separates no media, and of which each side scatters
-    /// in the same way everywhere; and how its back and its front do.
+    /// Whether a primitive is of a mesh in the world that emits nothing, separates no media, and of which each side
+    /// scatters by Lambert's law, the same everywhere.
     #[inline]
-    pub fn uniform(&self, id: PrimId) -> Option<(&TriMesh, &[Option<material::Constant>; 2])> {
-        if id.instance != WORLD || !self.facts.uniform[id.geom as usize] {
+    pub fn is_lambertian(&self, id: PrimId) -> bool {
+        id.instance == WORLD && self.facts.kinds[id.geom as usize] == Kind::Lambertian
+    }
+
+    /// That mesh, and what its back and its front reflect, each with whether the normal is turned over there.
+    #[inline]
+    pub fn lambertian(&self, id: PrimId) -> Option<(&TriMesh, [(Spectrum, bool); 2])> {
+        let geometry = self.parts.geometries.get(id.geom as usize).filter(|_| self.is_lambertian(id))?;
+        let (Shape::Mesh(mesh), [Some((Bsdf::Diffuse(back), a)), Some((Bsdf::Diffuse(front), b))]) =
+            (&geometry.shape, &self.facts.constants[geometry.material as usize])
+        else {
             return None;
-        }
-        let geometry = &self.parts.geometries[id.geom as usize];
-        let Shape::Mesh(mesh) = &geometry.shape else { return None };
-        Some((mesh, &self.facts.constants[geometry.material as usize]))
+        };
+        Some((mesh, [(back.reflectance, *a), (front.reflectance, *b)]))
+    }
+
+    /// Whether a geometry scatters nothing, being black.
+    #[inline]
+    pub fn is_black(&self, geometry: u32) -> bool {
+        self.facts.kinds[geometry as usize] == Kind::Black
     }
 
     /// The geometry of a primitive.

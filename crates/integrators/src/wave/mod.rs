@@ -7,11 +7,10 @@ mod block;
 use crate::{Counters, path::PathTracer, precomputed::Precomputed};
 use block::{Block, Column, GOES_ON, IS_NOT_FINITE, WIDTH, get3, get4, set3, set4};
 use steradian_accel::Lanes;
-use steradian_bsdf::{Bsdf, BsdfSample};
+use steradian_bsdf::BsdfSample;
 use steradian_core::{
     Scene,
     light::{Choice, Light, LightContext, LightSample},
-    material::Constant,
     scene::Hit,
 };
 use steradian_engine::{PathContext, PixelSample, dimension};
@@ -224,9 +223,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     /// Whether a path arrived at a surface that scatters by Lambert's law, the same everywhere.
     #[inline]
     fn is_diffuse(&self, hit: &Hit, walker: &Walker) -> bool {
-        let is_lambertian = |side: &Option<Constant>| matches!(side, Some((Bsdf::Diffuse(_), _)));
-        (!MEDIA || walker.state.medium.is_none())
-            && self.scene.uniform(hit.id).is_some_and(|(_, sides)| sides.iter().all(is_lambertian))
+        (!MEDIA || walker.state.medium.is_none()) && self.scene.is_lambertian(hit.id)
     }
 
     /// Follows a path from its hit to a vertex; whether there is one.
@@ -395,7 +392,7 @@ fn gather(
     pixel_samples: &[PixelSample],
 ) {
     for (k, (number, hit)) in vertices.iter().enumerate() {
-        let Some((mesh, _)) = scene.uniform(hit.id) else { continue };
+        let Some((mesh, _)) = scene.lambertian(hit.id) else { continue };
         let index = mesh.triangles[hit.id.prim as usize].map(|i| i as usize);
         block.corners.iter_mut().zip(index).for_each(|(corner, i)| set3(corner, k, mesh.positions[i]));
         let is_smooth = !mesh.normals.is_empty();
@@ -417,16 +414,16 @@ fn gather(
 /// Fills the columns of Lambertian materials.
 fn materials(b: &mut Block, vertices: &[(u32, Hit)], scene: &Scene) {
     for (k, (_, hit)) in vertices.iter().enumerate() {
-        let Some((mesh, sides)) = scene.uniform(hit.id) else { continue };
+        let Some((mesh, sides)) = scene.lambertian(hit.id) else { continue };
         if b.is_unusual[k] != 0 {
             let s = mesh.bare(hit.id.prim, hit.u, hit.v);
             set3(&mut b.n, k, s.n);
             set3(&mut b.ns, k, s.ns);
             b.is_front[k] = u32::from(s.ns.dot(-get3(&b.direction, k)) > 0.0);
         }
-        let Some((Bsdf::Diffuse(diffuse), is_flipped)) = &sides[b.is_front[k] as usize & 1] else { continue };
-        set4(&mut b.reflectance, k, diffuse.reflectance.to_array());
-        set3(&mut b.light_n, k, get3(&b.ns, k) * if *is_flipped { -1.0 } else { 1.0 });
+        let (reflectance, is_flipped) = sides[b.is_front[k] as usize & 1];
+        set4(&mut b.reflectance, k, reflectance.to_array());
+        set3(&mut b.light_n, k, get3(&b.ns, k) * if is_flipped { -1.0 } else { 1.0 });
         b.is_lit[k] = 1;
     }
 }
