@@ -1,12 +1,12 @@
 //! Spherical angles with their seam and poles settled: `θ ∈ [0, π]` from `+z`, `φ ∈ [0, 2π)` from `+x` towards `+y`.
 
-use crate::{Vec2, Vec3, elementary};
+use crate::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 /// The direction with the given sine and cosine of `θ`, and azimuth `φ` in radians.
 #[inline]
 pub fn spherical_direction(sin_theta: f32, cos_theta: f32, phi: f32) -> Vec3 {
-    let (sin_phi, cos_phi) = elementary::sin_cos(phi);
+    let (sin_phi, cos_phi) = phi.sin_cos();
     Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
