@@ -25,6 +25,7 @@
 mod arena;
 pub mod bounding;
 mod bvh;
+pub mod columns;
 mod construct;
 mod dispatch;
 mod every;

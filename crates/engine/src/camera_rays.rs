@@ -2,18 +2,17 @@
 //! [`PixelSample::at`].
 
 use crate::{PixelSample, dimension, partition::Place};
-use steradian_accel::{Lanes, kernel};
+use steradian_accel::{
+    Lanes,
+    columns::{Column, WIDTH, get3, set3},
+    kernel,
+};
 use steradian_core::{
     Scene,
     camera::Pinhole,
     sampler::{Sampler, sobol_scramble, z_order},
 };
-use steradian_math::{Ray, Spectrum, Vec2, Vec3};
-
-/// Samples of a block.
-const WIDTH: usize = 32;
-
-type Column<T = f32> = [T; WIDTH];
+use steradian_math::{Ray, Spectrum, Vec2};
 
 /// All columns are one value, so that kernels see that none overlaps another.
 #[repr(align(64))]
@@ -21,7 +20,7 @@ type Column<T = f32> = [T; WIDTH];
 struct Block {
     x: Column<u32>,
     y: Column<u32>,
-    /// The number of the sample, and of the bits of such numbers.
+    /// The number of the sample, and how many bits such numbers have.
     number: Column<u32>,
     bits: Column<u32>,
     // By `numbers`.
@@ -71,8 +70,8 @@ kernel! {
         for k in 0..WIDTH {
             let point = Vec2::new(b.x[k] as f32 + 0.5, b.y[k] as f32 + 0.5) + Vec2::new(b.offset[0][k], b.offset[1][k]);
             let (origin, direction) = camera.ray(point);
-            (b.origin[0][k], b.origin[1][k], b.origin[2][k]) = (origin.x, origin.y, origin.z);
-            (b.direction[0][k], b.direction[1][k], b.direction[2][k]) = (direction.x, direction.y, direction.z);
+            set3(&mut b.origin, k, origin);
+            set3(&mut b.direction, k, direction);
         }
     }
 }
@@ -115,8 +114,7 @@ impl CameraRays {
             rays(self.lanes, b, self.camera);
             for (k, (_, sampler, _)) in pixels.iter().enumerate() {
                 let own = sampler.at(b.seed[k], b.index[k]);
-                let vector = |c: &[Column; 3]| Vec3::new(c[0][k], c[1][k], c[2][k]);
-                let ray = Ray::new(vector(&b.origin), vector(&b.direction));
+                let ray = Ray::new(get3(&b.origin, k), get3(&b.direction, k));
                 let lambda = scene.mode().wavelengths(|| own.get_1d(dimension::WAVELENGTH));
                 samples.push(PixelSample { ray, own, joint: own, lambda, radiance: Spectrum::ZERO, rays: 0 });
             }

@@ -132,7 +132,7 @@ fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2) -> (Vec3, f32, Vec3, f32) {
     }
 }
 
-/// A flat light without a texture: a rectangle, or a triangle that looks small, by a corner and two edges.
+/// A rectangle, or a triangle that looks small, by a corner and two edges.
 #[derive(Clone, Copy, Debug)]
 pub struct FlatLight {
     /// The corner.
@@ -147,6 +147,21 @@ pub struct FlatLight {
     pub is_triangle: bool,
 }
 
+/// A point of a flat light.
+#[derive(Clone, Copy, Debug)]
+pub struct FlatSample {
+    /// The point.
+    pub q: Vec3,
+    /// Where on the light: along both edges.
+    pub uv: Vec2,
+    /// Unit direction to it.
+    pub wi: Vec3,
+    /// Distance to it.
+    pub distance: f32,
+    /// Density per solid angle; zero where the light cannot be sampled.
+    pub pdf: f32,
+}
+
 impl FlatLight {
     /// Whether it is a rectangle that is sampled by the solid angle that it subtends at a point.
     #[inline(always)]
@@ -155,10 +170,10 @@ impl FlatLight {
         !is_triangle && AreaLight::looks_large(corner + (ex + ey) * 0.5, n, area, p)
     }
 
-    /// A point of it as seen from `p`: unit direction, distance, and density per solid angle, which is zero where it
-    /// cannot be sampled. `may_be_large` spares what is dear where it is known not to be [large](Self::is_large).
+    /// A point of it as seen from `p`. `may_be_large` spares what is dear where it is known not to be
+    /// [large](Self::is_large).
     #[inline(always)]
-    pub fn sample(&self, p: Vec3, u: Vec2, may_be_large: bool) -> (Vec3, f32, f32) {
+    pub fn sample(&self, p: Vec3, u: Vec2, may_be_large: bool) -> FlatSample {
         let Self { corner, edges: [ex, ey], n, area, is_triangle } = *self;
         let is_large = may_be_large && self.is_large(p);
         let b = warp::uniform_triangle(u);
@@ -170,19 +185,20 @@ impl FlatLight {
             (s, t) = if is_large { at } else { (s, t) };
             by_angle = if rectangle.solid_angle > 0.0 { 1.0 / rectangle.solid_angle } else { 0.0 };
         }
-        let to = corner + ex * s + ey * t - p;
+        let q = corner + ex * s + ey * t;
+        let to = q - p;
         let d2 = to.length_squared();
         let distance = d2.sqrt();
         let wi = to / distance;
         let cos = n.dot(wi).abs();
         let pdf = if is_large { by_angle } else { d2 / (cos * area) };
         let is_sound = (d2 > 0.0) & (cos != 0.0) & (pdf > 0.0) & (pdf < f32::INFINITY);
-        (wi, distance, if is_sound { pdf } else { 0.0 })
+        FlatSample { q, uv: Vec2::new(s, t), wi, distance, pdf: if is_sound { pdf } else { 0.0 } }
     }
 }
 
 impl AreaLight {
-    /// The light, if it is flat and has columns for what is asked of it at `p`: not a triangle that looks large.
+    /// The light, if it is a rectangle, or a triangle that does not look large from `p`.
     #[inline(always)]
     pub fn flat(&self, p: Vec3) -> Option<FlatLight> {
         match &self.shape {
@@ -224,30 +240,24 @@ impl AreaLight {
         lambda: &Wavelengths,
         textures: &Textures,
     ) -> Option<LightSample> {
+        if let Some(flat) = self.flat(p) {
+            let FlatSample { q, uv, wi, distance, pdf } = flat.sample(p, u, flat.is_large(p));
+            if pdf <= 0.0 {
+                return None;
+            }
+            let radiance = emitter.radiance(flat.n, -wi, || self.texture_context(q, uv), lambda, textures);
+            return (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false });
+        }
         let (q, n, pdf, uv) = match &self.shape {
             AreaShape::Triangle(v, n, area) => {
-                let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
-                let solid =
-                    if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle(*v, p, u) } else { None };
-                let (b, pdf) = match solid {
-                    Some((b, pdf)) => (b, Some(pdf)),
-                    None => (warp::uniform_triangle(u), None),
+                let (b, pdf) = match warp::spherical_triangle(*v, p, u) {
+                    Some((b, pdf)) => (b, Ok(pdf)),
+                    None => (warp::uniform_triangle(u), Err(*area)),
                 };
                 let q = v[0] + (v[1] - v[0]) * b[1] + (v[2] - v[0]) * b[2];
-                (q, *n, pdf.ok_or(*area), Vec2::new(b[1], b[2]))
+                (q, *n, pdf, Vec2::new(b[1], b[2]))
             }
-            AreaShape::Rectangle { corner, ex, ey, n, area } => {
-                let center = *corner + (*ex + *ey) * 0.5;
-                if Self::looks_large(center, *n, *area, p) {
-                    let rectangle = warp::SphericalRectangle::new(*corner, *ex, *ey, p);
-                    if rectangle.solid_angle <= 0.0 {
-                        return None;
-                    }
-                    (rectangle.sample(u), *n, Ok(1.0 / rectangle.solid_angle), u)
-                } else {
-                    (*corner + *ex * u.x + *ey * u.y, *n, Err(*area), u)
-                }
-            }
+            AreaShape::Rectangle { .. } => return None,
             AreaShape::Sphere(c, r, inward) => {
                 let (wi, distance, n, pdf) = sample_sphere(*c, *r, p, u);
                 if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {

@@ -5,8 +5,11 @@
 mod block;
 
 use crate::{Counters, path::PathTracer, precomputed::Precomputed};
-use block::{Block, Column, GOES_ON, IS_NOT_FINITE, WIDTH, get3, get4, set3, set4};
-use steradian_accel::Lanes;
+use block::{Block, GOES_ON, IS_NOT_FINITE};
+use steradian_accel::{
+    Lanes,
+    columns::{Column, WIDTH, get3, get4, set3, set4},
+};
 use steradian_bsdf::BsdfSample;
 use steradian_core::{
     Scene,
@@ -319,10 +322,10 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             }
             set4(&mut b.light, k, (state.beta * light).to_array());
             b.is_lit[k] = u32::from(!light.is_black());
-            let drawn = vertex.draw(b.lobe[k], Vec2::new(b.turn[0][k], b.turn[1][k]));
+            let drawn = vertex.draw(b.lobe_u[k], Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
             b.is_drawn[k] = drawn.is_some().into();
             let Some(s) = drawn else { continue };
-            set3(&mut b.way_on, k, vertex.world(s.wi));
+            set3(&mut b.wi, k, vertex.world(s.wi));
             b.for_roulette[k] = state.for_roulette * (s.eta * s.eta);
             b.is_single[k] = lambda.is_secondary_terminated().into();
             set4(&mut b.beta, k, (state.beta * s.weight).to_array());
@@ -340,7 +343,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
                 pixel_samples[number as usize].radiance = Spectrum::new(get4(&b.beta, k));
             }
             if *goes_on {
-                let (ray, beta) = (Ray::new(get3(&b.origin, k), get3(&b.way_on, k)), Spectrum::new(get4(&b.beta, k)));
+                let (ray, beta) = (Ray::new(get3(&b.origin, k), get3(&b.wi, k)), Spectrum::new(get4(&b.beta, k)));
                 state.leave::<MEDIA>(scene, vertex, draw, Ray { time, ..ray });
                 (state.beta, state.for_roulette) = (beta, b.for_roulette[k]);
             }
@@ -373,7 +376,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
                 pixel_samples[number as usize].radiance = beta;
             }
             if *goes_on {
-                state.ray = Ray { time, ..Ray::new(get3(&b.origin, k), get3(&b.way_on, k)) };
+                state.ray = Ray { time, ..Ray::new(get3(&b.origin, k), get3(&b.wi, k)) };
                 state.beta = beta;
                 state.origin = Some((LightContext { p: get3(&b.p, k), n: get3(&b.light_n, k) }, b.pdf[k]));
                 state.events += 1;
@@ -531,7 +534,7 @@ fn illuminate(
         }
         b.light_pdf[k] = 0.0;
         let ctx = LightContext { p: at, n: get3(&b.light_n, k) };
-        let u = Vec2::new(b.light_point[0][k], b.light_point[1][k]);
+        let u = Vec2::new(b.light_u[0][k], b.light_u[1][k]);
         let Some(s) = all.sample(light, &ctx, u, lambda, scene.textures()) else { continue };
         set3(&mut b.light_wi, k, s.wi);
         set4(&mut b.light_radiance, k, s.radiance.to_array());
