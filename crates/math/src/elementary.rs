@@ -52,7 +52,7 @@ const STEPS_TO_E: f64 = STEPS as f64 * LOG2_E;
 
 /// `2^(i/32)` and `2^(r/32) − 1`, of which `2^(s/32)` for `s` steps is the product, with `i` the nearest integer and
 /// the second relative to one: for `|s| < 32000`. The error of the second is below 6·10⁻⁸ of it.
-#[inline]
+#[inline(always)]
 fn power_and_rest(steps: f64) -> (f64, f64) {
     // Added and taken away again, this rounds to an integer, which the low bits of the sum hold.
     const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -65,7 +65,7 @@ fn power_and_rest(steps: f64) -> (f64, f64) {
 }
 
 /// `2^(s/32)` for `s` steps, rounded to single precision.
-#[inline]
+#[inline(always)]
 fn power_of(steps: f64) -> f32 {
     if steps.abs() > 32_000.0 {
         return if steps > 0.0 { f32::INFINITY } else { 0.0 };
@@ -75,7 +75,7 @@ fn power_of(steps: f64) -> f32 {
 }
 
 /// `eˣ`, relative error below 10⁻⁷.
-#[inline]
+#[inline(always)]
 pub fn exp(x: f32) -> f32 {
     power_of(f64::from(x) * STEPS_TO_E)
 }
@@ -115,7 +115,7 @@ const MIDDLES: [[f64; 2]; INTERVALS] = [
 ];
 
 /// `log₂ x` of a positive, normal number, in double precision to 10⁻⁸ of it.
-#[inline]
+#[inline(always)]
 fn log2_of(x: f64) -> f64 {
     let bits = x.to_bits() as i64;
     let from_first = bits.wrapping_sub(FIRST);
@@ -135,7 +135,7 @@ pub fn ln(x: f32) -> f32 {
 }
 
 /// `ln(1 + x)`, relative error below 2·10⁻⁷, near zero too; −∞ up to −1.
-#[inline]
+#[inline(always)]
 pub fn ln_1p(x: f32) -> f32 {
     if x <= -1.0 {
         return f32::NEG_INFINITY;
@@ -210,7 +210,7 @@ pub fn pow_and_excess(x: f32, y: f32) -> (f32, f32) {
 
 /// Sine and cosine of `2π turns`, for up to a million turns, absolute error below 2·10⁻⁷: polynomials for a quarter
 /// turn to either side, through the roots of Chebyshev's.
-#[inline]
+#[inline(always)]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     // Added and taken away again, this rounds to an integer, which the low bits of the sum hold.
     const ROUND: f32 = 12_582_912.0;

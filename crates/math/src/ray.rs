@@ -17,11 +17,13 @@ pub struct Ray {
 
 impl Ray {
     /// A ray without end, as the shutter opens.
+    #[inline]
     pub const fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY, time: 0.0 }
     }
 
     /// The point at parameter `t`.
+    #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
@@ -33,6 +35,7 @@ impl Ray {
 }
 
 /// The bound `γ(n) = n·ε/(1 − n·ε)` on the relative error of `n` rounded operations (Higham).
+#[inline]
 pub const fn gamma(n: u32) -> f32 {
     let e = n as f32 * (f32::EPSILON * 0.5);
     e / (1.0 - e)

@@ -12,11 +12,36 @@ fn film(scene: &Arc<Scene>, integrator: &str, layers: Vec<Layer>) -> (Film, u64)
     (session.film(), session.counters().rays)
 }
 
+/// A room in coloured haze without interfaces, so that flights and shadow rays take one medium each.
+const HAZE: &str = r#"LookAt 0 0 -3.2  0 0 0  0 1 0
+MakeNamedMedium "haze" "string type" "homogeneous" "rgb sigma_a" [ 0.02 0.03 0.3 ] "rgb sigma_s" [ 0.3 0.2 0 ] "float g" [ 0.6 ]
+MediumInterface "" "haze"
+Camera "perspective" "float fov" [ 40 ]
+WorldBegin
+MediumInterface "" "haze"
+LightSource "point" "rgb I" [ 1 0.5 2 ] "point3 from" [ 0.5 0.9 -0.5 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
+Shape "trianglemesh" "point3 P" [ -0.6 1.2 -0.6  0.6 1.2 -0.6  0.6 1.2 0.6  -0.6 1.2 0.6 ] "integer indices" [ 0 1 2  0 2 3 ]
+AttributeEnd
+MediumInterface "" ""
+Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.6 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 -1  -1 -1 1  1 -1 1  1 -1 -1 ] "integer indices" [ 0 1 2  0 2 3 ]
+MediumInterface "haze" "haze"
+Material "coateddiffuse" "rgb reflectance" [ 0.2 0.3 0.6 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 1  -1 1 1  1 1 1  1 -1 1 ] "integer indices" [ 0 1 2  0 2 3 ]
+Material "dielectric"
+Shape "sphere" "float radius" [ 0.4 ]
+"#;
+
 #[test]
 fn waves_have_the_bits_of_single_paths() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes/verify");
     let files = std::fs::read_dir(folder).expect("the folder").map(|e| e.expect("an entry").path());
-    let all = files.chain(["builtin:cornell-box-area".into()]);
+    let temporary = tempfile::tempdir().expect("a folder");
+    let haze = temporary.path().join("haze.pbrt");
+    std::fs::write(&haze, HAZE).expect("a file");
+    let all = files.chain(["builtin:cornell-box-area".into(), haze]);
     let mut count = 0;
     for path in all {
         let loaded = load(&path, &Default::default());

@@ -37,14 +37,14 @@ pub fn arrive<'s, const MEDIA: bool>(
 ) {
     context.counters.rays += 1;
     let hit = context.scene.intersect(&path_state.ray);
-    meet::<MEDIA>(path_state, hit, depth, sum, arrival, context);
+    meet::<MEDIA>(path_state, (hit, false), depth, sum, arrival, context);
 }
 
-/// As [`arrive`], where it is known what the ray hits first.
+/// As [`arrive`], where it is known what the ray hits first, and maybe that the path gets there through the medium.
 #[inline]
 pub fn meet<'s, const MEDIA: bool>(
     path_state: &mut PathState,
-    mut hit: Option<Hit>,
+    (mut hit, mut has_flown): (Option<Hit>, bool),
     depth: &Depth,
     sum: &mut Spectrum,
     arrival: &mut Arrival<'s>,
@@ -56,7 +56,7 @@ pub fn meet<'s, const MEDIA: bool>(
         if counters.stop.is_asked() {
             return;
         }
-        if let (true, Some(medium)) = (MEDIA, path_state.medium) {
+        if let (true, false, Some(medium)) = (MEDIA, std::mem::take(&mut has_flown), path_state.medium) {
             let scattering = &scene.media()[medium as usize];
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));

@@ -28,6 +28,12 @@ pub struct Medium {
 }
 
 impl Medium {
+    /// Whether it is the same everywhere and gives off no light.
+    #[inline]
+    pub fn is_plain(&self) -> bool {
+        self.field.is_none() && self.glow.is_none()
+    }
+
     /// Absorption and scattering coefficients at the wavelengths of a path.
     #[inline]
     pub fn coefficients(&self, lambda: &Wavelengths) -> (Spectrum, Spectrum) {
@@ -81,10 +87,15 @@ impl Medium {
 /// `exp(−σ_t d)`, with lanes of no extinction kept at one over infinite distances.
 #[inline]
 pub fn transmittance(sigma_t: Spectrum, distance: f32) -> Spectrum {
-    let of = |s: f32| if s == 0.0 { 1.0 } else { elementary::exp(-s * distance) };
     // Most media are grey.
-    let first = of(sigma_t[0]);
-    sigma_t.map(|s| if s == sigma_t[0] { first } else { of(s) })
+    let first = passed(sigma_t[0], distance);
+    sigma_t.map(|s| if s == sigma_t[0] { first } else { passed(s, distance) })
+}
+
+/// One lane of [`transmittance`].
+#[inline(always)]
+pub fn passed(sigma_t: f32, distance: f32) -> f32 {
+    if sigma_t == 0.0 { 1.0 } else { elementary::exp(-sigma_t * distance) }
 }
 
 #[cfg(test)]

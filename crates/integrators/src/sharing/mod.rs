@@ -96,7 +96,7 @@ impl<'s> Member<'s> {
     ) -> bool {
         let Self { path_state, x, .. } = self;
         *path_state = PathState::camera(context.scene, ray);
-        meet::<MEDIA>(path_state, hit, depth, radiance, x, context);
+        meet::<MEDIA>(path_state, (hit, false), depth, radiance, x, context);
         loop {
             match x {
                 Arrival::Vertex(v) if !v.is_specular() => {
@@ -251,7 +251,7 @@ fn bounce<'s, const MEDIA: bool>(
         let PixelSample { joint, lambda: common, radiance, .. } = &mut pixel_samples[*pixel_sample];
         *lambda = *common;
         let context = &mut PathContext { scene, sampler: joint, lambda, counters };
-        meet::<MEDIA>(path_state, hit, depth, radiance, y, context);
+        meet::<MEDIA>(path_state, (hit, false), depth, radiance, y, context);
     }
 }
 

@@ -12,13 +12,14 @@ use steradian_core::{
         area::{FlatLight, FlatSample},
         tree::{Cluster, choose_child},
     },
+    medium,
     sampler::sobol_scramble,
     scene::shadow_ray,
     shape::mesh::{on_triangle, usual_face_normal},
 };
 use steradian_engine::dimension;
 use steradian_math::{Frame, Vec2, Vec3, ray::offset_ray_origin, warp};
-use steradian_transport::{Depth, power_heuristic, roulette::roulette};
+use steradian_transport::{Depth, flight::by_lane, power_heuristic, roulette::roulette};
 
 /// Vertices on triangles of meshes. All columns are one value, so that kernels see that none overlaps another.
 #[repr(align(64))]
@@ -46,7 +47,21 @@ pub struct Block {
     /// Seed and reversed index of the sampler.
     pub sampler: [Column<u32>; 2],
 
-    // By `surfaces`.
+    // Of paths in media.
+    /// Origin of the ray, and how far it is to its hit.
+    pub from: [Column; 3],
+    pub end: Column,
+    /// Coefficients of absorption and scattering, zero where there is no medium, and the asymmetry of scattering.
+    pub sigma_a: [Column; 4],
+    pub sigma_s: [Column; 4],
+    pub asymmetry: Column,
+    /// How many lanes of these count.
+    pub lanes: Column<u32>,
+    /// What becomes of the flight: [`PASSES`](super::media::PASSES), [`SCATTERS`](super::media::SCATTERS) or
+    /// [`IS_LOST`](super::media::IS_LOST).
+    pub flight: Column<u32>,
+
+    // By `surfaces` or `flights`.
     pub p: [Column; 3],
     pub error: [Column; 3],
     pub n: [Column; 3],
@@ -176,6 +191,13 @@ impl Default for Block {
             events: NONE,
             passes: NONE,
             sampler: [NONE; 2],
+            from: THREE,
+            end: ONE,
+            sigma_a: [ONE; 4],
+            sigma_s: [ONE; 4],
+            asymmetry: ONE,
+            lanes: NONE,
+            flight: NONE,
             p: THREE,
             error: THREE,
             n: THREE,
@@ -220,12 +242,7 @@ impl Default for Block {
 }
 
 #[inline(always)]
-fn map4(f: impl Fn(usize) -> f32) -> [f32; 4] {
-    [f(0), f(1), f(2), f(3)]
-}
-
-#[inline(always)]
-fn is_black(v: [f32; 4]) -> bool {
+pub fn is_black(v: [f32; 4]) -> bool {
     (v[0] == 0.0) & (v[1] == 0.0) & (v[2] == 0.0) & (v[3] == 0.0)
 }
 
@@ -321,28 +338,50 @@ kernel! {
     /// Light and the sampled direction at Lambertian surfaces.
     pub fn diffuse(b: &'a mut Block, depth: Depth) {
         for k in 0..WIDTH {
-            let frame = Frame::from_z(get3(&b.light_n, k));
-            let o = frame.to_local(-get3(&b.direction, k));
-            let (reflectance, beta) = (get4(&b.reflectance, k), get4(&b.beta, k));
-
-            let wi = get3(&b.light_wi, k);
-            let i = frame.to_local(wi);
-            let (pdf, cos) = (b.light_pdf[k], i.z * FRAC_1_PI);
-            let weight = if b.light_is_delta[k] != 0 { 1.0 } else { power_heuristic(pdf, cos) };
-            let factor = weight / pdf;
-            let radiance = get4(&b.light_radiance, k);
-            let light = map4(|c| reflectance[c] * cos * radiance[c] * factor);
-            set4(&mut b.light, k, map4(|c| beta[c] * light[c]));
-            b.is_lit[k] = u32::from((o.z > 0.0) & (i.z > 0.0) & (pdf > 0.0) & !is_black(light));
-
-            let w = warp::cosine_hemisphere(Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
-            b.is_drawn[k] = u32::from((o.z > 0.0) & (w.z > 0.0) & !is_black(reflectance));
-            b.pdf[k] = w.z * FRAC_1_PI;
-            set3(&mut b.wi, k, frame.to_world(w));
-            set4(&mut b.beta, k, map4(|c| beta[c] * reflectance[c]));
-            depart_from(b, k, &depth);
+            diffuse_at(b, k, &depth, false);
         }
     }
+}
+
+kernel! {
+    /// [`diffuse`] where some are in media.
+    pub fn diffuse_in_media(b: &'a mut Block, depth: Depth) {
+        for k in 0..WIDTH {
+            diffuse_at(b, k, &depth, true);
+        }
+    }
+}
+
+/// [`diffuse`] of a vertex.
+#[inline(always)]
+fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
+    let frame = Frame::from_z(get3(&b.light_n, k));
+    let o = frame.to_local(-get3(&b.direction, k));
+    let (reflectance, beta) = (get4(&b.reflectance, k), get4(&b.beta, k));
+
+    let i = frame.to_local(get3(&b.light_wi, k));
+    let (pdf, cos) = (b.light_pdf[k], i.z * FRAC_1_PI);
+    let weight = if b.light_is_delta[k] != 0 { 1.0 } else { power_heuristic(pdf, cos) };
+    let factor = weight / pdf;
+    let radiance = get4(&b.light_radiance, k);
+    let light = by_lane(|c| reflectance[c] * cos * radiance[c] * factor);
+    let light = if in_media { attenuated(b, k, light) } else { light };
+    set4(&mut b.light, k, by_lane(|c| beta[c] * light[c]));
+    b.is_lit[k] = u32::from((o.z > 0.0) & (i.z > 0.0) & (pdf > 0.0) & !is_black(light));
+
+    let w = warp::cosine_hemisphere(Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
+    b.is_drawn[k] = u32::from((o.z > 0.0) & (w.z > 0.0) & !is_black(reflectance));
+    b.pdf[k] = w.z * FRAC_1_PI;
+    set3(&mut b.wi, k, frame.to_world(w));
+    set4(&mut b.beta, k, by_lane(|c| beta[c] * reflectance[c]));
+    depart_from(b, k, depth);
+}
+
+/// What a medium leaves of the light of a light sample.
+#[inline(always)]
+pub fn attenuated(b: &Block, k: usize, light: [f32; 4]) -> [f32; 4] {
+    let (sigma_a, sigma_s, distance) = (get4(&b.sigma_a, k), get4(&b.sigma_s, k), b.light_distance[k]);
+    by_lane(|c| light[c] * medium::passed(sigma_a[c] + sigma_s[c], distance))
 }
 
 kernel! {
@@ -356,7 +395,7 @@ kernel! {
 
 /// [`depart`] of a vertex.
 #[inline(always)]
-fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
+pub fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
     let (p, error, n) = (get3(&b.p, k), get3(&b.error, k), get3(&b.n, k));
     let wi = get3(&b.light_wi, k);
     let ray = shadow_ray(p, offset_ray_origin(p, error, n, wi), wi, b.light_distance[k]);
@@ -372,7 +411,7 @@ fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
     let scale = roulette(live, b.events[k].wrapping_add(1), depth, None, || number);
     let survives = scale.is_some();
     let scale = scale.unwrap_or(0.0);
-    set4(&mut b.beta, k, map4(|c| beta[c] * scale));
+    set4(&mut b.beta, k, by_lane(|c| beta[c] * scale));
     b.fate[k] = if b.is_drawn[k] == 0 {
         ENDS
     } else if !is_finite {
@@ -384,7 +423,10 @@ fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{
+        super::media::{PASSES, SCATTERS, flights, phases},
+        *,
+    };
     use steradian_accel::{Isa, Lanes};
     use steradian_math::hash::HashRng;
 
@@ -429,6 +471,11 @@ mod tests {
             set4(&mut b.light_radiance, k, [unit(), unit(), unit(), 0.0]);
             set4(&mut b.beta, k, if k == 7 { [f32::INFINITY; 4] } else { [unit(), unit(), unit(), unit()] });
             b.events[k] = k as u32 / 2;
+            b.lanes[k] = [3, 1, 4][k % 3];
+            b.end[k] = if k == 4 { f32::INFINITY } else { unit() * 3.0 };
+            b.asymmetry[k] = [0.0, 0.8, -0.3, 0.999][k % 4];
+            set4(&mut b.sigma_a, k, [unit(), unit(), 0.0, 0.0]);
+            set4(&mut b.sigma_s, k, if k == 6 { [0.0; 4] } else { [unit(), unit(), 0.5, 0.0] });
             b.sampler = [b.sampler[0], b.sampler[1]].map(|mut c| {
                 c[k] = (unit() * 4e9) as u32;
                 c
@@ -448,15 +495,22 @@ mod tests {
             flat_lights(lanes, &mut b);
             let mut small = b.clone();
             small_lights(lanes, &mut small);
+            let mut in_media = b.clone();
             diffuse(lanes, &mut b, depth);
             depart(lanes, &mut small, depth);
-            (b, small)
+            diffuse_in_media(lanes, &mut in_media, depth);
+            let mut scattered = in_media.clone();
+            flights(lanes, &mut scattered);
+            phases(lanes, &mut scattered, depth);
+            (b, small, in_media, scattered)
         };
         let expected = format!("{:?}", after(Isa::Baseline));
         assert!(Isa::ALL.into_iter().all(|isa| format!("{:?}", after(isa)) == expected));
-        let (b, _) = after(Isa::Baseline);
+        let (b, _, in_media, scattered) = after(Isa::Baseline);
         assert_eq!(b.is_unusual[3], 1);
+        assert_ne!(b.light, in_media.light);
         let count = |column: &Column<u32>, value| column.iter().filter(|v| **v == value).count();
         assert!(count(&b.fate, GOES_ON) > 3 && count(&b.fate, ENDS) > 3 && count(&b.is_lit, 1) > 1);
+        assert!(count(&scattered.flight, SCATTERS) > 3 && count(&scattered.flight, PASSES) > 3);
     }
 }

@@ -4,7 +4,7 @@ use crate::elementary;
 
 /// A distance with density `rate·e^(−rate·t)` on `[0, ∞)`, by inversion: `−ln(1 − u)/rate`. Infinite for a rate of
 /// zero, unless `u` is zero too (then 0/0: the caller skips empty media).
-#[inline]
+#[inline(always)]
 pub fn exponential(u: f32, rate: f32) -> f32 {
     -elementary::ln_1p(-u) / rate
 }
