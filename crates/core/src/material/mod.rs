@@ -472,6 +472,44 @@ pub(crate) fn constants(materials: &[Material], textures: &Textures) -> Vec<[Opt
     materials.iter().map(|m| [constant(m, false), constant(m, true)]).collect()
 }
 
+/// A material whose sides reflect by Lambert's law, the same everywhere.
+#[derive(Clone, Debug)]
+pub struct Lambertian {
+    /// Of the back and the front: the albedo, and whether the normal is turned over there.
+    sides: [(Color, bool); 2],
+}
+
+impl Lambertian {
+    /// The reflectance of a side, and whether the normal is turned over there.
+    #[inline]
+    pub fn side(&self, front: bool, lambda: &Wavelengths) -> (Spectrum, bool) {
+        let (color, is_turned) = &self.sides[usize::from(front)];
+        (albedo(color.eval(lambda)), *is_turned)
+    }
+
+    /// Whether nothing is reflected.
+    pub(crate) fn is_black(&self) -> bool {
+        self.sides.iter().all(|(color, _)| color.is_black())
+    }
+}
+
+/// Those among materials that are.
+pub(crate) fn lambertian(materials: &[Material]) -> Vec<Option<Lambertian>> {
+    let side = |material: &Material, front: bool| {
+        let (side, is_turned) = match &material.model {
+            Model::TwoSided(a, b) => (&materials[if front { *a } else { *b } as usize], !front),
+            _ => (material, !front && material.two_sided),
+        };
+        match &side.model {
+            Model::Diffuse(SpectrumTexture::Constant(color)) if material.detail.is_none() && side.detail.is_none() => {
+                Some((color.clone(), is_turned))
+            }
+            _ => None,
+        }
+    };
+    materials.iter().map(|m| Some(Lambertian { sides: [side(m, false)?, side(m, true)?] })).collect()
+}
+
 /// The value of a model that refers to no table; `None` for others.
 #[inline]
 fn owned(model: &Model, textures: &Textures, at: &TextureContext, lambda: &mut Wavelengths) -> Option<Bsdf<'static>> {

@@ -1,26 +1,27 @@
 //! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
 
 mod differentials;
+mod facts;
 mod parts;
 mod tables;
 
 pub use crate::shape::Shape;
 use crate::{
-    camera::{Camera, ViewFootprint},
+    camera::Camera,
     film::FilmSpec,
     footprint::RayDifferential,
     light::{LightGroups, Lights},
-    material::{self, Material, Model, Needs, Scattering, SurfaceDetail, detail::Base},
+    material::{self, Lambertian, Material, Model, Needs, Scattering, SurfaceDetail, detail::Base},
     medium::Medium,
     shape::{SurfacePoint, TriMesh},
 };
+use facts::{Facts, Kind};
 pub use parts::{Geometry, Parts, Placement, Settings};
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
-use steradian_bsdf::Bsdf;
 use steradian_math::{
-    Bounds3, Frame, Ray, Spectrum, Vec2, Vec3,
+    Bounds3, Frame, Ray, Vec2, Vec3,
     ray::offset_ray_origin,
     spectra::{ColorMode, Wavelengths},
     transform::Affine,
@@ -33,84 +34,6 @@ pub use tables::Table;
 pub struct Scene {
     parts: Parts,
     facts: Facts,
-}
-
-/// What follows from the parts of a scene.
-#[derive(Clone, Debug)]
-struct Facts {
-    planes: Vec<u32>,
-    footprints: Option<ViewFootprint>,
-    is_timed: bool,
-    has_mixtures: bool,
-    has_media: bool,
-    is_see_through: bool,
-    has_curves: bool,
-    /// The back and the front of each material.
-    constants: Vec<[Option<material::Constant>; 2]>,
-    /// What is known of each geometry.
-    kinds: Vec<Kind>,
-}
-
-impl Facts {
-    fn of(parts: &Parts) -> Self {
-        let Parts { geometries, materials, textures, camera, placements, .. } = parts;
-        // Bump maps take their differences over the footprint, and normal maps their roughness.
-        let has_detail = materials.iter().any(|m| {
-            let filtered = |d: &SurfaceDetail| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some());
-            m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
-        });
-        let has_footprints = has_detail || textures.is_filtered();
-        let world = &geometries[..parts.world_count as usize];
-        Self {
-            planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
-            footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
-            is_timed: textures.is_timed() || camera.motion.is_some() || placements.iter().any(|p| p.motion.is_some()),
-            has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
-            has_media: parts.has_media(),
-            is_see_through: materials
-                .iter()
-                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
-            has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
-            constants: material::constants(materials, textures),
-            kinds: Vec::new(),
-        }
-    }
-}
-
-/// How a geometry scatters, where that is simple.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// In any way.
-    Any,
-    /// By Lambert's law, the same everywhere on each side: a mesh in the world that emits nothing and separates no
-    /// media.
-    Lambertian,
-    /// Not at all, by Lambert's law with an albedo of zero.
-    Black,
-}
-
-impl Facts {
-    /// Finds the kinds of geometries, which takes what is asked of their points.
-    fn find_kinds(&mut self, parts: &Parts) {
-        let kind = |(number, g): (usize, &Geometry)| {
-            let [Some((Bsdf::Diffuse(back), _)), Some((Bsdf::Diffuse(front), _))] =
-                &self.constants[g.material as usize]
-            else {
-                return Kind::Any;
-            };
-            let is_plain = g.emitter.is_none() && g.media.is_none() && number < parts.world_count as usize;
-            if g.is_interface || g.needs.tangent {
-                Kind::Any
-            } else if back.reflectance.is_black() && front.reflectance.is_black() {
-                Kind::Black
-            } else if is_plain && matches!(g.shape, Shape::Mesh(_)) && !g.needs.parameters {
-                Kind::Lambertian
-            } else {
-                Kind::Any
-            }
-        };
-        self.kinds = parts.geometries.iter().enumerate().map(kind).collect();
-    }
 }
 
 impl Scene {
@@ -383,16 +306,12 @@ impl Scene {
         id.instance == WORLD && self.facts.kinds[id.geom as usize] == Kind::Lambertian
     }
 
-    /// That mesh, and what its back and its front reflect, each with whether the normal is turned over there.
+    /// That mesh, and what its sides reflect.
     #[inline]
-    pub fn lambertian(&self, id: PrimId) -> Option<(&TriMesh, [(Spectrum, bool); 2])> {
+    pub fn lambertian(&self, id: PrimId) -> Option<(&TriMesh, &Lambertian)> {
         let geometry = self.parts.geometries.get(id.geom as usize).filter(|_| self.is_lambertian(id))?;
-        let (Shape::Mesh(mesh), [Some((Bsdf::Diffuse(back), a)), Some((Bsdf::Diffuse(front), b))]) =
-            (&geometry.shape, &self.facts.constants[geometry.material as usize])
-        else {
-            return None;
-        };
-        Some((mesh, [(back.reflectance, *a), (front.reflectance, *b)]))
+        let Shape::Mesh(mesh) = &geometry.shape else { return None };
+        Some((mesh, self.facts.lambertian[geometry.material as usize].as_ref()?))
     }
 
     /// Whether a geometry scatters nothing, being black.

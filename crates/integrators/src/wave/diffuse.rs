@@ -23,7 +23,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
         gather::<MEDIA>(b, vertices, walkers, self.scene, pixel_samples);
         block::surfaces(self.lanes, b);
         block::numbers(self.lanes, b);
-        materials(b, vertices, self.scene);
+        materials(b, vertices, self.scene, pixel_samples);
         let numbers = vertices.iter().map(|(number, _)| *number);
         illuminate(self.lanes, b, numbers.clone(), self.scene, pixel_samples);
         if MEDIA {
@@ -110,16 +110,16 @@ fn gather<const MEDIA: bool>(
 }
 
 /// Fills the columns of Lambertian materials.
-fn materials(b: &mut Block, vertices: &[(u32, Hit)], scene: &Scene) {
-    for (k, (_, hit)) in vertices.iter().enumerate() {
-        let Some((mesh, sides)) = scene.lambertian(hit.id) else { continue };
+fn materials(b: &mut Block, vertices: &[(u32, Hit)], scene: &Scene, pixel_samples: &[PixelSample]) {
+    for (k, (number, hit)) in vertices.iter().enumerate() {
+        let Some((mesh, lambertian)) = scene.lambertian(hit.id) else { continue };
         if b.is_unusual[k] != 0 {
             let s = mesh.bare(hit.id.prim, hit.u, hit.v);
             set3(&mut b.n, k, s.n);
             set3(&mut b.ns, k, s.ns);
             b.is_front[k] = u32::from(s.ns.dot(-get3(&b.direction, k)) > 0.0);
         }
-        let (reflectance, is_flipped) = sides[b.is_front[k] as usize & 1];
+        let (reflectance, is_flipped) = lambertian.side(b.is_front[k] != 0, &pixel_samples[*number as usize].lambda);
         set4(&mut b.reflectance, k, reflectance.to_array());
         set3(&mut b.light_n, k, get3(&b.ns, k) * if is_flipped { -1.0 } else { 1.0 });
         b.is_lit[k] = 1;

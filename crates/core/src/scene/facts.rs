@@ -1,0 +1,84 @@
+//! What follows from the parts of a scene, found once.
+
+use super::{Geometry, Parts, Shape};
+use crate::{
+    camera::ViewFootprint,
+    material::{self, Lambertian, Model, SurfaceDetail},
+};
+
+/// What follows from the parts of a scene.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    pub planes: Vec<u32>,
+    pub footprints: Option<ViewFootprint>,
+    pub is_timed: bool,
+    pub has_mixtures: bool,
+    pub has_media: bool,
+    pub is_see_through: bool,
+    pub has_curves: bool,
+    /// The back and the front of each material.
+    pub constants: Vec<[Option<material::Constant>; 2]>,
+    /// Each material whose sides reflect by Lambert's law, the same everywhere.
+    pub lambertian: Vec<Option<Lambertian>>,
+    /// What is known of each geometry.
+    pub kinds: Vec<Kind>,
+}
+
+impl Facts {
+    pub fn of(parts: &Parts) -> Self {
+        let Parts { geometries, materials, textures, camera, placements, .. } = parts;
+        // Bump maps take their differences over the footprint, and normal maps their roughness.
+        let has_detail = materials.iter().any(|m| {
+            let filtered = |d: &SurfaceDetail| d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some());
+            m.detail.as_ref().is_some_and(|d| d.bump.is_some() || filtered(d))
+        });
+        let has_footprints = has_detail || textures.is_filtered();
+        let world = &geometries[..parts.world_count as usize];
+        Self {
+            planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
+            footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
+            is_timed: textures.is_timed() || camera.motion.is_some() || placements.iter().any(|p| p.motion.is_some()),
+            has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
+            has_media: parts.has_media(),
+            is_see_through: materials
+                .iter()
+                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
+            constants: material::constants(materials, textures),
+            lambertian: material::lambertian(materials),
+            kinds: Vec::new(),
+        }
+    }
+}
+
+/// How a geometry scatters, where that is simple.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// In any way.
+    Any,
+    /// By Lambert's law, the same everywhere on each side: a mesh in the world that emits nothing and separates no
+    /// media.
+    Lambertian,
+    /// Not at all, by Lambert's law with an albedo of zero.
+    Black,
+}
+
+impl Facts {
+    /// Finds the kinds of geometries, which takes what is asked of their points.
+    pub fn find_kinds(&mut self, parts: &Parts) {
+        let kind = |(number, g): (usize, &Geometry)| {
+            let Some(lambertian) = &self.lambertian[g.material as usize] else { return Kind::Any };
+            let is_plain = g.emitter.is_none() && g.media.is_none() && number < parts.world_count as usize;
+            if g.is_interface || g.needs.tangent {
+                Kind::Any
+            } else if lambertian.is_black() {
+                Kind::Black
+            } else if is_plain && matches!(g.shape, Shape::Mesh(_)) && !g.needs.parameters {
+                Kind::Lambertian
+            } else {
+                Kind::Any
+            }
+        };
+        self.kinds = parts.geometries.iter().enumerate().map(kind).collect();
+    }
+}
