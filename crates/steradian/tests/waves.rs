@@ -14,7 +14,8 @@ fn film(scene: &Arc<Scene>, integrator: &str, layers: Vec<Layer>) -> (Film, u64)
 
 /// A room in coloured haze without interfaces, so that flights and shadow rays take one medium each.
 const HAZE: &str = r#"LookAt 0 0 -3.2  0 0 0  0 1 0
-MakeNamedMedium "haze" "string type" "homogeneous" "rgb sigma_a" [ 0.02 0.03 0.3 ] "rgb sigma_s" [ 0.3 0.2 0 ] "float g" [ 0.6 ]
+MakeNamedMedium "haze" "string type" "homogeneous" "float g" [ 0.6 ]
+  "rgb sigma_a" [ 0.02 0.03 0.3 ] "rgb sigma_s" [ 0.3 0.2 0 ]
 MediumInterface "" "haze"
 Camera "perspective" "float fov" [ 40 ]
 WorldBegin
@@ -22,7 +23,7 @@ MediumInterface "" "haze"
 LightSource "point" "rgb I" [ 1 0.5 2 ] "point3 from" [ 0.5 0.9 -0.5 ]
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
-Shape "trianglemesh" "point3 P" [ -0.6 1.2 -0.6  0.6 1.2 -0.6  0.6 1.2 0.6  -0.6 1.2 0.6 ] "integer indices" [ 0 1 2  0 2 3 ]
+Shape "trianglemesh" "point3 P" [ -0.6 1.2 -0.6  0.6 1.2 -0.6  0.6 1.2 0.6 ] "integer indices" [ 0 1 2 ]
 AttributeEnd
 MediumInterface "" ""
 Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.6 ]
