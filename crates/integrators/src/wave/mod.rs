@@ -64,6 +64,7 @@ pub struct WaveBuffer<'s> {
     /// Those under way.
     live: Vec<u32>,
     order: Vec<u32>,
+    classes: Vec<u8>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
     /// Those under way that arrived at Lambertian surfaces, with their hits.
@@ -119,10 +120,8 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     /// Follows all paths by a ray, and from there on to the next.
     fn bounce(&self, buffer: &mut WaveBuffer<'s>, pixel_samples: &mut [PixelSample], counters: &mut Counters) {
         let scene = self.scene;
-        let WaveBuffer { walkers, live, order, rays, hits, .. } = &mut *buffer;
-        sort(live, order, walkers);
-        rays.clear();
-        rays.extend(live.iter().map(|&w| walkers[w as usize].state.ray));
+        sort(buffer);
+        let WaveBuffer { rays, hits, .. } = &mut *buffer;
         hits.clear();
         hits.resize(rays.len(), None);
         scene.intersect_batch(rays, hits);
@@ -251,24 +250,28 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     }
 }
 
-/// Puts paths next to each other whose rays have the same signs of direction and the same greatest axis.
-fn sort(live: &mut Vec<u32>, order: &mut Vec<u32>, walkers: &[Walker]) {
+/// Puts paths next to each other whose rays have the same signs of direction and the same greatest axis, and takes these
+/// rays.
+fn sort(buffer: &mut WaveBuffer<'_>) {
     const CLASSES: usize = 24;
+    let WaveBuffer { walkers, live, order, classes, rays, .. } = buffer;
     let class = |w: u32| {
         let d = walkers[w as usize].state.ray.direction;
         let signs = d.x.to_bits() >> 31 | d.y.to_bits() >> 31 << 1 | d.z.to_bits() >> 31 << 2;
         let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
         let axis = if x >= y && x >= z { 0 } else { 1 + u32::from(z > y) };
-        (axis * 8 + signs) as usize
+        (axis * 8 + signs) as u8
     };
+    classes.clear();
+    classes.extend(live.iter().map(|&w| class(w)));
     let mut starts = [0; CLASSES + 1];
-    live.iter().for_each(|&w| starts[class(w) + 1] += 1);
+    classes.iter().for_each(|&class| starts[usize::from(class) + 1] += 1);
     (0..CLASSES).for_each(|k| starts[k + 1] += starts[k]);
-    order.clear();
     order.resize(live.len(), 0);
-    for &w in &*live {
-        let start = &mut starts[class(w)];
-        order[*start] = w;
+    rays.resize(live.len(), PathState::NONE.ray);
+    for (&w, &class) in live.iter().zip(&*classes) {
+        let start = &mut starts[usize::from(class)];
+        (order[*start], rays[*start]) = (w, walkers[w as usize].state.ray);
         *start += 1;
     }
     std::mem::swap(live, order);
