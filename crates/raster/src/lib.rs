@@ -84,6 +84,7 @@ pub mod error;
 pub mod format;
 pub mod fragment;
 mod front;
+pub mod mesh_shading;
 pub mod output;
 mod pipeline;
 mod primitive;

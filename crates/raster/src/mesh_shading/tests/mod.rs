@@ -1,0 +1,6 @@
+//! Tests of mesh shading.
+
+mod bounds;
+mod meshlets;
+mod shapes;
+mod statistics;
