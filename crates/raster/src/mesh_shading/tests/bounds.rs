@@ -13,8 +13,11 @@ fn meshes() -> [(Mesh, usize); 6] {
     [(grid(40), 0), (torus(96, 48), 70), (icosphere(4), 70), (soup(400, 800, &mut random), 0), (far, 50), (thin, 0)]
 }
 
-/// A mesh in small meshlets, and the plane of each triangle: a corner and the normal.
-fn clustered(mesh: &Mesh, triangles: usize) -> (Meshlets, Vec<(DVec3, DVec3)>) {
+/// A corner and the normal of a triangle.
+type Plane = (DVec3, DVec3);
+
+/// A mesh in small meshlets, and the plane of each triangle.
+fn clustered(mesh: &Mesh, triangles: usize) -> (Meshlets, Vec<Plane>) {
     let meshlets = Meshlets::build(&mesh.positions, &mesh.indices, MeshletLimits { vertices: 64, triangles }).unwrap();
     let plane = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
@@ -42,7 +45,7 @@ fn mesh_cones_cull_no_visible_triangle_in_a_million_views() {
                 meshlet.sphere.center + random.point(2.0 * meshlet.sphere.radius)
             };
             let parallel = view % 4 == 0;
-            let (gone, seen): (bool, &dyn Fn(&(DVec3, DVec3)) -> bool) = if parallel {
+            let (gone, seen): (bool, &dyn Fn(&Plane) -> bool) = if parallel {
                 (meshlet.cone.faces_away_in(eye - all.center), &|p| (eye - all.center).as_dvec3().dot(p.1) < 0.0)
             } else {
                 (meshlet.cone.faces_away_from(eye), &|p| (eye.as_dvec3() - p.0).dot(p.1) > 0.0)
