@@ -2,7 +2,8 @@
 //! (`VK_EXT_mesh_shader`; DirectX 12, "Mesh Shader").
 //!
 //! [`Meshlets`] are built once from a mesh with indices; each has a [`Sphere`] and a [`NormalCone`] to be culled by.
-//! [`VertexReuse`] and [`Overdraw`] measure how good an order of triangles is.
+//! [`VertexReuse`], [`BytesRead`] and [`Overdraw`] measure how good an order of triangles is. [`Frustum`] and [`DepthPyramid`] tell what is
+//! outside the view and behind what was drawn; task shaders ask them.
 //!
 //! A [`MeshPipeline`] runs a [`MeshShader`] for each group of a draw, before that by choice a [`TaskShader`] whose groups
 //! say how many mesh groups there are, and draws what comes out as other pipelines do:
@@ -73,6 +74,8 @@
 mod adjacency;
 mod bounds;
 mod build;
+mod depth_pyramid;
+mod frustum;
 mod meshlet;
 mod output;
 mod overdraw;
@@ -83,6 +86,8 @@ mod stages;
 mod statistics;
 
 pub use bounds::{NormalCone, Sphere};
+pub use depth_pyramid::DepthPyramid;
+pub use frustum::Frustum;
 pub use meshlet::{Meshlet, MeshletLimits, Meshlets};
 pub use output::{Corners, MeshOutput, MeshPrimitive, MeshVertex, TaskOutput};
 pub use overdraw::Overdraw;
@@ -91,7 +96,7 @@ pub use stages::{
     MAX_GROUP_INVOCATIONS, MAX_GROUPS, MAX_GROUPS_PER_AXIS, MAX_OUTPUT_PRIMITIVES, MAX_OUTPUT_VERTICES,
     MAX_PAYLOAD_BYTES, MeshShader, NoTask, TaskShader,
 };
-pub use statistics::VertexReuse;
+pub use statistics::{BytesRead, VertexReuse};
 
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::meshlet::Meshlets;
+use super::meshlet::{Meshlet, Meshlets};
 
 /// How often vertices are used again while triangles are drawn in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,43 @@ impl VertexReuse {
     /// Average transform to vertex ratio: how often a vertex is shaded, at least 1; 0 without vertices.
     pub fn atvr(&self) -> f64 {
         ratio(self.shaded, self.distinct)
+    }
+}
+
+/// What a draw reads of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BytesRead {
+    /// Bytes that say which vertices triangles have, and by what they are culled.
+    pub topology: u64,
+    /// Bytes of vertices.
+    pub vertices: u64,
+}
+
+impl BytesRead {
+    /// Of an indexed draw: `index_bytes` for each index, and `vertex_bytes` whenever a vertex is shaded, with a cache as in
+    /// [`VertexReuse::of_indices`].
+    pub fn of_indices(indices: &[u32], cache: usize, index_bytes: u64, vertex_bytes: u64) -> Self {
+        let reuse = VertexReuse::of_indices(indices, cache);
+        Self { topology: 3 * reuse.triangles * index_bytes, vertices: reuse.shaded * vertex_bytes }
+    }
+
+    /// Of a draw of meshlets of which those are drawn that `is_drawn` says, by their numbers: a [`Meshlet`] for each, drawn
+    /// or not, and for those that are drawn 3 bytes for each triangle, 4 for each vertex of the table, and
+    /// `vertex_bytes` for the vertex itself.
+    pub fn of_meshlets(meshlets: &Meshlets, is_drawn: impl Fn(usize) -> bool, vertex_bytes: u64) -> Self {
+        let all = meshlets.meshlets().iter().enumerate();
+        let mut read = Self { topology: (all.len() * size_of::<Meshlet>()) as u64, vertices: 0 };
+        for (_, meshlet) in all.filter(|(number, _)| is_drawn(*number)) {
+            let (vertices, triangles) = (meshlet.vertices().len() as u64, meshlet.triangles().len() as u64);
+            read.topology += 3 * triangles + 4 * vertices;
+            read.vertices += vertices * vertex_bytes;
+        }
+        read
+    }
+
+    /// All together.
+    pub fn total(&self) -> u64 {
+        self.topology + self.vertices
     }
 }
 

@@ -48,7 +48,18 @@ impl MeshShader for DrawMeshlets<'_> {
         (): &mut (),
         out: &mut MeshOutput<(Vec3, u32), u32, [u8; 3]>,
     ) {
-        let meshlet = &self.meshlets.meshlets()[at.group[0] as usize];
+        self.put_out(at.group[0], at, out);
+    }
+
+    fn varyings(&(position, vertex): &(Vec3, u32), &meshlet: &u32) -> Seen {
+        Seen { position, vertex, meshlet }
+    }
+}
+
+impl DrawMeshlets<'_> {
+    /// Writes what an invocation has to of a meshlet.
+    pub fn put_out(&self, number: u32, at: Invocation, out: &mut MeshOutput<(Vec3, u32), u32, [u8; 3]>) {
+        let meshlet = &self.meshlets.meshlets()[number as usize];
         let (vertices, triangles) = (meshlet.vertices(), meshlet.triangles());
         out.set_counts(vertices.len(), triangles.len());
         for i in (at.index as usize..vertices.len()).step_by(32) {
@@ -59,12 +70,8 @@ impl MeshShader for DrawMeshlets<'_> {
         for i in (at.index as usize..triangles.len()).step_by(32) {
             let corners = self.meshlets.triangles()[triangles.start + i];
             let id = (triangles.start + i) as u32;
-            out.primitive(i, MeshPrimitive { id, ..MeshPrimitive::new(corners, at.group[0]) });
+            out.primitive(i, MeshPrimitive { id, ..MeshPrimitive::new(corners, number) });
         }
-    }
-
-    fn varyings(&(position, vertex): &(Vec3, u32), &meshlet: &u32) -> Seen {
-        Seen { position, vertex, meshlet }
     }
 }
 
@@ -92,7 +99,7 @@ pub fn bits(framebuffer: &Framebuffer) -> Vec<u32> {
 }
 
 /// Everything that a fragment sees, mixed into a colour.
-fn look(f: &Fragment<Seen>) -> Vec4 {
+pub fn look(f: &Fragment<Seen>) -> Vec4 {
     look_at(f, f.varyings().meshlet)
 }
 

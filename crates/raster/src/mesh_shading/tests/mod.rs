@@ -1,6 +1,7 @@
 //! Tests of mesh shading.
 
 mod bounds;
+mod culling;
 mod drawing;
 mod meshlets;
 mod rules;

@@ -1,7 +1,7 @@
 use glam::Vec3;
 
 use super::shapes::{grid, torus};
-use crate::mesh_shading::{MeshletLimits, Meshlets, Overdraw, VertexReuse};
+use crate::mesh_shading::{BytesRead, MeshletLimits, Meshlets, Overdraw, VertexReuse};
 
 /// Vertices shaded as `meshopt_analyzeVertexCache` (warp size 0) of meshoptimizer 0.2.30a0 counts them.
 #[test]
@@ -55,4 +55,21 @@ fn mesh_overdraw_is_close_to_that_of_meshoptimizer() {
     let mesh = torus(96, 48);
     let overdraw = Overdraw::of_indices(&mesh.positions, &mesh.indices).unwrap();
     assert!((overdraw.ratio() / 1.1197 - 1.0).abs() < 0.01, "{overdraw:?} {}", overdraw.ratio());
+}
+
+#[test]
+fn meshlets_are_read_with_fewer_bytes_than_indices() {
+    let mesh = torus(96, 48);
+    let meshlets = Meshlets::build(&mesh.positions, &mesh.indices, MeshletLimits::default()).unwrap();
+    let indexed = BytesRead::of_indices(&mesh.indices, 16, 4, 24);
+    assert_eq!(indexed, BytesRead { topology: 3 * 4 * 9216, vertices: 9313 * 24 });
+    let read = BytesRead::of_meshlets(&meshlets, |_| true, 24);
+    let [count, table] = [meshlets.meshlets().len(), meshlets.vertices().len()].map(|n| n as u64);
+    assert_eq!(read, BytesRead { topology: 60 * count + 3 * 9216 + 4 * table, vertices: 24 * table });
+    assert!(read.topology * 10 < indexed.topology * 6 && read.total() * 10 < indexed.total() * 7, "{read:?}");
+    // What is culled costs its bounds alone.
+    let none = BytesRead::of_meshlets(&meshlets, |_| false, 24);
+    assert_eq!((none.topology, none.vertices), (60 * count, 0));
+    let halves = [0, 1].map(|odd| BytesRead::of_meshlets(&meshlets, |i| i % 2 == odd, 24).total());
+    assert_eq!(halves[0] + halves[1], read.total() + none.total());
 }
