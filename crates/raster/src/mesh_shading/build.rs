@@ -180,8 +180,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Closes the cluster, and gives the triangle that the next one starts with: of the candidates that are left the one
-    /// with the fewest neighbours, which would else stay behind alone.
+    /// Closes the cluster, and gives the triangle that the next one starts with: of the candidates that are left the
+    /// one with the fewest neighbours, which would else stay behind alone.
     fn close(&mut self, beside: [Option<u32>; 2]) -> Option<u32> {
         let neighbours = |t: u32| self.triangles[t as usize].iter().map(|&v| u64::from(self.adjacency.live(v))).sum();
         let seed = self.candidates.iter().copied().min_by_key(|&t| {

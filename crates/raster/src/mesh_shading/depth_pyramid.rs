@@ -55,8 +55,8 @@ impl DepthPyramid {
 
     /// Whether nothing within a sphere can pass the tests [`DepthState::LESS`](crate::state::DepthState::LESS) or
     /// less-or-equal, with any sample. The sphere is in the space of the mesh, whose vertices are multiplied with the
-    /// matrix; the viewport fills the framebuffer, with depths from 0 to 1 and no bias. A sphere that reaches behind the
-    /// camera or lies outside the picture is not hidden.
+    /// matrix; the viewport fills the framebuffer, with depths from 0 to 1 and no bias. A sphere that reaches behind
+    /// the camera or lies outside the picture is not hidden.
     pub fn hides(&self, sphere: &Sphere, clip_from_object: Mat4, range: DepthRange) -> bool {
         let Some((min, max, nearest)) = self.project(sphere, clip_from_object, range) else { return false };
         // From the level on where the box touches at most two squares along each axis.

@@ -2,11 +2,11 @@
 //! (`VK_EXT_mesh_shader`; DirectX 12, "Mesh Shader").
 //!
 //! [`Meshlets`] are built once from a mesh with indices; each has a [`Sphere`] and a [`NormalCone`] to be culled by.
-//! [`VertexReuse`], [`BytesRead`] and [`Overdraw`] measure how good an order of triangles is. [`Frustum`] and [`DepthPyramid`] tell what is
-//! outside the view and behind what was drawn; task shaders ask them.
+//! [`VertexReuse`], [`BytesRead`] and [`Overdraw`] measure how good an order of triangles is. [`Frustum`] and
+//! [`DepthPyramid`] tell what is outside the view and behind what was drawn; task shaders ask them.
 //!
-//! A [`MeshPipeline`] runs a [`MeshShader`] for each group of a draw, before that by choice a [`TaskShader`] whose groups
-//! say how many mesh groups there are, and draws what comes out as other pipelines do:
+//! A [`MeshPipeline`] runs a [`MeshShader`] for each group of a draw, before that by choice a [`TaskShader`] whose
+//! groups say how many mesh groups there are, and draws what comes out as other pipelines do:
 //!
 //! ```
 //! use steradian_raster::{

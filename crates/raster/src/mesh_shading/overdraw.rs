@@ -25,9 +25,9 @@ pub struct Overdraw {
 }
 
 impl Overdraw {
-    /// Draws triangles in this order. What is measured is what `meshopt_analyzeOverdraw` of meshoptimizer measures (Nehab,
-    /// Barczak and Sander, "Triangle Order Optimization for Graphics Hardware Computation Culling", I3D 2006, define
-    /// it).
+    /// Draws triangles in this order. What is measured is what `meshopt_analyzeOverdraw` of meshoptimizer measures
+    /// (Nehab, Barczak and Sander, "Triangle Order Optimization for Graphics Hardware Computation Culling", I3D 2006,
+    /// define it).
     ///
     /// # Errors
     /// Where an index names no position.

@@ -83,8 +83,8 @@ impl AddAssign for MeshCounters {
     }
 }
 
-/// Shaders and state, checked, as [`Pipeline`](crate::Pipeline) with other stages before the rasteriser. What primitives
-/// are made of the mesh shader says: [`State::topology`] and [`State::restart`] have no effect.
+/// Shaders and state, checked, as [`Pipeline`](crate::Pipeline) with other stages before the rasteriser. What
+/// primitives are made of the mesh shader says: [`State::topology`] and [`State::restart`] have no effect.
 #[derive(Clone, Debug)]
 pub struct MeshPipeline<T, M, F> {
     /// The shaders. Their fields (uniforms, textures) may be changed between draws.
@@ -136,8 +136,8 @@ where
     /// number of threads (those of the rayon pool it is called in).
     ///
     /// # Errors
-    /// Where the framebuffer does not have the layout of the pipeline, the groups are too many, or a shader breaks a rule
-    /// of [`TaskOutput`] or [`MeshOutput`]. In the last case some groups before that one may have been drawn.
+    /// Where the framebuffer does not have the layout of the pipeline, the groups are too many, or a shader breaks a
+    /// rule of [`TaskOutput`] or [`MeshOutput`]. In the last case some groups before that one may have been drawn.
     pub fn draw(&self, framebuffer: &mut Framebuffer, groups: [u32; 3]) -> Result<MeshCounters> {
         const CALL: &str = "MeshPipeline::draw";
         check_layout(framebuffer, &self.layout, CALL)?;

@@ -65,15 +65,15 @@ pub struct BytesRead {
 }
 
 impl BytesRead {
-    /// Of an indexed draw: `index_bytes` for each index, and `vertex_bytes` whenever a vertex is shaded, with a cache as in
-    /// [`VertexReuse::of_indices`].
+    /// Of an indexed draw: `index_bytes` for each index, and `vertex_bytes` whenever a vertex is shaded, with a cache
+    /// as in [`VertexReuse::of_indices`].
     pub fn of_indices(indices: &[u32], cache: usize, index_bytes: u64, vertex_bytes: u64) -> Self {
         let reuse = VertexReuse::of_indices(indices, cache);
         Self { topology: 3 * reuse.triangles * index_bytes, vertices: reuse.shaded * vertex_bytes }
     }
 
-    /// Of a draw of meshlets of which those are drawn that `is_drawn` says, by their numbers: a [`Meshlet`] for each, drawn
-    /// or not, and for those that are drawn 3 bytes for each triangle, 4 for each vertex of the table, and
+    /// Of a draw of meshlets of which those are drawn that `is_drawn` says, by their numbers: a [`Meshlet`] for each,
+    /// drawn or not, and for those that are drawn 3 bytes for each triangle, 4 for each vertex of the table, and
     /// `vertex_bytes` for the vertex itself.
     pub fn of_meshlets(meshlets: &Meshlets, is_drawn: impl Fn(usize) -> bool, vertex_bytes: u64) -> Self {
         let all = meshlets.meshlets().iter().enumerate();
