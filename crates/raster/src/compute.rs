@@ -54,17 +54,29 @@ pub fn dispatch<S: ComputeShader>(shader: &S, groups: [u32; 3]) -> Result<()> {
     (0..gx * gy * gz).into_par_iter().for_each(|number| {
         let group = [number % gx, number / gx % gy, number / gx / gy].map(|i| i as u32);
         let mut shared = S::Shared::default();
-        let mut private = vec![S::Private::default(); size as usize];
-        for phase in 0..S::PHASES {
-            for (index, private) in private.iter_mut().enumerate() {
-                let index = index as u32;
-                let local = [index % x, index / x % y, index / x / y];
-                let global = [0, 1, 2].map(|d| group[d] * S::LOCAL_SIZE[d] + local[d]);
-                shader.shade(phase, Invocation { local, group, global, index }, private, &mut shared);
-            }
-        }
+        run_group(S::LOCAL_SIZE, S::PHASES, group, |phase, invocation, private| {
+            shader.shade(phase, invocation, private, &mut shared);
+        });
     });
     Ok(())
+}
+
+/// Runs the phases of one group: in each all invocations, one after the other.
+pub(crate) fn run_group<P: Default + Clone>(
+    [x, y, z]: [u32; 3],
+    phases: u32,
+    group: [u32; 3],
+    mut shade: impl FnMut(u32, Invocation, &mut P),
+) {
+    let mut private = vec![P::default(); (x * y * z) as usize];
+    for phase in 0..phases {
+        for (index, private) in private.iter_mut().enumerate() {
+            let index = index as u32;
+            let local = [index % x, index / x % y, index / x / y];
+            let global = std::array::from_fn(|d| group[d] * [x, y, z][d] + local[d]);
+            shade(phase, Invocation { local, group, global, index }, private);
+        }
+    }
 }
 
 #[cfg(test)]

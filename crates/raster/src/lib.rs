@@ -64,6 +64,7 @@
 //! * [`render_target`]: framebuffers of up to eight colour targets in any of the [`Format`]s that can be drawn to, with
 //!   layers and samples.
 //!
+//! * [`mesh_shading`]: meshlets, and pipelines of task and mesh shaders.
 //! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from
 //!   bytes, [`BlockRules`] knows where members of uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
 //!
@@ -84,6 +85,7 @@ pub mod error;
 pub mod format;
 pub mod fragment;
 mod front;
+pub mod mesh_shading;
 pub mod output;
 mod pipeline;
 mod primitive;

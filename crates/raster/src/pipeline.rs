@@ -11,7 +11,7 @@ use crate::{
     front::{Capture, Front, Sink, Source},
     output::{Class, DepthOutput, FragmentOutput},
     primitive::{Chunk, Setup, Window},
-    render_target::{Extent, Framebuffer, Layout},
+    render_target::{Extent, Framebuffer, Layout, Tile},
     stages::{FragmentShader, GeometryShader, Program, Tessellation, Vertex, VertexShader},
     state::{Compare, Multisample, PolygonMode, State, Topology},
     tile::{ColorPlan, DepthPlan, HiddenBy, Plan, TileDrawer},
@@ -65,13 +65,7 @@ where
     /// # Errors
     /// Where the framebuffer does not have the layout of the pipeline.
     pub fn draw(&self, framebuffer: &mut Framebuffer, draw: &Draw) -> Result<Counters> {
-        if framebuffer.layout() != self.layout {
-            let (have, want) = (framebuffer.layout(), &self.layout);
-            return refuse(
-                "Pipeline::draw",
-                format!("the framebuffer has {have:?}, the pipeline was made for {want:?}"),
-            );
-        }
+        check_layout(framebuffer, &self.layout, "Pipeline::draw")?;
         let source = self.source(draw);
         let window = Window::new(&self.state, framebuffer.extent(), self.layout.depth);
         let total = source.primitives();
@@ -86,16 +80,7 @@ where
             let chunks: Vec<Chunk> =
                 if jobs == 1 { vec![run(0)] } else { (0..jobs).into_par_iter().map(run).collect() };
             chunks.iter().for_each(|chunk| counters += chunk.counters);
-            let touched = |number: usize| chunks.iter().any(|c| c.starts[number] != c.starts[number + 1]);
-            let draw_tile = |(number, tile): (usize, &mut crate::render_target::Tile)| {
-                let mut drawer = TileDrawer::new(&self.program.fragment, &self.state, &self.plan, &window.pattern);
-                if touched(number) {
-                    drawer.draw(tile, number, &chunks);
-                }
-                drawer.counters
-            };
-            let drawn: Vec<Counters> = tiles.par_iter_mut().enumerate().map(draw_tile).collect();
-            drawn.into_iter().for_each(|of_tile| counters += of_tile);
+            counters += draw_tiles(&self.program.fragment, &self.state, &self.plan, &window, &mut tiles, &chunks);
             start = end;
         }
         Ok(counters)
@@ -200,6 +185,39 @@ impl<V: Varyings> Sink<V> for Setup<'_, V> {
     }
 }
 
+/// Draws the primitives of all chunks, in their order, into the tiles that they touch.
+pub(crate) fn draw_tiles<F: FragmentShader>(
+    fragment: &F,
+    state: &State,
+    plan: &Plan,
+    window: &Window,
+    tiles: &mut [Tile],
+    chunks: &[Chunk],
+) -> Counters {
+    let touched = |number: usize| chunks.iter().any(|c| c.starts[number] != c.starts[number + 1]);
+    let draw_tile = |(number, tile): (usize, &mut Tile)| {
+        let mut drawer = TileDrawer::new(fragment, state, plan, &window.pattern);
+        if touched(number) {
+            drawer.draw(tile, number, chunks);
+        }
+        drawer.counters
+    };
+    let drawn: Vec<Counters> = tiles.par_iter_mut().enumerate().map(draw_tile).collect();
+    drawn.into_iter().fold(Counters::default(), |mut all, of_tile| {
+        all += of_tile;
+        all
+    })
+}
+
+/// That a framebuffer is what a pipeline was made for.
+pub(crate) fn check_layout(framebuffer: &Framebuffer, want: &Layout, call: &'static str) -> Result<()> {
+    let have = framebuffer.layout();
+    if have != *want {
+        return refuse(call, format!("the framebuffer has {have:?}, the pipeline was made for {want:?}"));
+    }
+    Ok(())
+}
+
 /// What shaders and topology must agree on.
 fn check_stages<T: Tessellation, G: GeometryShader, F: FragmentShader>(state: &State) -> Result<()> {
     const CALL: &str = "Pipeline::new";
@@ -216,16 +234,20 @@ fn check_stages<T: Tessellation, G: GeometryShader, F: FragmentShader>(state: &S
     if G::ACTIVE && (G::INVOCATIONS == 0 || G::INVOCATIONS > 128) {
         return refuse(CALL, format!("INVOCATIONS of the geometry shader is {}; from 1 to 128", G::INVOCATIONS));
     }
-    let is_distance = |mode: &&Mode| matches!(mode, Mode::Clip | Mode::Cull);
-    let distances = F::Varyings::MODES.iter().filter(is_distance).count();
+    check_distances::<F::Varyings>()
+}
+
+/// That there are not too many clip and cull distances.
+pub(crate) fn check_distances<V: Varyings>() -> Result<()> {
+    let distances = V::MODES.iter().filter(|mode| matches!(mode, Mode::Clip | Mode::Cull)).count();
     if distances > MAX_DISTANCES {
-        return refuse(CALL, format!("{distances} clip and cull distances; at most {MAX_DISTANCES}"));
+        return refuse("Pipeline::new", format!("{distances} clip and cull distances; at most {MAX_DISTANCES}"));
     }
     Ok(())
 }
 
 /// What state and framebuffer must agree on; gives the state with its samples and color states filled in.
-fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layout) -> Result<State> {
+pub(crate) fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layout) -> Result<State> {
     const CALL: &str = "Pipeline::new";
     Multisample::check(layout.samples, CALL)?;
     if state.multisample.count != layout.samples {
@@ -268,7 +290,8 @@ fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layout) -> Resu
     Ok(state)
 }
 
-fn plan<F: FragmentShader>(state: &State, layout: &Layout) -> Plan {
+/// How fragments reach the targets.
+pub(crate) fn plan<F: FragmentShader>(state: &State, layout: &Layout) -> Plan {
     let shader_depth = F::Output::DEPTH != DepthOutput::None && !F::EARLY_TESTS;
     let may_vanish = F::Output::DISCARDS || F::Output::MASK || state.multisample.alpha_to_coverage;
     let early = F::EARLY_TESTS || (!shader_depth && !may_vanish);

@@ -4,8 +4,12 @@ use crate::stage::fingerprint;
 
 #[path = "../../examples/compute_histogram.rs"]
 mod compute_histogram;
+#[path = "../../examples/forest.rs"]
+pub mod forest;
 #[path = "../../examples/geometry_normals.rs"]
 mod geometry_normals;
+#[path = "../../examples/icosphere_lod.rs"]
+pub mod icosphere_lod;
 #[path = "../../examples/shadow_map.rs"]
 mod shadow_map;
 #[path = "../../examples/tessellated_patch.rs"]
@@ -24,6 +28,8 @@ fn examples_are_what_they_were() {
         ("tessellated_patch", tessellated_patch::picture(), 0x1712f3291de9a3ec),
         ("geometry_normals", geometry_normals::picture(), 0xa656b6b7c6df78ff),
         ("shadow_map", shadow_map::picture(), 0x920aa77448f6d122),
+        ("forest", forest::picture(), 0x0270c15c9c0e7a2b),
+        ("icosphere_lod", icosphere_lod::picture(), 0x5ef939f37600f6ee),
         ("compute_histogram", compute_histogram::picture(), 0xd6fdb1094faa8c75),
     ];
     let found: Vec<_> =

@@ -7,6 +7,7 @@ mod fill;
 mod fragments;
 mod hostile;
 mod lines;
+mod mesh_shading;
 mod ray_cast;
 mod refusals;
 mod samples;
