@@ -1,0 +1,292 @@
+//! Bottom-level structures: the geometries of one object.
+
+use crate::error::BuildError;
+use crate::flags::GeometryFlags;
+use crate::geometry::{BoxGeometry, Geometries, Indices, TriangleGeometry};
+use steradian_accel::{Builder, Bvh, Geometry};
+use steradian_math::{Bounds3, Vec3, hash::combine64};
+
+/// How a structure is built (DXR, "D3D12_RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS").
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BuildOptions {
+    /// Whether it may be updated.
+    pub allow_update: bool,
+    /// What matters more.
+    pub preference: Preference,
+}
+
+/// What matters more in a structure. Hits are the same for all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preference {
+    /// Neither.
+    #[default]
+    Balanced,
+    /// Rays are fast, building is slower.
+    FastTrace,
+    /// Building is fast where there are many processors, rays are slower.
+    FastBuild,
+}
+
+impl Preference {
+    /// None of these cuts primitives, so that each is met at most once by a ray.
+    pub(crate) const fn builder(self) -> Builder {
+        match self {
+            Self::Balanced => Builder::Sah,
+            Self::FastTrace => Builder::Reinsertion,
+            Self::FastBuild => Builder::Ploc,
+        }
+    }
+}
+
+/// Most geometries of a bottom-level structure, and most instances of a top-level one.
+pub const MAX_GEOMETRIES: u64 = 1 << 24;
+/// Most primitives of a bottom-level structure.
+pub const MAX_PRIMITIVES: u64 = 1 << 29;
+
+/// A structure over triangles or over procedural primitives. It keeps no reference to what it was built from.
+#[derive(Clone, Debug)]
+pub struct BottomLevel {
+    pub(crate) bvh: Bvh,
+    pub(crate) content: Content,
+    options: BuildOptions,
+}
+
+/// The primitives of a structure.
+#[derive(Clone, Debug)]
+pub(crate) enum Content {
+    Triangles(Vec<Triangles>),
+    Boxes(Vec<Boxes>),
+}
+
+/// The triangles of one geometry.
+#[derive(Clone, Debug)]
+pub(crate) struct Triangles {
+    /// In object space.
+    pub corners: Vec<[Vec3; 3]>,
+    pub flags: GeometryFlags,
+    form: Form,
+}
+
+/// The boxes of one geometry.
+#[derive(Clone, Debug)]
+pub(crate) struct Boxes {
+    pub boxes: Vec<Bounds3>,
+    pub flags: GeometryFlags,
+}
+
+/// What an update of triangles may not change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Form {
+    vertices: usize,
+    /// Bytes of an index; zero without.
+    index_bytes: u8,
+    index_hash: u64,
+    is_transformed: bool,
+}
+
+impl Form {
+    fn of(geometry: &TriangleGeometry) -> Self {
+        let hash = |indices: &mut dyn Iterator<Item = u32>| indices.fold(0, |hash, i| combine64(hash, i.into()));
+        let (index_bytes, index_hash) = match geometry.indices {
+            Indices::None => (0, 0),
+            Indices::U16(indices) => (2, hash(&mut indices.iter().map(|&i| i.into()))),
+            Indices::U32(indices) => (4, hash(&mut indices.iter().copied())),
+        };
+        let is_transformed = geometry.transform.is_some();
+        Self { vertices: geometry.vertices.len(), index_bytes, index_hash, is_transformed }
+    }
+
+    /// What has changed.
+    fn change(&self, now: &Self) -> Option<&'static str> {
+        let changes = [
+            (self.vertices != now.vertices, "the number of vertices"),
+            (self.index_bytes != now.index_bytes, "the format of the indices"),
+            (self.index_hash != now.index_hash, "the indices"),
+            (self.is_transformed != now.is_transformed, "whether there is a transform"),
+        ];
+        changes.into_iter().find(|(changed, _)| *changed).map(|(_, what)| what)
+    }
+}
+
+impl Content {
+    fn of(geometries: &Geometries) -> Result<Self, BuildError> {
+        let triangles = |(i, geometry): (usize, &TriangleGeometry)| {
+            Ok(Triangles { corners: geometry.triangles(i)?, flags: geometry.flags, form: Form::of(geometry) })
+        };
+        let boxes = |geometry: &BoxGeometry| Boxes { boxes: geometry.upright(), flags: geometry.flags };
+        let content = match geometries {
+            Geometries::Triangles(all) => {
+                within("geometries", all.len() as u64, MAX_GEOMETRIES)?;
+                Self::Triangles(all.iter().enumerate().map(triangles).collect::<Result<_, _>>()?)
+            }
+            Geometries::Boxes(all) => {
+                within("geometries", all.len() as u64, MAX_GEOMETRIES)?;
+                Self::Boxes(all.iter().map(boxes).collect())
+            }
+        };
+        within("primitives", content.primitive_count() as u64, MAX_PRIMITIVES)?;
+        Ok(content)
+    }
+
+    fn primitive_count(&self) -> usize {
+        match self {
+            Self::Triangles(all) => all.iter().map(|g| g.corners.len()).sum(),
+            Self::Boxes(all) => all.iter().map(|g| g.boxes.len()).sum(),
+        }
+    }
+
+    /// Calls `use_it` with the geometries as the hierarchy takes them. Hits on all triangles can be filtered; queries
+    /// that filter none pay nothing for it.
+    fn with_geometries<T>(&self, use_it: impl FnOnce(&[Geometry]) -> T) -> T {
+        match self {
+            Self::Triangles(all) => {
+                let corners = |n: usize| (0..n as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect::<Vec<_>>();
+                let indices: Vec<_> = all.iter().map(|g| corners(g.corners.len())).collect();
+                let geometries: Vec<_> = all
+                    .iter()
+                    .zip(&indices)
+                    .map(|(g, indices)| Geometry::triangles(g.corners.as_flattened(), indices).filtered(true))
+                    .collect();
+                use_it(&geometries)
+            }
+            Self::Boxes(all) => use_it(&all.iter().map(|g| Geometry::boxes(&g.boxes)).collect::<Vec<_>>()),
+        }
+    }
+
+    /// Whether this is an update of `before`.
+    fn check_update_of(&self, before: &Self) -> Result<(), BuildError> {
+        match (before, self) {
+            (Self::Triangles(before), Self::Triangles(now)) => {
+                same_count("geometries", before.len(), now.len())?;
+                let pairs = before.iter().zip(now).enumerate();
+                { pairs }.try_for_each(|(i, (before, now))| now.check_update_of(before, i))
+            }
+            (Self::Boxes(before), Self::Boxes(now)) => {
+                same_count("geometries", before.len(), now.len())?;
+                let pairs = before.iter().zip(now).enumerate();
+                { pairs }.try_for_each(|(i, (before, now))| now.check_update_of(before, i))
+            }
+            _ => Err(BuildError::UpdateChanges { what: "the kind", geometry: 0 }),
+        }
+    }
+}
+
+impl Triangles {
+    fn check_update_of(&self, before: &Self, geometry: usize) -> Result<(), BuildError> {
+        let change = before.form.change(&self.form).or((before.flags != self.flags).then_some("the flags"));
+        if let Some(what) = change {
+            return Err(BuildError::UpdateChanges { what, geometry });
+        }
+        let is_active = |corners: &[Vec3; 3]| !corners[0].x.is_nan();
+        let changed = before.corners.iter().zip(&self.corners).position(|(a, b)| is_active(a) != is_active(b));
+        changed.map_or(Ok(()), |primitive| Err(BuildError::UpdateActivity { geometry, primitive }))
+    }
+}
+
+impl Boxes {
+    fn check_update_of(&self, before: &Self, geometry: usize) -> Result<(), BuildError> {
+        same_count("boxes", before.boxes.len(), self.boxes.len())?;
+        if before.flags != self.flags {
+            return Err(BuildError::UpdateChanges { what: "the flags", geometry });
+        }
+        let is_active = |b: &Bounds3| !b.min.x.is_nan();
+        let changed = before.boxes.iter().zip(&self.boxes).position(|(a, b)| is_active(a) != is_active(b));
+        changed.map_or(Ok(()), |primitive| Err(BuildError::UpdateActivity { geometry, primitive }))
+    }
+}
+
+/// Whether a number is within a limit.
+pub(crate) fn within(what: &'static str, count: u64, limit: u64) -> Result<(), BuildError> {
+    if count <= limit { Ok(()) } else { Err(BuildError::TooMany { what, count, limit }) }
+}
+
+/// Whether an update keeps a number.
+pub(crate) fn same_count(what: &'static str, before: usize, now: usize) -> Result<(), BuildError> {
+    if before == now { Ok(()) } else { Err(BuildError::UpdateCount { what, before, now }) }
+}
+
+/// What the hierarchy says when there is too much.
+pub(crate) fn too_many(error: steradian_accel::Error) -> BuildError {
+    match error {
+        steradian_accel::Error::TooManyPrimitives { count, limit } => {
+            BuildError::TooMany { what: "primitives", count, limit }
+        }
+        // Structures here have no objects of the hierarchy's own.
+        _ => BuildError::TooMany { what: "primitives", count: 0, limit: MAX_PRIMITIVES },
+    }
+}
+
+impl BottomLevel {
+    /// Builds a structure, on all threads of rayon's current pool; the result does not depend on their number.
+    ///
+    /// # Errors
+    /// A rule on geometries that is broken: a number of corners that is no multiple of three, an index without a
+    /// vertex, a singular transform, more than [`MAX_GEOMETRIES`] or [`MAX_PRIMITIVES`].
+    pub fn build(geometries: Geometries, options: BuildOptions) -> Result<Self, BuildError> {
+        let content = Content::of(&geometries)?;
+        let builder = options.preference.builder();
+        let bvh = content.with_geometries(|geometries| Bvh::build_by(builder, geometries)).map_err(too_many)?;
+        Ok(Self { bvh, content, options })
+    }
+
+    /// Follows geometry that has moved: vertices, transforms and boxes may change, nothing else (DXR, "Bottom-level
+    /// acceleration structure updates"). Gives whether the shape of the hierarchy could be kept; where primitives have
+    /// become degenerate or stopped being so, it is built anew.
+    ///
+    /// Top-level structures that were built before hold the former state.
+    ///
+    /// # Errors
+    /// What has changed that may not; a rule of [`BottomLevel::build`]. The structure is unchanged then.
+    pub fn update(&mut self, geometries: Geometries) -> Result<bool, BuildError> {
+        if !self.options.allow_update {
+            return Err(BuildError::UpdateNotAllowed);
+        }
+        let content = Content::of(&geometries)?;
+        content.check_update_of(&self.content)?;
+        let bvh = &mut self.bvh;
+        let kept = content.with_geometries(|geometries| bvh.update(geometries)).map_err(too_many)?;
+        self.content = content;
+        Ok(kept)
+    }
+
+    /// How it was built.
+    pub fn options(&self) -> BuildOptions {
+        self.options
+    }
+
+    /// The box around all active primitives, in object space; empty when there are none.
+    pub fn bounds(&self) -> Bounds3 {
+        self.bvh.bounds()
+    }
+
+    /// How many geometries it has.
+    pub fn geometry_count(&self) -> usize {
+        match &self.content {
+            Content::Triangles(all) => all.len(),
+            Content::Boxes(all) => all.len(),
+        }
+    }
+
+    /// How many primitives it has, inactive ones included.
+    pub fn primitive_count(&self) -> usize {
+        self.content.primitive_count()
+    }
+
+    /// The vertices of a triangle in object space, as the structure has them; `None` for procedural primitives and for
+    /// indices out of range (Vulkan, "Ray Tracing Position Fetch").
+    pub fn triangle(&self, geometry: u32, primitive: u32) -> Option<[Vec3; 3]> {
+        match &self.content {
+            Content::Triangles(all) => all.get(geometry as usize)?.corners.get(primitive as usize).copied(),
+            Content::Boxes(_) => None,
+        }
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        let content = match &self.content {
+            Content::Triangles(all) => all.iter().map(|g| size_of_val(&g.corners[..]) + size_of::<Triangles>()).sum(),
+            Content::Boxes(all) => all.iter().map(|g| size_of_val(&g.boxes[..]) + size_of::<Boxes>()).sum::<usize>(),
+        };
+        self.bvh.bytes() + content
+    }
+}
