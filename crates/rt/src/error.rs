@@ -131,3 +131,150 @@ pub enum RayError {
     #[error("SKIP_CLOSEST_HIT_SHADER is not allowed in a ray query (DXR, \"Ray flags\")")]
     SkipClosestHitInQuery,
 }
+
+/// Why a launch ended before its time. In the APIs the behaviour is undefined in these cases, or the device is lost.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A ray that cannot be traced.
+    #[error(transparent)]
+    Ray(#[from] RayError),
+    /// A hit-group record that does not exist.
+    #[error(
+        "no hit-group record at {place} = {base} + {stride} * ({ray_contribution} + {geometry_multiplier} * {geometry} + {instance_offset}): the table has {records} (DXR, \"Hit group table indexing\")"
+    )]
+    HitGroupRecord {
+        /// Base of the table.
+        base: u32,
+        /// Stride of the table.
+        stride: u32,
+        /// Contribution of the ray; its low 4 bits.
+        ray_contribution: u32,
+        /// Multiplier of the geometry index; its low 4 bits.
+        geometry_multiplier: u32,
+        /// Index of the geometry.
+        geometry: u32,
+        /// Offset of the instance.
+        instance_offset: u32,
+        /// What this makes.
+        place: u64,
+        /// How many records the table has.
+        records: usize,
+    },
+    /// A miss or callable record that does not exist.
+    #[error(
+        "no {table} record at {place} = {base} + {stride} * {index}: the table has {records} (DXR, \"Addressing calculations within shader tables\")"
+    )]
+    Record {
+        /// Which table.
+        table: &'static str,
+        /// Base of the table.
+        base: u32,
+        /// Stride of the table.
+        stride: u32,
+        /// The index; of a miss shader its low 16 bits.
+        index: u32,
+        /// What this makes.
+        place: u64,
+        /// How many records the table has.
+        records: usize,
+    },
+    /// A hit group is used on primitives of the other kind.
+    #[error("the hit group of record {place} is for {group}, but the geometry has {geometry} (DXR, \"Hit groups\")")]
+    GroupKind {
+        /// Index of the hit group in the pipeline.
+        place: u32,
+        /// What the group is for.
+        group: &'static str,
+        /// What the geometry has.
+        geometry: &'static str,
+    },
+    /// An intersection shader reports a hit of a kind that belongs to triangles.
+    #[error("hit kind {kind} is not in 0..=127 (DXR, \"ReportHit\")")]
+    HitKind {
+        /// The kind.
+        kind: u8,
+    },
+    /// Rays are traced from shaders of rays more deeply than declared.
+    #[error(
+        "trace at depth {limit}: the pipeline declares a maximum recursion depth of {limit} (DXR, \"Ray recursion limit\")"
+    )]
+    RecursionDepth {
+        /// The declared limit.
+        limit: u32,
+    },
+    /// The declared sizes of the shaders in a chain of calls exceed the stack.
+    #[error("the stack of {limit} bytes is too small: this call needs {needed} (DXR, \"Pipeline stack\")")]
+    Stack {
+        /// Bytes that the shaders in the chain of calls have declared.
+        needed: u64,
+        /// Bytes of the pipeline's stack.
+        limit: u64,
+    },
+    /// Callable shaders call each other too deeply.
+    #[error("callable shaders call each other more than {limit} deep")]
+    CallDepth {
+        /// How deep they may.
+        limit: u32,
+    },
+}
+
+/// Why a launch gave nothing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LaunchError {
+    /// A shader did what is not allowed. Of several, the one with the smallest launch id, x counting least.
+    #[error("launch id {launch_id:?}: {fault}")]
+    Fault {
+        /// Where.
+        launch_id: [u32; 3],
+        /// What.
+        fault: Fault,
+    },
+    /// More launch ids than allowed.
+    #[error("{size:?} are {count} launch ids: at most {limit} are allowed (DXR, \"DispatchRays\")")]
+    TooLarge {
+        /// The size that was asked for.
+        size: [u32; 3],
+        /// Their product.
+        count: u128,
+        /// The limit.
+        limit: u64,
+    },
+    /// There is no memory for the output.
+    #[error("no memory for the output of {count} launch ids")]
+    NoMemory {
+        /// How many there are.
+        count: u64,
+    },
+    /// A record has a handle of another pipeline.
+    #[error("record {place} of the {table} table has a handle of another pipeline")]
+    ForeignHandle {
+        /// Which table.
+        table: &'static str,
+        /// Index of the record.
+        place: usize,
+    },
+}
+
+/// Why libraries cannot be linked to a pipeline.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// Two exports of one kind have the same name.
+    #[error("two exports of kind {kind} are named {name:?}")]
+    DuplicateName {
+        /// What kind.
+        kind: &'static str,
+        /// Their name.
+        name: String,
+    },
+    /// A recursion depth that is too great.
+    #[error("a maximum recursion depth of {declared} is more than {limit} (DXR, \"D3D12_RAYTRACING_PIPELINE_CONFIG\")")]
+    RecursionDepth {
+        /// What was declared.
+        declared: u32,
+        /// What is allowed.
+        limit: u32,
+    },
+}

@@ -78,6 +78,11 @@ impl<'a> Search<'a> {
         Self { scene, ray, flags, committed: None, mask, state: State::Start, waiting }
     }
 
+    /// The memory that was lent.
+    pub fn into_buffer(self) -> Vec<Candidate> {
+        self.waiting
+    }
+
     /// Where the interval ends now.
     pub fn t_current(&self) -> f32 {
         self.committed.map_or(self.ray.t_max, |hit| hit.t)

@@ -1,7 +1,12 @@
 //! What the crate promises, held against models that are written from the specifications.
 
 mod facing;
+mod limits;
 mod model;
+mod pipeline;
+mod procedural;
 mod queries;
+mod random;
 mod structures;
+mod tables;
 mod worlds;

@@ -1,0 +1,176 @@
+//! Shader stages: traits, one for each stage, whose contexts offer what is legal there and nothing else.
+
+use crate::context::{
+    AnyHitContext, CallableContext, ClosestHitContext, IntersectionContext, MissContext, RayGenerationContext,
+};
+use crate::error::Fault;
+use std::ops::ControlFlow;
+
+/// The types that the shaders of a pipeline exchange. A marker type of the caller's implements it.
+pub trait Interface: 'static {
+    /// What a ray carries: written by hit and miss shaders, read where it was traced.
+    type Payload;
+    /// What an intersection shader says about a hit beyond its distance and kind.
+    type Attributes: Copy;
+    /// What is handed to callable shaders and back.
+    type Parameter;
+    /// Local data of records of shader tables.
+    type Local: Sync;
+    /// What a ray-generation shader makes for each launch id. The default stands where its record is null.
+    type Output: Default + Send;
+}
+
+/// Runs once for each launch id: traces the first rays and makes the output (DXR, "Ray generation shaders").
+pub trait RayGeneration<I: Interface>: Sync {
+    /// Runs the shader.
+    ///
+    /// # Errors
+    /// What calls in it have given; it ends the launch.
+    fn run(&self, context: &mut RayGenerationContext<I>) -> Result<I::Output, Fault>;
+}
+
+/// Finds hits on a procedural primitive (DXR, "Intersection shaders").
+pub trait Intersection<I: Interface>: Sync {
+    /// Whether there is a shader; only `()` has none.
+    fn is_present(&self) -> bool {
+        true
+    }
+
+    /// Runs the shader. `report_hit(…)?` ends it where the search is over.
+    fn run(&self, context: &mut IntersectionContext<I>) -> ControlFlow<EndSearch>;
+}
+
+/// Says whether a hit that is not opaque counts (DXR, "Any hit shaders"). `A` is [`Barycentrics`](crate::Barycentrics)
+/// for triangles, else [`Interface::Attributes`].
+pub trait AnyHit<I: Interface, A>: Sync {
+    /// Whether there is a shader; only `()` has none.
+    fn is_present(&self) -> bool {
+        true
+    }
+
+    /// Runs the shader. The payload keeps what was written to it whatever the decision.
+    fn run(&self, context: &AnyHitContext<I>, payload: &mut I::Payload, attributes: &A) -> Decision;
+}
+
+/// Runs on the closest hit (DXR, "Closest hit shaders").
+pub trait ClosestHit<I: Interface, A>: Sync {
+    /// Whether there is a shader; only `()` has none.
+    fn is_present(&self) -> bool {
+        true
+    }
+
+    /// Runs the shader.
+    ///
+    /// # Errors
+    /// What calls in it have given; it ends the launch.
+    fn run(&self, context: &mut ClosestHitContext<I>, payload: &mut I::Payload, attributes: &A) -> Result<(), Fault>;
+}
+
+/// Runs where nothing was hit (DXR, "Miss shaders").
+pub trait Miss<I: Interface>: Sync {
+    /// Runs the shader.
+    ///
+    /// # Errors
+    /// What calls in it have given; it ends the launch.
+    fn run(&self, context: &mut MissContext<I>, payload: &mut I::Payload) -> Result<(), Fault>;
+}
+
+/// Runs where it is called (DXR, "Callable shaders").
+pub trait Callable<I: Interface>: Sync {
+    /// Runs the shader.
+    ///
+    /// # Errors
+    /// What calls in it have given; it ends the launch.
+    fn run(&self, context: &mut CallableContext<I>, parameter: &mut I::Parameter) -> Result<(), Fault>;
+}
+
+/// What an any-hit shader says. Its context makes them, so no other stage can.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use]
+pub struct Decision(pub(crate) Verdict);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Accept,
+    Ignore,
+    AcceptAndEndSearch,
+}
+
+/// The search is over: an intersection shader ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EndSearch(pub(crate) ());
+
+/// No intersection shader.
+impl<I: Interface> Intersection<I> for () {
+    fn is_present(&self) -> bool {
+        false
+    }
+
+    fn run(&self, _: &mut IntersectionContext<I>) -> ControlFlow<EndSearch> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// No any-hit shader: all hits count.
+impl<I: Interface, A> AnyHit<I, A> for () {
+    fn is_present(&self) -> bool {
+        false
+    }
+
+    fn run(&self, _: &AnyHitContext<I>, _: &mut I::Payload, _: &A) -> Decision {
+        Decision(Verdict::Accept)
+    }
+}
+
+/// No closest-hit shader.
+impl<I: Interface, A> ClosestHit<I, A> for () {
+    fn is_present(&self) -> bool {
+        false
+    }
+
+    fn run(&self, _: &mut ClosestHitContext<I>, _: &mut I::Payload, _: &A) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+/// No miss shaders in the pipeline.
+impl<I: Interface> Miss<I> for () {
+    fn run(&self, _: &mut MissContext<I>, _: &mut I::Payload) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+/// No callable shaders in the pipeline.
+impl<I: Interface> Callable<I> for () {
+    fn run(&self, _: &mut CallableContext<I>, _: &mut I::Parameter) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+/// Shaders of several types in one pipeline.
+macro_rules! boxed {
+    ($($trait:ident [$($generic:ident),*] ($($arg:ident: $ty:ty),*) -> $out:ty $(, $present:ident)?;)*) => {$(
+        impl<$($generic,)* T: $trait<$($generic),*> + ?Sized> $trait<$($generic),*> for Box<T>
+        where
+            I: Interface,
+        {
+            $(fn $present(&self) -> bool {
+                (**self).$present()
+            })?
+
+            fn run(&self, $($arg: $ty),*) -> $out {
+                (**self).run($($arg),*)
+            }
+        }
+    )*};
+}
+
+boxed! {
+    RayGeneration[I](context: &mut RayGenerationContext<I>) -> Result<I::Output, Fault>;
+    Intersection[I](context: &mut IntersectionContext<I>) -> ControlFlow<EndSearch>, is_present;
+    AnyHit[I, A](context: &AnyHitContext<I>, payload: &mut I::Payload, attributes: &A) -> Decision, is_present;
+    ClosestHit[I, A](context: &mut ClosestHitContext<I>, payload: &mut I::Payload, attributes: &A)
+        -> Result<(), Fault>, is_present;
+    Miss[I](context: &mut MissContext<I>, payload: &mut I::Payload) -> Result<(), Fault>;
+    Callable[I](context: &mut CallableContext<I>, parameter: &mut I::Parameter) -> Result<(), Fault>;
+}

@@ -1,0 +1,271 @@
+//! What happens when a shader traces a ray or calls another one (DXR, "TraceRay control flow").
+
+use crate::RayFlags;
+use crate::context::{
+    AnyHitContext, CallableContext, ClosestHitContext, Frame, IntersectionContext, Machine, MissContext, Report,
+    TraceRay,
+};
+use crate::error::Fault;
+use crate::group::{HitAttributes, HitGroup};
+use crate::pipeline::{Export, HitGroupStack, MAX_CALL_DEPTH, Pipeline};
+use crate::ray::{Barycentrics, HitKind, Primitive, PrimitiveId, RayDesc, RayValues};
+use crate::search::{Candidate, Committed, Search};
+use crate::stages::{Callable, EndSearch, Interface, Miss, RayGeneration, Verdict};
+use crate::table::{HitIndex, ShaderTables};
+use crate::top_level::TopLevel;
+use std::ops::ControlFlow;
+
+/// A pipeline with its tables.
+pub(crate) struct Running<'a, I: Interface, R, H, M, C> {
+    pub pipeline: &'a Pipeline<I, R, H, M, C>,
+    pub tables: &'a ShaderTables<I::Local>,
+}
+
+/// The hit group of a record, and the record's data.
+type Group<'a, I, H> = (&'a Export<H, HitGroupStack>, &'a <I as Interface>::Local);
+
+impl<I: Interface, R, H, M, C> Machine<I> for Running<'_, I, R, H, M, C>
+where
+    R: RayGeneration<I>,
+    H: HitGroup<I>,
+    M: Miss<I>,
+    C: Callable<I>,
+{
+    fn trace(&self, frame: Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
+        let limit = self.pipeline.config.max_recursion_depth;
+        if frame.depth >= limit {
+            return Err(Fault::RecursionDepth { limit });
+        }
+        let (flags, ray) = (call.flags.validated().map_err(crate::RayError::from)?, call.ray.validated()?);
+        let mut search = Search::new(call.scene, flags, call.mask as u8, ray, frame.thread.waiting.take());
+        let mut attributes = None;
+        let searched = self.search(frame, call, &mut search, payload, &mut attributes);
+        let committed = search.committed;
+        frame.thread.waiting.set(search.into_buffer());
+        searched?;
+        let values = values(&ray, flags, committed.map_or(ray.t_max, |hit| hit.t));
+        let frame = Frame { depth: frame.depth + 1, ..frame };
+        match (committed, call.scene) {
+            (Some(hit), Some(scene)) => self.closest_hit(frame, (call, scene), values, &hit, payload, attributes),
+            _ => self.miss(frame, call, values, payload),
+        }
+    }
+
+    fn call(&self, frame: Frame<I>, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault> {
+        if frame.calls >= MAX_CALL_DEPTH {
+            return Err(Fault::CallDepth { limit: MAX_CALL_DEPTH });
+        }
+        let record = self.tables.callable.callable(index)?;
+        let Some(export) = record.handle.and_then(|h| self.pipeline.library.callable.get(h.index as usize)) else {
+            return Ok(());
+        };
+        let frame = Frame { calls: frame.calls + 1, ..self.deeper(frame, export.stack)? };
+        export.shader.run(&mut CallableContext { frame, local: &record.local }, parameter)
+    }
+}
+
+impl<'a, I: Interface, R, H, M, C> Running<'a, I, R, H, M, C>
+where
+    R: RayGeneration<I>,
+    H: HitGroup<I>,
+    M: Miss<I>,
+    C: Callable<I>,
+{
+    /// The frame of a shader that is called from another one.
+    pub fn deeper<'f>(&self, frame: Frame<'f, I>, bytes: u32) -> Result<Frame<'f, I>, Fault> {
+        let (needed, limit) = (frame.stack + u64::from(bytes), self.pipeline.stack_size);
+        if needed > limit { Err(Fault::Stack { needed, limit }) } else { Ok(Frame { stack: needed, ..frame }) }
+    }
+
+    /// The hit group for a primitive; `None` where the record is null.
+    fn group(
+        &self,
+        (call, scene): (&TraceRay, &TopLevel),
+        id: PrimitiveId,
+        is_procedural: bool,
+    ) -> Result<Option<Group<'a, I, H>>, Fault> {
+        let record = self.tables.hit_groups.hit_group(HitIndex {
+            ray_contribution: call.ray_contribution,
+            geometry_multiplier: call.geometry_multiplier,
+            geometry: id.geometry,
+            instance_offset: scene.instances.get(id.instance as usize).map_or(0, |placed| placed.hit_group_offset),
+        })?;
+        let Some(handle) = record.handle else { return Ok(None) };
+        let Some(export) = self.pipeline.library.hit_groups.get(handle.index as usize) else { return Ok(None) };
+        let name = |is_procedural| if is_procedural { "procedural primitives" } else { "triangles" };
+        let is_for_procedural = export.shader.is_procedural();
+        if is_for_procedural != is_procedural {
+            let (group, geometry) = (name(is_for_procedural), name(is_procedural));
+            return Err(Fault::GroupKind { place: handle.index, group, geometry });
+        }
+        Ok(Some((export, &record.local)))
+    }
+
+    /// Asks shaders about all candidates.
+    fn search(
+        &self,
+        frame: Frame<I>,
+        call: &TraceRay,
+        search: &mut Search,
+        payload: &mut I::Payload,
+        attributes: &mut Option<I::Attributes>,
+    ) -> Result<(), Fault> {
+        while let Some(candidate) = search.proceed() {
+            let Some(scene) = search.scene else { break };
+            let Some(primitive) = Primitive::new(scene, candidate.id, &search.ray) else { continue };
+            let group = self.group((call, scene), candidate.id, candidate.triangle.is_none())?;
+            match (candidate.triangle, group) {
+                (Some(barycentrics), Some((export, local))) if export.shader.has_any_hit() => {
+                    let context = AnyHitContext {
+                        frame: self.deeper(frame, export.stack.any_hit)?,
+                        local,
+                        ray: values(&search.ray, search.flags, candidate.t),
+                        primitive,
+                        kind: HitKind::triangle(search.is_front(candidate.id)),
+                    };
+                    let attributes = HitAttributes::Triangle(barycentrics);
+                    match export.shader.any_hit(&context, payload, &attributes).0 {
+                        Verdict::Ignore => {}
+                        Verdict::Accept => search.commit_triangle(&candidate),
+                        Verdict::AcceptAndEndSearch => {
+                            search.commit_triangle(&candidate);
+                            search.end();
+                        }
+                    }
+                }
+                // Without an any-hit shader geometry is opaque.
+                (Some(_), _) => search.commit_triangle(&candidate),
+                (None, None) => {}
+                (None, Some((export, local))) => {
+                    let frame = self.deeper(frame, export.stack.intersection)?;
+                    let any_hit = if candidate.is_opaque || !export.shader.has_any_hit() {
+                        None
+                    } else {
+                        Some(self.deeper(frame, export.stack.any_hit))
+                    };
+                    let mut reporter = Reporter {
+                        search,
+                        candidate,
+                        primitive,
+                        group: &export.shader,
+                        any_hit,
+                        local,
+                        payload,
+                        attributes,
+                        fault: None,
+                    };
+                    let mut context = IntersectionContext { frame, local, primitive, reporter: &mut reporter };
+                    // Where it broke off, the search has been ended.
+                    let _ = export.shader.intersection(&mut context);
+                    reporter.fault.map_or(Ok(()), Err)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn closest_hit(
+        &self,
+        frame: Frame<I>,
+        (call, scene): (&TraceRay, &TopLevel),
+        ray: RayValues,
+        hit: &Committed,
+        payload: &mut I::Payload,
+        attributes: Option<I::Attributes>,
+    ) -> Result<(), Fault> {
+        if call.flags.contains(RayFlags::SKIP_CLOSEST_HIT_SHADER) {
+            return Ok(());
+        }
+        let is_triangle = hit.kind.is_triangle();
+        let Some((export, local)) = self.group((call, scene), hit.id, !is_triangle)? else { return Ok(()) };
+        let Some(primitive) = Primitive::new(scene, hit.id, &call.ray) else { return Ok(()) };
+        let attributes = match attributes.filter(|_| !is_triangle) {
+            None => HitAttributes::Triangle(hit.barycentrics),
+            Some(attributes) => HitAttributes::Procedural(attributes),
+        };
+        if !export.shader.has_closest_hit() {
+            return Ok(());
+        }
+        let frame = self.deeper(frame, export.stack.closest_hit)?;
+        let mut context = ClosestHitContext { frame, local, ray, primitive, kind: hit.kind };
+        export.shader.closest_hit(&mut context, payload, &attributes)
+    }
+
+    fn miss(&self, frame: Frame<I>, call: &TraceRay, ray: RayValues, payload: &mut I::Payload) -> Result<(), Fault> {
+        let record = self.tables.miss.miss(call.miss_index)?;
+        let Some(export) = record.handle.and_then(|h| self.pipeline.library.miss.get(h.index as usize)) else {
+            return Ok(());
+        };
+        let frame = self.deeper(frame, export.stack)?;
+        export.shader.run(&mut MissContext { frame, local: &record.local, ray }, payload)
+    }
+}
+
+fn values(ray: &RayDesc, flags: RayFlags, t_current: f32) -> RayValues {
+    let RayDesc { origin, direction, t_min, .. } = *ray;
+    RayValues { origin, direction, t_min, t_current, flags }
+}
+
+/// Hears of hits on one procedural primitive.
+struct Reporter<'r, 's, 'f, I: Interface, H> {
+    search: &'r mut Search<'s>,
+    candidate: Candidate,
+    primitive: Primitive<'s>,
+    group: &'r H,
+    /// The frame of the any-hit shader where there is one to be asked.
+    any_hit: Option<Result<Frame<'f, I>, Fault>>,
+    local: &'r I::Local,
+    payload: &'r mut I::Payload,
+    attributes: &'r mut Option<I::Attributes>,
+    fault: Option<Fault>,
+}
+
+impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
+    /// What the any-hit shader says about a hit.
+    fn verdict(&mut self, t: f32, kind: HitKind, attributes: I::Attributes) -> Result<Verdict, Fault> {
+        let Some(frame) = &self.any_hit else { return Ok(Verdict::Accept) };
+        let context = AnyHitContext {
+            frame: *frame.as_ref().map_err(Fault::clone)?,
+            local: self.local,
+            ray: values(&self.search.ray, self.search.flags, t),
+            primitive: self.primitive,
+            kind,
+        };
+        Ok(self.group.any_hit(&context, self.payload, &HitAttributes::Procedural(attributes)).0)
+    }
+}
+
+impl<I: Interface, H: HitGroup<I>> Report<I> for Reporter<'_, '_, '_, I, H> {
+    fn ray(&self) -> RayValues {
+        values(&self.search.ray, self.search.flags, self.search.t_current())
+    }
+
+    fn report(&mut self, t: f32, kind: HitKind, attributes: I::Attributes) -> ControlFlow<EndSearch, bool> {
+        if self.search.is_done() || self.fault.is_some() {
+            return ControlFlow::Break(EndSearch(()));
+        }
+        if !(t >= self.search.ray.t_min && t <= self.search.t_current()) {
+            return ControlFlow::Continue(false);
+        }
+        let verdict = match kind.is_triangle() {
+            true => Err(Fault::HitKind { kind: kind.get() }),
+            false => self.verdict(t, kind, attributes),
+        };
+        match verdict {
+            Err(fault) => {
+                self.fault = Some(fault);
+                return ControlFlow::Break(EndSearch(()));
+            }
+            Ok(Verdict::Ignore) => return ControlFlow::Continue(false),
+            Ok(verdict) => {
+                *self.attributes = Some(attributes);
+                let id = self.candidate.id;
+                self.search.commit(Committed { t, id, kind, barycentrics: Barycentrics::default() });
+                if verdict == Verdict::AcceptAndEndSearch {
+                    self.search.end();
+                }
+            }
+        }
+        if self.search.is_done() { ControlFlow::Break(EndSearch(())) } else { ControlFlow::Continue(true) }
+    }
+}
