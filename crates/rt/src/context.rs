@@ -167,7 +167,7 @@ contexts! {
     ///     let _ = context.call(0, parameter);
     /// }
     /// ```
-    AnyHitContext { ray: RayValues, primitive: Primitive<'a>, kind: HitKind, }
+    AnyHitContext { ray: RayValues, primitive: Primitive<'a>, kind: Option<HitKind>, }
     /// Of a closest-hit shader: it may trace and call. The hit is decided:
     ///
     /// ```compile_fail,E0599
@@ -181,7 +181,7 @@ contexts! {
     ///     let _ = context.report_hit(1.0, HitKind::procedural(0).unwrap(), attributes);
     /// }
     /// ```
-    ClosestHitContext { ray: RayValues, primitive: Primitive<'a>, kind: HitKind, }
+    ClosestHitContext { ray: RayValues, primitive: Primitive<'a>, kind: Option<HitKind>, }
     /// Of a miss shader: it may trace and call. Nothing was hit:
     ///
     /// ```compile_fail,E0599
@@ -246,7 +246,7 @@ macro_rules! may {
         impl<I: Interface> $name<'_, I> {
             /// Which face of a triangle, or what the intersection shader said.
             pub fn hit_kind(&self) -> HitKind {
-                self.kind
+                self.kind.unwrap_or_else(|| self.primitive.face())
             }
         }
     )*};

@@ -70,7 +70,7 @@ impl Plan {
 
     /// Whether all hits on triangles may count.
     pub fn skips_nothing(&self) -> bool {
-        self.opaque != Class::Skipped && self.non_opaque != Class::Skipped && !self.culls_front && !self.culls_back
+        self.opaque != Class::Skipped && self.non_opaque != Class::Skipped && !self.culls()
     }
 
     /// Whether hits on any geometry can be opaque.
@@ -79,20 +79,24 @@ impl Plan {
     }
 
     /// Whether a triangle shows its front to a ray; both are in object space.
-    pub fn is_front(&self, corners: &[Vec3; 3], direction: Vec3) -> bool {
+    fn is_front(&self, corners: &[Vec3; 3], direction: Vec3) -> bool {
         is_clockwise(corners, direction) != self.counterclockwise
+    }
+
+    /// Whether triangles are skipped for their face.
+    pub fn culls(&self) -> bool {
+        self.culls_front || self.culls_back
     }
 
     /// Whether a triangle is skipped for its face.
     pub fn is_culled(&self, corners: &[Vec3; 3], direction: Vec3) -> bool {
-        (self.culls_front || self.culls_back)
-            && if self.is_front(corners, direction) { self.culls_front } else { self.culls_back }
+        if self.is_front(corners, direction) { self.culls_front } else { self.culls_back }
     }
 }
 
 /// Whether vertices are in clockwise order as seen from where a ray comes from, in a left-handed system of coordinates;
 /// seen so in a right-handed one they are counter-clockwise (DXR, "D3D12_RAYTRACING_INSTANCE_FLAGS").
-fn is_clockwise(corners: &[Vec3; 3], direction: Vec3) -> bool {
+pub(crate) fn is_clockwise(corners: &[Vec3; 3], direction: Vec3) -> bool {
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
     (b - a).cross(c - a).dot(direction.as_dvec3()) < 0.0
 }

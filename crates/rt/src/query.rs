@@ -114,6 +114,7 @@ impl<'a> RayQuery<'a> {
     pub fn committed(&self) -> Option<CommittedHit<'a>> {
         let Committed { t, id, kind, barycentrics } = self.search.committed?;
         let primitive = Primitive::new(self.search.scene?, id, &self.search.ray)?;
+        let kind = kind.unwrap_or_else(|| primitive.face());
         Some(CommittedHit { t, primitive, kind, barycentrics })
     }
 
@@ -137,7 +138,7 @@ impl<'a> TriangleCandidate<'_, 'a> {
 
     /// Whether it shows its front (`CandidateTriangleFrontFace`).
     pub fn is_front_face(&self) -> bool {
-        self.query.search.is_front(self.candidate.id)
+        self.primitive.face() == HitKind::TRIANGLE_FRONT_FACE
     }
 
     /// The triangle.
@@ -182,7 +183,7 @@ impl<'a> ProceduralCandidate<'_, 'a> {
         let counts = !search.is_done() && t >= search.ray.t_min && t <= search.t_current() && !kind.is_triangle();
         if counts {
             let id = self.candidate.id;
-            search.commit(Committed { t, id, kind, barycentrics: Barycentrics::default() });
+            search.commit(Committed { t, id, kind: Some(kind), barycentrics: Barycentrics::default() });
         }
         counts
     }

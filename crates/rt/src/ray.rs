@@ -1,7 +1,8 @@
 //! Rays as shaders describe them, and what shaders can read of rays and of what they meet.
 
 use crate::error::RayError;
-use crate::flags::RayFlags;
+use crate::flags::{InstanceFlags, RayFlags};
+use crate::plan::is_clockwise;
 use crate::top_level::{Placed, TopLevel};
 use crate::transform::Transform3x4;
 use steradian_math::{Ray, Vec3};
@@ -146,6 +147,14 @@ impl<'a> Primitive<'a> {
     /// to normals. `None` where the normal is zero.
     pub fn world_normal(&self, object_normal: Vec3) -> Option<Vec3> {
         self.placed.place.normal(object_normal).try_normalize()
+    }
+
+    /// Which face of the triangle the ray meets.
+    pub(crate) fn face(&self) -> HitKind {
+        let counterclockwise = self.placed.flags.contains(InstanceFlags::TRIANGLE_FRONT_COUNTERCLOCKWISE);
+        let direction = self.object_ray_direction();
+        let is_clockwise = self.triangle().is_some_and(|corners| is_clockwise(&corners, direction));
+        HitKind::triangle(is_clockwise != counterclockwise)
     }
 
     /// The vertices of the triangle in object space; `None` for procedural primitives (`TriangleObjectPositions`;

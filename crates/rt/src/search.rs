@@ -36,7 +36,8 @@ pub(crate) struct Candidate {
 pub(crate) struct Committed {
     pub t: f32,
     pub id: PrimitiveId,
-    pub kind: HitKind,
+    /// What was reported of a procedural hit; `None` for a triangle, whose face is looked at where it is asked for.
+    pub kind: Option<HitKind>,
     /// Of a triangle.
     pub barycentrics: Barycentrics,
 }
@@ -111,20 +112,8 @@ impl<'a> Search<'a> {
         if let Some(barycentrics) = candidate.triangle
             && candidate.t < self.t_current()
         {
-            let kind = HitKind::triangle(self.is_front(candidate.id));
-            self.commit(Committed { t: candidate.t, id: candidate.id, kind, barycentrics });
+            self.commit(Committed { t: candidate.t, id: candidate.id, kind: None, barycentrics });
         }
-    }
-
-    /// Whether a triangle shows its front.
-    pub fn is_front(&self, id: PrimitiveId) -> bool {
-        let front = || {
-            let placed = self.scene?.instances.get(id.instance as usize)?;
-            let corners = placed.bottom_level.triangle(id.geometry, id.primitive)?;
-            let plan = Plan::new(self.flags, u8::MAX, placed, true)?;
-            Some(plan.is_front(&corners, placed.place.inv.transform_vector3(self.ray.direction)))
-        };
-        front().unwrap_or(false)
     }
 
     /// Goes on to what must be asked about next; `None` when the search is over.
@@ -167,7 +156,7 @@ impl<'a> Search<'a> {
 
     /// After the nearest candidate has been asked about.
     fn rest(&mut self, nearest: PrimitiveId) -> Option<Candidate> {
-        let is_hit_triangle = |hit: &Committed| hit.id == nearest && hit.kind.is_triangle();
+        let is_hit_triangle = |hit: &Committed| hit.id == nearest && hit.kind.is_none();
         if self.committed.as_ref().is_some_and(is_hit_triangle) {
             // All others are farther.
             self.state = State::Done;
@@ -228,7 +217,13 @@ impl<'a> Search<'a> {
             found.set(Some(candidate));
             Some(candidate.t)
         });
-        scene.bvh.intersect(&self.world_ray(), &instances)?;
+        let ray = self.world_ray();
+        if scene.instances.len() == 1 {
+            // There is nothing to choose from.
+            instances.0(0, &ray)?;
+        } else {
+            scene.bvh.intersect(&ray, &instances)?;
+        }
         found.get()
     }
 
@@ -240,7 +235,12 @@ impl<'a> Search<'a> {
             found.set(Some(candidate));
             Some(candidate.t)
         });
-        scene.bvh.occluded(&self.world_ray(), &instances).then(|| found.get())?
+        let ray = self.world_ray();
+        let is_found = match scene.instances.len() {
+            1 => instances.0(0, &ray).is_some(),
+            _ => scene.bvh.occluded(&ray, &instances),
+        };
+        if is_found { found.get() } else { None }
     }
 
     /// Collects all candidates but one up to the nearest opaque triangle, and it too.
@@ -308,8 +308,11 @@ impl Entered<'_> {
 
     /// The class of a hit on a triangle, its face and its distance considered.
     fn class_of_hit(&self, hit: &Hit) -> Class {
-        let corners = || self.bottom.triangle(hit.id.geom, hit.id.prim);
-        if hit.t <= self.t_min || corners().is_none_or(|corners| self.plan.is_culled(&corners, self.ray.direction)) {
+        let is_culled = || {
+            let corners = self.bottom.triangle(hit.id.geom, hit.id.prim);
+            corners.is_none_or(|corners| self.plan.is_culled(&corners, self.ray.direction))
+        };
+        if hit.t <= self.t_min || self.plan.culls() && is_culled() {
             return Class::Skipped;
         }
         self.class(hit.id.geom)

@@ -121,7 +121,7 @@ where
                         local,
                         ray: values(&search.ray, search.flags, candidate.t),
                         primitive,
-                        kind: HitKind::triangle(search.is_front(candidate.id)),
+                        kind: None,
                     };
                     let attributes = HitAttributes::Triangle(barycentrics);
                     match export.shader.any_hit(&context, payload, &attributes).0 {
@@ -176,7 +176,7 @@ where
         if call.flags.contains(RayFlags::SKIP_CLOSEST_HIT_SHADER) {
             return Ok(());
         }
-        let is_triangle = hit.kind.is_triangle();
+        let is_triangle = hit.kind.is_none();
         let Some((export, local)) = self.group((call, scene), hit.id, !is_triangle)? else { return Ok(()) };
         let Some(primitive) = Primitive::new(scene, hit.id, &call.ray) else { return Ok(()) };
         let attributes = match attributes.filter(|_| !is_triangle) {
@@ -229,7 +229,7 @@ impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
             local: self.local,
             ray: values(&self.search.ray, self.search.flags, t),
             primitive: self.primitive,
-            kind,
+            kind: Some(kind),
         };
         Ok(self.group.any_hit(&context, self.payload, &HitAttributes::Procedural(attributes)).0)
     }
@@ -260,7 +260,7 @@ impl<I: Interface, H: HitGroup<I>> Report<I> for Reporter<'_, '_, '_, I, H> {
             Ok(verdict) => {
                 *self.attributes = Some(attributes);
                 let id = self.candidate.id;
-                self.search.commit(Committed { t, id, kind, barycentrics: Barycentrics::default() });
+                self.search.commit(Committed { t, id, kind: Some(kind), barycentrics: Barycentrics::default() });
                 if verdict == Verdict::AcceptAndEndSearch {
                     self.search.end();
                 }
