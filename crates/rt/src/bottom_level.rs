@@ -64,7 +64,7 @@ pub(crate) struct Triangles {
     /// In object space.
     pub corners: Vec<[Vec3; 3]>,
     pub flags: GeometryFlags,
-    form: Form,
+    pub form: Form,
 }
 
 /// The boxes of one geometry.
@@ -76,12 +76,12 @@ pub(crate) struct Boxes {
 
 /// What an update of triangles may not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Form {
-    vertices: usize,
+pub(crate) struct Form {
+    pub vertices: usize,
     /// Bytes of an index; zero without.
-    index_bytes: u8,
-    index_hash: u64,
-    is_transformed: bool,
+    pub index_bytes: u8,
+    pub index_hash: u64,
+    pub is_transformed: bool,
 }
 
 impl Form {
@@ -124,8 +124,17 @@ impl Content {
                 Self::Boxes(all.iter().map(boxes).collect())
             }
         };
-        within("primitives", content.primitive_count() as u64, MAX_PRIMITIVES)?;
+        content.check_limits()?;
         Ok(content)
+    }
+
+    fn check_limits(&self) -> Result<(), BuildError> {
+        let geometries = match self {
+            Self::Triangles(all) => all.len(),
+            Self::Boxes(all) => all.len(),
+        };
+        within("geometries", geometries as u64, MAX_GEOMETRIES)?;
+        within("primitives", self.primitive_count() as u64, MAX_PRIMITIVES)
     }
 
     fn primitive_count(&self) -> usize {
@@ -223,7 +232,12 @@ impl BottomLevel {
     /// A rule on geometries that is broken: a number of corners that is no multiple of three, an index without a
     /// vertex, a singular transform, more than [`MAX_GEOMETRIES`] or [`MAX_PRIMITIVES`].
     pub fn build(geometries: Geometries, options: BuildOptions) -> Result<Self, BuildError> {
-        let content = Content::of(&geometries)?;
+        Self::from_content(Content::of(&geometries)?, options)
+    }
+
+    /// Builds the hierarchy.
+    pub(crate) fn from_content(content: Content, options: BuildOptions) -> Result<Self, BuildError> {
+        content.check_limits()?;
         let builder = options.preference.builder();
         let bvh = content.with_geometries(|geometries| Bvh::build_by(builder, geometries)).map_err(too_many)?;
         Ok(Self { bvh, content, options })

@@ -278,3 +278,38 @@ pub enum PipelineError {
         limit: u32,
     },
 }
+
+/// Why bytes are no structure.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// They do not begin as structures do.
+    #[error("the bytes are not of a bottom-level structure")]
+    NoStructure,
+    /// They are of another version.
+    #[error("the structure has version {version}: only {readable} can be read")]
+    Version {
+        /// Their version.
+        version: u32,
+        /// The version that can be read.
+        readable: u32,
+    },
+    /// They end too early.
+    #[error("the bytes end within the structure")]
+    TooShort,
+    /// They go on after the structure.
+    #[error("{bytes} bytes follow the structure")]
+    TooLong {
+        /// How many bytes follow.
+        bytes: usize,
+    },
+    /// Something in them has no meaning.
+    #[error("there is no such {what}")]
+    Invalid {
+        /// What.
+        what: &'static str,
+    },
+    /// They break a rule of structures.
+    #[error(transparent)]
+    Build(Box<BuildError>),
+}

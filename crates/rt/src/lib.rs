@@ -106,6 +106,7 @@ mod plan;
 mod query;
 mod ray;
 mod search;
+mod serial;
 mod stages;
 pub mod table;
 mod top_level;
@@ -114,7 +115,7 @@ mod transform;
 
 pub use bottom_level::{BottomLevel, BuildOptions, MAX_GEOMETRIES, MAX_PRIMITIVES, Preference};
 pub use context::{LaunchValues, TraceRay};
-pub use error::{BuildError, Fault, LaunchError, PipelineError, RayError};
+pub use error::{BuildError, Fault, LaunchError, LoadError, PipelineError, RayError};
 pub use flags::{ExclusiveRayFlags, GeometryFlags, InstanceFlags, RayFlags};
 pub use geometry::{BoxGeometry, Geometries, Indices, TriangleGeometry};
 pub use group::{HitAttributes, HitGroup, ProceduralGroup, TriangleGroup};

@@ -7,6 +7,7 @@ mod pipeline;
 mod procedural;
 mod queries;
 mod random;
+mod serial;
 mod structures;
 mod tables;
 mod worlds;

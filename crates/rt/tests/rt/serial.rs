@@ -1,0 +1,58 @@
+//! What is written and read again gives the same bits; what is not a structure is an error.
+
+use crate::worlds::{in_cube, ray, two_geometries};
+use std::sync::Arc;
+use steradian_math::{Bounds3, hash::HashRng};
+use steradian_rt::{
+    BottomLevel, BoxGeometry, BuildOptions, Geometries, Instance, LoadError, RayFlags, RayQuery, TopLevel,
+};
+
+#[test]
+fn structures_come_back_with_the_same_hits() {
+    let mut rng = HashRng::new(20);
+    let level = two_geometries(&mut rng, 300);
+    let bytes = level.serialize();
+    let again = Arc::new(BottomLevel::deserialize(&bytes).expect("its own bytes"));
+    assert_eq!(again.serialize(), bytes);
+    let scene = |level| TopLevel::build(&[Instance::new(level)], BuildOptions::default()).expect("valid");
+    let (a, b) = (scene(level), scene(again));
+    let hits = (0..5000).filter(|_| {
+        let ray = ray(&mut rng);
+        let hit = |scene| {
+            let mut query = RayQuery::new(Some(scene), RayFlags::FORCE_OPAQUE, 0xff, ray).expect("legal");
+            assert!(query.proceed().is_none());
+            query.committed().map(|hit| (hit.t.to_bits(), hit.primitive.id(), hit.kind, hit.barycentrics))
+        };
+        assert_eq!(hit(&a), hit(&b));
+        hit(&a).is_some()
+    });
+    assert!(hits.count() > 1000);
+}
+
+#[test]
+fn bytes_that_are_no_structure_are_errors() {
+    let mut rng = HashRng::new(21);
+    let boxes = [0; 5].map(|_| Bounds3::new(in_cube(&mut rng), in_cube(&mut rng)));
+    let boxes = BottomLevel::build(Geometries::Boxes(&[BoxGeometry::new(&boxes)]), BuildOptions::default());
+    let mut errors = 0;
+    for bytes in [boxes.expect("valid").serialize(), two_geometries(&mut rng, 5).serialize()] {
+        assert!(BottomLevel::deserialize(&bytes).is_ok_and(|level| level.serialize() == bytes));
+        for end in 0..bytes.len() {
+            assert_eq!(BottomLevel::deserialize(&bytes[..end]).err(), Some(LoadError::TooShort));
+        }
+        let longer = [&bytes[..], &[0, 0]].concat();
+        assert_eq!(BottomLevel::deserialize(&longer).err(), Some(LoadError::TooLong { bytes: 2 }));
+        // The version follows eight bytes.
+        let mut newer = bytes.clone();
+        newer[8] = 2;
+        let version = Some(LoadError::Version { version: 2, readable: 1 });
+        assert_eq!(BottomLevel::deserialize(&newer).err(), version);
+        for _ in 0..3000 {
+            let mut broken = bytes.clone();
+            let place = (rng.next_u64() % 60) as usize;
+            broken[place] = rng.next_u64() as u8;
+            errors += usize::from(BottomLevel::deserialize(&broken).is_err());
+        }
+    }
+    assert!(errors > 1000, "{errors} errors");
+}
