@@ -62,7 +62,8 @@ fn filter_pixel(
         weights += weight;
     }
     if weights > 0.0 {
-        Estimate { color: color / weights, variance: variance / (weights * weights), is_known: true }
+        // Twice, since the square of a weight may be too small to divide by.
+        Estimate { color: color / weights, variance: variance / weights / weights, is_known: true }
     } else {
         middle
     }
