@@ -10,6 +10,8 @@ pub mod forest;
 mod geometry_normals;
 #[path = "../../examples/icosphere_lod.rs"]
 pub mod icosphere_lod;
+#[path = "../../examples/meshlets.rs"]
+pub mod meshlets;
 #[path = "../../examples/shadow_map.rs"]
 mod shadow_map;
 #[path = "../../examples/tessellated_patch.rs"]
@@ -30,6 +32,7 @@ fn examples_are_what_they_were() {
         ("shadow_map", shadow_map::picture(), 0x920aa77448f6d122),
         ("forest", forest::picture(), 0x0270c15c9c0e7a2b),
         ("icosphere_lod", icosphere_lod::picture(), 0x5ef939f37600f6ee),
+        ("meshlets", meshlets::draw().map(|(picture, _)| picture), 0xd0f446dd56584527),
         ("compute_histogram", compute_histogram::picture(), 0xd6fdb1094faa8c75),
     ];
     let found: Vec<_> =

@@ -6,6 +6,7 @@ mod examples;
 mod fill;
 mod fragments;
 mod hostile;
+mod hostile_mesh_shading;
 mod lines;
 mod mesh_shading;
 mod ray_cast;

@@ -1,11 +1,15 @@
 //! Geometry that work groups make.
 
-use steradian_raster::glam::{Vec3, Vec4};
+use steradian_raster::{
+    glam::{Vec3, Vec4},
+    mesh_shading::{BytesRead, MeshletLimits, Meshlets},
+};
 
 use crate::{
     examples::{
         forest,
         icosphere_lod::{Ball, draw},
+        meshlets,
     },
     stage::framebuffer,
 };
@@ -69,4 +73,21 @@ fn a_forest_expands_from_16_bytes_for_each_tree() {
     let buffers = counters.primitives * (3 * 2 + 4) + counters.vertices * 12;
     let read = (size_of::<forest::Tree>() * trees.len()) as u64;
     assert!(read == 4096 && buffers > 1000 * read, "{buffers} bytes of buffers");
+}
+
+#[test]
+fn meshlets_that_show_their_backs_are_not_drawn() {
+    let (positions, indices) = meshlets::torus(96, 48);
+    let all = Meshlets::build(&positions, &indices, MeshletLimits::default()).unwrap();
+    let eye = Vec3::new(0.0, 1.68, 2.24);
+    let drawn = |i: usize| !all.meshlets()[i].cone.faces_away_from(eye);
+    let seen: Vec<_> = (0..all.meshlets().len()).filter(|&i| drawn(i)).collect();
+    let (_, counters) = meshlets::draw().unwrap();
+    assert_eq!((counters.task_groups, counters.mesh_groups), (4, seen.len() as u64));
+    let triangles: usize = seen.iter().map(|&i| all.meshlets()[i].triangles().len()).sum();
+    assert_eq!(counters.primitives, triangles as u64);
+    // Three quarters of the triangles, and three fifths of the bytes of an indexed draw with vertices of 24 bytes.
+    let indexed = BytesRead::of_indices(&indices, 16, 4, 24).total();
+    let read = BytesRead::of_meshlets(&all, drawn, 24).total();
+    assert!(triangles * 4 < 9216 * 3 && read * 5 < indexed * 3, "{triangles}, {read} of {indexed}");
 }
