@@ -10,21 +10,35 @@ pub(crate) const GAUSSIAN: [f32; 3] = [0.25, 0.5, 0.25];
 /// A pixel beneath a kernel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tap {
-    pub x: u32,
-    pub y: u32,
-    /// From the middle of the kernel, in taps.
-    pub offset: [i32; 2],
+    /// Its place among the values of an image.
+    pub place: usize,
+    /// Pixels from the middle of the kernel.
+    pub offset: [i64; 2],
+    /// The kernel's weight.
+    pub weight: f32,
 }
 
-/// The pixels of a frame of `size` beneath a square kernel of 2 `radius` + 1 taps a side, `step` pixels apart, row by
-/// row. The middle is among them.
-pub(crate) fn taps([x, y]: [u32; 2], [width, height]: [u32; 2], radius: i32, step: i64) -> impl Iterator<Item = Tap> {
-    let place = move |middle: u32, count: u32, offset: i32| {
-        u32::try_from(i64::from(middle) + i64::from(offset) * step).ok().filter(|&at| at < count)
+/// Visits the pixels of a frame of `size` beneath a kernel that is the same along both axes, its taps `step` pixels
+/// apart, row by row. The middle is among them.
+#[inline(always)]
+pub(crate) fn visit<const N: usize>(
+    kernel: &[f32; N],
+    [x, y]: [u32; 2],
+    [width, height]: [u32; 2],
+    step: i64,
+    mut visit: impl FnMut(Tap),
+) {
+    let offset = |tap: usize| (tap as i64 - N as i64 / 2) * step;
+    let place = |middle: u32, count: u32, tap: usize| {
+        usize::try_from(i64::from(middle) + offset(tap)).ok().filter(|&place| place < count as usize)
     };
-    let column = move |i| place(x, width, i).map(|x| (i, x));
-    let row = move |j| place(y, height, j).map(|y| (j, y));
-    (-radius..=radius)
-        .filter_map(row)
-        .flat_map(move |(j, y)| (-radius..=radius).filter_map(column).map(move |(i, x)| Tap { x, y, offset: [i, j] }))
+    let columns: [Option<usize>; N] = std::array::from_fn(|tap| place(x, width, tap));
+    for j in 0..N {
+        let Some(row) = place(y, height, j) else { continue };
+        for i in 0..N {
+            let Some(column) = columns[i] else { continue };
+            let (place, offset) = (row * width as usize + column, [offset(i), offset(j)]);
+            visit(Tap { place, offset, weight: kernel[i] * kernel[j] });
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use steradian_math::{Vec2, Vec3, color::luminance};
 
 use super::{reproject::Before, settings::Settings, surface::Surface};
-use crate::{gbuffer::GBuffer, image::Image, kernel::taps};
+use crate::{gbuffer::GBuffer, image::Image, kernel::visit};
 
 /// Means over the frames of a pixel's history.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,12 +58,12 @@ fn moments_of(sample: Vec3) -> Vec2 {
 fn clamp(history: &mut Accumulated, samples: &Image<Vec3>, surfaces: &Image<Surface>, pixel: [u32; 2]) {
     let id = surfaces.at(pixel[0], pixel[1]).id;
     let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for tap in taps(pixel, samples.size(), 1, 1) {
-        let sample = samples.at(tap.x, tap.y);
-        if surfaces.at(tap.x, tap.y).id == id && !sample.is_nan() {
+    visit(&[1.0; 3], pixel, samples.size(), 1, |tap| {
+        let sample = samples.values()[tap.place];
+        if surfaces.values()[tap.place].id == id && !sample.is_nan() {
             (least, most) = (least.min(sample), most.max(sample));
         }
-    }
+    });
     if least.x <= most.x {
         history.color = history.color.max(least).min(most);
     }

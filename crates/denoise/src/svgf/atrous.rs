@@ -5,7 +5,7 @@ use steradian_math::{Vec3, color::luminance};
 use super::{settings::Settings, surface::Surface};
 use crate::{
     image::Image,
-    kernel::{B3_SPLINE, GAUSSIAN, Tap, taps},
+    kernel::{B3_SPLINE, GAUSSIAN, visit},
 };
 
 /// Keeps the exponent of luminance finite where there is no variance.
@@ -15,10 +15,24 @@ const LEAST_DEVIATION: f32 = 1e-10;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Estimate {
     pub color: Vec3,
+    /// Its luminance.
+    luminance: f32,
     /// Of luminance.
     pub variance: f32,
     /// Whether there is a value.
-    pub is_known: bool,
+    is_known: bool,
+}
+
+impl Estimate {
+    /// Of a value.
+    pub fn new(color: Vec3, variance: f32) -> Self {
+        Self { color, luminance: luminance(color), variance, is_known: true }
+    }
+
+    /// Of no value.
+    pub fn unknown(variance: f32) -> Self {
+        Self { variance, ..Self::default() }
+    }
 }
 
 /// Goes over the picture once, with gaps of 2^`iteration` pixels: equations 1, 2 and 5.
@@ -41,29 +55,26 @@ fn filter_pixel(
 ) -> Estimate {
     let (surface, middle) = (surfaces.at(x, y), estimates.at(x, y));
     let deviation = deviation(estimates, surfaces, [x, y], settings.sigma_luminance);
-    let lightness = luminance(middle.color);
     let (mut color, mut variance, mut weights) = (Vec3::ZERO, 0.0, 0.0);
-    for tap in taps([x, y], estimates.size(), 2, step) {
-        let other = estimates.at(tap.x, tap.y);
+    visit(&B3_SPLINE, [x, y], estimates.size(), step, |tap| {
+        let other = &estimates.values()[tap.place];
         if !other.is_known {
-            continue;
+            return;
         }
-        let kernel = product(&B3_SPLINE, &tap, 2);
         let weight = if tap.offset == [0, 0] {
-            kernel
+            tap.weight
         } else {
-            let apart = (lightness - luminance(other.color)).abs();
+            let apart = (middle.luminance - other.luminance).abs();
             let difference = if middle.is_known && apart > 0.0 { apart / deviation } else { 0.0 };
-            let offset = tap.offset.map(|i| i64::from(i) * step);
-            kernel * surface.weight(&surfaces.at(tap.x, tap.y), offset, difference, settings)
+            tap.weight * surface.weight(&surfaces.values()[tap.place], tap.offset, difference, settings)
         };
         color += weight * other.color;
         variance += weight * weight * other.variance;
         weights += weight;
-    }
+    });
     if weights > 0.0 {
         // Twice, since the square of a weight may be too small to divide by.
-        Estimate { color: color / weights, variance: variance / weights / weights, is_known: true }
+        Estimate::new(color / weights, variance / weights / weights)
     } else {
         middle
     }
@@ -77,19 +88,12 @@ fn deviation(estimates: &Image<Estimate>, surfaces: &Image<Surface>, [x, y]: [u3
     }
     let id = surfaces.at(x, y).id;
     let (mut variance, mut weights) = (0.0, 0.0);
-    for tap in taps([x, y], estimates.size(), 1, 1) {
-        let other = estimates.at(tap.x, tap.y);
-        if other.is_known && surfaces.at(tap.x, tap.y).id == id {
-            let weight = product(&GAUSSIAN, &tap, 1);
-            variance += weight * other.variance;
-            weights += weight;
+    visit(&GAUSSIAN, [x, y], estimates.size(), 1, |tap| {
+        let other = &estimates.values()[tap.place];
+        if other.is_known && surfaces.values()[tap.place].id == id {
+            variance += tap.weight * other.variance;
+            weights += tap.weight;
         }
-    }
+    });
     if weights > 0.0 { sigma * (variance / weights).sqrt() + LEAST_DEVIATION } else { LEAST_DEVIATION }
-}
-
-/// The weight of a tap of a separable kernel.
-fn product<const N: usize>(kernel: &[f32; N], tap: &Tap, radius: i32) -> f32 {
-    let [x, y] = tap.offset.map(|i| kernel.get((i + radius) as usize).copied().unwrap_or_default());
-    x * y
 }

@@ -86,7 +86,8 @@ impl Denoiser {
         let mut accumulated = accumulate(&samples, gbuffer, surfaces, before, settings);
         let mut estimates = Image::by_rows(width, height, |x, y| {
             let Accumulated { color, length, .. } = accumulated.at(x, y);
-            Estimate { color, variance: variance(&accumulated, surfaces, [x, y], settings), is_known: length > 0 }
+            let variance = variance(&accumulated, surfaces, [x, y], settings);
+            if length > 0 { Estimate::new(color, variance) } else { Estimate::unknown(variance) }
         });
         for iteration in 0..settings.iterations {
             estimates = filter(&estimates, surfaces, iteration, settings);

@@ -3,7 +3,7 @@
 use steradian_math::Vec2;
 
 use super::{accumulate::Accumulated, settings::Settings, surface::Surface};
-use crate::{image::Image, kernel::taps};
+use crate::{image::Image, kernel::visit};
 
 /// Frames of a history that tell a variance by themselves.
 const LONG_ENOUGH: u32 = 4;
@@ -22,14 +22,14 @@ pub(super) fn variance(
     }
     let surface = surfaces.at(x, y);
     let (mut sum, mut weights) = (Vec2::ZERO, 0.0);
-    for tap in taps([x, y], accumulated.size(), 3, 1) {
-        let other = accumulated.at(tap.x, tap.y);
+    visit(&[1.0; 7], [x, y], accumulated.size(), 1, |tap| {
+        let other = &accumulated.values()[tap.place];
         if other.length > 0 {
-            let weight = surface.weight(&surfaces.at(tap.x, tap.y), tap.offset.map(i64::from), 0.0, settings);
+            let weight = surface.weight(&surfaces.values()[tap.place], tap.offset, 0.0, settings);
             sum += weight * other.moments;
             weights += weight;
         }
-    }
+    });
     if weights > 0.0 { of_moments(sum / weights) * (LONG_ENOUGH as f32 / length.max(1) as f32) } else { 0.0 }
 }
 
