@@ -64,9 +64,3 @@ impl GBuffer {
 pub(crate) fn check_size(what: &'static str, found: [u32; 2], expected: [u32; 2]) -> Result<()> {
     if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
 }
-
-/// Whether normals are at most an angle apart, whose cosine is given. Pixels without a surface have zero.
-#[inline]
-pub(crate) fn same_direction(a: Vec3, b: Vec3, cosine: f32) -> bool {
-    a.dot(b) >= cosine || (a == Vec3::ZERO && b == Vec3::ZERO)
-}

@@ -3,10 +3,7 @@
 use steradian_math::{Vec2, Vec3};
 
 use super::{accumulate::Accumulated, surface::Surface};
-use crate::{
-    gbuffer::{GBuffer, same_direction},
-    image::Image,
-};
+use crate::{gbuffer::GBuffer, image::Image};
 
 /// The least cosine of the angle between the normals of a point now and before.
 const NORMALS: f32 = 0.9;
@@ -62,6 +59,11 @@ fn is_same(surface: &Surface, depth: f32, tap: &Surface, offset: Vec2) -> bool {
     let expected = depth + surface.gradient.dot(offset);
     let tolerance = surface.gradient.abs().element_sum() + DEPTHS * depth.abs();
     surface.id == tap.id
-        && same_direction(surface.normal, tap.normal, NORMALS)
+        && is_same_direction(surface.normal, tap.normal)
         && (tap.depth == expected || (tap.depth - expected).abs() <= tolerance)
+}
+
+/// Whether normals are near each other. Pixels without a surface have zero.
+fn is_same_direction(a: Vec3, b: Vec3) -> bool {
+    a.dot(b) >= NORMALS || (a == Vec3::ZERO && b == Vec3::ZERO)
 }

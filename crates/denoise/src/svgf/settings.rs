@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// How terms are filtered. The default is what the paper uses (section 5).
+/// How terms are filtered. The default is what the paper recommends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The least weight of the newest frame in the sum of frames: above 0, at most 1. Frame n of a history has weight

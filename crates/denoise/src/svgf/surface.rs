@@ -3,10 +3,7 @@
 use steradian_math::{Vec2, Vec3, elementary::exp};
 
 use super::settings::Settings;
-use crate::{
-    gbuffer::{GBuffer, same_direction},
-    image::Image,
-};
+use crate::{gbuffer::GBuffer, image::Image};
 
 /// How much depths may differ beyond what gradients tell, relative to them: surfaces are curved.
 const CURVATURE: f32 = 1e-3;
@@ -39,10 +36,10 @@ impl Surface {
         if self.id != other.id {
             return 0.0;
         }
-        let normal = if same_direction(self.normal, other.normal, 1.0) {
+        let normal = if self.normal == other.normal {
             1.0
         } else {
-            power(self.normal.dot(other.normal).max(0.0), settings.normal_power)
+            power(self.normal.dot(other.normal).clamp(0.0, 1.0), settings.normal_power)
         };
         let weight = normal * exp(-self.depths_apart(other, offset, settings.sigma_depth) - difference);
         // Not so for NaN.

@@ -94,3 +94,43 @@ fn variance_is_filtered_with_squared_weights() {
         assert!((found / expected - 1.0).abs() < 1e-4, "{found} for {expected}");
     }
 }
+
+/// Of the history, the first passage alone.
+#[test]
+fn the_first_passage_is_the_next_history() {
+    let size = 65;
+    let middle = size / 2;
+    let point = Image::from_fn(size, size, |x, y| if [x, y] == [middle; 2] { Vec3::ONE } else { Vec3::ZERO });
+    let dark = Image::filled(size, size, Vec3::ZERO);
+    for iterations in 0..=3 {
+        let mut denoiser = blind(iterations);
+        frame(&mut denoiser, &point, &wall(size, size));
+        let filtered = frame(&mut denoiser, &dark, &wall(size, size));
+        let kernel = together(iterations);
+        let history = together(iterations.min(1));
+        // At the middle: the sum of products of two kernels, both symmetric.
+        let apart = (kernel.len() - history.len()) / 2;
+        let product: f64 = history.iter().zip(&kernel[apart..]).map(|(a, b)| a * b).sum();
+        let (found, expected) = (f64::from(filtered.radiance.get(middle, middle).unwrap().x), 0.5 * product * product);
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} for {expected}");
+    }
+}
+
+/// Over 7×7 pixels and larger where histories are short, over time where they are long.
+#[test]
+fn variance_is_that_of_the_noise() {
+    let size = 160;
+    let mut denoiser = blind(0);
+    let of_luminance = [0.2126f64, 0.7152, 0.0722].map(|w| w * w).iter().sum::<f64>() / 12.0;
+    for n in 1..=5u32 {
+        let variance = frame(&mut denoiser, &noise(size, size, u64::from(n)), &wall(size, size)).variance;
+        let inside = (3..size - 3).flat_map(|y| (3..size - 3).map(move |x| (x, y)));
+        let found: f64 = inside.map(|(x, y)| f64::from(*variance.get(x, y).unwrap())).sum();
+        let found = found / f64::from((size - 6) * (size - 6));
+        // Of m numbers about their own mean: less by a part of 1/m.
+        let n = f64::from(n);
+        let part = if n < 4.0 { (1.0 - 1.0 / (49.0 * n)) * 4.0 / n } else { 1.0 - 1.0 / n };
+        let expected = part * of_luminance;
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} for {expected} after {n} frames");
+    }
+}
