@@ -14,7 +14,7 @@ const MOST: f32 = 1e15;
 pub struct Term<'a> {
     /// Radiance in linear RGB, or whatever else has noise.
     pub radiance: &'a Image<Vec3>,
-    /// Whether it has the G-buffer's albedo as a factor, as diffuse light has: what is filtered is illumination, so that
+    /// Whether it has the G-buffer's albedo as a factor, as diffuse light has: what is filtered is illumination, and
     /// textures stay sharp.
     pub has_albedo: bool,
 }
