@@ -29,8 +29,8 @@ impl Surface {
         })
     }
 
-    /// How much a pixel at an offset counts for this one, from 0 to 1: w_z and w_n of the paper's equations 3 and 4, and
-    /// the weight of luminance, exp(−`difference`). 0 for another object.
+    /// How much a pixel at an offset counts for this one, from 0 to 1: w_z and w_n of the paper's equations 3 and 4,
+    /// and the weight of luminance, exp(−`difference`). 0 for another object.
     #[inline]
     pub fn weight(&self, other: &Self, offset: [i64; 2], difference: f32, settings: &Settings) -> f32 {
         if self.id != other.id {
