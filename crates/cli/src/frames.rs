@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Digits of a frame's number.
 const DIGITS: usize = 4;
 
-/// Renders each frame as if its moment were given by `-D at=…`.
+/// Renders each frame as if its moment were given by `-D at=…`. Methods that go on from the frame before do so.
 pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     let Some(scene) = args.scene.as_deref().filter(|scene| is_gltf(scene)) else {
         return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
@@ -24,12 +24,13 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
         return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
     }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
+    let mut history = None;
     for frame in frames.first..=frames.last {
         let mut one = args.clone();
         one.output = outputs.iter().map(|path| numbered(path, frame)).collect();
         let seconds = f64::from(frame) / args.fps;
         one.scene_options.define.push(("at".into(), seconds.to_string()));
-        let code = render::run(&one, terminal)?;
+        let code = render::run_after(&one, terminal, &mut history)?;
         if code != failure::DONE {
             return Ok(code);
         }

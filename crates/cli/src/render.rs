@@ -22,7 +22,7 @@ use std::{
     time::{Duration, Instant},
 };
 use steradian::{
-    ColorMode, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
+    ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -35,6 +35,11 @@ const DEFAULT_SCENE: &str = "builtin:cornell-box";
 
 /// Renders, saves, reports.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
+    run_after(args, terminal, &mut None)
+}
+
+/// As [`run`], after another picture of a sequence; `history` is what that left, and then what this one leaves.
+pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<History>) -> Outcome {
     let mut job = Job::new(args, terminal)?;
     let Opening { ready, write_options, fingerprint, lit } = job.open()?;
     let scene = &ready.scene;
@@ -46,6 +51,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
     let solution = job.solution.as_deref().zip(lit);
     let mut session = solving::session(scene, &render, solution, &signals, terminal)?;
+    if let Some(history) = &*history {
+        session.follow(history);
+    }
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
         let options = open::compile_options(&args.scene_options, job.quality.spp);
         Keeper { path, recipe: Recipe::new(scene, fingerprint, &options, &render), terminal }
@@ -97,6 +105,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
             }
             failure
         })?;
+    *history = session.history();
     let missing_light = steradian::missing_light(&render, scene, &session.film());
     let times = [ready.load, ready.build, saving.elapsed()];
     let mut report = making.report(&*session, &made, times, stop);

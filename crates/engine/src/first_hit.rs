@@ -1,9 +1,9 @@
 //! Auxiliary layers: what a camera ray sees first.
 
 use steradian_bsdf::Bsdf;
-use steradian_core::{ColorMode, Scene, film::FirstHit};
+use steradian_core::{ColorMode, Scene, film::FirstHit, scene::Interaction};
 use steradian_math::{
-    Ray, Spectrum, Vec3,
+    Frame, Ray, Spectrum, Vec3,
     spectra::{Wavelengths, role},
 };
 
@@ -20,29 +20,9 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
     for _ in 0..64 {
         let Some(hit) = scene.intersect(&ray) else { return FirstHit::default() };
         let i = scene.interaction(&ray, &hit);
-        // Textures are evaluated at the wavelengths that are asked for.
-        let at = |lambda: &Wavelengths| scene.scattering(&i, 0.5, &mut { *lambda });
-        let Some((s, frame)) = at(lambda) else {
+        let Some((albedo, frame)) = albedo(scene, &i, lambda) else {
             ray = i.spawn(ray.direction);
             continue;
-        };
-        let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
-            let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
-            scene.mode().to_rgb(role::under_white(albedo, lambda, scene.mode()), lambda)
-        };
-        let albedo = match scene.mode() {
-            ColorMode::Rgb => albedo(&s.bsdf, lambda),
-            ColorMode::Spectral => {
-                let (mut sum, mut white) = (Vec3::ZERO, Vec3::ZERO);
-                for set in 0..SETS {
-                    let lambda =
-                        Wavelengths::sample_visible((set as f32 + 0.5) / (4 * SETS) as f32).at_time(lambda.time);
-                    let one = role::under_white(Spectrum::ONE, &lambda, scene.mode());
-                    white += scene.mode().to_rgb(one, &lambda);
-                    sum += at(&lambda).map_or(Vec3::ZERO, |(s, _)| albedo(&s.bsdf, &lambda));
-                }
-                sum / white
-            }
         };
         let geometry = &scene.geometries()[i.geometry as usize];
         let to = i.surface.p - eye;
@@ -61,4 +41,29 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
         };
     }
     FirstHit::default()
+}
+
+/// The part of white light that a surface sends back, as RGB, and the shading frame; `None` where it scatters nothing.
+pub fn albedo(scene: &Scene, i: &Interaction, lambda: &Wavelengths) -> Option<(Vec3, Frame)> {
+    // Textures are evaluated at the wavelengths that are asked for.
+    let at = |lambda: &Wavelengths| scene.scattering(i, 0.5, &mut { *lambda });
+    let (s, frame) = at(lambda)?;
+    let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
+        let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
+        scene.mode().to_rgb(role::under_white(albedo, lambda, scene.mode()), lambda)
+    };
+    let albedo = match scene.mode() {
+        ColorMode::Rgb => albedo(&s.bsdf, lambda),
+        ColorMode::Spectral => {
+            let (mut sum, mut white) = (Vec3::ZERO, Vec3::ZERO);
+            for set in 0..SETS {
+                let lambda = Wavelengths::sample_visible((set as f32 + 0.5) / (4 * SETS) as f32).at_time(lambda.time);
+                let one = role::under_white(Spectrum::ONE, &lambda, scene.mode());
+                white += scene.mode().to_rgb(one, &lambda);
+                sum += at(&lambda).map_or(Vec3::ZERO, |(s, _)| albedo(&s.bsdf, &lambda));
+            }
+            sum / white
+        }
+    };
+    Some((albedo, frame))
 }

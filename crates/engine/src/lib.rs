@@ -24,11 +24,11 @@ mod tiles;
 pub use context::PathContext;
 pub use counters::{Counters, Stop};
 pub use estimate::Doubt;
-pub use first_hit::first_hit;
+pub use first_hit::{albedo, first_hit};
 pub use integrator::{GroupIntegrator, Integrator, OneByOne, PixelSample};
 pub use passes::{CameraSample, Pass, Passes, Run};
 pub use plan::{Control, Plan};
-pub use session::Session;
+pub use session::{History, Session};
 pub use tiles::{PerPixel, SCALES, Tiles};
 
 use std::time::Duration;

@@ -6,7 +6,7 @@
 //! sums and a count, and nothing depends on threads. A pass that is cancelled counts for nothing.
 
 use crate::{
-    Control, Counters, Doubt, FIRST_LOOK, Plan, Session, cpu_time, dimension,
+    Control, Counters, Doubt, FIRST_LOOK, History, Plan, Session, cpu_time, dimension,
     estimate::Sum,
     first_hit, sound,
     state::{Codec, In, Out, State},
@@ -52,6 +52,14 @@ pub trait Pass: Debug + Send + Sync {
         let sample = run.camera_sample(x, y, number);
         (sample.ray, sample.lambda)
     }
+
+    /// What the next picture of a sequence can go on from.
+    fn history(&self, _scene: &Arc<Scene>) -> Option<History> {
+        None
+    }
+
+    /// Goes on from the picture before; before the first pass.
+    fn follow(&mut self, _history: &History) {}
 
     /// What is to be said of the picture so far.
     fn notes(&self) -> Vec<String> {
@@ -323,6 +331,14 @@ impl<P: Pass> Session for Passes<P> {
 
     fn time(&self) -> [Duration; 2] {
         self.time
+    }
+
+    fn history(&self) -> Option<History> {
+        self.integrator.history(&self.scene)
+    }
+
+    fn follow(&mut self, history: &History) {
+        self.integrator.follow(history);
     }
 
     fn notes(&self) -> Vec<String> {

@@ -2,11 +2,17 @@
 
 use crate::{Control, Counters, Doubt, SCALES};
 use std::{
+    any::Any,
     fmt::Debug,
     io::{self, Read, Write},
+    sync::Arc,
     time::Duration,
 };
 use steradian_core::film::Film;
+
+/// What a picture of a sequence leaves to the next one. Only the method that made it knows what it is.
+#[derive(Clone, Debug)]
+pub struct History(pub Arc<dyn Any + Send + Sync>);
 
 /// A way to compute a picture, under way: it advances in steps, tells of its progress, stops when asked, and can be
 /// saved and gone on with. What it computes does not depend on the number of threads, nor on the steps.
@@ -86,6 +92,14 @@ pub trait Session: Debug + Send {
     fn cpu(&self) -> Duration {
         self.time()[1]
     }
+
+    /// What the next picture of a sequence can go on from, where the method does that.
+    fn history(&self) -> Option<History> {
+        None
+    }
+
+    /// Goes on from the picture before, if the method does that; before the first step.
+    fn follow(&mut self, _history: &History) {}
 
     /// What is to be said of the picture so far.
     fn notes(&self) -> Vec<String> {

@@ -28,7 +28,7 @@ pub use precomputed::{PathEffort, Precomputed, VarianceReduction};
 pub use registry::IntegratorKind;
 pub use shared_path::SharedPath;
 pub use steradian_core::film::Film;
-pub use steradian_engine::{Control, Counters, Doubt, Integrator, PathContext, Plan, SCALES, Session, Stop};
+pub use steradian_engine::{Control, Counters, Doubt, History, Integrator, PathContext, Plan, SCALES, Session, Stop};
 
 pub(crate) use steradian_engine::{adaptive, dimension, partition};
 pub use steradian_transport::Depth;

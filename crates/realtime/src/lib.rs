@@ -12,6 +12,7 @@
 //!    shadows, or always.
 
 pub mod draw_list;
+mod hybrid;
 pub mod lesson;
 mod options;
 mod order;
@@ -22,7 +23,8 @@ mod shadow;
 mod trace;
 mod visibility;
 
-pub use options::{BiasBy, Method, Options, SHADOWS, Shadows, Show};
+pub use hybrid::{Hybrid, World};
+pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;
 pub use visibility::{Seen, Visibility};
@@ -39,6 +41,9 @@ pub enum Error {
     /// A scene that the pipeline cannot take.
     #[error("{0}")]
     Scene(String),
+    /// The work was cancelled.
+    #[error("cancelled")]
+    Cancelled,
     /// A call that the pipeline refused.
     #[error(transparent)]
     Raster(#[from] steradian_raster::Error),

@@ -132,10 +132,46 @@ pub enum Show {
     Stencil,
     /// The shadow maps of the first light that has some.
     ShadowMap,
+    /// Of hybrid frames: what surfaces emit, and the background.
+    Emission,
+    /// Of hybrid frames: light of lights over albedo.
+    Direct,
+    /// Of hybrid frames: light after one diffuse bounce over albedo.
+    Indirect,
+    /// Of hybrid frames: glossy and mirror reflections.
+    Reflections,
+    /// Of hybrid frames: light that is let through.
+    Transparency,
+    /// Of hybrid frames: the part of the hemisphere that is open nearby.
+    Occlusion,
+    /// The passes of hybrid frames, drawn as a graph.
+    Graph,
 }
 
+impl Show {
+    /// Whether it is a pass of hybrid frames.
+    pub(crate) fn is_of_hybrid(self) -> bool {
+        use Show::{Direct, Emission, Graph, Indirect, Occlusion, Reflections, Transparency};
+        matches!(self, Emission | Direct | Indirect | Reflections | Transparency | Occlusion | Graph)
+    }
+}
+
+/// How a frame is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameKind {
+    /// What is seen is shaded at once.
+    Forward,
+    /// What is seen by rasterisation, light by rays, pass by pass.
+    Hybrid,
+}
+
+/// Whether something is done, by name.
+const SWITCH: [(&str, bool); 2] = [("true", true), ("false", false)];
+
+const FRAMES: [(&str, FrameKind); 2] = [("forward", FrameKind::Forward), ("hybrid", FrameKind::Hybrid)];
+
 /// The names of what can be shown.
-const SHOWN: [(&str, Show); 10] = [
+const SHOWN: [(&str, Show); 17] = [
     ("picture", Show::Picture),
     ("depth", Show::Depth),
     ("primitives", Show::Primitives),
@@ -146,11 +182,22 @@ const SHOWN: [(&str, Show); 10] = [
     ("tiles", Show::Tiles),
     ("stencil", Show::Stencil),
     ("shadow-map", Show::ShadowMap),
+    ("emission", Show::Emission),
+    ("direct", Show::Direct),
+    ("indirect", Show::Indirect),
+    ("reflections", Show::Reflections),
+    ("transparency", Show::Transparency),
+    ("occlusion", Show::Occlusion),
+    ("graph", Show::Graph),
 ];
 
 /// The options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
+    /// How frames are made.
+    pub frame: FrameKind,
+    /// Whether the terms of hybrid frames are freed of noise.
+    pub filter: bool,
     /// How it is told whether a light is seen.
     pub shadows: Shadows,
     /// Side of a shadow map in texels.
@@ -176,6 +223,8 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            frame: FrameKind::Forward,
+            filter: true,
             shadows: Shadows::Ray,
             size: 1024,
             bias: 1.5,
@@ -210,6 +259,8 @@ impl Options {
                     let found = SHADOWS.iter().find(|s| s.0 == value);
                     options.shadows = found.ok_or_else(|| fault(&format!("one of {}", names.join(", "))))?.1;
                 }
+                "frame" => options.frame = named(&FRAMES, value).map_err(|names| fault(&names))?,
+                "filter" => options.filter = named(&SWITCH, value).map_err(|names| fault(&names))?,
                 "show" => options.show = named(&SHOWN, value).map_err(|names| fault(&names))?,
                 "visibility" => options.visibility = named(&METHODS, value).map_err(|names| fault(&names))?,
                 "bias-by" => options.bias_by = named(&BIASES, value).map_err(|names| fault(&names))?,
@@ -224,12 +275,28 @@ impl Options {
                 }
                 _ => {
                     return Err(fault(
-                        "keys are shadows, show, size, bias, bias-by, pcf, cascades, visibility, points and bounces",
+                        "keys are frame, filter, shadows, show, size, bias, bias-by, pcf, cascades, visibility, points and bounces",
                     ));
                 }
             }
         }
-        Ok(options)
+        options.checked()
+    }
+
+    /// These, where they go together.
+    fn checked(mut self) -> Result<Self, Error> {
+        let refused = |why: &str| Err(Error::Option(format!("raster: {why}")));
+        if self.show == Show::Graph {
+            self.frame = FrameKind::Hybrid;
+        }
+        match self.frame {
+            FrameKind::Forward if self.show.is_of_hybrid() => refused("this view is a pass of frame=hybrid"),
+            FrameKind::Hybrid if self.show != Show::Picture && !self.show.is_of_hybrid() => {
+                refused("this view is of frame=forward")
+            }
+            FrameKind::Hybrid if self.shadows != Shadows::Ray => refused("frame=hybrid has shadows by rays"),
+            _ => Ok(self),
+        }
     }
 }
 
@@ -252,7 +319,10 @@ mod tests {
             ("shadows=magic", "one of ray, map, cube"),
             ("size=1", "from 16 to 8192"),
             ("bias=NaN", "a number"),
-            ("quality=high", "keys are shadows"),
+            ("quality=high", "keys are frame"),
+            ("show=direct", "of frame=hybrid"),
+            ("frame=hybrid,show=depth", "of frame=forward"),
+            ("frame=hybrid,shadows=map", "by rays"),
             ("shadows", "key=value"),
         ] {
             assert!(Options::parse(text).unwrap_err().to_string().contains(part), "{text}");

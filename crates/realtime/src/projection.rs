@@ -142,6 +142,11 @@ impl Projected {
         self.perspective
     }
 
+    /// How far a point is from the eye along the axis of the view.
+    pub(crate) fn along_axis(&self, p: Vec3) -> f32 {
+        self.camera_from_world.point(p).z
+    }
+
     /// Half the width of the window: in space where rays are parallel, at distance 1 otherwise.
     pub(crate) fn half(&self) -> f32 {
         self.window[1] / 2.0

@@ -222,7 +222,7 @@ impl Rasterizer {
 
 /// The place in each pixel that a pass looks at, from its top left, and its weight: the centre first, then spread as
 /// the pixel filter is.
-fn place(film: &FilmSpec, number: u32) -> (Vec2, f32) {
+pub(crate) fn place(film: &FilmSpec, number: u32) -> (Vec2, f32) {
     let u = spread(number);
     let (offset, weight) = film.filter.sample(u);
     (if number == 0 { u } else { offset + 0.5 }, weight)

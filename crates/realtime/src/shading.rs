@@ -1,12 +1,12 @@
 //! What a seen point sends to the eye.
 
-use steradian_bsdf::TransportMode;
+use steradian_bsdf::{BsdfSample, TransportMode};
 use steradian_core::{
     Scene,
-    footprint::Bounce,
+    footprint::{Bounce, RayDifferential},
     light::{Light, LightContext},
     material::Scattering,
-    scene::Interaction,
+    scene::{Hit, Interaction},
 };
 use steradian_engine::Counters;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
@@ -37,21 +37,48 @@ pub struct Shader<'a> {
 }
 
 /// A point that scatters, on the way of a pixel's light.
-struct Point<'a> {
-    i: Interaction,
-    frame: Frame,
-    scattering: Scattering<'a>,
-    ctx: LightContext,
-    lambda: Wavelengths,
+pub struct Point<'a> {
+    pub i: Interaction,
+    pub frame: Frame,
+    pub scattering: Scattering<'a>,
+    pub ctx: LightContext,
+    pub lambda: Wavelengths,
     /// What the way carries to it.
-    beta: Spectrum,
-    numbers: &'a Numbers,
+    pub beta: Spectrum,
+    pub numbers: &'a Numbers,
     /// Its number among the points of the way.
-    round: u32,
+    pub round: u32,
+}
+
+/// A way that light comes to the eye, as far as it is followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// Where it goes on, and what is met there.
+    pub ray: Ray,
+    pub hit: Option<Hit>,
+    pub differential: Option<RayDifferential>,
+    /// What it carries.
+    pub beta: Spectrum,
+    /// Scattering events so far.
+    pub events: u32,
+    /// The round whose random numbers come first.
+    pub round: u32,
+    /// Whether lights that it meets count.
+    pub sees_lights: bool,
+}
+
+impl Way {
+    /// From the eye.
+    pub fn of_eye(shader: &Shader<'_>, ray: &Ray, seen: Option<Seen>) -> Self {
+        let differential = shader.scene.ray_differential(ray);
+        let sees_lights = !shader.depth.hide_emitters;
+        let hit = seen.map(|s| s.hit);
+        Self { ray: *ray, hit, differential, beta: Spectrum::ONE, events: 0, round: 0, sees_lights }
+    }
 }
 
 /// Numbers in [0, 1) for a purpose at a pixel: points of the R2 sequence, turned by a hash of pixel and purpose.
-struct Numbers {
+pub struct Numbers {
     pixel: u32,
     start: u32,
 }
@@ -64,7 +91,7 @@ impl Numbers {
         h ^ (h >> 16)
     }
 
-    fn get_2d(&self, purpose: u32, index: u32) -> Vec2 {
+    pub fn get_2d(&self, purpose: u32, index: u32) -> Vec2 {
         let turn = |hash: u32, step: f64| {
             let x = f64::from(hash) / 4_294_967_296.0 + step * f64::from(self.start.wrapping_add(index));
             (x.fract() as f32).min(1.0 - f32::EPSILON)
@@ -75,7 +102,7 @@ impl Numbers {
 }
 
 impl<'a> Shader<'a> {
-    fn numbers(&self, at: [u32; 2]) -> Numbers {
+    pub fn numbers(&self, at: [u32; 2]) -> Numbers {
         let seed = (self.seed ^ self.seed >> 32) as u32;
         let pixel = at[0] ^ at[1].rotate_left(16) ^ seed.wrapping_mul(0x85eb_ca6b);
         Numbers { pixel, start: self.pass.wrapping_mul(self.options.points) }
@@ -114,63 +141,86 @@ impl<'a> Shader<'a> {
         lambda: &mut Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
-        let (scene, numbers) = (self.scene, self.numbers(at));
-        let pixel = (at[1] * scene.film().crop.width() + at[0]) as usize;
-        let mut trace = Trace { counters, pixel: Some(pixel) };
-        let (mut ray, mut hit, mut differential) = (*ray, seen.map(|s| s.hit), scene.ray_differential(ray));
-        let (mut sum, mut beta, mut events) = (Spectrum::ZERO, Spectrum::ONE, 0);
+        let pixel = (at[1] * self.scene.film().crop.width() + at[0]) as usize;
+        let mut trace = Trace { counters, pixel: Some(pixel), world: None };
+        self.follow(Way::of_eye(self, ray, seen), &self.numbers(at), lambda, &mut trace)
+    }
+
+    /// The light that comes along a way, past mirrors, glass and interfaces to the first surface that scatters
+    /// otherwise, and from there straight from lights.
+    pub fn follow(&self, mut way: Way, numbers: &Numbers, lambda: &mut Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
+        let scene = self.scene;
+        let mut sum = Spectrum::ZERO;
         // Each mirror, pane and interface is one round.
-        for round in 0..self.options.bounces + MOST_PASSED {
-            let is_hidden = events == 0 && self.depth.hide_emitters;
+        for round in way.round..way.round + self.options.bounces + MOST_PASSED {
+            let Way { ray, hit, beta, .. } = way;
             let Some(found) = hit else {
-                return if is_hidden { sum } else { sum + self.background(&ray, beta, lambda, &mut trace) };
+                return if way.sees_lights { sum + self.background(&ray, beta, lambda, trace) } else { sum };
             };
             let i = scene.interaction_of_light(&ray, &found);
-            if !is_hidden && let Some(emitter) = scene.geometries()[i.geometry as usize].emitter {
-                let light = beta * nee::emission(scene, &i, &None, lambda);
-                trace.counters.note(|| Some(scene.light_groups().of_emitters[emitter as usize]), light);
-                sum += light;
+            // What no light sample finds, such as an infinite plane, is found here alone.
+            let is_sampled = || scene.geometries()[i.geometry as usize].light(i.id.prim).is_some();
+            if way.sees_lights || (way.events > 0 && !is_sampled()) {
+                sum += self.emission(&i, beta, lambda, trace);
             }
             let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
-            let way = ray.direction;
-            match scene.scattering_along(&i, differential.as_ref(), choice, lambda) {
+            match scene.scattering_along(&i, way.differential.as_ref(), choice, lambda) {
                 None => {
-                    differential = differential.map(|d| d.advance(i.t));
-                    ray = i.spawn(way);
+                    way.differential = way.differential.map(|d| d.advance(i.t));
+                    way.ray = i.spawn(ray.direction);
                 }
-                Some(_) if events >= self.depth.max => return sum,
+                Some(_) if way.events >= self.depth.max => return sum,
                 Some((scattering, frame)) => {
                     let ctx = nee::context(&i, &frame, &scattering.bsdf);
-                    let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers: &numbers, round };
-                    sum += self.direct(&point, &mut trace);
+                    let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers, round };
+                    sum += self.direct(&point, trace);
                     // Mirrors and glass show what lies behind them.
-                    if events >= self.options.bounces {
+                    if way.events >= self.options.bounces {
                         return sum;
                     }
-                    let u = numbers.get_2d(2 + 8 * round, self.pass).x;
-                    let u2 = numbers.get_2d(3 + 8 * round, self.pass);
-                    let wo = frame.to_local(point.i.wo);
-                    let drawn = point.scattering.sample(wo, u, u2, TransportMode::Radiance);
+                    let drawn = self.draw(&point);
                     let Some(s) = drawn.filter(|s| s.lobe.is_specular()) else { return sum };
-                    beta *= s.weight;
-                    events += 1;
-                    ray = point.i.spawn(frame.to_world(s.wi));
-                    differential = differential
-                        .zip(Bounce::of(&s))
-                        .and_then(|(d, bounce)| scene.scatter_differential(&point.i, &d, ray.direction, bounce));
+                    way = self.onward(&point, &s, way);
                 }
             }
             trace.pixel = None;
-            trace.counters.rays += 1;
             if trace.counters.stop.is_asked() {
                 return sum;
             }
-            hit = scene.intersect(&ray);
+            way.hit = trace.nearest(scene, &way.ray);
         }
         sum
     }
 
-    fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
+    /// What a point of a surface emits to the eye.
+    pub fn emission(&self, i: &Interaction, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
+        let scene = self.scene;
+        let Some(emitter) = scene.geometries()[i.geometry as usize].emitter else { return Spectrum::ZERO };
+        let light = beta * nee::emission(scene, i, &None, lambda);
+        trace.counters.note(|| Some(scene.light_groups().of_emitters[emitter as usize]), light);
+        light
+    }
+
+    /// A direction drawn by the surface at a point.
+    pub fn draw(&self, point: &Point<'_>) -> Option<BsdfSample> {
+        let Point { i, frame, scattering, numbers, round, .. } = point;
+        let u = numbers.get_2d(2 + 8 * round, self.pass).x;
+        let u2 = numbers.get_2d(3 + 8 * round, self.pass);
+        scattering.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance)
+    }
+
+    /// The way on from a point in a direction that was drawn there; what it meets is yet to be found.
+    pub fn onward(&self, point: &Point<'_>, s: &BsdfSample, way: Way) -> Way {
+        let ray = point.i.spawn(point.frame.to_world(s.wi));
+        let differential = way
+            .differential
+            .zip(Bounce::of(s))
+            .and_then(|(d, bounce)| self.scene.scatter_differential(&point.i, &d, ray.direction, bounce));
+        let beta = way.beta * s.weight;
+        Way { ray, hit: None, differential, beta, events: way.events + 1, sees_lights: true, ..way }
+    }
+
+    pub fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
         let scene = self.scene;
         scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &light| {
             let found = beta * nee::environment(scene, light, ray.origin, ray.direction, &None, lambda);
@@ -180,7 +230,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The light of all lights, or of as many chosen ones as there are points on a light.
-    fn direct(&self, point: &Point<'_>, trace: &mut Trace<'_>) -> Spectrum {
+    pub fn direct(&self, point: &Point<'_>, trace: &mut Trace<'_>) -> Spectrum {
         if point.scattering.bsdf.is_specular() {
             return Spectrum::ZERO;
         }

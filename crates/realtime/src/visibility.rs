@@ -153,7 +153,7 @@ pub(crate) fn fill_depths(target: &mut Framebuffer, depths: &[f32]) -> Result<()
 /// Whether a ray that misses a triangle narrowly is said to meet it at its border: the pipeline rounds corners to 1/256
 /// pixel.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Border {
+pub(crate) enum Border {
     Included,
     Excluded,
 }
@@ -380,7 +380,7 @@ impl Stage<'_> {
 }
 
 /// The ray in the space of an item.
-fn local(scene: &Scene, item: &Item, ray: &Ray) -> Ray {
+pub(crate) fn local(scene: &Scene, item: &Item, ray: &Ray) -> Ray {
     if item.instance == WORLD { *ray } else { item.place(scene).inverse().ray(ray) }
 }
 
@@ -390,7 +390,7 @@ fn opaque(scene: &Scene, item: &Item, hit: &Hit, ray: &Ray) -> bool {
 }
 
 /// Where a ray of the world meets a part of an item.
-fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Border) -> Option<Hit> {
+pub(crate) fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Border) -> Option<Hit> {
     let id = PrimId { instance: item.instance, geom: item.in_group, prim: part };
     let ray = local(scene, item, ray);
     let hit = |h: steradian_accel::UserHit| Hit { t: h.t, u: h.u, v: h.v, id };

@@ -4,7 +4,7 @@ use crate::{Error, Plan, Scene, Session};
 use std::sync::Arc;
 use steradian_engine::Passes;
 use steradian_integrators::{Depth, IntegratorKind};
-use steradian_realtime::{Options, Rasterizer};
+use steradian_realtime::{FrameKind, Hybrid, Options, Rasterizer};
 
 /// A way to make pictures.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +41,10 @@ impl Render {
         Ok(match self.method {
             Method::Rays(integrator) => integrator.session(Arc::clone(scene), self.plan),
             Method::Pipeline(options, depth) => {
+                if options.frame == FrameKind::Hybrid {
+                    let hybrid = Hybrid::new(scene, options, depth, &self.plan)?;
+                    return Ok(Box::new(Passes::new(Arc::clone(scene), hybrid, self.plan)));
+                }
                 let rasterizer = Rasterizer::new(scene, options, depth, &self.plan)?;
                 Box::new(Passes::new(Arc::clone(scene), rasterizer, self.plan))
             }

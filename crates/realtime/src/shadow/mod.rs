@@ -21,7 +21,7 @@ use steradian_math::{Ray, Vec3};
 use crate::{
     Error,
     draw_list::DrawList,
-    options::{Options, Shadows},
+    options::{BiasBy, Options, Shadows},
     projection::Projected,
     trace::Trace,
     visibility::Visibility,
@@ -87,6 +87,12 @@ impl Source {
 }
 
 impl Shadowing {
+    /// By rays alone.
+    pub fn by_rays() -> Self {
+        let filter = Filter { bias: 0.0, bias_by: BiasBy::Slope, pcf: 1 };
+        Self { kind: Shadows::Ray, filter, lights: Vec::new() }
+    }
+
     /// Draws what the options ask for.
     ///
     /// # Errors
@@ -115,8 +121,7 @@ impl Shadowing {
             Means::Planar(planar) => trace.pixel.map(|pixel| planar.lit(pixel)),
         };
         told.unwrap_or_else(|| {
-            trace.counters.rays += 1;
-            f32::from(u8::from(!scene.occluded(&i.spawn_towards(sample.wi, sample.distance))))
+            f32::from(u8::from(!trace.is_occluded(scene, &i.spawn_towards(sample.wi, sample.distance))))
         })
     }
 
@@ -150,11 +155,7 @@ impl Shadowing {
 
     /// Whether nothing lies on the way of a ray to the sky.
     pub fn is_open(&self, scene: &Scene, ray: &Ray, trace: &mut Trace<'_>) -> bool {
-        if self.kind == Shadows::None {
-            return true;
-        }
-        trace.counters.rays += 1;
-        !scene.occluded(ray)
+        self.kind == Shadows::None || !trace.is_occluded(scene, ray)
     }
 }
 
