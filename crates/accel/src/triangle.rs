@@ -5,6 +5,9 @@
 //! functions then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them.
 //! Where an edge function is zero it is computed again in `f64`, where its sign is exact.
 //!
+//! Where rounding may have brought a hit before the origin or behind it, which happens on triangles that are much larger
+//! than the distance, it is computed again in `f64`.
+//!
 //! No hit is before the box of its triangle, where rounding may put those on triangles that are hardly any: it is moved
 //! there, to the greatest of the least distances of the vertices along each axis. The boxes of nodes, which are widened
 //! by more than that rounds, never begin later. So no box that is left out because it begins behind a hit has a nearer
@@ -91,9 +94,14 @@ impl<S: Simd> Shear<S> {
     /// A coordinate relative to the origin; `first_row` is that of the vertex.
     #[inline(always)]
     fn coordinate(&self, s: S, block: &Block, first_row: usize, axis: usize) -> S::F {
+        s.sub(self.absolute(s, block, first_row, axis), self.origin[axis])
+    }
+
+    /// A coordinate.
+    #[inline(always)]
+    fn absolute(&self, s: S, block: &Block, first_row: usize, axis: usize) -> S::F {
         // SAFETY: the first row of a vertex is at most six, and an axis is less than three.
-        let row = unsafe { block.rows.get_unchecked(first_row + self.axes[axis]) };
-        s.sub(s.load(row), self.origin[axis])
+        s.load(unsafe { block.rows.get_unchecked(first_row + self.axes[axis]) })
     }
 
     /// Tests a block: hits that are farther than rounding can tell from the origin, with `0 < t <= t_max`; those that
@@ -103,7 +111,8 @@ impl<S: Simd> Shear<S> {
     pub fn test(&self, s: S, block: &Block, t_max: S::F, in_boxes: bool) -> Option<Candidates> {
         let [a, b, c] = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
         let sheared = [self.sheared(s, a), self.sheared(s, b), self.sheared(s, c)];
-        let Crossing { lanes, mut t, v, w, sum, depth } = cross(s, &sheared, self.shear[2], t_max)?;
+        let corners = Sheared { shear: self, block, sheared };
+        let Crossing { lanes, mut t, v, w, sum, depth } = cross(s, &corners, &self.shear, t_max)?;
         if in_boxes {
             let [x, y] = self.inverse;
             let along_x = s.min(s.min(s.mul(a[0], x), s.mul(b[0], x)), s.mul(c[0], x));
@@ -136,19 +145,34 @@ pub(crate) trait Corners<L: Lanes> {
     fn across(&self, l: L) -> [[L::F; 2]; 3];
     /// Their coordinates along the axis where the directions are greatest.
     fn along(&self, l: L) -> [L::F; 3];
+    /// The vertices and the origins of the rays as they are, by the axes of the sheared space.
+    fn absolute(&self, l: L) -> [[L::F; 3]; 4];
 }
 
-/// Computed before.
-impl<L: Lanes> Corners<L> for [[L::F; 3]; 3] {
+/// The triangles of a block, computed before.
+struct Sheared<'a, S: Simd> {
+    shear: &'a Shear<S>,
+    block: &'a Block,
+    sheared: [[S::F; 3]; 3],
+}
+
+impl<S: Simd> Corners<S> for Sheared<'_, S> {
     #[inline(always)]
-    fn across(&self, _: L) -> [[L::F; 2]; 3] {
-        let [[ax, ay, _], [bx, by, _], [cx, cy, _]] = *self;
+    fn across(&self, _: S) -> [[S::F; 2]; 3] {
+        let [[ax, ay, _], [bx, by, _], [cx, cy, _]] = self.sheared;
         [[ax, ay], [bx, by], [cx, cy]]
     }
 
     #[inline(always)]
-    fn along(&self, _: L) -> [L::F; 3] {
-        [self[0][2], self[1][2], self[2][2]]
+    fn along(&self, _: S) -> [S::F; 3] {
+        [self.sheared[0][2], self.sheared[1][2], self.sheared[2][2]]
+    }
+
+    #[inline(always)]
+    fn absolute(&self, s: S) -> [[S::F; 3]; 4] {
+        let row = |vertex: usize, axis: usize| self.shear.absolute(s, self.block, 3 * vertex, axis);
+        let vertex = |vertex: usize| [row(vertex, 0), row(vertex, 1), row(vertex, 2)];
+        [vertex(0), vertex(1), vertex(2), self.shear.origin]
     }
 }
 
@@ -158,16 +182,16 @@ pub(crate) fn edges<L: Lanes>(s: L, [[ax, ay], [bx, by], [cx, cy]]: [[L::F; 2]; 
     [s.sub(s.mul(cx, by), s.mul(cy, bx)), s.sub(s.mul(ax, cy), s.mul(ay, cx)), s.sub(s.mul(bx, ay), s.mul(by, ax))]
 }
 
-/// The test: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin. `scale` is the
-/// reciprocal of the greatest coordinate of the direction.
+/// The test: hits with `0 < t <= t_max` that are farther than rounding can tell from the origin. The last of the shears
+/// is the reciprocal of the greatest coordinate of the direction.
 #[inline(always)]
-pub(crate) fn cross<L: Lanes>(s: L, corners: &impl Corners<L>, scale: L::F, t_max: L::F) -> Option<Crossing<L>> {
+pub(crate) fn cross<L: Lanes>(s: L, corners: &impl Corners<L>, shear: &[L::F; 3], t_max: L::F) -> Option<Crossing<L>> {
     let edges = edges(s, corners.across(s));
     // All of one sign, with zero on either side. The signs are right, but for zeros.
     if s.bits(of_one_sign(s, edges)) == 0 {
         return None;
     }
-    cross_at(s, corners, edges, scale, t_max)
+    cross_at(s, corners, edges, shear, t_max)
 }
 
 /// The same with the edge functions.
@@ -176,9 +200,10 @@ pub(crate) fn cross_at<L: Lanes>(
     s: L,
     corners: &impl Corners<L>,
     [mut u, mut v, mut w]: [L::F; 3],
-    scale: L::F,
+    shear: &[L::F; 3],
     t_max: L::F,
 ) -> Option<Crossing<L>> {
+    let scale = shear[2];
     let zero = s.splat(0.0);
     let mut is_inside = of_one_sign(s, [u, v, w]);
     let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
@@ -201,9 +226,9 @@ pub(crate) fn cross_at<L: Lanes>(
     let [az, bz, cz] = corners.along(s);
     let sum = s.add(s.add(u, v), w);
     let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
-    let t = s.div(s.mul(depth, scale), sum);
-    let mut lanes = s.bits(s.and(is_inside, s.and(s.lt(zero, t), s.le(t, t_max))));
-    if lanes == 0 {
+    let mut t = s.div(s.mul(depth, scale), sum);
+    let beyond = s.bits(s.and(is_inside, s.lt(zero, t)));
+    if beyond == 0 {
         return None;
     }
 
@@ -211,10 +236,25 @@ pub(crate) fn cross_at<L: Lanes>(
     // hit there.
     let nearest = s.min(s.min(s.mul(az, scale), s.mul(bz, scale)), s.mul(cz, scale));
     let in_front = s.bits(s.lt(zero, nearest));
-    if lanes & !in_front != 0 {
+    let mut lanes = beyond & s.bits(s.le(t, t_max));
+    // Whether it is asked must not depend on what was hit before, which `t_max` tells.
+    if beyond & !in_front != 0 {
         let [[ax, ay], [bx, by], [cx, cy]] = corners.across(s);
         let error = depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
-        lanes &= in_front | s.bits(s.lt(error, abs(s, depth)));
+        let told = in_front | s.bits(s.lt(error, abs(s, depth)));
+        let doubtful = beyond & !told;
+        lanes &= told;
+        if doubtful != 0 {
+            let mut exact = Exact::default();
+            for (wides, vectors) in exact.points.iter_mut().zip(corners.absolute(s)) {
+                wides.iter_mut().zip(vectors).for_each(|(wide, vector)| s.write(vector, wide));
+            }
+            exact.shear.iter_mut().zip(shear).for_each(|(wide, vector)| s.write(*vector, wide));
+            s.write(t, &mut exact.t);
+            let found = exact.distances(doubtful);
+            t = s.read(&exact.t);
+            lanes |= found & s.bits(s.le(t, t_max));
+        }
     }
     (lanes != 0).then_some(Crossing { lanes, t, v, w, sum, depth: nearest })
 }
@@ -239,6 +279,61 @@ fn depth_error<L: Lanes>(s: L, x: [L::F; 3], y: [L::F; 3], z: [L::F; 3], edges: 
     let de = s.add(de, de);
     let sum = s.add(s.add(s.mul(g3, s.mul(e, z)), s.mul(de, z)), s.mul(dz, e));
     s.mul(s.splat(3.0), sum)
+}
+
+/// What is computed again in `f64`, lane by lane.
+struct Exact {
+    /// Vertices and origins, by the axes of the sheared space.
+    points: [[Wide; 3]; 4],
+    shear: [Wide; 3],
+    t: Wide,
+}
+
+impl Default for Exact {
+    fn default() -> Self {
+        let wide = Wide::splat(0.0);
+        Self { points: [[wide; 3]; 4], shear: [wide; 3], t: wide }
+    }
+}
+
+impl Exact {
+    /// The lanes in which the hit is beyond the origin, with its distances.
+    #[cold]
+    #[inline(never)]
+    fn distances(&mut self, lanes: u32) -> u32 {
+        let mut beyond = 0;
+        for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 == 1) {
+            let points = self.points.map(|p| p.map(|wide| wide.0[lane]));
+            if let Some(t) = exact_distance(points, self.shear.map(|wide| wide.0[lane])) {
+                self.t.0[lane] = t;
+                beyond |= 1 << lane;
+            }
+        }
+        beyond
+    }
+}
+
+/// How far along a ray the plane of a triangle is, if that is beyond the origin for certain. Vertices and origin are by
+/// the axes of the sheared space.
+#[cold]
+pub(crate) fn exact_distance(points: [[f32; 3]; 4], [x, y, scale]: [f32; 3]) -> Option<f32> {
+    let [a, b, c, origin] = points.map(|p| p.map(f64::from));
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (e, f, r) = (minus(b, a), minus(c, a), minus(a, origin));
+    let (mut height, mut size, mut slope) = (0.0, 0.0, 0.0);
+    for (i, d) in [f64::from(x), f64::from(y), 1.0].into_iter().enumerate() {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let (p, q) = (e[j] * f[k], e[k] * f[j]);
+        height += (p - q) * r[i];
+        size += (p.abs() + q.abs()) * r[i].abs();
+        slope += (p - q) * d;
+    }
+    // Each number was rounded a few times.
+    if height.abs() <= 16.0 * f64::EPSILON * size {
+        return None;
+    }
+    let t = (height / slope * f64::from(scale)) as f32;
+    (t > 0.0 && t < f32::INFINITY).then_some(t)
 }
 
 /// The absolute value.
@@ -273,7 +368,7 @@ pub(crate) fn is_hittable([a, b, c]: [Vec3; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use crate::{Bvh, Geometry};
-    use steradian_math::{Ray, Vec3};
+    use steradian_math::{Ray, Vec3, hash::HashRng};
 
     #[test]
     fn signs_that_single_precision_cannot_tell_are_right() {
@@ -292,5 +387,63 @@ mod tests {
             bvh.is_ok_and(|bvh| bvh.occluded(&ray, &()))
         };
         assert_eq!([is_hit(2), is_hit(3)], [false, true]);
+    }
+
+    /// A quad from (−`half`, 0, −`half`) to (`half`, 0, `half`).
+    fn ground(half: f32) -> Bvh {
+        let p = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, z]| Vec3::new(x, 0.0, z) * half);
+        Bvh::build(&[Geometry::triangles(&p, &[[0, 1, 2], [0, 2, 3]])]).expect("a quad")
+    }
+
+    #[test]
+    fn rays_meet_large_triangles_that_are_near() {
+        let mut rng = HashRng::new(3);
+        for (half, height) in [(1e3, 1e-3), (1e3, 0.1), (1e4, 1e-2), (1e5, 1.0)] {
+            let bvh = ground(half);
+            let (mut rays, mut expected) = (Vec::new(), Vec::new());
+            while rays.len() < 4000 {
+                let d = Vec3::new(rng.next_f32() - 0.5, -0.4 * rng.next_f32(), rng.next_f32() - 0.5).normalize();
+                let o = Vec3::new(rng.next_f32() - 0.5, height, rng.next_f32() - 0.5);
+                let t = height / -d.y;
+                if t < 0.2 * half {
+                    rays.push(Ray::new(o, d));
+                    expected.push(t);
+                }
+            }
+            let mut hits = vec![None; rays.len()];
+            bvh.intersect_batch(&rays, &(), &mut hits);
+            for ((ray, t), hit) in rays.iter().zip(expected).zip(hits) {
+                let found = hit.unwrap_or_else(|| panic!("{half} {height}: no hit on {ray:?} at {t}"));
+                assert!((found.t - t).abs() < 0.05 * t, "{half} {height}: {} for {t}", found.t);
+                assert_eq!(bvh.intersect(ray, &()), hit);
+            }
+        }
+    }
+
+    #[test]
+    fn rays_that_leave_large_triangles_do_not_meet_them() {
+        let mut rng = HashRng::new(8);
+        for half in [1.0, 1e3, 1e5] {
+            // As it is, and upright and aslant.
+            let turns = [
+                [Vec3::X, Vec3::Y, Vec3::Z],
+                [Vec3::Y, Vec3::Z, Vec3::X],
+                [Vec3::new(0.6, 0.0, -0.8), Vec3::new(0.64, 0.6, 0.48), Vec3::new(0.48, -0.8, 0.36)],
+            ];
+            for [x, y, z] in turns {
+                let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]].map(|[a, b]| (x * a + z * b) * half);
+                let bvh = Bvh::build(&[Geometry::triangles(&corners, &[[0, 1, 2]])]).expect("a triangle");
+                for _ in 0..4000 {
+                    let (u, v) = (rng.next_f32() * 0.5, rng.next_f32() * 0.5);
+                    let p = corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v;
+                    // As far off as points on it are rounded.
+                    let n = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+                    let side = if rng.next_f32() < 0.5 { 1.0 } else { -1.0 };
+                    let o = p + n * (side * 1e-6 * half);
+                    let w = x * (rng.next_f32() - 0.5) + z * (rng.next_f32() - 0.5) + n * (side * rng.next_f32());
+                    assert_eq!(bvh.intersect(&Ray::new(o, w.normalize()), &()), None, "{half} {y}: {o} {w}");
+                }
+            }
+        }
     }
 }

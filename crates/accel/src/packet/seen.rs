@@ -62,7 +62,7 @@ impl<L: Lanes> Seen<L> {
     ) -> Option<Crossing<L>> {
         // SAFETY: the edge functions of those in the set have been written, and the caller promises that this is one.
         let edges = unsafe { self.edges[slot].assume_init() };
-        cross_at(l, &Spot { sheared, block, slot }, edges, sheared.shear[2], t_max)
+        cross_at(l, &Spot { sheared, block, slot }, edges, &sheared.shear, t_max)
     }
 }
 
@@ -123,5 +123,13 @@ impl<L: Lanes> Corners<L> for Spot<'_, L> {
     #[inline(always)]
     fn along(&self, l: L) -> [L::F; 3] {
         [self.coordinate(l, 0, 2), self.coordinate(l, 1, 2), self.coordinate(l, 2, 2)]
+    }
+
+    #[inline(always)]
+    fn absolute(&self, l: L) -> [[L::F; 3]; 4] {
+        let row =
+            |vertex: usize, axis: usize| l.splat(self.block.rows[3 * vertex + self.sheared.axes[axis]].0[self.slot]);
+        let vertex = |vertex: usize| [row(vertex, 0), row(vertex, 1), row(vertex, 2)];
+        [vertex(0), vertex(1), vertex(2), self.sheared.origin]
     }
 }

@@ -1,7 +1,7 @@
 //! The watertight test of [`crate::triangle`] on one triangle: the same operations in the same order, so that every bit
 //! of a hit is the one that the hierarchy finds.
 
-use crate::UserHit;
+use crate::{UserHit, triangle::exact_distance};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// What the test needs of a ray.
@@ -67,8 +67,8 @@ impl Shear {
         let sum = (u + v) + w;
         let depth = (u * az + v * bz) + w * cz;
         let scale = self.shear[2];
-        let t = depth * scale / sum;
-        if !(t > 0.0 && t <= t_max) {
+        let mut t = depth * scale / sum;
+        if !(t > 0.0) {
             return None;
         }
         let nearest = min(min(az * scale, bz * scale), cz * scale);
@@ -78,8 +78,12 @@ impl Shear {
             // NaN is not certain.
             let is_certain = error < abs(depth);
             if !is_certain {
-                return None;
+                let [a, b, c] = corners.map(|p| [0, 1, 2].map(|axis| p[self.axes[axis]]));
+                t = exact_distance([a, b, c, self.origin], self.shear)?;
             }
+        }
+        if !(t <= t_max) {
+            return None;
         }
         let [a, b, c] = corners.map(|p| self.relative(p));
         let mut begin = 0.0;

@@ -128,7 +128,7 @@ impl Graph {
                 let waits = |r: &Resource| writer(*r).is_some_and(|w| left.contains(&w));
                 !passes[*k].reads.iter().any(waits)
             };
-            let Some(next) = left.iter().position(|k| is_ready(k)) else {
+            let Some(next) = left.iter().position(is_ready) else {
                 return Err(Fault::Circle(left.iter().map(|k| passes[*k].name).collect()));
             };
             nodes.push(passes[left.remove(next)]);
