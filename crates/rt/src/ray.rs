@@ -5,6 +5,7 @@ use crate::flags::{InstanceFlags, RayFlags};
 use crate::plan::is_clockwise;
 use crate::top_level::{Placed, TopLevel};
 use crate::transform::Transform3x4;
+use std::fmt;
 use steradian_math::{Ray, Vec3};
 
 /// A ray (DXR, "Ray description structure"): points `origin + t·direction`. Triangles are hit where
@@ -68,7 +69,7 @@ pub struct RayValues {
 }
 
 /// Names a primitive of a top-level structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct PrimitiveId {
     /// Index among the instances: `InstanceIndex`, `gl_InstanceID`.
     pub instance: u32,
@@ -76,6 +77,12 @@ pub struct PrimitiveId {
     pub geometry: u32,
     /// Index within the geometry: `PrimitiveIndex`, `gl_PrimitiveID`.
     pub primitive: u32,
+}
+
+impl fmt::Display for PrimitiveId {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}.{}.{}", self.instance, self.geometry, self.primitive)
+    }
 }
 
 /// A primitive that a ray has met: what shaders can read of it (DXR, "Primitive/object space system values").
