@@ -3,8 +3,8 @@
 use crate::error::Fault;
 use crate::flags::RayFlags;
 use crate::inspect::{Event, Journal};
+use crate::queue::Candidate;
 use crate::ray::{HitKind, Primitive, RayDesc, RayValues};
-use crate::search::Candidate;
 use crate::stages::{Decision, EndSearch, Interface, Verdict};
 use crate::top_level::TopLevel;
 use std::cell::Cell;
@@ -31,6 +31,7 @@ pub struct TraceRay<'s> {
 
 impl<'s> TraceRay<'s> {
     /// Without flags, in all instances, with the indices zero; geometries have one record each.
+    #[inline]
     pub fn new(scene: &'s TopLevel, ray: RayDesc) -> Self {
         Self {
             scene: Some(scene),

@@ -73,8 +73,11 @@
 //! | `trace` | * | | | * | * | |
 //! | `call` | * | | | * | * | * |
 //! | `report_hit` | | * | | | | |
-//! | `ignore_hit`, `accept_hit_and_end_search` | | | * | | | |
-//! | `launch`, `local` | * | * | * | * | * | * |
+//! | `accept_hit` | | | * | | | |
+//! | `ignore_hit` | | | * | | | |
+//! | `accept_hit_and_end_search` | | | * | | | |
+//! | `launch` | * | * | * | * | * | * |
+//! | `local` | * | * | * | * | * | * |
 //! | `ray` | | * | * | * | * | |
 //! | `primitive` | | * | * | * | | |
 //! | `hit_kind` | | | * | * | | |
@@ -106,6 +109,7 @@ mod launch;
 mod pipeline;
 mod plan;
 mod query;
+mod queue;
 mod ray;
 mod search;
 mod serial;

@@ -24,6 +24,7 @@ pub struct RayDesc {
 
 impl RayDesc {
     /// A ray from zero to infinity.
+    #[inline]
     pub const fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
     }
@@ -35,6 +36,7 @@ impl RayDesc {
     }
 
     /// The same where it keeps the rules.
+    #[inline]
     pub(crate) fn validated(self) -> Result<Self, RayError> {
         let Self { t_min, t_max, .. } = self;
         if self.origin.is_nan() || self.direction.is_nan() || t_min.is_nan() || t_max.is_nan() {
@@ -95,12 +97,14 @@ pub struct Primitive<'a> {
 }
 
 impl<'a> Primitive<'a> {
+    #[inline]
     pub(crate) fn new(scene: &'a TopLevel, id: PrimitiveId, ray: &RayDesc) -> Option<Self> {
         let placed = scene.instances.get(id.instance as usize)?;
         Some(Self { id, placed, origin: ray.origin, direction: ray.direction })
     }
 
     /// All three indices.
+    #[inline]
     pub fn id(&self) -> PrimitiveId {
         self.id
     }

@@ -3,6 +3,7 @@
 mod examples;
 mod facing;
 mod inspect;
+mod legality;
 mod limits;
 mod model;
 mod pipeline;
