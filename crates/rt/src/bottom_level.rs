@@ -48,6 +48,8 @@ pub const MAX_PRIMITIVES: u64 = 1 << 29;
 pub struct BottomLevel {
     pub(crate) bvh: Bvh,
     pub(crate) content: Content,
+    /// Whether all geometries are opaque.
+    pub(crate) is_opaque: bool,
     options: BuildOptions,
 }
 
@@ -126,6 +128,13 @@ impl Content {
         };
         content.check_limits()?;
         Ok(content)
+    }
+
+    fn is_opaque(&self) -> bool {
+        match self {
+            Self::Triangles(all) => all.iter().all(|g| g.flags.contains(GeometryFlags::OPAQUE)),
+            Self::Boxes(all) => all.iter().all(|g| g.flags.contains(GeometryFlags::OPAQUE)),
+        }
     }
 
     fn check_limits(&self) -> Result<(), BuildError> {
@@ -240,7 +249,8 @@ impl BottomLevel {
         content.check_limits()?;
         let builder = options.preference.builder();
         let bvh = content.with_geometries(|geometries| Bvh::build_by(builder, geometries)).map_err(too_many)?;
-        Ok(Self { bvh, content, options })
+        let is_opaque = content.is_opaque();
+        Ok(Self { bvh, content, is_opaque, options })
     }
 
     /// Follows geometry that has moved: vertices, transforms and boxes may change, nothing else (DXR, "Bottom-level

@@ -2,8 +2,9 @@
 
 use crate::error::Fault;
 use crate::flags::RayFlags;
+use crate::inspect::{Event, Journal};
+use crate::queue::Candidate;
 use crate::ray::{HitKind, Primitive, RayDesc, RayValues};
-use crate::search::Candidate;
 use crate::stages::{Decision, EndSearch, Interface, Verdict};
 use crate::top_level::TopLevel;
 use std::cell::Cell;
@@ -30,6 +31,7 @@ pub struct TraceRay<'s> {
 
 impl<'s> TraceRay<'s> {
     /// Without flags, in all instances, with the indices zero; geometries have one record each.
+    #[inline]
     pub fn new(scene: &'s TopLevel, ray: RayDesc) -> Self {
         Self {
             scene: Some(scene),
@@ -65,6 +67,8 @@ pub(crate) struct Thread {
     pub waiting: Cell<Vec<Candidate>>,
     /// The first fault, also where a shader has passed over it.
     pub fault: Cell<Option<Fault>>,
+    /// Where events are noted.
+    pub journal: Option<Journal>,
 }
 
 impl Thread {
@@ -97,12 +101,26 @@ impl<I: Interface> Clone for Frame<'_, I> {
 impl<I: Interface> Copy for Frame<'_, I> {}
 
 impl<I: Interface> Frame<'_, I> {
+    /// Notes an event where there is a journal: `below` is how much deeper than the calls of this frame's shader.
+    #[inline]
+    pub fn note(&self, below: u32, event: impl FnOnce() -> Event) {
+        if let Some(journal) = &self.thread.journal {
+            journal.note(2 * (self.depth + self.calls) + below, event());
+        }
+    }
+
+    /// Remembers a fault.
+    fn failed(&self, fault: &Fault) {
+        self.note(1, || Event::Fault { message: fault.to_string() });
+        self.thread.note(fault);
+    }
+
     fn trace(&self, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
-        self.machine.trace(*self, call, payload).inspect_err(|fault| self.thread.note(fault))
+        self.machine.trace(*self, call, payload).inspect_err(|fault| self.failed(fault))
     }
 
     fn call(&self, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault> {
-        self.machine.call(*self, index, parameter).inspect_err(|fault| self.thread.note(fault))
+        self.machine.call(*self, index, parameter).inspect_err(|fault| self.failed(fault))
     }
 }
 

@@ -241,6 +241,14 @@ pub enum LaunchError {
         /// The limit.
         limit: u64,
     },
+    /// A launch id outside of the launch.
+    #[error("there is no launch id {launch_id:?} in {size:?}")]
+    NoLaunchId {
+        /// The launch id that was asked for.
+        launch_id: [u32; 3],
+        /// The size of the launch.
+        size: [u32; 3],
+    },
     /// There is no memory for the output.
     #[error("no memory for the output of {count} launch ids")]
     NoMemory {

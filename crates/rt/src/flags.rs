@@ -106,6 +106,7 @@ impl RayFlags {
     ///
     /// # Errors
     /// The first two that exclude each other.
+    #[inline]
     pub fn validated(self) -> Result<Self, ExclusiveRayFlags> {
         // Rays without any of these are the rule.
         if self.0 & !0xc == 0 {

@@ -4,7 +4,8 @@
 use crate::context::{Frame, LaunchValues, RayGenerationContext, Thread};
 use crate::error::{Fault, LaunchError};
 use crate::group::HitGroup;
-use crate::pipeline::Pipeline;
+use crate::inspect::{Event, Stage};
+use crate::pipeline::{Export, Pipeline};
 use crate::stages::{Callable, Interface, Miss, RayGeneration};
 use crate::table::{Record, ShaderTables};
 use crate::trace::Running;
@@ -38,7 +39,6 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
         let Some(export) = self.library.ray_generation.get(handle.index as usize) else { return Ok(output) };
         let [width, height, _] = size.map(|n| n as usize);
         let running = Running { pipeline: self, tables };
-        let shader = (&export.shader, export.stack);
         // Layers by strips; a strip has rows of one layer.
         let first_fault = output
             .par_chunks_mut(width * height)
@@ -46,7 +46,7 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
             .flat_map(|(z, layer)| {
                 layer.par_chunks_mut(width * TILE).enumerate().map(move |(strip, rows)| (z, strip, rows))
             })
-            .filter_map(|(z, strip, rows)| running.strip(shader, size, [strip * TILE, z], rows).err())
+            .filter_map(|(z, strip, rows)| running.strip(export, size, [strip * TILE, z], rows).err())
             .min_by_key(|([x, y, z], _)| (*z, *y, *x));
         match first_fault {
             None => Ok(output),
@@ -55,7 +55,7 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
     }
 
     /// Whether all handles in the tables are of this pipeline.
-    fn check(&self, tables: &ShaderTables<I::Local>) -> Result<(), LaunchError> {
+    pub(crate) fn check(&self, tables: &ShaderTables<I::Local>) -> Result<(), LaunchError> {
         fn foreign<K, L>(pipeline: u64, records: &[Record<K, L>]) -> Option<usize> {
             records.iter().position(|record| record.handle.is_some_and(|handle| handle.pipeline != pipeline))
         }
@@ -78,10 +78,23 @@ where
     M: Miss<I>,
     C: Callable<I>,
 {
+    /// Runs the shader for one launch id.
+    pub fn launch_id(&self, export: &Export<R>, thread: &Thread, launch: LaunchValues) -> Result<I::Output, Fault> {
+        let frame = Frame { machine: self, thread, launch, depth: 0, calls: 0, stack: 0 };
+        let made = self.deeper(frame, export.stack).and_then(|frame| {
+            if let Some(journal) = &thread.journal {
+                journal.note(0, Event::Shader { stage: Stage::RayGeneration, name: export.name.clone() });
+            }
+            let local = &self.tables.ray_generation.local;
+            export.shader.run(&mut RayGenerationContext { frame, local })
+        });
+        thread.fault.take().map_or(made, Err)
+    }
+
     /// Runs the shader for some rows of a layer, tile by tile.
     fn strip(
         &self,
-        (shader, stack): (&R, u32),
+        export: &Export<R>,
         size: [u32; 3],
         [first_row, z]: [usize; 2],
         rows: &mut [I::Output],
@@ -93,21 +106,12 @@ where
             for (y, row) in rows.chunks_mut(width).enumerate() {
                 for (x, output) in row.iter_mut().enumerate().skip(left).take(TILE) {
                     let id = [x as u32, (first_row + y) as u32, z as u32];
-                    let launch = LaunchValues { id, size };
-                    let frame = Frame { machine: self, thread: &thread, launch, depth: 0, calls: 0, stack: 0 };
-                    let made = self.deeper(frame, stack).and_then(|frame| {
-                        let local = &self.tables.ray_generation.local;
-                        shader.run(&mut RayGenerationContext { frame, local })
-                    });
-                    let fault = match (made, thread.fault.take()) {
-                        (Ok(made), None) => {
-                            *output = made;
-                            continue;
+                    match self.launch_id(export, &thread, LaunchValues { id, size }) {
+                        Ok(made) => *output = made,
+                        Err(fault) if first.as_ref().is_none_or(|([a, b, _], _)| (id[1], id[0]) < (*b, *a)) => {
+                            first = Some((id, fault));
                         }
-                        (_, Some(fault)) | (Err(fault), None) => fault,
-                    };
-                    if first.as_ref().is_none_or(|([a, b, _], _)| (id[1], id[0]) < (*b, *a)) {
-                        first = Some((id, fault));
+                        Err(_) => {}
                     }
                 }
             }

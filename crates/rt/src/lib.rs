@@ -73,8 +73,11 @@
 //! | `trace` | * | | | * | * | |
 //! | `call` | * | | | * | * | * |
 //! | `report_hit` | | * | | | | |
-//! | `ignore_hit`, `accept_hit_and_end_search` | | | * | | | |
-//! | `launch`, `local` | * | * | * | * | * | * |
+//! | `accept_hit` | | | * | | | |
+//! | `ignore_hit` | | | * | | | |
+//! | `accept_hit_and_end_search` | | | * | | | |
+//! | `launch` | * | * | * | * | * | * |
+//! | `local` | * | * | * | * | * | * |
 //! | `ray` | | * | * | * | * | |
 //! | `primitive` | | * | * | * | | |
 //! | `hit_kind` | | | * | * | | |
@@ -83,6 +86,7 @@
 //!   are a `Box<dyn HitGroup<I>>`.
 //! * [`Library`], [`Pipeline`], [`ShaderTables`]: shaders by name, linked; records that choose among them.
 //! * [`RayQuery`]: tracing without shaders.
+//! * [`Pipeline::inspect`]: what happens for one launch id, as text and as JSON.
 //!
 //! # Rules that always hold
 //!
@@ -100,10 +104,12 @@ pub mod error;
 mod flags;
 mod geometry;
 mod group;
+mod inspect;
 mod launch;
 mod pipeline;
 mod plan;
 mod query;
+mod queue;
 mod ray;
 mod search;
 mod serial;
@@ -119,11 +125,12 @@ pub use error::{BuildError, Fault, LaunchError, LoadError, PipelineError, RayErr
 pub use flags::{ExclusiveRayFlags, GeometryFlags, InstanceFlags, RayFlags};
 pub use geometry::{BoxGeometry, Geometries, Indices, TriangleGeometry};
 pub use group::{HitAttributes, HitGroup, ProceduralGroup, TriangleGroup};
+pub use inspect::{Entry, Event, Inspection, Stage};
 pub use launch::MAX_LAUNCH_IDS;
 pub use pipeline::{Export, HitGroupStack, Library, MAX_CALL_DEPTH, MAX_RECURSION_DEPTH, Pipeline, PipelineConfig};
 pub use query::{CommittedHit, ProceduralCandidate, QueryCandidate, RayQuery, TriangleCandidate};
 pub use ray::{Barycentrics, HitKind, Primitive, PrimitiveId, RayDesc, RayValues};
 pub use stages::{AnyHit, Callable, ClosestHit, Decision, EndSearch, Interface, Intersection, Miss, RayGeneration};
-pub use table::{Handle, Record, ShaderTable, ShaderTables};
+pub use table::{Handle, Place, Record, ShaderTable, ShaderTables};
 pub use top_level::{Instance, TopLevel};
 pub use transform::Transform3x4;

@@ -68,9 +68,11 @@ impl Plan {
         if flags.contains(GeometryFlags::OPAQUE) { self.opaque } else { self.non_opaque }
     }
 
-    /// Whether all hits on triangles may count.
-    pub fn skips_nothing(&self) -> bool {
-        self.opaque != Class::Skipped && self.non_opaque != Class::Skipped && !self.culls()
+    /// Whether all hits on triangles are opaque, but for those that are skipped for their face: `is_opaque` says whether
+    /// all geometries are.
+    #[inline]
+    pub fn is_certain(&self, is_opaque: bool) -> bool {
+        self.opaque == Class::Opaque && (is_opaque || self.non_opaque == Class::Opaque)
     }
 
     /// Whether hits on any geometry can be opaque.

@@ -2,8 +2,9 @@
 
 use crate::error::RayError;
 use crate::flags::RayFlags;
+use crate::queue::Candidate;
 use crate::ray::{Barycentrics, HitKind, Primitive, RayDesc, RayValues};
-use crate::search::{Candidate, Committed, Search};
+use crate::search::{Committed, Search};
 use crate::top_level::TopLevel;
 
 /// A ray on its way through a structure.

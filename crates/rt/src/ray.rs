@@ -5,6 +5,7 @@ use crate::flags::{InstanceFlags, RayFlags};
 use crate::plan::is_clockwise;
 use crate::top_level::{Placed, TopLevel};
 use crate::transform::Transform3x4;
+use std::fmt;
 use steradian_math::{Ray, Vec3};
 
 /// A ray (DXR, "Ray description structure"): points `origin + t·direction`. Triangles are hit where
@@ -23,6 +24,7 @@ pub struct RayDesc {
 
 impl RayDesc {
     /// A ray from zero to infinity.
+    #[inline]
     pub const fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
     }
@@ -34,6 +36,7 @@ impl RayDesc {
     }
 
     /// The same where it keeps the rules.
+    #[inline]
     pub(crate) fn validated(self) -> Result<Self, RayError> {
         let Self { t_min, t_max, .. } = self;
         if self.origin.is_nan() || self.direction.is_nan() || t_min.is_nan() || t_max.is_nan() {
@@ -68,7 +71,7 @@ pub struct RayValues {
 }
 
 /// Names a primitive of a top-level structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct PrimitiveId {
     /// Index among the instances: `InstanceIndex`, `gl_InstanceID`.
     pub instance: u32,
@@ -76,6 +79,12 @@ pub struct PrimitiveId {
     pub geometry: u32,
     /// Index within the geometry: `PrimitiveIndex`, `gl_PrimitiveID`.
     pub primitive: u32,
+}
+
+impl fmt::Display for PrimitiveId {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}.{}.{}", self.instance, self.geometry, self.primitive)
+    }
 }
 
 /// A primitive that a ray has met: what shaders can read of it (DXR, "Primitive/object space system values").
@@ -88,12 +97,14 @@ pub struct Primitive<'a> {
 }
 
 impl<'a> Primitive<'a> {
+    #[inline]
     pub(crate) fn new(scene: &'a TopLevel, id: PrimitiveId, ray: &RayDesc) -> Option<Self> {
         let placed = scene.instances.get(id.instance as usize)?;
         Some(Self { id, placed, origin: ray.origin, direction: ray.direction })
     }
 
     /// All three indices.
+    #[inline]
     pub fn id(&self) -> PrimitiveId {
         self.id
     }

@@ -1,35 +1,22 @@
 //! The search of a ray for hits: the fixed function behind pipelines and ray queries.
 //!
 //! What must be asked about is handed out from near to far, one after the other; in between the caller may commit
-//! hits, which ends the interval there. Three ways through the hierarchy do this:
+//! hits, which ends the interval there. The order depends on distance and index alone; a procedural primitive has the
+//! distance at which the ray enters its box.
 //!
-//! * *nearest*: the nearest of all that may count. Where it is an opaque triangle that is all.
-//! * *all*: where the nearest had to be asked about and was refused, all other candidates up to the nearest opaque
-//!   triangle, sorted.
-//! * *any*: some opaque triangle, for rays whose first hit ends the search.
-//!
-//! So a ray goes at most twice through the hierarchy, and the order of candidates depends on their distance and index
-//! alone. A procedural primitive has the distance at which the ray enters its box.
+//! * Where there is nothing to ask, the nearest triangle, or any where the first hit ends the search, is all.
+//! * Else the ray goes through the hierarchy for the nearest few candidates, up to the nearest opaque triangle, and
+//!   again for the next few as long as all are refused.
 
 use crate::bottom_level::{BottomLevel, Content};
 use crate::flags::{GeometryFlags, RayFlags};
 use crate::plan::{Class, Plan};
+use crate::queue::{Candidate, Queue};
 use crate::ray::{Barycentrics, HitKind, PrimitiveId, RayDesc};
 use crate::top_level::{Placed, TopLevel};
 use std::cell::{Cell, RefCell};
 use steradian_accel::{Hit, PrimId, UserHit, UserPrimitives};
 use steradian_math::{Bounds3, Ray, Vec3};
-
-/// What must be asked about.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate {
-    /// Of a triangle the distance of the hit, of a box at most that where it is entered.
-    pub t: f32,
-    pub id: PrimitiveId,
-    /// Weights of a triangle; `None` for a box.
-    pub triangle: Option<Barycentrics>,
-    pub is_opaque: bool,
-}
 
 /// A hit that counts.
 #[derive(Clone, Copy, Debug)]
@@ -46,10 +33,8 @@ pub(crate) struct Committed {
 #[derive(Clone, Copy, Debug)]
 enum State {
     Start,
-    /// The nearest candidate has been handed out.
-    Nearest(PrimitiveId),
     /// Candidates wait.
-    All,
+    Waiting,
     Done,
 }
 
@@ -62,12 +47,12 @@ pub(crate) struct Search<'a> {
     pub committed: Option<Committed>,
     mask: u8,
     state: State,
-    /// Candidates, the nearest one last.
-    waiting: Vec<Candidate>,
+    queue: Queue,
 }
 
 impl<'a> Search<'a> {
     /// A search that has not begun, for a valid ray with valid flags. `waiting` lends its memory.
+    #[inline]
     pub fn new(
         scene: Option<&'a TopLevel>,
         flags: RayFlags,
@@ -76,30 +61,36 @@ impl<'a> Search<'a> {
         mut waiting: Vec<Candidate>,
     ) -> Self {
         waiting.clear();
-        Self { scene, ray, flags, committed: None, mask, state: State::Start, waiting }
+        let queue = Queue { waiting, ..Queue::default() };
+        Self { scene, ray, flags, committed: None, mask, state: State::Start, queue }
     }
 
     /// The memory that was lent.
+    #[inline]
     pub fn into_buffer(self) -> Vec<Candidate> {
-        self.waiting
+        self.queue.waiting
     }
 
     /// Where the interval ends now.
+    #[inline]
     pub fn t_current(&self) -> f32 {
         self.committed.map_or(self.ray.t_max, |hit| hit.t)
     }
 
     /// Ends the search.
+    #[inline]
     pub fn end(&mut self) {
         self.state = State::Done;
     }
 
     /// Whether the search is over.
+    #[inline]
     pub fn is_done(&self) -> bool {
         matches!(self.state, State::Done)
     }
 
     /// Commits a hit that is in the interval.
+    #[inline]
     pub fn commit(&mut self, hit: Committed) {
         self.committed = Some(hit);
         if self.flags.contains(RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH) {
@@ -108,6 +99,7 @@ impl<'a> Search<'a> {
     }
 
     /// Commits a candidate that is a triangle, as long as it is in the interval.
+    #[inline]
     pub fn commit_triangle(&mut self, candidate: &Candidate) {
         if let Some(barycentrics) = candidate.triangle
             && candidate.t < self.t_current()
@@ -120,63 +112,69 @@ impl<'a> Search<'a> {
     #[inline]
     pub fn proceed(&mut self) -> Option<Candidate> {
         match self.state {
-            State::Start => {
-                let scene = self.scene?;
-                if self.flags.contains(RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH) {
-                    return self.first(scene);
-                }
-                let candidate = self.nearest(scene);
-                match candidate.filter(|c| c.triangle.is_none() || !c.is_opaque) {
-                    Some(asked) => self.state = State::Nearest(asked.id),
-                    None => self.state = State::Done,
-                }
-                let candidate = candidate?;
-                if candidate.triangle.is_some() && candidate.is_opaque {
-                    self.commit_triangle(&candidate);
-                    return None;
-                }
-                Some(candidate)
-            }
-            State::Nearest(id) => self.rest(id),
-            State::All => self.next_waiting(),
+            State::Start => self.begin(),
+            State::Waiting => self.next_waiting(),
             State::Done => None,
         }
     }
 
-    /// Where the first hit ends the search: an opaque triangle where there is one, else candidates.
-    fn first(&mut self, scene: &'a TopLevel) -> Option<Candidate> {
-        self.state = State::All;
-        if let Some(candidate) = self.any(scene) {
-            self.commit_triangle(&candidate);
-            return None;
+    #[inline]
+    fn begin(&mut self) -> Option<Candidate> {
+        let scene = self.scene?;
+        self.state = State::Done;
+        if scene.instances.len() != 1 {
+            return self.begin_among(scene);
         }
-        self.collect(scene, None);
-        self.next_waiting()
+        // There is nothing to choose from.
+        let entered = self.enter(scene, 0, self.closed_end())?;
+        if !entered.is_certain {
+            return self.begin_among(scene);
+        }
+        let is_any = self.flags.contains(RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH);
+        if let Some(hit) = if is_any { entered.any() } else { entered.nearest() } {
+            let barycentrics = Barycentrics { u: hit.u, v: hit.v };
+            self.committed = Some(Committed { t: hit.t, id: entered.id(hit.id), kind: None, barycentrics });
+        }
+        None
     }
 
-    /// After the nearest candidate has been asked about.
-    fn rest(&mut self, nearest: PrimitiveId) -> Option<Candidate> {
-        let is_hit_triangle = |hit: &Committed| hit.id == nearest && hit.kind.is_none();
-        if self.committed.as_ref().is_some_and(is_hit_triangle) {
-            // All others are farther.
-            self.state = State::Done;
-            return None;
+    /// Where there are several instances, or something must be asked about.
+    #[inline(never)]
+    fn begin_among(&mut self, scene: &'a TopLevel) -> Option<Candidate> {
+        if self.flags.contains(RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH) {
+            let (found, is_all) = self.any(scene);
+            if let Some(candidate) = found {
+                self.commit_triangle(&candidate);
+                return None;
+            }
+            if is_all {
+                return None;
+            }
         }
-        self.state = State::All;
-        self.collect(self.scene?, Some(nearest));
+        self.state = State::Waiting;
+        self.collect(scene);
         self.next_waiting()
     }
 
     /// The nearest of the candidates that wait and are in the interval.
+    #[inline(never)]
     fn next_waiting(&mut self) -> Option<Candidate> {
         let t = self.t_current();
         // Boxes may be entered where the interval ends, triangles not be hit there.
-        let is_inside = |c: &Candidate| if c.triangle.is_some() { c.t < t } else { c.t <= t };
-        while let Some(next) = self.waiting.pop() {
+        let is_inside = |c: &Candidate| if c.triangle.is_some() { c.t < t } else { c.t <= t.max(f32::MIN_POSITIVE) };
+        loop {
+            let Some(next) = self.queue.waiting.pop() else {
+                match self.scene {
+                    Some(scene) if self.queue.has_more => self.collect(scene),
+                    _ => break,
+                }
+                continue;
+            };
+            self.queue.after = Some(next);
             if !is_inside(&next) {
                 continue;
             }
-            if next.triangle.is_none() || !next.is_opaque {
+            if !next.is_certain() {
                 return Some(next);
             }
             // All others are farther.
@@ -187,87 +185,79 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// What the ray does in an instance, and the ray in object space. Its end is that of the hierarchy's search.
+    /// What the ray does in an instance, and the ray in object space, up to `end`, which belongs to it for boxes.
     #[inline]
-    fn enter(&self, scene: &'a TopLevel, index: u32, ray: &Ray) -> Option<Entered<'a>> {
+    fn enter(&self, scene: &'a TopLevel, index: u32, end: f32) -> Option<Entered<'a>> {
         let placed: &'a Placed = scene.instances.get(index as usize)?;
-        let is_triangles = matches!(placed.bottom_level.content, Content::Triangles(_));
+        let bottom: &'a BottomLevel = &placed.bottom_level;
+        let is_triangles = matches!(bottom.content, Content::Triangles(_));
         let plan = Plan::new(self.flags, self.mask, placed, is_triangles)?;
-        let ray = Ray {
-            origin: placed.place.inv.transform_point3(ray.origin),
-            direction: placed.place.inv.transform_vector3(ray.direction),
-            // For triangles the end of the interval does not belong to it.
-            t_max: if is_triangles { ray.t_max.min(self.t_current()) } else { ray.t_max },
-            ..*ray
-        };
-        Some(Entered { plan, ray, instance: index, bottom: &placed.bottom_level, t_min: self.ray.t_min })
-    }
-
-    /// The ray as the upper hierarchy takes it: up to the end of the interval, which belongs to it for boxes.
-    fn world_ray(&self) -> Ray {
-        self.ray.with_end(self.t_current().next_up().max(2.0 * f32::MIN_POSITIVE))
-    }
-
-    /// The nearest of all that may count.
-    #[inline]
-    fn nearest(&self, scene: &'a TopLevel) -> Option<Candidate> {
-        let found = Cell::new(None);
-        let instances = Instances(|index: u32, ray: &Ray| {
-            let candidate = self.enter(scene, index, ray)?.nearest()?;
-            found.set(Some(candidate));
-            Some(candidate.t)
-        });
-        let ray = self.world_ray();
-        if scene.instances.len() == 1 {
-            // There is nothing to choose from.
-            instances.0(0, &ray)?;
-        } else {
-            scene.bvh.intersect(&ray, &instances)?;
+        let (mut origin, mut direction) = (self.ray.origin, self.ray.direction);
+        if !placed.is_in_place {
+            origin = placed.place.inv.transform_point3(origin);
+            direction = placed.place.inv.transform_vector3(direction);
         }
-        found.get()
+        // For triangles the end of the interval does not belong to it.
+        let t_max = if is_triangles { end.min(self.t_current()) } else { end };
+        let ray = Ray { t_max, ..Ray::new(origin, direction) };
+        let is_certain = is_triangles && plan.is_certain(bottom.is_opaque);
+        Some(Entered { plan, ray, instance: index, bottom, t_min: self.ray.t_min, is_certain })
     }
 
-    /// Any opaque triangle.
-    fn any(&self, scene: &'a TopLevel) -> Option<Candidate> {
-        let found = Cell::new(None);
-        let instances = Instances(|index: u32, ray: &Ray| {
-            let candidate = self.enter(scene, index, ray)?.any()?;
+    /// The end of the interval, which belongs to it for boxes.
+    #[inline]
+    fn closed_end(&self) -> f32 {
+        self.t_current().next_up().max(2.0 * f32::MIN_POSITIVE)
+    }
+
+    /// Asks instances where the ray goes, for the nearest of what is found or for any.
+    fn among(&self, scene: &TopLevel, is_any: bool, find: impl Fn(u32, f32) -> Option<f32>) {
+        let instances = Instances(find);
+        let ray = self.ray.with_end(self.closed_end());
+        match (scene.instances.len(), is_any) {
+            (1, _) => {
+                (instances.0)(0, ray.t_max);
+            }
+            (_, true) => {
+                scene.bvh.occluded(&ray, &instances);
+            }
+            (_, false) => {
+                scene.bvh.intersect(&ray, &instances);
+            }
+        }
+    }
+
+    /// Any opaque triangle, and whether there is nothing else in the instances that were asked.
+    fn any(&self, scene: &'a TopLevel) -> (Option<Candidate>, bool) {
+        let (found, is_all) = (Cell::new(None), Cell::new(true));
+        self.among(scene, true, |index, end| {
+            let entered = self.enter(scene, index, end)?;
+            is_all.set(is_all.get() && entered.is_certain);
+            let candidate = entered.candidate(&entered.any()?);
             found.set(Some(candidate));
             Some(candidate.t)
         });
-        let ray = self.world_ray();
-        let is_found = match scene.instances.len() {
-            1 => instances.0(0, &ray).is_some(),
-            _ => scene.bvh.occluded(&ray, &instances),
-        };
-        if is_found { found.get() } else { None }
+        (found.get(), is_all.get())
     }
 
-    /// Collects all candidates but one up to the nearest opaque triangle, and it too.
-    fn collect(&mut self, scene: &'a TopLevel, but: Option<PrimitiveId>) {
-        let waiting = RefCell::new(std::mem::take(&mut self.waiting));
-        let found = Cell::new(None);
-        let instances = Instances(|index: u32, ray: &Ray| {
-            let candidate = self.enter(scene, index, ray)?.collect(but, &waiting)?;
-            found.set(Some(candidate));
-            Some(candidate.t)
-        });
-        let is_found = scene.bvh.intersect(&self.world_ray(), &instances).is_some();
-        let mut waiting = waiting.into_inner();
-        waiting.extend(found.get().filter(|_| is_found));
-        waiting.sort_unstable_by(|a, b| b.t.total_cmp(&a.t).then(b.id.cmp(&a.id)));
-        self.waiting = waiting;
+    /// Collects the candidates that are next.
+    fn collect(&mut self, scene: &'a TopLevel) {
+        let mut queue = std::mem::take(&mut self.queue);
+        queue.has_more = false;
+        let queue = RefCell::new(queue);
+        self.among(scene, false, |index, end| self.enter(scene, index, end)?.collect(&queue));
+        self.queue = queue.into_inner();
     }
 }
 
-/// Instances as primitives of the upper hierarchy: a function of their index and the ray in world space that gives the
+/// Instances as primitives of the upper hierarchy: a function of their index and the end of the interval that gives the
 /// distance where the search may end.
 struct Instances<F>(F);
 
-impl<F: Fn(u32, &Ray) -> Option<f32>> UserPrimitives for Instances<F> {
+impl<F: Fn(u32, f32) -> Option<f32>> UserPrimitives for Instances<F> {
     #[inline]
     fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit> {
-        (self.0)(id.prim, ray).map(|t| UserHit { t, u: 0.0, v: 0.0 })
+        (self.0)(id.prim, ray.t_max).map(|t| UserHit { t, u: 0.0, v: 0.0 })
     }
 }
 
@@ -279,9 +269,12 @@ struct Entered<'a> {
     instance: u32,
     bottom: &'a BottomLevel,
     t_min: f32,
+    /// Whether nothing in it must be asked about.
+    is_certain: bool,
 }
 
 impl Entered<'_> {
+    #[inline]
     fn id(&self, id: PrimId) -> PrimitiveId {
         PrimitiveId { instance: self.instance, geometry: id.geom, primitive: id.prim }
     }
@@ -306,16 +299,19 @@ impl Entered<'_> {
         }
     }
 
-    /// The class of a hit on a triangle, its face and its distance considered.
-    fn class_of_hit(&self, hit: &Hit) -> Class {
-        let is_culled = || {
+    /// Whether a hit on a triangle does not count for its distance or its face.
+    #[inline]
+    fn is_culled(&self, hit: &Hit) -> bool {
+        let faces_away = || {
             let corners = self.bottom.triangle(hit.id.geom, hit.id.prim);
             corners.is_none_or(|corners| self.plan.is_culled(&corners, self.ray.direction))
         };
-        if hit.t <= self.t_min || self.plan.culls() && is_culled() {
-            return Class::Skipped;
-        }
-        self.class(hit.id.geom)
+        hit.t <= self.t_min || self.plan.culls() && faces_away()
+    }
+
+    /// The class of a hit on a triangle, its face and its distance considered.
+    fn class_of_hit(&self, hit: &Hit) -> Class {
+        if self.is_culled(hit) { Class::Skipped } else { self.class(hit.id.geom) }
     }
 
     /// Where the ray enters a box, at most; `None` where it does not or where hits on it do not count.
@@ -327,63 +323,62 @@ impl Entered<'_> {
         entry(all.get(id.geom as usize)?.boxes.get(id.prim as usize)?, &self.ray, self.t_min, t_max)
     }
 
+    /// The nearest hit where all are certain.
     #[inline]
-    fn nearest(&self) -> Option<Candidate> {
-        let hit = match &self.bottom.content {
-            Content::Triangles(_) if self.t_min == 0.0 && self.plan.skips_nothing() => {
-                self.bottom.bvh.intersect(&self.ray, &())
-            }
-            Content::Triangles(_) => {
-                self.bottom.bvh.intersect(&self.ray, &Filter(|hit: &Hit| self.class_of_hit(hit) != Class::Skipped))
-            }
-            Content::Boxes(_) => {
-                self.bottom.bvh.intersect(&self.ray, &Boxes(|id: PrimId, ray: &Ray| self.entry(id, ray.t_max)))
-            }
-        };
-        hit.map(|hit| self.candidate(&hit))
+    fn nearest(&self) -> Option<Hit> {
+        if self.t_min == 0.0 && !self.plan.culls() {
+            self.bottom.bvh.intersect(&self.ray, &())
+        } else {
+            self.nearest_not_culled()
+        }
     }
 
-    fn any(&self) -> Option<Candidate> {
+    #[inline(never)]
+    fn nearest_not_culled(&self) -> Option<Hit> {
+        self.bottom.bvh.intersect(&self.ray, &Filter(|hit: &Hit| !self.is_culled(hit)))
+    }
+
+    /// Any opaque triangle.
+    #[inline(never)]
+    fn any(&self) -> Option<Hit> {
         if !self.plan.has_opaque() || matches!(self.bottom.content, Content::Boxes(_)) {
             return None;
         }
         let found = Cell::new(None);
-        let opaque = Filter(|hit: &Hit| {
-            let counts = self.class_of_hit(hit) == Class::Opaque;
-            if counts {
-                found.set(Some(*hit));
-            }
-            counts
-        });
-        self.bottom.bvh.occluded(&self.ray, &opaque).then(|| found.get().map(|hit| self.candidate(&hit)))?
+        let is_found = if self.is_certain && self.t_min == 0.0 && !self.plan.culls() {
+            self.bottom.bvh.occluded(&self.ray, &Filter(|hit: &Hit| found.replace(Some(*hit)).is_none()))
+        } else {
+            let opaque = |hit: &Hit| {
+                let counts = self.class_of_hit(hit) == Class::Opaque;
+                if counts {
+                    found.set(Some(*hit));
+                }
+                counts
+            };
+            self.bottom.bvh.occluded(&self.ray, &Filter(opaque))
+        };
+        found.get().filter(|_| is_found)
     }
 
-    /// Collects what must be asked about, and gives the nearest opaque triangle.
-    fn collect(&self, but: Option<PrimitiveId>, waiting: &RefCell<Vec<Candidate>>) -> Option<Candidate> {
-        let push = |candidate: Candidate| {
-            if Some(candidate.id) != but {
-                waiting.borrow_mut().push(candidate);
+    /// Collects what must be asked about and what is certain, and gives where the search may end.
+    fn collect(&self, queue: &RefCell<Queue>) -> Option<f32> {
+        let offer = |hit: &Hit| queue.borrow_mut().offer(self.candidate(hit));
+        if self.is_certain {
+            return self.nearest().filter(offer).map(|hit| hit.t);
+        }
+        let hit = match &self.bottom.content {
+            Content::Triangles(_) => {
+                let triangles = Filter(|hit: &Hit| self.class_of_hit(hit) != Class::Skipped && offer(hit));
+                self.bottom.bvh.intersect(&self.ray, &triangles)
+            }
+            Content::Boxes(_) => {
+                let boxes = Boxes(|id: PrimId, ray: &Ray| {
+                    self.entry(id, ray.t_max).filter(|&t| offer(&Hit { t, u: 0.0, v: 0.0, id }))
+                });
+                self.bottom.bvh.intersect(&self.ray, &boxes)
             }
         };
-        if matches!(self.bottom.content, Content::Boxes(_)) {
-            let boxes = Boxes(|id: PrimId, ray: &Ray| {
-                if let Some(t) = self.entry(id, ray.t_max) {
-                    push(self.candidate(&Hit { t, u: 0.0, v: 0.0, id }));
-                }
-                None
-            });
-            self.bottom.bvh.intersect(&self.ray, &boxes);
-            return None;
-        }
-        let triangles = Filter(|hit: &Hit| match self.class_of_hit(hit) {
-            Class::Skipped => false,
-            Class::Opaque => true,
-            Class::NonOpaque => {
-                push(self.candidate(hit));
-                false
-            }
-        });
-        self.bottom.bvh.intersect(&self.ray, &triangles).map(|hit| self.candidate(&hit))
+        hit.map(|hit| hit.t)
     }
 }
 

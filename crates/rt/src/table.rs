@@ -1,6 +1,8 @@
 //! Shader tables (DXR, "Shader tables", "Addressing calculations within shader tables"; Vulkan, "Shader Binding Table").
 
 use crate::error::Fault;
+use serde::Serialize;
+use std::fmt;
 use std::marker::PhantomData;
 
 /// Names a shader or hit group of a pipeline; the type says of which kind (DXR, "Shader identifier").
@@ -99,9 +101,14 @@ impl<K, L> ShaderTable<K, L> {
         Self { base, stride, ..self }
     }
 
+    /// `base + stride · index`.
+    fn place(&self, index: u64) -> u64 {
+        u64::from(self.base) + u64::from(self.stride) * index
+    }
+
     /// The record at an index, or the index of the place that does not exist.
     fn record(&self, index: u64) -> Result<&Record<K, L>, u64> {
-        let place = u64::from(self.base) + u64::from(self.stride) * index;
+        let place = self.place(index);
         usize::try_from(place).ok().and_then(|place| self.records.get(place)).ok_or(place)
     }
 }
@@ -115,22 +122,70 @@ pub(crate) struct HitIndex {
     pub instance_offset: u32,
 }
 
+impl HitIndex {
+    /// `ray contribution + geometry multiplier · geometry index + instance offset`.
+    fn index(&self) -> u64 {
+        u64::from(self.ray_contribution & 0xf)
+            + u64::from(self.geometry_multiplier & 0xf) * u64::from(self.geometry)
+            + u64::from(self.instance_offset)
+    }
+}
+
+/// How the formula of a shader table comes to a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "table", rename_all = "snake_case")]
+#[allow(missing_docs)]
+pub enum Place {
+    /// `place = base + stride · (ray contribution + geometry multiplier · geometry index + instance offset)`.
+    HitGroup {
+        place: u64,
+        base: u32,
+        stride: u32,
+        ray_contribution: u32,
+        geometry_multiplier: u32,
+        geometry: u32,
+        instance_offset: u32,
+    },
+    /// `place = base + stride · index`.
+    Miss { place: u64, base: u32, stride: u32, index: u32 },
+    /// `place = base + stride · index`.
+    Callable { place: u64, base: u32, stride: u32, index: u32 },
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::HitGroup {
+                place,
+                base,
+                stride,
+                ray_contribution,
+                geometry_multiplier,
+                geometry,
+                instance_offset,
+            } => {
+                let sum = format_args!("{ray_contribution} + {geometry_multiplier} * {geometry} + {instance_offset}");
+                write!(f, "hit-group record {place} = {base} + {stride} * ({sum})")
+            }
+            Self::Miss { place, base, stride, index } => write!(f, "miss record {place} = {base} + {stride} * {index}"),
+            Self::Callable { place, base, stride, index } => {
+                write!(f, "callable record {place} = {base} + {stride} * {index}")
+            }
+        }
+    }
+}
+
 impl<K, L> ShaderTable<K, L> {
     /// `base + stride · (ray contribution + geometry multiplier · geometry index + instance offset)`; only the low 4
     /// bits of contribution and multiplier count.
     pub(crate) fn hit_group(&self, of: HitIndex) -> Result<&Record<K, L>, Fault> {
-        let HitIndex { ray_contribution, geometry_multiplier, geometry, instance_offset } = of;
-        let (ray_contribution, geometry_multiplier) = (ray_contribution & 0xf, geometry_multiplier & 0xf);
-        let index = u64::from(ray_contribution)
-            + u64::from(geometry_multiplier) * u64::from(geometry)
-            + u64::from(instance_offset);
-        self.record(index).map_err(|place| Fault::HitGroupRecord {
+        self.record(of.index()).map_err(|place| Fault::HitGroupRecord {
             base: self.base,
             stride: self.stride,
-            ray_contribution,
-            geometry_multiplier,
-            geometry,
-            instance_offset,
+            ray_contribution: of.ray_contribution & 0xf,
+            geometry_multiplier: of.geometry_multiplier & 0xf,
+            geometry: of.geometry,
+            instance_offset: of.instance_offset,
             place,
             records: self.records.len(),
         })
@@ -144,6 +199,33 @@ impl<K, L> ShaderTable<K, L> {
     /// `base + stride · index`.
     pub(crate) fn callable(&self, index: u32) -> Result<&Record<K, L>, Fault> {
         self.plain("callable", index)
+    }
+
+    /// How the formula comes to the record of a hit group.
+    pub(crate) fn hit_group_place(&self, of: HitIndex) -> Place {
+        let HitIndex { geometry, instance_offset, .. } = of;
+        let (ray_contribution, geometry_multiplier) = (of.ray_contribution & 0xf, of.geometry_multiplier & 0xf);
+        let (base, stride) = (self.base, self.stride);
+        Place::HitGroup {
+            place: self.place(of.index()),
+            base,
+            stride,
+            ray_contribution,
+            geometry_multiplier,
+            geometry,
+            instance_offset,
+        }
+    }
+
+    /// How the formula comes to a miss record.
+    pub(crate) fn miss_place(&self, index: u32) -> Place {
+        let index = index & 0xffff;
+        Place::Miss { place: self.place(index.into()), base: self.base, stride: self.stride, index }
+    }
+
+    /// How the formula comes to a callable record.
+    pub(crate) fn callable_place(&self, index: u32) -> Place {
+        Place::Callable { place: self.place(index.into()), base: self.base, stride: self.stride, index }
     }
 
     fn plain(&self, table: &'static str, index: u32) -> Result<&Record<K, L>, Fault> {

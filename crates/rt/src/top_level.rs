@@ -82,6 +82,7 @@ impl Instance {
         let place = self.transform.affine().ok_or(BuildError::InstanceTransform { instance })?;
         Ok(Placed {
             place,
+            is_in_place: self.transform == Transform3x4::IDENTITY,
             bottom_level: self.bottom_level.clone(),
             custom_index: self.custom_index,
             mask: self.mask,
@@ -95,6 +96,8 @@ impl Instance {
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {
     pub place: Affine,
+    /// Whether object space is world space.
+    pub is_in_place: bool,
     pub bottom_level: Arc<BottomLevel>,
     pub custom_index: u32,
     pub mask: u8,

@@ -7,9 +7,11 @@ use crate::context::{
 };
 use crate::error::Fault;
 use crate::group::{HitAttributes, HitGroup};
+use crate::inspect::{Event, Stage};
 use crate::pipeline::{Export, HitGroupStack, MAX_CALL_DEPTH, Pipeline};
+use crate::queue::Candidate;
 use crate::ray::{Barycentrics, HitKind, Primitive, PrimitiveId, RayDesc, RayValues};
-use crate::search::{Candidate, Committed, Search};
+use crate::search::{Committed, Search};
 use crate::stages::{Callable, EndSearch, Interface, Miss, RayGeneration, Verdict};
 use crate::table::{HitIndex, ShaderTables};
 use crate::top_level::TopLevel;
@@ -37,12 +39,20 @@ where
             return Err(Fault::RecursionDepth { limit });
         }
         let (flags, ray) = (call.flags.validated().map_err(crate::RayError::from)?, call.ray.validated()?);
+        frame.note(1, || {
+            let RayDesc { origin, direction, t_min, t_max } = ray;
+            Event::Trace { origin, direction, t_min, t_max, flags, mask: call.mask as u8 }
+        });
         let mut search = Search::new(call.scene, flags, call.mask as u8, ray, frame.thread.waiting.take());
         let mut attributes = None;
         let searched = self.search(frame, call, &mut search, payload, &mut attributes);
         let committed = search.committed;
         frame.thread.waiting.set(search.into_buffer());
         searched?;
+        frame.note(2, || match committed {
+            Some(Committed { id, t, .. }) => Event::Hit { primitive: id, t },
+            None => Event::NoHit,
+        });
         let values = values(&ray, flags, committed.map_or(ray.t_max, |hit| hit.t));
         let frame = Frame { depth: frame.depth + 1, ..frame };
         match (committed, call.scene) {
@@ -55,11 +65,15 @@ where
         if frame.calls >= MAX_CALL_DEPTH {
             return Err(Fault::CallDepth { limit: MAX_CALL_DEPTH });
         }
-        let record = self.tables.callable.callable(index)?;
-        let Some(export) = record.handle.and_then(|h| self.pipeline.library.callable.get(h.index as usize)) else {
-            return Ok(());
-        };
+        frame.note(1, || Event::Call { index });
+        let table = &self.tables.callable;
+        let record = table.callable(index)?;
+        let export = record.handle.and_then(|h| self.pipeline.library.callable.get(h.index as usize));
+        let name = || export.map(|export| export.name.clone());
+        frame.note(2, || Event::Record { place: table.callable_place(index), name: name() });
+        let Some(export) = export else { return Ok(()) };
         let frame = Frame { calls: frame.calls + 1, ..self.deeper(frame, export.stack)? };
+        self.begins(&frame, Stage::Callable, &export.name);
         export.shader.run(&mut CallableContext { frame, local: &record.local }, parameter)
     }
 }
@@ -77,21 +91,33 @@ where
         if needed > limit { Err(Fault::Stack { needed, limit }) } else { Ok(Frame { stack: needed, ..frame }) }
     }
 
+    /// Notes that a shader begins; `frame` is its own.
+    fn begins(&self, frame: &Frame<I>, stage: Stage, name: &str) {
+        let below = if matches!(stage, Stage::Intersection | Stage::AnyHit) { 2 } else { 0 };
+        frame.note(below, || Event::Shader { stage, name: name.to_owned() });
+    }
+
     /// The hit group for a primitive; `None` where the record is null.
     fn group(
         &self,
+        frame: &Frame<I>,
+        below: u32,
         (call, scene): (&TraceRay, &TopLevel),
         id: PrimitiveId,
         is_procedural: bool,
     ) -> Result<Option<Group<'a, I, H>>, Fault> {
-        let record = self.tables.hit_groups.hit_group(HitIndex {
+        let table = &self.tables.hit_groups;
+        let index = HitIndex {
             ray_contribution: call.ray_contribution,
             geometry_multiplier: call.geometry_multiplier,
             geometry: id.geometry,
             instance_offset: scene.instances.get(id.instance as usize).map_or(0, |placed| placed.hit_group_offset),
-        })?;
-        let Some(handle) = record.handle else { return Ok(None) };
-        let Some(export) = self.pipeline.library.hit_groups.get(handle.index as usize) else { return Ok(None) };
+        };
+        let record = table.hit_group(index)?;
+        let export = record.handle.and_then(|handle| self.pipeline.library.hit_groups.get(handle.index as usize));
+        let name = || export.map(|export| export.name.clone());
+        frame.note(below, || Event::Record { place: table.hit_group_place(index), name: name() });
+        let (Some(export), Some(handle)) = (export, record.handle) else { return Ok(None) };
         let name = |is_procedural| if is_procedural { "procedural primitives" } else { "triangles" };
         let is_for_procedural = export.shader.is_procedural();
         if is_for_procedural != is_procedural {
@@ -113,7 +139,12 @@ where
         while let Some(candidate) = search.proceed() {
             let Some(scene) = search.scene else { break };
             let Some(primitive) = Primitive::new(scene, candidate.id, &search.ray) else { continue };
-            let group = self.group((call, scene), candidate.id, candidate.triangle.is_none())?;
+            let is_procedural = candidate.triangle.is_none();
+            frame.note(2, || {
+                let Candidate { id: primitive, t, is_opaque, .. } = candidate;
+                Event::Candidate { primitive, t, is_procedural, is_opaque }
+            });
+            let group = self.group(&frame, 2, (call, scene), candidate.id, is_procedural)?;
             match (candidate.triangle, group) {
                 (Some(barycentrics), Some((export, local))) if export.shader.has_any_hit() => {
                     let context = AnyHitContext {
@@ -124,7 +155,10 @@ where
                         kind: None,
                     };
                     let attributes = HitAttributes::Triangle(barycentrics);
-                    match export.shader.any_hit(&context, payload, &attributes).0 {
+                    self.begins(&frame, Stage::AnyHit, &export.name);
+                    let verdict = export.shader.any_hit(&context, payload, &attributes).0;
+                    frame.note(3, || Event::Decision { verdict: verdict.name() });
+                    match verdict {
                         Verdict::Ignore => {}
                         Verdict::Accept => search.commit_triangle(&candidate),
                         Verdict::AcceptAndEndSearch => {
@@ -143,11 +177,13 @@ where
                     } else {
                         Some(self.deeper(frame, export.stack.any_hit))
                     };
+                    self.begins(&frame, Stage::Intersection, &export.name);
                     let mut reporter = Reporter {
                         search,
                         candidate,
                         primitive,
-                        group: &export.shader,
+                        frame,
+                        group: export,
                         any_hit,
                         local,
                         payload,
@@ -177,7 +213,7 @@ where
             return Ok(());
         }
         let is_triangle = hit.kind.is_none();
-        let Some((export, local)) = self.group((call, scene), hit.id, !is_triangle)? else { return Ok(()) };
+        let Some((export, local)) = self.group(&frame, 0, (call, scene), hit.id, !is_triangle)? else { return Ok(()) };
         let Some(primitive) = Primitive::new(scene, hit.id, &call.ray) else { return Ok(()) };
         let attributes = match attributes.filter(|_| !is_triangle) {
             None => HitAttributes::Triangle(hit.barycentrics),
@@ -187,16 +223,20 @@ where
             return Ok(());
         }
         let frame = self.deeper(frame, export.stack.closest_hit)?;
+        self.begins(&frame, Stage::ClosestHit, &export.name);
         let mut context = ClosestHitContext { frame, local, ray, primitive, kind: hit.kind };
         export.shader.closest_hit(&mut context, payload, &attributes)
     }
 
     fn miss(&self, frame: Frame<I>, call: &TraceRay, ray: RayValues, payload: &mut I::Payload) -> Result<(), Fault> {
-        let record = self.tables.miss.miss(call.miss_index)?;
-        let Some(export) = record.handle.and_then(|h| self.pipeline.library.miss.get(h.index as usize)) else {
-            return Ok(());
-        };
+        let table = &self.tables.miss;
+        let record = table.miss(call.miss_index)?;
+        let export = record.handle.and_then(|h| self.pipeline.library.miss.get(h.index as usize));
+        let name = || export.map(|export| export.name.clone());
+        frame.note(0, || Event::Record { place: table.miss_place(call.miss_index), name: name() });
+        let Some(export) = export else { return Ok(()) };
         let frame = self.deeper(frame, export.stack)?;
+        self.begins(&frame, Stage::Miss, &export.name);
         export.shader.run(&mut MissContext { frame, local: &record.local, ray }, payload)
     }
 }
@@ -211,7 +251,8 @@ struct Reporter<'r, 's, 'f, I: Interface, H> {
     search: &'r mut Search<'s>,
     candidate: Candidate,
     primitive: Primitive<'s>,
-    group: &'r H,
+    frame: Frame<'f, I>,
+    group: &'r Export<H, HitGroupStack>,
     /// The frame of the any-hit shader where there is one to be asked.
     any_hit: Option<Result<Frame<'f, I>, Fault>>,
     local: &'r I::Local,
@@ -231,7 +272,10 @@ impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
             primitive: self.primitive,
             kind: Some(kind),
         };
-        Ok(self.group.any_hit(&context, self.payload, &HitAttributes::Procedural(attributes)).0)
+        self.frame.note(3, || Event::Shader { stage: Stage::AnyHit, name: self.group.name.clone() });
+        let verdict = self.group.shader.any_hit(&context, self.payload, &HitAttributes::Procedural(attributes)).0;
+        self.frame.note(4, || Event::Decision { verdict: verdict.name() });
+        Ok(verdict)
     }
 }
 
@@ -244,28 +288,37 @@ impl<I: Interface, H: HitGroup<I>> Report<I> for Reporter<'_, '_, '_, I, H> {
         if self.search.is_done() || self.fault.is_some() {
             return ControlFlow::Break(EndSearch(()));
         }
+        let counts = self.consider(t, kind, attributes).unwrap_or_else(|fault| {
+            self.fault = Some(fault);
+            false
+        });
+        self.frame.note(3, || Event::Report { t, kind: kind.get(), counts });
+        match self.search.is_done() || self.fault.is_some() {
+            true => ControlFlow::Break(EndSearch(())),
+            false => ControlFlow::Continue(counts),
+        }
+    }
+}
+
+impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
+    /// Commits a hit where it counts, and says whether it does.
+    fn consider(&mut self, t: f32, kind: HitKind, attributes: I::Attributes) -> Result<bool, Fault> {
         if !(t >= self.search.ray.t_min && t <= self.search.t_current()) {
-            return ControlFlow::Continue(false);
+            return Ok(false);
         }
-        let verdict = match kind.is_triangle() {
-            true => Err(Fault::HitKind { kind: kind.get() }),
-            false => self.verdict(t, kind, attributes),
-        };
-        match verdict {
-            Err(fault) => {
-                self.fault = Some(fault);
-                return ControlFlow::Break(EndSearch(()));
-            }
-            Ok(Verdict::Ignore) => return ControlFlow::Continue(false),
-            Ok(verdict) => {
-                *self.attributes = Some(attributes);
-                let id = self.candidate.id;
-                self.search.commit(Committed { t, id, kind: Some(kind), barycentrics: Barycentrics::default() });
-                if verdict == Verdict::AcceptAndEndSearch {
-                    self.search.end();
-                }
-            }
+        if kind.is_triangle() {
+            return Err(Fault::HitKind { kind: kind.get() });
         }
-        if self.search.is_done() { ControlFlow::Break(EndSearch(())) } else { ControlFlow::Continue(true) }
+        let verdict = self.verdict(t, kind, attributes)?;
+        if verdict == Verdict::Ignore {
+            return Ok(false);
+        }
+        *self.attributes = Some(attributes);
+        let id = self.candidate.id;
+        self.search.commit(Committed { t, id, kind: Some(kind), barycentrics: Barycentrics::default() });
+        if verdict == Verdict::AcceptAndEndSearch {
+            self.search.end();
+        }
+        Ok(true)
     }
 }

@@ -1,6 +1,9 @@
 //! What the crate promises, held against models that are written from the specifications.
 
+mod examples;
 mod facing;
+mod inspect;
+mod legality;
 mod limits;
 mod model;
 mod pipeline;
