@@ -68,7 +68,9 @@ impl Shear {
         let depth = (u * az + v * bz) + w * cz;
         let scale = self.shear[2];
         let mut t = depth * scale / sum;
-        if !(t > 0.0) {
+        // NaN is neither.
+        let is_beyond = t > 0.0;
+        if !is_beyond {
             return None;
         }
         let nearest = min(min(az * scale, bz * scale), cz * scale);
@@ -82,7 +84,7 @@ impl Shear {
                 t = exact_distance([a, b, c, self.origin], self.shear)?;
             }
         }
-        if !(t <= t_max) {
+        if t > t_max {
             return None;
         }
         let [a, b, c] = corners.map(|p| self.relative(p));

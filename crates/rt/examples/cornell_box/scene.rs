@@ -41,7 +41,7 @@ impl<I: Interface<Attributes = Vec3>> Intersection<I> for Sphere {
 
 /// Walls that begin behind the camera, far away, and spheres.
 pub fn scene() -> Result<TopLevel, BuildError> {
-    const FAR: f32 = -30.0;
+    const FAR: f32 = -1000.0;
     let corner = |i: usize| {
         let side = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
         Vec3::new(side(0), side(1), if i >> 2 & 1 == 1 { 1.0 } else { FAR })
