@@ -22,12 +22,14 @@ mod shading;
 mod shadow;
 mod trace;
 mod visibility;
+mod world;
 
-pub use hybrid::{Hybrid, World};
+pub use hybrid::Hybrid;
 pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;
 pub use visibility::{Seen, Visibility};
+pub use world::World;
 
 use steradian_core::Scene;
 use steradian_math::{Vec2, Vec3};

@@ -275,7 +275,8 @@ impl Options {
                 }
                 _ => {
                     return Err(fault(
-                        "keys are frame, filter, shadows, show, size, bias, bias-by, pcf, cascades, visibility, points and bounces",
+                        "keys are frame, filter, shadows, show, size, bias, bias-by, pcf, cascades, \
+                         visibility, points and bounces",
                     ));
                 }
             }

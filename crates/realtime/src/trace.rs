@@ -1,6 +1,6 @@
 //! What shading and shadows ask of rays, and what they keep of a pixel's light.
 
-use crate::hybrid::World;
+use crate::world::World;
 use steradian_core::{Scene, scene::Hit};
 use steradian_engine::Counters;
 use steradian_math::Ray;

@@ -8,7 +8,8 @@ use crate::flags::{ExclusiveRayFlags, InstanceFlags};
 pub enum BuildError {
     /// The number of corners is no multiple of three.
     #[error(
-        "geometry {geometry} has {corners} corners: three make a triangle (DXR, D3D12_RAYTRACING_GEOMETRY_TRIANGLES_DESC)"
+        "geometry {geometry} has {corners} corners: three make a triangle (DXR, \
+         D3D12_RAYTRACING_GEOMETRY_TRIANGLES_DESC)"
     )]
     IncompleteTriangle {
         /// Index of the geometry.
@@ -30,7 +31,8 @@ pub enum BuildError {
     },
     /// The transform of a geometry is singular, or has a number that is not finite.
     #[error(
-        "the transform of geometry {geometry} has no inverse: its first three columns must be invertible (Vulkan, VkTransformMatrixKHR)"
+        "the transform of geometry {geometry} has no inverse: its first three columns must be \
+         invertible (Vulkan, VkTransformMatrixKHR)"
     )]
     GeometryTransform {
         /// Index of the geometry.
@@ -38,7 +40,8 @@ pub enum BuildError {
     },
     /// The transform of an instance is singular, or has a number that is not finite.
     #[error(
-        "the transform of instance {instance} has no inverse: its first three columns must be invertible (Vulkan, VkTransformMatrixKHR)"
+        "the transform of instance {instance} has no inverse: its first three columns must be \
+         invertible (Vulkan, VkTransformMatrixKHR)"
     )]
     InstanceTransform {
         /// Index of the instance.
@@ -87,7 +90,8 @@ pub enum BuildError {
     },
     /// An update changes how many there are.
     #[error(
-        "an update may not change the number of {what}: {before} before, {now} now (DXR, \"Acceleration structure update constraints\")"
+        "an update may not change the number of {what}: {before} before, {now} now (DXR, \
+         \"Acceleration structure update constraints\")"
     )]
     UpdateCount {
         /// What has been counted.
@@ -99,7 +103,8 @@ pub enum BuildError {
     },
     /// An update makes a primitive active that was not, or the other way round.
     #[error(
-        "an update may not change whether primitive {primitive} of geometry {geometry} is active (DXR, \"Inactive primitives and instances\")"
+        "an update may not change whether primitive {primitive} of geometry {geometry} is active \
+         (DXR, \"Inactive primitives and instances\")"
     )]
     UpdateActivity {
         /// Index of the geometry.
@@ -141,7 +146,9 @@ pub enum Fault {
     Ray(#[from] RayError),
     /// A hit-group record that does not exist.
     #[error(
-        "no hit-group record at {place} = {base} + {stride} * ({ray_contribution} + {geometry_multiplier} * {geometry} + {instance_offset}): the table has {records} (DXR, \"Hit group table indexing\")"
+        "no hit-group record at {place} = {base} + {stride} * ({ray_contribution} + \
+         {geometry_multiplier} * {geometry} + {instance_offset}): the table has {records} \
+         (DXR, \"Hit group table indexing\")"
     )]
     HitGroupRecord {
         /// Base of the table.
@@ -163,7 +170,8 @@ pub enum Fault {
     },
     /// A miss or callable record that does not exist.
     #[error(
-        "no {table} record at {place} = {base} + {stride} * {index}: the table has {records} (DXR, \"Addressing calculations within shader tables\")"
+        "no {table} record at {place} = {base} + {stride} * {index}: the table has {records} (DXR, \
+         \"Addressing calculations within shader tables\")"
     )]
     Record {
         /// Which table.
@@ -197,7 +205,8 @@ pub enum Fault {
     },
     /// Rays are traced from shaders of rays more deeply than declared.
     #[error(
-        "trace at depth {limit}: the pipeline declares a maximum recursion depth of {limit} (DXR, \"Ray recursion limit\")"
+        "trace at depth {limit}: the pipeline declares a maximum recursion depth of {limit} (DXR, \
+         \"Ray recursion limit\")"
     )]
     RecursionDepth {
         /// The declared limit.

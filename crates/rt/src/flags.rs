@@ -54,7 +54,8 @@ macro_rules! flags {
 
         impl std::fmt::Display for $name {
             fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                let names: Vec<&str> = Self::ALL.iter().filter(|(flag, _)| self.contains(*flag)).map(|flag| flag.1).collect();
+                let has = |flag: &&(Self, &'static str)| self.contains(flag.0);
+                let names: Vec<&str> = Self::ALL.iter().filter(has).map(|flag| flag.1).collect();
                 f.write_str(if names.is_empty() { "NONE".to_owned() } else { names.join(" | ") }.as_str())
             }
         }
@@ -102,7 +103,7 @@ impl RayFlags {
         &[Self::SKIP_TRIANGLES, Self::SKIP_PROCEDURAL_PRIMITIVES],
     ];
 
-    /// The same flags where they may be together.
+    /// These flags, where they may be together.
     ///
     /// # Errors
     /// The first two that exclude each other.

@@ -43,13 +43,13 @@ impl<'a> TriangleGeometry<'a> {
         Self { indices: Indices::U32(indices), ..Self::new(vertices) }
     }
 
-    /// The same with other flags.
+    /// As it is, but with other flags.
     #[must_use]
     pub fn with_flags(self, flags: GeometryFlags) -> Self {
         Self { flags, ..self }
     }
 
-    /// The same with a transform.
+    /// As it is, but with a transform.
     #[must_use]
     pub fn with_transform(self, transform: Transform3x4) -> Self {
         Self { transform: Some(transform), ..self }
@@ -113,7 +113,7 @@ impl<'a> BoxGeometry<'a> {
         Self { boxes, flags: GeometryFlags::OPAQUE }
     }
 
-    /// The same with other flags.
+    /// As it is, but with other flags.
     #[must_use]
     pub fn with_flags(self, flags: GeometryFlags) -> Self {
         Self { flags, ..self }

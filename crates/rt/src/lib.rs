@@ -42,7 +42,8 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // A structure over structures.
 //! let corners = [Vec3::new(-0.8, -0.7, 0.0), Vec3::new(0.0, 0.8, 0.0), Vec3::new(0.8, -0.7, 0.0)];
-//! let object = BottomLevel::build(Geometries::Triangles(&[TriangleGeometry::new(&corners)]), BuildOptions::default())?;
+//! let triangles = [TriangleGeometry::new(&corners)];
+//! let object = BottomLevel::build(Geometries::Triangles(&triangles), BuildOptions::default())?;
 //! let scene = TopLevel::build(&[Instance::new(Arc::new(object))], BuildOptions::default())?;
 //!
 //! // A pipeline, and tables that say which of its shaders runs where.
@@ -65,8 +66,8 @@
 //! # What there is
 //!
 //! * [`BottomLevel`] and [`TopLevel`]: structures, built, updated, traced in.
-//! * [`RayGeneration`], [`Intersection`], [`AnyHit`], [`ClosestHit`], [`Miss`], [`Callable`]: the stages, as traits. Their
-//!   [contexts](context) offer what is legal in a stage, so that what is not does not compile:
+//! * [`RayGeneration`], [`Intersection`], [`AnyHit`], [`ClosestHit`], [`Miss`], [`Callable`]: the stages, as traits.
+//!   Their [contexts](context) offer what is legal in a stage, so that what is not does not compile:
 //!
 //! | | ray generation | intersection | any hit | closest hit | miss | callable |
 //! |---|---|---|---|---|---|---|
@@ -82,8 +83,8 @@
 //! | `primitive` | | * | * | * | | |
 //! | `hit_kind` | | | * | * | | |
 //!
-//! * [`TriangleGroup`], [`ProceduralGroup`]: hit groups. A pipeline of one type of them is compiled for it; several types
-//!   are a `Box<dyn HitGroup<I>>`.
+//! * [`TriangleGroup`], [`ProceduralGroup`]: hit groups. A pipeline of one type of them is compiled for it; several
+//!   types are a `Box<dyn HitGroup<I>>`.
 //! * [`Library`], [`Pipeline`], [`ShaderTables`]: shaders by name, linked; records that choose among them.
 //! * [`RayQuery`]: tracing without shaders.
 //! * [`Pipeline::inspect`]: what happens for one launch id, as text and as JSON.
@@ -93,9 +94,9 @@
 //! * Of hits at equal distance the one with the smaller [`PrimitiveId`] wins.
 //! * Candidates are asked about from near to far, each at most once, which is more than the APIs promise; a procedural
 //!   primitive has the distance where the ray enters its box.
-//! * A triangle shows its front where its vertices are clockwise as seen from the ray's origin, in object space taken as
-//!   left-handed, which is counter-clockwise taken as right-handed. An instance's mirror does not change that, a
-//!   geometry's does.
+//! * A triangle shows its front where its vertices are clockwise as seen from the ray's origin, in object space
+//!   taken as left-handed, which is counter-clockwise taken as right-handed. An instance's mirror does not change that,
+//!   a geometry's does.
 //! * Nothing panics on any geometry, ray, flag or index.
 
 mod bottom_level;

@@ -31,7 +31,7 @@ impl<S, Z: Default> Export<S, Z> {
         Self { name: name.into(), shader, stack: Z::default() }
     }
 
-    /// The same with a stack in bytes.
+    /// As it is, but with a stack in bytes.
     #[must_use]
     pub fn with_stack(self, stack: Z) -> Self {
         Self { stack, ..self }
@@ -77,28 +77,28 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
         Self::default()
     }
 
-    /// The same with another ray-generation shader.
+    /// As it is, but with another ray-generation shader.
     #[must_use]
     pub fn with_ray_generation(mut self, export: Export<R>) -> Self {
         self.ray_generation.push(export);
         self
     }
 
-    /// The same with another hit group.
+    /// As it is, but with another hit group.
     #[must_use]
     pub fn with_hit_group(mut self, export: Export<H, HitGroupStack>) -> Self {
         self.hit_groups.push(export);
         self
     }
 
-    /// The same with another miss shader.
+    /// As it is, but with another miss shader.
     #[must_use]
     pub fn with_miss(mut self, export: Export<M>) -> Self {
         self.miss.push(export);
         self
     }
 
-    /// The same with another callable shader.
+    /// As it is, but with another callable shader.
     #[must_use]
     pub fn with_callable(mut self, export: Export<C>) -> Self {
         self.callable.push(export);

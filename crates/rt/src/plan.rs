@@ -68,8 +68,8 @@ impl Plan {
         if flags.contains(GeometryFlags::OPAQUE) { self.opaque } else { self.non_opaque }
     }
 
-    /// Whether all hits on triangles are opaque, but for those that are skipped for their face: `is_opaque` says whether
-    /// all geometries are.
+    /// Whether all hits on triangles are opaque, but for those that are skipped for their face: `is_opaque` says
+    /// whether all geometries are.
     #[inline]
     pub fn is_certain(&self, is_opaque: bool) -> bool {
         self.opaque == Class::Opaque && (is_opaque || self.non_opaque == Class::Opaque)

@@ -29,13 +29,13 @@ impl RayDesc {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// The same with another interval.
+    /// As it is, but with another interval.
     #[must_use]
     pub const fn with_extents(self, t_min: f32, t_max: f32) -> Self {
         Self { t_min, t_max, ..self }
     }
 
-    /// The same where it keeps the rules.
+    /// It, where it keeps the rules.
     #[inline]
     pub(crate) fn validated(self) -> Result<Self, RayError> {
         let Self { t_min, t_max, .. } = self;
@@ -48,7 +48,7 @@ impl RayDesc {
         Ok(self)
     }
 
-    /// The same as the hierarchy takes it.
+    /// How the hierarchy takes it.
     pub(crate) fn with_end(&self, t_max: f32) -> Ray {
         Ray { t_max, ..Ray::new(self.origin, self.direction) }
     }

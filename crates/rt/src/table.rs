@@ -1,4 +1,5 @@
-//! Shader tables (DXR, "Shader tables", "Addressing calculations within shader tables"; Vulkan, "Shader Binding Table").
+//! Shader tables (DXR, "Shader tables", "Addressing calculations within shader tables"; Vulkan, "Shader Binding
+//! Table").
 
 use crate::error::Fault;
 use serde::Serialize;
@@ -95,7 +96,7 @@ impl<K, L> ShaderTable<K, L> {
         Self { records, base: 0, stride: 1 }
     }
 
-    /// The same with another region.
+    /// As it is, but with another region.
     #[must_use]
     pub fn with_region(self, base: u32, stride: u32) -> Self {
         Self { base, stride, ..self }
@@ -260,19 +261,19 @@ impl<L> ShaderTables<L> {
         Self { ray_generation, miss, hit_groups, callable }
     }
 
-    /// The same with these miss records.
+    /// As it is, but with these miss records.
     #[must_use]
     pub fn with_miss(self, miss: ShaderTable<kind::Miss, L>) -> Self {
         Self { miss, ..self }
     }
 
-    /// The same with these records of hit groups.
+    /// As it is, but with these records of hit groups.
     #[must_use]
     pub fn with_hit_groups(self, hit_groups: ShaderTable<kind::HitGroup, L>) -> Self {
         Self { hit_groups, ..self }
     }
 
-    /// The same with these callable records.
+    /// As it is, but with these callable records.
     #[must_use]
     pub fn with_callable(self, callable: ShaderTable<kind::Callable, L>) -> Self {
         Self { callable, ..self }

@@ -39,31 +39,31 @@ impl Instance {
         }
     }
 
-    /// The same in another place.
+    /// As it is, but in another place.
     #[must_use]
     pub fn with_transform(self, transform: Transform3x4) -> Self {
         Self { transform, ..self }
     }
 
-    /// The same with another custom index.
+    /// As it is, but with another custom index.
     #[must_use]
     pub fn with_custom_index(self, custom_index: u32) -> Self {
         Self { custom_index, ..self }
     }
 
-    /// The same with another mask.
+    /// As it is, but with another mask.
     #[must_use]
     pub fn with_mask(self, mask: u8) -> Self {
         Self { mask, ..self }
     }
 
-    /// The same with another offset into the table of hit groups.
+    /// As it is, but with another offset into the table of hit groups.
     #[must_use]
     pub fn with_hit_group_offset(self, hit_group_offset: u32) -> Self {
         Self { hit_group_offset, ..self }
     }
 
-    /// The same with other flags.
+    /// As it is, but with other flags.
     #[must_use]
     pub fn with_flags(self, flags: InstanceFlags) -> Self {
         Self { flags, ..self }

@@ -53,6 +53,8 @@ struct Source {
     parsed: syn::File,
     /// Whether it is no test, example or benchmark.
     is_shipped: bool,
+    /// Whether it is an example, which uses what users use.
+    is_example: bool,
 }
 
 /// Counts and compares.
@@ -147,7 +149,8 @@ impl Source {
         let is_test = |name: &String| name == "tests" || name.ends_with("_tests") || name.starts_with("test_");
         let is_shipped = folder == "src" && !parts[3..].iter().any(is_test) && krate != "testkit";
         let modules = parts[3..].iter().filter(|p| !["mod", "lib", "main"].contains(&p.as_str())).cloned().collect();
-        Ok(Self { path, krate, modules, text, parsed, is_shipped })
+        let is_example = folder == "examples";
+        Ok(Self { path, krate, modules, text, parsed, is_shipped, is_example })
     }
 }
 
@@ -410,13 +413,15 @@ fn collect(tokens: TokenStream, into: &mut impl FnMut(String)) {
 fn unused_items(sources: &[Source], baseline: &Baseline) -> Vec<String> {
     let mut counts: HashMap<String, usize> = HashMap::new();
     let mut items = Vec::new();
-    for source in sources.iter().filter(|s| s.is_shipped) {
+    for source in sources.iter().filter(|s| s.is_shipped || s.is_example) {
         let kept: Vec<&syn::Item> = source.parsed.items.iter().filter(|item| !is_test_item(item)).collect();
         for item in &kept {
             collect(quote::ToTokens::to_token_stream(item), &mut |name| *counts.entry(name).or_default() += 1);
         }
-        let mut public = Public { source, items: &mut items };
-        kept.into_iter().for_each(|item| public.visit_item(item));
+        if source.is_shipped {
+            let mut public = Public { source, items: &mut items };
+            kept.into_iter().for_each(|item| public.visit_item(item));
+        }
     }
     let is_unused = |(name, _): &(String, String)| counts.get(name) == Some(&1);
     let stays = |(_, place): &(String, String)| baseline.public_items_that_stay.contains_key(place);

@@ -250,8 +250,8 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     }
 }
 
-/// Puts paths next to each other whose rays have the same signs of direction and the same greatest axis, and takes these
-/// rays.
+/// Puts paths next to each other whose rays have the same signs of direction and the same greatest axis, and takes
+/// these rays.
 fn sort(buffer: &mut WaveBuffer<'_>) {
     const CLASSES: usize = 24;
     let WaveBuffer { walkers, live, order, classes, rays, .. } = buffer;

@@ -1,12 +1,11 @@
-//! Hybrid frames: what is seen by rasterisation, shadows, reflections, transparency, occlusion and one bounce of light by
-//! rays through the ray-tracing pipeline, each a pass of a graph.
+//! Hybrid frames: what is seen by rasterisation; shadows, reflections, transparency, occlusion and one bounce of light
+//! by rays through the ray-tracing pipeline, each a pass of a graph.
 
 mod diagram;
 mod filter;
 mod frame;
 mod graph;
 mod surface;
-mod world;
 
 use crate::{
     Error,
@@ -15,6 +14,7 @@ use crate::{
     projection::Projected,
     rasterizer::place,
     shadow::Shadowing,
+    world::World,
 };
 use filter::Filters;
 use frame::Frame;
@@ -28,7 +28,6 @@ use steradian_engine::{Counters, History, Pass, Plan, Run};
 use steradian_math::{Ray, Vec2, spectra::Wavelengths};
 use steradian_transport::Depth;
 use surface::Before;
-pub use world::World;
 
 /// What a pass of the graph does.
 type Step = fn(&mut Frame<'_>) -> Result<(), Error>;

@@ -4,8 +4,8 @@
 //! All work on triangles of meshes, in the picture: x right and y up from −1 to 1, z the reversed depth, where more is
 //! nearer, scaled to at most 1. Planes of space are planes there, and what is behind what is told by z alone.
 //!
-//! Parts of a polygon that was cut are drawn as the whole triangle, of which each pixel belongs to one of them by its side
-//! of the cuts: outlines of the parts themselves would be rounded to the pipeline's grid, and leave gaps.
+//! Parts of a polygon that was cut are drawn as the whole triangle, of which each pixel belongs to one of them by its
+//! side of the cuts: outlines of the parts themselves would be rounded to the pipeline's grid, and leave gaps.
 
 mod bsp;
 mod newell;

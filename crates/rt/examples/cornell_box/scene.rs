@@ -7,7 +7,9 @@ use steradian_rt::{context::IntersectionContext, *};
 /// What a record of a hit group says.
 #[derive(Clone, Copy, Default)]
 pub struct Surface {
+    /// The part of light that it reflects, by colours.
     pub albedo: Vec3,
+    /// What it emits.
     pub emission: f32,
 }
 

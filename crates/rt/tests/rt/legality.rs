@@ -11,8 +11,8 @@ const STAGES: [(&str, &str); 6] = [
     ("CallableContext", "callable"),
 ];
 
-/// Pairs of context and method: from the lines `may!(what: contexts)`, whose macro says which methods they get, and from
-/// the blocks `impl<I: Interface> Context<'_, I>`.
+/// Pairs of context and method: from the lines `may!(what: contexts)`, whose macro says which methods they get, and
+/// from the blocks `impl<I: Interface> Context<'_, I>`.
 fn methods(source: &str) -> BTreeSet<(String, String)> {
     let mut found = BTreeSet::new();
     let (mut of, mut rule, mut all) = (String::new(), String::new(), false);
