@@ -39,6 +39,7 @@ mod error;
 mod gbuffer;
 mod image;
 mod kernel;
+mod rows;
 pub mod svgf;
 
 pub use error::{Error, Result};

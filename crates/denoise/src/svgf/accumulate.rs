@@ -1,9 +1,12 @@
 //! Means over time.
 
-use steradian_math::{Vec2, Vec3, color::luminance};
+use rayon::prelude::*;
+use steradian_math::{Vec2, Vec3};
 
-use super::{reproject::Before, settings::Settings, surface::Surface};
-use crate::{gbuffer::GBuffer, image::Image, kernel::visit};
+use super::{
+    estimates::Estimates, history::History, reproject::Former, settings::Settings, surface::Surface, term::Term,
+};
+use crate::{gbuffer::GBuffer, image::Image, rows::Rows};
 
 /// Means over the frames of a pixel's history.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,56 +18,89 @@ pub(super) struct Accumulated {
     pub length: u32,
 }
 
-/// Adds the newest frame's samples, NaN where they are left out, to their histories: section 4.1.
+/// Adds the newest frame's samples to their histories: section 4.1. `estimates` take the colours.
 pub(super) fn accumulate(
-    samples: &Image<Vec3>,
-    gbuffer: &GBuffer,
+    (terms, gbuffer): (&[Term<'_>], &GBuffer),
     surfaces: &Image<Surface>,
-    before: Option<Before<'_>>,
+    before: Option<&History>,
     settings: &Settings,
-) -> Image<Accumulated> {
-    let [width, height] = samples.size();
-    Image::by_rows(width, height, |x, y| {
-        let sample = Some(samples.at(x, y)).filter(|sample| !sample.is_nan());
-        let mut history = before.and_then(|before| before.history(gbuffer, &surfaces.at(x, y), x, y));
-        if let (true, Some(history)) = (settings.clamp_history, &mut history) {
-            clamp(history, samples, surfaces, [x, y]);
-        }
-        match (history, sample) {
-            (Some(history), Some(sample)) => add(history, sample, settings),
-            (Some(history), None) => history,
-            (None, Some(color)) => Accumulated { color, moments: moments_of(color), length: 1 },
-            (None, None) => Accumulated::default(),
-        }
-    })
-}
-
-fn add(history: Accumulated, sample: Vec3, settings: &Settings) -> Accumulated {
-    let length = history.length.saturating_add(1);
-    let weight = |least: f32| least.max(1.0 / length as f32);
-    Accumulated {
-        color: history.color.lerp(sample, weight(settings.alpha)),
-        moments: history.moments.lerp(moments_of(sample), weight(settings.moments_alpha)),
-        length,
-    }
-}
-
-fn moments_of(sample: Vec3) -> Vec2 {
-    let luminance = luminance(sample);
-    Vec2::new(luminance, luminance * luminance)
-}
-
-/// Limits a history to the box of the samples of its object around a pixel.
-fn clamp(history: &mut Accumulated, samples: &Image<Vec3>, surfaces: &Image<Surface>, pixel: [u32; 2]) {
-    let id = surfaces.at(pixel[0], pixel[1]).id;
-    let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    visit(&[1.0; 3], pixel, samples.size(), 1, |tap| {
-        let sample = samples.values()[tap.place];
-        if surfaces.values()[tap.place].id == id && !sample.is_nan() {
-            (least, most) = (least.min(sample), most.max(sample));
+    estimates: &mut Estimates,
+) -> Rows<Accumulated> {
+    let luminance = estimates.luminance;
+    let mut all = Rows::filled(gbuffer.size(), &vec![Accumulated::default(); terms.len()], 0);
+    all.par_rows().zip(estimates.rows.par_rows()).for_each(|((y, mut row), (_, mut estimates))| {
+        for x in 0..gbuffer.size()[0] {
+            let surface = surfaces.at(x, y as u32);
+            let former = before.map(|before| Former::of(&before.surfaces, gbuffer, &surface, x, y as u32));
+            for (number, term) in terms.iter().enumerate() {
+                let before = before.map(|before| &before.accumulated).filter(|before| number < before.planes());
+                let history = before.zip(former).and_then(|(before, former)| former.history(before, number));
+                let pixel = Pixel { term, gbuffer, surfaces, at: [x, y as u32], luminance };
+                let accumulated = pixel.accumulate(history, settings);
+                row.set(number, x as usize, accumulated);
+                if accumulated.length > 0 {
+                    let color = accumulated.color;
+                    Estimates::set_color(&mut estimates, number, x as usize, color, luminance.dot(color));
+                }
+            }
         }
     });
-    if least.x <= most.x {
-        history.color = history.color.max(least).min(most);
+    all
+}
+
+/// A pixel of a term.
+struct Pixel<'a> {
+    term: &'a Term<'a>,
+    gbuffer: &'a GBuffer,
+    surfaces: &'a Image<Surface>,
+    at: [u32; 2],
+    /// The weights of colours in luminance.
+    luminance: Vec3,
+}
+
+impl Pixel<'_> {
+    /// Adds its sample to its history.
+    fn accumulate(&self, mut history: Option<Accumulated>, settings: &Settings) -> Accumulated {
+        if let (true, Some(history)) = (settings.clamp_history, &mut history) {
+            self.clamp(history);
+        }
+        match (history, self.term.sample(self.gbuffer, self.at)) {
+            (Some(history), Some(sample)) => self.add(history, sample, settings),
+            (Some(history), None) => history,
+            (None, Some(color)) => Accumulated { color, moments: self.moments(color), length: 1 },
+            (None, None) => Accumulated::default(),
+        }
+    }
+
+    /// Limits a history to the box of the samples of its object around the pixel.
+    fn clamp(&self, history: &mut Accumulated) {
+        let ([x, y], [width, height]) = (self.at, self.gbuffer.size());
+        let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for j in y.saturating_sub(1)..(y + 2).min(height) {
+            for i in x.saturating_sub(1)..(x + 2).min(width) {
+                let is_same = self.surfaces.at(i, j).id == self.surfaces.at(x, y).id;
+                if let Some(sample) = self.term.sample(self.gbuffer, [i, j]).filter(|_| is_same) {
+                    (least, most) = (least.min(sample), most.max(sample));
+                }
+            }
+        }
+        if least.x <= most.x {
+            history.color = history.color.max(least).min(most);
+        }
+    }
+
+    fn add(&self, history: Accumulated, sample: Vec3, settings: &Settings) -> Accumulated {
+        let length = history.length.saturating_add(1);
+        let weight = |least: f32| least.max(1.0 / length as f32);
+        Accumulated {
+            color: history.color.lerp(sample, weight(settings.alpha)),
+            moments: history.moments.lerp(self.moments(sample), weight(settings.moments_alpha)),
+            length,
+        }
+    }
+
+    fn moments(&self, sample: Vec3) -> Vec2 {
+        let luminance = self.luminance.dot(sample);
+        Vec2::new(luminance, luminance * luminance)
     }
 }

@@ -1,99 +1,170 @@
 //! The edge-avoiding à-trous wavelet filter.
 
-use steradian_math::{Vec3, color::luminance};
+use steradian_accel::{
+    Lanes,
+    columns::{Column, WIDTH},
+    kernel,
+};
+use steradian_math::Vec3;
 
-use super::{settings::Settings, surface::Surface};
+use super::{
+    estimates::{BLUE, Estimates, GREEN, LUMINANCE, PLANES, RED, VARIANCE},
+    falloff::falloff,
+    geometry::{Geometry, Likeness},
+    settings::Settings,
+};
 use crate::{
-    image::Image,
-    kernel::{B3_SPLINE, GAUSSIAN, visit},
+    kernel::{B3_SPLINE, GAUSSIAN},
+    rows::{Row, Rows},
 };
 
 /// Keeps the exponent of luminance finite where there is no variance.
 const LEAST_DEVIATION: f32 = 1e-10;
 
-/// What is filtered.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Estimate {
-    pub color: Vec3,
-    /// Its luminance.
-    luminance: f32,
-    /// Of luminance.
-    pub variance: f32,
-    /// Whether there is a value.
-    is_known: bool,
-}
-
-impl Estimate {
-    /// Of a value.
-    pub fn new(color: Vec3, variance: f32) -> Self {
-        Self { color, luminance: luminance(color), variance, is_known: true }
-    }
-
-    /// Of no value.
-    pub fn unknown(variance: f32) -> Self {
-        Self { variance, ..Self::default() }
-    }
-}
-
-/// Goes over the picture once, with gaps of 2^`iteration` pixels: equations 1, 2 and 5.
+/// Goes over all terms once, with gaps of 2^`iteration` pixels: equations 1, 2 and 5.
 pub(super) fn filter(
-    estimates: &Image<Estimate>,
-    surfaces: &Image<Surface>,
+    from: &Estimates,
+    to: &mut Estimates,
+    geometry: &Geometry,
     iteration: u32,
-    settings: &Settings,
-) -> Image<Estimate> {
-    let [width, height] = estimates.size();
-    Image::by_rows(width, height, |x, y| filter_pixel(estimates, surfaces, [x, y], 1i64 << iteration, settings))
+    (lanes, settings): (Lanes, &Settings),
+) {
+    use rayon::prelude::*;
+    let pass = Pass { from: &from.rows, geometry, step: 1 << iteration, settings, luminance: from.luminance };
+    to.rows.par_rows().for_each(|(y, mut row)| filter_row(lanes, &pass, y, &mut row));
 }
 
-fn filter_pixel(
-    estimates: &Image<Estimate>,
-    surfaces: &Image<Surface>,
-    [x, y]: [u32; 2],
+/// A passage over the picture.
+struct Pass<'a> {
+    from: &'a Rows,
+    geometry: &'a Geometry,
     step: i64,
-    settings: &Settings,
-) -> Estimate {
-    let (surface, middle) = (surfaces.at(x, y), estimates.at(x, y));
-    let deviation = deviation(estimates, surfaces, [x, y], settings.sigma_luminance);
-    let (mut color, mut variance, mut weights) = (Vec3::ZERO, 0.0, 0.0);
-    visit(&B3_SPLINE, [x, y], estimates.size(), step, |tap| {
-        let other = &estimates.values()[tap.place];
-        if !other.is_known {
-            return;
+    settings: &'a Settings,
+    /// The weights of colours in luminance.
+    luminance: Vec3,
+}
+
+kernel! {
+    /// Filters a row: what surfaces say is the same for all terms.
+    fn filter_row(pass: &'a Pass<'a>, y: usize, row: &'a mut Row<'a>) {
+        let (mut taps, mut near) = ([[Likeness::WHOLE; 5]; 5], [[[0.0; WIDTH]; 3]; 3]);
+        for x in (0..pass.from.width()).step_by(WIDTH) {
+            pass.compare([x, y], &mut taps);
+            pass.find_near([x, y], &mut near);
+            for term in 0..pass.from.planes() / PLANES {
+                pass.filter_block(term * PLANES, [x, y], (&taps, &near), row);
+            }
         }
-        let weight = if tap.offset == [0, 0] {
-            tap.weight
-        } else {
-            let apart = (middle.luminance - other.luminance).abs();
-            let difference = if middle.is_known && apart > 0.0 { apart / deviation } else { 0.0 };
-            tap.weight * surface.weight(&surfaces.values()[tap.place], tap.offset, difference, settings)
-        };
-        color += weight * other.color;
-        variance += weight * weight * other.variance;
-        weights += weight;
-    });
-    if weights > 0.0 {
-        // Twice, since the square of a weight may be too small to divide by.
-        Estimate::new(color / weights, variance / weights / weights)
-    } else {
-        middle
     }
 }
 
-/// By how much luminance may differ: σ_l times the standard deviation, whose square is smoothed over the 3×3 pixels of
-/// the object.
-fn deviation(estimates: &Image<Estimate>, surfaces: &Image<Surface>, [x, y]: [u32; 2], sigma: f32) -> f32 {
-    if sigma == f32::INFINITY {
-        return sigma;
-    }
-    let id = surfaces.at(x, y).id;
-    let (mut variance, mut weights) = (0.0, 0.0);
-    visit(&GAUSSIAN, [x, y], estimates.size(), 1, |tap| {
-        let other = &estimates.values()[tap.place];
-        if other.is_known && surfaces.values()[tap.place].id == id {
-            variance += tap.weight * other.variance;
-            weights += tap.weight;
+impl Pass<'_> {
+    /// How alike the pixels beneath the filter are, but the middle, which is so wholly.
+    #[inline(always)]
+    fn compare(&self, at: [usize; 2], taps: &mut [[Likeness; 5]; 5]) {
+        for (j, taps) in taps.iter_mut().enumerate() {
+            let rows = (j as i64 - 2) * self.step;
+            let Some(y) = self.from.row_at(at[1], rows) else { continue };
+            for (i, tap) in taps.iter_mut().enumerate().filter(|(i, _)| [*i, j] != [2, 2]) {
+                self.geometry.compare(at, y, [(i as i64 - 2) * self.step, rows], self.settings, tap);
+            }
         }
-    });
-    if weights > 0.0 { sigma * (variance / weights).sqrt() + LEAST_DEVIATION } else { LEAST_DEVIATION }
+    }
+
+    /// The weights of the 3×3 pixels that variance is smoothed over, those of the object.
+    #[inline(always)]
+    fn find_near(&self, at: [usize; 2], near: &mut [[Column; 3]; 3]) {
+        for (j, near) in near.iter_mut().enumerate() {
+            let Some(y) = self.from.row_at(at[1], j as i64 - 1) else { continue };
+            for (i, weights) in near.iter_mut().enumerate() {
+                self.geometry.is_same(at, y, i as i64 - 1, weights);
+                weights.iter_mut().for_each(|weight| *weight *= GAUSSIAN[i] * GAUSSIAN[j]);
+            }
+        }
+    }
+
+    /// The planes of a term.
+    #[inline(always)]
+    fn planes(&self, term: usize, at: [usize; 2], columns: i64) -> [&Column; PLANES] {
+        let plane = |plane| self.from.block(term + plane, at, columns);
+        [plane(0), plane(1), plane(2), plane(3), plane(4)]
+    }
+
+    /// The inverse of by how much luminance may differ: of σ_l times the standard deviation. 0 where it has no say.
+    #[inline(always)]
+    fn sharpness(&self, term: usize, at: [usize; 2], near: &[[Column; 3]; 3]) -> Column {
+        let sigma = self.settings.sigma_luminance;
+        let (mut variance, mut weights, mut sharpness) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
+        if sigma == f32::INFINITY {
+            return sharpness;
+        }
+        for (j, near) in near.iter().enumerate() {
+            let Some(y) = self.from.row_at(at[1], j as i64 - 1) else { continue };
+            let tap = |plane, i: usize| self.from.block(term + plane, [at[0], y], i as i64 - 1);
+            let luminance = [tap(LUMINANCE, 0), tap(LUMINANCE, 1), tap(LUMINANCE, 2)];
+            let variances = [tap(VARIANCE, 0), tap(VARIANCE, 1), tap(VARIANCE, 2)];
+            for k in 0..WIDTH {
+                for i in 0..3 {
+                    let weight = if luminance[i][k].is_nan() { 0.0 } else { near[i][k] };
+                    variance[k] += weight * variances[i][k];
+                    weights[k] += weight;
+                }
+            }
+        }
+        let luminance = self.from.block(term + LUMINANCE, at, 0);
+        for k in 0..WIDTH {
+            let deviation = sigma * (variance[k] / weights[k]).sqrt() + LEAST_DEVIATION;
+            sharpness[k] = if luminance[k].is_nan() { 0.0 } else { 1.0 / deviation };
+        }
+        sharpness
+    }
+
+    /// Filters a block of a term.
+    #[inline(always)]
+    fn filter_block(
+        &self,
+        term: usize,
+        at: [usize; 2],
+        (taps, near): (&[[Likeness; 5]; 5], &[[Column; 3]; 3]),
+        row: &mut Row<'_>,
+    ) {
+        let sharpness = self.sharpness(term, at, near);
+        let middle = self.planes(term, at, 0);
+        let mut luminance = [0.0; WIDTH];
+        for k in 0..WIDTH {
+            luminance[k] = if middle[LUMINANCE][k].is_nan() { 0.0 } else { middle[LUMINANCE][k] };
+        }
+        // Of colours and variance; that of weights stands where luminance will.
+        let mut sums = [[0.0; WIDTH]; PLANES];
+        for j in 0..5 {
+            let Some(y) = self.from.row_at(at[1], (j as i64 - 2) * self.step) else { continue };
+            let others = |i: i64| self.planes(term, [at[0], y], (i - 2) * self.step);
+            let others = [others(0), others(1), others(2), others(3), others(4)];
+            for k in 0..WIDTH {
+                for i in 0..5 {
+                    let (other, tap) = (&others[i], &taps[j][i]);
+                    let apart = (luminance[k] - other[LUMINANCE][k]).abs() * sharpness[k];
+                    let weight = B3_SPLINE[i] * B3_SPLINE[j] * tap.factor[k] * falloff(tap.depth[k] + apart);
+                    sums[RED][k] += weight * other[RED][k];
+                    sums[GREEN][k] += weight * other[GREEN][k];
+                    sums[BLUE][k] += weight * other[BLUE][k];
+                    sums[VARIANCE][k] += weight * weight * other[VARIANCE][k];
+                    sums[LUMINANCE][k] += weight;
+                }
+            }
+        }
+        for k in 0..WIDTH {
+            let weights = sums[LUMINANCE][k];
+            let is_known = weights > 0.0;
+            let mean = |plane: usize| if is_known { sums[plane][k] / weights } else { middle[plane][k] };
+            let (red, green, blue, variance) = (mean(RED), mean(GREEN), mean(BLUE), mean(VARIANCE));
+            let luminance = self.luminance.x * red + self.luminance.y * green + self.luminance.z * blue;
+            (sums[RED][k], sums[GREEN][k], sums[BLUE][k]) = (red, green, blue);
+            sums[LUMINANCE][k] = if is_known { luminance } else { f32::NAN };
+            sums[VARIANCE][k] = if is_known { variance / weights } else { variance };
+        }
+        for (plane, values) in sums.iter().enumerate() {
+            row.set_block(term + plane, at[0], values);
+        }
+    }
 }

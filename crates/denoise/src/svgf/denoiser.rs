@@ -1,28 +1,28 @@
 //! Frame after frame.
 
+use steradian_accel::Lanes;
+
 use super::{
-    accumulate::{Accumulated, accumulate},
-    atrous::{Estimate, filter},
-    reproject::Before,
+    accumulate::accumulate,
+    atrous::filter,
+    estimates::Estimates,
+    geometry::Geometry,
+    history::History,
     settings::Settings,
     surface::Surface,
     term::{Filtered, Term},
-    variance::variance,
+    variance::{REACH, variances},
 };
 use crate::{
     error::Result,
     gbuffer::{GBuffer, check_size},
-    image::Image,
 };
 
 /// Filters frame after frame, and keeps what was seen in those before.
 #[derive(Clone, Debug)]
 pub struct Denoiser {
     settings: Settings,
-    /// The surfaces of the frame before.
-    surfaces: Option<Image<Surface>>,
-    /// The history of each term.
-    histories: Vec<Image<Accumulated>>,
+    history: Option<History>,
 }
 
 impl Denoiser {
@@ -32,7 +32,7 @@ impl Denoiser {
     /// Where a setting is outside its range.
     pub fn new(settings: Settings) -> Result<Self> {
         settings.check()?;
-        Ok(Self { settings, surfaces: None, histories: Vec::new() })
+        Ok(Self { settings, history: None })
     }
 
     /// Its settings.
@@ -42,8 +42,7 @@ impl Denoiser {
 
     /// Forgets all frames: the next one begins anew, as after a cut.
     pub fn forget(&mut self) {
-        self.surfaces = None;
-        self.histories.clear();
+        self.history = None;
     }
 
     /// Filters the terms of a frame. Each continues the term at its place in the frame before; more terms than there
@@ -55,53 +54,33 @@ impl Denoiser {
     pub fn frame(&mut self, terms: &[Term<'_>], gbuffer: &GBuffer) -> Result<Vec<Filtered>> {
         gbuffer.check()?;
         terms.iter().try_for_each(|term| check_size("radiance", term.radiance.size(), gbuffer.size()))?;
-        if self.surfaces.as_ref().is_some_and(|surfaces| surfaces.size() != gbuffer.size()) {
+        if self.history.as_ref().is_some_and(|history| history.surfaces.size() != gbuffer.size()) {
             self.forget();
         }
+        let (size, margin) = (gbuffer.size(), self.margin(gbuffer.size()[0]));
+        let how = (Lanes::best(), &self.settings);
         let surfaces = Surface::all(gbuffer);
-        let histories = std::mem::take(&mut self.histories);
-        let (filtered, histories) = (0..terms.len())
-            .map(|i| {
-                let accumulated = histories.get(i);
-                let before = self.surfaces.as_ref().zip(accumulated);
-                let before = before.map(|(surfaces, accumulated)| Before { accumulated, surfaces });
-                self.term(&terms[i], gbuffer, &surfaces, before)
-            })
-            .unzip();
-        (self.surfaces, self.histories) = (Some(surfaces), histories);
+        let geometry = Geometry::new(&surfaces, margin);
+        let mut estimates = Estimates::unknown(size, terms.len(), margin);
+        let before = self.history.as_ref();
+        let mut accumulated = accumulate((terms, gbuffer), &surfaces, before, &self.settings, &mut estimates);
+        variances(&accumulated, &mut estimates, &geometry, how);
+        let mut filtered = Estimates::unknown(size, terms.len(), margin);
+        for iteration in 0..self.settings.iterations {
+            filter(&estimates, &mut filtered, &geometry, iteration, how);
+            std::mem::swap(&mut estimates, &mut filtered);
+            if iteration == 0 {
+                estimates.keep_colors(&mut accumulated);
+            }
+        }
+        let filtered = (0..terms.len()).map(|i| terms[i].filtered(i, gbuffer, &estimates, &accumulated)).collect();
+        self.history = Some(History { surfaces, accumulated });
         Ok(filtered)
     }
 
-    /// Filters a term, and gives the next frame's history of it.
-    fn term(
-        &self,
-        term: &Term<'_>,
-        gbuffer: &GBuffer,
-        surfaces: &Image<Surface>,
-        before: Option<Before<'_>>,
-    ) -> (Filtered, Image<Accumulated>) {
-        let settings = &self.settings;
-        let [width, height] = gbuffer.size();
-        let (samples, left_out) = term.samples(gbuffer);
-        let mut accumulated = accumulate(&samples, gbuffer, surfaces, before, settings);
-        let mut estimates = Image::by_rows(width, height, |x, y| {
-            let Accumulated { color, length, .. } = accumulated.at(x, y);
-            let variance = variance(&accumulated, surfaces, [x, y], settings);
-            if length > 0 { Estimate::new(color, variance) } else { Estimate::unknown(variance) }
-        });
-        for iteration in 0..settings.iterations {
-            estimates = filter(&estimates, surfaces, iteration, settings);
-            if iteration == 0 {
-                let colors = estimates.values().iter().map(|estimate| estimate.color);
-                accumulated.values_mut().iter_mut().zip(colors).for_each(|(history, color)| history.color = color);
-            }
-        }
-        let filtered = Filtered {
-            radiance: Image::by_rows(width, height, |x, y| estimates.at(x, y).color * term.factor(gbuffer, x, y)),
-            variance: Image::by_rows(width, height, |x, y| estimates.at(x, y).variance),
-            history: Image::by_rows(width, height, |x, y| accumulated.at(x, y).length),
-            left_out,
-        };
-        (filtered, accumulated)
+    /// Of columns, so many that no tap of a filter is beyond them: none that is in the picture, at least.
+    fn margin(&self, width: u32) -> usize {
+        let filter = 1 << self.settings.iterations;
+        filter.min(width as usize).max(REACH)
     }
 }

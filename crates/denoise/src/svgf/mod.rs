@@ -22,6 +22,10 @@
 mod accumulate;
 mod atrous;
 mod denoiser;
+mod estimates;
+mod falloff;
+mod geometry;
+mod history;
 mod reproject;
 mod settings;
 mod surface;

@@ -3,7 +3,7 @@
 use steradian_math::{Vec2, Vec3};
 
 use super::{accumulate::Accumulated, surface::Surface};
-use crate::{gbuffer::GBuffer, image::Image};
+use crate::{gbuffer::GBuffer, image::Image, rows::Rows};
 
 /// The least cosine of the angle between the normals of a point now and before.
 const NORMALS: f32 = 0.9;
@@ -12,36 +12,50 @@ const DEPTHS: f32 = 0.02;
 /// Less weight of the bilinear filter than this is no history.
 const LEAST_WEIGHT: f32 = 0.01;
 
-/// What was accumulated in the frame before, and which surfaces it showed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Before<'a> {
-    pub accumulated: &'a Image<Accumulated>,
-    pub surfaces: &'a Image<Surface>,
+/// The pixels of the frame before that a pixel's history is taken from, with their weights: 0 where they showed another
+/// surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Former {
+    pixels: [[u32; 2]; 4],
+    weights: [f32; 4],
 }
 
-impl Before<'_> {
-    /// The history of a pixel: bilinear, of those of the four pixels about its former place that showed the same
-    /// surface. None where there is none.
-    pub fn history(&self, gbuffer: &GBuffer, surface: &Surface, x: u32, y: u32) -> Option<Accumulated> {
+impl Former {
+    /// The four pixels about the former place of a pixel, of which `surfaces` are what the frame before showed.
+    pub fn of(surfaces: &Image<Surface>, gbuffer: &GBuffer, surface: &Surface, x: u32, y: u32) -> Self {
         let place = Vec2::new(x as f32, y as f32) + gbuffer.motion.at(x, y);
-        let [width, height] = self.surfaces.size();
+        let [width, height] = surfaces.size();
+        let mut former = Self::default();
         // Not so for NaN either.
         if !(place.x > -1.0 && place.y > -1.0 && place.x < width as f32 && place.y < height as f32) {
-            return None;
+            return former;
         }
         let depth = gbuffer.previous_depth.at(x, y);
         let (corner, part) = (place.floor(), place - place.floor());
-        let (mut weights, mut length, mut color, mut moments) = (0.0, 0.0, Vec3::ZERO, Vec2::ZERO);
-        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        for (k, (i, j)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
             let weight = [1.0 - part.x, part.x][i] * [1.0 - part.y, part.y][j];
             let tap = corner + Vec2::new(i as f32, j as f32);
             let is_inside = tap.x >= 0.0 && tap.y >= 0.0 && tap.x < width as f32 && tap.y < height as f32;
             if weight <= 0.0 || !is_inside {
                 continue;
             }
-            let was = self.accumulated.at(tap.x as u32, tap.y as u32);
-            let shown = self.surfaces.at(tap.x as u32, tap.y as u32);
-            if was.length > 0 && is_same(surface, depth, &shown, tap - place) {
+            let pixel = [tap.x as u32, tap.y as u32];
+            if is_same(surface, depth, &surfaces.at(pixel[0], pixel[1]), tap - place) {
+                (former.pixels[k], former.weights[k]) = (pixel, weight);
+            }
+        }
+        former
+    }
+
+    /// The history of a term there: bilinear, of the pixels that have one. None where there is none.
+    pub fn history(&self, accumulated: &Rows<Accumulated>, term: usize) -> Option<Accumulated> {
+        let (mut weights, mut length, mut color, mut moments) = (0.0, 0.0, Vec3::ZERO, Vec2::ZERO);
+        for ([x, y], &weight) in self.pixels.iter().zip(&self.weights) {
+            if weight <= 0.0 {
+                continue;
+            }
+            let was = accumulated.at(term, *x as usize, *y as usize);
+            if was.length > 0 {
                 weights += weight;
                 color += weight * was.color;
                 moments += weight * was.moments;

@@ -1,8 +1,10 @@
 //! What is filtered, and what comes out.
 
+use rayon::prelude::*;
 use steradian_math::Vec3;
 
-use crate::{gbuffer::GBuffer, image::Image};
+use super::{accumulate::Accumulated, estimates::Estimates};
+use crate::{gbuffer::GBuffer, image::Image, rows::Rows};
 
 /// The least albedo that is divided by.
 const LEAST_ALBEDO: f32 = 1e-3;
@@ -35,28 +37,46 @@ pub struct Filtered {
 }
 
 impl Term<'_> {
-    /// What the filter sees of each pixel: radiance over albedo, or NaN where it is left out; and how many are.
-    pub(super) fn samples(&self, gbuffer: &GBuffer) -> (Image<Vec3>, u64) {
-        let [width, height] = gbuffer.size();
-        let samples = Image::by_rows(width, height, |x, y| {
-            let radiance = self.radiance.at(x, y);
-            if radiance.is_finite() {
-                radiance.clamp(Vec3::splat(-MOST), Vec3::splat(MOST)) / self.factor(gbuffer, x, y)
-            } else {
-                Vec3::NAN
-            }
-        });
-        let left_out = samples.values().iter().filter(|sample| sample.is_nan()).count() as u64;
-        (samples, left_out)
+    /// What the filter sees of a pixel: radiance over albedo. None where it is left out.
+    #[inline]
+    pub(super) fn sample(&self, gbuffer: &GBuffer, [x, y]: [u32; 2]) -> Option<Vec3> {
+        let radiance = self.radiance.at(x, y);
+        let limited = radiance.clamp(Vec3::splat(-MOST), Vec3::splat(MOST));
+        radiance.is_finite().then(|| limited / self.factor(gbuffer, x, y))
+    }
+
+    /// How many pixels are left out.
+    pub(super) fn left_out(&self) -> u64 {
+        self.radiance.values().par_iter().filter(|radiance| !radiance.is_finite()).count() as u64
     }
 
     /// What the filter's result is multiplied by: the albedo, at most 1 and not too small to divide by.
+    #[inline]
     pub(super) fn factor(&self, gbuffer: &GBuffer, x: u32, y: u32) -> Vec3 {
         let albedo = gbuffer.albedo.at(x, y);
         if self.has_albedo && albedo.is_finite() {
             albedo.clamp(Vec3::splat(LEAST_ALBEDO), Vec3::ONE)
         } else {
             Vec3::ONE
+        }
+    }
+
+    /// What has been filtered, as the term at a place among all.
+    pub(super) fn filtered(
+        &self,
+        place: usize,
+        gbuffer: &GBuffer,
+        estimates: &Estimates,
+        accumulated: &Rows<Accumulated>,
+    ) -> Filtered {
+        let [width, height] = gbuffer.size();
+        Filtered {
+            radiance: Image::by_rows(width, height, |x, y| {
+                estimates.color(place, x as usize, y as usize) * self.factor(gbuffer, x, y)
+            }),
+            variance: Image::by_rows(width, height, |x, y| estimates.variance(place, x as usize, y as usize)),
+            history: Image::by_rows(width, height, |x, y| accumulated.at(place, x as usize, y as usize).length),
+            left_out: self.left_out(),
         }
     }
 }

@@ -44,9 +44,9 @@ fn halves(change: impl Fn(&mut GBuffer, usize)) -> GBuffer {
 /// Not a bit.
 #[test]
 fn nothing_leaks_from_one_object_to_another() {
-    for clamp_history in [false, true] {
+    for (clamp_history, normal_power) in [(false, 128), (true, 128), (false, 0)] {
         let mut gbuffer = halves(|gbuffer, i| gbuffer.id.values_mut()[i] = 2);
-        let settings = Settings { clamp_history, ..Settings::default() };
+        let settings = Settings { clamp_history, normal_power, ..Settings::default() };
         let mut left = |seed, scale| left_half(&mut Denoiser::new(settings).unwrap(), &mut gbuffer, seed, scale);
         let first = left(1, 1.0);
         assert!(first == left(100, 1e6) && first == left(100, f32::NAN));

@@ -1,0 +1,12 @@
+//! What is kept from frame to frame.
+
+use super::{accumulate::Accumulated, surface::Surface};
+use crate::{image::Image, rows::Rows};
+
+/// What was accumulated until a frame, and which surfaces it showed.
+#[derive(Clone, Debug)]
+pub(super) struct History {
+    pub surfaces: Image<Surface>,
+    /// A plane for each term.
+    pub accumulated: Rows<Accumulated>,
+}
