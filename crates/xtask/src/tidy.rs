@@ -490,7 +490,7 @@ mod tests {
         let modules = parts[1..].iter().map(|p| p.trim_end_matches(".rs").to_owned()).filter(|m| m != "mod").collect();
         let parsed = syn::parse_file(text).unwrap();
         let krate = parts[0].to_owned();
-        Source { path: path.into(), krate, modules, text: text.to_owned(), parsed, is_shipped: true }
+        Source { path: path.into(), krate, modules, text: text.to_owned(), parsed, is_shipped: true, is_example: false }
     }
 
     #[test]
