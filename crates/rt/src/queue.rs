@@ -90,8 +90,8 @@ mod tests {
             let candidate = |i: u64| Candidate {
                 t: (rng.next_u64() % 8) as f32,
                 id: PrimitiveId { instance: 0, geometry: 0, primitive: (i * 7 % 20) as u32 },
-                triangle: (rng.next_u64() % 4 != 0).then(Barycentrics::default),
-                is_opaque: rng.next_u64() % 8 == 0,
+                triangle: (!rng.next_u64().is_multiple_of(4)).then(Barycentrics::default),
+                is_opaque: rng.next_u64().is_multiple_of(8),
             };
             let all: Vec<Candidate> = (0..count).map(candidate).collect();
             let mut expected = all.clone();
