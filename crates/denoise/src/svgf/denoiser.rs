@@ -23,6 +23,8 @@ use crate::{
 pub struct Denoiser {
     settings: Settings,
     history: Option<History>,
+    /// What the frame before was filtered in: memory that is not asked for anew.
+    estimates: Option<[Estimates; 2]>,
 }
 
 impl Denoiser {
@@ -32,7 +34,7 @@ impl Denoiser {
     /// Where a setting is outside its range.
     pub fn new(settings: Settings) -> Result<Self> {
         settings.check()?;
-        Ok(Self { settings, history: None })
+        Ok(Self { settings, history: None, estimates: None })
     }
 
     /// Its settings.
@@ -61,11 +63,14 @@ impl Denoiser {
         let how = (Lanes::best(), &self.settings);
         let surfaces = Surface::all(gbuffer);
         let geometry = Geometry::new(&surfaces, margin);
-        let mut estimates = Estimates::unknown(size, terms.len(), margin);
+        let [mut estimates, mut filtered] = self
+            .estimates
+            .take()
+            .filter(|[all, _]| all.are_of(size, terms.len()))
+            .unwrap_or_else(|| [(), ()].map(|()| Estimates::unknown(size, terms.len(), margin)));
         let before = self.history.as_ref();
         let mut accumulated = accumulate((terms, gbuffer), &surfaces, before, &self.settings, &mut estimates);
         variances(&accumulated, &mut estimates, &geometry, how);
-        let mut filtered = Estimates::unknown(size, terms.len(), margin);
         for iteration in 0..self.settings.iterations {
             filter(&estimates, &mut filtered, &geometry, iteration, how);
             std::mem::swap(&mut estimates, &mut filtered);
@@ -73,9 +78,10 @@ impl Denoiser {
                 estimates.keep_colors(&mut accumulated);
             }
         }
-        let filtered = (0..terms.len()).map(|i| terms[i].filtered(i, gbuffer, &estimates, &accumulated)).collect();
+        let result = (0..terms.len()).map(|i| terms[i].filtered(i, gbuffer, &estimates, &accumulated)).collect();
         self.history = Some(History { surfaces, accumulated });
-        Ok(filtered)
+        self.estimates = Some([estimates, filtered]);
+        Ok(result)
     }
 
     /// Of columns, so many that no tap of a filter is beyond them: none that is in the picture, at least.
