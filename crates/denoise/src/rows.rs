@@ -1,7 +1,11 @@
 //! Pixels in columns of numbers, for loops over many at once.
 
 use rayon::prelude::*;
-use steradian_accel::columns::{Column, WIDTH};
+
+/// Pixels of a block.
+pub(crate) const WIDTH: usize = 64;
+/// A number of each pixel of a block.
+pub(crate) type Column<T = f32> = [T; WIDTH];
 
 /// Planes of values for each pixel, row by row; in a row, one plane after another. Planes are continued to the left and
 /// right by a margin, and by what fills the last block of a row, with pixels that are not of the picture.
@@ -21,6 +25,11 @@ impl<T: Copy + Send + Sync> Rows<T> {
         let rows = Self { width, height, planes: planes.len(), margin, values: Vec::new() };
         let row: Vec<T> = planes.iter().flat_map(|&value| std::iter::repeat_n(value, rows.stride())).collect();
         Self { values: row.repeat(height), ..rows }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width as u32, self.height as u32]
     }
 
     /// Width in pixels.

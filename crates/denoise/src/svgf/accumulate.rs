@@ -38,10 +38,9 @@ pub(super) fn accumulate(
                 let pixel = Pixel { term, gbuffer, surfaces, at: [x, y as u32], luminance };
                 let accumulated = pixel.accumulate(history, settings);
                 row.set(number, x as usize, accumulated);
-                if accumulated.length > 0 {
-                    let color = accumulated.color;
-                    Estimates::set_color(&mut estimates, number, x as usize, color, luminance.dot(color));
-                }
+                let Accumulated { color, length, .. } = accumulated;
+                let luminance = if length > 0 { luminance.dot(color) } else { f32::NAN };
+                Estimates::set_color(&mut estimates, number, x as usize, color, luminance);
             }
         }
     });

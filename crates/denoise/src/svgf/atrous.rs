@@ -1,10 +1,6 @@
 //! The edge-avoiding à-trous wavelet filter.
 
-use steradian_accel::{
-    Lanes,
-    columns::{Column, WIDTH},
-    kernel,
-};
+use steradian_accel::{Lanes, kernel};
 use steradian_math::Vec3;
 
 use super::{
@@ -15,7 +11,7 @@ use super::{
 };
 use crate::{
     kernel::{B3_SPLINE, GAUSSIAN},
-    rows::{Row, Rows},
+    rows::{Column, Row, Rows, WIDTH},
 };
 
 /// Keeps the exponent of luminance finite where there is no variance.

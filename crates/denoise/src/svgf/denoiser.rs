@@ -22,7 +22,10 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Denoiser {
     settings: Settings,
+    lanes: Lanes,
     history: Option<History>,
+    /// What the frame before was filtered in: memory that is not asked for anew.
+    estimates: Option<[Estimates; 2]>,
 }
 
 impl Denoiser {
@@ -32,7 +35,7 @@ impl Denoiser {
     /// Where a setting is outside its range.
     pub fn new(settings: Settings) -> Result<Self> {
         settings.check()?;
-        Ok(Self { settings, history: None })
+        Ok(Self { settings, lanes: Lanes::best(), history: None, estimates: None })
     }
 
     /// Its settings.
@@ -58,14 +61,17 @@ impl Denoiser {
             self.forget();
         }
         let (size, margin) = (gbuffer.size(), self.margin(gbuffer.size()[0]));
-        let how = (Lanes::best(), &self.settings);
+        let how = (self.lanes, &self.settings);
         let surfaces = Surface::all(gbuffer);
         let geometry = Geometry::new(&surfaces, margin);
-        let mut estimates = Estimates::unknown(size, terms.len(), margin);
+        let [mut estimates, mut filtered] = self
+            .estimates
+            .take()
+            .filter(|[all, _]| all.are_of(size, terms.len()))
+            .unwrap_or_else(|| [(), ()].map(|()| Estimates::unknown(size, terms.len(), margin)));
         let before = self.history.as_ref();
         let mut accumulated = accumulate((terms, gbuffer), &surfaces, before, &self.settings, &mut estimates);
         variances(&accumulated, &mut estimates, &geometry, how);
-        let mut filtered = Estimates::unknown(size, terms.len(), margin);
         for iteration in 0..self.settings.iterations {
             filter(&estimates, &mut filtered, &geometry, iteration, how);
             std::mem::swap(&mut estimates, &mut filtered);
@@ -73,14 +79,51 @@ impl Denoiser {
                 estimates.keep_colors(&mut accumulated);
             }
         }
-        let filtered = (0..terms.len()).map(|i| terms[i].filtered(i, gbuffer, &estimates, &accumulated)).collect();
+        let result = (0..terms.len()).map(|i| terms[i].filtered(i, gbuffer, &estimates, &accumulated)).collect();
         self.history = Some(History { surfaces, accumulated });
-        Ok(filtered)
+        self.estimates = Some([estimates, filtered]);
+        Ok(result)
     }
 
     /// Of columns, so many that no tap of a filter is beyond them: none that is in the picture, at least.
     fn margin(&self, width: u32) -> usize {
         let filter = 1 << self.settings.iterations;
         filter.min(width as usize).max(REACH)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use steradian_accel::Isa;
+    use steradian_math::{Vec2, Vec3};
+
+    use super::*;
+    use crate::image::Image;
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let (width, height) = (150, 40);
+        let wave = |x: u32, y: u32, k: u32| ((x * 7 + y * 13 + k * 31) % 101) as f32 / 101.0;
+        let gbuffer = GBuffer {
+            depth: Image::from_fn(width, height, |x, y| 3.0 + 0.01 * wave(x, y, 1)),
+            depth_gradient: Image::filled(width, height, Vec2::splat(0.003)),
+            previous_depth: Image::filled(width, height, 3.0),
+            normal: Image::from_fn(width, height, |x, y| Vec3::new(0.1 * wave(x, y, 2), 0.0, 1.0).normalize()),
+            albedo: Image::filled(width, height, Vec3::splat(0.7)),
+            id: Image::from_fn(width, height, |x, _| x / 70),
+            motion: Image::filled(width, height, Vec2::new(0.25, -0.5)),
+        };
+        let found = Isa::ALL.map(|isa| {
+            let mut denoiser = Denoiser { lanes: Lanes::of(isa), ..Denoiser::new(Settings::default()).unwrap() };
+            let mut bits = Vec::new();
+            for n in 0..6 {
+                let radiance = Image::from_fn(width, height, |x, y| Vec3::new(wave(x, y, n), wave(y, x, n), 0.5));
+                let filtered = denoiser.frame(&[Term { radiance: &radiance, has_albedo: true }], &gbuffer).unwrap();
+                bits.extend(filtered[0].radiance.values().iter().map(|color| color.to_array().map(f32::to_bits)));
+                bits.extend(filtered[0].variance.values().iter().map(|variance| [variance.to_bits(); 3]));
+            }
+            bits
+        });
+        assert!(found.iter().all(|bits| *bits == found[0]));
     }
 }

@@ -31,6 +31,11 @@ impl Estimates {
         Self { rows: Rows::filled(size, &planes, margin), luminance: REC709.luminance_weights_f32() }
     }
 
+    /// Whether they are of so many terms of a size.
+    pub fn are_of(&self, size: [u32; 2], terms: usize) -> bool {
+        self.rows.size() == size && self.rows.planes() == terms * PLANES
+    }
+
     /// The colour of a pixel.
     #[inline]
     pub fn color(&self, term: usize, x: usize, y: usize) -> Vec3 {
@@ -54,7 +59,7 @@ impl Estimates {
         });
     }
 
-    /// Sets a colour in a row, of which the luminance is known.
+    /// Sets a colour in a row, and its luminance, NaN where there is none.
     #[inline]
     pub fn set_color(row: &mut Row<'_>, term: usize, x: usize, color: Vec3, luminance: f32) {
         let planes = [(RED, color.x), (GREEN, color.y), (BLUE, color.z), (LUMINANCE, luminance)];

@@ -1,10 +1,12 @@
 //! How much pixels count for each other by what surfaces they show, for many pixels at once.
 
 use rayon::prelude::*;
-use steradian_accel::columns::{Column, WIDTH};
 
 use super::{falloff::falloff, settings::Settings, surface::Surface};
-use crate::{image::Image, rows::Rows};
+use crate::{
+    image::Image,
+    rows::{Column, Rows, WIDTH},
+};
 
 /// How much depths may differ beyond what gradients tell, relative to them: surfaces are curved.
 const CURVATURE: f32 = 1e-3;

@@ -1,11 +1,7 @@
 //! How noisy pixels are.
 
 use rayon::prelude::*;
-use steradian_accel::{
-    Lanes,
-    columns::{Column, WIDTH},
-    kernel,
-};
+use steradian_accel::{Lanes, kernel};
 use steradian_math::Vec2;
 
 use super::{
@@ -14,7 +10,7 @@ use super::{
     geometry::{Geometry, Likeness},
     settings::Settings,
 };
-use crate::rows::{Row, Rows};
+use crate::rows::{Column, Row, Rows, WIDTH};
 
 /// Frames of a history that tell a variance by themselves.
 const LONG_ENOUGH: u32 = 4;

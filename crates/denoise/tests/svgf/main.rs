@@ -7,3 +7,4 @@ mod kernel;
 mod moving;
 mod panning;
 mod scene;
+mod similarity;

@@ -41,13 +41,10 @@ fn sampled(truth: &Image<Vec3>, random: &mut Random) -> Image<Vec3> {
     Image::from_fn(SIZE[0], SIZE[1], |x, y| *truth.get(x, y).unwrap() * if random.unit() < 0.5 { 0.0 } else { 2.0 })
 }
 
-fn denoiser() -> Denoiser {
-    Denoiser::new(Settings::default()).unwrap()
-}
-
 /// The last of some frames: its truth, one sample of it, and two denoisers' results, of which the other sees only it.
-fn last_frame(seed: u64) -> (Image<Vec3>, Image<Vec3>, Filtered, Filtered) {
+pub fn last_frame(settings: Settings, seed: u64) -> (Image<Vec3>, Image<Vec3>, Filtered, Filtered) {
     let mut random = Random(seed);
+    let denoiser = || Denoiser::new(settings).unwrap();
     let mut long = denoiser();
     for frame in 0..FRAMES - 1 {
         let (truth, gbuffer) = render(frame);
@@ -74,7 +71,7 @@ fn errors(found: &Image<Vec3>, truth: &Image<Vec3>, is_asked: impl Fn(u32, u32) 
 #[test]
 fn the_error_falls_below_a_third() {
     for seed in 0..4 {
-        let (truth, single, filtered, fresh) = last_frame(seed);
+        let (truth, single, filtered, fresh) = last_frame(Settings::default(), seed);
         let of = |picture| errors(picture, &truth, |_, _| true)[1].sqrt();
         let [single, filtered, fresh] = [of(&single), of(&filtered.radiance), of(&fresh.radiance)];
         assert!(filtered < single / 3.0 && filtered < fresh, "{filtered} of {single}; {fresh} from one frame");
@@ -89,7 +86,7 @@ fn nothing_stays_behind() {
     // For each seed, sums of errors and of their squares, less those of a history that begins.
     let mut differences = Vec::new();
     for seed in 0..24 {
-        let (truth, _, with, without) = last_frame(100 + seed);
+        let (truth, _, with, without) = last_frame(Settings::default(), 100 + seed);
         for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))).filter(|&(x, y)| has_left(x, y)) {
             assert_eq!(with.history.get(x, y), Some(&1), "{x}, {y}");
         }
@@ -110,7 +107,7 @@ fn nothing_stays_behind() {
 /// The square's own history goes with it.
 #[test]
 fn what_moves_keeps_its_history() {
-    let (_, _, filtered, _) = last_frame(7);
+    let (_, _, filtered, _) = last_frame(Settings::default(), 7);
     let inner = |x, y| [0.0, -1.0, 1.0].iter().all(|d| is_square(x, y, (FRAMES - 1) as f32 + d));
     for (x, y) in (22..42).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))).filter(|&(x, y)| inner(x, y)) {
         assert_eq!(filtered.history.get(x, y), Some(&FRAMES), "{x}, {y}");
