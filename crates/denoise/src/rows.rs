@@ -62,7 +62,7 @@ impl<T: Copy + Send + Sync> Rows<T> {
         self.values[(y * self.planes + plane) * self.stride() + self.margin + x]
     }
 
-    /// The values of a block of pixels, some columns from that at (x, y). Columns beyond the margin are as the margin is.
+    /// The values of a block of pixels, some columns from that at (x, y). Columns beyond the margin are as that is.
     #[inline(always)]
     pub fn block(&self, plane: usize, [x, y]: [usize; 2], columns: i64) -> &Column<T> {
         let columns = columns.clamp(-(self.margin as i64), self.margin as i64);

@@ -9,6 +9,8 @@ pub const RASTER: IntegratorInfo = IntegratorInfo {
     name: "raster",
     description: "rasterisation with direct light, mirrors and glass by rays; one sample unless --spp says otherwise",
     options: &[
+        option("frame", "forward, hybrid", "forward", "hybrid: light by rays, pass by pass, with one diffuse bounce"),
+        option("filter", "true, false", "true", "whether the terms of hybrid frames are freed of noise"),
         option(
             "shadows",
             "ray, none, map, cube, trapezoid, perspective, cascades, variance, moments, pcss, volume, volume-pass, planar",
@@ -25,7 +27,8 @@ pub const RASTER: IntegratorInfo = IntegratorInfo {
         option("bounces", "0 to 64", "8", "mirrors and panes that are followed"),
         option(
             "show",
-            "picture, depth, normal, primitives, overdraw, wireframe, clip, tiles, stencil, shadow-map",
+            "picture, depth, normal, primitives, overdraw, wireframe, clip, tiles, stencil, shadow-map; \
+             of hybrid frames emission, direct, indirect, reflections, transparency, occlusion, graph",
             "picture",
             "what is shown",
         ),

@@ -58,8 +58,8 @@ fn statistics(numbers: &[f64]) -> (f64, f64) {
     (mean, (numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
 }
 
-/// Over many runs, what goes on to the next frame is no brighter and no darker than the truth. Wide filters, which light
-/// is not linear beneath, may change it by a fraction of the noise of a frame's mean.
+/// Over many runs, what goes on to the next frame is no brighter and no darker than the truth. Wide filters, which
+/// light is not linear beneath, may change it by a fraction of the noise of a frame's mean.
 #[test]
 fn the_mean_stays() {
     let mean = |picture: &Image<Vec3>| {
