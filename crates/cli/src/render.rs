@@ -105,7 +105,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
             }
             failure
         })?;
-    *history = session.history();
+    *history = session.take_history();
     let missing_light = steradian::missing_light(&render, scene, &session.film());
     let times = [ready.load, ready.build, saving.elapsed()];
     let mut report = making.report(&*session, &made, times, stop);

@@ -53,8 +53,8 @@ pub trait Pass: Debug + Send + Sync {
         (sample.ray, sample.lambda)
     }
 
-    /// What the next picture of a sequence can go on from.
-    fn history(&self, _scene: &Arc<Scene>) -> Option<History> {
+    /// Hands over what the next picture of a sequence can go on from.
+    fn take_history(&mut self, _scene: &Arc<Scene>) -> Option<History> {
         None
     }
 
@@ -333,8 +333,8 @@ impl<P: Pass> Session for Passes<P> {
         self.time
     }
 
-    fn history(&self) -> Option<History> {
-        self.integrator.history(&self.scene)
+    fn take_history(&mut self) -> Option<History> {
+        self.integrator.take_history(&self.scene)
     }
 
     fn follow(&mut self, history: &History) {

@@ -93,8 +93,8 @@ pub trait Session: Debug + Send {
         self.time()[1]
     }
 
-    /// What the next picture of a sequence can go on from, where the method does that.
-    fn history(&self) -> Option<History> {
+    /// Hands over what the next picture of a sequence can go on from, where the method does that; after the last step.
+    fn take_history(&mut self) -> Option<History> {
         None
     }
 

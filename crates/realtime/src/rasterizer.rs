@@ -197,11 +197,8 @@ impl Pass for Rasterizer {
         })
     }
 
-    fn first_ray(&self, run: &Run<'_>, [x, y]: [u32; 2], number: u32) -> (Ray, Wavelengths) {
-        let scene = run.scene;
-        let (offset, _) = place(scene.film(), number);
-        let ray = scene.camera().ray(scene.film(), Vec2::new(x as f32, y as f32) + offset, Vec2::splat(0.5));
-        (ray, scene.mode().wavelengths(|| 0.5))
+    fn first_ray(&self, run: &Run<'_>, pixel: [u32; 2], number: u32) -> (Ray, Wavelengths) {
+        first_ray(run.scene, pixel, number)
     }
 
     fn notes(&self) -> Vec<String> {
@@ -218,6 +215,13 @@ impl Rasterizer {
     fn fail(&self, why: String) {
         *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
     }
+}
+
+/// The ray through the place of a pixel that a pass looks at, and its wavelengths.
+pub(crate) fn first_ray(scene: &Scene, [x, y]: [u32; 2], number: u32) -> (Ray, Wavelengths) {
+    let (offset, _) = place(scene.film(), number);
+    let ray = scene.camera().ray(scene.film(), Vec2::new(x as f32, y as f32) + offset, Vec2::splat(0.5));
+    (ray, scene.mode().wavelengths(|| 0.5))
 }
 
 /// The place in each pixel that a pass looks at, from its top left, and its weight: the centre first, then spread as

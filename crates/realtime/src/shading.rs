@@ -36,23 +36,23 @@ pub struct Shader<'a> {
     pub seed: u64,
 }
 
-/// A point that scatters, on the way of a pixel's light.
+/// A point that scatters, on the path of a pixel.
 pub struct Point<'a> {
     pub i: Interaction,
     pub frame: Frame,
     pub scattering: Scattering<'a>,
     pub ctx: LightContext,
     pub lambda: Wavelengths,
-    /// What the way carries to it.
+    /// What the path carries to it.
     pub beta: Spectrum,
     pub numbers: &'a Numbers,
-    /// Its number among the points of the way.
+    /// Its number among the points of the path.
     pub round: u32,
 }
 
-/// A way that light comes to the eye, as far as it is followed.
+/// A path from the camera, as far as it is followed.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct CameraPath {
     /// Where it goes on, and what is met there.
     pub ray: Ray,
     pub hit: Option<Hit>,
@@ -67,9 +67,9 @@ pub struct Way {
     pub sees_lights: bool,
 }
 
-impl Way {
-    /// From the eye.
-    pub fn of_eye(shader: &Shader<'_>, ray: &Ray, seen: Option<Seen>) -> Self {
+impl CameraPath {
+    /// From the camera.
+    pub fn start(shader: &Shader<'_>, ray: &Ray, seen: Option<Seen>) -> Self {
         let differential = shader.scene.ray_differential(ray);
         let sees_lights = !shader.depth.hide_emitters;
         let hit = seen.map(|s| s.hit);
@@ -143,51 +143,57 @@ impl<'a> Shader<'a> {
     ) -> Spectrum {
         let pixel = (at[1] * self.scene.film().crop.width() + at[0]) as usize;
         let mut trace = Trace { counters, pixel: Some(pixel), world: None };
-        self.follow(Way::of_eye(self, ray, seen), &self.numbers(at), lambda, &mut trace)
+        self.follow(CameraPath::start(self, ray, seen), &self.numbers(at), lambda, &mut trace)
     }
 
-    /// The light that comes along a way, past mirrors, glass and interfaces to the first surface that scatters
+    /// The light that comes along a path, past mirrors, glass and interfaces to the first surface that scatters
     /// otherwise, and from there straight from lights.
-    pub fn follow(&self, mut way: Way, numbers: &Numbers, lambda: &mut Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
+    pub fn follow(
+        &self,
+        mut path: CameraPath,
+        numbers: &Numbers,
+        lambda: &mut Wavelengths,
+        trace: &mut Trace<'_>,
+    ) -> Spectrum {
         let scene = self.scene;
         let mut sum = Spectrum::ZERO;
         // Each mirror, pane and interface is one round.
-        for round in way.round..way.round + self.options.bounces + MOST_PASSED {
-            let Way { ray, hit, beta, .. } = way;
+        for round in path.round..path.round + self.options.bounces + MOST_PASSED {
+            let CameraPath { ray, hit, beta, .. } = path;
             let Some(found) = hit else {
-                return if way.sees_lights { sum + self.background(&ray, beta, lambda, trace) } else { sum };
+                return if path.sees_lights { sum + self.background(&ray, beta, lambda, trace) } else { sum };
             };
             let i = scene.interaction_of_light(&ray, &found);
             // What no light sample finds, such as an infinite plane, is found here alone.
             let is_sampled = || scene.geometries()[i.geometry as usize].light(i.id.prim).is_some();
-            if way.sees_lights || (way.events > 0 && !is_sampled()) {
+            if path.sees_lights || (path.events > 0 && !is_sampled()) {
                 sum += self.emission(&i, beta, lambda, trace);
             }
             let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
-            match scene.scattering_along(&i, way.differential.as_ref(), choice, lambda) {
+            match scene.scattering_along(&i, path.differential.as_ref(), choice, lambda) {
                 None => {
-                    way.differential = way.differential.map(|d| d.advance(i.t));
-                    way.ray = i.spawn(ray.direction);
+                    path.differential = path.differential.map(|d| d.advance(i.t));
+                    path.ray = i.spawn(ray.direction);
                 }
-                Some(_) if way.events >= self.depth.max => return sum,
+                Some(_) if path.events >= self.depth.max => return sum,
                 Some((scattering, frame)) => {
                     let ctx = nee::context(&i, &frame, &scattering.bsdf);
                     let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers, round };
                     sum += self.direct(&point, trace);
                     // Mirrors and glass show what lies behind them.
-                    if way.events >= self.options.bounces {
+                    if path.events >= self.options.bounces {
                         return sum;
                     }
                     let drawn = self.draw(&point);
                     let Some(s) = drawn.filter(|s| s.lobe.is_specular()) else { return sum };
-                    way = self.onward(&point, &s, way);
+                    path = self.extended(&point, &s, path);
                 }
             }
             trace.pixel = None;
             if trace.counters.stop.is_asked() {
                 return sum;
             }
-            way.hit = trace.nearest(scene, &way.ray);
+            path.hit = trace.nearest(scene, &path.ray);
         }
         sum
     }
@@ -209,15 +215,15 @@ impl<'a> Shader<'a> {
         scattering.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance)
     }
 
-    /// The way on from a point in a direction that was drawn there; what it meets is yet to be found.
-    pub fn onward(&self, point: &Point<'_>, s: &BsdfSample, way: Way) -> Way {
+    /// The path on from a point in a direction that was drawn there; what it meets is yet to be found.
+    pub fn extended(&self, point: &Point<'_>, s: &BsdfSample, path: CameraPath) -> CameraPath {
         let ray = point.i.spawn(point.frame.to_world(s.wi));
-        let differential = way
+        let differential = path
             .differential
             .zip(Bounce::of(s))
             .and_then(|(d, bounce)| self.scene.scatter_differential(&point.i, &d, ray.direction, bounce));
-        let beta = way.beta * s.weight;
-        Way { ray, hit: None, differential, beta, events: way.events + 1, sees_lights: true, ..way }
+        let beta = path.beta * s.weight;
+        CameraPath { ray, hit: None, differential, beta, events: path.events + 1, sees_lights: true, ..path }
     }
 
     pub fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {

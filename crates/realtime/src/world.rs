@@ -30,7 +30,10 @@ const SHAPE: HitKind = match HitKind::procedural(0) {
 #[derive(Debug)]
 pub struct World {
     top: TopLevel,
+    /// What is drawn; instances are numbered by it.
     list: DrawList,
+    /// Infinite planes among it, which have no boxes.
+    planes: Vec<Item>,
 }
 
 impl World {
@@ -60,7 +63,9 @@ impl World {
             TopLevel::build(&instances, BuildOptions::default())
         };
         let top = build().map_err(|e| Error::Scene(format!("the ray-tracing pipeline: {e}")))?;
-        Ok(Self { top, list: list.clone() })
+        let is_plane = |item: &&Item| scene.planes().contains(&item.geometry);
+        let planes = list.items.iter().filter(is_plane).copied().collect();
+        Ok(Self { top, list: list.clone(), planes })
     }
 
     /// What a ray meets first.
@@ -107,13 +112,12 @@ impl World {
             let id = id(item, hit.primitive.primitive_index());
             Some(Hit { t: hit.t, u: hit.barycentrics.u, v: hit.barycentrics.v, id })
         });
-        self.planes(scene, ray, committed)
+        self.nearest_with_planes(scene, ray, committed)
     }
 
-    /// What is met first, with infinite planes, which have no boxes.
-    fn planes(&self, scene: &Scene, ray: &Ray, found: Option<Hit>) -> Option<Hit> {
-        let planes = self.list.items.iter().filter(|item| scene.planes().contains(&item.geometry));
-        planes.fold(found, |nearest, item| {
+    /// What is met first, with infinite planes.
+    fn nearest_with_planes(&self, scene: &Scene, ray: &Ray, found: Option<Hit>) -> Option<Hit> {
+        self.planes.iter().fold(found, |nearest, item| {
             let end = Ray { t_max: nearest.map_or(ray.t_max, |hit| hit.t), ..*ray };
             meet(scene, item, 0, &end, Border::Excluded).filter(|hit| hit.t < end.t_max).or(nearest)
         })

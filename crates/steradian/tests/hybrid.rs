@@ -137,7 +137,7 @@ fn frame(scene: &Arc<Scene>, options: &str, seed: u64, history: &mut Option<Hist
     let mut session = quality.render(scene).expect("a method").session(scene).expect("a session");
     history.iter().for_each(|history| session.follow(history));
     session.step(u32::MAX, &Control::default());
-    *history = session.history();
+    *history = session.take_history();
     means(&session.film())
 }
 

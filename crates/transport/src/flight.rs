@@ -3,7 +3,7 @@
 
 use steradian_core::{
     ColorMode, Scene,
-    medium::{Medium, passed, transmittance},
+    medium::{Medium, beer_lambert, transmittance},
 };
 use steradian_math::{Spectrum, spectra::Wavelengths, warp};
 
@@ -60,7 +60,7 @@ fn chosen(s: ByLane, lane: f32, lanes: u32) -> f32 {
 /// What a flight over at most a distance comes to, where the coefficients of absorption and scattering are the same
 /// everywhere: how far it goes if it scatters, and the factor on the throughput.
 #[inline(always)]
-pub fn fly(
+pub fn homogeneous_flight(
     (sigma_a, sigma_s): (ByLane, ByLane),
     lanes: u32,
     distance: f32,
@@ -73,7 +73,7 @@ pub fn fly(
     let t = if rate > 0.0 { warp::exponential(u, rate) } else { f32::INFINITY };
     let scatters = !only_absorbs & (t < distance);
     let end = if scatters { t } else { distance };
-    let tr = by_lane(|c| passed(sigma_t[c], end));
+    let tr = by_lane(|c| beer_lambert(sigma_t[c], end));
     let density = by_lane(|c| if scatters { tr[c] * sigma_t[c] } else { tr[c] });
     let value = by_lane(|c| if scatters { tr[c] * sigma_s[c] } else { tr[c] });
     let pdf = if only_absorbs { 1.0 } else { mean(density, lanes) };
@@ -86,7 +86,7 @@ pub fn fly(
 pub fn sample_flight(scene: &Scene, medium: &Medium, distance: f32, lane: f32, u: f32, lambda: &Wavelengths) -> Flight {
     let (a, s) = medium.coefficients(lambda);
     let lanes = lanes(scene, lambda) as u32;
-    let (t, factor) = fly((a.to_array(), s.to_array()), lanes, distance, (lane, u));
+    let (t, factor) = homogeneous_flight((a.to_array(), s.to_array()), lanes, distance, (lane, u));
     let factor = Spectrum::new(factor);
     t.map_or(Flight::Passed(factor), |t| Flight::Scattered(t, factor))
 }
@@ -125,7 +125,7 @@ mod tests {
                 let most = f32::from_bits(((k + 1) as f32 / lanes as f32).to_bits() - 1);
                 for lane in [k as f32 / lanes as f32 + 1e-6, (k as f32 + 0.5) / lanes as f32, most - 1e-6] {
                     assert_eq!(chosen(sigma, lane, lanes), sigma[k as usize], "{lane} of {lanes}");
-                    let (t, _) = fly(([0.0; 4], sigma), lanes, f32::INFINITY, (lane, 0.5));
+                    let (t, _) = homogeneous_flight(([0.0; 4], sigma), lanes, f32::INFINITY, (lane, 0.5));
                     assert_eq!(t, Some(warp::exponential(0.5, sigma[k as usize])));
                 }
             }
@@ -140,7 +140,7 @@ mod tests {
             let (mut passed_sum, mut scattered_sum) = ([0.0; 4], [0.0; 4]);
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let numbers = ((i as f32 + 0.5) / n as f32, (j as f32 + 0.5) / n as f32);
-                let (t, factor) = fly((a, s), lanes, distance, numbers);
+                let (t, factor) = homogeneous_flight((a, s), lanes, distance, numbers);
                 let sum = if t.is_some() { &mut scattered_sum } else { &mut passed_sum };
                 (0..4).for_each(|c| sum[c] += f64::from(factor[c]) / f64::from(n * n));
             }

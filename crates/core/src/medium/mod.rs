@@ -88,13 +88,13 @@ impl Medium {
 #[inline]
 pub fn transmittance(sigma_t: Spectrum, distance: f32) -> Spectrum {
     // Most media are grey.
-    let first = passed(sigma_t[0], distance);
-    sigma_t.map(|s| if s == sigma_t[0] { first } else { passed(s, distance) })
+    let first = beer_lambert(sigma_t[0], distance);
+    sigma_t.map(|s| if s == sigma_t[0] { first } else { beer_lambert(s, distance) })
 }
 
 /// One lane of [`transmittance`].
 #[inline(always)]
-pub fn passed(sigma_t: f32, distance: f32) -> f32 {
+pub fn beer_lambert(sigma_t: f32, distance: f32) -> f32 {
     if sigma_t == 0.0 { 1.0 } else { elementary::exp(-sigma_t * distance) }
 }
 

@@ -58,7 +58,7 @@ pub struct Block {
     /// How many lanes of these count.
     pub lanes: Column<u32>,
     /// What becomes of the flight: [`PASSES`](super::media::PASSES), [`SCATTERS`](super::media::SCATTERS) or
-    /// [`IS_LOST`](super::media::IS_LOST).
+    /// [`IS_BLACK`](super::media::IS_BLACK).
     pub flight: Column<u32>,
 
     // By `surfaces` or `flights`.
@@ -381,7 +381,7 @@ fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
 #[inline(always)]
 pub fn attenuated(b: &Block, k: usize, light: [f32; 4]) -> [f32; 4] {
     let (sigma_a, sigma_s, distance) = (get4(&b.sigma_a, k), get4(&b.sigma_s, k), b.light_distance[k]);
-    by_lane(|c| light[c] * medium::passed(sigma_a[c] + sigma_s[c], distance))
+    by_lane(|c| light[c] * medium::beer_lambert(sigma_a[c] + sigma_s[c], distance))
 }
 
 kernel! {

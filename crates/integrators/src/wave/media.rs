@@ -15,7 +15,7 @@ use steradian_engine::{PixelSample, dimension};
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 use steradian_transport::{
     Depth,
-    flight::{by_lane, fly, lanes},
+    flight::{by_lane, homogeneous_flight, lanes},
     power_heuristic,
 };
 
@@ -23,7 +23,7 @@ use steradian_transport::{
 pub const PASSES: u32 = 0;
 pub const SCATTERS: u32 = 1;
 /// Nothing is carried on.
-pub const IS_LOST: u32 = 2;
+pub const IS_BLACK: u32 = 2;
 
 impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     /// The medium of a path, if it is the same everywhere.
@@ -33,16 +33,16 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         medium.is_plain().then_some(medium)
     }
 
-    /// Flies paths, up to a block of them, through such media: to scatter there, or to their hits.
-    pub fn fly(
+    /// Samples free flights of paths, up to a block of them, through such media: to scatter there, or to their hits.
+    pub fn free_flights(
         &self,
-        fliers: &[(u32, Option<Hit>)],
+        in_media: &[(u32, Option<Hit>)],
         buffer: &mut WaveBuffer<'s>,
         pixel_samples: &mut [PixelSample],
         counters: &mut Counters,
     ) {
         let WaveBuffer { block: b, walkers, shadows, .. } = &mut *buffer;
-        for (k, (number, hit)) in fliers.iter().enumerate() {
+        for (k, (number, hit)) in in_media.iter().enumerate() {
             let (walker, sample) = (&walkers[*number as usize], &pixel_samples[*number as usize]);
             let (Some(medium), state) = (self.plain_medium(walker), &walker.state) else { continue };
             gather_medium(b, k, medium, (self.scene, &sample.lambda));
@@ -52,7 +52,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         }
         flights(self.lanes, b);
         let mut any_scatters = false;
-        for (k, (number, _)) in fliers.iter().enumerate() {
+        for (k, (number, _)) in in_media.iter().enumerate() {
             let Walker { state, goes_on } = &mut walkers[*number as usize];
             state.beta = Spectrum::new(get4(&b.beta, k));
             *goes_on = b.flight[k] == PASSES;
@@ -63,14 +63,14 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         let flight = b.flight;
         if any_scatters {
             block::numbers(self.lanes, b);
-            let numbers = fliers.iter().map(|(number, _)| *number);
+            let numbers = in_media.iter().map(|(number, _)| *number);
             illuminate(self.lanes, b, numbers.clone(), self.scene, pixel_samples);
             phases(self.lanes, b, self.path.depth);
             let scattered = numbers.enumerate().filter(|(k, _)| flight[*k] == SCATTERS);
             self.depart(b, scattered, walkers, pixel_samples, shadows);
         }
-        for ((number, hit), _) in fliers.iter().zip(flight).filter(|(_, flight)| *flight == PASSES) {
-            self.land(*number, (*hit, true), buffer, pixel_samples, counters);
+        for ((number, hit), _) in in_media.iter().zip(flight).filter(|(_, flight)| *flight == PASSES) {
+            self.meet_surface(*number, (*hit, true), buffer, pixel_samples, counters);
         }
     }
 }
@@ -94,13 +94,13 @@ kernel! {
             };
             let numbers = (number(dimension::LANE), number(dimension::FLIGHT));
             let coefficients = (get4(&b.sigma_a, k), get4(&b.sigma_s, k));
-            let (t, factor) = fly(coefficients, b.lanes[k], b.end[k], numbers);
+            let (t, factor) = homogeneous_flight(coefficients, b.lanes[k], b.end[k], numbers);
             let beta = get4(&b.beta, k);
             let beta = by_lane(|c| beta[c] * factor[c]);
             set4(&mut b.beta, k, beta);
             let most = beta[0].max(beta[1]).max(beta[2].max(beta[3]));
             let is_lost = if b.is_single[k] != 0 { beta[0] <= 0.0 } else { most <= 0.0 };
-            b.flight[k] = if is_lost { IS_LOST } else { u32::from(t.is_some()) };
+            b.flight[k] = if is_lost { IS_BLACK } else { u32::from(t.is_some()) };
             let t = t.unwrap_or(0.0);
             set3(&mut b.p, k, get3(&b.from, k) + get3(&b.direction, k) * t);
             set3(&mut b.error, k, Vec3::ZERO);

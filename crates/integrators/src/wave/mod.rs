@@ -69,8 +69,8 @@ pub struct WaveBuffer<'s> {
     hits: Vec<Option<Hit>>,
     /// Those under way that arrived at Lambertian surfaces, with their hits.
     diffuse: Vec<(u32, Hit)>,
-    /// Those on their way through media that are the same everywhere.
-    fliers: Vec<(u32, Option<Hit>)>,
+    /// Those that go through media that are the same everywhere.
+    in_media: Vec<(u32, Option<Hit>)>,
     /// Those that arrived elsewhere.
     vertices: Vertices<'s>,
     block: Box<Block>,
@@ -128,21 +128,21 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         counters.rays += rays.len() as u64;
 
         buffer.diffuse.clear();
-        buffer.fliers.clear();
+        buffer.in_media.clear();
         buffer.shadows.clear();
         buffer.vertices.clear();
         let (mut live, hits) = (take(&mut buffer.live), take(&mut buffer.hits));
         for (&number, hit) in live.iter().zip(&hits) {
             pixel_samples[number as usize].rays += 1;
             if self.has_columns && self.plain_medium(&buffer.walkers[number as usize]).is_some() {
-                buffer.fliers.push((number, *hit));
+                buffer.in_media.push((number, *hit));
             } else {
-                self.land(number, (*hit, false), buffer, pixel_samples, counters);
+                self.meet_surface(number, (*hit, false), buffer, pixel_samples, counters);
             }
         }
-        let fliers = take(&mut buffer.fliers);
-        fliers.chunks(WIDTH).for_each(|fliers| self.fly(fliers, buffer, pixel_samples, counters));
-        buffer.fliers = fliers;
+        let in_media = take(&mut buffer.in_media);
+        in_media.chunks(WIDTH).for_each(|in_media| self.free_flights(in_media, buffer, pixel_samples, counters));
+        buffer.in_media = in_media;
         let WaveBuffer { walkers, diffuse, vertices, shadows, occluded, block, .. } = &mut *buffer;
         self.scatter(block, vertices, walkers, pixel_samples, (shadows, counters));
         for vertices in diffuse.chunks(WIDTH) {
@@ -168,7 +168,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     /// Takes a path to its hit, to scatter there with others of its kind; `has_flown` where it came through the medium
     /// before that.
     #[inline]
-    fn land(
+    fn meet_surface(
         &self,
         number: u32,
         (hit, has_flown): (Option<Hit>, bool),

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Error,
     projection::Projected,
-    shading::{Point, Shader, Way},
+    shading::{CameraPath, Point, Shader},
     trace::Trace,
     visibility::Visibility,
 };
@@ -28,13 +28,13 @@ const ROUNDS: u32 = 200;
 /// A picture, by rows.
 pub type Picture = Vec<Vec3>;
 
-/// A frame under way.
+/// A frame under path.
 pub struct Frame<'a> {
     pub setting: &'a Setting<'a>,
     pub projected: Projected,
     /// By the pass that rasterises.
     pub visibility: Option<Visibility>,
-    /// By the pass that looks at surfaces; `None` where nothing is seen.
+    /// By the pass of the G-buffer; `None` where nothing is seen.
     pub surfaces: Vec<Option<Surface>>,
     /// What other passes wrote.
     pub pictures: BTreeMap<Resource, Picture>,
@@ -71,8 +71,8 @@ impl<'a> Frame<'a> {
         Ok(())
     }
 
-    /// The surfaces that pixels see.
-    pub fn look(&mut self) -> Result<(), Error> {
+    /// The surfaces that pixels see: the G-buffer.
+    pub fn gbuffer(&mut self) -> Result<(), Error> {
         let found = self.pixels(|frame, at, shader, _| {
             let Setting { run, list, before, .. } = frame.setting;
             let seen = frame.visibility.as_ref()?.seen(run.scene, list, &frame.projected, at)?;
@@ -159,7 +159,7 @@ impl<'a> Frame<'a> {
         terms: &[(Resource, Resource)],
         which: fn(&mut Filters) -> &mut Denoiser,
     ) -> Result<(), Error> {
-        let noisy = terms.iter().map(|(from, _)| self.pictures.get(from).cloned().unwrap_or_default()).collect();
+        let noisy = terms.iter().map(|(from, _)| self.picture(*from)).collect();
         let crop = self.setting.run.scene.film().crop;
         let (size, denoiser) = ([crop.width(), crop.height()], which(&mut self.filters));
         let filtered = self.setting.pool.install(|| filter(denoiser, &self.surfaces, size, noisy))?;
@@ -168,7 +168,7 @@ impl<'a> Frame<'a> {
     }
 
     /// All terms together, those over albedo times that.
-    pub fn sum(&mut self, terms: &[(Resource, bool)]) -> Result<(), Error> {
+    pub fn composite(&mut self, terms: &[(Resource, bool)]) -> Result<(), Error> {
         self.write(Resource::Picture, |frame, at, _, _| {
             let k = frame.index(at);
             let albedo = frame.surfaces[k].as_ref().map_or(Vec3::ZERO, |s| s.albedo);
@@ -184,7 +184,8 @@ impl<'a> Frame<'a> {
         self.pictures.remove(&resource).unwrap_or_default()
     }
 
-    /// Light by a way on whose lobe is asked for. Straight from lights it is found already, unless the surface mirrors.
+    /// Light by a direction drawn from the lobes that are asked for. Straight from lights it is found already, unless
+    /// the surface mirrors.
     fn bounce(
         &self,
         seen: &Seen<'_>,
@@ -197,14 +198,14 @@ impl<'a> Frame<'a> {
         self.at(seen, shader, term * ROUNDS, |point, lambda| {
             let drawn: Option<BsdfSample> = shader.draw(point).filter(|s| is_asked(s.lobe));
             let Some(s) = drawn.filter(|_| shader.depth.max > 0) else { return Spectrum::ZERO };
-            let eye = Way { round: point.round + 1, ..Way::of_eye(shader, &seen.ray, None) };
-            let way = Way { sees_lights: s.lobe.is_specular(), ..shader.onward(point, &s, eye) };
+            let eye = CameraPath { round: point.round + 1, ..CameraPath::start(shader, &seen.ray, None) };
+            let path = CameraPath { sees_lights: s.lobe.is_specular(), ..shader.extended(point, &s, eye) };
             if trace.counters.stop.is_asked() {
                 return Spectrum::ZERO;
             }
             trace.pixel = None;
-            let hit = trace.nearest(shader.scene, &way.ray);
-            shader.follow(Way { hit, ..way }, &numbers, lambda, trace)
+            let hit = trace.nearest(shader.scene, &path.ray);
+            shader.follow(CameraPath { hit, ..path }, &numbers, lambda, trace)
         })
     }
 

@@ -12,7 +12,7 @@ use crate::{
     draw_list::DrawList,
     options::{Options, Show},
     projection::Projected,
-    rasterizer::place,
+    rasterizer::{first_ray, place},
     shadow::Shadowing,
     world::World,
 };
@@ -54,11 +54,11 @@ fn passes(filter: bool) -> Vec<(Node, Step)> {
     const NOISY: [Resource; 6] = [Surfaces, Emission, Direct, Indirect, Reflections, Transparency];
     const LIGHT: [Resource; 4] = [FilteredDirect, FilteredIndirect, FilteredReflections, FilteredTransparency];
     let mut passes: Vec<(Node, Step)> = vec![
-        (node("rasterise", &[], &[Visibility]), |frame| frame.rasterise()),
-        (node("look at surfaces", &[Visibility], &[Surfaces]), |frame| frame.look()),
+        (node("visibility buffer", &[], &[Visibility]), |frame| frame.rasterise()),
+        (node("g-buffer", &[Visibility], &[Surfaces]), |frame| frame.gbuffer()),
         (node("emission", &[Surfaces], &[Emission]), |frame| frame.emission()),
-        (node("shadowed light", &[Surfaces], &[Direct]), |frame| frame.direct()),
-        (node("one bounce", &[Surfaces], &[Indirect]), |frame| frame.indirect()),
+        (node("direct light", &[Surfaces], &[Direct]), |frame| frame.direct()),
+        (node("indirect light", &[Surfaces], &[Indirect]), |frame| frame.indirect()),
         (node("reflections", &[Surfaces], &[Reflections]), |frame| frame.reflections()),
         (node("transparency", &[Surfaces], &[Transparency]), |frame| frame.transparency()),
         (node("ambient occlusion", &[Surfaces], &[Occlusion]), |frame| frame.occlusion()),
@@ -77,16 +77,16 @@ fn passes(filter: bool) -> Vec<(Node, Step)> {
             }),
             (
                 node(
-                    "sum",
+                    "composite",
                     &[Surfaces, Emission, FilteredDirect, FilteredIndirect, FilteredReflections, FilteredTransparency],
                     &[Picture],
                 ),
-                |frame| frame.sum(&TERMS.map(|(_, filtered, over_albedo)| (filtered, over_albedo))),
+                |frame| frame.composite(&TERMS.map(|(_, filtered, over_albedo)| (filtered, over_albedo))),
             ),
         ]);
     } else {
-        passes.push((node("sum", &NOISY, &[Picture]), |frame| {
-            frame.sum(&TERMS.map(|(noisy, _, over_albedo)| (noisy, over_albedo)))
+        passes.push((node("composite", &NOISY, &[Picture]), |frame| {
+            frame.composite(&TERMS.map(|(noisy, _, over_albedo)| (noisy, over_albedo)))
         }));
     }
     passes
@@ -241,11 +241,8 @@ impl Pass for Hybrid {
         })
     }
 
-    fn first_ray(&self, run: &Run<'_>, [x, y]: [u32; 2], number: u32) -> (Ray, Wavelengths) {
-        let scene = run.scene;
-        let (offset, _) = place(scene.film(), number);
-        let ray = scene.camera().ray(scene.film(), Vec2::new(x as f32, y as f32) + offset, Vec2::splat(0.5));
-        (ray, scene.mode().wavelengths(|| 0.5))
+    fn first_ray(&self, run: &Run<'_>, pixel: [u32; 2], number: u32) -> (Ray, Wavelengths) {
+        first_ray(run.scene, pixel, number)
     }
 
     fn notes(&self) -> Vec<String> {
@@ -255,7 +252,7 @@ impl Pass for Hybrid {
         if all.is_empty() { Vec::new() } else { vec![format!("passes: {}", all.join(", "))] }
     }
 
-    fn history(&self, scene: &Arc<Scene>) -> Option<History> {
+    fn take_history(&mut self, scene: &Arc<Scene>) -> Option<History> {
         let (projected, filters) = lock(&self.after).take()?;
         Some(History(Arc::new(Before { scene: Arc::clone(scene), projected, filters })))
     }

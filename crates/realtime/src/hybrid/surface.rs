@@ -8,7 +8,7 @@ use steradian_core::{
     scene::{Hit, Interaction, Shape},
 };
 use steradian_engine::albedo;
-use steradian_math::{Vec2, Vec3, spectra::Wavelengths, transform::Affine};
+use steradian_math::{Vec2, Vec3, geometry::barycentric, spectra::Wavelengths, transform::Affine};
 
 /// Albedos are taken for at least this, so that light over albedo is finite.
 const LEAST_ALBEDO: f32 = 1e-3;
@@ -118,12 +118,10 @@ impl Before {
     }
 }
 
-/// A point in the plane of a triangle, with the same weights in another triangle.
-fn moved(p: Vec3, [a, b, c]: [Vec3; 3], then: [Vec3; 3]) -> Vec3 {
-    let (e1, e2, d) = (b - a, c - a, p - a);
-    let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
-    let (d1, d2) = (d.dot(e1), d.dot(e2));
-    let det = d11 * d22 - d12 * d12;
-    let (u, v) = ((d22 * d1 - d12 * d2) / det, (d11 * d2 - d12 * d1) / det);
-    if u.is_finite() && v.is_finite() { then[0] + (then[1] - then[0]) * u + (then[2] - then[0]) * v } else { p }
+/// A point in the plane of a triangle, at its barycentric coordinates in another triangle.
+fn moved(p: Vec3, now: [Vec3; 3], then: [Vec3; 3]) -> Vec3 {
+    match barycentric::triangle_3d(now.map(Vec3::as_dvec3), p.as_dvec3()) {
+        Some([a, b, c]) => then[0] * a as f32 + then[1] * b as f32 + then[2] * c as f32,
+        None => p,
+    }
 }
