@@ -6,8 +6,6 @@ use crate::geometry::WORLD;
 use crate::layout::{ChildRef, Node};
 use crate::refit::refit;
 use crate::simd::LANES;
-#[cfg(test)]
-use crate::simd::Row;
 use crate::traverse::{Nearest, UserLeaves};
 use crate::{Builder, Error, Geometry, Hit, Isa, PrimId, UserHit, UserPrimitives, construct, stream};
 use steradian_math::{Bounds3, Ray};
@@ -234,26 +232,6 @@ impl Bvh {
     #[inline]
     pub(crate) fn occluded_as<U: UserPrimitives>(&self, instance: u32, ray: &Ray, user: &U) -> bool {
         any_hit(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance, user })
-    }
-
-    /// Whether two hierarchies hold the same bits.
-    #[cfg(test)]
-    pub(crate) fn same_bits(&self, other: &Self) -> bool {
-        let rows = |rows: &[Row]| rows.iter().flat_map(|row| row.0.map(f32::to_bits)).collect::<Vec<_>>();
-        let (a, b) = (&self.tree, &other.tree);
-        a.root == b.root
-            && (a.bounds, &a.first) == (b.bounds, &b.first)
-            && (a.arena.nodes().len(), a.arena.blocks().len()) == (b.arena.nodes().len(), b.arena.blocks().len())
-            && a.arena
-                .nodes()
-                .iter()
-                .zip(b.arena.nodes())
-                .all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.children == b.children)
-            && a.arena
-                .blocks()
-                .iter()
-                .zip(b.arena.blocks())
-                .all(|(a, b)| rows(&a.rows) == rows(&b.rows) && a.ids == b.ids)
     }
 
     /// The tree alone.

@@ -39,6 +39,7 @@ mod placement;
 mod refit;
 mod search;
 mod simd;
+mod sizes;
 mod spatial;
 mod stack;
 mod storage;

@@ -3,6 +3,7 @@
 use crate::error::BuildError;
 use crate::flags::GeometryFlags;
 use crate::geometry::{BoxGeometry, Geometries, Indices, TriangleGeometry};
+use std::ops::Range;
 use steradian_accel::{Builder, Bvh, Geometry};
 use steradian_math::{Bounds3, Vec3, hash::combine64};
 
@@ -11,6 +12,8 @@ use steradian_math::{Bounds3, Vec3, hash::combine64};
 pub struct BuildOptions {
     /// Whether it may be updated.
     pub allow_update: bool,
+    /// Whether it may be copied to a compacted one.
+    pub allow_compaction: bool,
     /// What matters more.
     pub preference: Preference,
 }
@@ -112,6 +115,11 @@ impl Form {
 
 impl Content {
     fn of(geometries: &Geometries) -> Result<Self, BuildError> {
+        Self::of_some(geometries, 0..usize::MAX)
+    }
+
+    /// The content of some of the geometries.
+    pub fn of_some(geometries: &Geometries, range: Range<usize>) -> Result<Self, BuildError> {
         let triangles = |(i, geometry): (usize, &TriangleGeometry)| {
             Ok(Triangles { corners: geometry.triangles(i)?, flags: geometry.flags, form: Form::of(geometry) })
         };
@@ -119,15 +127,25 @@ impl Content {
         let content = match geometries {
             Geometries::Triangles(all) => {
                 within("geometries", all.len() as u64, MAX_GEOMETRIES)?;
-                Self::Triangles(all.iter().enumerate().map(triangles).collect::<Result<_, _>>()?)
+                let some = all.iter().enumerate().take(range.end).skip(range.start);
+                Self::Triangles(some.map(triangles).collect::<Result<_, _>>()?)
             }
             Geometries::Boxes(all) => {
                 within("geometries", all.len() as u64, MAX_GEOMETRIES)?;
-                Self::Boxes(all.iter().map(boxes).collect())
+                Self::Boxes(all.iter().take(range.end).skip(range.start).map(boxes).collect())
             }
         };
         content.check_limits()?;
         Ok(content)
+    }
+
+    /// Adds geometries of the same kind.
+    pub fn append(&mut self, more: Self) {
+        match (self, more) {
+            (Self::Triangles(all), Self::Triangles(more)) => all.extend(more),
+            (Self::Boxes(all), Self::Boxes(more)) => all.extend(more),
+            _ => {}
+        }
     }
 
     fn is_opaque(&self) -> bool {
@@ -303,14 +321,5 @@ impl BottomLevel {
             Content::Triangles(all) => all.get(geometry as usize)?.corners.get(primitive as usize).copied(),
             Content::Boxes(_) => None,
         }
-    }
-
-    /// Memory that it takes, in bytes.
-    pub fn bytes(&self) -> usize {
-        let content = match &self.content {
-            Content::Triangles(all) => all.iter().map(|g| size_of_val(&g.corners[..]) + size_of::<Triangles>()).sum(),
-            Content::Boxes(all) => all.iter().map(|g| size_of_val(&g.boxes[..]) + size_of::<Boxes>()).sum::<usize>(),
-        };
-        self.bvh.bytes() + content
     }
 }

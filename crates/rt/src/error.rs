@@ -78,6 +78,12 @@ pub enum BuildError {
     /// A structure that was not built for updates cannot be updated.
     #[error("the structure was built without ALLOW_UPDATE (DXR, D3D12_RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS)")]
     UpdateNotAllowed,
+    /// A structure that was not built for compaction cannot be compacted.
+    #[error(
+        "the structure was built without ALLOW_COMPACTION (DXR, \
+         D3D12_RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS)"
+    )]
+    CompactionNotAllowed,
     /// An update changes what it may not change.
     #[error(
         "an update may not change {what} of geometry {geometry} (DXR, \"Bottom-level acceleration structure updates\")"
@@ -301,8 +307,11 @@ pub enum PipelineError {
 #[non_exhaustive]
 pub enum LoadError {
     /// They do not begin as structures do.
-    #[error("the bytes are not of a bottom-level structure")]
-    NoStructure,
+    #[error("the bytes are not of a {what}")]
+    NoStructure {
+        /// What was expected.
+        what: &'static str,
+    },
     /// They are of another version.
     #[error("the structure has version {version}: only {readable} can be read")]
     Version {
@@ -320,6 +329,27 @@ pub enum LoadError {
         /// How many bytes follow.
         bytes: usize,
     },
+    /// A top-level structure refers to more or fewer bottom levels than are given.
+    #[error("the structure has handles of {expected} bottom levels, but {given} are given (Vulkan, \"Serialization\")")]
+    BottomLevelCount {
+        /// How many it refers to.
+        expected: usize,
+        /// How many are given.
+        given: usize,
+    },
+    /// A top-level structure refers to another bottom level than the one that is given.
+    #[error(
+        "the structure has handle {expected:#018x} of bottom level {place}, but one with {given:#018x} is given \
+         (Vulkan, \"Serialization\")"
+    )]
+    BottomLevel {
+        /// Index of the bottom level.
+        place: usize,
+        /// Its handle.
+        expected: u64,
+        /// The handle of what is given.
+        given: u64,
+    },
     /// Something in them has no meaning.
     #[error("there is no such {what}")]
     Invalid {
@@ -329,4 +359,56 @@ pub enum LoadError {
     /// They break a rule of structures.
     #[error(transparent)]
     Build(Box<BuildError>),
+}
+
+/// Why a deferred operation has no result.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeferredError {
+    /// It is not complete.
+    #[error("the operation is not complete: {unfinished} builds are left (Vulkan, vkGetDeferredOperationResultKHR)")]
+    NotReady {
+        /// How many builds are not finished.
+        unfinished: usize,
+    },
+    /// A build failed.
+    #[error("build {build}: {error}")]
+    Build {
+        /// Index of the first one that failed.
+        build: usize,
+        /// What is wrong.
+        error: BuildError,
+    },
+}
+
+/// Bytes that are the handle of nothing in a pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the pipeline has no {kind} with this handle (Vulkan, vkGetRayTracingCaptureReplayShaderGroupHandlesKHR)")]
+pub struct UnknownHandle {
+    /// What it should be the handle of.
+    pub kind: &'static str,
+}
+
+/// Why captured shader tables are none of a pipeline.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// A handle that the pipeline does not have.
+    #[error("record {place}: {error}")]
+    Handle {
+        /// Index of the record in its table.
+        place: usize,
+        /// What is wrong.
+        error: UnknownHandle,
+    },
+    /// Bytes that are no local data.
+    #[error("record {place} of a {kind} has {bytes} bytes that are no local data")]
+    Local {
+        /// What the records of the table are of.
+        kind: &'static str,
+        /// Index of the record in its table.
+        place: usize,
+        /// How many bytes there are.
+        bytes: usize,
+    },
 }

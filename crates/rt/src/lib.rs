@@ -86,6 +86,9 @@
 //! * [`TriangleGroup`], [`ProceduralGroup`]: hit groups. A pipeline of one type of them is compiled for it; several
 //!   types are a `Box<dyn HitGroup<I>>`.
 //! * [`Library`], [`Pipeline`], [`ShaderTables`]: shaders by name, linked; records that choose among them.
+//! * [`BottomLevel::sizes`], [`DeferredBuild`], [`BottomLevel::compacted`], [`TopLevel::serialize`]: sizes known before
+//!   building, builds by the caller's threads, compaction, structures as bytes.
+//! * [`Pipeline::capture`], [`Pipeline::replay`]: launches as bytes, and again.
 //! * [`RayQuery`]: tracing without shaders.
 //! * [`Pipeline::inspect`]: what happens for one launch id, as text and as JSON.
 //!
@@ -100,11 +103,16 @@
 //! * Nothing panics on any geometry, ray, flag or index.
 
 mod bottom_level;
+mod bytes;
+mod capture;
+mod compaction;
 pub mod context;
+mod deferred;
 pub mod error;
 mod flags;
 mod geometry;
 mod group;
+mod handle_bytes;
 mod inspect;
 mod launch;
 mod pipeline;
@@ -114,6 +122,8 @@ mod queue;
 mod ray;
 mod search;
 mod serial;
+mod serial_top;
+mod sizes;
 mod stages;
 pub mod table;
 mod top_level;
@@ -121,16 +131,22 @@ mod trace;
 mod transform;
 
 pub use bottom_level::{BottomLevel, BuildOptions, MAX_GEOMETRIES, MAX_PRIMITIVES, Preference};
+pub use capture::Capture;
 pub use context::{LaunchValues, TraceRay};
-pub use error::{BuildError, Fault, LaunchError, LoadError, PipelineError, RayError};
+pub use deferred::{DeferredBuild, Join};
+pub use error::{
+    BuildError, DeferredError, Fault, LaunchError, LoadError, PipelineError, RayError, ReplayError, UnknownHandle,
+};
 pub use flags::{ExclusiveRayFlags, GeometryFlags, InstanceFlags, RayFlags};
 pub use geometry::{BoxGeometry, Geometries, Indices, TriangleGeometry};
 pub use group::{HitAttributes, HitGroup, ProceduralGroup, TriangleGroup};
+pub use handle_bytes::HANDLE_BYTES;
 pub use inspect::{Entry, Event, Inspection, Stage};
 pub use launch::MAX_LAUNCH_IDS;
 pub use pipeline::{Export, HitGroupStack, Library, MAX_CALL_DEPTH, MAX_RECURSION_DEPTH, Pipeline, PipelineConfig};
 pub use query::{CommittedHit, ProceduralCandidate, QueryCandidate, RayQuery, TriangleCandidate};
 pub use ray::{Barycentrics, HitKind, Primitive, PrimitiveId, RayDesc, RayValues};
+pub use sizes::{BuildSizes, PrimitiveCounts};
 pub use stages::{AnyHit, Callable, ClosestHit, Decision, EndSearch, Interface, Intersection, Miss, RayGeneration};
 pub use table::{Handle, Place, Record, ShaderTable, ShaderTables};
 pub use top_level::{Instance, TopLevel};

@@ -127,7 +127,7 @@ impl Placed {
 pub struct TopLevel {
     pub(crate) bvh: Bvh,
     pub(crate) instances: Vec<Placed>,
-    options: BuildOptions,
+    pub(crate) options: BuildOptions,
 }
 
 impl TopLevel {
@@ -173,11 +173,6 @@ impl TopLevel {
     /// How many instances it has.
     pub fn instance_count(&self) -> usize {
         self.instances.len()
-    }
-
-    /// Memory that it takes without its bottom levels, in bytes.
-    pub fn bytes(&self) -> usize {
-        self.bvh.bytes() + size_of_val(&self.instances[..])
     }
 }
 

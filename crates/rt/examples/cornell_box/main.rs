@@ -106,8 +106,7 @@ pub fn render(width: u32, samples: u32, seed: u64, is_recursive: bool) -> Result
     let max_recursion_depth = if is_recursive { MAX_RAYS } else { 1 };
     let pipeline = Pipeline::link([library], PipelineConfig { max_recursion_depth, ..Default::default() })?;
     let records = records(pipeline.hit_group("wall"), pipeline.hit_group("sphere"));
-    let camera = Record { handle: pipeline.ray_generation("camera"), local: Surface::default() };
-    let tables = ShaderTables::new(camera)
+    let tables = ShaderTables::new(Record { handle: pipeline.ray_generation("camera"), local: Surface::default() })
         .with_hit_groups(ShaderTable::new(records))
         .with_miss(ShaderTable::new(vec![Record::null(Surface::default())]));
     Ok(pipeline.launch(&tables, [width, width, 1])?)

@@ -1,5 +1,7 @@
 //! What the crate promises, held against models that are written from the specifications.
 
+mod builds;
+mod capture;
 mod examples;
 mod facing;
 mod inspect;

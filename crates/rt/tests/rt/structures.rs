@@ -64,7 +64,7 @@ fn two_levels_are_the_flattened_scene() {
 fn updates_and_preferences_change_no_hit() {
     let mut rng = HashRng::new(2);
     let mut vertices = soup(&mut rng, 200, 0.3);
-    let options = |preference| BuildOptions { allow_update: true, preference };
+    let options = |preference| BuildOptions { allow_update: true, preference, ..BuildOptions::default() };
     let mut updated = bottom(&[TriangleGeometry::new(&vertices)], options(Preference::Balanced)).expect("valid");
     for round in 0..3 {
         vertices.iter_mut().for_each(|v| *v += in_cube(&mut rng) * 0.2);
