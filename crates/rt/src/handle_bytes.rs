@@ -3,14 +3,44 @@
 
 use crate::error::UnknownHandle;
 use crate::group::HitGroup;
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Export, Library, Pipeline};
 use crate::stages::{Callable, Interface, Miss, RayGeneration};
-use crate::table::{Handle, kind::Kind};
+use crate::table::{Handle, kind};
 use std::collections::HashMap;
 use steradian_math::hash::combine64;
 
 /// Bytes of a handle (`shaderGroupHandleSize`, `D3D12_SHADER_IDENTIFIER_SIZE_IN_BYTES`).
 pub const HANDLE_BYTES: usize = 32;
+
+/// What is common to the [kinds](kind) of tables. No other types can be kinds.
+pub trait Kind: Exported {}
+
+/// Kinds of what a pipeline has.
+pub trait Exported {
+    /// What it is.
+    const NAME: &'static str;
+    /// The names of all exports of this kind.
+    fn names<I, R, H, M, C>(library: &Library<I, R, H, M, C>) -> Vec<&str>;
+}
+
+macro_rules! kinds {
+    ($($kind:ident: $name:literal, $field:ident;)*) => {
+        $(impl Kind for kind::$kind {}
+        impl Exported for kind::$kind {
+            const NAME: &'static str = $name;
+            fn names<I, R, H, M, C>(library: &Library<I, R, H, M, C>) -> Vec<&str> {
+                library.$field.iter().map(|Export { name, .. }| name.as_str()).collect()
+            }
+        })*
+    };
+}
+
+kinds! {
+    RayGeneration: "ray-generation shader", ray_generation;
+    HitGroup: "hit group", hit_groups;
+    Miss: "miss shader", miss;
+    Callable: "callable shader", callable;
+}
 
 impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<I>> Pipeline<I, R, H, M, C> {
     /// The opaque bytes of a handle; `None` for one of another pipeline. They depend on the name and the kind of what

@@ -140,7 +140,7 @@ pub use error::{
 pub use flags::{ExclusiveRayFlags, GeometryFlags, InstanceFlags, RayFlags};
 pub use geometry::{BoxGeometry, Geometries, Indices, TriangleGeometry};
 pub use group::{HitAttributes, HitGroup, ProceduralGroup, TriangleGroup};
-pub use handle_bytes::HANDLE_BYTES;
+pub use handle_bytes::{HANDLE_BYTES, Kind};
 pub use inspect::{Entry, Event, Inspection, Stage};
 pub use launch::MAX_LAUNCH_IDS;
 pub use pipeline::{Export, HitGroupStack, Library, MAX_CALL_DEPTH, MAX_RECURSION_DEPTH, Pipeline, PipelineConfig};

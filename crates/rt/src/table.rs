@@ -37,42 +37,6 @@ impl<K> PartialEq for Handle<K> {
 
 /// Kinds of tables, as types.
 pub mod kind {
-    use crate::pipeline::{Export, Library};
-
-    /// What is common to them. No other types can be kinds.
-    pub trait Kind: private::Exported {}
-
-    pub(crate) mod private {
-        use crate::pipeline::Library;
-
-        /// Kinds of what a pipeline has.
-        pub trait Exported {
-            /// What it is.
-            const NAME: &'static str;
-            /// The names of all exports of this kind.
-            fn names<I, R, H, M, C>(library: &Library<I, R, H, M, C>) -> Vec<&str>;
-        }
-    }
-
-    macro_rules! kinds {
-        ($($kind:ident: $name:literal, $field:ident;)*) => {
-            $(impl Kind for $kind {}
-            impl private::Exported for $kind {
-                const NAME: &'static str = $name;
-                fn names<I, R, H, M, C>(library: &Library<I, R, H, M, C>) -> Vec<&str> {
-                    library.$field.iter().map(|Export { name, .. }| name.as_str()).collect()
-                }
-            })*
-        };
-    }
-
-    kinds! {
-        RayGeneration: "ray-generation shader", ray_generation;
-        HitGroup: "hit group", hit_groups;
-        Miss: "miss shader", miss;
-        Callable: "callable shader", callable;
-    }
-
     /// Ray-generation shaders.
     #[derive(Clone, Debug)]
     pub enum RayGeneration {}
