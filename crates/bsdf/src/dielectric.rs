@@ -31,13 +31,13 @@ impl Dielectric {
     }
 
     /// Whether the two media do not differ: light goes straight through, however rough the interface is.
-    fn is_matched(&self) -> bool {
+    pub(crate) fn is_matched(&self) -> bool {
         (self.eta - 1.0).abs() < 1e-4
     }
 
     /// The probability of reflection where the fraction `f` is reflected; `None` where nothing is scattered.
     #[inline]
-    fn reflection_probability(&self, f: f32) -> Option<f32> {
+    pub(crate) fn reflection_probability(&self, f: f32) -> Option<f32> {
         let [r, sum] = self.shares(f);
         (sum > 0.0).then(|| r / sum)
     }

@@ -460,7 +460,8 @@ fn every_model_says_truly_what_it_does() {
                 return Err("scatters below".into());
             }
             specular_only &= s.lobe.is_specular();
-            transmits |= s.lobe.is_transmission();
+            // What goes below a surface does not come out on the other side.
+            transmits |= s.lobe.is_transmission() && !s.lobe.is_subsurface();
             let estimate = b.albedo_estimate(wo);
             if !estimate.is_finite() || estimate.max_element() > 1.0 + 1e-3 || estimate.0.min_element() < 0.0 {
                 return Err(format!("albedo estimate {estimate:?} from {wo}"));

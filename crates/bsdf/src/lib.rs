@@ -51,6 +51,7 @@ pub mod reflectance;
 pub mod registry;
 mod scatter;
 mod sheen;
+pub mod subsurface;
 pub mod thin_dielectric;
 pub mod thin_film;
 mod visible_normals;
@@ -79,6 +80,7 @@ pub use principled_thin::PrincipledThin;
 pub use reflectance::Reflectance;
 pub use registry::{Inputs, MOST_INPUTS, Model, Recipe};
 use scatter::Scatter;
+use subsurface::{Emergence, Entry};
 pub use thin_dielectric::ThinDielectric;
 pub use thin_film::ThinFilm;
 pub use ward::{Ward, WardForm};
@@ -100,6 +102,8 @@ impl Lobe {
     pub const GLOSSY: Self = Self(8);
     /// Exactly one direction: a delta distribution, never met by chance.
     pub const SPECULAR: Self = Self(16);
+    /// Light goes below the surface, to leave it elsewhere; the direction says nothing.
+    pub const SUBSURFACE: Self = Self(32);
 
     /// Both sets together.
     pub const fn with(self, other: Self) -> Self {
@@ -124,6 +128,12 @@ impl Lobe {
     /// Whether the lobe is diffuse.
     pub const fn is_diffuse(self) -> bool {
         self.contains(Self::DIFFUSE)
+    }
+
+    /// Whether light goes below the surface, to leave it elsewhere.
+    #[inline]
+    pub const fn is_subsurface(self) -> bool {
+        self.contains(Self::SUBSURFACE)
     }
 
     /// Whether the lobe is glossy.
@@ -291,6 +301,10 @@ models! {
     Principled(Principled),
     /// Disney's thin sheet.
     PrincipledThin(PrincipledThin),
+    /// Where light may enter to leave elsewhere.
+    Subsurface(Entry),
+    /// Where light leaves that entered elsewhere.
+    Emergence(Emergence),
 }
 
 /// All models.

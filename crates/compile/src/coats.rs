@@ -1,7 +1,11 @@
-//! The tables of coats, shared by materials: one takes milliseconds to make, and scenes have many materials.
+//! The tables of coats and of diffusion below surfaces, shared by materials: one takes milliseconds to make, and scenes have many materials.
 
+use crate::subsurface::ProfileKey;
 use std::{collections::HashMap, sync::Arc};
-use steradian_bsdf::{CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing};
+use steradian_bsdf::{
+    CoatSeries, CoatTable, EnergyTable, NormalDistribution, Shadowing,
+    subsurface::{ProfileTable, WalkAlbedo},
+};
 use steradian_math::spectra::ColorMode;
 
 /// Roughnesses of one kind of coat that get a table of their own; further ones share a table over all roughnesses.
@@ -23,6 +27,10 @@ struct Tables {
 pub(super) struct Coats {
     coats: HashMap<Kind, Tables>,
     energies: HashMap<(NormalDistribution, Shadowing), Arc<EnergyTable>>,
+    /// Profiles of diffusion.
+    pub profiles: HashMap<ProfileKey, Arc<ProfileTable>>,
+    /// Albedos of random walks, by the bits of index and mean cosine.
+    pub walks: HashMap<(u32, u32), Arc<WalkAlbedo>>,
     /// Whether RGB lanes stand for spectra over which the layers of pbrt's materials are summed: its materials are
     /// spectral by definition. Mitsuba's plastics in RGB are defined by RGB arithmetic.
     over_rgb_spectra: bool,

@@ -53,7 +53,7 @@ impl Compiler<'_> {
     }
 
     /// Reports parameters that another one leaves without effect.
-    fn superseded(&mut self, node: &Node, by: &str, names: &[&str]) {
+    pub(super) fn superseded(&mut self, node: &Node, by: &str, names: &[&str]) {
         for name in names {
             if let Some(p) = node.param(name) {
                 let what = format!("'{name}' of {} '{}' has no effect beside '{by}'", node.family.noun(), node.kind);

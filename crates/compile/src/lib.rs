@@ -25,6 +25,7 @@ mod principled;
 mod ranges;
 mod shapes;
 mod sound;
+mod subsurface;
 mod textures;
 mod view;
 

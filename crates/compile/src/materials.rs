@@ -61,7 +61,7 @@ impl Compiler<'_> {
         resolved
     }
 
-    fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
+    pub(super) fn add(&mut self, node: &Node, model: Model) -> ResolvedMaterial {
         let is_sheet = matches!(&model, Model::Principled(p) if p.thin.is_some());
         let two_sided = is_sheet || self.desc.format != Format::Mitsuba;
         self.materials.push(Material::new(model, two_sided));
@@ -181,6 +181,7 @@ impl Compiler<'_> {
             "metallic_roughness" => self.metallic_roughness(node),
             "openpbr" => self.openpbr(node),
             "sheen" => self.sheen(node),
+            "subsurface" => self.subsurface(node),
             "principled" => self.principled(node, false),
             "principledthin" => self.principled(node, true),
             "interface" => Model::Interface,
@@ -285,13 +286,6 @@ impl Compiler<'_> {
                     self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
                     self.spectrum(node, "transmittance", Role::Albedo, quarter),
                 )
-            }
-            "subsurface" => {
-                say(self, "a coat over a diffuse surface of the same albedo");
-                let base = self.subsurface_albedo(node);
-                let roughness = self.roughness(node, "uroughness", "vroughness");
-                let series = CoatSeries::Layered { thickness: 0.0, max_depth: u32::MAX };
-                self.coat_over(node, base, 1.33, roughness, series)
             }
             _ => {
                 say(self, "a diffuse surface");
@@ -444,7 +438,7 @@ impl Compiler<'_> {
     /// The albedo of a deep medium as diffuse light inside sees it (van de Hulst 1980, Multiple Light Scattering, a
     /// fit): `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √((1 − a)/(1 − a g))`; a `reflectance` where the file gives
     /// one.
-    fn subsurface_albedo(&mut self, node: &Node) -> SpectrumTexture {
+    pub(super) fn subsurface_albedo(&mut self, node: &Node) -> SpectrumTexture {
         if node.get("reflectance").is_some() || node.get("sigma_s").is_none() {
             return self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));
         }

@@ -4,7 +4,7 @@
 use crate::Depth;
 use steradian_engine::{Integrator, PathContext};
 use steradian_math::{Ray, Spectrum};
-use steradian_transport::{Arrival, Guide, NoGuide, PathState, Vertex, arrive, escape};
+use steradian_transport::{Arrival, Guide, NoGuide, PathState, Vertex, arrive, escape, subsurface::EVENTS_BELOW};
 
 /// The path tracer. Without `MEDIA` these are ignored; surfaces that scatter nothing are passed.
 #[derive(Clone, Copy, Debug)]
@@ -42,27 +42,39 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         context: &mut PathContext<'s, '_>,
         mut sum: Spectrum,
     ) -> Spectrum {
-        let (mut vertex, mut next) = (vertex, Arrival::End);
+        let (mut vertex, mut next, mut depth) = (vertex, Arrival::End, self.depth);
         loop {
             // Light that arrives straight from a light.
             sum += path_state.direct::<MEDIA>(vertex, context);
             // Scatter.
             let Some(s) = path_state.sample(vertex, context.sampler, guide) else { return sum };
+            if s.sample.lobe.is_subsurface() {
+                // Below the surface counts for none of the events that are asked for.
+                depth.max = depth.max.saturating_add(EVENTS_BELOW);
+                let Some(v) = path_state.emerge(vertex, &s.sample, context) else { return sum };
+                if !path_state.survives(&depth, context) {
+                    return sum;
+                }
+                next = Arrival::Vertex(v);
+                let Arrival::Vertex(v) = &next else { return sum };
+                vertex = v;
+                continue;
+            }
             path_state.turn::<MEDIA>(context.scene, vertex, &s);
             if !path_state.beta.is_finite() {
                 // Handed to the film, which counts it.
                 return path_state.beta;
             }
-            if !path_state.survives(&self.depth, context) {
+            if !path_state.survives(&depth, context) {
                 return sum;
             }
             // Follow the ray to the next vertex; collect what shines there.
-            arrive::<MEDIA>(&mut path_state, &self.depth, &mut sum, &mut next, context);
+            arrive::<MEDIA>(&mut path_state, &depth, &mut sum, &mut next, context);
             match &next {
                 Arrival::Vertex(v) => vertex = v,
                 Arrival::End => return sum,
                 Arrival::Escaped => {
-                    escape(&path_state, &self.depth, &mut sum, context);
+                    escape(&path_state, &depth, &mut sum, context);
                     return sum;
                 }
             }

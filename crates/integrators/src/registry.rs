@@ -3,7 +3,7 @@
 use crate::{
     Depth, Plan, Session, VarianceReduction,
     ao::AmbientOcclusion,
-    passes::{PassKind, missed_caustics},
+    passes::{BELOW_SURFACES, PassKind, missed_caustics},
     path::PathTracer,
     radiosity::{self, Solution, View},
     raycast::Raycast,
@@ -82,10 +82,20 @@ impl IntegratorKind {
         }
     }
 
+    /// What of a scene it refuses, having no picture of it; `None` where it has one.
+    pub fn refuses(&self, scene: &Scene) -> Option<String> {
+        match self {
+            Self::Passes(kind) => kind.cannot(scene),
+            Self::Whitted(_) | Self::Stokes(_) if scene.has_subsurface() => Some(BELOW_SURFACES.into()),
+            _ => None,
+        }
+    }
+
     /// What of a scene it cannot do, or only in part; `None` where it can do all.
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         match self {
-            Self::Passes(kind) => kind.cannot(scene).or_else(|| kind.leaves_out(scene)),
+            Self::Passes(kind) => self.refuses(scene).or_else(|| kind.leaves_out(scene)),
+            Self::Whitted(_) | Self::Stokes(_) => self.refuses(scene),
             Self::Path(_) if scene.has_media() => Some("participating media".into()),
             Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
             Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {

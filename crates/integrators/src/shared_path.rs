@@ -10,6 +10,7 @@ use crate::{
 };
 use steradian_core::Scene;
 use steradian_engine::{GroupIntegrator, PathContext, PixelSample};
+use steradian_transport::NoGuide;
 
 /// A path tracer whose paths share what they find, ask photons, and are more than one for a sample, where that pays.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +58,16 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         (_, buffer): &mut Self::Buffer<'s>,
         counters: &mut Counters,
     ) {
+        if scene.has_subsurface() {
+            for sample in pixel_samples {
+                let before = counters.rays;
+                let PixelSample { ray, own, lambda, radiance, .. } = sample;
+                let context = &mut PathContext { scene, sampler: own, lambda, counters };
+                *radiance = self.path.arriving(*ray, None::<&NoGuide>, context);
+                sample.rays = (counters.rays - before) as u32;
+            }
+            return;
+        }
         wave(&self.path, scene, precomputed, pixel_samples, buffer, counters);
     }
 

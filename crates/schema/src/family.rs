@@ -79,10 +79,9 @@ impl Family {
         }
     }
 
-    /// The model of a kind, those with a stand-in among them.
+    /// The model of a kind.
     pub fn model(self, kind: &str) -> Option<&'static Model> {
-        let stand_ins = if self == Self::Material { material::STAND_INS } else { &[] };
-        self.models().iter().chain(stand_ins).find(|m| m.kind == kind)
+        self.models().iter().find(|m| m.kind == kind)
     }
 
     /// All that can be set of a kind; nothing for kinds that are not described here.

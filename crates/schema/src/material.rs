@@ -353,6 +353,37 @@ pub const MATERIALS: &[Model] = &[
          d'Eon et al. (2011)",
     },
     Model {
+        kind: "subsurface",
+        doc: "light enters and leaves elsewhere on the same object: skin, marble, milk; `path` and `volpath` follow it",
+        parameters: &[
+            word(
+                "method",
+                "random_walk, photon_beam, dipole, normalized_diffusion",
+                "random_walk; photon_beam in pbrt scenes",
+                "how light gets through: simulated, or by a profile of diffusion of the distance",
+            ),
+            tex("reflectance", UNIT, "0.7", "the part of the light below that comes back, instead of coefficients"),
+            tex("mfp", FACTOR, "1", "mean free path").unit("scene units"),
+            tex("sigma_a", (0.0, 1e8), "none", "absorption").unit("1/scene unit"),
+            tex("sigma_s", (0.0, 1e8), "none", "scattering").unit("1/scene unit"),
+            number("scale", FACTOR, "1", "factor on the coefficients, or on the mean free path"),
+            number("g", (-0.99, 0.99), "0", "mean cosine of the phase function"),
+            spectrum("eta", INDEX, "1.33", "index of refraction inside over outside").above_zero(),
+            ALPHA_U,
+            ALPHA_V,
+            REMAP,
+            DISTRIBUTION,
+            GAMMA,
+            SHADOWING,
+            REFLECTANCE_FACTOR,
+            TRANSMITTANCE_FACTOR,
+        ],
+        groups: &[&DETAIL],
+        source: "pbrt-v4, 11.4; Habel, Christensen, Jarosz, Photon Beam Diffusion (2013); Jensen et al., A Practical \
+         Model for Subsurface Light Transport (2001); Christensen, Burley, Approximate Reflectance Profiles for \
+         Efficient Subsurface Scattering (2015)",
+    },
+    Model {
         kind: "coated_conductor",
         doc: "a dielectric coat over a metal, by random walks",
         parameters: &[
@@ -567,23 +598,6 @@ pub static DETAIL: Group = Group {
     source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, \
      Baker, LEAN mapping (2010)",
 };
-
-/// Kinds for which another material stands in: what is read of them.
-pub const STAND_INS: &[Model] = &[Model {
-    kind: "subsurface",
-    doc: "pbrt's; a coat over a diffuse surface of the same albedo stands in",
-    parameters: &[
-        spectrum("eta", INDEX, "1.33", "index of refraction").above_zero(),
-        scalar("uroughness", ALPHA, "0", "roughness α along the tangent").not_negative(),
-        scalar("vroughness", ALPHA, "uroughness", "roughness α along the bitangent").not_negative(),
-        tex("reflectance", UNIT, "0.7", "albedo of the diffuse surface"),
-        spectrum("sigma_a", (0.0, 1e8), "1", "absorption"),
-        spectrum("sigma_s", (0.0, 1e8), "1", "scattering"),
-        number("g", (-0.99, 0.99), "0", "mean cosine of the phase function"),
-    ],
-    groups: &[&DETAIL],
-    source: "pbrt-v4, 11.4",
-}];
 
 #[cfg(test)]
 mod tests {

@@ -41,6 +41,8 @@ impl Render {
         Ok(match self.method {
             Method::Rays(integrator) => integrator.session(Arc::clone(scene), self.plan),
             Method::Pipeline(options, depth) => {
+                let local = scene.has_subsurface().then(|| Arc::new(Scene::clone(scene).with_local_scattering()));
+                let scene = local.as_ref().unwrap_or(scene);
                 if options.frame == FrameKind::Hybrid {
                     let hybrid = Hybrid::new(scene, options, depth, &self.plan)?;
                     return Ok(Box::new(Passes::new(Arc::clone(scene), hybrid, self.plan)));

@@ -136,9 +136,7 @@ impl Quality {
         if self.adaptive && matches!(integrator, IntegratorKind::Passes(_)) {
             return Err(Error::NotAdaptive(name.into()));
         }
-        if let IntegratorKind::Passes(kind) = &integrator
-            && let Some(what) = kind.cannot(scene)
-        {
+        if let Some(what) = integrator.refuses(scene) {
             return Err(Error::CannotRender { integrator: name.into(), what });
         }
         if self.transparent {
@@ -249,7 +247,7 @@ impl Quality {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
         match IntegratorKind::named(&scene.settings().integrator, depth, VarianceReduction::default())? {
-            kind @ IntegratorKind::Passes(_) if self.integrator.is_none() => kind.cannot(scene),
+            kind if self.integrator.is_none() => kind.refuses(scene),
             _ => None,
         }
     }

@@ -11,6 +11,7 @@ mod guide;
 pub mod nee;
 pub mod roulette;
 mod state;
+pub mod subsurface;
 pub mod tracking;
 mod vertex;
 

@@ -4,11 +4,13 @@ mod hair;
 mod layered;
 mod pbr;
 mod principled;
+mod subsurface;
 
 pub use hair::{Absorption, HairMaterial};
 pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
 pub use principled::PrincipledMaterial;
+pub use subsurface::{Below, Content, SubsurfaceMaterial, SubsurfaceMethod};
 pub mod detail;
 pub mod normal_code;
 pub mod normal_filter;
@@ -185,6 +187,8 @@ pub enum Model {
     Pbr(Box<PbrMaterial>),
     /// Disney's surface.
     Principled(Box<PrincipledMaterial>),
+    /// Light enters, to leave elsewhere.
+    Subsurface(Box<SubsurfaceMaterial>),
     /// One of two materials (indices), chosen at each point with the probability of the second.
     Mix(u32, u32, FloatTexture),
     /// Different materials (indices) on the side the normal points to and the other.
@@ -300,9 +304,12 @@ impl Material {
                 of(false, roughness)
             }
             Model::Parametric(p) => Needs { parameters: true, tangent: p.recipe.is_anisotropic },
-            Model::Hair(_) | Model::Layered(_) | Model::Measured(_) | Model::Pbr(_) | Model::Principled(_) => {
-                Needs::ALL
-            }
+            Model::Hair(_)
+            | Model::Layered(_)
+            | Model::Measured(_)
+            | Model::Pbr(_)
+            | Model::Principled(_)
+            | Model::Subsurface(_) => Needs::ALL,
             Model::Mix(a, b, amount) => isotropic(amount.is_constant()) | before[*a as usize] | before[*b as usize],
             Model::TwoSided(a, b) => before[*a as usize] | before[*b as usize],
             Model::Interface => Needs::default(),
@@ -441,6 +448,7 @@ pub fn scattering<'a>(
         Model::Layered(m) => m.bsdf(textures, at, lambda),
         Model::Pbr(m) => m.bsdf(textures, at, lambda),
         Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),
+        Model::Subsurface(m) => m.bsdf(id, &Point { textures, at, lambda }),
         model => owned(model, textures, at, lambda)?,
     };
     let turns = !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided);

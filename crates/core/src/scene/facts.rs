@@ -16,6 +16,7 @@ pub struct Facts {
     pub has_media: bool,
     pub is_see_through: bool,
     pub has_curves: bool,
+    pub has_subsurface: bool,
     /// The back and the front of each material.
     pub constants: Vec<[Option<material::Constant>; 2]>,
     /// Each material whose sides reflect by Lambert's law, the same everywhere.
@@ -43,6 +44,7 @@ impl Facts {
             is_see_through: materials
                 .iter()
                 .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            has_subsurface: materials.iter().any(|m| matches!(m.model, Model::Subsurface(_))),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
             constants: material::constants(materials, textures),
             lambertian: material::lambertian(materials),

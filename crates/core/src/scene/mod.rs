@@ -53,6 +53,18 @@ impl Scene {
         self.facts.find_kinds(&self.parts);
     }
 
+    /// This scene with what stands in for materials below which light goes, for methods that do not follow it there.
+    #[must_use]
+    pub fn with_local_scattering(self) -> Self {
+        self.changed(|parts| {
+            for material in &mut parts.materials {
+                if let Model::Subsurface(m) = &material.model {
+                    material.model = Model::TwoSided(m.local, m.local);
+                }
+            }
+        })
+    }
+
     /// This scene with some of its parts changed.
     #[must_use]
     pub fn changed(mut self, change: impl FnOnce(&mut Parts)) -> Self {
@@ -184,6 +196,12 @@ impl Scene {
     #[inline]
     pub fn is_see_through(&self) -> bool {
         self.facts.is_see_through
+    }
+
+    /// Whether light enters any material to leave it elsewhere.
+    #[inline]
+    pub fn has_subsurface(&self) -> bool {
+        self.facts.has_subsurface
     }
 
     /// Whether there are curves, which face the ray ([`Scene::faces_rays`]).

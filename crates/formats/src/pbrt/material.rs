@@ -227,12 +227,8 @@ fn subsurface(b: &mut Build) {
             b.set("sigma_s", sigma_s);
         }
     }
-    for one in ["uroughness", "vroughness"] {
-        if !b.float_texture(one, one, None) {
-            b.float_texture("roughness", one, 0.0);
-        }
-    }
-    b.bool("remaproughness", "remap_roughness", true);
+    b.node.set("method", "photon_beam", None);
+    roughness(b);
 }
 
 /// Chooses between two named materials.

@@ -22,7 +22,11 @@ const PATHS: u32 = 1 << 14;
 /// them on surfaces that are not specular: an estimate to a few per cent of itself, always the same for a scene.
 pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
     let lights = &scene.lights().lights;
-    if scene.has_media() || !scene.camera().can_receive() || !lights.iter().any(|l| l.kind().is_delta) {
+    if scene.has_media()
+        || scene.has_subsurface()
+        || !scene.camera().can_receive()
+        || !lights.iter().any(|l| l.kind().is_delta)
+    {
         return Vec3::ZERO;
     }
     let Some(emission) = Emission::new(scene) else { return Vec3::ZERO };

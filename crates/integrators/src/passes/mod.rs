@@ -17,6 +17,7 @@ pub use missed::missed_caustics;
 pub use mlt::Metropolis;
 pub use photon_map::PhotonMap;
 pub use radius::Radius;
+pub(crate) use registry::BELOW_SURFACES;
 pub use registry::PassKind;
 pub use sppm::Sppm;
 

@@ -12,6 +12,9 @@ use std::sync::Arc;
 use steradian_core::Scene;
 use steradian_engine::Passes;
 
+/// What only `path` and `volpath` follow.
+pub(crate) const BELOW_SURFACES: &str = "light that goes below surfaces (material 'subsurface')";
+
 /// A method that works by passes, ready to run.
 #[derive(Clone, Copy, Debug)]
 pub enum PassKind {
@@ -81,6 +84,9 @@ impl PassKind {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         if scene.camera().motion.is_some() {
             return Some("a camera that moves".into());
+        }
+        if scene.has_subsurface() {
+            return Some(BELOW_SURFACES.into());
         }
         match self {
             Self::Bidirectional(m) => m.cannot(scene),

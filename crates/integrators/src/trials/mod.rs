@@ -27,7 +27,8 @@ pub(crate) fn run<const MEDIA: bool>(
     plan: &Plan,
     stop: &Stop,
 ) -> Precomputed {
-    if path.depth.max <= 1 {
+    // Below surfaces paths share nothing, and photons are not followed there.
+    if path.depth.max <= 1 || scene.has_subsurface() {
         return Precomputed::default();
     }
     let mut precomputed =

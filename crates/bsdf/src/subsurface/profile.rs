@@ -1,0 +1,224 @@
+//! Diffusion profiles in a table: how much light leaves at a distance from where it entered, by albedo and distance in
+//! mean free paths. Between radii `2π r R(r)` is linear, and so are both its value and the density of samples between
+//! albedos, so samples follow the value exactly where all wavelengths are alike.
+
+use crate::fresnel;
+use steradian_math::Spectrum;
+
+/// Rows of the table.
+const ALBEDOS: usize = 64;
+/// Radii of a row.
+const RADII: usize = 128;
+/// From one radius to the next.
+const RATIO: f32 = 1.095;
+/// The first radius above zero, in mean free paths.
+const FIRST: f32 = 2.5e-3;
+
+/// Rings that bring less than this part of what is within them end a row.
+const DARK: f64 = 1e-7;
+
+/// A radially symmetric profile `R(r)` for a range of albedos.
+#[derive(Clone, Debug)]
+pub struct ProfileTable {
+    radii: Vec<f32>,
+    albedos: Vec<f32>,
+    /// `2π r R(r)` by albedo and radius, lengths in mean free paths.
+    rings: Vec<f32>,
+    /// Its integral up to each radius.
+    sums: Vec<f32>,
+}
+
+/// How a wavelength scatters under a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    /// The first of two rows.
+    low: usize,
+    /// The weight of the second.
+    t: f32,
+}
+
+impl ProfileTable {
+    /// The table of a profile: `ring(albedo, r)` is `2π r R(r)` for a mean free path of one, at `r = 0` its limit.
+    pub fn new(ring: impl Fn(f64, f64) -> f64) -> Self {
+        let radii: Vec<f32> =
+            std::iter::once(0.0).chain((0..RADII - 1).map(|i| FIRST * RATIO.powi(i as i32))).collect();
+        // Denser near one, where the profile changes most.
+        let from_one = |i: usize| 1.0 - i as f32 / (ALBEDOS - 1) as f32;
+        let albedos: Vec<f32> = (0..ALBEDOS).map(|i| 1.0 - from_one(i).powi(3)).collect();
+        let (mut rings, mut sums) = (Vec::with_capacity(ALBEDOS * RADII), Vec::with_capacity(ALBEDOS * RADII));
+        for &a in &albedos {
+            let (mut sum, mut is_dark) = (0.0, false);
+            for (j, &r) in radii.iter().enumerate() {
+                // What is left further out is not seen.
+                let value = if is_dark { 0.0 } else { ring(f64::from(a), f64::from(r)) };
+                is_dark |= r > 1.0 && value * f64::from(r) <= DARK * sum;
+                rings.push(if value.is_finite() { value.max(0.0) as f32 } else { 0.0 });
+                if j > 0 {
+                    let [a, b] = [rings[rings.len() - 2], rings[rings.len() - 1]];
+                    sum += f64::from(a + b) * 0.5 * f64::from(r - radii[j - 1]);
+                }
+                sums.push(sum as f32);
+            }
+        }
+        Self { radii, albedos, rings, sums }
+    }
+
+    /// The largest radius of the table, in mean free paths.
+    fn end(&self) -> f32 {
+        self.radii[RADII - 1]
+    }
+
+    pub(super) fn row(&self, albedo: f32) -> Row {
+        let low = self.albedos.partition_point(|a| *a <= albedo).clamp(1, ALBEDOS - 1) - 1;
+        let [a, b] = [self.albedos[low], self.albedos[low + 1]];
+        Row { low, t: ((albedo - a) / (b - a)).clamp(0.0, 1.0) }
+    }
+
+    fn total(&self, row: usize) -> f32 {
+        self.sums[row * RADII + RADII - 1]
+    }
+
+    fn between(row: Row, of: impl Fn(usize) -> f32) -> f32 {
+        (1.0 - row.t) * of(row.low) + row.t * of(row.low + 1)
+    }
+
+    /// The part of the light that leaves again, wherever, of that which entered.
+    pub fn albedo(&self, albedo: f32) -> f32 {
+        Self::between(self.row(albedo), |row| self.total(row))
+    }
+
+    /// The albedo of single scattering by which so much of the light leaves again, as near as the table has it.
+    pub fn single_scattering_albedo(&self, albedo: f32) -> f32 {
+        // Totals grow with the albedo.
+        let high = (1..ALBEDOS - 1).find(|row| self.total(*row) >= albedo).unwrap_or(ALBEDOS - 1);
+        let [below, above] = [self.total(high - 1), self.total(high)];
+        let t = if above > below { ((albedo - below) / (above - below)).clamp(0.0, 1.0) } else { 0.0 };
+        self.albedos[high - 1] + t * (self.albedos[high] - self.albedos[high - 1])
+    }
+
+    /// `2π r R(r)` at a radius in mean free paths.
+    fn ring(&self, row: Row, r: f32) -> f32 {
+        if r >= self.end() {
+            return 0.0;
+        }
+        let j = self.radii.partition_point(|x| *x <= r).clamp(1, RADII - 1) - 1;
+        let t = (r - self.radii[j]) / (self.radii[j + 1] - self.radii[j]);
+        Self::between(row, |row| {
+            let [a, b] = [self.rings[row * RADII + j], self.rings[row * RADII + j + 1]];
+            a + t * (b - a)
+        })
+    }
+
+    /// A radius in mean free paths whose density is proportional to the ring's light, by a number in `[0, 1)`.
+    pub(super) fn sample(&self, row: Row, u: f32) -> f32 {
+        // One of the two rows, in proportion to what it has of all.
+        let [a, b] = [(1.0 - row.t) * self.total(row.low), row.t * self.total(row.low + 1)];
+        let p = if a + b > 0.0 { a / (a + b) } else { 1.0 };
+        let (row, u) = if u < p { (row.low, u / p) } else { (row.low + 1, (u - p) / (1.0 - p)) };
+        let sums = &self.sums[row * RADII..][..RADII];
+        let target = u * sums[RADII - 1];
+        let j = sums.partition_point(|s| *s <= target).clamp(1, RADII - 1) - 1;
+        let [f, g] = [self.rings[row * RADII + j], self.rings[row * RADII + j + 1]];
+        let width = self.radii[j + 1] - self.radii[j];
+        // Within the piece the integral is f x + (g − f) x²/2 over its width; its inverse, written so that nothing cancels.
+        let part = (target - sums[j]).max(0.0) / width;
+        let root = (f * f + 2.0 * (g - f) * part).max(0.0).sqrt();
+        let x = if f + root > 0.0 { (2.0 * part / (f + root)).clamp(0.0, 1.0) } else { 0.0 };
+        (self.radii[j] + x * width).min(self.end())
+    }
+
+    /// The radius, in mean free paths, beyond which no more than this part of the light leaves.
+    fn quantile(&self, row: Row, share: f32) -> f32 {
+        let within = |j: usize| Self::between(row, |row| self.sums[row * RADII + j]);
+        let all = within(RADII - 1);
+        let j = (0..RADII).find(|j| within(*j) >= (1.0 - share) * all).unwrap_or(RADII - 1);
+        self.radii[j]
+    }
+}
+
+/// A profile at a point of a surface: a table with the albedos and extinctions of all lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Profile<'a> {
+    table: &'a ProfileTable,
+    rows: [Row; 4],
+    sigma_t: Spectrum,
+    lanes: usize,
+}
+
+/// Beyond the radius within which all but this part of the light leaves none is found.
+const LEFT_OUT: f32 = 5e-4;
+
+impl<'a> Profile<'a> {
+    /// Of a medium by its extinction (1/length) and its albedo of single scattering in so many lanes.
+    pub fn new(table: &'a ProfileTable, sigma_t: Spectrum, albedo: Spectrum, lanes: usize) -> Self {
+        Self { table, rows: albedo.to_array().map(|a| table.row(a)), sigma_t, lanes }
+    }
+
+    /// Light that leaves per area at a distance from where light entered, as part of it.
+    pub fn value(&self, r: f32) -> Spectrum {
+        self.each(|lane, rate| {
+            self.table.ring(self.rows[lane], r * rate) * rate / (std::f32::consts::TAU * r.max(1e-12))
+        })
+    }
+
+    /// The density per area of points whose distances in the plane are drawn by [`Profile::sample`].
+    pub fn pdf(&self, r: f32) -> f32 {
+        let of = |lane: usize| {
+            let (row, rate) = (self.rows[lane], self.sigma_t[lane]);
+            let total = ProfileTable::between(row, |row| self.table.total(row));
+            if total > 0.0 { self.table.ring(row, r * rate) * rate / total } else { 0.0 }
+        };
+        let sum: f32 = (0..self.lanes).map(of).sum();
+        sum / (self.lanes as f32 * std::f32::consts::TAU * r.max(1e-12))
+    }
+
+    /// A distance, by a number for the lane and one for the distance; none where that lane lets no light out.
+    pub fn sample(&self, u: f32, v: f32) -> Option<f32> {
+        let lane = ((u * self.lanes as f32) as usize).min(self.lanes - 1);
+        let (row, rate) = (self.rows[lane], self.sigma_t[lane]);
+        let total = ProfileTable::between(row, |row| self.table.total(row));
+        (rate > 0.0 && total > 0.0).then(|| self.table.sample(row, v) / rate)
+    }
+
+    /// The distance beyond which none is looked for.
+    pub fn reach(&self) -> f32 {
+        let of = |lane: usize| {
+            if self.sigma_t[lane] > 0.0 {
+                self.table.quantile(self.rows[lane], LEFT_OUT) / self.sigma_t[lane]
+            } else {
+                0.0
+            }
+        };
+        (0..self.lanes).map(of).fold(0.0, f32::max)
+    }
+
+    fn each(&self, f: impl Fn(usize, f32) -> f32) -> Spectrum {
+        Spectrum::new(std::array::from_fn(|lane| {
+            if lane < self.lanes && self.sigma_t[lane] > 0.0 { f(lane, self.sigma_t[lane]) } else { 0.0 }
+        }))
+    }
+}
+
+/// `∫ F(μ) μⁿ dμ` of light that meets the surface from within a medium of this index, by quadrature.
+pub(super) fn internal_moment(eta: f64, n: i32) -> f64 {
+    moment(1.0 / eta, n)
+}
+
+/// `∫ F(μ) μⁿ dμ` over the hemisphere's cosines from outside of a medium of this index.
+pub(super) fn moment(eta: f64, n: i32) -> f64 {
+    // Midpoints, closer to each other towards grazing and towards the critical angle, where F turns sharply.
+    let critical = (1.0 - (eta * eta).min(1.0)).sqrt();
+    let part = |from: f64, to: f64| {
+        let m = 512;
+        (0..m)
+            .map(|i| {
+                let x = (f64::from(i) + 0.5) / f64::from(m);
+                // μ = from + (to − from) x², steep at the lower end.
+                let mu = from + (to - from) * x * x;
+                let f = f64::from(fresnel::dielectric(mu as f32, eta as f32));
+                f * mu.powi(n) * (to - from) * 2.0 * x / f64::from(m)
+            })
+            .sum::<f64>()
+    };
+    part(0.0, critical) + part(critical, 1.0)
+}

@@ -1,0 +1,126 @@
+//! What is below a surface that light enters: coefficients of a medium as a scene gives them, and by which approximation
+//! light gets through.
+
+use super::{Point, Roughness};
+use std::sync::Arc;
+use steradian_bsdf::{
+    Bsdf, Dielectric,
+    subsurface::{Emergence, Entry, ProfileTable, WalkAlbedo, deep_albedo, deep_single_scattering},
+};
+use steradian_math::{Spectrum, spectra::Wavelengths};
+use steradian_texture::{SpectrumTexture, TextureContext, Textures};
+
+/// A material that light enters, to leave it elsewhere on the same object.
+#[derive(Clone, Debug)]
+pub struct SubsurfaceMaterial {
+    /// Factor on reflection.
+    pub reflectance: SpectrumTexture,
+    /// Factor on what enters.
+    pub transmittance: SpectrumTexture,
+    /// Roughness of the surface.
+    pub roughness: Roughness,
+    /// How light leaves; holds the index of refraction inside over outside.
+    pub emergence: Emergence,
+    /// What the medium is.
+    pub content: Content,
+    /// Mean cosine of its phase function.
+    pub g: f32,
+    /// How light gets through it.
+    pub method: SubsurfaceMethod,
+    /// Index of the material that stands in where light is not followed below.
+    pub local: u32,
+}
+
+/// What a medium below a surface is.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// By its coefficients of absorption and scattering, in 1/length.
+    Coefficients(SpectrumTexture, SpectrumTexture),
+    /// By the part of the light that comes back, and the mean free path, a length.
+    Albedo(SpectrumTexture, SpectrumTexture),
+}
+
+/// How light gets through a medium below a surface.
+#[derive(Clone, Debug)]
+pub enum SubsurfaceMethod {
+    /// A profile by the albedo of single scattering and distances in mean free paths.
+    PhotonBeam(Arc<ProfileTable>),
+    /// A profile by the reduced albedo and distances in reduced mean free paths.
+    Dipole(Arc<ProfileTable>),
+    /// A profile by the albedo of the surface and distances in reduced mean free paths.
+    NormalizedDiffusion(Arc<ProfileTable>),
+    /// Random walks, and how much they bring back.
+    Walk(Arc<WalkAlbedo>),
+}
+
+/// What is below a point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Below<'a> {
+    /// Extinction by lanes, 1/length: for profiles the inverse of the length that their table counts in.
+    pub sigma_t: Spectrum,
+    /// Albedo by lanes: of single scattering, or what the table goes by.
+    pub albedo: Spectrum,
+    /// The profile; `None` for random walks.
+    pub table: Option<&'a ProfileTable>,
+}
+
+/// Mean free paths are held above this, so that coefficients stay finite.
+const SHORTEST: f32 = 1e-8;
+
+impl SubsurfaceMaterial {
+    /// The surface at a point; `id` is the index of the material.
+    pub(super) fn bsdf(&self, id: u32, p: &Point<'_>) -> Bsdf<'static> {
+        let interface = Dielectric {
+            reflectance: p.albedo(&self.reflectance),
+            transmittance: p.albedo(&self.transmittance),
+            eta: self.emergence.eta(),
+            microfacet: self.roughness.microfacet(p.textures, p.at),
+        };
+        Bsdf::Subsurface(Entry { interface, material: id })
+    }
+
+    /// What is below a point.
+    pub fn below(&self, textures: &Textures, at: &TextureContext<'_>, lambda: &Wavelengths) -> Below<'_> {
+        let p = Point { textures, at, lambda };
+        let (table, is_reduced) = match &self.method {
+            SubsurfaceMethod::PhotonBeam(table) => (Some(&**table), false),
+            SubsurfaceMethod::Dipole(table) | SubsurfaceMethod::NormalizedDiffusion(table) => (Some(&**table), true),
+            SubsurfaceMethod::Walk(_) => (None, false),
+        };
+        let by_surface = matches!(self.method, SubsurfaceMethod::NormalizedDiffusion(_));
+        // Scattering counts by 1 − g where forward scattering is taken for none.
+        let kept = if is_reduced { 1.0 - self.g } else { 1.0 };
+        let (sigma_t, albedo) = match &self.content {
+            Content::Coefficients(absorption, scattering) => {
+                let (a, s) = (p.unbounded(absorption), p.unbounded(scattering) * kept);
+                let albedo = ratio(s, a + s);
+                (a + s, if by_surface { albedo.map(deep_albedo) } else { albedo })
+            }
+            Content::Albedo(albedo, path) => {
+                let albedo = p.albedo(albedo);
+                let sigma_t = p.unbounded(path).map(|l| 1.0 / l.max(SHORTEST));
+                let single = |a| match &self.method {
+                    SubsurfaceMethod::NormalizedDiffusion(_) => a,
+                    SubsurfaceMethod::PhotonBeam(table) | SubsurfaceMethod::Dipole(table) => {
+                        table.single_scattering_albedo(a)
+                    }
+                    SubsurfaceMethod::Walk(walks) => walks.single_scattering(a),
+                };
+                let found = albedo.map(single);
+                if !is_reduced {
+                    return Below { sigma_t, albedo: found, table };
+                }
+                // σ_t' = σ_t (1 − a g), where a/(1 − a) is (a'/(1 − a'))/(1 − g).
+                let reduced = if by_surface { albedo.map(deep_single_scattering) } else { found };
+                let whole = reduced.map(|a| a / (a + (1.0 - a) * kept).max(f32::MIN_POSITIVE));
+                (sigma_t * whole.map(|a| 1.0 - a * self.g), found)
+            }
+        };
+        Below { sigma_t, albedo, table }
+    }
+}
+
+fn ratio(a: Spectrum, b: Spectrum) -> Spectrum {
+    let (a, b) = (a.to_array(), b.to_array());
+    Spectrum::new(std::array::from_fn(|i| if b[i] > 0.0 { (a[i] / b[i]).min(1.0) } else { 0.0 }))
+}
