@@ -221,7 +221,7 @@ impl Compiler<'_> {
             }
             None
         };
-        Some(Light::Environment(Box::new(Environment { radiance, scale, image, portal, mode: self.mode })))
+        Some(Light::Environment(Box::new(Environment { radiance, scale, image, celestial: None, portal, mode: self.mode })))
     }
 
     /// Images that light the scene must not be negative. Infinite values and NaN are gone when an image was loaded.
