@@ -24,6 +24,7 @@ mod pbr;
 mod principled;
 mod ranges;
 mod shapes;
+mod sky;
 mod sound;
 mod subsurface;
 mod textures;

@@ -85,7 +85,7 @@ impl Compiler<'_> {
         (color, scale)
     }
 
-    fn light_place(&mut self, node: &Node) -> Option<Affine> {
+    pub(super) fn light_place(&mut self, node: &Node) -> Option<Affine> {
         let place = self.transform(node, "to_world").affine();
         if place.is_none() {
             self.error(node.span, format!("the transform of light '{}' is singular or not finite", node.kind));
@@ -101,6 +101,11 @@ impl Compiler<'_> {
     pub(super) fn light(&mut self, id: NodeId) {
         let node = self.node(id);
         let light = match node.kind.as_str() {
+            "sky" => {
+                let lights = self.sky(node);
+                lights.into_iter().for_each(|light| self.add_light(node, id, light));
+                return;
+            }
             "point" => self.point(node),
             "spot" => self.spot(node),
             "distant" => self.distant(node),
@@ -114,10 +119,14 @@ impl Compiler<'_> {
             }
         };
         if let Some(light) = light {
-            let group = self.light_group(node.name.as_deref(), id);
-            self.grouped.push((self.lights.len() as u32, group));
-            self.lights.push(light);
+            self.add_light(node, id, light);
         }
+    }
+
+    fn add_light(&mut self, node: &Node, id: NodeId, light: Light) {
+        let group = self.light_group(node.name.as_deref(), id);
+        self.grouped.push((self.lights.len() as u32, group));
+        self.lights.push(light);
     }
 
     /// The group of a light by its name, or one of its own where it has none, called after its kind.
@@ -221,7 +230,14 @@ impl Compiler<'_> {
             }
             None
         };
-        Some(Light::Environment(Box::new(Environment { radiance, scale, image, portal, mode: self.mode })))
+        Some(Light::Environment(Box::new(Environment {
+            radiance,
+            scale,
+            image,
+            celestial: None,
+            portal,
+            mode: self.mode,
+        })))
     }
 
     /// Images that light the scene must not be negative. Infinite values and NaN are gone when an image was loaded.

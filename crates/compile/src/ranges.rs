@@ -1,5 +1,5 @@
-//! Constant values of materials are held in the ranges that the schema states, and reported where they
-//! were not.
+//! Constant values of materials and skies are held in the ranges that the schema states, and reported where they were
+//! not.
 
 use super::Compiler;
 use std::borrow::Cow;
@@ -18,7 +18,8 @@ impl Compiler<'_> {
             let (low, high) = p.range;
             let Some(bad) = numbers.iter().copied().find(|v| !(low..=high).contains(v)) else { continue };
             let said = |v: f64| {
-                format!("parameter '{}' of material '{}' is {v}; it must be {}", p.name, node.kind, p.range_text())
+                let noun = node.family.noun();
+                format!("parameter '{}' of {noun} '{}' is {v}; it must be {}", p.name, node.kind, p.range_text())
             };
             let span = given.span.or(node.span);
             let refused = |v: &&f64| !(low..=high).contains(*v) && p.outside.refuses(**v);

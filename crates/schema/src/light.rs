@@ -2,7 +2,9 @@
 
 use crate::{
     model::Model,
-    parameter::{ANY, POSITIVE, Parameter, file, flag, list, map, number, spectrum, tex, transform, vector, word},
+    parameter::{
+        ANY, POSITIVE, Parameter, file, flag, integer, list, map, number, spectrum, tex, transform, vector, word,
+    },
     texture::{MAPPING, PICTURE},
 };
 
@@ -23,6 +25,36 @@ const OF_SHAPES: &[Parameter] = &[
     NORMALIZE,
     POWER,
     file("file", "none", FILE_FIRST),
+];
+
+/// Of the sky, in W/(m² sr nm).
+const OF_SKY: &[Parameter] = &[
+    number("turbidity", (1.0, 10.0), "3", "haze: 2 is an arctic sky, 3 a clear one, 10 a humid day").refused(),
+    spectrum("albedo", (0.0, 1.0), "0.3", "reflectance of the ground, which lights the sky again").refused(),
+    number("latitude", (-90.0, 90.0), "35.6894", "north of the equator").unit("degrees").refused(),
+    number("longitude", (-360.0, 360.0), "139.6917", "east of Greenwich").unit("degrees").refused(),
+    number("timezone", (-24.0, 24.0), "9", "what local time is ahead of universal time by").unit("h").refused(),
+    integer("year", (1.0, 9999.0), "2010", "year; the sun is within half a minute of arc from 1999 to 2015").refused(),
+    integer("month", (1.0, 12.0), "7", "month").refused(),
+    integer("day", (1.0, 31.0), "10", "day of the month").refused(),
+    number("hour", (0.0, 24.0), "15", "local time").unit("h").refused(),
+    number("minute", (0.0, 60.0), "0", "what is added to the hour").unit("min").refused(),
+    number("second", (0.0, 60.0), "0", "what is added to the minute").unit("s").refused(),
+    vector("sun_direction", "none", "the way to the sun, in the world, instead of place and time"),
+    number("sun_scale", (0.0, f64::INFINITY), "1", "factor on the sun; 0 leaves it out").refused(),
+    number("sky_scale", (0.0, f64::INFINITY), "1", "factor on the sky; 0 leaves it out").refused(),
+    number("sun_aperture", (0.01, 89.0), "0.5358", "whole angle of the sun's disc; its light stays the same")
+        .unit("degrees")
+        .refused(),
+    flag("limb_darkening", "true", "whether the sun's disc is darker at its edge, else it is even"),
+    word(
+        "sun_rgb",
+        "exact, mitsuba",
+        "exact",
+        "the sun's colour in RGB: the spectrum's, or the coarse sum of Mitsuba's RGB variants, brighter by 5 to 9 %",
+    ),
+    number("scale", (0.0, f64::INFINITY), "1", "factor on both").refused(),
+    transform("to_world", "identity", "turns it; of its own, +z is up, +x north and +y west"),
 ];
 
 /// All lights.
@@ -132,6 +164,15 @@ pub const LIGHTS: &[Model] = &[
         ],
         groups: &[],
         source: "pbrt-v4, 12.5; Bitterli, Novák, Jarosz, Portal-masked environment map sampling (2015)",
+    },
+    Model {
+        kind: "sky",
+        doc: "the clear sky and the sun, by place and time; black below the horizon, and at night",
+        parameters: OF_SKY,
+        groups: &[],
+        source: "Hosek, Wilkie, An analytic model for full spectral sky-dome radiance (2012), Adding a solar-radiance \
+                 function to the Hošek-Wilkie skylight model (2013); Blanco-Muriel et al., Computing the solar vector \
+                 (2001)",
     },
     Model {
         kind: "goniometric",

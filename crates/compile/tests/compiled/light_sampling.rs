@@ -197,8 +197,10 @@ fn environments() -> Vec<Case> {
             complete: true,
         });
     };
-    let sky =
-        |image, portal| Environment { radiance: Color::constant(1.0), scale: 1.0, image, portal, mode: ColorMode::Rgb };
+    let sky = |image, portal| {
+        let (radiance, celestial) = (Color::constant(1.0), None);
+        Environment { radiance, scale: 1.0, image, celestial, portal, mode: ColorMode::Rgb }
+    };
     let image = |parametrization, seed, power: i32| {
         let (width, height) = if parametrization == Parametrization::Octahedral { (12, 12) } else { (16, 8) };
         let mut rng = HashRng::new(seed);

@@ -7,6 +7,7 @@ mod families;
 mod light_sampling;
 mod one_shape;
 mod schema;
+mod sky;
 mod test_cards;
 mod textures;
 

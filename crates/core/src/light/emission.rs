@@ -141,6 +141,7 @@ impl Emission {
                     return Some(EmittedRay { light, ray, n: w, cos: 1.0, radiance, pdf: 0.5 * FRAC_1_PI / area });
                 }
                 let to = match e.sampled_irradiance() > 0.0 {
+                    true if e.celestial.is_some() => e.sample(self.center, direction)?.0,
                     true if direction.x < 0.5 => e.sample(self.center, Vec2::new(direction.x * 2.0, direction.y))?.0,
                     true => warp::uniform_sphere(Vec2::new(direction.x * 2.0 - 1.0, direction.y)),
                     false => warp::uniform_sphere(direction),
@@ -196,6 +197,9 @@ impl Emission {
     /// The density of directions to an environment without a portal.
     fn sky_pdf(&self, e: &Environment, to: Vec3) -> f32 {
         let uniform = 0.25 * FRAC_1_PI;
+        if e.celestial.is_some() {
+            return e.pdf(self.center, to);
+        }
         if e.sampled_irradiance() > 0.0 { 0.5 * (uniform + e.pdf(self.center, to)) } else { uniform }
     }
 }
@@ -248,6 +252,9 @@ impl Environment {
     /// Luminance of the radiance, averaged over directions; of pictures with what a grid of directions may miss of
     /// their bright parts.
     fn mean_luminance(&self) -> f32 {
+        if let Some(celestial) = &self.celestial {
+            return celestial.fluence() * self.scale * 0.25 * FRAC_1_PI;
+        }
         if self.image.is_none() {
             return self.radiance.luminance(self.mode) * self.scale;
         }

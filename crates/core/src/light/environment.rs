@@ -1,6 +1,6 @@
-//! Light from all directions: constant, or an image, maybe seen through a portal.
+//! Light from all directions: constant, an image, or the sky, maybe seen through a portal.
 
-use super::punctual::rgb;
+use super::{punctual::rgb, sky::Celestial};
 use steradian_image::Texels;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -55,6 +55,8 @@ pub struct Environment {
     pub scale: f32,
     /// The image, if any.
     pub image: Option<EnvironmentImage>,
+    /// The sky or the sun instead, if any.
+    pub celestial: Option<Celestial>,
     /// A quadrilateral through which alone it is seen, as corner and two edges, if any.
     pub portal: Option<[Vec3; 3]>,
     /// The colour mode.
@@ -195,9 +197,10 @@ impl Environment {
     /// Radiance from direction `w`, where no portal stands before it.
     #[inline]
     pub fn beyond(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
-        match &self.image {
-            None => self.radiance.eval(lambda) * self.scale,
-            Some(image) => {
+        match (&self.image, &self.celestial) {
+            (None, None) => self.radiance.eval(lambda) * self.scale,
+            (None, Some(celestial)) => celestial.radiance(w, lambda) * self.scale,
+            (Some(image), _) => {
                 let rgb = image.lookup(image.uv(w), self.mode);
                 role::texel(rgb, Role::Illuminant, lambda, self.mode) * self.scale
             }
@@ -208,7 +211,7 @@ impl Environment {
     /// all of it well enough (constant environments).
     pub fn sampled_irradiance(&self) -> f32 {
         match (&self.image, &self.portal) {
-            (None, None) => 0.0,
+            (None, None) => self.celestial.as_ref().map_or(0.0, |c| c.irradiance() * self.scale),
             (None, Some(_)) => self.radiance.luminance(self.mode) * self.scale,
             (Some(image), None) => image.excess * self.scale,
             (Some(image), Some(_)) => (image.excess * self.scale).max(f32::MIN_POSITIVE),
@@ -232,7 +235,7 @@ impl Environment {
                 let pdf = pdf * density;
                 return (pdf > 0.0 && pdf.is_finite()).then_some((wi, pdf));
             }
-            (None, None) => return None,
+            (None, None) => return self.celestial.as_ref().map(|c| c.sample(u)).filter(|s| s.1 > 0.0),
         };
         let pdf = self.pdf(p, wi);
         (pdf > 0.0).then_some((wi, pdf))
@@ -261,7 +264,7 @@ impl Environment {
                 let pdf = image.distribution.pdf(uv) * density;
                 if pdf.is_finite() { pdf } else { 0.0 }
             }
-            (None, None) => 0.0,
+            (None, None) => self.celestial.as_ref().map_or(0.0, |c| c.pdf(w)),
         }
     }
 }
@@ -353,6 +356,7 @@ mod tests {
                 radiance: Color::constant(1.0),
                 scale: 1.0,
                 image: Some(image(p)),
+                celestial: None,
                 portal: None,
                 mode: ColorMode::Rgb,
             };

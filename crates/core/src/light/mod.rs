@@ -5,6 +5,7 @@ pub mod emission;
 pub mod environment;
 pub mod groups;
 pub mod punctual;
+pub mod sky;
 pub mod tree;
 
 pub use area::{AreaLight, AreaShape, Emitter};
@@ -83,7 +84,11 @@ impl Lights {
     /// Bytes of the records, of the pictures of environments, and of the light tree.
     pub fn bytes(&self) -> usize {
         let pictures = self.lights.iter().map(|light| match light {
-            Light::Environment(e) => e.image.as_ref().map_or(0, |image| size_of_val(&**e) + image.texels.byte_size()),
+            Light::Environment(e) => {
+                let image = e.image.as_ref().map(|image| image.texels.byte_size());
+                let tables = image.or_else(|| e.celestial.as_ref().map(|c| c.bytes()));
+                tables.map_or(0, |bytes| size_of_val(&**e) + bytes)
+            }
             _ => 0,
         });
         size_of_val(&self.lights[..]) + size_of_val(&self.emitters[..]) + self.tree.bytes() + pictures.sum::<usize>()

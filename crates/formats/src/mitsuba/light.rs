@@ -51,8 +51,9 @@ impl Reader<'_> {
             }
             "envmap" => self.environment_map(object)?,
             "projector" => self.projector(object),
-            "sky" | "sunsky" | "timed_sunsky" => self.sky(object),
-            "sun" | "collimated" => {
+            "sunsky" | "sky" | "sun" => return self.sky(object),
+            "timed_sunsky" => self.constant_sky(object),
+            "collimated" => {
                 self.graph.objects[object].visited = false;
                 let message = format!("there is no emitter '{}'; it is left out", self.plugin(object));
                 self.dropped(self.span(object), message);
@@ -146,8 +147,8 @@ impl Reader<'_> {
         node.with("to_world", to_world)
     }
 
-    /// Sky models stand in for one another as a constant, bluish sky.
-    fn sky(&mut self, object: ObjectId) -> Node {
+    /// A constant, bluish sky in the place of another.
+    fn constant_sky(&mut self, object: ObjectId) -> Node {
         let message = format!("there is no emitter '{}'; a constant sky is used", self.plugin(object));
         self.approximated(self.span(object), message);
         let scale = self.float(object, "sky_scale").or_else(|| self.float(object, "scale")).unwrap_or(1.0);

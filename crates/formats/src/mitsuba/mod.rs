@@ -26,6 +26,7 @@ mod property;
 mod reader;
 mod sensor;
 mod shape;
+mod sky;
 pub(crate) mod solids;
 mod spectrum;
 mod texture;

@@ -303,6 +303,7 @@ fn spotted(parametrization: Parametrization) -> Environment {
         radiance: Color::constant(1.0),
         scale: 2.0,
         image: Some(EnvironmentImage::new(texels, parametrization, turn)),
+        celestial: None,
         portal: None,
         mode: ColorMode::Rgb,
     }

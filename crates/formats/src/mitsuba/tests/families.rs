@@ -233,7 +233,40 @@ fn emitters_of_their_own() {
     );
     // Local +x is on the left of the slide.
     assert_eq!(l.transform("to_world").unwrap().vector(DVec3::X), -DVec3::X);
-    assert!(read("<emitter type=\"sunsky\"/>").diagnostics.is_lossy());
+}
+
+/// Skies keep their numbers; version 3 has +x south and the even sun as its default, 0.6 has +y up and −z north.
+#[test]
+fn skies() {
+    let light = |version: &str, text: &str| {
+        let text = format!("<scene version=\"{version}\">{text}</scene>");
+        let import = import_text(&text, Path::new("test.xml"), &Options::default());
+        assert_eq!(errors(&import), Vec::<String>::new());
+        (only(&import.desc, &import.desc.lights).clone(), import.diagnostics.is_lossy())
+    };
+    let given = "<float name=\"turbidity\" value=\"4\"/><rgb name=\"albedo\" value=\"0.1, 0.2, 0.3\"/>\
+                 <integer name=\"month\" value=\"3\"/><float name=\"hour\" value=\"9.5\"/>\
+                 <boolean name=\"complex_sun\" value=\"true\"/>";
+    let (l, lossy) = light("3.0.0", &format!("<emitter type=\"sunsky\">{given}</emitter>"));
+    assert_eq!((l.kind.as_str(), lossy), ("sky", false));
+    assert_eq!((l.float("turbidity"), l.int("month"), l.float("hour")), (Some(4.0), Some(3), Some(9.5)));
+    assert_eq!((l.bool("limb_darkening"), l.get("albedo")), (Some(true), Some(&rgb([0.1, 0.2, 0.3]))));
+    let north = |l: &Node| l.transform("to_world").unwrap().vector(DVec3::X);
+    let up = |l: &Node| l.transform("to_world").unwrap().vector(DVec3::Z);
+    assert_eq!((north(&l), up(&l)), (-DVec3::X, DVec3::Z));
+    let direction = "<vector name=\"sun_direction\" value=\"0, 1, 2\"/><float name=\"sky_scale\" value=\"0.5\"/>";
+    let (l, _) = light("3.0.0", &format!("<emitter type=\"sunsky\">{direction}</emitter>"));
+    assert_eq!((l.vec3("sun_direction"), l.float("sky_scale")), (Some([0.0, 1.0, 2.0]), Some(0.5)));
+    assert_eq!(l.bool("limb_darkening"), Some(false));
+    let (l, lossy) = light("0.6.0", "<emitter type=\"sky\"><float name=\"scale\" value=\"2\"/></emitter>");
+    assert_eq!(
+        (l.float("sun_scale"), l.float("sky_scale"), l.float("scale"), lossy),
+        (Some(0.0), None, Some(2.0), false)
+    );
+    assert_eq!((north(&l), up(&l), l.float("albedo")), (-DVec3::Z, DVec3::Y, Some(0.15)));
+    let (l, lossy) = light("0.6.0", "<emitter type=\"sun\"><float name=\"sunRadiusScale\" value=\"2\"/></emitter>");
+    assert_eq!((l.float("sky_scale"), l.float("sun_aperture"), lossy), (Some(0.0), Some(1.0716), true));
+    assert!(read("<emitter type=\"timed_sunsky\"/>").diagnostics.is_lossy());
 }
 
 /// What Mitsuba's own estimators make of a scene and Steradian does not is said.

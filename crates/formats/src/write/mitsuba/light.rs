@@ -22,6 +22,7 @@ impl Writer<'_> {
             "spot" => Some(self.spot(node, &to_world)),
             "distant" => Some(self.distant(node)),
             "environment" => self.environment(node, &to_world),
+            "sky" => Some(self.sky(node, &to_world)),
             "goniometric" => {
                 self.x
                     .approximated(node, "Mitsuba has no light by directions; it shines evenly, as bright as its mean");
@@ -152,6 +153,37 @@ impl Writer<'_> {
         let turn = Transform::from_rows([0., 0., -1., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 0., 1.]);
         out.push(matrix("to_world", &if z_up { *to_world * turn } else { *to_world }));
         Some(out)
+    }
+
+    fn sky(&mut self, node: &Node, to_world: &Transform) -> Element {
+        let mut out = self.emitter("sunsky", node);
+        for name in ["turbidity", "latitude", "longitude", "timezone", "hour", "minute", "second", "sun_aperture"] {
+            if let Some(v) = node.float(name) {
+                out.float(name, v);
+            }
+        }
+        for name in ["year", "month", "day"] {
+            if let Some(v) = node.int(name) {
+                out.integer(name, v);
+            }
+        }
+        if let Some(Value::Vec3(d)) = node.get("sun_direction") {
+            out.push(Element::new("vector").named("sun_direction").with("value", triple(*d)));
+        }
+        if let Some(albedo) = self.x.source(node, "albedo") {
+            self.put(&mut out, "albedo", &albedo, Role::Reflectance);
+        }
+        let scale = node.float("scale").unwrap_or(1.0) * self.x.gain;
+        for name in ["sun_scale", "sky_scale"] {
+            out.float(name, node.float(name).unwrap_or(1.0) * scale);
+        }
+        if node.string("sun_rgb") != Some("mitsuba") && node.float("sun_scale") != Some(0.0) {
+            self.x.approximated(node, "the RGB variants of Mitsuba show the sun brighter, by 5 to 9 %");
+        }
+        out.boolean("complex_sun", node.bool("limb_darkening").unwrap_or(true));
+        // Its own +x is south.
+        out.push(matrix("to_world", &(*to_world * Transform::scale(DVec3::new(-1.0, 1.0, 1.0)))));
+        out
     }
 
     fn projection(&mut self, node: &Node, to_world: &Transform) -> Option<Element> {

@@ -1,0 +1,82 @@
+//! Compiling the sky: two lights, the dome and the sun.
+
+use super::Compiler;
+use steradian_core::light::{
+    Environment, Light,
+    sky::{Atmosphere, Celestial, Moment, SkyDome, SunDisc, SunLook},
+};
+use steradian_math::{
+    Vec3,
+    spectra::role::{Color, Role},
+    transform::Affine,
+};
+use steradian_scene::{Node, SpectrumValue};
+
+/// What `sun_direction` stands in for.
+const PLACE_AND_TIME: [&str; 9] =
+    ["latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"];
+
+impl Compiler<'_> {
+    /// The sky and the sun, each where its scale leaves something of it.
+    pub(super) fn sky(&mut self, node: &Node) -> Vec<Light> {
+        let node = &*self.within_ranges(node);
+        let Some(place) = self.light_place(node) else { return Vec::new() };
+        let (Some(sun), Some(up)) = (self.sun_direction(node, &place), place.vector(Vec3::Z).try_normalize()) else {
+            return Vec::new();
+        };
+        if sun.dot(up) < 0.0 {
+            let message = "the sun is below the horizon at this place and time; this sky is black";
+            self.diagnostics.warn(&self.desc.sources, node.span, message);
+        }
+        let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.3));
+        let turbidity = self.float(node, "turbidity", 3.0);
+        let air = Atmosphere { turbidity, albedo, up, sun, mode: self.mode };
+        let look = SunLook {
+            aperture: self.float(node, "sun_aperture", 0.5358),
+            limb_darkening: self.bool(node, "limb_darkening", true),
+            coarse_rgb: self.choice(node, "sun_rgb", false, &[("exact", false), ("mitsuba", true)]),
+        };
+        let scale = self.float(node, "scale", 1.0);
+        let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
+        let lit = |scale: f32, celestial: &dyn Fn() -> Celestial| {
+            (scale > 0.0).then(|| {
+                let (radiance, celestial, mode) = (Color::BLACK, Some(celestial()), air.mode);
+                Environment { radiance, scale, image: None, celestial, portal: None, mode }
+            })
+        };
+        let sky = lit(scale * of_sky, &|| Celestial::Sky(SkyDome::new(&air)));
+        let sun = lit(scale * of_sun, &|| Celestial::Sun(SunDisc::new(&air, &look)));
+        [sky, sun].into_iter().flatten().map(|e| Light::Environment(Box::new(e))).collect()
+    }
+
+    /// The unit vector to the sun in the world; `None` after an error.
+    fn sun_direction(&mut self, node: &Node, place: &Affine) -> Option<Vec3> {
+        if node.get("sun_direction").is_some() {
+            if let Some(other) = PLACE_AND_TIME.into_iter().find(|n| node.get(n).is_some()) {
+                self.error(node.span, format!("'sun_direction' excludes '{other}'"));
+                return None;
+            }
+            let direction = self.vec3(node, "sun_direction", Vec3::Z).try_normalize();
+            if direction.is_none() {
+                self.error(node.span, "the direction of the sun is zero");
+            }
+            return direction;
+        }
+        let date = [("year", 2010), ("month", 7), ("day", 10)].map(|(n, or)| self.int(node, n).unwrap_or(or));
+        let number = |c: &mut Self, name, default| {
+            // In f64, where seconds of a day count.
+            c.float(node, name, default);
+            node.float(name).filter(|v| v.is_finite()).unwrap_or(default)
+        };
+        let hours =
+            number(self, "hour", 15.0) + number(self, "minute", 0.0) / 60.0 + number(self, "second", 0.0) / 3600.0;
+        let moment = Moment {
+            latitude: number(self, "latitude", 35.6894),
+            longitude: number(self, "longitude", 139.6917),
+            timezone: number(self, "timezone", 9.0),
+            date,
+            hours,
+        };
+        place.vector(moment.sun().as_vec3()).try_normalize()
+    }
+}

@@ -1,0 +1,103 @@
+//! The clear sky and the sun: Hosek, Wilkie, "An analytic model for full spectral sky-dome radiance" (2012), and
+//! "Adding a solar-radiance function to the Hošek–Wilkie skylight model" (2013), with their published tables.
+//!
+//! Radiances are in W/(m² sr nm), and black below the horizon.
+
+mod data;
+mod dome;
+mod position;
+mod sun;
+
+pub use dome::SkyDome;
+pub use position::Moment;
+pub use sun::{SunDisc, SunLook};
+
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    spectra::{ColorMode, Wavelengths, role::Color},
+};
+
+/// The state of the atmosphere, and where the sun is.
+#[derive(Clone, Debug)]
+pub struct Atmosphere {
+    /// Turbidity in [1, 10]: 2 is very clear, 3 clear, 10 hazy.
+    pub turbidity: f32,
+    /// Reflectance of the ground, which lights the sky again, in [0, 1].
+    pub albedo: Color,
+    /// Unit vector to the zenith.
+    pub up: Vec3,
+    /// Unit vector to the middle of the sun.
+    pub sun: Vec3,
+    /// The colour mode.
+    pub mode: ColorMode,
+}
+
+impl Atmosphere {
+    /// The sun's height above the horizon in radians.
+    fn height(&self) -> f32 {
+        self.sun.dot(self.up).clamp(-1.0, 1.0).asin()
+    }
+}
+
+/// Light from the sky, by direction.
+#[derive(Clone, Debug)]
+pub enum Celestial {
+    /// The sky without the sun.
+    Sky(SkyDome),
+    /// The sun without the sky.
+    Sun(SunDisc),
+}
+
+impl Celestial {
+    /// Radiance from the direction `w`.
+    #[inline]
+    pub(super) fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Sky(dome) => dome.radiance(w, lambda),
+            Self::Sun(disc) => disc.radiance(w, lambda),
+        }
+    }
+
+    /// A direction and its density per solid angle. All light is found so.
+    #[inline]
+    pub(super) fn sample(&self, u: Vec2) -> (Vec3, f32) {
+        match self {
+            Self::Sky(dome) => dome.sample(u),
+            Self::Sun(disc) => disc.sample(u),
+        }
+    }
+
+    /// The density of [`Celestial::sample`].
+    #[inline]
+    pub(super) fn pdf(&self, w: Vec3) -> f32 {
+        match self {
+            Self::Sky(dome) => dome.pdf(w),
+            Self::Sun(disc) => disc.pdf(w),
+        }
+    }
+
+    /// Estimate of the irradiance of a surface, as luminance: all of the sun's on one that faces it, and half of what
+    /// comes from the sky.
+    pub(super) fn irradiance(&self) -> f32 {
+        match self {
+            Self::Sky(_) => 0.5 * self.fluence(),
+            Self::Sun(_) => self.fluence(),
+        }
+    }
+
+    /// The luminance of what comes from all directions together: `∫ Y dω`.
+    pub fn fluence(&self) -> f32 {
+        match self {
+            Self::Sky(dome) => dome.fluence(),
+            Self::Sun(disc) => disc.fluence(),
+        }
+    }
+
+    /// Bytes of its tables.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Sky(dome) => dome.bytes(),
+            Self::Sun(disc) => disc.bytes(),
+        }
+    }
+}
