@@ -77,6 +77,7 @@ impl Compiler<'_> {
             date,
             hours,
         };
-        place.vector(moment.sun().as_vec3()).try_normalize()
+        // East is on the right of who looks north in a left-handed world.
+        place.vector(moment.sun().as_vec3() * Vec3::new(1.0, -1.0, 1.0)).try_normalize()
     }
 }

@@ -33,8 +33,10 @@ impl Compiler<'_> {
             ("normalized_diffusion", MethodName::NormalizedDiffusion),
         ];
         let method = self.choice(node, "method", MethodName::Walk, &names);
-        let eta = self.at_sodium_line(node, "eta", 1.33);
-        let g = self.float(node, "g", 0.0).clamp(-0.99, 0.99);
+        // One that is out of range is told, and held within it.
+        let emergence = Emergence::new(self.at_sodium_line(node, "eta", 1.33));
+        let eta = emergence.eta();
+        let g = self.float(node, "g", 0.0).max(-0.99).min(0.99);
         let scale = self.float(node, "scale", 1.0);
         let (content, local) = self.content(node, scale);
         let roughness = self.roughness(node, "alpha_u", "alpha_v");
@@ -43,24 +45,26 @@ impl Compiler<'_> {
             reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
             transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
             roughness,
-            emergence: Emergence::new(eta),
+            emergence,
+            method: self.subsurface_method(method, eta, g, matches!(content, Content::Albedo(..))),
             content,
             g,
-            method: self.subsurface_method(method, eta, g),
             local,
         }))
     }
 
-    fn subsurface_method(&mut self, method: MethodName, eta: f32, g: f32) -> SubsurfaceMethod {
+    fn subsurface_method(&mut self, method: MethodName, eta: f32, g: f32, is_by_albedo: bool) -> SubsurfaceMethod {
         let mut table = |make: &dyn Fn() -> ProfileTable, g: f32| {
             let key = (method, eta.to_bits(), g.to_bits());
             Arc::clone(self.coats.profiles.entry(key).or_insert_with(|| Arc::new(make())))
         };
         match method {
             MethodName::Walk => {
-                let make = || Arc::new(WalkAlbedo::new(&Emergence::new(eta), g));
+                let make = || Arc::new(WalkAlbedo::new(Emergence::new(eta), g));
                 let key = (eta.to_bits(), g.to_bits());
-                SubsurfaceMethod::Walk(Arc::clone(self.coats.walks.entry(key).or_insert_with(make)))
+                SubsurfaceMethod::Walk(
+                    is_by_albedo.then(|| Arc::clone(self.coats.walks.entry(key).or_insert_with(make))),
+                )
             }
             MethodName::PhotonBeam => SubsurfaceMethod::PhotonBeam(table(&|| photon_beam_diffusion(g, eta), g)),
             MethodName::Dipole => SubsurfaceMethod::Dipole(table(&|| dipole(eta), 0.0)),

@@ -54,7 +54,7 @@ const OF_SKY: &[Parameter] = &[
         "the sun's colour in RGB: the spectrum's, or the coarse sum of Mitsuba's RGB variants, brighter by 5 to 9 %",
     ),
     number("scale", (0.0, f64::INFINITY), "1", "factor on both").refused(),
-    transform("to_world", "identity", "turns it; of its own, +z is up, +x north and +y west"),
+    transform("to_world", "identity", "turns it; of its own, +z is up, +x north and +y east"),
 ];
 
 /// All lights.

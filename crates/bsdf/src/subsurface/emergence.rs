@@ -21,8 +21,9 @@ pub struct Emergence {
 }
 
 impl Emergence {
-    /// At the surface of a medium of this index relative to the one above.
+    /// At the surface of a medium of this index relative to the one above, held in [0.05, 20]; 1 where it is none.
     pub fn new(eta: f32) -> Self {
+        let eta = if eta > 0.0 { eta.clamp(0.05, 20.0) } else { 1.0 };
         Self { eta, scale: (1.0 / (1.0 - 2.0 * moment(f64::from(eta), 1))) as f32 }
     }
 

@@ -2,6 +2,7 @@
 
 use super::Emergence;
 use crate::gaussian::erfc_scaled;
+use std::sync::OnceLock;
 use steradian_math::{
     Vec2,
     hash::HashRng,
@@ -32,17 +33,26 @@ const MOST_EVENTS: usize = 2048;
 /// Albedos that are tabulated.
 const ROWS: usize = 129;
 
-/// How much light walks below a flat surface bring back, by the albedo of single scattering.
-#[derive(Clone, Debug)]
-pub struct WalkAlbedo(Vec<f32>);
+/// How much light walks below a flat surface bring back, by the albedo of single scattering; found when it is first asked
+/// for, which takes a second at most.
+#[derive(Debug)]
+pub struct WalkAlbedo {
+    boundary: Emergence,
+    g: f32,
+    rows: OnceLock<Vec<f32>>,
+}
 
 impl WalkAlbedo {
     /// Below a boundary, with this mean cosine of the phase function. Walks in a medium that absorbs nothing are simulated
     /// once; of one that comes back after n events, an albedo a leaves aⁿ.
-    pub fn new(boundary: &Emergence, g: f32) -> Self {
+    pub fn new(boundary: Emergence, g: f32) -> Self {
+        Self { boundary, g, rows: OnceLock::new() }
+    }
+
+    fn simulate(boundary: &Emergence, g: f32) -> Vec<f32> {
         let (mut rng, mut counts) = (HashRng::new(0x5eed), vec![0u32; MOST_EVENTS]);
-        for k in 0..WALKS {
-            if let Some(n) = events_below(boundary, g, k, &mut rng) {
+        for _ in 0..WALKS {
+            if let Some(n) = events_below(boundary, g, &mut rng) {
                 counts[n] += 1;
             }
         }
@@ -64,7 +74,7 @@ impl WalkAlbedo {
         let mut rows: Vec<f32> = (0..ROWS - 1).map(row).collect();
         // Where nothing is absorbed all comes back.
         rows.push(1.0);
-        Self(rows)
+        rows
     }
 
     /// The albedo of single scattering of a row: closer to each other towards one.
@@ -75,8 +85,9 @@ impl WalkAlbedo {
 
     /// The albedo of single scattering for which this part of the light that enters comes back.
     pub fn single_scattering(&self, albedo: f32) -> f32 {
-        let high = self.0.partition_point(|a| *a < albedo).clamp(1, ROWS - 1);
-        let [a, b] = [self.0[high - 1], self.0[high]];
+        let rows = self.rows.get_or_init(|| Self::simulate(&self.boundary, self.g));
+        let high = rows.partition_point(|a| *a < albedo).clamp(1, ROWS - 1);
+        let [a, b] = [rows[high - 1], rows[high]];
         let t = if b > a { f64::from(((albedo - a) / (b - a)).clamp(0.0, 1.0)) } else { 0.0 };
         // Between rows the root of what is absorbed is taken for linear, as it is near one.
         let [p, q] = [high - 1, high].map(|row| (1.0 - Self::single(row)).sqrt());
@@ -86,11 +97,10 @@ impl WalkAlbedo {
 }
 
 /// How often one of the walks below a flat surface scatters before it leaves.
-fn events_below(boundary: &Emergence, g: f32, k: u32, rng: &mut HashRng) -> Option<usize> {
+fn events_below(boundary: &Emergence, g: f32, rng: &mut HashRng) -> Option<usize> {
     // Light that enters has, of each direction, what the boundary lets through.
     let mut inwards = loop {
-        let u = Vec2::new((k as f32 + rng.next_f32()) / WALKS as f32, rng.next_f32());
-        let w = cosine_hemisphere(u);
+        let w = cosine_hemisphere(Vec2::new(rng.next_f32(), rng.next_f32()));
         if rng.next_f32() * boundary.most_passed() < boundary.passed(w.z) {
             break boundary.refracted(w)?;
         }
@@ -126,7 +136,7 @@ mod tests {
     fn half_spaces_give_back_what_was_asked_for() {
         let n = 400;
         let mu: Vec<f64> = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).collect();
-        let walks = WalkAlbedo::new(&Emergence::new(1.0), 0.0);
+        let walks = WalkAlbedo::new(Emergence::new(1.0), 0.0);
         for albedo in [0.1f32, 0.4, 0.7, 0.9, 0.98] {
             for (single, allowed) in [(deep_single_scattering(albedo), 0.004), (walks.single_scattering(albedo), 0.006)]
             {

@@ -49,8 +49,8 @@ pub enum SubsurfaceMethod {
     Dipole(Arc<ProfileTable>),
     /// A profile by the albedo of the surface and distances in reduced mean free paths.
     NormalizedDiffusion(Arc<ProfileTable>),
-    /// Random walks, and how much they bring back.
-    Walk(Arc<WalkAlbedo>),
+    /// Random walks, and how much they bring back, where the medium is given by that.
+    Walk(Option<Arc<WalkAlbedo>>),
 }
 
 /// What is below a point of a surface.
@@ -104,7 +104,8 @@ impl SubsurfaceMaterial {
                     SubsurfaceMethod::PhotonBeam(table) | SubsurfaceMethod::Dipole(table) => {
                         table.single_scattering_albedo(a)
                     }
-                    SubsurfaceMethod::Walk(walks) => walks.single_scattering(a),
+                    SubsurfaceMethod::Walk(Some(walks)) => walks.single_scattering(a),
+                    SubsurfaceMethod::Walk(None) => deep_single_scattering(a),
                 };
                 let found = albedo.map(single);
                 if !is_reduced {

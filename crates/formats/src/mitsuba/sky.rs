@@ -3,10 +3,9 @@
 use super::{
     graph::{Category, ObjectId},
     reader::Reader,
-    sensor::mirrored_x,
     texture::Role,
 };
-use steradian_math::Transform;
+use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node, NodeId};
 
 /// The whole angle of the sun in degrees where a file says nothing of it.
@@ -54,8 +53,8 @@ impl Reader<'_> {
             self.legacy_sky(&mut node, object)
         } else {
             node.set("sun_rgb", "mitsuba", None);
-            // Its own +x is south.
-            mirrored_x()
+            // Its own +x is south, +y west.
+            Transform::scale(DVec3::new(-1.0, -1.0, 1.0))
         };
         self.ignore(object, &["sampling_weight"]);
         self.graph.children(object, Category::Medium);
@@ -80,6 +79,6 @@ impl Reader<'_> {
             self.dropped(self.value_span(object, "stretch"), "'stretch' of a sky is left out: it ends at the horizon");
         }
         self.ignore(object, &["resolution", "extend"]);
-        Transform::from_rows([0., -1., 0., 0., 0., 0., 1., 0., -1., 0., 0., 0., 0., 0., 0., 1.])
+        Transform::from_rows([0., 1., 0., 0., 0., 0., 1., 0., -1., 0., 0., 0., 0., 0., 0., 1.])
     }
 }

@@ -181,8 +181,8 @@ impl Writer<'_> {
             self.x.approximated(node, "the RGB variants of Mitsuba show the sun brighter, by 5 to 9 %");
         }
         out.boolean("complex_sun", node.bool("limb_darkening").unwrap_or(true));
-        // Its own +x is south.
-        out.push(matrix("to_world", &(*to_world * Transform::scale(DVec3::new(-1.0, 1.0, 1.0)))));
+        // Its own +x is south, +y west.
+        out.push(matrix("to_world", &(*to_world * Transform::scale(DVec3::new(-1.0, -1.0, 1.0)))));
         out
     }
 
