@@ -11,6 +11,7 @@ mod hair;
 mod height_field;
 mod kept;
 mod layered;
+mod level;
 mod lights;
 mod mapping;
 mod materials;

@@ -28,14 +28,14 @@ use steradian_texture::FloatTexture;
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
 
 /// A shape's parameters, how it lies in space, and whether it emits light.
-struct Placed<'a> {
-    node: &'a Node,
-    place: Affine,
+pub(super) struct Placed<'a> {
+    pub(super) node: &'a Node,
+    pub(super) place: Affine,
     /// Whether the place swaps left and right.
     swaps: bool,
     /// Whether normals are to point to the other side.
-    reverse: bool,
-    emits: bool,
+    pub(super) reverse: bool,
+    pub(super) emits: bool,
 }
 
 impl Placed<'_> {
@@ -119,6 +119,7 @@ impl Compiler<'_> {
                 Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
                 Shape::Field(f) => (0..f.count()).map(|i| f.bounds(i)).collect(),
                 Shape::Sdf(s) => (0..s.count()).map(|i| s.bounds(i)).collect(),
+                Shape::Level(l) => vec![l.bounds()],
             };
             let reach_is_finite = match &part {
                 Shape::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
@@ -240,6 +241,7 @@ impl Compiler<'_> {
                 }
             }
             "sdf_grid" => self.sdf_grid(placed),
+            "paraboloid" | "cone" | "hyperboloid" | "quadric" => self.level(placed),
             other => {
                 let help = names::did_you_mean(other, Family::Shape.kinds());
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
@@ -589,6 +591,50 @@ mod tests {
         let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
         let ray = Ray::new(Vec3::new(0.5, 0.5, 9.0), -Vec3::Z);
         (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+    }
+
+    /// How far a ray down the z axis goes to a shape, and what is said.
+    fn above(node: Node, emits: bool) -> (Option<f32>, String) {
+        let mut desc = SceneDesc::default();
+        let node = desc.add(node);
+        let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None)));
+        desc.shapes.push(Shape { emission, ..Shape::new(node) });
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        let light = desc.add(Node::new(Family::Light, "point", None));
+        desc.cameras.push(camera);
+        desc.lights.push(light);
+        let compiled = compile(&desc, &Options::default());
+        let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
+        let ray = Ray::new(Vec3::new(0.25, 0.0, 9.0), -Vec3::Z);
+        (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+    }
+
+    #[test]
+    fn surfaces_by_equations() {
+        let new = |kind: &str| Node::new(Family::Shape, kind, None);
+        let sphere = |last: f64| vec![1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, last];
+        for (node, expected) in [
+            (new("cone"), 8.25),
+            (new("paraboloid"), 9.0 - 0.0625),
+            (new("hyperboloid").with("p1", [1.0, 0.0, 0.0]).with("p2", [0.0, 0.0, 2.0]), 7.5),
+            // z = xy, where y is 0.
+            (new("quadric").with("coefficients", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0]), 9.0),
+            (new("quadric").with("coefficients", sphere(-0.0625 - 0.25)), 8.5),
+        ] {
+            let (t, said) = above(node.clone(), false);
+            assert!(said.is_empty() && t.is_some_and(|t| (t - expected).abs() < 1e-6), "{node:?}: {t:?} {said}");
+        }
+        let says = |node: Node, emits| above(node, emits).1;
+        assert!(says(new("cone"), true).contains("meshes"));
+        assert!(says(new("quadric"), false).contains("here are 0"));
+        assert!(says(new("quadric").with("coefficients", vec![1.0; 9]), false).contains("here are 9"));
+        assert!(
+            says(new("quadric").with("coefficients", [vec![0.0; 9], vec![1.0]].concat()), false).contains("no surface")
+        );
+        let boxless = new("quadric").with("coefficients", sphere(-1.0)).with("min", [2.0, 0.0, 0.0]);
+        assert!(says(boxless, false).contains("empty"));
+        assert!(says(new("hyperboloid").with("p2", [1.0, 0.0, 0.0]), false).contains("disk"));
+        assert!(says(new("paraboloid").with("z_max", -1.0), false).contains("above"));
     }
 
     #[test]

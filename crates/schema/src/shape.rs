@@ -15,6 +15,9 @@ const TANGENTS: Parameter = text(
      or a vertex attribute (x, y, z, and the sign of the bitangent)",
 );
 
+const BOX_MIN: Parameter = vector("min", "-1,-1,-1", "lower corner of the box");
+const BOX_MAX: Parameter = vector("max", "1,1,1", "upper corner of the box");
+
 /// All shapes.
 pub const SHAPES: &[Model] = &[
     Model {
@@ -88,6 +91,41 @@ pub const SHAPES: &[Model] = &[
         ],
         groups: &[&ANY_SHAPE],
         source: "pbrt-v4, 6.3",
+    },
+    Model {
+        kind: "cone",
+        doc: "an open cone around z with its base at 0; it does not emit",
+        parameters: &[RADIUS, number("height", POSITIVE, "1", "z of the tip").refused(), PHI_MAX],
+        groups: &[&ANY_SHAPE],
+        source: "pbrt-v3, 3.5",
+    },
+    Model {
+        kind: "paraboloid",
+        doc: "a paraboloid around z with its apex at the origin; it does not emit",
+        parameters: &[
+            number("radius", POSITIVE, "1", "radius at z_max").refused(),
+            number("z_min", ANY, "0", "lower end; below 0 counts as 0"),
+            number("z_max", ANY, "1", "upper end, above 0"),
+            PHI_MAX,
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "pbrt-v3, 3.5",
+    },
+    Model {
+        kind: "hyperboloid",
+        doc: "what a line between two points of different z sweeps that is turned around z: a hyperboloid of one sheet, \
+         or a cone or cylinder; normals are away from z where p2 is above p1; it does not emit",
+        parameters: &[vector("p1", "0,0,0", "one end"), vector("p2", "1,1,1", "the other end"), PHI_MAX],
+        groups: &[&ANY_SHAPE],
+        source: "pbrt-v3, 3.5",
+    },
+    Model {
+        kind: "quadric",
+        doc: "A x² + B y² + C z² + D xy + E yz + F xz + G x + H y + I z + J = 0 in a box; normals are towards where it \
+         is above 0; it has no coordinates and does not emit",
+        parameters: &[list("coefficients", "needed", "the ten numbers A to J"), BOX_MIN, BOX_MAX],
+        groups: &[&ANY_SHAPE],
+        source: "Glassner (ed.), An introduction to ray tracing (1989), chapter 2",
     },
     Model {
         kind: "curve",

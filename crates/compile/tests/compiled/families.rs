@@ -52,6 +52,11 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
         (Family::Shape, "curve") => {
             vec![("points", vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0].into())]
         }
+        (Family::Shape, "quadric") => {
+            let mut sphere = vec![1.0, 1.0, 1.0];
+            sphere.extend([0.0; 6].into_iter().chain([-0.5]));
+            vec![("coefficients", sphere.into())]
+        }
         (Family::Shape, "height_field") => {
             vec![("heights", vec![0.0; 4].into()), ("nu", 2_i64.into()), ("nv", 2_i64.into())]
         }
