@@ -4,12 +4,12 @@ use super::{Compiler, shapes::Placed};
 use std::sync::Arc;
 use steradian_core::shape::{
     LevelSet, Shape,
-    level::{Function, Revolution},
+    level::{Expression, Function, Revolution},
 };
 use steradian_math::{DVec3, Vec3, intersect::Quadric};
 
 impl Compiler<'_> {
-    /// A paraboloid, cone, hyperboloid or quadric; nothing where it is refused.
+    /// A paraboloid, cone, hyperboloid, quadric or implicit surface; nothing where it is refused.
     pub(super) fn level(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
         if placed.emits {
@@ -22,6 +22,7 @@ impl Compiler<'_> {
         }
         let function = match node.kind.as_str() {
             "quadric" => self.coefficients(placed),
+            "implicit" => self.expression(placed),
             kind => self.revolution(kind, placed),
         };
         let Some((function, corners, flip)) = function else { return Vec::new() };
@@ -52,6 +53,22 @@ impl Compiler<'_> {
         }
         let half = [a, b, c, 0.5 * d, 0.5 * f, 0.5 * e, 0.5 * g, 0.5 * h, 0.5 * i, j].map(f64::from);
         Some((Function::Quadric(Quadric::new(half)), self.corners(placed), false))
+    }
+
+    fn expression(&mut self, placed: &Placed<'_>) -> Option<(Function, [DVec3; 2], bool)> {
+        let node = placed.node;
+        let span = node.param("expression").and_then(|p| p.span).or(node.span);
+        if node.get("expression").is_none() {
+            self.error(span, "shape 'implicit' needs an 'expression' in x, y and z");
+        }
+        let text = self.word(node, "expression")?;
+        match Expression::new(text) {
+            Ok(e) => Some((Function::Expression(e), self.corners(placed), false)),
+            Err(fault) => {
+                self.error(span, format!("in 'expression' of shape 'implicit': {fault}"));
+                None
+            }
+        }
     }
 
     /// The box that a surface is cut by.

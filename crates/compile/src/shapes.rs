@@ -241,7 +241,7 @@ impl Compiler<'_> {
                 }
             }
             "sdf_grid" => self.sdf_grid(placed),
-            "paraboloid" | "cone" | "hyperboloid" | "quadric" => self.level(placed),
+            "paraboloid" | "cone" | "hyperboloid" | "quadric" | "implicit" => self.level(placed),
             other => {
                 let help = names::did_you_mean(other, Family::Shape.kinds());
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
@@ -617,6 +617,7 @@ mod tests {
             (new("cone"), 8.25),
             (new("paraboloid"), 9.0 - 0.0625),
             (new("hyperboloid").with("p1", [1.0, 0.0, 0.0]).with("p2", [0.0, 0.0, 2.0]), 7.5),
+            (new("implicit").with("expression", "z - y - 0.5"), 8.5),
             // z = xy, where y is 0.
             (new("quadric").with("coefficients", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0]), 9.0),
             (new("quadric").with("coefficients", sphere(-0.0625 - 0.25)), 8.5),
@@ -625,6 +626,9 @@ mod tests {
             assert!(said.is_empty() && t.is_some_and(|t| (t - expected).abs() < 1e-6), "{node:?}: {t:?} {said}");
         }
         let says = |node: Node, emits| above(node, emits).1;
+        let (missing, faulty) =
+            (says(new("implicit"), false), says(new("implicit").with("expression", "x +* y"), false));
+        assert!(missing.contains("needs an 'expression'") && faulty.contains("column 4"), "{missing} {faulty}");
         assert!(says(new("cone"), true).contains("meshes"));
         assert!(says(new("quadric"), false).contains("here are 0"));
         assert!(says(new("quadric").with("coefficients", vec![1.0; 9]), false).contains("here are 9"));

@@ -128,6 +128,24 @@ pub const SHAPES: &[Model] = &[
         source: "Glassner (ed.), An introduction to ray tracing (1989), chapter 2",
     },
     Model {
+        kind: "implicit",
+        doc: "where an expression changes its sign, in a box; normals are towards where it grows. Of one ray 8192 parts, \
+         and two million operations, are looked at closely; what is beyond is told by the signs at the ends of parts. It \
+         has no coordinates and does not emit",
+        parameters: &[
+            text(
+                "expression",
+                "needed",
+                "of x, y, z, pi and numbers with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp and log; of \
+                 4096 letters, 1024 operations and 64 levels at most; what is not defined is no surface",
+            ),
+            BOX_MIN,
+            BOX_MAX,
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "Mitchell, Robust ray intersection with interval arithmetic (1990)",
+    },
+    Model {
         kind: "curve",
         doc: "strands; they do not emit",
         parameters: &[

@@ -1,14 +1,18 @@
 //! Surfaces where a function of the point is zero, within a box: quadrics by their coefficients, lines and parabolas
-//! turned around z.
+//! turned around z, and expressions.
 //!
 //! Rays and functions are `f64` in object space: a ray is first cut by the box, and roots are sought from where it
 //! enters, so that nothing cancels however far away it begins. A hit is put back onto the surface along the gradient,
 //! and what distance is left is part of its error. Normals point to where the function grows.
 
+mod expression;
+mod interval;
 mod revolution;
+mod search;
 #[cfg(test)]
 mod tests;
 
+pub use expression::Expression;
 pub use revolution::Revolution;
 
 use super::SurfacePoint;
@@ -27,6 +31,8 @@ pub enum Function {
     Quadric(Quadric),
     /// A quadric of revolution, with parameters around and along the axis.
     Revolution(Revolution),
+    /// Any expression.
+    Expression(Expression),
 }
 
 /// A surface in a box, placed in the space it is traced in.
@@ -96,6 +102,7 @@ impl LevelSet {
                 let roots = r.quadric().roots(start, d)?.into_iter().filter(within);
                 roots.filter(|s| r.keeps(start + d * *s)).find_map(|s| hit(near + s))
             }
+            Function::Expression(e) => search::first(e, [start, d], [near, far - near], |s| hit(near + s)),
         }
     }
 
@@ -104,6 +111,7 @@ impl LevelSet {
         match &self.function {
             Function::Quadric(q) => (q.value(p), q.gradient(p)),
             Function::Revolution(r) => (r.quadric().value(p), r.quadric().gradient(p)),
+            Function::Expression(e) => e.sample(p),
         }
     }
 
@@ -132,7 +140,7 @@ impl LevelSet {
             Function::Revolution(r) => {
                 SurfacePoint { uv: r.parameters(p), dpdu: self.place.vector(r.dpdu(p).as_vec3()), ..bare }
             }
-            Function::Quadric(_) => SurfacePoint { uv: Vec2::ZERO, ..bare },
+            Function::Quadric(_) | Function::Expression(_) => SurfacePoint { uv: Vec2::ZERO, ..bare },
         }
     }
 
@@ -144,12 +152,13 @@ impl LevelSet {
     pub fn dpdv(&self, p: Vec3) -> Vec3 {
         match &self.function {
             Function::Revolution(r) => self.place.vector(r.dpdv(self.into.transform_point3(p.as_dvec3())).as_vec3()),
-            Function::Quadric(_) => Vec3::ZERO,
+            Function::Quadric(_) | Function::Expression(_) => Vec3::ZERO,
         }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        size_of::<Self>()
+        let more = if let Function::Expression(e) = &self.function { e.bytes() } else { 0 };
+        size_of::<Self>() + more
     }
 }

@@ -153,3 +153,224 @@ fn derivatives_are_those_of_the_parameters() {
         assert!((change - (q.p - p.p)).length() < 0.02 * (q.p - p.p).length(), "{change} {}", q.p - p.p);
     }
 }
+
+fn implicit(text: &str, size: f64) -> LevelSet {
+    let e = Expression::new(text).unwrap_or_else(|e| panic!("{text}: {e}"));
+    LevelSet::new(Function::Expression(e), [DVec3::splat(-size), DVec3::splat(size)], Affine::IDENTITY, false).unwrap()
+}
+
+/// Rays through a cube around the origin.
+fn rays(count: usize, far: f32, seed: u64) -> impl Iterator<Item = Ray> {
+    let mut rng = HashRng::new(seed);
+    (0..count).map(move |_| {
+        let o = warp::uniform_sphere(Vec2::new(rng.next_f32(), rng.next_f32())) * far;
+        let to = Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5) * 2.0;
+        Ray::new(o, (to - o).normalize())
+    })
+}
+
+/// The first change of sign along a ray in the cube, by many samples and halving, in `f64`.
+fn sampled(f: impl Fn(DVec3) -> f64, ray: &Ray, size: f64) -> Option<f64> {
+    let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let at = |t: f64| Some(o + d * t).filter(|p| p.abs().max_element() <= size).map(&f);
+    let (mut t, step) = (0.0, 1e-3);
+    while t < 12.0 {
+        if let (Some(a), Some(b)) = (at(t), at(t + step)) {
+            if (a < 0.0) != (b < 0.0) {
+                let (mut low, mut high) = (t, t + step);
+                for _ in 0..60 {
+                    let m = 0.5 * (low + high);
+                    if (f(o + d * m) < 0.0) == (a < 0.0) { low = m } else { high = m }
+                }
+                return Some(low);
+            }
+        }
+        t += step;
+    }
+    None
+}
+
+/// M61: torus, quartics and others against their roots by dense samples; normals by differences.
+#[test]
+fn expressions_are_met_where_they_change_sign() {
+    type Form = fn(DVec3) -> f64;
+    let cases: [(&str, Form); 6] = [
+        ("(sqrt(x^2 + y^2) - 1)^2 + z^2 - 0.09", |p| (p.x.hypot(p.y) - 1.0).powi(2) + p.z * p.z - 0.09),
+        // The torus without a root: a quartic.
+        ("(x^2+y^2+z^2 + 0.91)^2 - 4*(x^2+y^2)", |p| {
+            (p.length_squared() + 0.91).powi(2) - 4.0 * p.truncate().length_squared()
+        }),
+        ("x^4 + y^4 + z^4 - 1.5*(x^2 + y^2 + z^2) + 0.9", |p| {
+            let q = p * p;
+            (q * q).element_sum() - 1.5 * q.element_sum() + 0.9
+        }),
+        ("sin(4*x)*cos(4*y) + sin(4*y)*cos(4*z) + sin(4*z)*cos(4*x)", |p| {
+            let q = p * 4.0;
+            q.x.sin() * q.y.cos() + q.y.sin() * q.z.cos() + q.z.sin() * q.x.cos()
+        }),
+        ("max(abs(x), max(abs(y), abs(z))) - 0.7", |p| p.abs().max_element() - 0.7),
+        ("exp(-x^2 - z^2) - log(2 + y)/pi - min(0.3, abs(x)^1.5)", |p| {
+            (-p.x * p.x - p.z * p.z).exp() - (2.0 + p.y).ln() / std::f64::consts::PI - p.x.abs().powf(1.5).min(0.3)
+        }),
+    ];
+    for (k, (text, f)) in cases.into_iter().enumerate() {
+        let surface = implicit(text, 1.4);
+        let (mut hits, mut off) = (0, 0);
+        for ray in rays(500, 4.0, 20 + k as u64) {
+            let (found, expected) = (hit(&surface, &ray), sampled(f, &ray, 1.4));
+            match (found, expected) {
+                (Some(t), Some(e)) if (f64::from(t) - e).abs() < 1e-6 => {
+                    hits += 1;
+                    let point = surface.surface(&ray, t);
+                    let p = point.p.as_dvec3();
+                    let h = 1e-5;
+                    let difference = DVec3::from_array(std::array::from_fn(|a| {
+                        f(p + DVec3::AXES[a] * h) - f(p - DVec3::AXES[a] * h)
+                    }));
+                    let difference = difference.normalize_or_zero().as_vec3();
+                    assert!((point.n - difference).length() < 1e-3 || k > 3, "{text}: {} {difference}", point.n);
+                    assert!((point.p - ray.at(t)).abs().max_element() < 2e-6);
+                }
+                (None, None) => {}
+                _ => off += 1,
+            }
+        }
+        // Two roots within a step of the samples, and those within it of the box.
+        assert!(hits > 100 && off * 50 <= hits, "{text}: {hits} {off}");
+    }
+}
+
+#[test]
+fn a_sphere_by_its_expression_is_the_sphere() {
+    use crate::shape::{Quadric as Part, QuadricKind};
+    let sphere = Part {
+        kind: QuadricKind::Sphere { radius: 1.0, z_min: -1.0, z_max: 1.0 },
+        phi_max: std::f32::consts::TAU,
+        place: Affine::IDENTITY,
+        flip: false,
+    };
+    for (far, within) in [(3.0, 1e-6), (1e4, 5e-3)] {
+        let surface = implicit("x^2 + y^2 + z^2 - 1", 1.0);
+        let mut hits = 0;
+        for ray in rays(1000, far, 3) {
+            let (a, b) = (hit(&surface, &ray), sphere.intersect(&ray).map(|h| h.t));
+            if let (Some(a), Some(b)) = (a, b) {
+                let (p, q) = (surface.surface(&ray, a), sphere.surface(&ray, b));
+                let grazes = q.n.dot(ray.direction).abs() < 0.2;
+                assert!(grazes || ((a - b).abs() <= within && (p.n - q.n).length() < 1e-5 + 5.0 * within), "{a} {b}");
+                hits += 1;
+            } else {
+                assert!(a.is_none() && b.is_none(), "{a:?} {b:?}");
+            }
+        }
+        assert!(hits > 500);
+    }
+}
+
+/// What is not continuous, not defined, or changes its sign very often comes to an end.
+#[test]
+fn hard_expressions_end() {
+    // A pole is no surface, nor is where a root ends; a surface in the face of the box is one.
+    let down = Ray::new(Vec3::new(0.3, 0.2, 5.0), -Vec3::Z);
+    assert_eq!(hit(&implicit("1/z", 1.0), &down), None);
+    assert_eq!(hit(&implicit("1 + 0*sqrt(z)", 1.0), &down), None);
+    assert!((hit(&implicit("z - 1", 1.0), &down).unwrap() - 4.0).abs() < 1e-6);
+    assert!((hit(&implicit("sqrt(z)-0.5", 1.0), &down).unwrap() - 4.75).abs() < 1e-6);
+    // Touched without a change of sign.
+    assert_eq!(hit(&implicit("(z-0.1)^2", 1.0), &down), None);
+    for text in [
+        "sin(100*x*y)",
+        "sin(1/(x*y*z))",
+        "sin(1e6*x*y) + 1.0001",
+        "(x-y)^2 + (z*sin(1e5*x))^2",
+        "0*x",
+        "x/0",
+        "log(-1-x^2)",
+    ] {
+        let surface = implicit(text, 1.0);
+        let start = std::time::Instant::now();
+        let hits = rays(40, 3.0, 9).filter(|r| hit(&surface, r).is_some()).count();
+        assert!(start.elapsed().as_secs_f32() < 20.0, "{text}");
+        assert!(hits > 10 || !text.starts_with("sin(1") || text.ends_with("1"), "{text}: {hits}");
+    }
+    // As long and as deep as may be.
+    let (long, deep) = (format!("{}z", "0*sin(x)+".repeat(200)), format!("{}z{}", "-(".repeat(31), ")".repeat(31)));
+    assert!((hit(&implicit(&long, 1.0), &down).unwrap() - 5.0).abs() < 1e-6);
+    assert!((hit(&implicit(&deep, 1.0), &down).unwrap() - 5.0).abs() < 1e-6);
+}
+
+#[test]
+fn faults_of_expressions_have_their_column() {
+    let says = |text: &str| Expression::new(text).map(|_| ()).unwrap_err();
+    for (text, parts) in [
+        ("", vec!["column 1", "expected a number", "the end"]),
+        ("x + ", vec!["column 5", "the end"]),
+        ("x y", vec!["column 3", "an operator or the end", "'y'"]),
+        ("(x", vec!["column 3", "')'"]),
+        ("2 * sine(x)", vec!["column 5", "'sine'", "sin"]),
+        ("min(x)", vec!["column 6", "','"]),
+        ("sin x", vec!["column 5", "'('"]),
+        ("x + é", vec!["column 5", "'é'"]),
+        ("1e999", vec!["column 1", "a number"]),
+        (".", vec!["column 1", "a number"]),
+    ] {
+        let said = says(text);
+        assert!(parts.iter().all(|p| said.contains(p)), "{text}: {said}");
+    }
+    assert!(says(&"(".repeat(100)).contains("64 deep"));
+    assert!(says(&"-".repeat(100)).contains("64 deep"));
+    assert!(says(&format!("x{}", " ".repeat(5000))).contains("4096 letters"));
+    assert!(says(&format!("x{}", "+x".repeat(1000))).contains("1024 operations"));
+    // Powers bind to the right and before signs.
+    for (text, value) in [
+        ("-2^2", -4.0),
+        ("2^3^2", 512.0),
+        ("2^-1", 0.5),
+        ("8/2/2", 2.0),
+        ("1-2-3", -4.0),
+        ("max(1,3,2)", 3.0),
+        ("-x^2*3", -12.0),
+        ("x^0.5 * x^0.5", 2.0),
+        ("2e0*pi/pi", 2.0),
+        ("+-1", -1.0),
+    ] {
+        let v: f64 = Expression::new(text).unwrap().value([2.0, 0.0, 0.0]);
+        assert!((v - value).abs() < 1e-12, "{text}: {v}");
+    }
+}
+
+/// Intervals contain what they are of.
+#[test]
+fn intervals_contain_their_values() {
+    use super::interval::{Dual, Interval};
+    let mut rng = HashRng::new(77);
+    for text in [
+        "sin(x)*cos(3*y)",
+        "x^3 - y^2/ (2+cos(z))",
+        "exp(x)/(1+y^2)",
+        "abs(x-y)*min(x,z)",
+        "max(x,y)^4 - sqrt(abs(z))",
+        "log(3+x)^-2",
+        "abs(y)^1.7",
+    ] {
+        let e = Expression::new(text).unwrap();
+        for _ in 0..500 {
+            let mut n = || f64::from(rng.next_f32() - 0.5) * 4.0;
+            let (o, d) = (DVec3::new(n(), n(), n()), DVec3::new(n(), n(), n()) * 0.2);
+            let along = |k: usize| {
+                let (a, b) = (o[k], o[k] + d[k]);
+                Dual::new(Interval::new(a.min(b), a.max(b)), Interval::new(d[k], d[k]))
+            };
+            let all = e.value([along(0), along(1), along(2)]);
+            for s in [0.0, 0.3, 0.5, 1.0] {
+                let (v, g) = e.sample(o + d * s);
+                let slope = g.dot(d);
+                let near = |i: Interval, v: f64| {
+                    v.is_nan() || i.is_none() || (i.low - 1e-12 * v.abs() <= v && v <= i.high + 1e-12 * v.abs())
+                };
+                assert!(near(all.value, v) && near(all.slope, slope), "{text}: {v} {slope} in {all:?}");
+                assert!(!all.value.is_none() || v.is_nan());
+            }
+        }
+    }
+}
