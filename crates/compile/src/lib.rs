@@ -22,6 +22,7 @@ mod parametric;
 mod params;
 mod patterns;
 mod pbr;
+mod polygon;
 mod principled;
 mod ranges;
 mod shapes;

@@ -241,6 +241,7 @@ impl Compiler<'_> {
                 }
             }
             "sdf_grid" => self.sdf_grid(placed),
+            "polygon" => self.polygon(node).map_or_else(Vec::new, |mesh| self.mesh_parts(placed, &mesh, false)),
             "paraboloid" | "cone" | "hyperboloid" | "quadric" | "implicit" => self.level(placed),
             other => {
                 let help = names::did_you_mean(other, Family::Shape.kinds());
@@ -639,6 +640,35 @@ mod tests {
         assert!(says(boxless, false).contains("empty"));
         assert!(says(new("hyperboloid").with("p2", [1.0, 0.0, 0.0]), false).contains("disk"));
         assert!(says(new("paraboloid").with("z_max", -1.0), false).contains("above"));
+    }
+
+    /// M56: a frame with a hole, from above and from below, and what is wrong with others.
+    #[test]
+    fn polygons() {
+        let new = |points: &[[f64; 3]]| Node::new(Family::Shape, "polygon", None).with("points", points.concat());
+        let square = [[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [1.0, 1.0, 0.5], [-1.0, 1.0, 0.5]];
+        let hole = square.map(|[x, y, z]| [0.5 * x, 0.5 * y, z]);
+        let ring = new(&[square, hole].concat()).with("loops", vec![4.0, 4.0]);
+        assert_eq!(above(new(&square), false), (Some(8.5), String::new()));
+        assert_eq!(above(ring.clone(), false), (None, String::new()));
+        assert_eq!(above(ring.with("rule", "nonzero"), false), (Some(8.5), String::new()));
+        // It shines; a slanted one is where its plane is.
+        assert_eq!(above(new(&square), true), (Some(8.5), String::new()));
+        let slanted = square.map(|[x, y, _]| [x, y, x - 2.0 * y]);
+        assert_eq!(above(new(&slanted), false), (Some(8.75), String::new()));
+        let says = |node: Node| above(node, false).1;
+        let missing = Node::new(Family::Shape, "polygon", None);
+        let bent = [square[0], square[1], square[2], [-1.0, 1.0, 0.7]];
+        for (node, said) in [
+            (missing, "needs 'points'"),
+            (new(&square[..2]), "three points or more"),
+            (new(&[square[0], square[0], square[0]]), "on a line"),
+            (new(&bent), "off that of the others"),
+            (new(&square).with("loops", vec![3.0]), "their sum is to be 4"),
+            (new(&square).with("loops", vec![5.0, -1.0]), "their sum is to be 4"),
+        ] {
+            assert!(says(node.clone()).contains(said), "{said}: {}", says(node));
+        }
     }
 
     #[test]

@@ -146,6 +146,23 @@ pub const SHAPES: &[Model] = &[
         source: "Mitchell, Robust ray intersection with interval arithmetic (1990)",
     },
     Model {
+        kind: "polygon",
+        doc: "a plane polygon, which may be concave, cross itself, and have holes; it becomes triangles, and its u and v \
+         go from 0 to 1 over its box in the plane of two axes",
+        parameters: &[
+            list("points", "needed", "corners, three numbers each, in one plane"),
+            list("loops", "none; all in one", "how many of the points each outline has, in order"),
+            word(
+                "rule",
+                "even_odd, nonzero",
+                "even_odd",
+                "what is inside: where a half-line meets outlines an odd number of times, or where they wind around",
+            ),
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "",
+    },
+    Model {
         kind: "curve",
         doc: "strands; they do not emit",
         parameters: &[

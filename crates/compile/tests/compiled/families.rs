@@ -53,6 +53,9 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
             vec![("points", vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0].into())]
         }
         (Family::Shape, "implicit") => vec![("expression", "x^2 + y^2 + z^2 - 0.5".into())],
+        (Family::Shape, "polygon") => {
+            vec![("points", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].into())]
+        }
         (Family::Shape, "quadric") => {
             let mut sphere = vec![1.0, 1.0, 1.0];
             sphere.extend([0.0; 6].into_iter().chain([-0.5]));

@@ -9,6 +9,7 @@ pub mod axes;
 pub mod barycentric;
 pub mod conic;
 pub mod coordinates;
+pub mod fill;
 pub mod homogeneous;
 pub mod line;
 pub mod plane;

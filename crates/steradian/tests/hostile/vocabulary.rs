@@ -149,6 +149,9 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
             _ = node.set("points", vec![-1.0, 0.0, 0.0, -0.5, 1.0, 0.0, 0.5, 1.0, 0.0, 1.0, 0.0, 0.0], None)
         }
         (Family::Shape, "implicit") => _ = node.set("expression", "x^2 + y^2 + sin(4*z) - 0.5", None),
+        (Family::Shape, "polygon") => {
+            _ = node.set("points", vec![-0.5, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.5, 0.0, -0.5, 0.5, 0.0], None)
+        }
         (Family::Shape, "quadric") => {
             _ = node.set("coefficients", vec![1.0, 1.0, 1.0, 0.2, 0.1, 0.0, 0.0, 0.0, 0.0, -0.5], None)
         }
