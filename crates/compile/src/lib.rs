@@ -2,6 +2,7 @@
 //! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
 mod assets;
+mod bezier;
 mod coats;
 mod code;
 mod dispersion;

@@ -241,6 +241,9 @@ impl Compiler<'_> {
                 }
             }
             "sdf_grid" => self.sdf_grid(placed),
+            "bezier_patch" => {
+                self.bezier_patches(node).map_or_else(Vec::new, |mesh| self.mesh_parts(placed, &mesh, false))
+            }
             "polygon" => self.polygon(node).map_or_else(Vec::new, |mesh| self.mesh_parts(placed, &mesh, false)),
             "paraboloid" | "cone" | "hyperboloid" | "quadric" | "implicit" => self.level(placed),
             other => {
@@ -669,6 +672,32 @@ mod tests {
         ] {
             assert!(says(node.clone()).contains(said), "{said}: {}", says(node));
         }
+    }
+
+    #[test]
+    fn bezier_patches() {
+        let grid = |z: fn(f64, f64) -> f64| -> Vec<f64> {
+            let at = |k: usize| ((k % 4) as f64 / 1.5 - 1.0, (k / 4) as f64 / 1.5 - 1.0);
+            (0..16).map(at).flat_map(|(x, y)| [x, y, z(x, y)]).collect()
+        };
+        let new = |points: Vec<f64>| Node::new(Family::Shape, "bezier_patch", None).with("points", points);
+        let flat = new(grid(|x, y| x - 0.5 * y));
+        for emits in [false, true] {
+            let (t, said) = above(flat.clone(), emits);
+            assert!(said.is_empty() && (t.unwrap() - 8.75).abs() < 1e-6, "{t:?} {said}");
+        }
+        // The parabola with 1 at its ends and −1/3 between, of which these are the heights by degree raising.
+        let bowl = new(grid(|x, _| if x.abs() > 0.5 { 1.0 } else { 1.0 / 9.0 }));
+        for (node, within) in [(bowl.clone(), 3e-3), (bowl.with("level", 256_i64), 1e-5)] {
+            let (t, said) = above(node, false);
+            assert!(said.is_empty() && (t.unwrap() - 8.625).abs() < within, "{t:?} {said}");
+        }
+        let says = |node: Node| above(node, false).1;
+        assert!(says(Node::new(Family::Shape, "bezier_patch", None)).contains("here are 0 numbers"));
+        assert!(says(new(vec![0.0; 47])).contains("here are 47 numbers"));
+        assert!(says(new(vec![0.0; 48])).contains("no area"));
+        let many = new(grid(|x, _| x).repeat(200)).with("level", 256_i64);
+        assert!(says(many).contains("too many"));
     }
 
     #[test]

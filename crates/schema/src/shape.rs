@@ -163,6 +163,22 @@ pub const SHAPES: &[Model] = &[
         source: "",
     },
     Model {
+        kind: "bezier_patch",
+        doc: "bicubic Bézier patches, which become triangles with the normals of the patches; normals are along ∂p/∂u × ∂p/∂v",
+        parameters: &[
+            list("points", "needed", "16 control points for each patch, three numbers each, in four rows along u"),
+            integer(
+                "level",
+                ANY,
+                "0",
+                "segments along each side of a patch, held in [0, 256]; 0 keeps within a thousandth of the size of all, \
+                 with 64 at most",
+            ),
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "Farin, Curves and surfaces for CAGD (2002), chapter 14",
+    },
+    Model {
         kind: "curve",
         doc: "strands; they do not emit",
         parameters: &[

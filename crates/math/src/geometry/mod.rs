@@ -7,6 +7,7 @@
 
 pub mod axes;
 pub mod barycentric;
+pub mod bezier;
 pub mod conic;
 pub mod coordinates;
 pub mod fill;

@@ -137,6 +137,13 @@ impl Writer<'_> {
                 }
                 self.finish(out, alpha);
             }
+            "bezier_patch" => {
+                self.x.approximated(node, "Bézier patches become triangles");
+                if let Some(mesh) = solid::bezier(node) {
+                    self.transform(&world);
+                    self.mesh(node, &mesh, false, alpha, format!("{node:?}"));
+                }
+            }
             "plane" => {
                 self.x.approximated(node, "an infinite plane becomes a large square");
                 if let Some(mesh) = solid::plane(node) {
