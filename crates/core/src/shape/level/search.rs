@@ -38,10 +38,10 @@ pub(super) fn first<R>(
             Dual::new(Interval::new(o[k], o[k]).add(way.mul(s)), way)
         }))
     };
-    if f(0.0) == 0.0 {
-        if let Some(taken) = take(0.0) {
-            return Some(taken);
-        }
+    if f(0.0) == 0.0
+        && let Some(taken) = take(0.0)
+    {
+        return Some(taken);
     }
     // Each part waits with its values at the ends; halves leave one more, so there are never many.
     let mut parts = [(0.0, 0.0, 0.0, 0.0); 64];
