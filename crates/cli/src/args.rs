@@ -68,7 +68,7 @@ pub enum Color {
     after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
 )]
 pub struct RenderArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply), - for standard input, or builtin:NAME (see
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply .bpt), - for standard input, or builtin:NAME (see
     /// `steradian list scenes`)
     pub scene: Option<PathBuf>,
     /// Output file (.exr .png .hdr .pfm .ppm .jpg .dds .ktx2). Repeatable. Default: SCENE.exr and SCENE.png in the

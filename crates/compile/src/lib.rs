@@ -2,6 +2,7 @@
 //! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
 
 mod assets;
+mod bezier;
 mod coats;
 mod code;
 mod dispersion;
@@ -11,6 +12,7 @@ mod hair;
 mod height_field;
 mod kept;
 mod layered;
+mod level;
 mod lights;
 mod mapping;
 mod materials;
@@ -21,6 +23,7 @@ mod parametric;
 mod params;
 mod patterns;
 mod pbr;
+mod polygon;
 mod principled;
 mod ranges;
 mod shapes;

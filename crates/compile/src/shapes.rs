@@ -28,14 +28,14 @@ use steradian_texture::FloatTexture;
 pub(super) type Boxes = Vec<Vec<Bounds3>>;
 
 /// A shape's parameters, how it lies in space, and whether it emits light.
-struct Placed<'a> {
-    node: &'a Node,
-    place: Affine,
+pub(super) struct Placed<'a> {
+    pub(super) node: &'a Node,
+    pub(super) place: Affine,
     /// Whether the place swaps left and right.
     swaps: bool,
     /// Whether normals are to point to the other side.
-    reverse: bool,
-    emits: bool,
+    pub(super) reverse: bool,
+    pub(super) emits: bool,
 }
 
 impl Placed<'_> {
@@ -119,6 +119,7 @@ impl Compiler<'_> {
                 Shape::Curves(c) => (0..c.count()).map(|i| c.bounds(i)).collect(),
                 Shape::Field(f) => (0..f.count()).map(|i| f.bounds(i)).collect(),
                 Shape::Sdf(s) => (0..s.count()).map(|i| s.bounds(i)).collect(),
+                Shape::Level(l) => vec![l.bounds()],
             };
             let reach_is_finite = match &part {
                 Shape::Mesh(m) => m.positions.iter().all(|p| p.is_finite()),
@@ -240,6 +241,11 @@ impl Compiler<'_> {
                 }
             }
             "sdf_grid" => self.sdf_grid(placed),
+            "bezier_patch" => {
+                self.bezier_patches(node).map_or_else(Vec::new, |mesh| self.mesh_parts(placed, &mesh, false))
+            }
+            "polygon" => self.polygon(node).map_or_else(Vec::new, |mesh| self.mesh_parts(placed, &mesh, false)),
+            "paraboloid" | "cone" | "hyperboloid" | "quadric" | "implicit" => self.level(placed),
             other => {
                 let help = names::did_you_mean(other, Family::Shape.kinds());
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
@@ -589,6 +595,109 @@ mod tests {
         let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
         let ray = Ray::new(Vec3::new(0.5, 0.5, 9.0), -Vec3::Z);
         (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+    }
+
+    /// How far a ray down the z axis goes to a shape, and what is said.
+    fn above(node: Node, emits: bool) -> (Option<f32>, String) {
+        let mut desc = SceneDesc::default();
+        let node = desc.add(node);
+        let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None)));
+        desc.shapes.push(Shape { emission, ..Shape::new(node) });
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        let light = desc.add(Node::new(Family::Light, "point", None));
+        desc.cameras.push(camera);
+        desc.lights.push(light);
+        let compiled = compile(&desc, &Options::default());
+        let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
+        let ray = Ray::new(Vec3::new(0.25, 0.0, 9.0), -Vec3::Z);
+        (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+    }
+
+    #[test]
+    fn surfaces_by_equations() {
+        let new = |kind: &str| Node::new(Family::Shape, kind, None);
+        let sphere = |last: f64| vec![1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, last];
+        for (node, expected) in [
+            (new("cone"), 8.25),
+            (new("paraboloid"), 9.0 - 0.0625),
+            (new("hyperboloid").with("p1", [1.0, 0.0, 0.0]).with("p2", [0.0, 0.0, 2.0]), 7.5),
+            (new("implicit").with("expression", "z - y - 0.5"), 8.5),
+            // z = xy, where y is 0.
+            (new("quadric").with("coefficients", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0]), 9.0),
+            (new("quadric").with("coefficients", sphere(-0.0625 - 0.25)), 8.5),
+        ] {
+            let (t, said) = above(node.clone(), false);
+            assert!(said.is_empty() && t.is_some_and(|t| (t - expected).abs() < 1e-6), "{node:?}: {t:?} {said}");
+        }
+        let says = |node: Node, emits| above(node, emits).1;
+        let (missing, faulty) =
+            (says(new("implicit"), false), says(new("implicit").with("expression", "x +* y"), false));
+        assert!(missing.contains("needs an 'expression'") && faulty.contains("column 4"), "{missing} {faulty}");
+        assert!(says(new("cone"), true).contains("meshes"));
+        assert!(says(new("quadric"), false).contains("here are 0"));
+        assert!(says(new("quadric").with("coefficients", vec![1.0; 9]), false).contains("here are 9"));
+        assert!(
+            says(new("quadric").with("coefficients", [vec![0.0; 9], vec![1.0]].concat()), false).contains("no surface")
+        );
+        let boxless = new("quadric").with("coefficients", sphere(-1.0)).with("min", [2.0, 0.0, 0.0]);
+        assert!(says(boxless, false).contains("empty"));
+        assert!(says(new("hyperboloid").with("p2", [1.0, 0.0, 0.0]), false).contains("disk"));
+        assert!(says(new("paraboloid").with("z_max", -1.0), false).contains("above"));
+    }
+
+    /// M56: a frame with a hole, from above and from below, and what is wrong with others.
+    #[test]
+    fn polygons() {
+        let new = |points: &[[f64; 3]]| Node::new(Family::Shape, "polygon", None).with("points", points.concat());
+        let square = [[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [1.0, 1.0, 0.5], [-1.0, 1.0, 0.5]];
+        let hole = square.map(|[x, y, z]| [0.5 * x, 0.5 * y, z]);
+        let ring = new(&[square, hole].concat()).with("loops", vec![4.0, 4.0]);
+        assert_eq!(above(new(&square), false), (Some(8.5), String::new()));
+        assert_eq!(above(ring.clone(), false), (None, String::new()));
+        assert_eq!(above(ring.with("rule", "nonzero"), false), (Some(8.5), String::new()));
+        // It shines; a slanted one is where its plane is.
+        assert_eq!(above(new(&square), true), (Some(8.5), String::new()));
+        let slanted = square.map(|[x, y, _]| [x, y, x - 2.0 * y]);
+        assert_eq!(above(new(&slanted), false), (Some(8.75), String::new()));
+        let says = |node: Node| above(node, false).1;
+        let missing = Node::new(Family::Shape, "polygon", None);
+        let bent = [square[0], square[1], square[2], [-1.0, 1.0, 0.7]];
+        for (node, said) in [
+            (missing, "needs 'points'"),
+            (new(&square[..2]), "three points or more"),
+            (new(&[square[0], square[0], square[0]]), "on a line"),
+            (new(&bent), "off that of the others"),
+            (new(&square).with("loops", vec![3.0]), "their sum is to be 4"),
+            (new(&square).with("loops", vec![5.0, -1.0]), "their sum is to be 4"),
+        ] {
+            assert!(says(node.clone()).contains(said), "{said}: {}", says(node));
+        }
+    }
+
+    #[test]
+    fn bezier_patches() {
+        let grid = |z: fn(f64, f64) -> f64| -> Vec<f64> {
+            let at = |k: usize| ((k % 4) as f64 / 1.5 - 1.0, (k / 4) as f64 / 1.5 - 1.0);
+            (0..16).map(at).flat_map(|(x, y)| [x, y, z(x, y)]).collect()
+        };
+        let new = |points: Vec<f64>| Node::new(Family::Shape, "bezier_patch", None).with("points", points);
+        let flat = new(grid(|x, y| x - 0.5 * y));
+        for emits in [false, true] {
+            let (t, said) = above(flat.clone(), emits);
+            assert!(said.is_empty() && (t.unwrap() - 8.75).abs() < 1e-6, "{t:?} {said}");
+        }
+        // The parabola with 1 at its ends and −1/3 between, of which these are the heights by degree raising.
+        let bowl = new(grid(|x, _| if x.abs() > 0.5 { 1.0 } else { 1.0 / 9.0 }));
+        for (node, within) in [(bowl.clone(), 3e-3), (bowl.with("level", 256_i64), 1e-5)] {
+            let (t, said) = above(node, false);
+            assert!(said.is_empty() && (t.unwrap() - 8.625).abs() < within, "{t:?} {said}");
+        }
+        let says = |node: Node| above(node, false).1;
+        assert!(says(Node::new(Family::Shape, "bezier_patch", None)).contains("here are 0 numbers"));
+        assert!(says(new(vec![0.0; 47])).contains("here are 47 numbers"));
+        assert!(says(new(vec![0.0; 48])).contains("no area"));
+        let many = new(grid(|x, _| x).repeat(200)).with("level", 256_i64);
+        assert!(says(many).contains("too many"));
     }
 
     #[test]

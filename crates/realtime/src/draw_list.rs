@@ -60,7 +60,7 @@ impl Item {
 pub fn box_count(shape: &Shape) -> Option<u32> {
     match shape {
         Shape::Mesh(_) => None,
-        Shape::Quadric(_) => Some(1),
+        Shape::Quadric(_) | Shape::Level(_) => Some(1),
         Shape::Patches(patches) => Some(patches.patches.len() as u32),
         Shape::Curves(curves) => Some(curves.count()),
         Shape::Field(field) => Some(field.count()),
@@ -77,6 +77,7 @@ pub fn part_bounds(shape: &Shape, part: u32) -> Bounds3 {
         Shape::Curves(c) => c.bounds(part),
         Shape::Field(f) => f.bounds(part),
         Shape::Sdf(s) => s.bounds(part),
+        Shape::Level(l) => l.bounds(),
         Shape::Mesh(_) | Shape::Plane(_) => Bounds3::EMPTY,
     };
     let more = bounds.diagonal().max_element() * 1e-3 + bounds.min.abs().max(bounds.max.abs()).max_element() * 1e-6;

@@ -407,6 +407,7 @@ pub(crate) fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Bor
         Shape::Curves(c) => c.intersect(part, &ray).map(hit).filter(|h| scene.counts(h, &ray)),
         Shape::Field(f) => f.intersect(part, &ray, |h| scene.counts(&hit(*h), &ray)).map(hit),
         Shape::Sdf(s) => s.intersect(part, &ray, |h| scene.counts(&hit(*h), &ray)).map(hit),
+        Shape::Level(l) => l.intersect(&ray, |h| scene.counts(&hit(*h), &ray)).map(hit),
         Shape::Plane(p) => {
             let t = p.intersect(&ray)?;
             // The plane's hits have its geometry for a number.

@@ -2,6 +2,7 @@
 
 use crate::Shared;
 use serde::{Deserialize, Serialize};
+use steradian_math::{DVec3, geometry::surface::SurfaceMesh};
 
 /// What an [`Attribute`] has one value per.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,6 +79,20 @@ pub enum MeshFault {
         /// What it should have.
         expected: usize,
     },
+}
+
+impl From<SurfaceMesh> for Mesh {
+    /// The same in single precision; its parameters are texture coordinates.
+    fn from(mesh: SurfaceMesh) -> Self {
+        let single = |v: DVec3| v.as_vec3().to_array();
+        Self {
+            positions: mesh.positions.iter().map(|p| single(p.to_vector())).collect(),
+            normals: mesh.normals.iter().map(|n| single(*n)).collect(),
+            uvs: mesh.parameters.iter().map(|p| p.as_vec2().to_array()).collect(),
+            triangles: mesh.triangles.into(),
+            ..Self::default()
+        }
+    }
 }
 
 impl Mesh {

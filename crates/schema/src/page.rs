@@ -12,6 +12,10 @@ pub fn page(family: Family) -> String {
          refused or held at its end.\n",
         family.noun()
     );
+    if family == Family::Shape {
+        out += "\nSome are in `scenes/shapes.steradian`: cone, paraboloid, hyperboloid and quadric, two of implicit, polygon, \
+                bezier_patch.\n\n![shapes](shapes.jpg)\n";
+    }
     for model in family.models() {
         let Model { kind, doc, parameters, source, .. } = model;
         section(&mut out, kind, doc, source, parameters);

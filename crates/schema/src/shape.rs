@@ -15,6 +15,9 @@ const TANGENTS: Parameter = text(
      or a vertex attribute (x, y, z, and the sign of the bitangent)",
 );
 
+const BOX_MIN: Parameter = vector("min", "-1,-1,-1", "lower corner of the box");
+const BOX_MAX: Parameter = vector("max", "1,1,1", "upper corner of the box");
+
 /// All shapes.
 pub const SHAPES: &[Model] = &[
     Model {
@@ -88,6 +91,92 @@ pub const SHAPES: &[Model] = &[
         ],
         groups: &[&ANY_SHAPE],
         source: "pbrt-v4, 6.3",
+    },
+    Model {
+        kind: "cone",
+        doc: "an open cone around z with its base at 0; it does not emit",
+        parameters: &[RADIUS, number("height", POSITIVE, "1", "z of the tip").refused(), PHI_MAX],
+        groups: &[&ANY_SHAPE],
+        source: "pbrt-v3, 3.5",
+    },
+    Model {
+        kind: "paraboloid",
+        doc: "a paraboloid around z with its apex at the origin; it does not emit",
+        parameters: &[
+            number("radius", POSITIVE, "1", "radius at z_max").refused(),
+            number("z_min", ANY, "0", "lower end; below 0 counts as 0"),
+            number("z_max", ANY, "1", "upper end, above 0"),
+            PHI_MAX,
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "pbrt-v3, 3.5",
+    },
+    Model {
+        kind: "hyperboloid",
+        doc: "what a line between two points of different z sweeps that is turned around z: a hyperboloid of one sheet, \
+         or a cone or cylinder; normals are away from z where p2 is above p1; it does not emit",
+        parameters: &[vector("p1", "0,0,0", "one end"), vector("p2", "1,1,1", "the other end"), PHI_MAX],
+        groups: &[&ANY_SHAPE],
+        source: "pbrt-v3, 3.5",
+    },
+    Model {
+        kind: "quadric",
+        doc: "A x² + B y² + C z² + D xy + E yz + F xz + G x + H y + I z + J = 0 in a box; normals are towards where it \
+         is above 0; it has no coordinates and does not emit",
+        parameters: &[list("coefficients", "needed", "the ten numbers A to J"), BOX_MIN, BOX_MAX],
+        groups: &[&ANY_SHAPE],
+        source: "Glassner (ed.), An introduction to ray tracing (1989), chapter 2",
+    },
+    Model {
+        kind: "implicit",
+        doc: "where an expression changes its sign, in a box; normals are towards where it grows. Of one ray 8192 parts, \
+         and two million operations, are looked at closely; what is beyond is told by the signs at the ends of parts. It \
+         has no coordinates and does not emit",
+        parameters: &[
+            text(
+                "expression",
+                "needed",
+                "of x, y, z, pi and numbers with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp and log; of \
+                 4096 letters, 1024 operations and 64 levels at most; what is not defined is no surface",
+            ),
+            BOX_MIN,
+            BOX_MAX,
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "Mitchell, Robust ray intersection with interval arithmetic (1990)",
+    },
+    Model {
+        kind: "polygon",
+        doc: "a plane polygon, which may be concave, cross itself, and have holes; it becomes triangles, and its u and v \
+         go from 0 to 1 over its box in the plane of two axes",
+        parameters: &[
+            list("points", "needed", "corners, three numbers each, in one plane"),
+            list("loops", "none; all in one", "how many of the points each outline has, in order"),
+            word(
+                "rule",
+                "even_odd, nonzero",
+                "even_odd",
+                "what is inside: where a half-line meets outlines an odd number of times, or where they wind around",
+            ),
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "",
+    },
+    Model {
+        kind: "bezier_patch",
+        doc: "bicubic Bézier patches, which become triangles with the normals of the patches; normals are along ∂p/∂u × ∂p/∂v",
+        parameters: &[
+            list("points", "needed", "16 control points for each patch, three numbers each, in four rows along u"),
+            integer(
+                "level",
+                ANY,
+                "0",
+                "segments along each side of a patch, held in [0, 256]; 0 keeps within a thousandth of the size of all, \
+                 with 64 at most",
+            ),
+        ],
+        groups: &[&ANY_SHAPE],
+        source: "Farin, Curves and surfaces for CAGD (2002), chapter 14",
     },
     Model {
         kind: "curve",

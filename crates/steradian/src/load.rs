@@ -23,6 +23,7 @@ pub const EXTENSIONS: &[(&str, &str)] = &[
     ("steradian", "scene in Steradian's own language"),
     ("obj", "Wavefront model with materials"),
     ("ply", "polygon model"),
+    ("bpt", "Bézier patches in text, such as the Utah teapot"),
     ("gltf", "glTF 2.0 scene, also in binary form (.glb)"),
     ("glb", "glTF 2.0 scene in binary form"),
 ];
@@ -64,7 +65,7 @@ pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Op
             let import = match format.as_str() {
                 "pbrt" => steradian_formats::pbrt::import_text(name, bytes, Path::new("."), options),
                 "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
-                "obj" | "ply" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
+                "obj" | "ply" | "bpt" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
                 "gltf" | "glb" => steradian_formats::gltf::import_bytes(path, bytes, options),
                 "steradian" => steradian_formats::native::import_bytes(path, bytes, options),
                 _ => unknown(name),
@@ -124,7 +125,7 @@ fn read(path: &Path, options: &Options) -> Import {
     let import = match format {
         "pbrt" => steradian_formats::pbrt::import(path, options),
         "xml" => steradian_formats::mitsuba::import(path, options),
-        "obj" | "ply" => steradian_formats::mesh::model::import(path, options),
+        "obj" | "ply" | "bpt" => steradian_formats::mesh::model::import(path, options),
         "gltf" | "glb" => steradian_formats::gltf::import(path, options),
         "steradian" => steradian_formats::native::import(path, options),
         _ => unknown(&name),
@@ -137,7 +138,7 @@ fn read(path: &Path, options: &Options) -> Import {
 fn with_definitions_told(mut import: Import, format: &str, options: &Options) -> Import {
     let known: &[&str] = match format {
         "xml" => return import,
-        "obj" | "ply" => &["ground"],
+        "obj" | "ply" | "bpt" => &["ground"],
         "gltf" | "glb" => &["animation", "at", "ground", "scene", "shutter", "variant"],
         _ => &[],
     };

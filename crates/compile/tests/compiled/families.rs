@@ -52,6 +52,19 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
         (Family::Shape, "curve") => {
             vec![("points", vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0].into())]
         }
+        (Family::Shape, "implicit") => vec![("expression", "x^2 + y^2 + z^2 - 0.5".into())],
+        (Family::Shape, "polygon") => {
+            vec![("points", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].into())]
+        }
+        (Family::Shape, "bezier_patch") => {
+            let points = (0..16).flat_map(|k| [f64::from(k % 4), f64::from(k / 4), 0.0]).collect::<Vec<_>>();
+            vec![("points", points.into())]
+        }
+        (Family::Shape, "quadric") => {
+            let mut sphere = vec![1.0, 1.0, 1.0];
+            sphere.extend([0.0; 6].into_iter().chain([-0.5]));
+            vec![("coefficients", sphere.into())]
+        }
         (Family::Shape, "height_field") => {
             vec![("heights", vec![0.0; 4].into()), ("nu", 2_i64.into()), ("nv", 2_i64.into())]
         }

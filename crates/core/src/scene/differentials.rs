@@ -56,6 +56,7 @@ impl Scene {
             Shape::Quadric(q) => q.dpdv(self.local_point(i)),
             Shape::Curves(c) => c.dpdv(i.id.prim, u, i.surface.n, i.surface.dpdu),
             Shape::Field(f) => f.dpdv(u, v),
+            Shape::Level(l) => l.dpdv(self.local_point(i)),
             Shape::Sdf(_) => Vec3::ZERO,
             Shape::Plane(p) => p.dpdv(),
         };

@@ -3,6 +3,7 @@
 pub mod curve;
 pub mod displacement;
 pub mod height_field;
+pub mod level;
 pub mod mesh;
 pub mod patch;
 pub mod plane;
@@ -13,6 +14,7 @@ pub mod tangents;
 
 pub use curve::Curves;
 pub use height_field::Field;
+pub use level::LevelSet;
 pub use mesh::TriMesh;
 pub use patch::PatchMesh;
 pub use plane::Plane;
@@ -38,6 +40,8 @@ pub enum Shape {
     Field(Arc<Field>),
     /// A surface on a grid of distances.
     Sdf(Arc<SdfGrid>),
+    /// A surface where a function is zero.
+    Level(Arc<LevelSet>),
     /// An infinite plane.
     Plane(Plane),
 }
@@ -52,6 +56,7 @@ impl Shape {
             Self::Curves(c) => (0..c.count()).fold(Bounds3::EMPTY, |b, k| b.union(c.bounds(k))),
             Self::Field(f) => (0..f.count()).fold(Bounds3::EMPTY, |b, k| b.union(f.bounds(k))),
             Self::Sdf(s) => (0..s.count()).fold(Bounds3::EMPTY, |b, k| b.union(s.bounds(k))),
+            Self::Level(l) => l.bounds(),
             Self::Plane(_) => Bounds3::EMPTY,
         }
     }
@@ -71,6 +76,7 @@ impl Shape {
             Self::Curves(c) => c.surface(hit.id.prim, hit.u, hit.v, ray, hit.t),
             Self::Field(f) => f.surface(hit.u, hit.v),
             Self::Sdf(s) => s.surface(hit.id.prim, ray, hit.t),
+            Self::Level(l) => l.surface(ray, hit.t),
             Self::Plane(p) => p.surface(ray, hit.t),
         }
     }
@@ -112,6 +118,7 @@ impl Shape {
             Self::Curves(c) => c.intersect(prim, ray).filter(passes),
             Self::Field(f) => f.intersect(prim, ray, passes),
             Self::Sdf(s) => s.intersect(prim, ray, passes),
+            Self::Level(l) => l.intersect(ray, passes),
             Self::Mesh(_) | Self::Plane(_) => None,
         }
     }
@@ -130,6 +137,7 @@ impl Shape {
             Self::Curves(c) => Arc::as_ptr(c).addr(),
             Self::Field(f) => Arc::as_ptr(f).addr(),
             Self::Sdf(s) => Arc::as_ptr(s).addr(),
+            Self::Level(l) => Arc::as_ptr(l).addr(),
             Self::Plane(_) => return None,
         })
     }
@@ -142,6 +150,7 @@ impl Shape {
             Self::Curves(c) => c.bytes(),
             Self::Field(f) => f.bytes(),
             Self::Sdf(s) => s.bytes(),
+            Self::Level(l) => l.bytes(),
             Self::Quadric(_) => size_of::<Quadric>(),
             Self::Plane(_) => size_of::<Plane>(),
         }

@@ -1,4 +1,4 @@
-//! Mesh files: PLY, OBJ with MTL, Mitsuba serialized.
+//! Mesh files: PLY, OBJ with MTL, Mitsuba serialized, Bézier patches.
 //!
 //! Every reader takes bytes and gives a [`steradian_scene::Mesh`] that passes its `validate`, or a [`MeshError`] that
 //! says where the file is wrong. Counts that a file declares are held against the bytes it really has before anything
@@ -11,6 +11,7 @@ pub(crate) mod text;
 #[cfg(test)]
 pub(crate) mod test_files;
 
+pub mod bpt;
 pub mod model;
 pub mod mtl;
 pub mod obj;

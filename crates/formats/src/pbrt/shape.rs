@@ -3,11 +3,20 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene};
 use steradian_scene::{Family, Mesh, NodeId, names};
 
-const KINDS: [&str; 9] =
-    ["sphere", "disk", "cylinder", "trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve", "heightfield"];
-
-/// Shapes of pbrt-v3 that pbrt-v4 left out.
-const OLD_KINDS: [&str; 4] = ["cone", "paraboloid", "hyperboloid", "nurbs"];
+const KINDS: [&str; 12] = [
+    "sphere",
+    "disk",
+    "cylinder",
+    "cone",
+    "paraboloid",
+    "hyperboloid",
+    "trianglemesh",
+    "plymesh",
+    "bilinearmesh",
+    "loopsubdiv",
+    "curve",
+    "heightfield",
+];
 
 /// Translates a shape into its node and, for meshes, the index of its data.
 pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Option<usize>)> {
@@ -41,6 +50,26 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
             b.float("zmax", "z_max", 1.0);
             b.float("phimax", "phi_max", 360.0);
         }
+        // These three are of pbrt-v3; pbrt-v4 left them out.
+        "cone" => {
+            b.positive("radius", "radius", 1.0);
+            b.positive("height", "height", 1.0);
+            b.float("phimax", "phi_max", 360.0);
+        }
+        "paraboloid" => {
+            b.positive("radius", "radius", 1.0);
+            b.float("zmin", "z_min", 0.0);
+            b.float("zmax", "z_max", 1.0);
+            b.float("phimax", "phi_max", 360.0);
+        }
+        "hyperboloid" => {
+            for name in ["p1", "p2"] {
+                if let Some(&[x, y, z]) = b.dict.floats(&mut b.scene.report, name, Type::Point3) {
+                    b.set(name, [x, y, z]);
+                }
+            }
+            b.float("phimax", "phi_max", 360.0);
+        }
         "curve" => curve(&mut b)?,
         "heightfield" => {
             b.int("nu", "nu", None);
@@ -63,9 +92,9 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
             }
         }
         _ => {
-            let help = match OLD_KINDS.contains(&given) {
-                true => Some(format!("'{given}' is of pbrt-v3; pbrt-v4 has no such shape")),
-                false => names::did_you_mean(given, KINDS),
+            let help = match given {
+                "nurbs" => Some("'nurbs' is of pbrt-v3; pbrt-v4 has no such shape".into()),
+                _ => names::did_you_mean(given, KINDS),
             };
             scene.report.error_help(dict.span, format!("unknown shape '{given}'"), help);
             return None;

@@ -1,6 +1,9 @@
 //! Quadrics, planes and curves as meshes, for formats that have no such shapes.
 
-use steradian_math::{DVec3, Transform};
+use steradian_math::{
+    DVec3, Transform,
+    geometry::bezier::{self, BezierPatch},
+};
 use steradian_scene::{Mesh, Node};
 
 const COLUMNS: u32 = 128;
@@ -187,6 +190,17 @@ pub(crate) fn splines(node: &Node) -> Option<Vec<Spline>> {
         }
         _ => None,
     }
+}
+
+/// Bézier patches as triangles.
+pub(crate) fn bezier(node: &Node) -> Option<Mesh> {
+    let Some(steradian_scene::Value::Floats(points)) = node.get("points") else { return None };
+    let point = |p: &[f64]| DVec3::new(p[0], p[1], p[2]);
+    let patch = |p: &[f64]| BezierPatch { points: std::array::from_fn(|k| point(&p[3 * k..3 * k + 3])) };
+    let patches: Vec<BezierPatch> = points.chunks_exact(48).map(patch).collect();
+    let level = node.int("level").filter(|n| *n > 0).map(|n| n.min(i64::from(bezier::MOST_SEGMENTS)) as u32);
+    let n = level.unwrap_or_else(|| bezier::segments(&patches));
+    bezier::tessellate(&patches, n).map(Mesh::from).filter(|mesh| mesh.validate().is_ok())
 }
 
 /// Heights in the description as a mesh over the unit square.

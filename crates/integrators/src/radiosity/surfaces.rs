@@ -346,6 +346,7 @@ impl Surfaces {
                 }
                 Shape::Curves(_) => self.left_out.push("curves"),
                 Shape::Field(_) => self.left_out.push("height fields"),
+                Shape::Level(_) => self.left_out.push("surfaces by their equations"),
                 Shape::Sdf(_) => self.left_out.push("signed distance functions"),
             }
         }

@@ -7,8 +7,10 @@
 
 pub mod axes;
 pub mod barycentric;
+pub mod bezier;
 pub mod conic;
 pub mod coordinates;
+pub mod fill;
 pub mod homogeneous;
 pub mod line;
 pub mod plane;

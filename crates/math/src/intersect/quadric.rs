@@ -70,10 +70,16 @@ impl Quadric {
     /// `None` where it is missed, or where the line lies in it.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<[f32; 2]> {
-        let (o, d) = (ray.origin.as_dvec3().extend(1.0), ray.direction.as_dvec3().extend(0.0));
-        let qd = self.matrix * d;
-        let [t0, t1] = roots(d.dot(qd), o.dot(qd), o.dot(self.matrix * o))?;
+        let [t0, t1] = self.roots(ray.origin.as_dvec3(), ray.direction.as_dvec3())?;
         Some([t0 as f32, t1 as f32])
+    }
+
+    /// [`Quadric::intersect`] for a line from `o` along `d`.
+    #[inline]
+    pub fn roots(&self, o: DVec3, d: DVec3) -> Option<[f64; 2]> {
+        let (o, d) = (o.extend(1.0), d.extend(0.0));
+        let qd = self.matrix * d;
+        roots(d.dot(qd), o.dot(qd), o.dot(self.matrix * o))
     }
 }
 

@@ -148,6 +148,17 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
         (Family::Shape, "curve") => {
             _ = node.set("points", vec![-1.0, 0.0, 0.0, -0.5, 1.0, 0.0, 0.5, 1.0, 0.0, 1.0, 0.0, 0.0], None)
         }
+        (Family::Shape, "implicit") => _ = node.set("expression", "x^2 + y^2 + sin(4*z) - 0.5", None),
+        (Family::Shape, "polygon") => {
+            _ = node.set("points", vec![-0.5, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.5, 0.0, -0.5, 0.5, 0.0], None)
+        }
+        (Family::Shape, "bezier_patch") => {
+            let points = (0..16).flat_map(|k| [f64::from(k % 4) - 1.5, f64::from(k / 4) - 1.5, f64::from(k % 3) * 0.3]);
+            _ = node.set("points", points.collect::<Vec<_>>(), None)
+        }
+        (Family::Shape, "quadric") => {
+            _ = node.set("coefficients", vec![1.0, 1.0, 1.0, 0.2, 0.1, 0.0, 0.0, 0.0, 0.0, -0.5], None)
+        }
         (Family::Shape, "sphere") => _ = node.set("radius", 0.4, None),
         _ => {}
     }

@@ -1,4 +1,4 @@
-//! Opening a model (OBJ, PLY) as a scene: its shapes and materials as they are, seen by a camera that frames them,
+//! Opening a model (OBJ, PLY, Bézier patches) as a scene: its shapes and materials as they are, seen by a camera that frames them,
 //! under a sky.
 
 mod material;
@@ -6,7 +6,7 @@ mod sky;
 mod smooth;
 pub(crate) mod stage;
 
-use super::{MeshError, Place, mtl, obj, ply, text};
+use super::{MeshError, Place, bpt, mtl, obj, ply, text};
 use crate::{
     Import, Options,
     files::{self, SearchPath},
@@ -17,7 +17,7 @@ use std::{
 };
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
-/// Opens an OBJ or PLY file. What is needed to see it is added: a camera, a sky with a sun, and a ground, unless
+/// Opens an OBJ, PLY or BPT file. What is needed to see it is added: a camera, a sky with a sun, and a ground, unless
 /// [`Options::defines`] has `ground=false`. Meshes without normals get those of
 /// smooth surfaces. A file that starts as PLY is PLY, whatever it is called.
 ///
@@ -53,9 +53,12 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         losses: 0,
         undefined: HashSet::new(),
     };
-    let is_named_ply = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    if bytes.starts_with(b"ply") || is_named_ply {
+    let is_named = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
+    if bytes.starts_with(b"ply") || is_named("ply") {
         opener.ply(&bytes);
+    } else if is_named("bpt") || (!is_named("obj") && bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit))
+    {
+        opener.bpt(&bytes);
     } else {
         opener.obj(text::to_utf8(bytes));
     }
@@ -132,6 +135,16 @@ impl Opener<'_> {
         let mut mesh = file.mesh;
         let look = self.painted(&mut mesh);
         self.shape(mesh, look, None);
+    }
+
+    fn bpt(&mut self, bytes: &[u8]) {
+        match bpt::read(bytes) {
+            Ok(mesh) => {
+                self.import.desc.sources.add(self.path, Vec::new());
+                self.shape(mesh, Look::default(), None);
+            }
+            Err(e) => self.fault(&e, bytes),
+        }
     }
 
     fn obj(&mut self, bytes: Vec<u8>) {

@@ -232,3 +232,14 @@ fn the_ground_can_be_left_out() {
     assert_eq!((with("true").desc.shapes.len(), with("false").desc.shapes.len()), (2, 1));
     assert!(messages(&with("maybe")).contains("'ground' is 'true' or 'false', not 'maybe'"));
 }
+
+#[test]
+fn bezier_patches_are_models() {
+    let points: String = (0..16).map(|k| format!("{} {} {}\n", k % 4, k / 4, k % 3)).collect();
+    let import = open(&[("a.bpt", format!("1\n3 3\n{points}").as_bytes())]);
+    assert!(!import.diagnostics.has_errors(), "{}", messages(&import));
+    let mesh = &import.desc.meshes[import.desc.shapes[0].mesh.unwrap()];
+    assert!(mesh.triangles.len() > 100 && mesh.normals.len() == mesh.positions.len());
+    let import = open(&[("a.bpt", b"1\n3 3\n0 0 zero\n")]);
+    assert!(messages(&import).contains("a.bpt:3"), "{}", messages(&import));
+}

@@ -120,7 +120,7 @@ const CASES: &[Case] = &[
     ("WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"float g\" 2", 2, 59, "within [-1, 1]"),
     ("WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Milk\"", 2, 65, "unknown medium preset"),
     // Shapes.
-    ("WorldBegin\nShape \"cone\"", 2, 7, "unknown shape 'cone'"),
+    ("WorldBegin\nShape \"nurbs\"", 2, 7, "unknown shape 'nurbs'"),
     ("WorldBegin\nShape \"plymesh\"", 2, 7, "needs \"string filename\""),
     ("WorldBegin\nShape \"trianglemesh\"", 2, 7, "needs \"point3 P\""),
     ("WorldBegin\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0]", 2, 7, "needs \"integer indices\""),

@@ -648,6 +648,17 @@ fn quadrics() {
     );
     let s = shape(&world("Shape \"cylinder\" \"float zmax\" 3")).clone();
     check(&s, "cylinder", &[("radius", some(1.0)), ("z_min", some(-1.0)), ("z_max", some(3.0))]);
+    // Those of pbrt-v3, with its defaults.
+    let s = shape(&world("Shape \"cone\" \"float height\" 3")).clone();
+    check(&s, "cone", &[("radius", some(1.0)), ("height", some(3.0)), ("phi_max", some(360.0))]);
+    let s = shape(&world("Shape \"paraboloid\" \"float zmin\" 0.5 \"float zmax\" 2 \"float phimax\" 90")).clone();
+    check(
+        &s,
+        "paraboloid",
+        &[("radius", some(1.0)), ("z_min", some(0.5)), ("z_max", some(2.0)), ("phi_max", some(90.0))],
+    );
+    let s = shape(&world("Shape \"hyperboloid\" \"point p1\" [1 0 0] \"point p2\" [0.5 1 2]")).clone();
+    check(&s, "hyperboloid", &[("p1", some([1.0, 0.0, 0.0])), ("p2", some([0.5, 1.0, 2.0])), ("phi_max", some(360.0))]);
 }
 
 #[test]

@@ -98,6 +98,10 @@ impl Writer<'_> {
                 self.x.approximated(node, "an infinite plane becomes a large square");
                 (solid::plane(node)?, Transform::IDENTITY)
             }
+            "bezier_patch" => {
+                self.x.approximated(node, "Bézier patches become triangles");
+                (solid::bezier(node)?, Transform::IDENTITY)
+            }
             "height_field" if solid::height_field(node).is_some() => {
                 self.x.approximated(node, "a height field becomes triangles");
                 (solid::height_field(node)?, Transform::IDENTITY)

@@ -137,6 +137,11 @@ impl Writer<'_> {
                 self.mesh(node, &mesh, world, shape.reverse_orientation, false, format!("{node:?}"))
             }
             "curve" => self.curve(shape, node),
+            "bezier_patch" => {
+                self.x.approximated(node, "Bézier patches become triangles");
+                let mesh = solid::bezier(node)?;
+                self.mesh(node, &mesh, world, shape.reverse_orientation, false, format!("{node:?}"))
+            }
             "sdf_grid" => {
                 let mut out = Element::plugin("shape", "sdfgrid");
                 let file = self.x.beside.path(node.path("file")?);

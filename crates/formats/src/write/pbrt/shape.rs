@@ -94,6 +94,30 @@ impl Writer<'_> {
                 self.mesh(node, mesh, flat, alpha, format!("{:?} {flat}", shape.mesh));
             }
             "sphere" | "disk" | "cylinder" => self.quadric(shape, node, alpha),
+            "cone" | "paraboloid" | "hyperboloid" => {
+                self.x
+                    .approximated(node, format!("'{}' is a shape of pbrt-v3, which pbrt-v4 does not read", node.kind));
+                self.transform(&world);
+                let mut out = Directive::new("Shape", &[&node.kind]);
+                let numbers = [
+                    ("radius", "radius"),
+                    ("height", "height"),
+                    ("z_min", "zmin"),
+                    ("z_max", "zmax"),
+                    ("phi_max", "phimax"),
+                ];
+                for (ours, theirs) in numbers {
+                    if let Some(v) = node.float(ours) {
+                        out.float(theirs, v);
+                    }
+                }
+                for name in ["p1", "p2"] {
+                    if let Some(Value::Vec3(p)) = node.get(name) {
+                        out.floats("point3", name, *p);
+                    }
+                }
+                self.finish(out, alpha);
+            }
             "curve" => {
                 self.transform(&world);
                 let mut out = Directive::new("Shape", &["curve"]);
@@ -112,6 +136,13 @@ impl Writer<'_> {
                     out.integers("splitdepth", [depth]);
                 }
                 self.finish(out, alpha);
+            }
+            "bezier_patch" => {
+                self.x.approximated(node, "Bézier patches become triangles");
+                if let Some(mesh) = solid::bezier(node) {
+                    self.transform(&world);
+                    self.mesh(node, &mesh, false, alpha, format!("{node:?}"));
+                }
             }
             "plane" => {
                 self.x.approximated(node, "an infinite plane becomes a large square");

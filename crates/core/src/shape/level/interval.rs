@@ -1,0 +1,299 @@
+//! Arithmetic that expressions are evaluated in: numbers, intervals with outward rounding, and either with a derivative
+//! (Moore, Interval analysis, 1966; Mitchell, Robust ray intersection with interval arithmetic, 1990).
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// What expressions are evaluated in.
+pub(super) trait Number: Copy {
+    fn constant(v: f64) -> Self;
+    fn add(self, b: Self) -> Self;
+    fn sub(self, b: Self) -> Self;
+    fn mul(self, b: Self) -> Self;
+    fn div(self, b: Self) -> Self;
+    fn square(self) -> Self;
+    fn sqrt(self) -> Self;
+    fn sin(self) -> Self;
+    fn cos(self) -> Self;
+    fn exp(self) -> Self;
+    fn log(self) -> Self;
+    fn abs(self) -> Self;
+    fn min(self, b: Self) -> Self;
+    fn max(self, b: Self) -> Self;
+    /// 1 above 0, −1 below.
+    fn sign(self) -> Self;
+    /// 1 where it is at most `b`, else 0.
+    fn is_least(self, b: Self) -> Self;
+
+    /// A whole power, by squaring.
+    fn power(self, n: u32) -> Self {
+        match n {
+            0 => Self::constant(1.0),
+            1 => self,
+            n if n % 2 == 0 => self.power(n / 2).square(),
+            n => self.power(n - 1).mul(self),
+        }
+    }
+}
+
+impl Number for f64 {
+    fn constant(v: f64) -> Self {
+        v
+    }
+    fn add(self, b: Self) -> Self {
+        self + b
+    }
+    fn sub(self, b: Self) -> Self {
+        self - b
+    }
+    fn mul(self, b: Self) -> Self {
+        self * b
+    }
+    fn div(self, b: Self) -> Self {
+        self / b
+    }
+    fn square(self) -> Self {
+        self * self
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    fn sin(self) -> Self {
+        self.sin()
+    }
+    fn cos(self) -> Self {
+        self.cos()
+    }
+    fn exp(self) -> Self {
+        self.exp()
+    }
+    fn log(self) -> Self {
+        self.ln()
+    }
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    // What is undefined stays so.
+    fn min(self, b: Self) -> Self {
+        if self.is_nan() || self < b { self } else { b }
+    }
+    fn max(self, b: Self) -> Self {
+        if self.is_nan() || self > b { self } else { b }
+    }
+    fn sign(self) -> Self {
+        if self < 0.0 { -1.0 } else { 1.0 }
+    }
+    fn is_least(self, b: Self) -> Self {
+        if self <= b { 1.0 } else { 0.0 }
+    }
+}
+
+/// All numbers between two, which are among them; NaN where there are none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Interval {
+    pub low: f64,
+    pub high: f64,
+}
+
+/// How many steps of `f64` the functions of the standard library may be off.
+const STEPS: u32 = 4;
+
+impl Interval {
+    const ALL: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);
+    const NONE: Self = Self::new(f64::NAN, f64::NAN);
+
+    pub const fn new(low: f64, high: f64) -> Self {
+        Self { low, high }
+    }
+
+    pub fn is_none(self) -> bool {
+        self.low.is_nan() || self.high.is_nan()
+    }
+
+    /// Whether it may be zero; not where there is nothing.
+    pub fn has_zero(self) -> bool {
+        self.low <= 0.0 && self.high >= 0.0
+    }
+
+    pub fn is_finite(self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+
+    /// A step further on both sides.
+    fn wider(self) -> Self {
+        Self::new(self.low.next_down(), self.high.next_up())
+    }
+
+    /// By the error of library functions.
+    fn loose(self) -> Self {
+        (0..STEPS).fold(self, |i, _| i.wider())
+    }
+
+    /// The part that is not negative.
+    fn positive(self) -> Self {
+        if self.high < 0.0 { Self::NONE } else { Self::new(self.low.max(0.0), self.high) }
+    }
+
+    /// Around four numbers, of which 0·∞ is 0.
+    fn around(products: [f64; 4]) -> Self {
+        let p = products.map(|p| if p.is_nan() { 0.0 } else { p });
+        Self::new(p.into_iter().fold(f64::INFINITY, f64::min), p.into_iter().fold(f64::NEG_INFINITY, f64::max))
+    }
+}
+
+impl Number for Interval {
+    fn constant(v: f64) -> Self {
+        Self::new(v, v)
+    }
+    fn add(self, b: Self) -> Self {
+        Self::new(self.low + b.low, self.high + b.high).wider()
+    }
+    fn sub(self, b: Self) -> Self {
+        Self::new(self.low - b.high, self.high - b.low).wider()
+    }
+    fn mul(self, b: Self) -> Self {
+        if self.is_none() || b.is_none() {
+            return Self::NONE;
+        }
+        Self::around([self.low * b.low, self.low * b.high, self.high * b.low, self.high * b.high]).wider()
+    }
+    fn div(self, b: Self) -> Self {
+        if self.is_none() || b.is_none() {
+            return Self::NONE;
+        }
+        if b.has_zero() {
+            return Self::ALL;
+        }
+        Self::around([self.low / b.low, self.low / b.high, self.high / b.low, self.high / b.high]).wider()
+    }
+    fn square(self) -> Self {
+        let a = self.abs();
+        let s = Self::new(a.low * a.low, a.high * a.high).wider();
+        Self::new(s.low.max(0.0), s.high)
+    }
+    fn sqrt(self) -> Self {
+        let a = self.positive();
+        if a.is_none() {
+            return a;
+        }
+        let s = Self::new(a.low.sqrt(), a.high.sqrt()).wider();
+        Self::new(s.low.max(0.0), s.high)
+    }
+    fn sin(self) -> Self {
+        self.sub(Self::new(FRAC_PI_2.next_down(), FRAC_PI_2.next_up())).cos()
+    }
+    fn cos(self) -> Self {
+        if self.is_none() {
+            return self;
+        }
+        let most = self.low.abs().max(self.high.abs());
+        if !(self.high - self.low < TAU && most < 1e9) {
+            return Self::new(-1.0, 1.0);
+        }
+        // Extrema are at whole half turns; those that are near the ends count.
+        let slack = 1e-15 * (1.0 + most);
+        let has = |from: f64| {
+            let turn = ((self.low - slack - from) / TAU).ceil();
+            turn * TAU + from <= self.high + slack
+        };
+        let (a, b) = (self.low.cos(), self.high.cos());
+        let inner = Self::new(a.min(b), a.max(b)).loose();
+        let low = if has(std::f64::consts::PI) { -1.0 } else { inner.low.max(-1.0) };
+        Self::new(low, if has(0.0) { 1.0 } else { inner.high.min(1.0) })
+    }
+    fn exp(self) -> Self {
+        let e = Self::new(self.low.exp(), self.high.exp()).loose();
+        Self::new(if e.low < 0.0 { 0.0 } else { e.low }, e.high)
+    }
+    fn log(self) -> Self {
+        let a = self.positive();
+        if a.is_none() || a.high == 0.0 { Self::NONE } else { Self::new(a.low.ln(), a.high.ln()).loose() }
+    }
+    fn abs(self) -> Self {
+        let (a, b) = (self.low.abs(), self.high.abs());
+        if self.is_none() { self } else { Self::new(if self.has_zero() { 0.0 } else { a.min(b) }, a.max(b)) }
+    }
+    fn min(self, b: Self) -> Self {
+        Self::new(Number::min(self.low, b.low), Number::min(self.high, b.high))
+    }
+    fn max(self, b: Self) -> Self {
+        Self::new(Number::max(self.low, b.low), Number::max(self.high, b.high))
+    }
+    fn sign(self) -> Self {
+        Self::new(if self.low <= 0.0 { -1.0 } else { 1.0 }, if self.high < 0.0 { -1.0 } else { 1.0 })
+    }
+    fn is_least(self, b: Self) -> Self {
+        Self::new(if self.high <= b.low { 1.0 } else { 0.0 }, if self.low <= b.high { 1.0 } else { 0.0 })
+    }
+}
+
+/// A value and its derivative.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dual<T> {
+    pub value: T,
+    pub slope: T,
+}
+
+impl<T: Number> Dual<T> {
+    pub fn new(value: T, slope: T) -> Self {
+        Self { value, slope }
+    }
+
+    /// The smaller (or larger) of two: `weight` is 1 where it is this one.
+    fn choose(self, b: Self, value: T, weight: T) -> Self {
+        Self::new(value, weight.mul(self.slope).add(T::constant(1.0).sub(weight).mul(b.slope)))
+    }
+}
+
+impl<T: Number> Number for Dual<T> {
+    fn constant(v: f64) -> Self {
+        Self::new(T::constant(v), T::constant(0.0))
+    }
+    fn add(self, b: Self) -> Self {
+        Self::new(self.value.add(b.value), self.slope.add(b.slope))
+    }
+    fn sub(self, b: Self) -> Self {
+        Self::new(self.value.sub(b.value), self.slope.sub(b.slope))
+    }
+    fn mul(self, b: Self) -> Self {
+        Self::new(self.value.mul(b.value), self.slope.mul(b.value).add(self.value.mul(b.slope)))
+    }
+    fn div(self, b: Self) -> Self {
+        let value = self.value.div(b.value);
+        Self::new(value, self.slope.sub(value.mul(b.slope)).div(b.value))
+    }
+    fn square(self) -> Self {
+        Self::new(self.value.square(), T::constant(2.0).mul(self.value).mul(self.slope))
+    }
+    fn sqrt(self) -> Self {
+        let value = self.value.sqrt();
+        Self::new(value, self.slope.div(T::constant(2.0).mul(value)))
+    }
+    fn sin(self) -> Self {
+        Self::new(self.value.sin(), self.value.cos().mul(self.slope))
+    }
+    fn cos(self) -> Self {
+        Self::new(self.value.cos(), T::constant(0.0).sub(self.value.sin()).mul(self.slope))
+    }
+    fn exp(self) -> Self {
+        let value = self.value.exp();
+        Self::new(value, value.mul(self.slope))
+    }
+    fn log(self) -> Self {
+        Self::new(self.value.log(), self.slope.div(self.value))
+    }
+    fn abs(self) -> Self {
+        Self::new(self.value.abs(), self.value.sign().mul(self.slope))
+    }
+    fn min(self, b: Self) -> Self {
+        self.choose(b, self.value.min(b.value), self.value.is_least(b.value))
+    }
+    fn max(self, b: Self) -> Self {
+        self.choose(b, self.value.max(b.value), b.value.is_least(self.value))
+    }
+    fn sign(self) -> Self {
+        Self::new(self.value.sign(), T::constant(0.0))
+    }
+    fn is_least(self, b: Self) -> Self {
+        Self::new(self.value.is_least(b.value), T::constant(0.0))
+    }
+}
