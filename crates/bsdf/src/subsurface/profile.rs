@@ -14,6 +14,8 @@ const RATIO: f32 = 1.095;
 /// The first radius above zero, in mean free paths.
 const FIRST: f32 = 2.5e-3;
 
+/// Below this radius, in mean free paths, a profile is taken for even.
+const LEAST: f32 = 1e-3 * FIRST;
 /// Rings that bring less than this part of what is within them end a row.
 const DARK: f64 = 1e-7;
 
@@ -156,20 +158,23 @@ impl<'a> Profile<'a> {
 
     /// Light that leaves per area at a distance from where light entered, as part of it.
     pub fn value(&self, r: f32) -> Spectrum {
-        self.each(|lane, rate| {
-            self.table.ring(self.rows[lane], r * rate) * rate / (std::f32::consts::TAU * r.max(1e-12))
-        })
+        Spectrum::new(std::array::from_fn(|lane| if lane < self.lanes { self.per_area(lane, r) } else { 0.0 }))
     }
 
     /// The density per area of points whose distances in the plane are drawn by [`Profile::sample`].
     pub fn pdf(&self, r: f32) -> f32 {
         let of = |lane: usize| {
-            let (row, rate) = (self.rows[lane], self.sigma_t[lane]);
-            let total = ProfileTable::between(row, |row| self.table.total(row));
-            if total > 0.0 { self.table.ring(row, r * rate) * rate / total } else { 0.0 }
+            let total = ProfileTable::between(self.rows[lane], |row| self.table.total(row));
+            if total > 0.0 { self.per_area(lane, r) / total } else { 0.0 }
         };
-        let sum: f32 = (0..self.lanes).map(of).sum();
-        sum / (self.lanes as f32 * std::f32::consts::TAU * r.max(1e-12))
+        (0..self.lanes).map(of).sum::<f32>() / self.lanes as f32
+    }
+
+    /// `R(r)` of a lane, from the ring's light; towards r = 0 it is that at the least radius.
+    fn per_area(&self, lane: usize, r: f32) -> f32 {
+        let rate = self.sigma_t[lane];
+        let r = (r * rate).max(LEAST);
+        self.table.ring(self.rows[lane], r) * rate * rate / (std::f32::consts::TAU * r)
     }
 
     /// A distance, by a number for the lane and one for the distance; none where that lane lets no light out.
@@ -190,12 +195,6 @@ impl<'a> Profile<'a> {
             }
         };
         (0..self.lanes).map(of).fold(0.0, f32::max)
-    }
-
-    fn each(&self, f: impl Fn(usize, f32) -> f32) -> Spectrum {
-        Spectrum::new(std::array::from_fn(|lane| {
-            if lane < self.lanes && self.sigma_t[lane] > 0.0 { f(lane, self.sigma_t[lane]) } else { 0.0 }
-        }))
     }
 }
 
@@ -221,4 +220,26 @@ pub(super) fn moment(eta: f64, n: i32) -> f64 {
             .sum::<f64>()
     };
     part(0.0, critical) + part(critical, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subsurface::{dipole, normalized_diffusion, photon_beam_diffusion};
+
+    /// Straight across an object, where the distance in the plane is none, samples have a density, and no point is found
+    /// so rarely that it counts for more than all lanes together would have it.
+    #[test]
+    fn values_are_bounded_by_densities() {
+        let (sigma_t, albedo) = (Spectrum::new([1.0, 4.0, 20.0, 0.0]), Spectrum::new([0.99, 0.8, 0.1, 0.0]));
+        for table in [dipole(1.3), normalized_diffusion(), photon_beam_diffusion(0.4, 1.3)] {
+            let profile = Profile::new(&table, sigma_t, albedo, 3);
+            let reach = profile.reach();
+            for r in (0..400).map(|k| reach * (k as f32 / 400.0).powi(4)) {
+                let (value, pdf) = (profile.value(r), profile.pdf(r));
+                assert!(pdf > 0.0 && pdf.is_finite() && value.is_finite(), "{r}: {value:?} {pdf}");
+                assert!(value.max_element() <= 3.001 * pdf, "{r}: {value:?} {pdf}");
+            }
+        }
+    }
 }
