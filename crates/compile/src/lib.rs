@@ -8,6 +8,7 @@ mod code;
 mod dispersion;
 mod displacement;
 mod facets;
+mod fluorescent;
 mod hair;
 mod height_field;
 mod kept;

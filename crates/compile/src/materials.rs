@@ -177,6 +177,7 @@ impl Compiler<'_> {
             }
             "cook_torrance" => Model::Facets(self.cook_torrance(node)),
             "measured" => self.measured(node),
+            "fluorescent" => self.fluorescent(node),
             "hair" => self.hair(node),
             "metallic_roughness" => self.metallic_roughness(node),
             "openpbr" => self.openpbr(node),

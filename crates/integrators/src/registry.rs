@@ -3,7 +3,7 @@
 use crate::{
     Depth, Plan, Session, VarianceReduction,
     ao::AmbientOcclusion,
-    passes::{BELOW_SURFACES, PassKind, missed_caustics},
+    passes::{PassKind, for_paths_alone, missed_caustics},
     path::PathTracer,
     radiosity::{self, Solution, View},
     raycast::Raycast,
@@ -86,7 +86,7 @@ impl IntegratorKind {
     pub fn refuses(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Passes(kind) => kind.cannot(scene),
-            Self::Whitted(_) | Self::Stokes(_) if scene.has_subsurface() => Some(BELOW_SURFACES.into()),
+            Self::Whitted(_) | Self::Stokes(_) => for_paths_alone(scene).map(Into::into),
             _ => None,
         }
     }
@@ -109,6 +109,12 @@ impl IntegratorKind {
 
     /// A render with an empty film.
     pub fn session(&self, scene: Arc<Scene>, plan: Plan) -> Box<dyn Session> {
+        let takes_all = matches!(self, Self::Path(_) | Self::VolPath(_));
+        let scene = if scene.is_for_paths_alone() && !takes_all {
+            Arc::new(Scene::clone(&scene).with_local_scattering())
+        } else {
+            scene
+        };
         match *self {
             Self::Path(i) => Box::new(Tiles::new(scene, i, plan)),
             Self::VolPath(i) => Box::new(Tiles::new(scene, i, plan)),

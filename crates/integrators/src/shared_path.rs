@@ -58,12 +58,17 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         (_, buffer): &mut Self::Buffer<'s>,
         counters: &mut Counters,
     ) {
-        if scene.has_subsurface() {
+        if scene.is_for_paths_alone() {
             for sample in pixel_samples {
                 let before = counters.rays;
                 let PixelSample { ray, own, lambda, radiance, .. } = sample;
-                let context = &mut PathContext { scene, sampler: own, lambda, counters };
+                // The film sees the wavelengths that the path began with.
+                let mut shifted = *lambda;
+                let context = &mut PathContext { scene, sampler: own, lambda: &mut shifted, counters };
                 *radiance = self.path.arriving(*ray, None::<&NoGuide>, context);
+                if shifted.is_secondary_terminated() {
+                    lambda.terminate_secondary();
+                }
                 sample.rays = (counters.rays - before) as u32;
             }
             return;

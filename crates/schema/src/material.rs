@@ -353,6 +353,21 @@ pub const MATERIALS: &[Model] = &[
          d'Eon et al. (2011)",
     },
     Model {
+        kind: "fluorescent",
+        doc: "a diffuse surface of which part of the light leaves at other wavelengths, in spectral mode: paper with \
+              brightener, highlighter pens; `path` and `volpath` follow it",
+        parameters: &[
+            tex("reflectance", UNIT, "0.5", "albedo without fluorescence"),
+            spectrum("absorption", UNIT, "needed", "the part of photons that the pigment absorbs"),
+            spectrum("emission", FACTOR, "needed", "shape of its spectrum in photons per nm, of any scale"),
+            number("quantum_yield", UNIT, "1", "photons that leave for one that is absorbed"),
+            file("matrix", "none", "table of reradiation in 1/nm, instead of absorption and emission"),
+        ],
+        groups: &[&DETAIL],
+        source: "Donaldson, Spectrophotometry of fluorescent pigments (1954); Mojzík et al., Handling Fluorescence in a \
+         Uni-directional Spectral Path Tracer (2018)",
+    },
+    Model {
         kind: "subsurface",
         doc: "light enters and leaves elsewhere on the same object: skin, marble, milk; `path` and `volpath` follow it",
         parameters: &[

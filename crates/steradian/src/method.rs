@@ -41,7 +41,7 @@ impl Render {
         Ok(match self.method {
             Method::Rays(integrator) => integrator.session(Arc::clone(scene), self.plan),
             Method::Pipeline(options, depth) => {
-                let local = scene.has_subsurface().then(|| Arc::new(Scene::clone(scene).with_local_scattering()));
+                let local = scene.is_for_paths_alone().then(|| Arc::new(Scene::clone(scene).with_local_scattering()));
                 let scene = local.as_ref().unwrap_or(scene);
                 if options.frame == FrameKind::Hybrid {
                     let hybrid = Hybrid::new(scene, options, depth, &self.plan)?;

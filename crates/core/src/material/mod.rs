@@ -1,11 +1,13 @@
 //! Materials: textures and constants that become a [`Bsdf`] at a hit.
 
+mod fluorescent;
 mod hair;
 mod layered;
 mod pbr;
 mod principled;
 mod subsurface;
 
+pub use fluorescent::FluorescentMaterial;
 pub use hair::{Absorption, HairMaterial};
 pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
@@ -187,6 +189,8 @@ pub enum Model {
     Pbr(Box<PbrMaterial>),
     /// Disney's surface.
     Principled(Box<PrincipledMaterial>),
+    /// Part of the light leaves at other wavelengths.
+    Fluorescent(Box<FluorescentMaterial>),
     /// Light enters, to leave elsewhere.
     Subsurface(Box<SubsurfaceMaterial>),
     /// One of two materials (indices), chosen at each point with the probability of the second.
@@ -304,7 +308,8 @@ impl Material {
                 of(false, roughness)
             }
             Model::Parametric(p) => Needs { parameters: true, tangent: p.recipe.is_anisotropic },
-            Model::Hair(_)
+            Model::Fluorescent(_)
+            | Model::Hair(_)
             | Model::Layered(_)
             | Model::Measured(_)
             | Model::Pbr(_)
@@ -445,6 +450,7 @@ pub fn scattering<'a>(
         }
         Model::Measured(data) => Bsdf::Measured(Measured::new(data, lambda, textures.mode(), at.uv)),
         Model::Hair(m) => m.bsdf(&Point { textures, at, lambda }),
+        Model::Fluorescent(m) => m.bsdf(textures, at, choice, lambda),
         Model::Layered(m) => m.bsdf(textures, at, lambda),
         Model::Pbr(m) => m.bsdf(textures, at, lambda),
         Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),

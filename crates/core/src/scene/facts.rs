@@ -17,6 +17,7 @@ pub struct Facts {
     pub is_see_through: bool,
     pub has_curves: bool,
     pub has_subsurface: bool,
+    pub is_fluorescent: bool,
     /// The back and the front of each material.
     pub constants: Vec<[Option<material::Constant>; 2]>,
     /// Each material whose sides reflect by Lambert's law, the same everywhere.
@@ -39,7 +40,8 @@ impl Facts {
             planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
             footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
             is_timed: textures.is_timed() || camera.motion.is_some() || placements.iter().any(|p| p.motion.is_some()),
-            has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..))),
+            has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..) | Model::Fluorescent(_))),
+            is_fluorescent: materials.iter().any(|m| matches!(m.model, Model::Fluorescent(_))),
             has_media: parts.has_media(),
             is_see_through: materials
                 .iter()

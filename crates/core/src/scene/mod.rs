@@ -53,14 +53,18 @@ impl Scene {
         self.facts.find_kinds(&self.parts);
     }
 
-    /// This scene with what stands in for materials below which light goes, for methods that do not follow it there.
+    /// This scene with what stands in for materials below which light goes, and for those that change its wavelength, for
+    /// methods that do not follow it there.
     #[must_use]
     pub fn with_local_scattering(self) -> Self {
         self.changed(|parts| {
             for material in &mut parts.materials {
-                if let Model::Subsurface(m) = &material.model {
-                    material.model = Model::TwoSided(m.local, m.local);
-                }
+                let local = match &material.model {
+                    Model::Subsurface(m) => m.local,
+                    Model::Fluorescent(m) => m.local,
+                    _ => continue,
+                };
+                material.model = Model::TwoSided(local, local);
             }
         })
     }
@@ -202,6 +206,18 @@ impl Scene {
     #[inline]
     pub fn has_subsurface(&self) -> bool {
         self.facts.has_subsurface
+    }
+
+    /// Whether any material gives light back at other wavelengths.
+    #[inline]
+    pub fn is_fluorescent(&self) -> bool {
+        self.facts.is_fluorescent
+    }
+
+    /// Whether paths are to be followed one by one from the eye: light goes below surfaces, or changes its wavelength.
+    #[inline]
+    pub fn is_for_paths_alone(&self) -> bool {
+        self.has_subsurface() || self.is_fluorescent()
     }
 
     /// Whether there are curves, which face the ray ([`Scene::faces_rays`]).

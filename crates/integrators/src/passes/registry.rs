@@ -12,8 +12,13 @@ use std::sync::Arc;
 use steradian_core::Scene;
 use steradian_engine::Passes;
 
-/// What only `path` and `volpath` follow.
-pub(crate) const BELOW_SURFACES: &str = "light that goes below surfaces (material 'subsurface')";
+/// What of a scene only `path` and `volpath` follow.
+pub(crate) fn for_paths_alone(scene: &Scene) -> Option<&'static str> {
+    if scene.has_subsurface() {
+        return Some("light that goes below surfaces (material 'subsurface')");
+    }
+    scene.is_fluorescent().then_some("light that changes its wavelength (material 'fluorescent')")
+}
 
 /// A method that works by passes, ready to run.
 #[derive(Clone, Copy, Debug)]
@@ -85,8 +90,8 @@ impl PassKind {
         if scene.camera().motion.is_some() {
             return Some("a camera that moves".into());
         }
-        if scene.has_subsurface() {
-            return Some(BELOW_SURFACES.into());
+        if let Some(what) = for_paths_alone(scene) {
+            return Some(what.into());
         }
         match self {
             Self::Bidirectional(m) => m.cannot(scene),

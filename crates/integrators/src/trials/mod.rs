@@ -27,8 +27,8 @@ pub(crate) fn run<const MEDIA: bool>(
     plan: &Plan,
     stop: &Stop,
 ) -> Precomputed {
-    // Below surfaces paths share nothing, and photons are not followed there.
-    if path.depth.max <= 1 || scene.has_subsurface() {
+    // Such paths share nothing, and photons do not guide them.
+    if path.depth.max <= 1 || scene.is_for_paths_alone() {
         return Precomputed::default();
     }
     let mut precomputed =

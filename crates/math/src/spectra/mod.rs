@@ -15,6 +15,7 @@ mod mode;
 pub mod named;
 pub mod parse;
 pub mod photometry;
+mod reradiation;
 pub mod role;
 pub mod spd;
 pub mod wavelengths;
@@ -26,6 +27,7 @@ pub use dispersion::Dispersion;
 pub use mode::ColorMode;
 pub use named::{d65, named};
 pub use parse::parse_spd;
+pub use reradiation::{BispectralTable, Reradiation};
 pub use spd::Spd;
 pub use wavelengths::Wavelengths;
 

@@ -37,7 +37,7 @@ pub fn parse_spd(text: &str) -> Result<Curve, Error> {
     Curve::new(lambda, value)
 }
 
-fn number(word: &str) -> Result<f32, String> {
+pub(super) fn number(word: &str) -> Result<f32, String> {
     match word.parse::<f32>() {
         Ok(v) if v.is_finite() => Ok(v),
         Ok(_) => Err(format!("`{}` is not a finite number", excerpt(word))),

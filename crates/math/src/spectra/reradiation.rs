@@ -1,0 +1,232 @@
+//! Fluorescence: light that is absorbed at one wavelength and leaves at another, by a matrix (Donaldson 1954,
+//! "Spectrophotometry of fluorescent pigments").
+
+use super::{LAMBDA_MAX, LAMBDA_MIN, Wavelengths, parse::number};
+use crate::{Error, Spectrum};
+
+/// Wavelengths in steps of one nanometre.
+const BINS: usize = (LAMBDA_MAX - LAMBDA_MIN) as usize;
+
+/// A matrix of reradiation: the radiant exitance per nanometre at a wavelength, of irradiance at another.
+#[derive(Clone, Debug)]
+pub struct Reradiation {
+    /// For each wavelength of light that leaves the sums over those that it comes from; the last is what all bring, of
+    /// irradiance of one per nanometre.
+    sums: Vec<f32>,
+}
+
+/// A wavelength from a bin's place.
+fn middle(bin: usize) -> f32 {
+    LAMBDA_MIN + bin as f32 + 0.5
+}
+
+impl Reradiation {
+    /// Of a function of the wavelengths, in nm, that light leaves with and that it comes with, in 1/nm.
+    pub fn new(matrix: impl Fn(f32, f32) -> f32) -> Self {
+        let mut sums = Vec::with_capacity(BINS * BINS);
+        for out in 0..BINS {
+            let mut sum = 0.0f64;
+            sums.extend((0..BINS).map(|from| {
+                let value = matrix(middle(out), middle(from));
+                sum += if value > 0.0 && value.is_finite() { f64::from(value) } else { 0.0 };
+                sum as f32
+            }));
+        }
+        Self { sums }
+    }
+
+    /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape of
+    /// their spectrum (photons per nanometre, in any unit). A photon has an energy in proportion to 1/λ.
+    pub fn of_pigment(absorbed: impl Fn(f32) -> f32, quantum_yield: f32, emitted: impl Fn(f32) -> f32) -> Self {
+        let all: f32 = (0..BINS).map(|bin| emitted(middle(bin)).max(0.0)).sum();
+        let factor = if all > 0.0 { quantum_yield / all } else { 0.0 };
+        Self::new(|out, from| absorbed(from).clamp(0.0, 1.0) * factor * emitted(out).max(0.0) * (from / out))
+    }
+
+    fn row(lambda: f32) -> usize {
+        ((lambda - LAMBDA_MIN).max(0.0) as usize).min(BINS - 1)
+    }
+
+    /// What leaves at a wavelength of light of one per nanometre at all.
+    pub fn total(&self, out: f32) -> f32 {
+        self.sums[Self::row(out) * BINS + BINS - 1]
+    }
+
+    /// A wavelength that light comes from which leaves at another, by a number in `[0, 1)`: its density is that of the
+    /// row, so that it counts by [`Reradiation::total`].
+    pub fn sample(&self, out: f32, u: f32) -> f32 {
+        let sums = &self.sums[Self::row(out) * BINS..][..BINS];
+        let target = u * sums[BINS - 1];
+        let bin = sums.partition_point(|s| *s <= target).min(BINS - 1);
+        let before = if bin > 0 { sums[bin - 1] } else { 0.0 };
+        let width = sums[bin] - before;
+        let part = if width > 0.0 { ((target - before) / width).clamp(0.0, 1.0) } else { 0.5 };
+        LAMBDA_MIN + bin as f32 + part
+    }
+
+    /// How many photons leave for one that comes with a wavelength.
+    pub fn photons(&self, from: f32) -> f32 {
+        let bin = Self::row(from);
+        let of = |out: usize| {
+            let row = &self.sums[out * BINS..];
+            let value = row[bin] - if bin > 0 { row[bin - 1] } else { 0.0 };
+            f64::from(value * middle(out) / middle(bin))
+        };
+        (0..BINS).map(of).sum::<f64>() as f32
+    }
+
+    /// Draws for each lane the wavelength that its light comes from, by a number in `[0, 1)`, and what it counts by.
+    pub fn shift(&self, lambda: &mut Wavelengths, u: f32) -> Spectrum {
+        let mut lane = 0;
+        let factors = lambda.lambda.map(|out| {
+            let u = (u + 0.25 * lane as f32).fract();
+            lambda.lambda[lane] = self.sample(out, u);
+            lane += 1;
+            self.total(out)
+        });
+        Spectrum::new(factors)
+    }
+}
+
+/// A measured matrix.
+#[derive(Clone, Debug)]
+pub struct BispectralTable {
+    out: Vec<f32>,
+    from: Vec<f32>,
+    /// By wavelength of light that comes, then by that which leaves.
+    values: Vec<f32>,
+}
+
+impl BispectralTable {
+    /// Reads a table of text: in its first line the wavelengths that light leaves with, in nm, then a line for each that it
+    /// comes with, which begins with that; values in 1/nm, separated by white space or commas. `#` starts a comment.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let mut table = Self { out: Vec::new(), from: Vec::new(), values: Vec::new() };
+        for (line, content) in text.lines().enumerate().map(|(i, l)| (i + 1, l)) {
+            let fail = |reason: String| Error::SpectrumFile { line, reason };
+            let words = content.split('#').next().unwrap_or("").split(|c: char| c.is_whitespace() || c == ',');
+            let numbers: Result<Vec<f32>, Error> =
+                words.filter(|w| !w.is_empty()).map(|w| number(w).map_err(&fail)).collect();
+            let numbers = numbers?;
+            let is_rising = |l: &[f32]| l.windows(2).all(|w| w[0] < w[1]);
+            match numbers.as_slice() {
+                [] => {}
+                first if table.out.is_empty() => {
+                    if first.len() < 2 || !is_rising(first) {
+                        return Err(fail("the first line needs two or more wavelengths that increase".into()));
+                    }
+                    table.out = numbers;
+                }
+                [from, values @ ..] => {
+                    if values.len() != table.out.len() {
+                        let (n, found) = (table.out.len(), values.len());
+                        return Err(fail(format!("expected a wavelength and {n} values, found {found} values")));
+                    }
+                    if table.from.last().is_some_and(|last| last >= from) {
+                        return Err(fail(format!("wavelengths must increase, but {from} nm does not")));
+                    }
+                    if let Some(v) = values.iter().find(|v| **v < 0.0) {
+                        return Err(fail(format!("{v} is negative")));
+                    }
+                    table.from.push(*from);
+                    table.values.extend_from_slice(values);
+                }
+            }
+        }
+        if table.from.len() < 2 {
+            let reason = "expected two or more lines of values after that of wavelengths".into();
+            return Err(Error::SpectrumFile { line: text.lines().count(), reason });
+        }
+        Ok(table)
+    }
+
+    /// The value at two wavelengths, linear between those of the table, zero beyond.
+    pub fn eval(&self, out: f32, from: f32) -> f32 {
+        let place = |l: &[f32], x: f32| {
+            let high = l.partition_point(|v| *v <= x);
+            let is_last = high == l.len() && l.last() == Some(&x);
+            let high = if is_last { high - 1 } else { high };
+            (high > 0 && high < l.len()).then(|| (high - 1, (x - l[high - 1]) / (l[high] - l[high - 1])))
+        };
+        let (Some((i, s)), Some((j, t))) = (place(&self.out, out), place(&self.from, from)) else { return 0.0 };
+        let at = |i: usize, j: usize| self.values[j * self.out.len() + i];
+        let row = |j: usize| at(i, j) + s * (at(i + 1, j) - at(i, j));
+        row(j) + t * (row(j + 1) - row(j))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pigment() -> Reradiation {
+        let absorbed = |l: f32| 0.8 * (-((l - 420.0) / 30.0).powi(2)).exp();
+        Reradiation::of_pigment(absorbed, 0.9, |l| (-((l - 520.0) / 25.0).powi(2)).exp())
+    }
+
+    /// Of photons at the middle of absorption 0.8 are absorbed, of which nine in ten leave; their energy is less, by the
+    /// ratio of wavelengths.
+    #[test]
+    fn photons_and_energy_are_those_of_the_pigment() {
+        let matrix = pigment();
+        assert!((matrix.photons(420.0) - 0.72).abs() < 2e-3, "{}", matrix.photons(420.0));
+        assert!(matrix.photons(600.0) < 1e-6);
+        // Light of one per nanometre: ∫∫ a Q e (λ_i/λ_o), both curves Gaussians: 0.8 · 30 √π photons.
+        let energy: f64 = (360..830).map(|l| f64::from(matrix.total(l as f32 + 0.5))).sum();
+        let expected = 0.8 * 0.9 * 30.0 * std::f64::consts::PI.sqrt() * (420.0 / 520.0);
+        assert!((energy / expected - 1.0).abs() < 0.01, "{energy}, not {expected}");
+    }
+
+    /// The mean over samples of light that depends on the wavelength is the row's integral of it.
+    #[test]
+    fn samples_bring_what_the_matrix_does() {
+        let matrix = pigment();
+        let light = |l: f32| 1.0 + 0.01 * (l - 400.0);
+        let n = 20_000;
+        let sampled: f64 = (0..n)
+            .map(|k| {
+                let mut lambda = Wavelengths::at([510.0, 520.0, 530.0, 540.0]);
+                let factor = matrix.shift(&mut lambda, (k as f32 + 0.5) / n as f32);
+                f64::from(factor[1] * light(lambda.lambda[1]))
+            })
+            .sum::<f64>()
+            / f64::from(n);
+        let row = 0.8 * 0.9 / (25.0 * std::f64::consts::PI.sqrt());
+        let expected: f64 = (3600..8300)
+            .map(|l| {
+                let l = f64::from(l) * 0.1 + 0.05;
+                row * (-((l - 420.0) / 30.0).powi(2)).exp() * (l / 520.5) * f64::from(light(l as f32)) * 0.1
+            })
+            .sum();
+        assert!((sampled / expected - 1.0).abs() < 5e-3, "{sampled}, not {expected}");
+    }
+
+    /// Tables are linear between their lines, and what is wrong in them is told with its line.
+    #[test]
+    fn tables_are_read() {
+        let table = BispectralTable::parse("# nm\n500 600 700\n400, 0.001 0.003 0\n\n420 0.002 0.001 0\n").unwrap();
+        for (out, from, expected) in [
+            (500.0, 400.0, 0.001),
+            (600.0, 410.0, 0.002),
+            (550.0, 420.0, 0.0015),
+            (499.0, 410.0, 0.0),
+            (600.0, 421.0, 0.0),
+        ] {
+            assert!((table.eval(out, from) - expected).abs() < 1e-7, "{out} {from}: {}", table.eval(out, from));
+        }
+        for (text, line, what) in [
+            ("500 400\n", 1, "increase"),
+            ("500 600\n400 1\n", 2, "2 values, found 1"),
+            ("500 600\n400 1 1\n400 1 1", 3, "must increase"),
+            ("500 600\n400 1 -1\n410 1 1", 2, "negative"),
+            ("500 600\n400 1 x\n", 2, "not a number"),
+            ("500 600\n400 1 1\n", 2, "two or more lines"),
+            ("", 0, "two or more lines"),
+        ] {
+            let Err(Error::SpectrumFile { line: found, reason }) = BispectralTable::parse(text) else {
+                panic!("{text}")
+            };
+            assert!(found == line && reason.contains(what), "{text:?}: line {found}: {reason}");
+        }
+    }
+}
