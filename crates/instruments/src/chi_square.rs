@@ -1,0 +1,60 @@
+//! Pearson's χ² test of counts against what is expected of them.
+
+use statrs::function::gamma::checked_gamma_ur;
+
+/// What the test says.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChiSquare {
+    /// `Σ (o − e)²/e`.
+    pub statistic: f64,
+    /// Cells less one.
+    pub freedom: f64,
+    /// The probability of that much or more where the expectation is right, in [0, 1].
+    pub p: f64,
+}
+
+impl ChiSquare {
+    /// Of counts and expectations with the same sum. Cells that expect fewer than five are taken together.
+    pub fn of(observed: &[f64], expected: &[f64]) -> Self {
+        let (mut statistic, mut cells) = (0.0, 0.0);
+        let mut rest = (0.0, 0.0);
+        let mut add = |o: f64, e: f64| {
+            statistic += (o - e).powi(2) / e;
+            cells += 1.0;
+        };
+        for (&o, &e) in observed.iter().zip(expected) {
+            if e >= 5.0 { add(o, e) } else { rest = (rest.0 + o, rest.1 + e) }
+        }
+        // Hits where next to nothing is expected count as if one in a thousand were.
+        if rest.0 > 0.0 || rest.1 >= 5.0 {
+            add(rest.0, rest.1.max(1e-3));
+        }
+        let freedom = f64::max(cells - 1.0, 0.0);
+        let p = if freedom > 0.0 { checked_gamma_ur(0.5 * freedom, 0.5 * statistic).unwrap_or(0.0) } else { 1.0 };
+        Self { statistic, freedom, p }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Critical values of tables (NIST/SEMATECH e-Handbook, §1.3.6.7.4): 5 % beyond 3.841, 11.070 and 18.307 of 1, 5 and
+    /// 10 degrees of freedom.
+    #[test]
+    fn probabilities_are_those_of_tables() {
+        for (freedom, critical) in [(1, 3.841), (5, 11.070), (10, 18.307)] {
+            // All the excess in one cell, and in the last what it lacks.
+            let n = freedom + 1;
+            let expected = vec![1000.0; n];
+            let mut observed = expected.clone();
+            let off = (critical * 1000.0 / 2.0f64).sqrt();
+            observed[0] += off;
+            observed[n - 1] -= off;
+            let test = ChiSquare::of(&observed, &expected);
+            assert!((test.statistic - critical).abs() < 1e-9 && test.freedom == freedom as f64);
+            assert!((test.p - 0.05).abs() < 2e-5, "{}", test.p);
+        }
+        assert!(ChiSquare::of(&[10.0, 10.0, 10.0], &[15.0, 15.0, 0.0]).p < 1e-9);
+    }
+}
