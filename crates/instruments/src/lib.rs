@@ -16,6 +16,7 @@ pub mod geometry;
 pub mod gloss;
 pub mod goniometer;
 mod laboratory;
+pub mod laws;
 pub mod least_squares;
 pub mod microsurface;
 pub mod optics;
