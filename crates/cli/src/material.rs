@@ -183,7 +183,12 @@ fn settings(args: &MaterialArgs) -> Vec<Setting> {
         .map(|p| {
             let given = args.params.iter().rev().find(|(name, _)| name == p.name).map(|(_, value)| value.clone());
             let is_default = given.is_none();
-            Setting { name: p.name, value: given.unwrap_or_else(|| p.default.into()), is_default, meaning: p.doc }
+            Setting {
+                name: p.name,
+                value: given.unwrap_or_else(|| p.default.split(';').next().unwrap_or_default().into()),
+                is_default,
+                meaning: p.doc,
+            }
         })
         .collect()
 }

@@ -8,7 +8,7 @@ use crate::{
     chi_square::ChiSquare,
     laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values},
 };
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use steradian_math::{Vec2, Vec3, geometry::solid_angle::integrate_sphere, hash::HashRng, warp};
 
 pub const EXPERIMENT: Experiment = Experiment {
@@ -115,6 +115,7 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
     use crate::geometry::run_with;
+    use std::f64::consts::PI;
 
     /// M146: directions fit their densities; ∫cos θ dω = π, and one estimate has the variances of theory: from uniform
     /// angles E[(π² sin θ cos θ)²] − π² = π⁴/8 − π², uniform directions 4π²/3 − π², and none by the cosine.
