@@ -38,8 +38,8 @@ impl ChiSquare {
 mod tests {
     use super::*;
 
-    /// Critical values of tables (NIST/SEMATECH e-Handbook, §1.3.6.7.4): 5 % beyond 3.841, 11.070 and 18.307 of 1, 5 and
-    /// 10 degrees of freedom.
+    /// Critical values of tables (NIST/SEMATECH e-Handbook, §1.3.6.7.4): 5 % beyond 3.841, 11.070 and 18.307 of 1, 5
+    /// and 10 degrees of freedom.
     #[test]
     fn probabilities_are_those_of_tables() {
         for (freedom, critical) in [(1, 3.841), (5, 11.070), (10, 18.307)] {

@@ -1,4 +1,5 @@
-//! Fitting of analytic models to readings: Ward's in its three forms, Cook–Torrance and GGX, each over a Lambertian part.
+//! Fitting of analytic models to readings: Ward's in its three forms, Cook–Torrance and GGX, each over a Lambertian
+//! part.
 //!
 //! Minimised is the difference of `ln(1 + f cosθ_i)`, which keeps highlights from outweighing everything else (Löw et
 //! al., "BRDF Models for Accurate and Efficient Rendering of Glossy Surfaces", 2012). Searches start from several

@@ -4,8 +4,8 @@
 //! Every instrument looks at a [`Specimen`]: one material of a compiled scene at one point of a surface, in its shading
 //! frame (`z` is the normal, `x` the tangent).
 //!
-//! Beside them stand experiments of [`optics`], of [`vision`], of Monte Carlo integration ([`estimate`]) and of analytic
-//! [`geometry`]; see [`experiment`].
+//! Beside them stand experiments of [`optics`], of [`vision`], of Monte Carlo integration ([`estimate`]) and of
+//! analytic [`geometry`]; see [`experiment`].
 
 pub mod albedo;
 mod chi_square;

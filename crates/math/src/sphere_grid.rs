@@ -98,7 +98,7 @@ fn ends_here(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f6
 
 /// Levels of division that are always made, and that are made at most.
 const LEVELS: RangeInclusive<u32> = 2..=9;
-/// The same where something was overlooked.
+/// Levels where something was overlooked.
 const FINE_LEVELS: RangeInclusive<u32> = 6..=11;
 /// Relative differences below this are rounding of single precision.
 const ROUNDING: f64 = 1e-5;

@@ -97,8 +97,8 @@ fn geometry_is_a_material() {
     place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
 }
 
-/// Without a reading asked for, parameters and albedos are told; laws with p-values, of a scene's material too; of fits the
-/// best is named.
+/// Without a reading asked for, parameters and albedos are told; laws with p-values, of a scene's material too; of fits
+/// the best is named.
 #[test]
 fn summaries_laws_and_best_fits() {
     let place = Place::new();

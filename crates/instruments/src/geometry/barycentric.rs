@@ -1,5 +1,5 @@
-//! Barycentric coordinates: a point as a mean of the corners of a triangle or a tetrahedron, with weights that add up to
-//! one, each the ratio of two signed areas or volumes (Möbius 1827).
+//! Barycentric coordinates: a point as a mean of the corners of a triangle or a tetrahedron, with weights that add up
+//! to one, each the ratio of two signed areas or volumes (Möbius 1827).
 
 use super::{RANGE, drawing, tell3, vector3};
 use crate::laboratory::{Error, Experiment, Marker, Parameter, Report, Run, Values};

@@ -1,9 +1,9 @@
 //! Conic sections: what a curve of second order is, from its coefficients or from focus, directrix and eccentricity.
 //!
-//! `A x² + B xy + C y² + D x + E y + F = 0` has the invariants `δ = AC − B²/4` and `Δ`, the determinant of its symmetric
-//! matrix: `Δ = 0` for pairs of lines and single points; else `δ > 0` is an ellipse, `δ < 0` a hyperbola, `δ = 0` a
-//! parabola (Bronshtein et al., *Handbook of Mathematics*, §3.5.2.11). A focus `f`, a directrix `⟨n, x⟩ = d` and an
-//! eccentricity `e` give `|x − f|² = e² (⟨n, x⟩ − d)²`.
+//! `A x² + B xy + C y² + D x + E y + F = 0` has the invariants `δ = AC − B²/4` and `Δ`, the determinant of its
+//! symmetric matrix: `Δ = 0` for pairs of lines and single points; else `δ > 0` is an ellipse, `δ < 0` a hyperbola, `δ
+//! = 0` a parabola (Bronshtein et al., *Handbook of Mathematics*, §3.5.2.11). A focus `f`, a directrix `⟨n, x⟩ = d` and
+//! an eccentricity `e` give `|x − f|² = e² (⟨n, x⟩ − d)²`.
 
 use super::{RANGE, tell2, vector2};
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
@@ -342,8 +342,8 @@ mod tests {
         assert!(run_with(&EXPERIMENT, &["A", "B", "C", "D", "E"].map(|n| (n, "0"))).is_err());
     }
 
-    /// What is made of a focus, a directrix and an eccentricity has them: e = 1/2 with the focus 3 from the directrix is
-    /// an ellipse with a = ep/(1 − e²) = 2 and b = √3; e = 2 a hyperbola with a = 2 as well.
+    /// What is made of a focus, a directrix and an eccentricity has them: e = 1/2 with the focus 3 from the directrix
+    /// is an ellipse with a = ep/(1 − e²) = 2 and b = √3; e = 2 a hyperbola with a = 2 as well.
     #[test]
     fn focus_and_directrix() {
         for angle in [0.0f64, 30.0, 100.0] {

@@ -73,8 +73,8 @@ mod tests {
     use super::*;
     use crate::geometry::run_with;
 
-    /// M3–M5: (1, 2, 2) has r = 3, θ = arccos 2/3 = 48.1897°, φ = arctan 2 = 63.4349°, by hand; every quadrant of φ; the
-    /// poles; y-up and left-handed forms.
+    /// M3–M5: (1, 2, 2) has r = 3, θ = arccos 2/3 = 48.1897°, φ = arctan 2 = 63.4349°, by hand; every quadrant of φ;
+    /// the poles; y-up and left-handed forms.
     #[test]
     fn points_have_their_coordinates() {
         let r = run_with(&EXPERIMENT, &[]).unwrap();

@@ -37,8 +37,8 @@ impl Forms {
     }
 }
 
-/// `∫ K dA` over the whole surface by Gauss and Legendre's rule with `n²` points: 2π times the Euler characteristic of a
-/// closed one (Gauss and Bonnet).
+/// `∫ K dA` over the whole surface by Gauss and Legendre's rule with `n²` points: 2π times the Euler characteristic of
+/// a closed one (Gauss and Bonnet).
 pub fn total(surface: &impl Parametric, n: usize) -> f64 {
     let rule = gauss_legendre(n);
     let [[u0, u1], [v0, v1]] = surface.domain();
@@ -70,8 +70,8 @@ mod tests {
         (a - b).abs() < 1e-10 * (1.0 + b.abs())
     }
 
-    /// M13: closed forms of Gaussian and mean curvature: sphere, ellipsoid (K = 1/(abc Σ x²/a⁴)²), torus (do Carmo, §3.3,
-    /// example 5), paraboloid and saddle (the graph's Hessian).
+    /// M13: closed forms of Gaussian and mean curvature: sphere, ellipsoid (K = 1/(abc Σ x²/a⁴)²), torus (do Carmo,
+    /// §3.3, example 5), paraboloid and saddle (the graph's Hessian).
     #[test]
     fn curvatures_have_their_closed_forms() {
         let sphere = Ellipsoid::sphere(Point3::ORIGIN, 2.0).expect("a sphere");

@@ -1,7 +1,7 @@
 //! Homogeneous coordinates: points, ideal points (directions), and their images in perspective.
 //!
-//! `[x, y, z, w]` and its multiples are one point, `(x/w, y/w, z/w)`, or with `w = 0` the common point at infinity of all
-//! lines of one direction. The central projection from the origin to the plane `z = d` is the matrix with the rows
+//! `[x, y, z, w]` and its multiples are one point, `(x/w, y/w, z/w)`, or with `w = 0` the common point at infinity of
+//! all lines of one direction. The central projection from the origin to the plane `z = d` is the matrix with the rows
 //! `x, y, z` and `z/d`: parallel lines, which share their ideal point, meet in its image, the vanishing point.
 
 use super::{RANGE, tell2, tell3, vector3};

@@ -1,7 +1,7 @@
 //! Lines of the plane in all their forms (point and normal, implicit, Hesse's, slope, parametric), and of space.
 //!
-//! `[a, b, c]` of `a x + b y + c = 0` are the cross product of two homogeneous points; the cross product of two lines is
-//! their common point, ideal where they are parallel.
+//! `[a, b, c]` of `a x + b y + c = 0` are the cross product of two homogeneous points; the cross product of two lines
+//! is their common point, ideal where they are parallel.
 
 use super::{RANGE, tell2, vector2};
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};

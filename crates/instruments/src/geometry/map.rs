@@ -1,8 +1,8 @@
 //! Linear maps: shears, mirrors and scalings, on a cube, a point and a normal.
 //!
-//! A shear slides the cards of a deck, `x' = x + a y + b z`, `y' = y + c z`: its determinant is one. A mirror has −1 and
-//! turns round the winding of triangles. Normals follow the inverse transpose. A scale of zero flattens space and has no
-//! inverse.
+//! A shear slides the cards of a deck, `x' = x + a y + b z`, `y' = y + c z`: its determinant is one. A mirror has −1
+//! and turns round the winding of triangles. Normals follow the inverse transpose. A scale of zero flattens space and
+//! has no inverse.
 
 use super::{RANGE, drawing, tell_matrix, tell3, vector3};
 use crate::laboratory::{Error, Experiment, Marker, Parameter, Report, Run, Values};
@@ -75,8 +75,8 @@ mod tests {
     use super::*;
     use crate::geometry::run_with;
 
-    /// M19, M20: by hand: the shear takes (1, 1, 1) to (1.75, 1.4, 1) and keeps volume; the mirror in x = y swaps x and y
-    /// and the handedness; a scale of zero has no inverse; under a stretch of 2 along z the normal (0, 1, 1) tilts to
+    /// M19, M20: by hand: the shear takes (1, 1, 1) to (1.75, 1.4, 1) and keeps volume; the mirror in x = y swaps x and
+    /// y and the handedness; a scale of zero has no inverse; under a stretch of 2 along z the normal (0, 1, 1) tilts to
     /// (0, 2, 1)/√5.
     #[test]
     fn maps_by_hand() {

@@ -1,8 +1,8 @@
 //! Rotations: yaw, pitch and roll, the matrix, axis and angle, and back.
 //!
-//! The world is y-up: `R = R_Y(yaw) R_X(pitch) R_Z(roll)`, each factor right-handed, or `R_Z R_Y R_X`, as the angles are
-//! called in aeronautics (there z is the axis of yaw, y that of pitch, x that of roll). At a pitch of ±90° yaw and roll
-//! turn about the same axis and only their sum or difference is left: gimbal lock.
+//! The world is y-up: `R = R_Y(yaw) R_X(pitch) R_Z(roll)`, each factor right-handed, or `R_Z R_Y R_X`, as the angles
+//! are called in aeronautics (there z is the axis of yaw, y that of pitch, x that of roll). At a pitch of ±90° yaw and
+//! roll turn about the same axis and only their sum or difference is left: gimbal lock.
 
 use super::{drawing, tell_matrix, tell3};
 use crate::laboratory::{Error, Experiment, Marker, Parameter, Report, Run, Values};
@@ -58,7 +58,7 @@ fn run(values: &Values) -> Result<Report, Error> {
     Ok(report)
 }
 
-/// The same rotation in coordinates `(y, z, x)`.
+/// A rotation in coordinates `(y, z, x)`.
 fn renamed(turn: &Transform) -> Transform {
     let cycle = Transform::linear(steradian_math::geometry::axes::CYCLE);
     let back = Transform::linear(steradian_math::geometry::axes::CYCLE.transpose());
@@ -75,8 +75,9 @@ mod tests {
         run_with(&EXPERIMENT, &[("order", order), ("yaw", &yaw), ("pitch", &pitch), ("roll", &roll)]).unwrap()
     }
 
-    /// M17, M18: quarter turns by hand: a yaw about y takes z to x, and about z takes x to y; yaw then pitch is the third
-    /// of a turn about a diagonal; the middle factor of Z Y X is right-handed, so its lower left entry is −sin β (E23).
+    /// M17, M18: quarter turns by hand: a yaw about y takes z to x, and about z takes x to y; yaw then pitch is the
+    /// third of a turn about a diagonal; the middle factor of Z Y X is right-handed, so its lower left entry is −sin β
+    /// (E23).
     #[test]
     fn quarter_turns_by_hand() {
         let entry = |r: &Report, i: u32, j: u32| r.value(&format!("matrix, row {i}, column {j}"));

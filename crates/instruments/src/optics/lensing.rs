@@ -102,8 +102,8 @@ mod tests {
     use super::*;
 
     /// M144: 1.75″ at the sun's limb; for a star of the sun's mass half way to the bulge's 8 kpc a ring of
-    /// 0.902 mas √(10 kpc/4 kpc) √(1 − ½) (Paczyński 1996, equation 16); an extended source behind the lens is magnified by
-    /// √(1 + 4/ρ²) (Witt, Mao 1994).
+    /// 0.902 mas √(10 kpc/4 kpc) √(1 − ½) (Paczyński 1996, equation 16); an extended source behind the lens is
+    /// magnified by √(1 + 4/ρ²) (Witt, Mao 1994).
     #[test]
     fn rings_and_magnifications() {
         let r = EXPERIMENT

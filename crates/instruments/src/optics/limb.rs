@@ -85,9 +85,9 @@ mod tests {
         }
     }
 
-    /// Phases: the light of a sphere against that of its full disc is (sin α + (π − α) cos α)/π after Lambert, so 1/π at
-    /// half moon, and 1 + sin α/2 tan α/2 ln tan α/4 after Lommel and Seeliger (Fairbairn, *J. R. Astron. Soc. Can.* 99,
-    /// 2005).
+    /// Phases: the light of a sphere against that of its full disc is (sin α + (π − α) cos α)/π after Lambert, so 1/π
+    /// at half moon, and 1 + sin α/2 tan α/2 ln tan α/4 after Lommel and Seeliger (Fairbairn, *J. R. Astron. Soc. Can.*
+    /// 99, 2005).
     #[test]
     fn phases_have_their_closed_forms() {
         for degrees in [30.0f64, 60.0, 90.0, 120.0] {

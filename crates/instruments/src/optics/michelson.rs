@@ -140,9 +140,9 @@ mod tests {
         assert!((visibility / exact - 1.0).abs() < 0.03, "{visibility} {exact}");
     }
 
-    /// The two lines of sodium are in step again after 0.29 mm of displacement: the contrast of the fringes, read off the
-    /// summed lines, is least at half of that and one and a half times, at a third, as one line has twice the other's
-    /// light.
+    /// The two lines of sodium are in step again after 0.29 mm of displacement: the contrast of the fringes, read off
+    /// the summed lines, is least at half of that and one and a half times, at a third, as one line has twice the
+    /// other's light.
     #[test]
     fn the_doublet_beats() {
         let given = [("light".to_owned(), "doublet".to_owned())];

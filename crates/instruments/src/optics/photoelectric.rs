@@ -95,9 +95,9 @@ fn run(values: &Values) -> Result<Report, Error> {
 mod tests {
     use super::*;
 
-    /// M137: no current below the threshold; the slope is h (CODATA 2018), which Millikan found to be 6.56e-34 J s to half a
-    /// per cent where 6.62 is right (*Phys. Rev.* 7, 1916), and within four standard deviations with noise. Photons have
-    /// 1239.84 eV nm; the thresholds of caesium and platinum are at 579 and 219 nm.
+    /// M137: no current below the threshold; the slope is h (CODATA 2018), which Millikan found to be 6.56e-34 J s to
+    /// half a per cent where 6.62 is right (*Phys. Rev.* 7, 1916), and within four standard deviations with noise.
+    /// Photons have 1239.84 eV nm; the thresholds of caesium and platinum are at 579 and 219 nm.
     #[test]
     fn the_slope_is_plancks_constant() {
         let run = |given: &[(&str, &str)]| {

@@ -75,8 +75,8 @@ fn is_inside(outline: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
 }
 
 /// The temperature whose black body is nearest in the 1960 diagram, `(u', 2v'/3)`: the correlated colour temperature
-/// (CIE 15:2004, §9.5), with the distance there. `None` where the nearest is hotter than 50 000 K or cooler than 1000 K:
-/// what is beyond the ends of the locus, with the ends of the search for answers.
+/// (CIE 15:2004, §9.5), with the distance there. `None` where the nearest is hotter than 50 000 K or cooler than 1000
+/// K: what is beyond the ends of the locus, with the ends of the search for answers.
 fn correlated_temperature(at: (f64, f64)) -> Option<(f64, f64)> {
     let uv60 = |p: (f64, f64)| {
         let (u, v) = uv_from_xy(p);

@@ -66,7 +66,7 @@ fn metric([_, _, a, b, degrees]: [f64; 5]) -> [f64; 3] {
     [p * cos * cos + q * sin * sin, (p - q) * sin * cos, p * sin * sin + q * cos * cos]
 }
 
-/// The same at any chromaticity.
+/// At any chromaticity.
 fn metric_at(x: f64, y: f64) -> [f64; 3] {
     let (mut weights, mut sums) = (0.0, [0.0; 3]);
     for e in ELLIPSES {
@@ -189,8 +189,8 @@ mod tests {
         assert!((mean - 1.0).abs() < 0.05 && deviation < 0.11, "{mean} ± {deviation}");
     }
 
-    /// Between the centres: the metrics of fluorescent lamps, 10⁻⁴ g₁₁, g₁₂, g₂₂ (ANSI C78.376, IEC 60081), to a fifth of
-    /// the steps in every direction.
+    /// Between the centres: the metrics of fluorescent lamps, 10⁻⁴ g₁₁, g₁₂, g₂₂ (ANSI C78.376, IEC 60081), to a fifth
+    /// of the steps in every direction.
     #[test]
     fn lamps_are_sorted_as_the_standard_has_it() {
         for (x, y, [g11, g12, g22]) in [

@@ -88,7 +88,8 @@ mod tests {
         assert!(Torus::new(1.0, 1.0).is_none() && Torus::new(1.0, 0.0).is_none());
     }
 
-    /// The three representations agree: points lie on f = 0, the gradient has the direction of the normal and of ∂u × ∂v.
+    /// The three representations agree: points lie on f = 0, the gradient has the direction of the normal and of ∂u ×
+    /// ∂v.
     #[test]
     fn representations_agree() {
         let t = Torus::new(2.0, 0.5).expect("a torus");
