@@ -279,18 +279,22 @@ pub struct MaterialArgs {
     /// Print gloss units at 20°, 60° and 85° (ISO 2813)
     #[arg(long)]
     pub gloss: bool,
-    /// Fit the models of Ward, of Cook and Torrance, and GGX to the material
+    /// Fit the three forms of Ward's model, that of Cook and Torrance, and GGX to the material, and name the nearest
     #[arg(long)]
     pub fit: bool,
+    /// Hold the material to the laws of scattering: not negative, reciprocal, no energy gained, and directions drawn by a
+    /// density that integrates to their share (χ² test), as a table with p-values
+    #[arg(long)]
+    pub laws: bool,
     /// Write a table of angles that the material 'measured' reads (isotropic, every 5° and 10° of azimuth)
     #[arg(long, value_name = "OUT.txt")]
     pub table: Option<PathBuf>,
     /// Measure a piece of geometry (up is +z) made of the kind, as if it were a material: --albedo and --table count
     /// the rays that its middle sends back
-    #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval", "microsurface"])]
+    #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval", "microsurface"])]
     pub geometry: Option<String>,
     /// Measure a random Gaussian surface of this roughness α (Beckmann), made of the kind, as if it were a material
-    #[arg(long, value_name = "ALPHA", value_parser = values::roughness, conflicts_with_all = ["plot", "picture", "gloss", "fit", "eval"])]
+    #[arg(long, value_name = "ALPHA", value_parser = values::roughness, conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval"])]
     pub microsurface: Option<f32>,
     /// Values and densities for pairs of directions from a JSON file: [{"wo": [x,y,z], "wi": [x,y,z]}, …]
     #[arg(long, value_name = "PAIRS.json")]

@@ -54,6 +54,8 @@ pub enum Command {
     Vision(Box<ExperimentArgs>),
     /// Run an experiment of Monte Carlo integration: error against samples, importance, branching, …
     Estimate(Box<ExperimentArgs>),
+    /// Compute analytic geometry: lines, planes, conics, surfaces and their curvature, rotations, …
+    Geometry(Box<ExperimentArgs>),
     /// Print shell completions
     Completions {
         /// The shell.

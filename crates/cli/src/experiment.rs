@@ -1,4 +1,4 @@
-//! `steradian optics`, `vision` and `estimate`: experiments that end in numbers, a chart and a picture.
+//! `steradian optics`, `vision`, `estimate` and `geometry`: experiments that end in numbers, a chart and a picture.
 
 use crate::{
     args::FileOptions,
@@ -16,10 +16,10 @@ use std::{
 use steradian::{
     Inputs,
     image::{self, Limits, write_whole},
-    instruments::experiment::{Chart, Error, Experiment, FAMILIES, Picture, Quantity, Report, find},
+    instruments::experiment::{Chart, Error, Experiment, FAMILIES, Fact, Picture, Quantity, Report, find},
 };
 
-/// Options of all three commands.
+/// Options of all four commands.
 #[derive(Args, Debug)]
 pub struct ExperimentArgs {
     /// Name of the experiment; without it, list all
@@ -49,6 +49,8 @@ pub struct ExperimentArgs {
 #[derive(Serialize)]
 struct Answer<'a> {
     experiment: &'static str,
+    #[serde(skip_serializing_if = "<[Fact]>::is_empty")]
+    facts: &'a [Fact],
     quantities: &'a [Quantity],
     #[serde(skip_serializing_if = "Option::is_none")]
     chart: Option<&'a Chart>,
@@ -97,7 +99,8 @@ pub fn run(family: &'static str, args: &ExperimentArgs, terminal: Terminal) -> O
         write_whole(path, chart.table().as_bytes()).map_err(|e| Failure::failed(e.to_string()))?;
     }
     if args.json {
-        terminal::json(&Answer { experiment: name, quantities: &report.quantities, chart: report.chart.as_ref() })?;
+        let Report { facts, quantities, chart, .. } = &report;
+        terminal::json(&Answer { experiment: name, facts, quantities, chart: chart.as_ref() })?;
     } else {
         terminal::data(numbers(&report).as_bytes())?;
     }
@@ -144,11 +147,18 @@ fn explain(experiment: &Experiment) -> String {
 }
 
 fn numbers(report: &Report) -> String {
-    let width = report.quantities.iter().map(|q| q.name.chars().count()).max().unwrap_or(0);
+    let names = report.quantities.iter().map(|q| q.name.as_str()).chain(report.facts.iter().map(|f| f.name));
+    let width = names.map(|name| name.chars().count()).max().unwrap_or(0);
     let mut text = String::new();
+    for f in &report.facts {
+        let pad = width - f.name.chars().count();
+        let _ = writeln!(text, "{}{:pad$}  {}", f.name, "", f.text);
+    }
     for q in &report.quantities {
         let value = if q.value != 0.0 && !(1e-4..1e7).contains(&q.value.abs()) && q.value.is_finite() {
             format!("{:.6e}", q.value)
+        } else if q.value.is_infinite() {
+            format!("{}infinity", if q.value < 0.0 { "-" } else { "" })
         } else {
             let rounded = format!("{:.6}", q.value);
             rounded.trim_end_matches('0').trim_end_matches('.').to_owned()

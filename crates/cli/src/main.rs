@@ -93,6 +93,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Optics(args) => experiment::run("optics", args, terminal),
         Command::Vision(args) => experiment::run("vision", args, terminal),
         Command::Estimate(args) => experiment::run("estimate", args, terminal),
+        Command::Geometry(args) => experiment::run("geometry", args, terminal),
         Command::Verify(args) => verify::run(args, terminal),
         Command::Info(args) => info::run(args, terminal),
         Command::List(args) => list::run(args),

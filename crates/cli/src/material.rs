@@ -21,7 +21,9 @@ use steradian::{
         albedo::{Albedo, albedo},
         fit::{self, Fit},
         gloss::{GEOMETRIES, Gloss, gloss},
-        goniometer, plot,
+        goniometer,
+        laws::{self, Laws},
+        plot,
     },
     math::Vec3,
     scene::Family,
@@ -39,6 +41,9 @@ const PICTURE: (u32, u32) = (150, 150);
 struct Report {
     schema: u32,
     material: String,
+    /// Its parameters as they are, where no reading was asked for and it is given by its kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    parameters: Vec<Setting>,
     /// What the lanes of values are: `rgb`, or four wavelengths in nm.
     #[serde(skip_serializing_if = "Option::is_none")]
     wavelengths: Option<[f32; 4]>,
@@ -48,10 +53,24 @@ struct Report {
     gloss: Option<Vec<Gloss>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fit: Option<Vec<Fit>>,
+    /// The model that fits best.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    best_fit: Option<fit::Model>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    laws: Option<Laws>,
     #[serde(skip_serializing_if = "Option::is_none")]
     eval: Option<Vec<Evaluated>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     relief: Option<Vec<relief::Reading>>,
+}
+
+/// A parameter and its value, as text.
+#[derive(Debug, Serialize)]
+struct Setting {
+    name: &'static str,
+    value: String,
+    is_default: bool,
+    meaning: &'static str,
 }
 
 /// A pair of directions: towards the viewer and the light, in the shading frame.
@@ -117,16 +136,23 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     if let Some(path) = &args.table {
         write(path, goniometer::table(&specimen, [5.0, 10.0], &[0.0]))?;
     }
+    let fits = args.fit.then(|| {
+        let readings = fit::readings(&specimen);
+        fit::MODELS.map(|m| m.fit(&readings)).to_vec()
+    });
+    let is_summary = is_summary(args);
+    let angles = if is_summary { &ANGLES[..5] } else { &ANGLES };
+    let wants_albedo = args.albedo || is_summary;
     let report = Report {
         schema: 1,
         material: args.material.clone(),
+        parameters: if is_summary { settings(args) } else { Vec::new() },
         wavelengths: (scene.mode() == ColorMode::Spectral).then(|| specimen.wavelengths()),
-        albedo: args.albedo.then(|| ANGLES.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
+        albedo: wants_albedo.then(|| angles.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
         gloss: args.gloss.then(|| GEOMETRIES.iter().map(|g| gloss(&specimen, *g, args.samples)).collect()),
-        fit: args.fit.then(|| {
-            let readings = fit::readings(&specimen);
-            fit::MODELS.iter().map(|m| m.fit(&readings)).collect()
-        }),
+        best_fit: fits.as_deref().and_then(fit::best),
+        fit: fits,
+        laws: args.laws.then(|| laws::laws(&specimen, args.samples)),
         eval: pairs.map(|p| evaluate(&specimen, &p, args.importance)),
         relief: None,
     };
@@ -140,6 +166,31 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         terminal.say(&format!("wrote {}", path.display()));
     }
     Ok(failure::DONE)
+}
+
+/// Whether nothing in particular was asked for: then the parameters and the albedo are told.
+fn is_summary(args: &MaterialArgs) -> bool {
+    let readings = args.albedo || args.gloss || args.fit || args.laws || args.eval.is_some();
+    !readings && args.plot.is_none() && args.table.is_none() && args.picture.is_none()
+}
+
+/// The parameters of a material given by its kind; none for one of a scene.
+fn settings(args: &MaterialArgs) -> Vec<Setting> {
+    let models = Family::Material.models();
+    let model = models.iter().find(|m| m.kind == args.material && scene_and_name(&args.material).is_none());
+    let parameters = model.into_iter().flat_map(|m| m.all());
+    parameters
+        .map(|p| {
+            let given = args.params.iter().rev().find(|(name, _)| name == p.name).map(|(_, value)| value.clone());
+            let is_default = given.is_none();
+            Setting {
+                name: p.name,
+                value: given.unwrap_or_else(|| p.default.split(';').next().unwrap_or_default().into()),
+                is_default,
+                meaning: p.doc,
+            }
+        })
+        .collect()
 }
 
 fn tell(report: &Report, json: bool) -> Outcome {
@@ -240,6 +291,10 @@ impl Report {
             Some(l) => format!("at {} nm", l.map(|l| l.to_string()).join(", ")),
             None => "red, green, blue".into(),
         };
+        for s in &self.parameters {
+            let by = if s.is_default { "  (default)" } else { "" };
+            let _ = writeln!(out, "{:20} {:16} {}{by}", s.name, s.value, s.meaning);
+        }
         if let Some(rows) = &self.albedo {
             let _ = writeln!(out, "albedo ({what})\n angle  reflectance                     transmittance");
             for a in rows {
@@ -266,6 +321,12 @@ impl Report {
                 f.alpha,
                 f.residual
             );
+        }
+        if let Some(best) = self.best_fit {
+            let _ = writeln!(out, "best fit {best:?}");
+        }
+        if let Some(laws) = &self.laws {
+            let _ = writeln!(out, "{laws}");
         }
         if let Some(rows) = &self.relief {
             let _ = writeln!(out, "geometry\n angle  reflected  met once");

@@ -30,7 +30,7 @@ impl Compiler<'_> {
                 self.error(node.span, format!("Sellmeier's formula has six constants, not {}", c.len()));
                 return None;
             }
-            Dispersion::Sellmeier([0, 1, 2].map(|i| [f64::from(c[i]), f64::from(c[i + 3])]))
+            Dispersion::three_terms([0, 1, 2].map(|i| [f64::from(c[i]), f64::from(c[i + 3])]))
         } else {
             return None;
         };

@@ -4,16 +4,19 @@
 //! Every instrument looks at a [`Specimen`]: one material of a compiled scene at one point of a surface, in its shading
 //! frame (`z` is the normal, `x` the tangent).
 //!
-//! Beside them stand experiments of [`optics`], of [`vision`] and of Monte Carlo integration ([`estimate`]); see
-//! [`experiment`].
+//! Beside them stand experiments of [`optics`], of [`vision`], of Monte Carlo integration ([`estimate`]) and of
+//! analytic [`geometry`]; see [`experiment`].
 
 pub mod albedo;
+mod chi_square;
 pub mod estimate;
 pub mod experiment;
 pub mod fit;
+pub mod geometry;
 pub mod gloss;
 pub mod goniometer;
 mod laboratory;
+pub mod laws;
 pub mod least_squares;
 pub mod microsurface;
 pub mod optics;

@@ -9,7 +9,7 @@ use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_texture::TextureContext;
 
 /// How finely mixtures, which choose one of their parts by a number, are averaged over it.
-const MIXTURE_STRATA: u32 = 64;
+pub(crate) const MIXTURE_STRATA: u32 = 64;
 
 /// One material of a scene, at one point of a surface.
 #[derive(Clone, Copy, Debug)]
@@ -63,8 +63,13 @@ impl<'a> Specimen<'a> {
         material::scattering(s.materials(), s.textures(), self.material, &at, front, choice, &mut lambda)
     }
 
+    /// Whether it may be a mixture.
+    pub(crate) fn is_mixed(&self) -> bool {
+        self.scene.has_mixtures()
+    }
+
     fn strata(&self) -> u32 {
-        if self.scene.has_mixtures() { MIXTURE_STRATA } else { 1 }
+        if self.is_mixed() { MIXTURE_STRATA } else { 1 }
     }
 
     /// `f·|cosθ_i|` and the density of [`Specimen::sample`], both per steradian.

@@ -6,6 +6,7 @@ use crate::{
     direction,
     gloss::{BLACK_GLASS, GEOMETRIES, gloss},
     goniometer::{self, Bins},
+    laws,
     microsurface::Microsurface,
     plot,
 };
@@ -181,4 +182,36 @@ fn a_specimen_is_fitted_by_its_own_model() {
     let best = fits.iter().min_by(|a, b| a.residual.total_cmp(&b.residual)).expect("three");
     assert_eq!(best.model, crate::fit::Model::Ggx);
     assert!((best.alpha - 0.3).abs() < 0.02 && best.diffuse < 0.02, "{best:?}");
+}
+
+/// M78: sound models keep the laws of scattering; those that are known to break one are found out in it and in nothing
+/// else: the empirical Phong of the lectures (E11) is not reciprocal.
+#[test]
+fn laws_are_kept_or_named() {
+    let samples = 1 << 16;
+    let broken = |m: Node| -> Vec<&'static str> {
+        let scene = scene(None, m);
+        let found = laws::laws(&Specimen::new(&scene, 1), samples);
+        assert_eq!(found.hold, found.laws.iter().all(|l| l.holds));
+        found.laws.iter().filter(|l| !l.holds).map(|l| l.law).collect()
+    };
+    for sound in [
+        material("diffuse").with("reflectance", 0.8),
+        material("conductor").with("alpha_u", 0.2).with("alpha_v", 0.4),
+        material("dielectric").with("eta", 1.5),
+        material("dielectric").with("eta", 1.5).with("alpha_u", 0.3).with("alpha_v", 0.3),
+        material("cook_torrance"),
+    ] {
+        let kind = sound.kind.clone();
+        let scene = scene(None, sound);
+        let found = laws::laws(&Specimen::new(&scene, 1), samples);
+        assert!(found.hold, "{kind}: {found}");
+    }
+    let empirical = broken(material("phong").with("form", "empirical").with("diffuse_reflectance", 0.0));
+    assert!(empirical.contains(&"reciprocity: f(a, b) = f(b, a)"), "{empirical:?}");
+    assert!(empirical.iter().all(|l| l.starts_with("reciprocity") || l.starts_with("energy")), "{empirical:?}");
+    // Dür's form has an albedo above one at 85° (E15), and breaks nothing else.
+    let ward = material("ward").with("form", "duer").with("alpha_u", 0.2).with("diffuse_reflectance", 0.0);
+    let ward = broken(ward.with("specular_reflectance", 1.0));
+    assert!(!ward.is_empty() && ward.iter().all(|l| l.starts_with("energy")), "{ward:?}");
 }

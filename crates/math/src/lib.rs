@@ -26,6 +26,7 @@ pub mod ray;
 pub mod sobol;
 pub mod spectra;
 pub mod spectrum;
+pub mod sphere_grid;
 pub mod transform;
 pub mod warp;
 

@@ -293,7 +293,12 @@ pub const MATERIALS: &[Model] = &[
             tex("f90", UNIT, "1", "reflectance at grazing incidence").with("fresnel", "schlick"),
             FILM_THICKNESS,
             FILM_ETA,
-            word("coupling", "sum, ashikhmin_shirley, fresnel", "sum", "how the diffuse part gives way to the facets"),
+            word(
+                "coupling",
+                "sum, ashikhmin_shirley, fresnel",
+                "sum",
+                "how the diffuse part gives way to the facets; in a sum not at all: both albedos are scaled where they exceed one together",
+            ),
             scalar("alpha_u", ALPHA, "0.3", "roughness along the tangent").not_negative(),
             ALPHA_V,
             REMAP,

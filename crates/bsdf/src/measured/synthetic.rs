@@ -200,6 +200,26 @@ mod tests {
         }
     }
 
+    /// At the pairs of directions that were pictured, the value is the model's, to the rounding of its half floats:
+    /// between them, 30° apart, a lobe cannot be followed.
+    #[test]
+    fn pictured_pairs_come_back() {
+        let data = MeasuredData::from_btf(METAL.btf().expect("sound"));
+        let m = Measured::new(&data, &Wavelengths::sample_visible(0.5), ColorMode::Rgb, Vec2::splat(0.25));
+        let direction = |theta: f32, phi: f32| {
+            let (s, c) = theta.to_radians().sin_cos();
+            Vec3::new(s * phi.to_radians().cos(), s * phi.to_radians().sin(), c)
+        };
+        for (ti, to) in [(0.0, 30.0), (30.0, 30.0), (30.0, 60.0), (60.0, 60.0), (60.0, 80.0)] {
+            for step in 0..6 {
+                let (wi, wo) = (direction(ti, 0.0), direction(to, 60.0 * step as f32));
+                let expected = METAL.f(wo.as_dvec3(), wi.as_dvec3())[1] * f64::from(wi.z);
+                let found = f64::from(m.eval(wo, wi, TransportMode::Radiance).value[1]);
+                assert!((found / expected - 1.0).abs() < 5e-3, "{ti}° {to}° {step}: {found} {expected}");
+            }
+        }
+    }
+
     /// M98: a turn of both directions about the normal changes nothing of an isotropic material.
     #[test]
     fn isotropic_tables_do_not_feel_a_turn() {

@@ -1,4 +1,4 @@
-//! `steradian optics`, `vision` and `estimate`.
+//! `steradian optics`, `vision`, `estimate` and `geometry`.
 
 use super::Place;
 use std::path::Path;
@@ -35,6 +35,14 @@ fn numbers_tables_and_json() {
     assert!((abbe["value"].as_f64().unwrap() - 64.17).abs() < 0.01);
     assert_eq!(answer["chart"]["series"].as_array().unwrap().len(), 3);
     assert!(std::fs::read_to_string(place.path("prism.txt")).unwrap().starts_with("series\t"));
+    // JSON has no infinite numbers: a lens focused far away is sharp to infinity, which is a word.
+    let run = place.run(&["optics", "lens", "--json", "-p", "focus=1e6"]);
+    let answer: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let far = answer["quantities"].as_array().unwrap().iter().find(|q| q["name"] == "sharp to").unwrap();
+    assert_eq!(far["value"], "infinity");
+    let run = place.run(&["geometry", "conic", "--json"]);
+    let answer: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(answer["facts"][0]["text"], "ellipse");
     let run = place.run(&["optics", "aperture", "--explain"]);
     assert!(run.stdout.contains("diameter") && run.stdout.contains("mm"), "{}", run.stdout);
 }
@@ -43,6 +51,7 @@ fn numbers_tables_and_json() {
 fn what_is_wrong_is_told_before_anything_is_written() {
     let place = Place::new();
     for (words, what) in [
+        (&["geometry", "plane", "-p", "from=normal", "qy=0"][..], "name no ordinary plane"),
         (&["optics", "slit"][..], "did you mean 'slits'"),
         (&["optics", "slits", "-p", "widht=3"], "did you mean 'width'"),
         (&["optics", "slits", "-p", "wavelength=-1"], "is not a number from"),

@@ -10,7 +10,7 @@ fn a_material_is_measured() {
     let json = place.succeed(&with(&["--albedo", "--gloss", "--fit", "--samples", "4096", "--json"])).json();
     let red = json["albedo"][0]["reflectance"][0].as_f64().unwrap();
     assert!((0.8..1.0).contains(&red), "gold is red: {json}");
-    assert_eq!((json["gloss"][1]["theta"].as_f64(), json["fit"][2]["model"].as_str()), (Some(60.0), Some("ggx")));
+    assert_eq!((json["gloss"][1]["theta"].as_f64(), json["fit"][4]["model"].as_str()), (Some(60.0), Some("ggx")));
     let text = place.succeed(&with(&["--albedo", "--gloss", "--samples", "4096"])).stdout;
     assert!(text.contains("gloss 60°") && text.contains("albedo (red, green, blue)"), "{text}");
     place.succeed(&with(&["--plot", "lobe.svg", "--picture", "ball.png", "--size", "16x16", "--spp", "1"]));
@@ -95,4 +95,25 @@ fn geometry_is_a_material() {
     place.refuse(2, &["material", "diffuse", "--geometry", "none.ply", "--albedo"], &["none.ply"]);
     place.refuse(2, &["material", "diffuse", "--microsurface", "0", "--albedo"], &["roughness"]);
     place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
+}
+
+/// Without a reading asked for, parameters and albedos are told; laws with p-values, of a scene's material too; of fits
+/// the best is named.
+#[test]
+fn summaries_laws_and_best_fits() {
+    let place = Place::new();
+    let text = place.succeed(&["material", "phong", "-p", "exponent=12"]).stdout;
+    assert!(text.contains("exponent") && text.contains("12") && text.contains("albedo"), "{text}");
+    assert!(
+        text.lines().any(|l| l.starts_with("form") && l.contains("modified") && l.ends_with("(default)")),
+        "{text}"
+    );
+    let laws = ["--laws", "--samples", "4096"];
+    let json = place.succeed(&[&["material", "builtin:cornell-box:red", "--json"][..], &laws].concat()).json();
+    assert_eq!(json["laws"]["hold"], true, "{json}");
+    assert!(json["laws"]["laws"].as_array().unwrap().iter().any(|l| l["p"].is_f64()));
+    let text = place.succeed(&[&["material", "phong", "-p", "form=empirical"][..], &laws].concat()).stdout;
+    assert!(text.contains("BROKEN") && text.contains("not all laws hold"), "{text}");
+    let json = place.succeed(&["material", "ward", "-p", "form=duer", "alpha_u=0.3", "--fit", "--json"]).json();
+    assert_eq!(json["best_fit"], "ward-duer", "{json}");
 }

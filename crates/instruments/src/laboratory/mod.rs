@@ -51,14 +51,35 @@ pub struct Quantity {
     /// What it is.
     pub name: String,
     /// Its value.
+    #[serde(serialize_with = "number_or_word")]
     pub value: f64,
     /// Its unit; empty for pure numbers.
     pub unit: &'static str,
 }
 
+/// JSON has no infinite numbers: they are written as the words `"infinity"` and `"-infinity"`.
+fn number_or_word<S: serde::Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+    match *value {
+        f64::INFINITY => to.serialize_str("infinity"),
+        f64::NEG_INFINITY => to.serialize_str("-infinity"),
+        v => to.serialize_f64(v),
+    }
+}
+
+/// What is said in words: which of several kinds something is, or why a number is missing.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Fact {
+    /// What it is about.
+    pub name: &'static str,
+    /// What is said.
+    pub text: String,
+}
+
 /// What an experiment gives.
 #[derive(Debug, Default)]
 pub struct Report {
+    /// What is said in words.
+    pub facts: Vec<Fact>,
     /// Numbers.
     pub quantities: Vec<Quantity>,
     /// Curves.
@@ -68,6 +89,11 @@ pub struct Report {
 }
 
 impl Report {
+    /// Adds what is said in words.
+    pub fn fact(&mut self, name: &'static str, text: impl Into<String>) {
+        self.facts.push(Fact { name, text: text.into() });
+    }
+
     /// Adds a number.
     pub fn quantity(&mut self, name: impl Into<String>, value: f64, unit: &'static str) {
         self.quantities.push(Quantity { name: name.into(), value, unit });

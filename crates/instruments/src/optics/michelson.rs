@@ -140,9 +140,28 @@ mod tests {
         assert!((visibility / exact - 1.0).abs() < 0.03, "{visibility} {exact}");
     }
 
-    /// The two lines of sodium are in step again after 0.29 mm of displacement.
+    /// The two lines of sodium are in step again after 0.29 mm of displacement: the contrast of the fringes, read off
+    /// the summed lines, is least at half of that and one and a half times, at a third, as one line has twice the
+    /// other's light.
     #[test]
     fn the_doublet_beats() {
+        let given = [("light".to_owned(), "doublet".to_owned())];
+        let lines = spectrum(&Values::resolve(&EXPERIMENT, &given).unwrap()).unwrap();
+        let contrast = |d: f64| {
+            let around = || (0..100).map(|k| d + f64::from(k) / 100.0 * 0.2946);
+            let light = || around().map(|d| lines.iter().map(|(l, s)| s * fringe(d, *l)).sum::<f64>());
+            let (least, most) = (light().fold(1.0, f64::min), light().fold(0.0, f64::max));
+            (most - least) / (most + least)
+        };
+        let least_from = |from: u32| {
+            (from..from + 290)
+                .map(|k| (contrast(f64::from(k)), k))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .unwrap_or_default()
+        };
+        let (first, second) = (least_from(0), least_from(290));
+        assert!((first.0 - 1.0 / 3.0).abs() < 0.01, "{first:?}");
+        assert!((f64::from(second.1 - first.1) - 290.8).abs() < 3.0, "{first:?} {second:?}");
         let beat = value(&[("light", "doublet"), ("travel", "300")], "displacement between two places without fringes");
         assert!((beat - 290.8).abs() < 0.5, "{beat}");
     }

@@ -75,8 +75,9 @@ fn is_inside(outline: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
 }
 
 /// The temperature whose black body is nearest in the 1960 diagram, `(u', 2v'/3)`: the correlated colour temperature
-/// (CIE 15:2004, §9.5).
-fn correlated_temperature(at: (f64, f64)) -> (f64, f64) {
+/// (CIE 15:2004, §9.5), with the distance there. `None` where the nearest is hotter than 50 000 K or cooler than 1000
+/// K: what is beyond the ends of the locus, with the ends of the search for answers.
+fn correlated_temperature(at: (f64, f64)) -> Option<(f64, f64)> {
     let uv60 = |p: (f64, f64)| {
         let (u, v) = uv_from_xy(p);
         (u, v * 2.0 / 3.0)
@@ -89,7 +90,7 @@ fn correlated_temperature(at: (f64, f64)) -> (f64, f64) {
     let coarse =
         (4..=200).map(|k| f64::from(k) * 5.0).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(150.0);
     let mired = golden_section(distance, coarse - 5.0, coarse + 5.0);
-    (1e6 / mired, distance(mired))
+    (20.0..=1000.0).contains(&mired).then(|| (1e6 / mired, distance(mired)))
 }
 
 /// Where the line from white D65 through a chromaticity meets the spectrum: the dominant wavelength, or `None` at
@@ -124,15 +125,22 @@ fn run(values: &Values) -> Result<Report, Error> {
     let (u, v) = uv_from_xy(at);
     report.quantity("u'", u, "");
     report.quantity("v'", v, "");
-    let (kelvin, distance) = correlated_temperature(at);
-    if distance < 0.05 {
-        report.quantity("correlated colour temperature", kelvin, "K");
-        report.quantity("distance from the black bodies (u, v 1960)", distance, "");
+    let is_real = is_inside(&outline_xy, at);
+    match correlated_temperature(at).filter(|_| is_real) {
+        Some((kelvin, distance)) if distance < 0.05 => {
+            report.quantity("correlated colour temperature", kelvin, "K");
+            report.quantity("distance from the black bodies (u, v 1960)", distance, "");
+        }
+        Some(_) => report.fact("correlated colour temperature", "none: farther than 0.05 from the black bodies"),
+        None if !is_real => report.fact("correlated colour temperature", "none: outside the locus of spectral colours"),
+        None => {
+            report.fact("correlated colour temperature", "none: outside the locus of black bodies, 1000 to 50 000 K")
+        }
     }
     if let Some(nm) = dominant_wavelength(at) {
         report.quantity("dominant wavelength (white D65)", nm, "nm");
     }
-    report.quantity("is a colour that exists", f64::from(u8::from(is_inside(&outline_xy, at))), "");
+    report.quantity("is a colour that exists", f64::from(u8::from(is_real)), "");
     let outline_area = area(&outline_xy.iter().map(|p| uv_from_xy(*p)).collect::<Vec<_>>());
     let (label_x, label_y) = if is_1976 { ("u'", "v'") } else { ("x", "y") };
     let mut chart = Chart::new(
@@ -214,7 +222,24 @@ mod tests {
         let back = xy_from_uv(uv_from_xy((0.2, 0.5)));
         assert!((back.0 - 0.2).abs() < 1e-12 && (back.1 - 0.5).abs() < 1e-12);
         // Illuminant A is a black body of 2856 K.
-        let (kelvin, distance) = correlated_temperature((0.44758, 0.40745));
+        let (kelvin, distance) = correlated_temperature((0.44758, 0.40745)).unwrap();
         assert!((kelvin - 2856.0).abs() < 3.0 && distance < 1e-4, "{kelvin}");
+    }
+
+    /// Where there is no colour temperature, that is said and no end of the search is printed: a blue beyond infinitely
+    /// hot bodies (x = 0.2399, y = 0.2341), a red beyond 1000 K, a green far off, what is no colour.
+    #[test]
+    fn what_has_no_temperature_is_told() {
+        for ((x, y), why) in [
+            ((0.2399, 0.2341), "outside the locus of black bodies"),
+            ((0.69, 0.305), "outside the locus of black bodies"),
+            ((0.25, 0.65), "farther than"),
+            ((0.1, 0.1), "outside the locus of spectral colours"),
+        ] {
+            let given = [("x".to_owned(), x.to_string()), ("y".to_owned(), y.to_string())];
+            let r = EXPERIMENT.run(&given, None).unwrap();
+            assert!(r.facts[0].text.contains(why), "{x} {y}: {:?}", r.facts);
+            assert!(r.value("correlated colour temperature").is_nan());
+        }
     }
 }

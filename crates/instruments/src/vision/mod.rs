@@ -18,6 +18,7 @@ use crate::laboratory::Experiment;
 /// The experiments.
 pub const EXPERIMENTS: &[Experiment] = &[
     chromaticity::EXPERIMENT,
+    macadam::EXPERIMENT,
     color::EXPERIMENT,
     cones::EXPERIMENT,
     deficiency::EXPERIMENT,

@@ -15,11 +15,17 @@ const EPSILON_0: f64 = 8.854_187_812_8e-12;
 pub enum Dispersion {
     /// Cauchy's `n = A + B/λ² + C/λ⁴` with λ in µm.
     Cauchy([f64; 3]),
-    /// Sellmeier's `n² = 1 + Σ B_i λ²/(λ² − C_i)` with λ in µm and `C_i` in µm²: three terms `[B, C]`.
-    Sellmeier([[f64; 2]; 3]),
+    /// Sellmeier's `n² = 1 + Σ B_i λ²/(λ² − C_i)` with λ in µm and `C_i` in µm²: four terms `[B, C]`, zero where
+    /// there are fewer.
+    Sellmeier([[f64; 2]; 4]),
 }
 
 impl Dispersion {
+    /// Sellmeier's formula with three terms `[B, C]`, as catalogues of glasses have it.
+    pub const fn three_terms([a, b, c]: [[f64; 2]; 3]) -> Self {
+        Self::Sellmeier([a, b, c, [0.0; 2]])
+    }
+
     /// Cauchy's formula with two terms through the index at the d line and the Abbe number, as
     /// `KHR_materials_dispersion` has it. An Abbe number that is not positive means no dispersion.
     pub fn from_abbe(n_d: f64, abbe: f64) -> Self {
@@ -76,7 +82,7 @@ mod tests {
     /// SCHOTT's constants of N-BK7 give its catalogue values n_d = 1.5168 and V_d = 64.17, and the tabulated glass.
     #[test]
     fn sellmeiers_formula_is_the_catalogue_glass() {
-        let bk7 = Dispersion::Sellmeier([
+        let bk7 = Dispersion::three_terms([
             [1.039_612_12, 0.006_000_698_67],
             [0.231_792_344, 0.020_017_914_4],
             [1.010_469_45, 103.560_653],
@@ -97,7 +103,7 @@ mod tests {
         }
         assert_eq!(Dispersion::from_abbe(1.5, 0.0).eval(400.0), 1.5);
         assert_eq!(Dispersion::from_abbe(1.5, f64::NAN).eval(400.0), 1.5);
-        let resonant = Dispersion::Sellmeier([[1.0, 0.25], [0.0; 2], [0.0; 2]]);
+        let resonant = Dispersion::three_terms([[1.0, 0.25], [0.0; 2], [0.0; 2]]);
         assert!((360..=830).all(|l| (0.05..=20.0).contains(&resonant.eval(f64::from(l)))));
     }
 

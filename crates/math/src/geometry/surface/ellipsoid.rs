@@ -76,6 +76,15 @@ impl Parametric for Ellipsoid {
         [self.radii * DVec3::new(-su * sv, cu * sv, 0.0), self.radii * DVec3::new(cu * cv, su * cv, -sv)]
     }
 
+    fn second_partials(&self, u: f64, v: f64) -> [DVec3; 3] {
+        let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
+        [
+            self.radii * DVec3::new(-cu * sv, -su * sv, 0.0),
+            self.radii * DVec3::new(-su * cv, cu * cv, 0.0),
+            -self.radii * unit(u, v),
+        ]
+    }
+
     fn normal_at(&self, u: f64, v: f64) -> DVec3 {
         // ∂u × ∂v is −sin v times this, so inwards, and zero at the poles.
         (unit(u, v) / self.radii).normalize()

@@ -7,10 +7,12 @@
 mod ellipsoid;
 mod paraboloid;
 mod tessellation;
+mod torus;
 
 pub use ellipsoid::Ellipsoid;
 pub use paraboloid::Paraboloid;
 pub use tessellation::{SurfaceMesh, tessellate};
+pub use torus::Torus;
 
 use super::Point3;
 use crate::quadrature::gauss_legendre;
@@ -43,6 +45,9 @@ pub trait Parametric {
 
     /// `∂p/∂u` and `∂p/∂v`.
     fn partials(&self, u: f64, v: f64) -> [DVec3; 2];
+
+    /// `∂²p/∂u²`, `∂²p/∂u∂v` and `∂²p/∂v²`.
+    fn second_partials(&self, u: f64, v: f64) -> [DVec3; 3];
 
     /// Unit outward normal, also where the partials are dependent.
     fn normal_at(&self, u: f64, v: f64) -> DVec3;

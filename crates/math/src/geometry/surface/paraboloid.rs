@@ -58,6 +58,10 @@ impl Parametric for Paraboloid {
         [DVec3::new(1.0, 0.0, 2.0 * self.a * u), DVec3::new(0.0, 1.0, 2.0 * self.b * v)]
     }
 
+    fn second_partials(&self, _: f64, _: f64) -> [DVec3; 3] {
+        [DVec3::Z * 2.0 * self.a, DVec3::ZERO, DVec3::Z * 2.0 * self.b]
+    }
+
     fn normal_at(&self, u: f64, v: f64) -> DVec3 {
         DVec3::new(2.0 * self.a * u, 2.0 * self.b * v, -1.0).normalize()
     }
