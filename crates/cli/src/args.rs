@@ -282,8 +282,8 @@ pub struct MaterialArgs {
     /// Fit the three forms of Ward's model, that of Cook and Torrance, and GGX to the material, and name the nearest
     #[arg(long)]
     pub fit: bool,
-    /// Hold the material to the laws of scattering: not negative, reciprocal, no energy gained, and directions drawn by a
-    /// density that integrates to their share (χ² test), as a table with p-values
+    /// Hold the material to the laws of scattering: not negative, reciprocal, no energy gained, and directions drawn by
+    /// a density that integrates to their share (χ² test), as a table with p-values
     #[arg(long)]
     pub laws: bool,
     /// Write a table of angles that the material 'measured' reads (isotropic, every 5° and 10° of azimuth)

@@ -17,7 +17,7 @@ impl Compiler<'_> {
             return None;
         }
         let list = list.unwrap_or_default();
-        if list.is_empty() || list.len() % 48 != 0 {
+        if list.is_empty() || !list.len().is_multiple_of(48) {
             let what =
                 format!("Bézier patches need 16 'points' each, of three numbers; here are {} numbers", list.len());
             self.error(span, what);

@@ -1,4 +1,5 @@
-//! The tables of coats and of diffusion below surfaces, shared by materials: one takes milliseconds to make, and scenes have many materials.
+//! The tables of coats and of diffusion below surfaces, shared by materials: one takes milliseconds to make, and scenes
+//! have many materials.
 
 use crate::subsurface::ProfileKey;
 use std::{collections::HashMap, sync::Arc};

@@ -44,8 +44,8 @@ impl Compiler<'_> {
                 Environment { radiance, scale, image: None, celestial, portal: None, mode }
             })
         };
-        let sky = lit(scale * of_sky, &|| Celestial::Sky(SkyDome::new(&air)));
-        let sun = lit(scale * of_sun, &|| Celestial::Sun(SunDisc::new(&air, &look)));
+        let sky = lit(scale * of_sky, &|| Celestial::Sky(Box::new(SkyDome::new(&air))));
+        let sun = lit(scale * of_sun, &|| Celestial::Sun(Box::new(SunDisc::new(&air, &look))));
         [sky, sun].into_iter().flatten().map(|e| Light::Environment(Box::new(e))).collect()
     }
 

@@ -36,7 +36,7 @@ impl Compiler<'_> {
         // One that is out of range is told, and held within it.
         let emergence = Emergence::new(self.at_sodium_line(node, "eta", 1.33));
         let eta = emergence.eta();
-        let g = self.float(node, "g", 0.0).max(-0.99).min(0.99);
+        let g = self.float(node, "g", 0.0).clamp(-0.99, 0.99);
         let scale = self.float(node, "scale", 1.0);
         let (content, local) = self.content(node, scale);
         let roughness = self.roughness(node, "alpha_u", "alpha_v");

@@ -59,9 +59,9 @@ fn below(method: &str, what: &str) -> String {
 
 const COEFFICIENTS: &str = "sigma_a: {rgb: [0.02, 0.1, 0.5]}, sigma_s: {rgb: [2, 3, 4]}, g: 0.3";
 
-/// A walk at random below a surface brings, over the whole face of a ball under an even sky, exactly what `volpath` finds
-/// in a ball of glass that is filled with the medium: the two differ only in the directions in which light passes the
-/// surface, whose mean the face takes. Within 5σ of the frames, and by less than 0.004.
+/// A walk at random below a surface brings, over the whole face of a ball under an even sky, exactly what `volpath`
+/// finds in a ball of glass that is filled with the medium: the two differ only in the directions in which light passes
+/// the surface, whose mean the face takes. Within 5σ of the frames, and by less than 0.004.
 #[test]
 fn walks_bring_what_the_medium_brings() {
     let walk = seen(&ball(&below("random_walk", COEFFICIENTS)), 64);

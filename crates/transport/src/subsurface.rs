@@ -1,6 +1,6 @@
 //! From where light enters a surface to where it leaves the same object: by the profile of diffusion of the material,
-//! along rays through the surface near by (King, Kulla, Conty, Fajardo 2013, "BSSRDF Importance Sampling"), or by a walk
-//! at random through the medium below.
+//! along rays through the surface near by (King, Kulla, Conty, Fajardo 2013, "BSSRDF Importance Sampling"), or by a
+//! walk at random through the medium below.
 
 use crate::{flight::lanes, live_max, state::PathState, vertex::Vertex};
 use steradian_bsdf::{
@@ -94,8 +94,8 @@ impl<'a> Way<'a> {
 }
 
 impl PathState {
-    /// Takes a path that enters a surface to where it leaves; `None` where it is lost below. Its count of events grows by
-    /// [`EVENTS_BELOW`].
+    /// Takes a path that enters a surface to where it leaves; `None` where it is lost below. Its count of events grows
+    /// by [`EVENTS_BELOW`].
     pub fn emerge<'s>(
         &mut self,
         v: &Vertex<'s>,
@@ -141,8 +141,8 @@ impl PathState {
     }
 
     /// A point of the object at a distance that the profile draws, found along a ray through a disc: mostly across the
-    /// surface, else along it. Each of the object's points on the ray is as likely, and each axis counts with the density
-    /// with which it would have found the point.
+    /// surface, else along it. Each of the object's points on the ray is as likely, and each axis counts with the
+    /// density with which it would have found the point.
     fn probe(
         &mut self,
         object: &Object<'_>,
@@ -206,8 +206,8 @@ impl PathState {
         (density > 0.0 && self.beta.is_finite() && !self.beta.is_black()).then_some(skin)
     }
 
-    /// A walk through the medium, from a direction that light has below which entered as it leaves, until it comes to the
-    /// surface and is not reflected there.
+    /// A walk through the medium, from a direction that light has below which entered as it leaves, until it comes to
+    /// the surface and is not reflected there.
     fn walk(
         &mut self,
         object: &Object<'_>,

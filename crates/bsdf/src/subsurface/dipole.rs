@@ -1,5 +1,6 @@
 //! The dipole (Jensen et al. 2001, "A Practical Model for Subsurface Light Transport"): light that enters scatters
-//! first at one mean free path below the surface, a point source there and its image above fulfil the boundary condition.
+//! first at one mean free path below the surface, a point source there and its image above fulfil the boundary
+//! condition.
 
 use super::profile::{ProfileTable, internal_moment};
 

@@ -38,7 +38,8 @@ impl Emergence {
         fresnel::dielectric(-cos.abs(), self.eta)
     }
 
-    /// The direction within into which light is refracted that comes from one outside, both in the frame of the surface.
+    /// The direction within into which light is refracted that comes from one outside, both in the frame of the
+    /// surface.
     #[inline]
     pub fn refracted(&self, w: Vec3) -> Option<Vec3> {
         if (self.eta - 1.0).abs() < 1e-4 { Some(-w) } else { Some(fresnel::refract(w, Vec3::Z, self.eta)?.0) }

@@ -94,8 +94,8 @@ mod tests {
     use crate::TransportMode::Radiance;
     use steradian_math::hash::HashRng;
 
-    /// What enters a rough surface, and what it reflects, are together no more than what arrives, and what enters is what
-    /// the facets in view let through: for a smooth surface 1 − F.
+    /// What enters a rough surface, and what it reflects, are together no more than what arrives, and what enters is
+    /// what the facets in view let through: for a smooth surface 1 − F.
     #[test]
     fn what_is_not_reflected_enters() {
         let mut rng = HashRng::new(7);

@@ -9,8 +9,8 @@ use steradian_math::{
     warp::{cosine_hemisphere, exponential, sample_hg},
 };
 
-/// The albedo of single scattering, isotropic, for which a deep medium without a boundary that reflects gives back the part
-/// `albedo` of diffuse light: the inverse of [`deep_albedo`].
+/// The albedo of single scattering, isotropic, for which a deep medium without a boundary that reflects gives back the
+/// part `albedo` of diffuse light: the inverse of [`deep_albedo`].
 pub fn deep_single_scattering(albedo: f32) -> f32 {
     let a = albedo.clamp(0.0, 1.0);
     // 0.139 s² − (1.139 + 1.17 a) s + 1 − a = 0: the lesser root, written so that nothing cancels.
@@ -19,8 +19,8 @@ pub fn deep_single_scattering(albedo: f32) -> f32 {
     (1.0 - s * s).clamp(0.0, 1.0)
 }
 
-/// The part of diffuse light that a deep medium of isotropic scattering gives back, without a boundary that reflects: van de
-/// Hulst's fit (1980, Multiple Light Scattering), `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √(1 − a)`.
+/// The part of diffuse light that a deep medium of isotropic scattering gives back, without a boundary that reflects:
+/// van de Hulst's fit (1980, Multiple Light Scattering), `(1 − s)(1 − 0.139 s)/(1 + 1.17 s)` with `s = √(1 − a)`.
 pub fn deep_albedo(single: f32) -> f32 {
     let s = (1.0 - single).max(0.0).sqrt();
     (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
@@ -33,8 +33,8 @@ const MOST_EVENTS: usize = 2048;
 /// Albedos that are tabulated.
 const ROWS: usize = 129;
 
-/// How much light walks below a flat surface bring back, by the albedo of single scattering; found when it is first asked
-/// for, which takes a second at most.
+/// How much light walks below a flat surface bring back, by the albedo of single scattering; found when it is first
+/// asked for, which takes a second at most.
 #[derive(Debug)]
 pub struct WalkAlbedo {
     boundary: Emergence,
@@ -43,8 +43,8 @@ pub struct WalkAlbedo {
 }
 
 impl WalkAlbedo {
-    /// Below a boundary, with this mean cosine of the phase function. Walks in a medium that absorbs nothing are simulated
-    /// once; of one that comes back after n events, an albedo a leaves aⁿ.
+    /// Below a boundary, with this mean cosine of the phase function. Walks in a medium that absorbs nothing are
+    /// simulated once; of one that comes back after n events, an albedo a leaves aⁿ.
     pub fn new(boundary: Emergence, g: f32) -> Self {
         Self { boundary, g, rows: OnceLock::new() }
     }

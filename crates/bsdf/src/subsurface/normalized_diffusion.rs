@@ -3,8 +3,8 @@
 
 use super::profile::ProfileTable;
 
-/// The scale of the exponentials by the albedo of the surface (eq. 6, for light that enters at right angles), in the mean
-/// free path.
+/// The scale of the exponentials by the albedo of the surface (eq. 6, for light that enters at right angles), in the
+/// mean free path.
 fn scale(albedo: f64) -> f64 {
     1.85 - albedo + 7.0 * (albedo - 0.8).abs().powi(3)
 }

@@ -17,8 +17,8 @@ struct Boundary {
     depths: Vec<f64>,
 }
 
-/// Light that scattered more than once, per area (eqs. 8 and 11, diffusion by Grosjean with the Fresnel boundary of d'Eon
-/// and Irving 2011).
+/// Light that scattered more than once, per area (eqs. 8 and 11, diffusion by Grosjean with the Fresnel boundary of
+/// d'Eon and Irving 2011).
 fn multiple(boundary: &Boundary, sigma_a: f64, sigma_s: f64, g: f64, r: f64) -> f64 {
     let reduced_s = sigma_s * (1.0 - g);
     let reduced_t = sigma_a + reduced_s;

@@ -122,7 +122,8 @@ impl ProfileTable {
         let j = sums.partition_point(|s| *s <= target).clamp(1, RADII - 1) - 1;
         let [f, g] = [self.rings[row * RADII + j], self.rings[row * RADII + j + 1]];
         let width = self.radii[j + 1] - self.radii[j];
-        // Within the piece the integral is f x + (g − f) x²/2 over its width; its inverse, written so that nothing cancels.
+        // Within the piece the integral is f x + (g − f) x²/2 over its width; its inverse, written so that nothing
+        // cancels.
         let part = (target - sums[j]).max(0.0) / width;
         let root = (f * f + 2.0 * (g - f) * part).max(0.0).sqrt();
         let x = if f + root > 0.0 { (2.0 * part / (f + root)).clamp(0.0, 1.0) } else { 0.0 };
@@ -227,8 +228,8 @@ mod tests {
     use super::*;
     use crate::subsurface::{dipole, normalized_diffusion, photon_beam_diffusion};
 
-    /// Straight across an object, where the distance in the plane is none, samples have a density, and no point is found
-    /// so rarely that it counts for more than all lanes together would have it.
+    /// Straight across an object, where the distance in the plane is none, samples have a density, and no point is
+    /// found so rarely that it counts for more than all lanes together would have it.
     #[test]
     fn values_are_bounded_by_densities() {
         let (sigma_t, albedo) = (Spectrum::new([1.0, 4.0, 20.0, 0.0]), Spectrum::new([0.99, 0.8, 0.1, 0.0]));

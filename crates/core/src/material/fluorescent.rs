@@ -18,8 +18,8 @@ pub struct FluorescentMaterial {
 }
 
 impl FluorescentMaterial {
-    /// The surface at a point: by chance one that keeps wavelengths, or one that changes them, each as much brighter as it
-    /// is rarer. Paths come from the eye, so that `lambda` becomes what the light comes with.
+    /// The surface at a point: by chance one that keeps wavelengths, or one that changes them, each as much brighter as
+    /// it is rarer. Paths come from the eye, so that `lambda` becomes what the light comes with.
     pub(super) fn bsdf(
         &self,
         textures: &Textures,

@@ -1,5 +1,5 @@
-//! What is below a surface that light enters: coefficients of a medium as a scene gives them, and by which approximation
-//! light gets through.
+//! What is below a surface that light enters: coefficients of a medium as a scene gives them, and by which
+//! approximation light gets through.
 
 use super::{Point, Roughness};
 use std::sync::Arc;

@@ -53,8 +53,8 @@ impl Scene {
         self.facts.find_kinds(&self.parts);
     }
 
-    /// This scene with what stands in for materials below which light goes, and for those that change its wavelength, for
-    /// methods that do not follow it there.
+    /// This scene with what stands in for materials below which light goes, and for those that change its wavelength,
+    /// for methods that do not follow it there.
     #[must_use]
     pub fn with_local_scattering(self) -> Self {
         self.changed(|parts| {

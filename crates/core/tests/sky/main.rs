@@ -45,9 +45,9 @@ fn radiances_are_those_of_mitsuba() {
         let air = air(mode, n[0], n[1], n[2]);
         let sun = |limb_darkening| SunLook { coarse_rgb: true, ..look(limb_darkening) };
         let (light, tolerance, kind) = match words[0] {
-            "sky" => (Celestial::Sky(SkyDome::new(&air)), 0.003, 0),
-            "even" => (Celestial::Sun(SunDisc::new(&air, &sun(false))), 0.02, 1),
-            _ => (Celestial::Sun(SunDisc::new(&air, &sun(true))), 0.003, 2),
+            "sky" => (Celestial::Sky(Box::new(SkyDome::new(&air))), 0.003, 0),
+            "even" => (Celestial::Sun(Box::new(SunDisc::new(&air, &sun(false)))), 0.02, 1),
+            _ => (Celestial::Sun(Box::new(SunDisc::new(&air, &sun(true)))), 0.003, 2),
         };
         seen[kind] += 1;
         let (environment, w) = (environment(light, mode), toward(n[3], n[4]));
@@ -87,13 +87,13 @@ fn modes_agree() {
             let error = (spectral - rgb).abs().max_element() / rgb.max_element();
             assert!(error < tolerance, "{turbidity} {height}: {spectral} {rgb}");
         };
-        check(0.06, toward(50.0, 100.0), &|air| Celestial::Sky(SkyDome::new(air)));
-        check(0.003, toward(height + 0.1, 0.0), &|air| Celestial::Sun(SunDisc::new(air, &look(true))));
+        check(0.06, toward(50.0, 100.0), &|air| Celestial::Sky(Box::new(SkyDome::new(air))));
+        check(0.003, toward(height + 0.1, 0.0), &|air| Celestial::Sun(Box::new(SunDisc::new(air, &look(true)))));
     }
 }
 
-/// The χ² test of a light's samples: as directions in the frame of `z`, drawn apart to all of the sphere where the light
-/// is within a cone of the given `1 − cos`.
+/// The χ² test of a light's samples: as directions in the frame of `z`, drawn apart to all of the sphere where the
+/// light is within a cone of the given `1 − cos`.
 fn assert_samples_follow(name: &str, light: &Environment, z: Vec3, one_minus_cos: f32) {
     const SAMPLES: u64 = 200_000;
     let (grid, frame, k) = (SphereGrid { bands: 16, sectors: 16 }, Frame::from_z(z), one_minus_cos / 2.0);
@@ -123,11 +123,11 @@ fn samples_follow_their_densities() {
     for (turbidity, height) in [(1.0, 3.0), (3.0, 40.0), (9.0, 88.0), (3.0, 90.0)] {
         let straight = air(ColorMode::Spectral, turbidity, 0.3, height);
         let air = Atmosphere { up: turn.z, sun: turn.to_world(straight.sun), ..straight };
-        let sky = environment(Celestial::Sky(SkyDome::new(&air)), ColorMode::Spectral);
+        let sky = environment(Celestial::Sky(Box::new(SkyDome::new(&air))), ColorMode::Spectral);
         assert_samples_follow(&format!("sky {turbidity} {height}"), &sky, air.up, 2.0);
         for aperture in [0.5358_f32, 20.0] {
             let disc = SunDisc::new(&air, &SunLook { aperture, ..look(true) });
-            let sun = environment(Celestial::Sun(disc), ColorMode::Spectral);
+            let sun = environment(Celestial::Sun(Box::new(disc)), ColorMode::Spectral);
             // A little more than the disc, so that its edge is seen.
             let cone = 1.2 * (1.0 - f64::from(0.5 * aperture).to_radians().cos()) as f32;
             assert_samples_follow(&format!("sun {aperture}"), &sun, air.sun, cone);
@@ -150,7 +150,7 @@ fn light_by_samples_and_by_quadrature() {
             }
             sum / f64::from(n)
         };
-        let sky = environment(Celestial::Sky(SkyDome::new(&air)), ColorMode::Rgb);
+        let sky = environment(Celestial::Sky(Box::new(SkyDome::new(&air))), ColorMode::Rgb);
         let mut sum = 0.0_f64;
         let (nx, ny) = (1024, 1024);
         for k in 0..nx * ny {
@@ -164,7 +164,7 @@ fn light_by_samples_and_by_quadrature() {
 
         // Rings of the disc by Gauss's midpoints over the angle from its middle, whose cosine with the ground is the
         // same as of the middle in the mean over a ring.
-        let sun = environment(Celestial::Sun(SunDisc::new(&air, &look(true))), ColorMode::Rgb);
+        let sun = environment(Celestial::Sun(Box::new(SunDisc::new(&air, &look(true)))), ColorMode::Rgb);
         let (frame, half) = (Frame::from_z(air.sun), 0.2679_f32.to_radians());
         let mut sum = 0.0_f64;
         for k in 0..256 * 64 {
@@ -177,7 +177,7 @@ fn light_by_samples_and_by_quadrature() {
         assert!((sampled / sum - 1.0).abs() < 0.003, "sun {turbidity} {height}: {sampled} {sum}");
         // The even disc and discs of other sizes give as much.
         for other in [look(false), SunLook { aperture: 2.0, ..look(false) }] {
-            let other = by_samples(&environment(Celestial::Sun(SunDisc::new(&air, &other)), ColorMode::Rgb));
+            let other = by_samples(&environment(Celestial::Sun(Box::new(SunDisc::new(&air, &other))), ColorMode::Rgb));
             assert!((other / sum - 1.0).abs() < 0.01, "{turbidity} {height}: {other} {sum}");
         }
     }
@@ -188,7 +188,9 @@ fn light_by_samples_and_by_quadrature() {
 fn nights_and_the_ground_are_black() {
     for height in [-30.0, -0.3, 0.1] {
         let air = air(ColorMode::Rgb, 3.0, 0.3, height);
-        for light in [Celestial::Sky(SkyDome::new(&air)), Celestial::Sun(SunDisc::new(&air, &look(true)))] {
+        for light in
+            [Celestial::Sky(Box::new(SkyDome::new(&air))), Celestial::Sun(Box::new(SunDisc::new(&air, &look(true))))]
+        {
             let e = environment(light, ColorMode::Rgb);
             let is_lit = |h: f32| !e.radiance(Vec3::ZERO, toward(h, 0.0), &Wavelengths::RGB).is_black();
             assert!(!is_lit(-0.01) && !is_lit(-45.0));

@@ -1,5 +1,5 @@
-//! Bézier patches in text, as the Utah teapot is handed down: their number, then for each its degrees (3 and 3) and four
-//! rows of four points.
+//! Bézier patches in text, as the Utah teapot is handed down: their number, then for each its degrees (3 and 3) and
+//! four rows of four points.
 
 use super::{
     MeshError, MeshErrorKind as Kind,

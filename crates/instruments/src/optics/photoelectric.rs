@@ -107,7 +107,7 @@ mod tests {
         let exact = run(&[("noise", "0")]);
         assert!((exact.value("h from the slope") / 6.626_070_15e-34 - 1.0).abs() < 1e-10);
         assert!((exact.value("h from the slope") / 6.56e-34 - 1.0).abs() < 0.012);
-        assert!((exact.value("energy of a photon") - 1239.841_984 / 400.0).abs() < 1e-7);
+        assert!((exact.value("energy of a photon") - 1_239.841_984 / 400.0).abs() < 1e-7);
         for (metal, nm) in [("caesium", 579.37), ("platinum", 219.44)] {
             assert!((run(&[("metal", metal)]).value("threshold wavelength") - nm).abs() < 0.01, "{metal}");
         }

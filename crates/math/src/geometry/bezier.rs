@@ -91,8 +91,8 @@ pub fn segments(patches: &[BezierPatch]) -> u32 {
     if n > 1.0 { n.min(MOST_CHOSEN) as u32 } else { 1 }
 }
 
-/// The patches as triangles, with `n` segments along each side of each; cells that shrink to a triangle get one. Patches
-/// that share the control points of an edge have the same points on it. `None` for none, and for too many.
+/// The patches as triangles, with `n` segments along each side of each; cells that shrink to a triangle get one.
+/// Patches that share the control points of an edge have the same points on it. `None` for none, and for too many.
 pub fn tessellate(patches: &[BezierPatch], n: u32) -> Option<SurfaceMesh> {
     let cells = patches.len().checked_mul((n as usize).pow(2))?;
     if n == 0 || n > MOST_SEGMENTS || cells > MOST_CELLS {

@@ -35,8 +35,8 @@ impl Reradiation {
         Self { sums }
     }
 
-    /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape of
-    /// their spectrum (photons per nanometre, in any unit). A photon has an energy in proportion to 1/λ.
+    /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape
+    /// of their spectrum (photons per nanometre, in any unit). A photon has an energy in proportion to 1/λ.
     pub fn of_pigment(absorbed: impl Fn(f32) -> f32, quantum_yield: f32, emitted: impl Fn(f32) -> f32) -> Self {
         let all: f32 = (0..BINS).map(|bin| emitted(middle(bin)).max(0.0)).sum();
         let factor = if all > 0.0 { quantum_yield / all } else { 0.0 };
@@ -98,8 +98,9 @@ pub struct BispectralTable {
 }
 
 impl BispectralTable {
-    /// Reads a table of text: in its first line the wavelengths that light leaves with, in nm, then a line for each that it
-    /// comes with, which begins with that; values in 1/nm, separated by white space or commas. `#` starts a comment.
+    /// Reads a table of text: in its first line the wavelengths that light leaves with, in nm, then a line for each
+    /// that it comes with, which begins with that; values in 1/nm, separated by white space or commas. `#` starts a
+    /// comment.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let mut table = Self { out: Vec::new(), from: Vec::new(), values: Vec::new() };
         for (line, content) in text.lines().enumerate().map(|(i, l)| (i + 1, l)) {
@@ -164,8 +165,8 @@ mod tests {
         Reradiation::of_pigment(absorbed, 0.9, |l| (-((l - 520.0) / 25.0).powi(2)).exp())
     }
 
-    /// Of photons at the middle of absorption 0.8 are absorbed, of which nine in ten leave; their energy is less, by the
-    /// ratio of wavelengths.
+    /// Of photons at the middle of absorption 0.8 are absorbed, of which nine in ten leave; their energy is less, by
+    /// the ratio of wavelengths.
     #[test]
     fn photons_and_energy_are_those_of_the_pigment() {
         let matrix = pigment();

@@ -43,9 +43,9 @@ impl Atmosphere {
 #[derive(Clone, Debug)]
 pub enum Celestial {
     /// The sky without the sun.
-    Sky(SkyDome),
+    Sky(Box<SkyDome>),
     /// The sun without the sky.
-    Sun(SunDisc),
+    Sun(Box<SunDisc>),
 }
 
 impl Celestial {

@@ -56,7 +56,8 @@ impl Moment {
         let (sin_b, cos_b) = self.latitude.to_radians().sin_cos();
         let up = cos_b * meridian + sin_b * equatorial.z;
         let north = cos_b * equatorial.z - sin_b * meridian;
-        // Parallax: seen from the surface, the zenith angle is greater by the Earth's radius over the distance times its sine.
+        // Parallax: seen from the surface, the zenith angle is greater by the Earth's radius over the distance times
+        // its sine.
         const PARALLAX: f64 = 6371.01 / 149_597_890.0;
         DVec3::new(north, -east, up - PARALLAX).normalize()
     }
@@ -72,9 +73,9 @@ mod tests {
         (d.z.asin().to_degrees(), (-d.y).atan2(d.x).to_degrees().rem_euclid(360.0))
     }
 
-    /// The example of Reda and Andreas, "Solar position algorithm for solar radiation applications" (NREL/TP-560-34302),
-    /// table A5.1: Golden, 17 October 2003, 12:30:30 at UTC−7: zenith angle 50.11162° with refraction of 0.016°, azimuth
-    /// 194.34024°.
+    /// The example of Reda and Andreas, "Solar position algorithm for solar radiation applications"
+    /// (NREL/TP-560-34302), table A5.1: Golden, 17 October 2003, 12:30:30 at UTC−7: zenith angle 50.11162° with
+    /// refraction of 0.016°, azimuth 194.34024°.
     #[test]
     fn the_published_example() {
         let m = Moment {

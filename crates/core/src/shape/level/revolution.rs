@@ -33,8 +33,8 @@ impl Revolution {
         is_sound.then(|| Self { profile: Profile::Line(a, b), phi_max, quadric: Quadric::new(c) })
     }
 
-    /// The paraboloid with its apex at the origin and a radius at the height `z[1]`, above 0, from the height `z[0]` on;
-    /// turned by `phi_max` radians.
+    /// The paraboloid with its apex at the origin and a radius at the height `z[1]`, above 0, from the height `z[0]`
+    /// on; turned by `phi_max` radians.
     pub fn parabola(radius: f64, z: [f64; 2], phi_max: f64) -> Option<Self> {
         let k = radius * radius / z[1];
         let quadric = Quadric::new([1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.5 * k, 0.0]);

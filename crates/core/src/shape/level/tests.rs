@@ -175,15 +175,15 @@ fn sampled(f: impl Fn(DVec3) -> f64, ray: &Ray, size: f64) -> Option<f64> {
     let at = |t: f64| Some(o + d * t).filter(|p| p.abs().max_element() <= size).map(&f);
     let (mut t, step) = (0.0, 1e-3);
     while t < 12.0 {
-        if let (Some(a), Some(b)) = (at(t), at(t + step)) {
-            if (a < 0.0) != (b < 0.0) {
-                let (mut low, mut high) = (t, t + step);
-                for _ in 0..60 {
-                    let m = 0.5 * (low + high);
-                    if (f(o + d * m) < 0.0) == (a < 0.0) { low = m } else { high = m }
-                }
-                return Some(low);
+        if let (Some(a), Some(b)) = (at(t), at(t + step))
+            && (a < 0.0) != (b < 0.0)
+        {
+            let (mut low, mut high) = (t, t + step);
+            for _ in 0..60 {
+                let m = 0.5 * (low + high);
+                if (f(o + d * m) < 0.0) == (a < 0.0) { low = m } else { high = m }
             }
+            return Some(low);
         }
         t += step;
     }
