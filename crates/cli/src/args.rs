@@ -294,7 +294,8 @@ pub struct MaterialArgs {
     #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval", "microsurface"])]
     pub geometry: Option<String>,
     /// Measure a random Gaussian surface of this roughness α (Beckmann), made of the kind, as if it were a material
-    #[arg(long, value_name = "ALPHA", value_parser = values::roughness, conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval"])]
+    #[arg(long, value_name = "ALPHA", value_parser = values::roughness)]
+    #[arg(conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval"])]
     pub microsurface: Option<f32>,
     /// Values and densities for pairs of directions from a JSON file: [{"wo": [x,y,z], "wi": [x,y,z]}, …]
     #[arg(long, value_name = "PAIRS.json")]

@@ -14,8 +14,8 @@ impl Compiler<'_> {
         let node = placed.node;
         if placed.emits {
             let what = format!(
-                "shape '{}' cannot emit light; the light is left out: meshes, loop_subdivision, spheres, disks, cylinders, \
-                 height fields and planes can",
+                "shape '{}' cannot emit light; the light is left out: meshes, loop_subdivision, spheres, disks, \
+                 cylinders, height fields and planes can",
                 node.kind
             );
             self.diagnostics.dropped(&self.desc.sources, node.span, what);

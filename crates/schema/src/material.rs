@@ -297,7 +297,8 @@ pub const MATERIALS: &[Model] = &[
                 "coupling",
                 "sum, ashikhmin_shirley, fresnel",
                 "sum",
-                "how the diffuse part gives way to the facets; in a sum not at all: both albedos are scaled where they exceed one together",
+                "how the diffuse part gives way to the facets; in a sum not at all: both albedos are scaled where \
+                 they exceed one together",
             ),
             scalar("alpha_u", ALPHA, "0.3", "roughness along the tangent").not_negative(),
             ALPHA_V,
@@ -369,8 +370,8 @@ pub const MATERIALS: &[Model] = &[
             file("matrix", "none", "table of reradiation in 1/nm, instead of absorption and emission"),
         ],
         groups: &[&DETAIL],
-        source: "Donaldson, Spectrophotometry of fluorescent pigments (1954); Mojzík et al., Handling Fluorescence in a \
-         Uni-directional Spectral Path Tracer (2018)",
+        source: "Donaldson, Spectrophotometry of fluorescent pigments (1954); Mojzík et al., Handling Fluorescence in \
+         a Uni-directional Spectral Path Tracer (2018)",
     },
     Model {
         kind: "subsurface",

@@ -13,8 +13,8 @@ pub fn page(family: Family) -> String {
         family.noun()
     );
     if family == Family::Shape {
-        out += "\nSome are in `scenes/shapes.steradian`: cone, paraboloid, hyperboloid and quadric, two of implicit, polygon, \
-                bezier_patch.\n\n![shapes](shapes.jpg)\n";
+        out += "\nSome are in `scenes/shapes.steradian`: cone, paraboloid, hyperboloid and quadric, two of implicit, \
+         polygon, bezier_patch.\n\n![shapes](shapes.jpg)\n";
     }
     for model in family.models() {
         let Model { kind, doc, parameters, source, .. } = model;

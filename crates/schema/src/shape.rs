@@ -113,8 +113,8 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "hyperboloid",
-        doc: "what a line between two points of different z sweeps that is turned around z: a hyperboloid of one sheet, \
-         or a cone or cylinder; normals are away from z where p2 is above p1; it does not emit",
+        doc: "what a line between two points of different z sweeps that is turned around z: a hyperboloid of one \
+         sheet, or a cone or cylinder; normals are away from z where p2 is above p1; it does not emit",
         parameters: &[vector("p1", "0,0,0", "one end"), vector("p2", "1,1,1", "the other end"), PHI_MAX],
         groups: &[&ANY_SHAPE],
         source: "pbrt-v3, 3.5",
@@ -129,15 +129,15 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "implicit",
-        doc: "where an expression changes its sign, in a box; normals are towards where it grows. Of one ray 8192 parts, \
-         and two million operations, are looked at closely; what is beyond is told by the signs at the ends of parts. It \
-         has no coordinates and does not emit",
+        doc: "where an expression changes its sign, in a box; normals are towards where it grows. Of one ray 8192 \
+         parts, and two million operations, are looked at closely; what is beyond is told by the signs at the ends of \
+         parts. It has no coordinates and does not emit",
         parameters: &[
             text(
                 "expression",
                 "needed",
-                "of x, y, z, pi and numbers with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp and log; of \
-                 4096 letters, 1024 operations and 64 levels at most; what is not defined is no surface",
+                "of x, y, z, pi and numbers with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp and log; \
+                 of 4096 letters, 1024 operations and 64 levels at most; what is not defined is no surface",
             ),
             BOX_MIN,
             BOX_MAX,
@@ -147,8 +147,8 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "polygon",
-        doc: "a plane polygon, which may be concave, cross itself, and have holes; it becomes triangles, and its u and v \
-         go from 0 to 1 over its box in the plane of two axes",
+        doc: "a plane polygon, which may be concave, cross itself, and have holes; it becomes triangles, and its u \
+         and v go from 0 to 1 over its box in the plane of two axes",
         parameters: &[
             list("points", "needed", "corners, three numbers each, in one plane"),
             list("loops", "none; all in one", "how many of the points each outline has, in order"),
@@ -164,15 +164,16 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "bezier_patch",
-        doc: "bicubic Bézier patches, which become triangles with the normals of the patches; normals are along ∂p/∂u × ∂p/∂v",
+        doc: "bicubic Bézier patches, which become triangles with the normals of the patches; normals are along ∂p/∂u \
+         × ∂p/∂v",
         parameters: &[
             list("points", "needed", "16 control points for each patch, three numbers each, in four rows along u"),
             integer(
                 "level",
                 ANY,
                 "0",
-                "segments along each side of a patch, held in [0, 256]; 0 keeps within a thousandth of the size of all, \
-                 with 64 at most",
+                "segments along each side of a patch, held in [0, 256]; 0 keeps within a thousandth of the size of \
+                 all, with 64 at most",
             ),
         ],
         groups: &[&ANY_SHAPE],
