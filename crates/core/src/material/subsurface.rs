@@ -94,7 +94,10 @@ impl SubsurfaceMaterial {
             Content::Coefficients(absorption, scattering) => {
                 let (a, s) = (p.unbounded(absorption), p.unbounded(scattering) * kept);
                 let albedo = ratio(s, a + s);
-                (a + s, if by_surface { albedo.map(deep_albedo) } else { albedo })
+                // Of what comes back to the surface a part is sent down again.
+                let k = self.emergence.diffuse_reflected_within();
+                let by_boundary = |a: f32| (1.0 - k) * a / (1.0 - k * a);
+                (a + s, if by_surface { albedo.map(|a| by_boundary(deep_albedo(a))) } else { albedo })
             }
             Content::Albedo(albedo, path) => {
                 let albedo = p.albedo(albedo);
