@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{Depth, Plan, Session};
 use std::sync::Arc;
-use steradian_core::Scene;
+use steradian_core::{Scene, camera::Projection};
 use steradian_engine::Passes;
 
 /// What only `path` and `volpath` follow.
@@ -84,6 +84,9 @@ impl PassKind {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         if scene.camera().motion.is_some() {
             return Some("a camera that moves".into());
+        }
+        if matches!(scene.camera().projection, Projection::Realistic(_)) {
+            return Some("a camera with a lens of several elements (realistic): what it sees has no inverse".into());
         }
         if scene.has_subsurface() {
             return Some(BELOW_SURFACES.into());
