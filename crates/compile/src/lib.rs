@@ -27,6 +27,7 @@ mod pbr;
 mod polygon;
 mod principled;
 mod ranges;
+mod realistic;
 mod shapes;
 mod sky;
 mod sound;

@@ -79,16 +79,18 @@ impl Compiler<'_> {
                 (Projection::Orthographic, half)
             }
             "spherical" => {
-                let p = self.choice(
-                    node,
-                    "mapping",
-                    Projection::SphericalEqualArea,
-                    &[
-                        ("equalarea", Projection::SphericalEqualArea),
-                        ("equirectangular", Projection::SphericalEquirectangular),
-                    ],
-                );
+                let names = [("equalarea", false), ("equirectangular", true)];
+                let equirectangular = self.choice(node, "mapping", false, &names);
+                let p = match equirectangular {
+                    true => Projection::SphericalEquirectangular,
+                    false => Projection::SphericalEqualArea,
+                };
                 (p, Vec2::ONE)
+            }
+            "realistic" => {
+                let lens = self.lens_system(node)?;
+                let half = 0.5e-3 * self.film_diagonal(node) / lens.image_distance();
+                (Projection::Realistic(lens), Vec2::new(aspect, 1.0) * (half / aspect.hypot(1.0)))
             }
             other => {
                 let help = names::did_you_mean(other, Family::Camera.kinds());
@@ -103,7 +105,7 @@ impl Compiler<'_> {
                 return None;
             }
             // The window is in units of the shorter half axis.
-            let k = match projection {
+            let k = match &projection {
                 Projection::Perspective => half.x / unit.x,
                 _ => 1.0,
             };
@@ -114,7 +116,10 @@ impl Compiler<'_> {
             let (ww, wh) = (window[1] - window[0], window[3] - window[2]);
             window = [window[0] - dx * ww, window[1] - dx * ww, window[2] + dy * wh, window[3] + dy * wh];
         }
-        let lens_radius = self.float(node, "lens_radius", 0.0).max(0.0);
+        let lens_radius = match &projection {
+            Projection::Realistic(lens) => lens.stop_radius(),
+            _ => self.float(node, "lens_radius", 0.0).max(0.0),
+        };
         let focal_distance = self.positive(node, "focal_distance", 1e6);
         let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
         let medium = self.reference(node, "medium");

@@ -140,7 +140,8 @@ pub struct PixelSample {
 }
 
 impl PixelSample {
-    /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film gives it.
+    /// A sample of a pixel, by its number and the numbers of its group, and the weight that the film
+    /// and the camera give it.
     pub fn at(scene: &Scene, sampler: &Sampler, partition: &Partition, index: u32, place: &Place) -> (Self, f32) {
         let film = scene.film();
         let own = sampler.pixel(place.x, place.y, index);
@@ -154,8 +155,8 @@ impl PixelSample {
         let point = Vec2::new(place.x as f32 + 0.5, place.y as f32 + 0.5) + offset;
         let lens = if scene.camera().lens_radius > 0.0 { own.get_2d(dimension::LENS) } else { Vec2::splat(0.5) };
         let lambda = scene.mode().wavelengths(|| common(dimension::WAVELENGTH));
-        let lambda = if scene.is_timed() { lambda.at_time(common(dimension::TIME)) } else { lambda };
-        let ray = scene.camera().ray_at(film, point, lens, lambda.time);
-        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO, rays: 0 }, weight)
+        let mut lambda = if scene.is_timed() { lambda.at_time(common(dimension::TIME)) } else { lambda };
+        let (ray, share) = scene.camera().sample(film, point, lens, &mut lambda);
+        (Self { ray, own, joint, lambda, radiance: Spectrum::ZERO, rays: 0 }, weight * share)
     }
 }

@@ -73,6 +73,11 @@ impl Projected {
         let perspective = match camera.projection {
             Projection::Perspective => true,
             Projection::Orthographic => false,
+            Projection::Realistic(_) => {
+                return Err(Error::Scene(
+                    "raster needs a perspective or orthographic camera, not one with a lens of several elements".into(),
+                ));
+            }
             _ => {
                 return Err(Error::Scene(
                     "raster needs a perspective or orthographic camera, not one of all directions".into(),

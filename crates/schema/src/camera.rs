@@ -2,7 +2,7 @@
 
 use crate::{
     model::{Group, Model},
-    parameter::{ANY, POSITIVE, Parameter, Type, list, number, transform, word},
+    parameter::{ANY, POSITIVE, Parameter, Type, file, list, number, transform, word},
 };
 
 const NEAR: Parameter = number("near", ANY, "0", "distance along the axis where rays start; below 0 counts as 0");
@@ -71,6 +71,45 @@ pub const CAMERAS: &[Model] = &[
         )],
         groups: &[&ANY_CAMERA],
         source: "pbrt-v4, 5.3; Clarberg, Fast equal-area mapping of the (hemi)sphere (2008)",
+    },
+    Model {
+        kind: "realistic",
+        doc: "a lens of several elements before a film: the picture is irradiance of the film, with the lens's \
+              distortion, vignetting and aberrations. A unit of camera space is a metre, and the film is at its origin",
+        parameters: &[
+            file(
+                "file",
+                "none",
+                "the lens as pbrt has it: rows as in elements, with the Abbe number as a fifth column by choice",
+            ),
+            list(
+                "elements",
+                "a double Gauss of 50 mm, f/2",
+                "for each surface, from the scene to the film: radius of curvature (above 0 bulges to the scene; 0 is \
+                 the stop), distance to the next surface, index of refraction behind it (0 is air), diameter; mm",
+            ),
+            list(
+                "abbe",
+                "none",
+                "for each surface the Abbe number of what is behind it, 0 for none: in spectral mode colours split",
+            )
+            .where_given("elements"),
+            number("aperture_diameter", POSITIVE, "the stop's", "of the stop, at most the one in the table")
+                .unit("mm")
+                .refused(),
+            number("focus_distance", POSITIVE, "10", "from the film to what is in focus").unit("m").refused(),
+            word(
+                "aperture",
+                "circle, square, pentagon, star, gaussian",
+                "circle",
+                "the shape of the stop, as bright as the circle",
+            ),
+            file("aperture_file", "none", "a picture of the stop instead, over the square around it"),
+            number("film_diagonal", POSITIVE, "35", "corner to corner of the film").unit("mm").refused(),
+        ],
+        groups: &[&ANY_CAMERA],
+        source: "Kolb, Mitchell, Hanrahan, A realistic camera model for computer graphics (1995); pbrt-v3, 6.4; \
+                 pbrt-v4, 5.3",
     },
 ];
 

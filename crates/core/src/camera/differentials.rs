@@ -26,7 +26,8 @@ impl Camera {
         let step = Vec2::new((x1 - x0) / film.width as f32, (y0 - y1) / film.height as f32) * spacing;
         // In camera space, before directions are made unit.
         let (origin, direction) = match self.projection {
-            Projection::Perspective => {
+            // A lens of several elements changes its rays about as a thin one does.
+            Projection::Perspective | Projection::Realistic(_) => {
                 if d.z <= 0.0 {
                     return None;
                 }
@@ -53,8 +54,7 @@ impl Camera {
                 ([Vec3::ZERO; 2], [frame.x * side, frame.y * side])
             }
         };
-        let planar = matches!(self.projection, Projection::Perspective | Projection::Orthographic);
-        let scale = if planar { d.z } else { d.length() };
+        let scale = if self.is_planar() { d.z } else { d.length() };
         // The direction with the length that the changes are stated for.
         let long = d / scale;
         let near = if self.near > 0.0 && d.z > 0.0 { self.near } else { 0.0 };
@@ -70,6 +70,11 @@ impl Camera {
         })
     }
 
+    /// Whether the frame is a window on a plane.
+    fn is_planar(&self) -> bool {
+        !matches!(self.projection, Projection::SphericalEqualArea | Projection::SphericalEquirectangular)
+    }
+
     /// The smallest differentials over the film, for `spp` samples per pixel.
     pub fn view_footprint(&self, film: &FilmSpec, spp: u32) -> ViewFootprint {
         const STEPS: u32 = 512;
@@ -83,8 +88,7 @@ impl Camera {
         for i in 0..STEPS {
             let s = (i as f32 + 0.5) / STEPS as f32;
             // Along the diagonal; of the whole sphere along the horizon, since pixels shrink to nothing at its poles.
-            let planar = matches!(self.projection, Projection::Perspective | Projection::Orthographic);
-            let row = if planar { s } else { 0.5 };
+            let row = if self.is_planar() { s } else { 0.5 };
             let ray = self.ray(film, Vec2::new(film.width as f32 * s, film.height as f32 * row), Vec2::splat(0.5));
             let Some(differential) = self.differential(film, &ray, spacing) else { continue };
             let frame = upright(inverse.vector(ray.direction).normalize_or_zero());
@@ -175,7 +179,7 @@ mod tests {
             let planar = matches!(projection, Projection::Perspective | Projection::Orthographic);
             for lens_radius in [0.0, 0.2].into_iter().take(if planar { 2 } else { 1 }) {
                 let near = if planar { 0.01 } else { 0.0 };
-                all.push(Camera { projection, lens_radius, near, ..base.clone() });
+                all.push(Camera { projection: projection.clone(), lens_radius, near, ..base.clone() });
             }
         }
         all

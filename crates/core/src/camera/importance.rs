@@ -34,7 +34,7 @@ pub struct RayDensity {
 }
 
 impl Camera {
-    /// Whether light can be received: all but spherical cameras with a lens.
+    /// Whether light can be received: by all but spherical cameras with a lens, and lenses of several elements.
     pub fn can_receive(&self) -> bool {
         let is_planar = matches!(self.projection, Projection::Perspective | Projection::Orthographic);
         is_planar || self.lens_radius <= 0.0
@@ -61,6 +61,8 @@ impl Camera {
                 let w = Vec2::new(local.x, local.y) - lens * (1.0 - local.z / self.focal_distance);
                 ((w + lens).extend(0.0), self.of_window(film, w))
             }
+            // Which way through the lens leads to a point is not known.
+            Projection::Realistic(_) => return None,
             Projection::SphericalEqualArea => {
                 let d = swap_yz(local.try_normalize()?);
                 (Vec3::ZERO, warp::equal_area_sphere_to_square(d) * size(film))
@@ -103,7 +105,7 @@ impl Camera {
         let per_window = (film.width as f32 * film.height as f32 / ((x1 - x0) * (y1 - y0))).abs();
         let pixels = film.width as f32 * film.height as f32;
         let in_camera = match self.projection {
-            Projection::Perspective => per_window / d.z.powi(3),
+            Projection::Perspective | Projection::Realistic(_) => per_window / d.z.powi(3),
             Projection::Orthographic => {
                 let m = &self.world_from_camera;
                 let window = m.vector(Vec3::X).cross(m.vector(Vec3::Y)).dot(direction).abs();
@@ -164,7 +166,7 @@ mod tests {
             for lens_radius in [0.0, 0.2].into_iter().take(if planar { 2 } else { 1 }) {
                 all.push(Camera {
                     motion: None,
-                    projection,
+                    projection: projection.clone(),
                     lens_radius,
                     near: if planar { 0.05 } else { 0.0 },
                     world_from_camera: place.affine().unwrap(),

@@ -2,15 +2,17 @@
 
 mod differentials;
 pub mod importance;
+mod lens;
 
 pub use differentials::ViewFootprint;
+pub use lens::{DOUBLE_GAUSS, LensElement, LensSystem, Stop};
 
 use crate::film::FilmSpec;
 use std::sync::Arc;
-use steradian_math::{Motion, Ray, Vec2, Vec3, transform::Affine, warp};
+use steradian_math::{Motion, Ray, Vec2, Vec3, spectra::Wavelengths, transform::Affine, warp};
 
 /// How the film maps to directions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Projection {
     /// Through a point: window coordinates are tangents.
     Perspective,
@@ -20,6 +22,9 @@ pub enum Projection {
     SphericalEqualArea,
     /// All directions, by longitude and latitude.
     SphericalEquirectangular,
+    /// Through a lens of several elements: window coordinates are tangents of the pinhole that its thin lens would be.
+    /// The film is in the plane z = 0, and units of camera space are metres.
+    Realistic(Arc<LensSystem>),
 }
 
 /// A camera.
@@ -33,7 +38,7 @@ pub struct Camera {
     pub motion: Option<Arc<Motion>>,
     /// Window on the plane z = 1 that the frame covers: x0, x1 (left to right), y0, y1 (bottom to top).
     pub window: [f32; 4],
-    /// Radius of the thin lens; zero for a pinhole.
+    /// Radius of the thin lens, or of the stop of a lens of several elements; zero for a pinhole.
     pub lens_radius: f32,
     /// Distance of the plane in focus.
     pub focal_distance: f32,
@@ -130,7 +135,8 @@ impl Camera {
         let s = Vec2::new(pixel.x / film.width as f32, pixel.y / film.height as f32);
         let [x0, x1, y0, y1] = self.window;
         let w = Vec2::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y);
-        let (mut origin, mut direction) = match self.projection {
+        let (mut origin, mut direction) = match &self.projection {
+            Projection::Realistic(lenses) => return self.lens_ray(lenses, w, lens, lens::D_LINE).0,
             Projection::Perspective => (Vec3::ZERO, Vec3::new(w.x, w.y, 1.0)),
             Projection::Orthographic => (Vec3::new(w.x, w.y, 0.0), Vec3::Z),
             Projection::SphericalEqualArea => (Vec3::ZERO, swap_yz(warp::equal_area_square_to_sphere(s))),
@@ -154,9 +160,42 @@ impl Camera {
 
     /// [`Self::ray`] at a moment of the exposure.
     #[inline]
-    pub fn ray_at(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2, time: f32) -> Ray {
-        let ray = Ray { time, ..self.ray(film, pixel, lens) };
-        let Some(place) = self.motion.as_ref().and_then(|motion| motion.at(time)) else { return ray };
+    fn ray_at(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2, time: f32) -> Ray {
+        self.moved(Ray { time, ..self.ray(film, pixel, lens) })
+    }
+
+    /// The ray of a sample, at the moment of its wavelengths, and what share of its radiance counts: 1 but for a lens of
+    /// several elements, where it turns radiance into irradiance of the film. It is 0 where the lens stops the ray, and
+    /// the ray is then that of a pinhole. A lens that disperses leaves the hero wavelength alone.
+    #[inline]
+    pub fn sample(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2, lambda: &mut Wavelengths) -> (Ray, f32) {
+        let Projection::Realistic(lenses) = &self.projection else {
+            return (self.ray_at(film, pixel, lens, lambda.time), 1.0);
+        };
+        let s = Vec2::new(pixel.x / film.width as f32, pixel.y / film.height as f32);
+        let [x0, x1, y0, y1] = self.window;
+        let w = Vec2::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y);
+        let is_split = lenses.is_dispersive() && *lambda != Wavelengths::RGB.at_time(lambda.time);
+        if is_split {
+            lambda.terminate_secondary();
+        }
+        let nm = if is_split { f64::from(lambda.lambda[0]) } else { lens::D_LINE };
+        let (ray, weight) = self.lens_ray(lenses, w, lens, nm);
+        (self.moved(Ray { time: lambda.time, ..ray }), weight)
+    }
+
+    /// A ray through a lens of several elements in the world, and its weight.
+    fn lens_ray(&self, lenses: &LensSystem, window: Vec2, lens: Vec2, nm: f64) -> (Ray, f32) {
+        let stopped = || (Vec3::Z * lenses.front(), window.extend(1.0), 0.0);
+        let (origin, direction, weight) = lenses.ray(window, lens, nm).unwrap_or_else(stopped);
+        let d = self.world_from_camera.vector(direction);
+        (Ray::new(self.world_from_camera.point(origin), d.normalize()), weight)
+    }
+
+    /// A ray where the camera is at the ray's moment.
+    #[inline]
+    fn moved(&self, ray: Ray) -> Ray {
+        let Some(place) = self.motion.as_ref().and_then(|motion| motion.at(ray.time)) else { return ray };
         let ray = place.ray(&self.world_from_camera.inverse().ray(&ray));
         Ray { direction: ray.direction.normalize(), ..ray }
     }

@@ -5,8 +5,11 @@ use steradian_scene::{Family, Movement, NodeId, names};
 
 const KINDS: [&str; 4] = ["perspective", "orthographic", "spherical", "realistic"];
 
-/// Translates the camera; the transforms of `state` take the world to camera space.
-pub(super) fn translate(scene: &mut Scene, dict: &Dict, state: &State) -> Option<NodeId> {
+/// Shapes of a lens's stop that have names.
+const STOPS: [&str; 4] = ["gaussian", "square", "pentagon", "star"];
+
+/// Translates the camera; the transforms of `state` take the world to camera space. What is behind a lens is the film.
+pub(super) fn translate(scene: &mut Scene, dict: &Dict, state: &State, film: Option<&Dict>) -> Option<NodeId> {
     let medium = state.exterior.as_ref();
     let movement = scene.movement(state);
     let given = dict.kind.as_str();
@@ -15,8 +18,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, state: &State) -> Option
         scene.report.error_help(dict.span, format!("unknown camera '{given}'"), help);
         return None;
     }
-    let kind = if given == "realistic" { "perspective" } else { given };
-    let mut b = Build::new(scene, dict, Family::Camera, kind);
+    let mut b = Build::new(scene, dict, Family::Camera, given);
     let [Some(to_world), Some(end)] = state.ctm.map(|ctm| ctm.inverse()) else {
         b.scene.report.error(dict.span, "the transform in force at the camera cannot be inverted");
         return None;
@@ -49,7 +51,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, state: &State) -> Option
             }
             b.dict.floats(&mut b.scene.report, "screenwindow", Type::Float);
         }
-        _ => realistic(&mut b),
+        _ => realistic(&mut b, film),
     }
     for (from, to, default) in [("shutteropen", "shutter_open", 0.0), ("shutterclose", "shutter_close", 1.0)] {
         b.float(from, to, default);
@@ -87,16 +89,16 @@ fn window(b: &mut Build) {
     }
 }
 
-/// A camera of lens elements: stood in for by a pinhole with the field of view of a normal lens.
-fn realistic(b: &mut Build) {
-    let span = b.span();
-    b.scene
-        .report
-        .approximated(span, "camera 'realistic' is rendered as 'perspective' with a field of view of 40 degrees");
-    b.dict.text(&mut b.scene.report, "lensfile");
-    b.dict.text(&mut b.scene.report, "aperture");
-    b.dict.float(&mut b.scene.report, "aperturediameter");
-    b.dict.float(&mut b.scene.report, "focusdistance");
-    b.set("fov", 40.0);
-    b.set("fov_axis", "smaller");
+/// A camera of lens elements.
+fn realistic(b: &mut Build, film: Option<&Dict>) {
+    b.required_file("lensfile", "file");
+    b.positive("aperturediameter", "aperture_diameter", 1.0);
+    b.positive("focusdistance", "focus_distance", 10.0);
+    let named = b.dict.text(&mut b.scene.report, "aperture").map(|(name, _)| name);
+    match named.and_then(|name| STOPS.into_iter().find(|s| *s == name)) {
+        Some(shape) => b.set("aperture", shape),
+        None => _ = b.file("aperture", "aperture_file"),
+    }
+    let diagonal = film.and_then(|film| film.float(&mut b.scene.report, "diagonal"));
+    b.set("film_diagonal", diagonal.unwrap_or(35.0));
 }

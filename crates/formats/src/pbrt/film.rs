@@ -40,7 +40,7 @@ pub(super) fn film(scene: &mut Scene, dict: &Dict, exposure: f64) -> Option<Node
         b.set("white_balance", 6500.0);
     }
     b.positive("maxcomponentvalue", "max_component", None);
-    // The size of the film matters to lens systems only, the precision to the file that is written.
+    // The size of the film matters to lens systems only, and is theirs; the precision to the file that is written.
     b.dict.float(&mut b.scene.report, "diagonal");
     b.dict.bool(&mut b.scene.report, "savefp16");
     match kind {

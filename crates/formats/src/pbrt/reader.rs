@@ -128,7 +128,7 @@ impl<'o> Reader<'o> {
         let anywhere = Span::new(steradian_scene::FileId(0), 0, 0);
         let or = |dict: Option<Dict>, kind: &str| dict.unwrap_or_else(|| Dict::absent(kind, anywhere));
         let (dict, state) = camera.unwrap_or_else(|| (Dict::absent("perspective", anywhere), State::default()));
-        let camera = camera::translate(scene, &dict, &state);
+        let camera = camera::translate(scene, &dict, &state, film.as_ref());
         scene.settle_media();
         let shutter = |name| camera.and_then(|id| scene.desc.node(id).float(name));
         let exposure = shutter("shutter_close").unwrap_or(1.0) - shutter("shutter_open").unwrap_or(0.0);

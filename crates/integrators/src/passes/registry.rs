@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{Depth, Plan, Session};
 use std::sync::Arc;
-use steradian_core::Scene;
+use steradian_core::{Scene, camera::Projection};
 use steradian_engine::Passes;
 
 /// What of a scene only `path` and `volpath` follow.
@@ -92,6 +92,9 @@ impl PassKind {
         }
         if let Some(what) = for_paths_alone(scene) {
             return Some(what.into());
+        }
+        if matches!(scene.camera().projection, Projection::Realistic(_)) {
+            return Some("a camera with a lens of several elements (realistic): what it sees has no inverse".into());
         }
         match self {
             Self::Bidirectional(m) => m.cannot(scene),

@@ -117,7 +117,7 @@ fn trace<const MEDIA: bool>(
     let within = sampler.get_2d(dimension::FILM);
     let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
     let place = Vec2::new(place(0, film.width), place(1, film.height));
-    let ray = scene.camera().ray_at(film, place, sampler.get_2d(dimension::LENS), lambda.time);
+    let (ray, share) = scene.camera().sample(film, place, sampler.get_2d(dimension::LENS), &mut lambda);
     let counters = &mut Counters::until(&precomputed.stop);
     let context = &mut PathContext { scene, sampler, lambda: &mut lambda, counters };
     let mut path_state = PathState::camera(scene, ray);
@@ -130,7 +130,7 @@ fn trace<const MEDIA: bool>(
             Arrival::Vertex(v) => light += path_state.beta * v.direct::<MEDIA>(path_state.events, context),
             Arrival::End => {}
         }
-        let light = f64::from(scene.mode().luminance(light, context.lambda) * film.imaging_ratio);
+        let light = f64::from(scene.mode().luminance(light, context.lambda) * film.imaging_ratio * share);
         if light.is_finite() && light != 0.0 {
             found.push((light, ratio));
         }

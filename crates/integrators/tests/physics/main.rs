@@ -13,6 +13,7 @@ mod glass;
 mod highlights;
 mod irradiance;
 mod lab;
+mod lenses;
 mod lights;
 mod masks;
 mod materials;

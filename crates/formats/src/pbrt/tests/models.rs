@@ -80,8 +80,21 @@ fn cameras() {
     let d = options("Camera \"spherical\" \"string mapping\" \"equirectangular\"");
     check(camera(&d), "spherical", &[("mapping", some("equirectangular"))]);
     let i = load("Camera \"realistic\" \"string lensfile\" \"wide.dat\" WorldBegin");
-    assert!(i.diagnostics.is_lossy() && !i.diagnostics.has_errors());
-    assert_eq!(camera(&i.desc).kind, "perspective");
+    assert!(i.diagnostics.has_errors(), "there is no such file");
+    let i = load(
+        "Camera \"realistic\" \"float focusdistance\" 2 \"string aperture\" \"star\" Film \"rgb\" \"float diagonal\" 43 WorldBegin",
+    );
+    assert!(i.diagnostics.has_errors(), "a lens is needed");
+    check(
+        camera(&i.desc),
+        "realistic",
+        &[
+            ("focus_distance", some(2.0)),
+            ("aperture_diameter", some(1.0)),
+            ("film_diagonal", some(43.0)),
+            ("aperture", some("star")),
+        ],
+    );
 }
 
 #[test]
