@@ -33,7 +33,8 @@ pub struct MeterArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub at: [f32; 3],
     /// Irradiance and illuminance of a plane, on the side of this normal
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true, conflicts_with = "direction")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "direction")]
     pub normal: Option<[f32; 3]>,
     /// Radiance and luminance that arrive from this direction, which points away from the meter
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
@@ -49,7 +50,8 @@ pub struct MeterArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
     /// Maximum number of scattering events of a path, -1 for no limit; light straight from lights has none
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
     pub max_depth: Option<i64>,
     /// Path tracing, without or with participating media; default: with them where there are any
     #[arg(long, value_enum)]

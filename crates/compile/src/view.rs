@@ -2,7 +2,7 @@
 
 use super::Compiler;
 use steradian_core::{
-    camera::{Camera, FovAxis, Projection},
+    camera::{Camera, FovAxis, Patch, Projection},
     film::{Crop, FilmSpec, Filter, FilterKind},
     sampler::SamplerKind,
     scene::Settings,
@@ -78,18 +78,9 @@ impl Compiler<'_> {
                 let half = if self.desc.format == Format::Mitsuba { Vec2::new(1.0, 1.0 / aspect) } else { unit };
                 (Projection::Orthographic, half)
             }
-            "spherical" => {
-                let p = self.choice(
-                    node,
-                    "mapping",
-                    Projection::SphericalEqualArea,
-                    &[
-                        ("equalarea", Projection::SphericalEqualArea),
-                        ("equirectangular", Projection::SphericalEquirectangular),
-                    ],
-                );
-                (p, Vec2::ONE)
-            }
+            "spherical" => (self.sphere_map(node), Vec2::ONE),
+            "radiance_meter" => (Projection::Ray, Vec2::ONE),
+            "irradiance_meter" => (self.patch(node)?, Vec2::ONE),
             other => {
                 let help = names::did_you_mean(other, Family::Camera.kinds());
                 self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
@@ -114,7 +105,10 @@ impl Compiler<'_> {
             let (ww, wh) = (window[1] - window[0], window[3] - window[2]);
             window = [window[0] - dx * ww, window[1] - dx * ww, window[2] + dy * wh, window[3] + dy * wh];
         }
-        let lens_radius = self.float(node, "lens_radius", 0.0).max(0.0);
+        let lens_radius = match projection {
+            Projection::Patch(..) => 1.0,
+            _ => self.float(node, "lens_radius", 0.0).max(0.0),
+        };
         let focal_distance = self.positive(node, "focal_distance", 1e6);
         let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
         let medium = self.reference(node, "medium");
@@ -128,6 +122,24 @@ impl Compiler<'_> {
             near,
             medium: self.medium(medium),
         })
+    }
+
+    /// How a spherical camera maps directions.
+    fn sphere_map(&mut self, node: &Node) -> Projection {
+        let maps =
+            [("equalarea", Projection::SphericalEqualArea), ("equirectangular", Projection::SphericalEquirectangular)];
+        self.choice(node, "mapping", Projection::SphericalEqualArea, &maps)
+    }
+
+    /// What an irradiance meter receives on.
+    fn patch(&mut self, node: &Node) -> Option<Projection> {
+        let name = self.word(node, "surface").unwrap_or("square");
+        let Some(patch) = Patch::named(name) else {
+            let known = "square, disk, sphere, cylinder";
+            self.error(node.span, format!("'{name}' is no surface of a meter; known are {known}"));
+            return None;
+        };
+        Some(Projection::Patch(patch, self.bool(node, "inward", false)))
     }
 
     /// Compiles film and filter.
@@ -187,7 +199,10 @@ impl Compiler<'_> {
         if self.float(node, "white_balance", 0.0) != 0.0 {
             self.approximated(node.span, "white balance is not implemented; colours are those of D65");
         }
-        let imaging_ratio = self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
+        let is_irradiance = self.chosen_camera().is_some_and(|c| self.node(c).kind == "irradiance_meter");
+        let receives = if is_irradiance { std::f32::consts::PI } else { 1.0 };
+        let imaging_ratio =
+            receives * self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
         let max_component = match node.float("max_component") {
             // pbrt's own default, and any other number beyond f32, clamp nothing.
             Some(v) if v > f64::from(f32::MAX) => f32::INFINITY,

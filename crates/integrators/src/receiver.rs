@@ -54,7 +54,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
             true => nee::sample_light(context.scene, &at, 0, context.sampler, context.lambda),
             false => None,
         };
-        let direct = sampled.map_or(Spectrum::ZERO, |s| self.from_light(receiver, p, &s, context));
+        let direct = sampled.map_or(Spectrum::ZERO, |s| self.of_light(receiver, p, &s, context));
         let u = context.sampler.get_2d(dimension::at(0, dimension::DIRECTION));
         let w = match receiver {
             Receiver::Plane(..) => Frame::from_z(n).to_world(warp::cosine_hemisphere(u)),
@@ -74,7 +74,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
     }
 
     /// Light of a light sample.
-    fn from_light(&self, receiver: &Receiver, p: Vec3, s: &LightSample, context: &mut PathContext<'_, '_>) -> Spectrum {
+    fn of_light(&self, receiver: &Receiver, p: Vec3, s: &LightSample, context: &mut PathContext<'_, '_>) -> Spectrum {
         let weight = receiver.weight(s.wi);
         let mis = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, weight / receiver.total()) };
         let light = s.radiance * (weight * mis / s.pdf);

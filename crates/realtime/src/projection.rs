@@ -75,7 +75,7 @@ impl Projected {
             Projection::Orthographic => false,
             _ => {
                 return Err(Error::Scene(
-                    "raster needs a perspective or orthographic camera, not one of all directions".into(),
+                    "raster needs a perspective or orthographic camera, not one of all directions or a meter".into(),
                 ));
             }
         };
