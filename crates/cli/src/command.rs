@@ -4,6 +4,7 @@ use crate::{
     args::{CompareArgs, ConvertArgs, InfoArgs, ListArgs, MaterialArgs, RenderArgs, SignalArgs, VerifyArgs},
     bench::BenchArgs,
     experiment::ExperimentArgs,
+    meter::MeterArgs,
 };
 use clap::{Parser, Subcommand};
 
@@ -40,6 +41,8 @@ pub enum Command {
     List(ListArgs),
     /// Measure a material: BSDF values, albedo, gloss, polar plot, a rendered ball
     Material(Box<MaterialArgs>),
+    /// Measure light at a point: radiance, irradiance, illuminance in lx, luminance in cd/m²
+    Meter(Box<MeterArgs>),
     /// Compare two pictures: error metrics, z-test, a picture of the difference
     Compare(CompareArgs),
     /// Convert a picture to another format, or a scene to Steradian's own

@@ -17,6 +17,7 @@ mod info;
 mod list;
 mod material;
 mod memory;
+mod meter;
 mod open;
 mod output;
 mod panics;
@@ -98,6 +99,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Info(args) => info::run(args, terminal),
         Command::List(args) => list::run(args),
         Command::Material(args) => material::run(args, terminal),
+        Command::Meter(args) => meter::run(args, terminal),
         Command::Compare(args) => compare::run(args),
         Command::Convert(args) => convert::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),

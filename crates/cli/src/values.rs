@@ -125,6 +125,19 @@ pub fn pair(text: &str) -> Result<[f32; 2], String> {
     numbers(text).ok_or_else(|| "write it as U,V, such as 0.5,0.25".into())
 }
 
+/// A point.
+pub fn point(text: &str) -> Result<[f32; 3], String> {
+    numbers(text).ok_or_else(|| "write it as X,Y,Z, such as 0,1.5,-2".into())
+}
+
+/// A direction, of any length but zero.
+pub fn direction(text: &str) -> Result<[f32; 3], String> {
+    let is_direction = |v: &[f32; 3]| v.iter().any(|c| c.abs() > 1e-15) && v.iter().all(|c| c.abs() < 1e15);
+    numbers(text)
+        .filter(is_direction)
+        .ok_or_else(|| "a direction X,Y,Z is needed, such as 0,1,0, not of length zero".into())
+}
+
 /// Four wavelengths.
 pub fn wavelengths(text: &str) -> Result<[f32; 4], String> {
     let visible = |v: &[f32; 4]| v.iter().all(|l| (360.0..=830.0).contains(l));

@@ -2,7 +2,7 @@
 
 use super::Compiler;
 use steradian_core::{
-    camera::{Camera, FovAxis, Projection},
+    camera::{Camera, FovAxis, Patch, Projection},
     film::{Crop, FilmSpec, Filter, FilterKind},
     sampler::SamplerKind,
     scene::Settings,
@@ -78,20 +78,14 @@ impl Compiler<'_> {
                 let half = if self.desc.format == Format::Mitsuba { Vec2::new(1.0, 1.0 / aspect) } else { unit };
                 (Projection::Orthographic, half)
             }
-            "spherical" => {
-                let names = [("equalarea", false), ("equirectangular", true)];
-                let equirectangular = self.choice(node, "mapping", false, &names);
-                let p = match equirectangular {
-                    true => Projection::SphericalEquirectangular,
-                    false => Projection::SphericalEqualArea,
-                };
-                (p, Vec2::ONE)
-            }
+            "spherical" => (self.sphere_map(node), Vec2::ONE),
             "realistic" => {
                 let lens = self.lens_system(node)?;
                 let half = 0.5e-3 * self.film_diagonal(node) / lens.image_distance();
                 (Projection::Realistic(lens), Vec2::new(aspect, 1.0) * (half / aspect.hypot(1.0)))
             }
+            "radiance_meter" => (Projection::Ray, Vec2::ONE),
+            "irradiance_meter" => (self.patch(node)?, Vec2::ONE),
             other => {
                 let help = names::did_you_mean(other, Family::Camera.kinds());
                 self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
@@ -118,6 +112,7 @@ impl Compiler<'_> {
         }
         let lens_radius = match &projection {
             Projection::Realistic(lens) => lens.stop_radius(),
+            Projection::Patch(..) => 1.0,
             _ => self.float(node, "lens_radius", 0.0).max(0.0),
         };
         let focal_distance = self.positive(node, "focal_distance", 1e6);
@@ -133,6 +128,25 @@ impl Compiler<'_> {
             near,
             medium: self.medium(medium),
         })
+    }
+
+    /// How a spherical camera maps directions.
+    fn sphere_map(&mut self, node: &Node) -> Projection {
+        match self.choice(node, "mapping", false, &[("equalarea", false), ("equirectangular", true)]) {
+            true => Projection::SphericalEquirectangular,
+            false => Projection::SphericalEqualArea,
+        }
+    }
+
+    /// What an irradiance meter receives on.
+    fn patch(&mut self, node: &Node) -> Option<Projection> {
+        let name = self.word(node, "surface").unwrap_or("square");
+        let Some(patch) = Patch::named(name) else {
+            let known = "square, disk, sphere, cylinder";
+            self.error(node.span, format!("'{name}' is no surface of a meter; known are {known}"));
+            return None;
+        };
+        Some(Projection::Patch(patch, self.bool(node, "inward", false)))
     }
 
     /// Compiles film and filter.
@@ -192,7 +206,10 @@ impl Compiler<'_> {
         if self.float(node, "white_balance", 0.0) != 0.0 {
             self.approximated(node.span, "white balance is not implemented; colours are those of D65");
         }
-        let imaging_ratio = self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
+        let is_irradiance = self.chosen_camera().is_some_and(|c| self.node(c).kind == "irradiance_meter");
+        let receives = if is_irradiance { std::f32::consts::PI } else { 1.0 };
+        let imaging_ratio =
+            receives * self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
         let max_component = match node.float("max_component") {
             // pbrt's own default, and any other number beyond f32, clamp nothing.
             Some(v) if v > f64::from(f32::MAX) => f32::INFINITY,

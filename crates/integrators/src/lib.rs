@@ -2,6 +2,7 @@
 //! `steradian-engine` turns them into a film.
 
 pub mod ao;
+pub mod meter;
 pub mod options;
 pub mod passes;
 pub mod path;
@@ -13,6 +14,7 @@ pub mod whitted;
 
 mod caustics;
 mod precomputed;
+mod receiver;
 mod shared_path;
 mod sharing;
 mod trials;

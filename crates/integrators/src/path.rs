@@ -18,8 +18,18 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
     /// The radiance that arrives along a camera ray.
     #[inline]
     pub(crate) fn arriving(&self, ray: Ray, guide: Option<&impl Guide>, context: &mut PathContext<'_, '_>) -> Spectrum {
-        let (mut path_state, mut sum, mut first) =
-            (PathState::camera(context.scene, ray), Spectrum::ZERO, Arrival::End);
+        self.along(PathState::camera(context.scene, ray), guide, context)
+    }
+
+    /// The radiance that arrives along a path's ray, times what the path carries.
+    #[inline]
+    pub(crate) fn along(
+        &self,
+        mut path_state: PathState,
+        guide: Option<&impl Guide>,
+        context: &mut PathContext<'_, '_>,
+    ) -> Spectrum {
+        let (mut sum, mut first) = (Spectrum::ZERO, Arrival::End);
         arrive::<MEDIA>(&mut path_state, &self.depth, &mut sum, &mut first, context);
         match &first {
             Arrival::Vertex(v) => self.leaving(v, path_state, guide, context, sum),

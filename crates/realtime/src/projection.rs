@@ -80,7 +80,7 @@ impl Projected {
             }
             _ => {
                 return Err(Error::Scene(
-                    "raster needs a perspective or orthographic camera, not one of all directions".into(),
+                    "raster needs a perspective or orthographic camera, not one of all directions or a meter".into(),
                 ));
             }
         };

@@ -2,7 +2,7 @@
 
 use crate::{
     model::{Group, Model},
-    parameter::{ANY, POSITIVE, Parameter, Type, file, list, number, transform, word},
+    parameter::{ANY, POSITIVE, Parameter, Type, file, flag, list, number, transform, word},
 };
 
 const NEAR: Parameter = number("near", ANY, "0", "distance along the axis where rays start; below 0 counts as 0");
@@ -110,6 +110,28 @@ pub const CAMERAS: &[Model] = &[
         groups: &[&ANY_CAMERA],
         source: "Kolb, Mitchell, Hanrahan, A realistic camera model for computer graphics (1995); pbrt-v3, 6.4; \
                  pbrt-v4, 5.3",
+    },
+    Model {
+        kind: "radiance_meter",
+        doc: "the radiance along one ray, from its place along +z, in every pixel",
+        parameters: &[],
+        groups: &[&ANY_CAMERA],
+        source: "Mitsuba 3, radiancemeter",
+    },
+    Model {
+        kind: "irradiance_meter",
+        doc: "the irradiance of a surface: the film is spread over its area",
+        parameters: &[
+            word(
+                "surface",
+                "square, disk, sphere, cylinder",
+                "square",
+                "from -1 to 1 along x and y, facing +z; of radius 1, facing +z; of radius 1; of radius 1 about z from 0 to 1",
+            ),
+            flag("inward", "false", "whether the other side receives"),
+        ],
+        groups: &[&ANY_CAMERA],
+        source: "Mitsuba 3, irradiancemeter",
     },
 ];
 

@@ -50,7 +50,7 @@ pub use steradian_image as image;
 pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
 pub use steradian_integrators::{
-    Control, Film, History, INTEGRATORS, Plan, Session,
+    Control, Film, History, INTEGRATORS, Plan, Session, meter,
     options::{IntegratorInfo, OptionInfo},
 };
 pub use steradian_math as math;

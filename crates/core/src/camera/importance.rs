@@ -34,10 +34,13 @@ pub struct RayDensity {
 }
 
 impl Camera {
-    /// Whether light can be received: by all but spherical cameras with a lens, and lenses of several elements.
+    /// Whether light can be received: by all but spherical cameras with a lens, lenses of several elements, and meters.
     pub fn can_receive(&self) -> bool {
-        let is_planar = matches!(self.projection, Projection::Perspective | Projection::Orthographic);
-        is_planar || self.lens_radius <= 0.0
+        match self.projection {
+            Projection::Perspective | Projection::Orthographic => true,
+            Projection::SphericalEqualArea | Projection::SphericalEquirectangular => self.lens_radius <= 0.0,
+            Projection::Realistic(_) | Projection::Ray | Projection::Patch(..) => false,
+        }
     }
 
     /// Where light from `p` through a point of the lens (`u` in the unit square) arrives on the film; `None` where it
@@ -73,6 +76,7 @@ impl Camera {
                 let s = Vec2::new((phi / TAU).rem_euclid(1.0), d.z.clamp(-1.0, 1.0).acos() / PI);
                 (Vec3::ZERO, s * size(film))
             }
+            Projection::Ray | Projection::Patch(..) => return None,
         };
         let (margin, frame) = (film.filter.radius(), size(film));
         if !(at.cmpge(-margin).all() && at.cmple(frame + margin).all()) {
@@ -112,6 +116,11 @@ impl Camera {
                 return RayDensity { density: per_window / window, start: self.start(long), is_parallel: true };
             }
             Projection::SphericalEqualArea => pixels / (4.0 * PI),
+            // As if the pixels shared a square of a unit's side in camera space.
+            Projection::Ray | Projection::Patch(..) => {
+                let side = self.world_from_camera.vector(Vec3::X).length();
+                return RayDensity { density: pixels / (side * side), start: 0.0, is_parallel: true };
+            }
             Projection::SphericalEquirectangular => pixels / (TAU * PI * d.x.hypot(d.z).max(1e-6)),
         };
         let density = in_camera / self.world_from_camera.solid_angle(d);

@@ -3,9 +3,11 @@
 mod differentials;
 pub mod importance;
 mod lens;
+mod patch;
 
 pub use differentials::ViewFootprint;
 pub use lens::{DOUBLE_GAUSS, LensElement, LensSystem, Stop};
+pub use patch::Patch;
 
 use crate::film::FilmSpec;
 use std::sync::Arc;
@@ -25,6 +27,11 @@ pub enum Projection {
     /// Through a lens of several elements: window coordinates are tangents of the pinhole that its thin lens would be.
     /// The film is in the plane z = 0, and units of camera space are metres.
     Realistic(Arc<LensSystem>),
+    /// One ray, from the origin along the axis, for every place on the film.
+    Ray,
+    /// Light that arrives on a patch, on its inner side if so. Points of the lens, whose radius is above zero, are
+    /// directions: as dense as their cosine with the normal, so that π times the mean radiance is the irradiance.
+    Patch(Patch, bool),
 }
 
 /// A camera.
@@ -137,6 +144,8 @@ impl Camera {
         let w = Vec2::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y);
         let (mut origin, mut direction) = match &self.projection {
             Projection::Realistic(lenses) => return self.lens_ray(lenses, w, lens, lens::D_LINE).0,
+            Projection::Patch(patch, is_inward) => return self.ray_of_patch(*patch, *is_inward, s, lens),
+            Projection::Ray => (Vec3::ZERO, Vec3::Z),
             Projection::Perspective => (Vec3::ZERO, Vec3::new(w.x, w.y, 1.0)),
             Projection::Orthographic => (Vec3::new(w.x, w.y, 0.0), Vec3::Z),
             Projection::SphericalEqualArea => (Vec3::ZERO, swap_yz(warp::equal_area_square_to_sphere(s))),

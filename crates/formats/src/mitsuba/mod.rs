@@ -17,6 +17,7 @@ mod light;
 mod material;
 mod medium;
 mod meshes;
+mod meters;
 mod normals;
 mod parameters;
 mod parse;

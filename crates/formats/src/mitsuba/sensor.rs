@@ -20,9 +20,17 @@ impl Reader<'_> {
         let kind = match self.plugin(object) {
             "perspective" | "thinlens" => "perspective",
             "orthographic" => "orthographic",
+            "radiancemeter" => return self.radiance_meter(object),
+            "irradiancemeter" => {
+                return self
+                    .error(self.span(object), "an 'irradiancemeter' stands in the shape whose irradiance it measures");
+            }
             known if self.is_known(object) => {
                 let message = format!("there is no sensor '{known}'");
-                let help = Some("sensors are 'perspective', 'thinlens' and 'orthographic'".to_owned());
+                let help = Some(
+                    "sensors are 'perspective', 'thinlens', 'orthographic', 'radiancemeter' and 'irradiancemeter'"
+                        .to_owned(),
+                );
                 let span = self.span(object);
                 self.graph.objects[object].visited = false;
                 return self.diagnostics.error_help(&self.desc.sources, Some(span), message, help);
@@ -36,6 +44,11 @@ impl Reader<'_> {
         self.clipping(&mut node, object);
         let to_world = self.transform(object, "to_world") * mirrored_x();
         node.set("to_world", to_world, Some(self.value_span(object, "to_world")));
+        self.exposed(node, object);
+    }
+
+    /// Adds a sensor that knows its place, with its shutter and medium.
+    pub(super) fn exposed(&mut self, mut node: Node, object: ObjectId) {
         for name in ["shutter_open", "shutter_close"] {
             if let Some(time) = self.float(object, name) {
                 node.set(name, time, Some(self.value_span(object, name)));

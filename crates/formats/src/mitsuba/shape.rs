@@ -138,7 +138,10 @@ impl Reader<'_> {
             self.error(self.span(*second), "a shape has one emitter");
         }
         for (_, sensor) in self.graph.children(object, Category::Sensor) {
-            self.dropped(self.span(sensor), "a sensor on a shape is left out");
+            match self.plugin(sensor) {
+                "irradiancemeter" => self.irradiance_meter(sensor, object),
+                _ => self.dropped(self.span(sensor), "a sensor on a shape is left out"),
+            }
         }
         self.ignore(object, &["silhouette_sampling_weight"]);
         let geometry = geometry?;

@@ -355,6 +355,26 @@ fn sensors() {
 }
 
 #[test]
+fn meters_are_sensors() {
+    let desc = good(
+        "<sensor type=\"radiancemeter\"><point name=\"origin\" x=\"1\" y=\"2\" z=\"3\"/>
+         <vector name=\"direction\" x=\"0\" y=\"-2\" z=\"0\"/></sensor>",
+    );
+    let meter = only(&desc, &desc.cameras);
+    let place = meter.transform("to_world").unwrap();
+    assert_eq!(meter.kind, "radiance_meter");
+    assert!((place.point(DVec3::ZERO) - DVec3::new(1.0, 2.0, 3.0)).length() < 1e-12);
+    assert!((place.vector(DVec3::Z) + DVec3::Y).length() < 1e-12);
+    let desc = good(
+        "<shape type=\"sphere\"><float name=\"radius\" value=\"2\"/><boolean name=\"flip_normals\" value=\"true\"/>
+         <sensor type=\"irradiancemeter\"/></shape>",
+    );
+    let meter = only(&desc, &desc.cameras);
+    assert_eq!((meter.kind.as_str(), meter.string("surface")), ("irradiance_meter", Some("sphere")));
+    assert_eq!(meter.transform("to_world").unwrap().vector(DVec3::X), DVec3::new(2.0, 0.0, 0.0));
+}
+
+#[test]
 fn integrators() {
     let integrator = |text: &str| {
         let desc = good(text);

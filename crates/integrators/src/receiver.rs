@@ -1,0 +1,93 @@
+//! Receivers of light: what arrives at a point from a direction, on a plane, or from all sides.
+
+use crate::{Depth, dimension, nee, path::PathTracer};
+use std::f32::consts::PI;
+use steradian_core::{
+    light::{LightContext, LightSample},
+    scene::SHADOW_END,
+};
+use steradian_engine::PathContext;
+use steradian_math::{Frame, Ray, Spectrum, Vec3, warp};
+use steradian_transport::{NoGuide, PathState, attenuation, power_heuristic};
+
+/// What a receiver takes. Its medium is that of the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Receiver {
+    /// Radiance that arrives at a point along a ray, from a unit direction.
+    Radiance(Vec3, Vec3),
+    /// Irradiance of a small plane at a point, on the side of a unit normal: `∫ L cosθ dω`.
+    Plane(Vec3, Vec3),
+    /// Scalar irradiance (fluence rate) at a point: `∫ L dω` over all directions.
+    Sphere(Vec3),
+}
+
+impl Receiver {
+    /// How much of the radiance of a direction counts.
+    fn weight(&self, w: Vec3) -> f32 {
+        match self {
+            Self::Plane(_, n) => n.dot(w).max(0.0),
+            _ => 1.0,
+        }
+    }
+
+    /// The integral of the weight over all directions, in proportion to which they are drawn.
+    fn total(&self) -> f32 {
+        if matches!(self, Self::Plane(..)) { PI } else { 4.0 * PI }
+    }
+}
+
+impl<const MEDIA: bool> PathTracer<MEDIA> {
+    /// One sample of what a receiver takes: of directions by a light sample and a direction in proportion to the
+    /// weight, combined by the power heuristic.
+    pub(crate) fn received(&self, receiver: &Receiver, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let time = context.lambda.time;
+        let (p, n) = match *receiver {
+            Receiver::Radiance(p, w) => {
+                let ray = Ray { time, ..Ray::new(p, w) };
+                return self.along(PathState::camera(context.scene, ray), None::<&NoGuide>, context);
+            }
+            Receiver::Plane(p, n) => (p, n),
+            Receiver::Sphere(p) => (p, Vec3::ZERO),
+        };
+        let at = LightContext { p, n };
+        let sampled = match context.scene.lights().can_sample() {
+            true => nee::sample_light(context.scene, &at, 0, context.sampler, context.lambda),
+            false => None,
+        };
+        let direct = sampled.map_or(Spectrum::ZERO, |s| self.of_light(receiver, p, &s, context));
+        let u = context.sampler.get_2d(dimension::at(0, dimension::DIRECTION));
+        let w = match receiver {
+            Receiver::Plane(..) => Frame::from_z(n).to_world(warp::cosine_hemisphere(u)),
+            _ => warp::uniform_sphere(u),
+        };
+        let total = receiver.total();
+        let mut path_state = PathState::NONE;
+        path_state.ray = Ray { time, ..Ray::new(p, w) };
+        path_state.medium = context.scene.camera().medium;
+        path_state.origin = Some((at, receiver.weight(w) / total));
+        path_state.events = 1;
+        // Receiving is the first event, which is not among those of the scene.
+        let Depth { max, roulette_after, .. } = self.depth;
+        let one_more =
+            Depth { max: max.saturating_add(1), roulette_after: roulette_after.saturating_add(1), ..self.depth };
+        direct + Self { depth: one_more }.along(path_state, None::<&NoGuide>, context) * total
+    }
+
+    /// Light of a light sample.
+    fn of_light(&self, receiver: &Receiver, p: Vec3, s: &LightSample, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let weight = receiver.weight(s.wi);
+        let mis = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, weight / receiver.total()) };
+        let light = s.radiance * (weight * mis / s.pdf);
+        if light.is_black() {
+            return light;
+        }
+        let ray = Ray { t_max: s.distance * SHADOW_END, time: context.lambda.time, ..Ray::new(p, s.wi) };
+        if MEDIA {
+            let number = context.sampler.get_1d(dimension::at(0, dimension::FLIGHT));
+            let medium = context.scene.camera().medium;
+            return light * attenuation::towards(ray, s.distance, (medium, number), context);
+        }
+        context.counters.rays += 1;
+        if context.scene.occluded(&ray) { Spectrum::ZERO } else { light }
+    }
+}
