@@ -171,10 +171,11 @@ impl Node {
         }
     }
 
-    /// A list of numbers, or `None` if absent or of another type.
+    /// A list of numbers, or `None` if absent or of another type; three are a vector, too.
     pub fn floats(&self, name: &str) -> Option<&[f64]> {
         match self.get(name)? {
             Value::Floats(v) => Some(v),
+            Value::Vec3(v) => Some(v),
             _ => None,
         }
     }
