@@ -1,7 +1,7 @@
 //! The page of the gallery says what is there: every material, pictures that exist, and command lines that compile.
 
 use std::{collections::HashSet, path::Path};
-use steradian::{CompileOptions, compile, schema::material::MATERIALS, specimen};
+use steradian::{CompileOptions, compile, math::spectra::ColorMode, schema::material::MATERIALS, specimen};
 
 /// The words of a line of a shell in which nothing but single quotes is special.
 fn words(line: &str) -> Vec<String> {
@@ -35,7 +35,9 @@ fn the_gallery_is_whole() {
         let desc = specimen::describe(&words[2], &params).unwrap_or_else(|e| panic!("{line}: {e}"));
         // A few tables of coats cost seconds; the rest is compiled.
         if !["coated_diffuse", "plastic"].contains(&words[2].as_str()) {
-            let compiled = compile(&desc, &CompileOptions { size: Some((8, 8)), ..CompileOptions::default() });
+            let mode = (after("--color").as_deref() == Some("spectral")).then_some(ColorMode::Spectral);
+            let options = CompileOptions { size: Some((8, 8)), mode, ..CompileOptions::default() };
+            let compiled = compile(&desc, &options);
             assert!(
                 compiled.scene.is_some() && compiled.diagnostics.iter().next().is_none(),
                 "{line}: {:?}",
