@@ -8,7 +8,7 @@ use steradian_math::spectra::{
     BispectralTable, ColorMode, LAMBDA_MAX, LAMBDA_MIN, Reradiation, Wavelengths,
     role::{Color, Role},
 };
-use steradian_scene::{Node, SpectrumValue, Value};
+use steradian_scene::{Node, SpectrumValue};
 use steradian_texture::SpectrumTexture;
 
 /// Largest table.
@@ -41,7 +41,7 @@ impl Compiler<'_> {
 
     fn reradiation(&mut self, node: &Node) -> Option<Reradiation> {
         let span = node.param("matrix").and_then(|p| p.span).or(node.span);
-        if let Some(Value::Path(path)) = node.get("matrix") {
+        if let Some(path) = self.typed(node, "matrix", "a file", |n| n.path("matrix")) {
             self.superseded(node, "matrix", &["absorption", "emission", "quantum_yield"]);
             return match read(path) {
                 Ok(table) => Some(Reradiation::new(|out, from| table.eval(out, from))),
@@ -51,14 +51,8 @@ impl Compiler<'_> {
                 }
             };
         }
-        for name in ["absorption", "emission"] {
-            if node.get(name).is_none() {
-                self.error(node.span, format!("material 'fluorescent' needs '{name}', or a file as 'matrix'"));
-                return None;
-            }
-        }
-        let [absorption, emission] = ["absorption", "emission"]
-            .map(|name| self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(0.0)));
+        let absorption = self.constant_color(node, "absorption", Role::Unbounded, SpectrumValue::Constant(0.0));
+        let emission = self.constant_color(node, "emission", Role::Unbounded, SpectrumValue::Constant(1.0));
         let quantum_yield = self.float(node, "quantum_yield", 1.0);
         Some(Reradiation::of_pigment(|l| at(&absorption, l), quantum_yield, |l| at(&emission, l)))
     }

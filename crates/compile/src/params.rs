@@ -38,7 +38,7 @@ impl Compiler<'_> {
     }
 
     /// A value of a type, if it is there; one of another type is reported.
-    fn typed<'n, T>(
+    pub(super) fn typed<'n, T>(
         &mut self,
         node: &'n Node,
         name: &str,

@@ -36,7 +36,7 @@ impl Compiler<'_> {
 
     /// The table of a lens: a file, a list, or a double Gauss.
     fn lens_rows(&mut self, node: &Node) -> Option<Vec<LensElement>> {
-        if let Some(path) = node.path("file") {
+        if let Some(path) = self.typed(node, "file", "a file", |n| n.path("file")) {
             let rows = self.file_bytes(path).and_then(|bytes| table(&String::from_utf8_lossy(&bytes)));
             return self.of_file(node, "file", path, rows);
         }
@@ -56,7 +56,7 @@ impl Compiler<'_> {
 
     /// The shape of the stop: a picture, or a built-in one.
     fn lens_stop(&mut self, node: &Node) -> Option<Stop> {
-        let Some(path) = node.path("aperture_file") else {
+        let Some(path) = self.typed(node, "aperture_file", "a file", |n| n.path("aperture_file")) else {
             let name = self.word(node, "aperture").unwrap_or("circle");
             let stop = Stop::named(name);
             if stop.is_none() {

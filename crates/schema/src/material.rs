@@ -364,8 +364,8 @@ pub const MATERIALS: &[Model] = &[
               brightener, highlighter pens; `path` and `volpath` follow it",
         parameters: &[
             tex("reflectance", UNIT, "0.5", "albedo without fluorescence"),
-            spectrum("absorption", UNIT, "needed", "the part of photons that the pigment absorbs"),
-            spectrum("emission", FACTOR, "needed", "shape of its spectrum in photons per nm, of any scale"),
+            spectrum("absorption", UNIT, "0", "the part of photons that the pigment absorbs"),
+            spectrum("emission", FACTOR, "1", "shape of its spectrum in photons per nm, of any scale"),
             number("quantum_yield", UNIT, "1", "photons that leave for one that is absorbed"),
             file("matrix", "none", "table of reradiation in 1/nm, instead of absorption and emission"),
         ],

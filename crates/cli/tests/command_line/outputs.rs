@@ -170,12 +170,13 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
         &["glare", "wall.png", "-o", "wall.png"],
         &["contrast-sensitivity", "-o", "n.svg", "--table", "./n.svg"],
     ),
+    ("geometry", &["conic", "wall.png", "-o", "wall.png"], &["conic", "-o", "n.svg", "--table", "./n.svg"]),
     ("optics", &["rainbow", "wall.png", "-o", "wall.png"], &["rainbow", "-o", "n.svg", "--table", "./n.svg"]),
     ("estimate", &["importance", "wall.png", "-o", "wall.png"], &["importance", "-o", "n.svg", "--table", "./n.svg"]),
 ];
 
 /// Commands that write nothing but to stdout.
-const WITHOUT_FILES: [&str; 5] = ["list", "bench", "completions", "man", "help"];
+const WITHOUT_FILES: [&str; 6] = ["list", "meter", "bench", "completions", "man", "help"];
 
 /// One guard holds for all commands: what is read stays, and each output has a file of its own.
 #[test]

@@ -90,19 +90,16 @@ fn broken_files_are_refused() {
 #[test]
 fn strict_refuses_losses() {
     let place = Place::new();
-    place.file(
-        "lossy.pbrt",
-        &GOOD.replace("Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5]", "Material \"subsurface\""),
-    );
+    place.file("lossy.pbrt", &GOOD.replace("WorldBegin", "Integrator \"randomwalk\" WorldBegin"));
     let run = place.succeed(&["render", "lossy.pbrt", "--json"]);
-    assert!(run.stderr.contains("approximated: ") && run.stderr.contains("lossy.pbrt:8:"), "{}", run.stderr);
+    assert!(run.stderr.contains("approximated: ") && run.stderr.contains("lossy.pbrt:6:"), "{}", run.stderr);
     assert_eq!(run.json()["diagnostics"]["approximated"], 1);
     let quiet = place.succeed(&["render", "lossy.pbrt", "--quiet"]);
     assert_eq!(quiet.stderr, "");
     place.refuse(
         2,
         &["render", "lossy.pbrt", "--strict"],
-        &["error: ", "subsurface", "--strict refuses", "lossy.pbrt:"],
+        &["error: ", "randomwalk", "--strict refuses", "lossy.pbrt:"],
     );
     place.file("good.pbrt", GOOD).succeed(&["render", "good.pbrt", "--strict"]);
 }
@@ -110,7 +107,8 @@ fn strict_refuses_losses() {
 #[test]
 fn info_tells_what_is_in_a_scene() {
     let place = Place::new();
-    place.file("ball.pbrt", &GOOD.replace("Shape \"sphere\"", "ObjectBegin \"o\"\nShape \"sphere\"\nObjectEnd\nObjectInstance \"o\"\nMaterial \"subsurface\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]"));
+    let good = GOOD.replace("WorldBegin", "Integrator \"randomwalk\" WorldBegin");
+    place.file("ball.pbrt", &good.replace("Shape \"sphere\"", "ObjectBegin \"o\"\nShape \"sphere\"\nObjectEnd\nObjectInstance \"o\"\nMaterial \"subsurface\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]"));
     let json = place.succeed(&["info", "ball.pbrt", "--json"]).json();
     assert_eq!((&json["schema"], &json["format"]), (&1.into(), &"pbrt".into()));
     let counts = &json["counts"];
@@ -120,8 +118,8 @@ fn info_tells_what_is_in_a_scene() {
     assert_eq!((&json["film"]["width"], &json["settings"]["spp"]), (&24.into(), &2.into()));
     assert_eq!(json["diagnostics"]["approximated"], 1);
     let messages = json["messages"].as_array().unwrap();
-    let about = messages.iter().find(|m| m["message"].as_str().unwrap().contains("subsurface")).unwrap();
-    assert_eq!((&about["location"]["line"], &about["fidelity"]), (&13.into(), &"approximated".into()));
+    let about = messages.iter().find(|m| m["message"].as_str().unwrap().contains("randomwalk")).unwrap();
+    assert_eq!((&about["location"]["line"], &about["fidelity"]), (&6.into(), &"approximated".into()));
     assert!(json["bounds"][1][0].as_f64().is_some_and(|x| (x - 1.0).abs() < 1e-3), "{}", json["bounds"]);
     assert!(json["memory"]["geometry_bytes"].as_u64().unwrap() > 0);
     let tables = json["memory"]["tables"].as_array().unwrap();
