@@ -291,7 +291,8 @@ pub struct MaterialArgs {
     pub table: Option<PathBuf>,
     /// Measure a piece of geometry (up is +z) made of the kind, as if it were a material: --albedo and --table count
     /// the rays that its middle sends back
-    #[arg(long, value_name = "MESH", conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval", "microsurface"])]
+    #[arg(long, value_name = "MESH")]
+    #[arg(conflicts_with_all = ["plot", "picture", "gloss", "fit", "laws", "eval", "microsurface"])]
     pub geometry: Option<String>,
     /// Measure a random Gaussian surface of this roughness α (Beckmann), made of the kind, as if it were a material
     #[arg(long, value_name = "ALPHA", value_parser = values::roughness)]

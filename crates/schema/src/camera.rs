@@ -126,7 +126,8 @@ pub const CAMERAS: &[Model] = &[
                 "surface",
                 "square, disk, sphere, cylinder",
                 "square",
-                "from -1 to 1 along x and y, facing +z; of radius 1, facing +z; of radius 1; of radius 1 about z from 0 to 1",
+                "from -1 to 1 along x and y, facing +z; of radius 1, facing +z; of radius 1; of radius 1 about z from 0 \
+                 to 1",
             ),
             flag("inward", "false", "whether the other side receives"),
         ],

@@ -93,7 +93,8 @@ fn media_dim_light() {
         "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4'/><rgb name='albedo' value='0'/></medium>";
     let xml = format!(
         "<scene version='3.0.0'>{fog}<sensor type='perspective'><ref id='fog'/></sensor>
-         <emitter type='point'><point name='position' x='0' y='0' z='2'/><rgb name='intensity' value='3'/></emitter></scene>"
+         <emitter type='point'><point name='position' x='0' y='0' z='2'/><rgb name='intensity' value='3'/>
+          </emitter></scene>"
     );
     let loaded = load::load_bytes("meter.xml", xml.into_bytes(), Some("xml"), &Options::default());
     let scene = compile(&loaded.desc, &CompileOptions::default()).scene.expect("a scene");
@@ -139,7 +140,8 @@ fn intervals_are_those_of_95_percent() {
 fn pixel(what: &str) -> [f64; 3] {
     let xml = format!("<scene version='3.0.0'>{what}</scene>").replace(
         "FILM",
-        "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/><rfilter type='box'/></film>",
+        "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/>
+         <rfilter type='box'/></film>",
     );
     let loaded = load::load_bytes("meter.xml", xml.into_bytes(), Some("xml"), &Options::default());
     assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
@@ -168,8 +170,10 @@ fn irradiance_meters_give_form_factors() {
     assert_eq!(square("true"), 0.0);
     let sphere = |flip: &str| {
         pixel(&format!(
-            "<shape type='sphere'><float name='radius' value='0.5'/><point name='center' x='3' y='1' z='2'/>{lamp}</shape>
-             <shape type='sphere'><point name='center' x='3' y='1' z='2'/><boolean name='flip_normals' value='{flip}'/>{meter}</shape>"
+            "<shape type='sphere'><float name='radius' value='0.5'/>
+             <point name='center' x='3' y='1' z='2'/>{lamp}</shape>
+             <shape type='sphere'><point name='center' x='3' y='1' z='2'/>
+              <boolean name='flip_normals' value='{flip}'/>{meter}</shape>"
         ))[2]
     };
     let (found, expected) = (sphere("true"), PI / 4.0 / (1.0 - 0.5 * 0.75));
@@ -194,7 +198,8 @@ fn radiance_meters_look_along_a_line() {
 fn meters_agree_with_mitsuba() {
     const ROOM: &str = "<bsdf type='diffuse' id='matt'><rgb name='reflectance' value='0.7,0.5,0.3'/></bsdf>
         <shape type='cube'><boolean name='flip_normals' value='true'/><ref id='matt'/></shape>
-        <shape type='rectangle'><transform name='to_world'><scale value='0.4'/><rotate x='1' angle='90'/><translate y='0.99'/>
+        <shape type='rectangle'><transform name='to_world'><scale value='0.4'/><rotate x='1' angle='90'/>
+         <translate y='0.99'/>
         </transform><emitter type='area'><rgb name='radiance' value='5,4,3'/></emitter></shape>";
     let tilted =
         "<shape type='rectangle'><transform name='to_world'><scale x='0.5' y='0.3'/><rotate x='1' angle='-90'/>
@@ -206,7 +211,8 @@ fn meters_agree_with_mitsuba() {
         <ref id='matt'/></shape>
         <shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate y='2.5'/></transform>
         <emitter type='area'><rgb name='radiance' value='5,4,3'/></emitter></shape>
-        <shape type='sphere'><point name='center' x='0.5' y='0.8' z='0.2'/><float name='radius' value='0.6'/><ref id='matt'/>
+        <shape type='sphere'><point name='center' x='0.5' y='0.8' z='0.2'/><float name='radius' value='0.6'/>
+         <ref id='matt'/>
         <sensor type='irradiancemeter'>FILM</sensor></shape>";
     let line = "<sensor type='radiancemeter'><point name='origin' x='0' y='0.2' z='0.3'/>
         <vector name='direction' x='0.2' y='-1' z='0.4'/>FILM</sensor>";

@@ -173,8 +173,8 @@ fn definitions_without_effect_are_told() {
 #[test]
 fn ambient_occlusion_is_rendered_as_such() {
     let place = Place::new();
-    // A floor seen from above, before an endless wall 2 away. Directions of density cosθ/π are evenly spread over the unit
-    // disk when they are projected onto the floor; rays of length d meet the wall where x > 2/d.
+    // A floor seen from above, before an endless wall 2 away. Directions of density cosθ/π are evenly spread over the
+    // unit disk when they are projected onto the floor; rays of length d meet the wall where x > 2/d.
     let open = 0.5 + 0.02 * std::f64::consts::FRAC_2_PI;
     for (distance, open) in [("1", 1.0), ("100", open)] {
         place.file(
@@ -193,8 +193,8 @@ fn ambient_occlusion_is_rendered_as_such() {
             let plane = picture.channel(name).unwrap();
             plane.iter().map(|v| f64::from(*v)).sum::<f64>() / plane.len() as f64
         };
-        // Four standard errors of 8 x 8 x 256 samples that are 0 or 1, by wavelengths whose colours vary as much again. A
-        // flat spectrum would be 1.205 times as red.
+        // Four standard errors of 8 x 8 x 256 samples that are 0 or 1, by wavelengths whose colours vary as much again.
+        // A flat spectrum would be 1.205 times as red.
         for name in ["R", "G", "B"] {
             assert!((mean(name) - open).abs() < 4.0 / 128.0, "{distance}: {name} {}", mean(name));
         }

@@ -173,9 +173,9 @@ impl Camera {
         self.moved(Ray { time, ..self.ray(film, pixel, lens) })
     }
 
-    /// The ray of a sample, at the moment of its wavelengths, and what share of its radiance counts: 1 but for a lens of
-    /// several elements, where it turns radiance into irradiance of the film. It is 0 where the lens stops the ray, and
-    /// the ray is then that of a pinhole. A lens that disperses leaves the hero wavelength alone.
+    /// The ray of a sample, at the moment of its wavelengths, and what share of its radiance counts: 1 but for a lens
+    /// of several elements, where it turns radiance into irradiance of the film. It is 0 where the lens stops the ray,
+    /// and the ray is then that of a pinhole. A lens that disperses leaves the hero wavelength alone.
     #[inline]
     pub fn sample(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2, lambda: &mut Wavelengths) -> (Ray, f32) {
         let Projection::Realistic(lenses) = &self.projection else {

@@ -82,7 +82,8 @@ fn cameras() {
     let i = load("Camera \"realistic\" \"string lensfile\" \"wide.dat\" WorldBegin");
     assert!(i.diagnostics.has_errors(), "there is no such file");
     let i = load(
-        "Camera \"realistic\" \"float focusdistance\" 2 \"string aperture\" \"star\" Film \"rgb\" \"float diagonal\" 43 WorldBegin",
+        "Camera \"realistic\" \"float focusdistance\" 2 \"string aperture\" \"star\"
+         Film \"rgb\" \"float diagonal\" 43 WorldBegin",
     );
     assert!(i.diagnostics.has_errors(), "a lens is needed");
     check(
