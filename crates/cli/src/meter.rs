@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn numbers_have_their_digits() {
-        let cases = [(1.570_796, 6, "1.57080"), (114_643.3, 6, "114643"), (0.000_123_45, 2, "0.00012"), (0.0, 2, "0")];
+        let cases = [(2.570_796, 6, "2.57080"), (114_643.3, 6, "114643"), (0.000_123_45, 2, "0.00012"), (0.0, 2, "0")];
         for (v, digits, text) in cases {
             assert_eq!(significant(v, digits), text);
         }
