@@ -579,26 +579,15 @@ mod tests {
         [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0].iter().chain(values).for_each(|v| bytes.extend(v.to_le_bytes()));
         let path = folder.path().join("a.vol");
         std::fs::write(&path, bytes).unwrap();
-        let mut desc = SceneDesc::default();
         let mut node = Node::new(Family::Shape, "sdf_grid", None).with("file", path);
         if let Some(normals) = normals {
             node.set("normals", normals, None);
         }
-        let node = desc.add(node);
-        let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None)));
-        desc.shapes.push(Shape { emission, ..Shape::new(node) });
-        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
-        let light = desc.add(Node::new(Family::Light, "point", None));
-        desc.cameras.push(camera);
-        desc.lights.push(light);
-        let compiled = compile(&desc, &Options::default());
-        let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
-        let ray = Ray::new(Vec3::new(0.5, 0.5, 9.0), -Vec3::Z);
-        (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
+        above(node, emits, [0.5, 0.5])
     }
 
-    /// How far a ray down the z axis goes to a shape, and what is said.
-    fn above(node: Node, emits: bool) -> (Option<f32>, String) {
+    /// How far a ray goes to a shape, down from z = 9 at a place, and what is said.
+    fn above(node: Node, emits: bool, [x, y]: [f32; 2]) -> (Option<f32>, String) {
         let mut desc = SceneDesc::default();
         let node = desc.add(node);
         let emission = emits.then(|| desc.add(Node::new(Family::Light, "area", None)));
@@ -609,7 +598,7 @@ mod tests {
         desc.lights.push(light);
         let compiled = compile(&desc, &Options::default());
         let said = compiled.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("; ");
-        let ray = Ray::new(Vec3::new(0.25, 0.0, 9.0), -Vec3::Z);
+        let ray = Ray::new(Vec3::new(x, y, 9.0), -Vec3::Z);
         (compiled.scene.and_then(|s| s.intersect(&ray)).map(|hit| hit.t), said)
     }
 
@@ -626,10 +615,10 @@ mod tests {
             (new("quadric").with("coefficients", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0]), 9.0),
             (new("quadric").with("coefficients", sphere(-0.0625 - 0.25)), 8.5),
         ] {
-            let (t, said) = above(node.clone(), false);
+            let (t, said) = above(node.clone(), false, [0.25, 0.0]);
             assert!(said.is_empty() && t.is_some_and(|t| (t - expected).abs() < 1e-6), "{node:?}: {t:?} {said}");
         }
-        let says = |node: Node, emits| above(node, emits).1;
+        let says = |node: Node, emits| above(node, emits, [0.25, 0.0]).1;
         let (missing, faulty) =
             (says(new("implicit"), false), says(new("implicit").with("expression", "x +* y"), false));
         assert!(missing.contains("needs an 'expression'") && faulty.contains("column 4"), "{missing} {faulty}");
@@ -652,14 +641,14 @@ mod tests {
         let square = [[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [1.0, 1.0, 0.5], [-1.0, 1.0, 0.5]];
         let hole = square.map(|[x, y, z]| [0.5 * x, 0.5 * y, z]);
         let ring = new(&[square, hole].concat()).with("loops", vec![4.0, 4.0]);
-        assert_eq!(above(new(&square), false), (Some(8.5), String::new()));
-        assert_eq!(above(ring.clone(), false), (None, String::new()));
-        assert_eq!(above(ring.with("rule", "nonzero"), false), (Some(8.5), String::new()));
+        assert_eq!(above(new(&square), false, [0.25, 0.0]), (Some(8.5), String::new()));
+        assert_eq!(above(ring.clone(), false, [0.25, 0.0]), (None, String::new()));
+        assert_eq!(above(ring.with("rule", "nonzero"), false, [0.25, 0.0]), (Some(8.5), String::new()));
         // It shines; a slanted one is where its plane is.
-        assert_eq!(above(new(&square), true), (Some(8.5), String::new()));
+        assert_eq!(above(new(&square), true, [0.25, 0.0]), (Some(8.5), String::new()));
         let slanted = square.map(|[x, y, _]| [x, y, x - 2.0 * y]);
-        assert_eq!(above(new(&slanted), false), (Some(8.75), String::new()));
-        let says = |node: Node| above(node, false).1;
+        assert_eq!(above(new(&slanted), false, [0.25, 0.0]), (Some(8.75), String::new()));
+        let says = |node: Node| above(node, false, [0.25, 0.0]).1;
         let missing = Node::new(Family::Shape, "polygon", None);
         let bent = [square[0], square[1], square[2], [-1.0, 1.0, 0.7]];
         for (node, said) in [
@@ -683,16 +672,16 @@ mod tests {
         let new = |points: Vec<f64>| Node::new(Family::Shape, "bezier_patch", None).with("points", points);
         let flat = new(grid(|x, y| x - 0.5 * y));
         for emits in [false, true] {
-            let (t, said) = above(flat.clone(), emits);
+            let (t, said) = above(flat.clone(), emits, [0.25, 0.0]);
             assert!(said.is_empty() && (t.unwrap() - 8.75).abs() < 1e-6, "{t:?} {said}");
         }
         // The parabola with 1 at its ends and −1/3 between, of which these are the heights by degree raising.
         let bowl = new(grid(|x, _| if x.abs() > 0.5 { 1.0 } else { 1.0 / 9.0 }));
         for (node, within) in [(bowl.clone(), 3e-3), (bowl.with("level", 256_i64), 1e-5)] {
-            let (t, said) = above(node, false);
+            let (t, said) = above(node, false, [0.25, 0.0]);
             assert!(said.is_empty() && (t.unwrap() - 8.625).abs() < within, "{t:?} {said}");
         }
-        let says = |node: Node| above(node, false).1;
+        let says = |node: Node| above(node, false, [0.25, 0.0]).1;
         assert!(says(Node::new(Family::Shape, "bezier_patch", None)).contains("here are 0 numbers"));
         assert!(says(new(vec![0.0; 47])).contains("here are 47 numbers"));
         assert!(says(new(vec![0.0; 48])).contains("no area"));

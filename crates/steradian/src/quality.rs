@@ -264,7 +264,9 @@ impl Quality {
         let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
         let media = (scene.has_media() && is_blind).then_some("participating media");
         let motion = (scene.moves() && is_raster).then_some("motion: it shows the moment at which the shutter opens");
-        let what: Vec<&str> = media.into_iter().chain(motion).collect();
+        let below = (scene.is_for_paths_alone() && is_raster)
+            .then_some("light that goes below surfaces or changes its wavelength: they are shown as diffuse");
+        let what: Vec<&str> = media.into_iter().chain(motion).chain(below).collect();
         let instead = if scene.has_media() { "volpath" } else { "path" };
         (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
     }

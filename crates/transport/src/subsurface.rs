@@ -30,7 +30,7 @@ const STEPS_BEFORE_ROULETTE: u32 = 16;
 const MOST_CROSSINGS: u32 = 256;
 
 /// A point of an object's surface, with its outward normals.
-struct Skin {
+struct ExitPoint {
     i: Interaction,
     /// The shading normal, outwards.
     ns: Vec3,
@@ -47,12 +47,12 @@ struct Object<'s> {
 
 impl Object<'_> {
     /// The surface at a hit of a ray, if it is the object's.
-    fn skin(&self, i: Interaction) -> Option<Skin> {
+    fn exit(&self, i: Interaction) -> Option<ExitPoint> {
         let geometry = &self.scene.geometries()[i.geometry as usize];
         if i.id.instance != self.instance || geometry.material != self.material {
             return None;
         }
-        Some(Skin { ns: if self.is_inside_out { -i.surface.ns } else { i.surface.ns }, i })
+        Some(ExitPoint { ns: if self.is_inside_out { -i.surface.ns } else { i.surface.ns }, i })
     }
 }
 
@@ -117,7 +117,7 @@ impl PathState {
             is_inside_out: i.surface.ns.dot(i.wo) < 0.0,
         };
         let below = material.below(scene.textures(), &scene.texture_context(i), context.lambda);
-        let skin = match below.table {
+        let exit = match below.table {
             Some(table) => {
                 let profile = Profile::new(table, below.sigma_t, below.albedo, lanes(scene, context.lambda));
                 self.probe(&object, &profile, i, frame, context)?
@@ -126,10 +126,10 @@ impl PathState {
         };
         // Where it leaves other numbers are drawn than on the way there.
         self.events += 1;
-        let mut i = skin.i;
-        i.wo = skin.ns;
+        let mut i = exit.i;
+        i.wo = exit.ns;
         let scattering = Scattering::plain(Bsdf::Emergence(material.emergence));
-        Some(Vertex::Surface { i, scattering, frame: Frame::from_z(skin.ns), medium: *medium })
+        Some(Vertex::Surface { i, scattering, frame: Frame::from_z(exit.ns), medium: *medium })
     }
 
     /// Random numbers for what happens below.
@@ -150,7 +150,7 @@ impl PathState {
         entered: &Interaction,
         frame: &Frame,
         context: &mut PathContext<'_, '_>,
-    ) -> Option<Skin> {
+    ) -> Option<ExitPoint> {
         const AXES: [f32; 3] = [0.25, 0.25, 0.5];
         let mut numbers = self.numbers(context);
         let u = context.sampler.get_1d(dimension::at(self.events, dimension::LOBE));
@@ -184,14 +184,14 @@ impl PathState {
             let Some(hit) = object.scene.intersect(&ray) else { break };
             let i = object.scene.interaction_of_light(&ray, &hit);
             ray = i.spawn(ray.direction);
-            let Some(skin) = object.skin(i) else { continue };
+            let Some(exit) = object.exit(i) else { continue };
             count += 1;
             if numbers.next_f32() * count as f32 <= 1.0 {
-                found = Some(skin);
+                found = Some(exit);
             }
         }
-        let skin = found?;
-        let offset = skin.i.surface.p - p;
+        let exit = found?;
+        let offset = exit.i.surface.p - p;
         let distance = offset.length();
         if distance >= reach {
             return None;
@@ -200,10 +200,10 @@ impl PathState {
         for (k, axis) in axes.iter().enumerate() {
             let along = offset.dot(*axis);
             let flat = (distance * distance - along * along).max(0.0).sqrt();
-            density += AXES[k] * skin.i.surface.n.dot(*axis).abs() * profile.pdf(flat);
+            density += AXES[k] * exit.i.surface.n.dot(*axis).abs() * profile.pdf(flat);
         }
         self.beta *= profile.value(distance) * (count as f32 / density);
-        (density > 0.0 && self.beta.is_finite() && !self.beta.is_black()).then_some(skin)
+        (density > 0.0 && self.beta.is_finite() && !self.beta.is_black()).then_some(exit)
     }
 
     /// A walk through the medium, from a direction that light has below which entered as it leaves, until it comes to
@@ -216,7 +216,7 @@ impl PathState {
         entered: &Interaction,
         frame: &Frame,
         context: &mut PathContext<'_, '_>,
-    ) -> Option<Skin> {
+    ) -> Option<ExitPoint> {
         let mut numbers = self.numbers(context);
         let outside = warp::cosine_hemisphere(context.sampler.get_2d(dimension::at(self.events, dimension::DIRECTION)));
         let direction = frame.to_world(boundary.refracted(outside)?);
@@ -255,17 +255,17 @@ impl PathState {
             }
             let i = object.scene.interaction_of_light(&ray, &hit);
             // Other objects are passed: what is below belongs to this one.
-            let Some(skin) = object.skin(i) else {
+            let Some(exit) = object.exit(i) else {
                 ray = i.spawn(ray.direction);
                 continue;
             };
-            let cos = ray.direction.dot(skin.ns);
+            let cos = ray.direction.dot(exit.ns);
             if cos > 0.0 && numbers.next_f32() >= boundary.reflected_within(cos) {
-                return Some(skin);
+                return Some(exit);
             }
             // Back below: reflected, or grazing by an interpolated normal.
             let n = if ray.direction.dot(i.surface.n) > 0.0 { i.surface.n } else { -i.surface.n };
-            let m = if cos > 0.0 { skin.ns } else { n };
+            let m = if cos > 0.0 { exit.ns } else { n };
             let mut mirrored = ray.direction - m * (2.0 * ray.direction.dot(m));
             if mirrored.dot(n) >= 0.0 {
                 mirrored = ray.direction - n * (2.0 * ray.direction.dot(n));
