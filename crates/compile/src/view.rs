@@ -268,7 +268,7 @@ impl Compiler<'_> {
                 _ => u32::MAX,
             };
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
-            let own = ["photons", "radius", "large_step", "distance"];
+            let own = ["photons", "radius", "large_step", "distance", "from", "to", "bins", "unit"];
             settings.options =
                 own.into_iter().filter_map(|name| Some((name.to_owned(), node.float(name)?.to_string()))).collect();
         }
