@@ -26,8 +26,8 @@ impl Compiler<'_> {
         if schedule == Schedule::ALWAYS {
             return;
         }
-        let given = ["on", "off", "period"].into_iter().filter_map(|name| node.param(name));
-        let span = given.last().and_then(|p| p.span).or(node.span);
+        let mut given = ["on", "off", "period"].into_iter().filter_map(|name| node.param(name));
+        let span = given.next_back().and_then(|p| p.span).or(node.span);
         let [open, close] = self.shutter();
         if on.is_nan() || off.is_nan() || on >= off {
             self.error(span, format!("this light goes on at {on} s and off at {off} s: 'off' must be after 'on'"));

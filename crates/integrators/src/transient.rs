@@ -97,7 +97,7 @@ impl Clock<'_> {
     }
 
     /// The way to a point from a plane across a direction to infinity that touches the sphere.
-    fn from_sphere(&self, point: Vec3, towards: Vec3) -> f64 {
+    fn way_from_sphere(&self, point: Vec3, towards: Vec3) -> f64 {
         let (center, radius) = self.sphere;
         f64::from(radius - (point - center).dot(towards))
     }
@@ -110,7 +110,7 @@ impl Sink for Clock<'_> {
 
     fn add_from_infinity(&mut self, light: Spectrum, point: Vec3, towards: Vec3) {
         // Nothing was met on the way from the last surface.
-        self.add_at(light, self.index * self.from_sphere(point, towards));
+        self.add_at(light, self.index * self.way_from_sphere(point, towards));
     }
 
     fn is_timed(&self) -> bool {
@@ -119,7 +119,7 @@ impl Sink for Clock<'_> {
 
     fn add_direct(&mut self, light: Spectrum, vertex: &Vertex<'_>, towards: Vec3, distance: f32) {
         let is_infinite = distance.is_infinite();
-        let way = if is_infinite { self.from_sphere(vertex.p(), towards) } else { f64::from(distance) };
+        let way = if is_infinite { self.way_from_sphere(vertex.p(), towards) } else { f64::from(distance) };
         self.add_at(light, self.index * crossing(vertex, towards) * way);
     }
 
