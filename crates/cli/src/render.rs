@@ -246,9 +246,10 @@ impl<'a> Job<'a> {
         let mut render = quality.render(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
         // Mattes are counted apart from other layers, and have eight times as many planes.
         let is_pipeline = render.integrator().is_none();
+        let bins = render.integrator().map_or(0, |i| i.bins() as usize);
         let plan = &mut render.plan;
         let mattes = if plan.mattes { 16 } else { 0 };
-        let groups = if plan.by_light { 3 * scene.light_groups().names.len() } else { 0 };
+        let groups = if plan.by_light { 3 * scene.light_groups().names.len() } else { 0 } + 3 * bins;
         check_memory(scene, quality.layers.len() + mattes + groups)?;
         let integrator = quality.integrator_name(scene);
         if let Some(what) = quality.cannot(scene) {

@@ -36,7 +36,8 @@ impl Compiler<'_> {
             return plain;
         }
         let local = self.add(node, plain).id;
-        Model::Fluorescent(Box::new(FluorescentMaterial { reflectance, reradiation: Arc::new(reradiation), local }))
+        let (reradiation, lifetime) = (Arc::new(reradiation), self.float(node, "lifetime", 0.0));
+        Model::Fluorescent(Box::new(FluorescentMaterial { reflectance, reradiation, lifetime, local }))
     }
 
     fn reradiation(&mut self, node: &Node) -> Option<Reradiation> {

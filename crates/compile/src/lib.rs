@@ -28,6 +28,7 @@ mod polygon;
 mod principled;
 mod ranges;
 mod realistic;
+mod schedule;
 mod shapes;
 mod sky;
 mod sound;
@@ -39,6 +40,7 @@ use assets::Assets;
 use coats::Coats;
 pub use kept::Kept;
 use kept::{KeptAccel, KeptShape, Space};
+use schedule::Lamp;
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
     path::PathBuf,
@@ -47,7 +49,7 @@ use std::{
 };
 use steradian_accel::{Accel, Accelerator, Object};
 use steradian_core::{
-    light::{Emitter, Light, LightGroups, Lights},
+    light::{Emitter, Light, LightGroups, Lights, Schedule},
     material::Material,
     medium::Medium,
     scene::{Geometry, Parts, Placement, Scene, Settings},
@@ -133,6 +135,8 @@ struct Compiler<'a> {
     unnamed_lights: HashMap<NodeId, usize>,
     /// Lights that are no part of shapes, with their groups.
     grouped: Vec<(u32, u32)>,
+    /// Lights that do not always shine, those of areas by their emitters.
+    schedules: Vec<(Lamp, Schedule)>,
     geometries: Vec<Geometry>,
     /// Shapes of an earlier compilation, and those of this one for the next, where these are asked for.
     kept_shapes: Option<[HashMap<NodeId, KeptShape>; 2]>,
@@ -180,6 +184,7 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
         light_groups: LightGroups::default(),
         unnamed_lights: HashMap::new(),
         grouped: Vec::new(),
+        schedules: Vec::new(),
         geometries: Vec::new(),
         kept_shapes: kept.as_deref_mut().map(|k| [std::mem::take(&mut k.shapes), HashMap::new()]),
         kept_accel: kept.as_deref_mut().and_then(|k| k.accel.take()),
@@ -237,7 +242,8 @@ impl Compiler<'_> {
         };
         let placements = instances.iter().map(placement).collect();
         let textures = std::mem::take(&mut self.textures);
-        let lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
+        let mut lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
+        lights.timetable = self.timetable(&lights);
         let mut light_groups = std::mem::take(&mut self.light_groups);
         light_groups.assign(&lights, &self.grouped);
         let glows = self.media.iter().any(|m| m.glow.is_some());

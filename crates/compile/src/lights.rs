@@ -1,6 +1,6 @@
 //! Compiling lights that are not attached to shapes.
 
-use super::Compiler;
+use super::{Compiler, schedule::Lamp};
 use steradian_core::light::{
     Environment, Goniometric, Isotropic, Light, Projection, Spot,
     environment::{EnvironmentImage, Parametrization},
@@ -126,6 +126,7 @@ impl Compiler<'_> {
     fn add_light(&mut self, node: &Node, id: NodeId, light: Light) {
         let group = self.light_group(node.name.as_deref(), id);
         self.grouped.push((self.lights.len() as u32, group));
+        self.schedule(node, Lamp::Light(self.lights.len() as u32));
         self.lights.push(light);
     }
 

@@ -10,7 +10,7 @@ const SHUTTER: [(&str, f64); 2] = [("shutter_open", 0.0), ("shutter_close", 1.0)
 
 impl Compiler<'_> {
     /// When the shutter opens and closes.
-    fn shutter(&self) -> [f64; 2] {
+    pub(super) fn shutter(&self) -> [f64; 2] {
         let camera = self.chosen_camera().map(|id| self.desc.node(id));
         SHUTTER.map(|(name, default)| camera.and_then(|c| c.float(name)).unwrap_or(default))
     }

@@ -3,6 +3,7 @@
 use super::{
     Compiler, height_field,
     kept::{KeptShape, Origin},
+    schedule::Lamp,
 };
 use std::sync::Arc;
 use steradian_accel::Geometry as AccelGeometry;
@@ -148,6 +149,7 @@ impl Compiler<'_> {
                     if let (true, Some(id)) = (self.emitters.len() > before, shape.emission) {
                         let group = self.light_group(light.name.as_deref().or(node.name.as_deref()), id);
                         self.light_groups.of_emitters.resize(self.emitters.len(), group);
+                        self.schedule(light, Lamp::Emitter(before as u32));
                     }
                 } else {
                     let what = "lights on instanced shapes are not supported; this one is left out";

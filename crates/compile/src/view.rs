@@ -268,9 +268,10 @@ impl Compiler<'_> {
                 _ => u32::MAX,
             };
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
-            let own = ["photons", "radius", "large_step", "distance"];
+            let own = ["photons", "radius", "large_step", "distance", "from", "to", "bins", "unit"];
             settings.options =
                 own.into_iter().filter_map(|name| Some((name.to_owned(), node.float(name)?.to_string()))).collect();
+            settings.options.extend(node.bool("camera").map(|is| ("camera".to_owned(), is.to_string())));
         }
         if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
             match SamplerKind::named(&node.kind) {

@@ -29,6 +29,8 @@ pub const FLIGHT: u32 = 6;
 pub const LANE: u32 = 7;
 /// How many paths go on.
 pub const BRANCHES: u32 = 8;
+/// How long matter holds light back.
+pub const DELAY: u32 = 9;
 
 /// The dimension of a decision at a scattering event.
 #[inline]

@@ -26,6 +26,11 @@ pub trait Integrator: Debug + Send + Sync {
         true
     }
 
+    /// Into how many intervals of its arrival light is cut, which layers show; 0 where it is not.
+    fn bins(&self) -> u32 {
+        0
+    }
+
     /// The radiance that arrives along a camera ray. A pure function of its arguments, counters aside.
     fn radiance(&self, prepared: &Self::Prepared, ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum;
 }
@@ -89,6 +94,11 @@ pub trait GroupIntegrator: Debug + Send + Sync {
     fn asks_photons(&self, _prepared: &Self::Prepared) -> bool {
         false
     }
+
+    /// As in [`Integrator`].
+    fn bins(&self) -> u32 {
+        0
+    }
 }
 
 /// Samples that know nothing of each other.
@@ -105,6 +115,10 @@ impl<I: Integrator> GroupIntegrator for OneByOne<I> {
 
     fn works_unprepared(&self) -> bool {
         self.0.works_unprepared()
+    }
+
+    fn bins(&self) -> u32 {
+        self.0.bins()
     }
 
     fn group(

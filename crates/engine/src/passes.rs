@@ -356,6 +356,7 @@ impl<P: Pass> Session for Passes<P> {
             features: self.features.clone(),
             mattes: self.mattes.clone(),
             by_light: self.by_light.clone(),
+            bins: 0,
         }
     }
 

@@ -15,4 +15,6 @@ pub struct Film {
     pub mattes: Vec<MatteSums>,
     /// Sums of linear Rec.709 radiance of each group of lights, pixel by pixel; empty where they were not kept.
     pub by_light: Vec<[f64; 3]>,
+    /// How many intervals of the arrival of light these are instead; 0 where they are groups of lights.
+    pub bins: u32,
 }

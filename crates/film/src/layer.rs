@@ -176,6 +176,7 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
                 let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
                 push(&mut image, &format!("variance.{n}"), v);
             }),
+            Layer::LightGroups if film.bins > 0 => {}
             Layer::LightGroups => light_groups(&mut image, &names.light_groups, film),
             Layer::Cryptomatte if film.mattes.is_empty() => {}
             Layer::Cryptomatte => {
@@ -188,7 +189,20 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
             }
         }
     }
+    let bins = film.bins as usize;
+    for bin in 0..bins {
+        push_part(&mut image, &format!("bin.{bin:03}"), film, (bin, bins));
+    }
     image
+}
+
+/// Adds a layer of one part of the light out of so many.
+fn push_part(image: &mut Image, name: &str, film: &Film, (part, count): (usize, usize)) {
+    for (c, n) in ["R", "G", "B"].iter().enumerate() {
+        let sums = film.by_light.iter().skip(part).step_by(count).zip(&film.pixels);
+        let plane = sums.map(|(sum, p)| held(sum[c] / f64::from(p.samples.max(1)))).collect();
+        push(image, &format!("{name}.{n}"), plane);
+    }
 }
 
 /// Adds the light of each group of lights. Dots part layers in names of channels, so that groups lose theirs.
@@ -202,11 +216,7 @@ fn light_groups(image: &mut Image, names: &[String], film: &Film) {
         while image.channel(&format!("{name}.R")).is_some() {
             name.push('_');
         }
-        for (c, n) in ["R", "G", "B"].iter().enumerate() {
-            let sums = film.by_light.iter().skip(group).step_by(names.len()).zip(&film.pixels);
-            let plane = sums.map(|(sum, p)| held(sum[c] / f64::from(p.samples.max(1)))).collect();
-            push(image, &format!("{name}.{n}"), plane);
-        }
+        push_part(image, &name, film, (group, names.len()));
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::Depth;
 use steradian_engine::{Integrator, PathContext};
 use steradian_math::{Ray, Spectrum};
-use steradian_transport::{Arrival, Guide, NoGuide, PathState, Vertex, arrive, escape, subsurface::EVENTS_BELOW};
+use steradian_transport::{Arrival, Guide, NoGuide, PathState, Sink, Vertex, arrive, escape, subsurface::EVENTS_BELOW};
 
 /// The path tracer. Without `MEDIA` these are ignored; surfaces that scatter nothing are passed.
 #[derive(Clone, Copy, Debug)]
@@ -18,74 +18,79 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
     /// The radiance that arrives along a camera ray.
     #[inline]
     pub(crate) fn arriving(&self, ray: Ray, guide: Option<&impl Guide>, context: &mut PathContext<'_, '_>) -> Spectrum {
-        self.along(PathState::camera(context.scene, ray), guide, context)
+        self.along(PathState::camera(context.scene, ray), guide, context, Spectrum::ZERO)
     }
 
-    /// The radiance that arrives along a path's ray, times what the path carries.
+    /// The radiance that arrives along a path's ray, times what the path carries, in a sink.
     #[inline]
-    pub(crate) fn along(
+    pub(crate) fn along<S: Sink>(
         &self,
         mut path_state: PathState,
         guide: Option<&impl Guide>,
         context: &mut PathContext<'_, '_>,
-    ) -> Spectrum {
-        let (mut sum, mut first) = (Spectrum::ZERO, Arrival::End);
-        arrive::<MEDIA>(&mut path_state, &self.depth, &mut sum, &mut first, context);
+        mut sink: S,
+    ) -> S {
+        let mut first = Arrival::End;
+        arrive::<MEDIA>(&mut path_state, &self.depth, &mut sink, &mut first, context);
         match &first {
-            Arrival::Vertex(v) => self.leaving(v, path_state, guide, context, sum),
-            Arrival::End => sum,
+            Arrival::Vertex(v) => self.leaving(v, path_state, guide, context, sink),
+            Arrival::End => sink,
             Arrival::Escaped => {
-                escape(&path_state, &self.depth, &mut sum, context);
-                sum
+                escape(&path_state, &self.depth, &mut sink, context);
+                sink
             }
         }
     }
 
-    /// What a path brings that arrived at a vertex, `sum` of it before: light scattered there towards where it came
+    /// What a path brings that arrived at a vertex, what came before it in `sink`: light scattered there towards where it came
     /// from, without emission.
     #[inline]
-    pub(crate) fn leaving<'s>(
+    pub(crate) fn leaving<'s, S: Sink>(
         &self,
         vertex: &Vertex<'s>,
         mut path_state: PathState,
         guide: Option<&impl Guide>,
         context: &mut PathContext<'s, '_>,
-        mut sum: Spectrum,
-    ) -> Spectrum {
+        mut sink: S,
+    ) -> S {
         let (mut vertex, mut next, mut depth) = (vertex, Arrival::End, self.depth);
         loop {
             // Light that arrives straight from a light.
-            sum += path_state.direct::<MEDIA>(vertex, context);
+            path_state.add_direct::<MEDIA>(vertex, &mut sink, context);
             // Scatter.
-            let Some(s) = path_state.sample(vertex, context.sampler, guide) else { return sum };
+            let Some(s) = path_state.sample(vertex, context.sampler, guide) else { return sink };
             if s.sample.lobe.is_subsurface() {
                 // Below the surface counts for none of the events that are asked for.
                 depth.max = depth.max.saturating_add(EVENTS_BELOW);
-                let Some(v) = path_state.emerge(vertex, &s.sample, context) else { return sum };
+                let Some(v) = path_state.emerge(vertex, &s.sample, context) else { return sink };
                 if !path_state.survives(&depth, context) {
-                    return sum;
+                    return sink;
                 }
                 next = Arrival::Vertex(v);
-                let Arrival::Vertex(v) = &next else { return sum };
+                let Arrival::Vertex(v) = &next else { return sink };
                 vertex = v;
                 continue;
+            }
+            if s.sample.lobe.is_transmission() {
+                sink.refract(s.sample.eta);
             }
             path_state.turn::<MEDIA>(context.scene, vertex, &s);
             if !path_state.beta.is_finite() {
                 // Handed to the film, which counts it.
-                return path_state.beta;
+                sink.spoil(path_state.beta);
+                return sink;
             }
             if !path_state.survives(&depth, context) {
-                return sum;
+                return sink;
             }
             // Follow the ray to the next vertex; collect what shines there.
-            arrive::<MEDIA>(&mut path_state, &depth, &mut sum, &mut next, context);
+            arrive::<MEDIA>(&mut path_state, &depth, &mut sink, &mut next, context);
             match &next {
                 Arrival::Vertex(v) => vertex = v,
-                Arrival::End => return sum,
+                Arrival::End => return sink,
                 Arrival::Escaped => {
-                    escape(&path_state, &depth, &mut sum, context);
-                    return sum;
+                    escape(&path_state, &depth, &mut sink, context);
+                    return sink;
                 }
             }
         }

@@ -44,7 +44,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         let (p, n) = match *receiver {
             Receiver::Radiance(p, w) => {
                 let ray = Ray { time, ..Ray::new(p, w) };
-                return self.along(PathState::camera(context.scene, ray), None::<&NoGuide>, context);
+                return self.along(PathState::camera(context.scene, ray), None::<&NoGuide>, context, Spectrum::ZERO);
             }
             Receiver::Plane(p, n) => (p, n),
             Receiver::Sphere(p) => (p, Vec3::ZERO),
@@ -70,7 +70,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         let Depth { max, roulette_after, .. } = self.depth;
         let one_more =
             Depth { max: max.saturating_add(1), roulette_after: roulette_after.saturating_add(1), ..self.depth };
-        direct + Self { depth: one_more }.along(path_state, None::<&NoGuide>, context) * total
+        direct + Self { depth: one_more }.along(path_state, None::<&NoGuide>, context, Spectrum::ZERO) * total
     }
 
     /// Light of a light sample.

@@ -9,12 +9,13 @@ use crate::{
     raycast::Raycast,
     shared_path::SharedPath,
     stokes::Stokes,
+    transient::Transient,
     whitted::Whitted,
 };
 
 use std::sync::Arc;
 use steradian_core::Scene;
-use steradian_engine::{OneByOne, Tiles};
+use steradian_engine::{Integrator as _, OneByOne, Tiles};
 use steradian_math::Vec3;
 
 /// An integrator, ready to run.
@@ -34,6 +35,8 @@ pub enum IntegratorKind {
     AmbientOcclusion(AmbientOcclusion),
     /// Views of radiosity.
     Radiosity(View),
+    /// Path tracing by the arrival of light.
+    Transient(Transient),
     /// A method that works by passes.
     Passes(PassKind),
 }
@@ -46,6 +49,7 @@ impl IntegratorKind {
             Self::Path(i) => i.path.depth,
             Self::VolPath(i) => i.path.depth,
             Self::Stokes(i) => i.depth,
+            Self::Transient(i) => i.depth,
             _ => return None,
         };
         Some(missed_caustics(scene, &depth))
@@ -66,6 +70,7 @@ impl IntegratorKind {
             "radiosity" => {
                 Self::Radiosity(View { settings: radiosity::Settings::default(), depth, gather: 0, smooth: true })
             }
+            "transient" => Self::Transient(Transient::new(depth)),
             "stokes" => Self::Stokes(Stokes { depth, component: 0 }),
             "stokes-s1" => Self::Stokes(Stokes { depth, component: 1 }),
             "stokes-s2" => Self::Stokes(Stokes { depth, component: 2 }),
@@ -78,7 +83,16 @@ impl IntegratorKind {
     pub fn set(&mut self, key: &str, value: &str) -> bool {
         match self {
             Self::Passes(kind) => kind.set(key, value),
+            Self::Transient(i) => i.set(key, value),
             _ => false,
+        }
+    }
+
+    /// Into how many intervals of its arrival it cuts light; 0 where it does not.
+    pub fn bins(&self) -> u32 {
+        match self {
+            Self::Transient(i) => i.bins(),
+            _ => 0,
         }
     }
 
@@ -86,7 +100,9 @@ impl IntegratorKind {
     pub fn refuses(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Passes(kind) => kind.cannot(scene),
+            Self::Transient(i) => i.refuses(scene),
             Self::Whitted(_) | Self::Stokes(_) => for_paths_alone(scene).map(Into::into),
+            Self::Radiosity(_) if scene.has_schedules() => for_paths_alone(scene).map(Into::into),
             _ => None,
         }
     }
@@ -95,7 +111,7 @@ impl IntegratorKind {
     pub fn cannot(&self, scene: &Scene) -> Option<String> {
         match self {
             Self::Passes(kind) => self.refuses(scene).or_else(|| kind.leaves_out(scene)),
-            Self::Whitted(_) | Self::Stokes(_) => self.refuses(scene),
+            Self::Transient(_) | Self::Whitted(_) | Self::Stokes(_) => self.refuses(scene),
             Self::Path(_) if scene.has_media() => Some("participating media".into()),
             Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
             Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {
@@ -109,7 +125,7 @@ impl IntegratorKind {
 
     /// A render with an empty film.
     pub fn session(&self, scene: Arc<Scene>, plan: Plan) -> Box<dyn Session> {
-        let takes_all = matches!(self, Self::Path(_) | Self::VolPath(_));
+        let takes_all = matches!(self, Self::Path(_) | Self::VolPath(_) | Self::Transient(_));
         let scene = if scene.is_for_paths_alone() && !takes_all {
             Arc::new(Scene::clone(&scene).with_local_scattering())
         } else {
@@ -122,6 +138,7 @@ impl IntegratorKind {
             Self::Raycast(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Stokes(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::AmbientOcclusion(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
+            Self::Transient(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Radiosity(i) => Box::new(Tiles::per_pixel(scene, i, plan)),
             Self::Passes(i) => i.session(scene, plan),
         }

@@ -21,6 +21,20 @@ pub struct SharedPath<const MEDIA: bool> {
     pub variance_reduction: VarianceReduction,
 }
 
+impl<const MEDIA: bool> SharedPath<MEDIA> {
+    /// Follows one path that may change its wavelengths and its moment.
+    fn alone(&self, scene: &Scene, sample: &mut PixelSample, counters: &mut Counters) {
+        let PixelSample { ray, own, lambda, radiance, .. } = sample;
+        // The film sees the wavelengths that the path began with.
+        let mut shifted = *lambda;
+        let context = &mut PathContext { scene, sampler: own, lambda: &mut shifted, counters };
+        *radiance = self.path.arriving(*ray, None::<&NoGuide>, context);
+        if shifted.is_secondary_terminated() {
+            lambda.terminate_secondary();
+        }
+    }
+}
+
 impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
     type Prepared = Precomputed;
     type Buffer<'s> = (GroupBuffer<'s>, WaveBuffer<'s>);
@@ -42,6 +56,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         counters: &mut Counters,
     ) {
         match pixel_samples {
+            [sample] if scene.is_for_paths_alone() => self.alone(scene, sample, counters),
             [PixelSample { ray, own, lambda, radiance, .. }] => {
                 let context = &mut PathContext { scene, sampler: own, lambda, counters };
                 *radiance = self.path.arriving(*ray, precomputed.caustics.as_ref(), context);
@@ -61,14 +76,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         if scene.is_for_paths_alone() {
             for sample in pixel_samples {
                 let before = counters.rays;
-                let PixelSample { ray, own, lambda, radiance, .. } = sample;
-                // The film sees the wavelengths that the path began with.
-                let mut shifted = *lambda;
-                let context = &mut PathContext { scene, sampler: own, lambda: &mut shifted, counters };
-                *radiance = self.path.arriving(*ray, None::<&NoGuide>, context);
-                if shifted.is_secondary_terminated() {
-                    lambda.terminate_secondary();
-                }
+                self.alone(scene, sample, counters);
                 sample.rays = (counters.rays - before) as u32;
             }
             return;

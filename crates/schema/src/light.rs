@@ -1,7 +1,7 @@
 //! Lights: those of shapes, and those that stand for themselves.
 
 use crate::{
-    model::Model,
+    model::{Group, Model},
     parameter::{
         ANY, POSITIVE, Parameter, file, flag, integer, list, map, number, spectrum, tex, transform, vector, word,
     },
@@ -15,6 +15,19 @@ const POWER: Parameter = number("power", ANY, "none", "the light's power, as in 
 const ILLUMINANCE: Parameter =
     number("illuminance", ANY, "none", "illuminance of a surface that faces it, as in pbrt; counts above 0").unit("lx");
 const INTENSITY: Parameter = spectrum("intensity", ANY, "1", "radiant intensity");
+/// Of all lights.
+const SCHEDULE: Group = Group {
+    name: "schedule",
+    doc: "when a light shines, on the clock of the camera's `shutter_open` and `shutter_close`",
+    parameters: &[
+        number("on", ANY, "none", "when it goes on; it shone all the time before where it is absent").unit("s"),
+        number("off", ANY, "none", "when it goes off, after `on`; never where it is absent").unit("s"),
+        number("period", POSITIVE, "none", "after how long it goes on again and again, and went on before: a strobe")
+            .unit("s")
+            .refused(),
+    ],
+    source: "",
+};
 const FILE_FIRST: &str = "a picture over u and v, instead of radiance";
 
 /// Of lights that shapes have.
@@ -63,7 +76,7 @@ pub const LIGHTS: &[Model] = &[
         kind: "area",
         doc: "emission of a shape; picture and mapping are of its file",
         parameters: OF_SHAPES,
-        groups: &[&PICTURE, &MAPPING],
+        groups: &[&PICTURE, &MAPPING, &SCHEDULE],
         source: "pbrt-v4, 12.4",
     },
     Model {
@@ -71,7 +84,7 @@ pub const LIGHTS: &[Model] = &[
         doc: "emission of a flat shape along its normal alone (Mitsuba's directionalarea); picture and mapping \
          are of its file",
         parameters: OF_SHAPES,
-        groups: &[&PICTURE, &MAPPING],
+        groups: &[&PICTURE, &MAPPING, &SCHEDULE],
         source: "Mitsuba 3, plugin documentation: directionalarea",
     },
     Model {
@@ -85,7 +98,7 @@ pub const LIGHTS: &[Model] = &[
             POWER,
             transform("to_world", "identity", "places it"),
         ],
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.2",
     },
     Model {
@@ -115,7 +128,7 @@ pub const LIGHTS: &[Model] = &[
             POWER,
             transform("to_world", "identity", "places it; its own +z is the axis"),
         ],
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.2.1; Mitsuba 3, plugin documentation: spot",
     },
     Model {
@@ -128,7 +141,7 @@ pub const LIGHTS: &[Model] = &[
             NORMALIZE,
             ILLUMINANCE,
         ],
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.3",
     },
     Model {
@@ -162,14 +175,14 @@ pub const LIGHTS: &[Model] = &[
                 "turns it; of its own, +y is up in a latlong (+z in pbrt scenes), +z in octahedral maps",
             ),
         ],
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.5; Bitterli, Novák, Jarosz, Portal-masked environment map sampling (2015)",
     },
     Model {
         kind: "sky",
         doc: "the clear sky and the sun, by place and time; black below the horizon, and at night",
         parameters: OF_SKY,
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "Hosek, Wilkie, An analytic model for full spectral sky-dome radiance (2012), Adding a solar-radiance \
                  function to the Hošek-Wilkie skylight model (2013); Blanco-Muriel et al., Computing the solar vector \
                  (2001)",
@@ -185,7 +198,7 @@ pub const LIGHTS: &[Model] = &[
             POWER,
             transform("to_world", "identity", "places it"),
         ],
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.2.3",
     },
     Model {
@@ -208,7 +221,7 @@ pub const LIGHTS: &[Model] = &[
                 .unit("lm"),
             transform("to_world", "identity", "places it; its own +z is the axis, +x right, +y up"),
         ],
-        groups: &[],
+        groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.2.2",
     },
 ];

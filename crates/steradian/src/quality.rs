@@ -133,7 +133,7 @@ impl Quality {
                 return Err(unknown_option(name, option));
             }
         }
-        if self.adaptive && matches!(integrator, IntegratorKind::Passes(_)) {
+        if self.adaptive && matches!(integrator, IntegratorKind::Passes(_) | IntegratorKind::Transient(_)) {
             return Err(Error::NotAdaptive(name.into()));
         }
         if let Some(what) = integrator.refuses(scene) {
@@ -263,8 +263,9 @@ impl Quality {
         let is_raster = name == RASTER.name;
         let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
         let media = (scene.has_media() && is_blind).then_some("participating media");
-        let motion = (scene.moves() && is_raster).then_some("motion: it shows the moment at which the shutter opens");
-        let below = (scene.is_for_paths_alone() && is_raster)
+        let motion = ((scene.moves() || scene.has_schedules()) && is_raster)
+            .then_some("motion: it shows the moment at which the shutter opens");
+        let below = ((scene.has_subsurface() || scene.is_fluorescent()) && is_raster)
             .then_some("light that goes below surfaces or changes its wavelength: they are shown as diffuse");
         let what: Vec<&str> = media.into_iter().chain(motion).chain(below).collect();
         let instead = if scene.has_media() { "volpath" } else { "path" };

@@ -40,7 +40,8 @@ fn follow(scene: &Scene, pixel: Vec2, events: u32, lobe: f32) -> (Interaction, P
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 }.pixel(0, 0, 0);
     let depth = Depth { max: u32::MAX, roulette_after: u32::MAX, hide_emitters: false };
     let mut lambda = Wavelengths::RGB;
-    let (mut path_state, mut sum, mut arrival) = (PathState::camera(scene, ray), Default::default(), Arrival::End);
+    let (mut path_state, mut sum, mut arrival) =
+        (PathState::camera(scene, ray), steradian_math::Spectrum::ZERO, Arrival::End);
     let (sampler, lambda, counters) = (&sampler, &mut lambda, &mut Counters::default());
     let context = &mut PathContext { scene, sampler, lambda, counters };
     loop {

@@ -5,6 +5,7 @@ use crate::{
     Depth, MAX_PASSES,
     flight::{self, Flight},
     live_max, nee,
+    sink::Sink,
     state::PathState,
     tracking::Stretch,
     vertex::Vertex,
@@ -25,19 +26,19 @@ pub enum Arrival<'s> {
     Escaped,
 }
 
-/// Follows a path to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sum`.
+/// Follows a path to the next point that scatters, passing what does not; adds what surfaces emit on the way to `sink`.
 /// The background is left to the caller. What it leads to is written where it stays, since it is large.
 #[inline]
 pub fn arrive<'s, const MEDIA: bool>(
     path_state: &mut PathState,
     depth: &Depth,
-    sum: &mut Spectrum,
+    sink: &mut impl Sink,
     arrival: &mut Arrival<'s>,
     context: &mut PathContext<'s, '_>,
 ) {
     context.counters.rays += 1;
     let hit = context.scene.intersect(&path_state.ray);
-    meet::<MEDIA>(path_state, (hit, false), depth, sum, arrival, context);
+    meet::<MEDIA>(path_state, (hit, false), depth, sink, arrival, context);
 }
 
 /// As [`arrive`], where it is known what the ray hits first, and maybe that the path gets there through the medium.
@@ -46,7 +47,7 @@ pub fn meet<'s, const MEDIA: bool>(
     path_state: &mut PathState,
     (mut hit, mut has_flown): (Option<Hit>, bool),
     depth: &Depth,
-    sum: &mut Spectrum,
+    sink: &mut impl Sink,
     arrival: &mut Arrival<'s>,
     PathContext { scene, sampler, lambda, counters }: &mut PathContext<'s, '_>,
 ) {
@@ -64,7 +65,7 @@ pub fn meet<'s, const MEDIA: bool>(
             let flight = match &scattering.field {
                 None => {
                     if scattering.glow.is_some() {
-                        *sum += path_state.beta * scattering.glow_over(distance, lambda);
+                        sink.add(path_state.beta * scattering.glow_over(distance, lambda));
                     }
                     flight::sample_flight(scene, scattering, distance, lane, u, lambda)
                 }
@@ -72,7 +73,7 @@ pub fn meet<'s, const MEDIA: bool>(
                     let (mut glow, ray, stop) = (Spectrum::ZERO, &path_state.ray, &counters.stop);
                     let stretch = Stretch { medium: scattering, field, ray, distance, lambda, stop };
                     let flight = stretch.sample_flight(scene, (lane, u), &mut glow);
-                    *sum += path_state.beta * glow;
+                    sink.add(path_state.beta * glow);
                     flight
                 }
             };
@@ -85,6 +86,7 @@ pub fn meet<'s, const MEDIA: bool>(
                 return;
             }
             if let Some(t) = t {
+                sink.advance(t);
                 if path_state.events < depth.max {
                     let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
                     *arrival = Arrival::Vertex(Vertex::Medium { p, wo, time: path_state.ray.time, scattering, medium });
@@ -97,11 +99,12 @@ pub fn meet<'s, const MEDIA: bool>(
             return;
         };
         let i = scene.interaction_of_light(&path_state.ray, &met);
+        sink.advance(i.t);
         if !(path_state.events == 0 && depth.hide_emitters) {
             let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
             let emitter = || scene.geometries()[i.geometry as usize].emitter;
             counters.note(|| emitter().map(|e| scene.light_groups().of_emitters[e as usize]), light);
-            *sum += light;
+            sink.add(light);
         }
         let is_last = path_state.events >= depth.max;
         if is_last && !scene.is_see_through() || scene.is_black(i.geometry) {
@@ -114,6 +117,12 @@ pub fn meet<'s, const MEDIA: bool>(
         let Arrival::Vertex(Vertex::Surface { i, scattering, frame, .. }) = arrival else { return };
         let differential = path_state.differential.as_ref();
         if scene.write_scattering(i, differential, choice, lambda, (scattering, frame)) {
+            if scattering.lifetime > 0.0 {
+                let u = sampler.get_1d(path_state.dimension(dimension::DELAY));
+                let delay = -scattering.lifetime * (-u).ln_1p();
+                lambda.delay += delay;
+                sink.wait(delay);
+            }
             if is_last {
                 *arrival = Arrival::End;
             }
@@ -135,9 +144,9 @@ pub fn meet<'s, const MEDIA: bool>(
     }
 }
 
-/// Adds the light of the environments that a path met to `sum`.
+/// Adds the light of the environments that a path met to `sink`.
 #[inline]
-pub fn escape(path_state: &PathState, depth: &Depth, sum: &mut Spectrum, context: &mut PathContext<'_, '_>) {
+pub fn escape(path_state: &PathState, depth: &Depth, sink: &mut impl Sink, context: &mut PathContext<'_, '_>) {
     if path_state.events == 0 && depth.hide_emitters {
         return;
     }
@@ -145,7 +154,8 @@ pub fn escape(path_state: &PathState, depth: &Depth, sum: &mut Spectrum, context
     if !context.counters.by_group.is_empty() {
         note_groups(path_state, context);
     }
-    *sum += path_state.beta * nee::background(context.scene, ray.origin, ray.direction, origin, context.lambda);
+    let light = path_state.beta * nee::background(context.scene, ray.origin, ray.direction, origin, context.lambda);
+    sink.add_from_infinity(light, ray.origin, ray.direction);
 }
 
 /// Counts the light of the environments by groups of lights.

@@ -10,6 +10,7 @@ mod follow;
 mod guide;
 pub mod nee;
 pub mod roulette;
+mod sink;
 mod state;
 pub mod subsurface;
 pub mod tracking;
@@ -17,6 +18,7 @@ mod vertex;
 
 pub use follow::{Arrival, arrive, escape, meet};
 pub use guide::{Guide, GuidedDirection, NoGuide};
+pub use sink::Sink;
 pub use state::PathState;
 pub use vertex::Vertex;
 

@@ -62,6 +62,9 @@ pub type Origin = Option<(LightContext, f32)>;
 pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     let geometry = &scene.geometries()[i.geometry as usize];
     let Some(emitter) = geometry.emitter else { return Spectrum::ZERO };
+    if !scene.lights().emits(emitter, lambda) {
+        return Spectrum::ZERO;
+    }
     let at = || scene.texture_context(i);
     let e = scene.lights().emitters[emitter as usize].radiance(i.surface.n, i.wo, at, lambda, scene.textures());
     if e.is_black() {
@@ -88,7 +91,7 @@ pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wav
 pub fn environment(scene: &Scene, light: u32, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     let Light::Environment(e) = &scene.lights().lights[light as usize] else { return Spectrum::ZERO };
     let radiance = e.radiance(p, w, lambda);
-    if radiance.is_black() {
+    if radiance.is_black() || !scene.lights().shines(light, lambda) {
         return Spectrum::ZERO;
     }
     match origin {

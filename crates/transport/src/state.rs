@@ -5,6 +5,7 @@ use crate::{
     guide::{Guide, GuidedDirection},
     live_max, nee,
     roulette::{number, roulette},
+    sink::Sink,
     vertex::Vertex,
 };
 use steradian_bsdf::{Bsdf, BsdfSample};
@@ -100,6 +101,21 @@ impl PathState {
         }
         let mut sample = |k| v.direct::<MEDIA>(self.event_of_light(k), context);
         self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
+    }
+
+    /// Adds light straight from lights, as [`PathState::direct`] has it, to `sink`.
+    #[inline]
+    pub fn add_direct<const MEDIA: bool>(
+        &self,
+        v: &Vertex<'_>,
+        sink: &mut impl Sink,
+        context: &mut PathContext<'_, '_>,
+    ) {
+        if !sink.is_timed() {
+            sink.add(self.direct::<MEDIA>(v, context));
+        } else if let Some((light, wi, distance)) = v.direct_from::<MEDIA>(self.event_of_light(0), context) {
+            sink.add_direct(self.beta * light, v, wi, distance);
+        }
     }
 
     /// Russian roulette: whether the path goes on, with a throughput that makes up for those that do not.

@@ -223,9 +223,19 @@ impl Vertex<'_> {
     /// Light straight from a light, scattered back along the path.
     #[inline]
     pub fn direct<const MEDIA: bool>(&self, event: u32, context: &mut PathContext<'_, '_>) -> Spectrum {
-        let Some((light, wi, distance)) = self.unoccluded(event, context) else { return Spectrum::ZERO };
+        self.direct_from::<MEDIA>(event, context).map_or(Spectrum::ZERO, |(light, ..)| light)
+    }
+
+    /// As [`Vertex::direct`], with the unit direction that it comes from, and the distance.
+    #[inline]
+    pub(crate) fn direct_from<const MEDIA: bool>(
+        &self,
+        event: u32,
+        context: &mut PathContext<'_, '_>,
+    ) -> Option<(Spectrum, Vec3, f32)> {
+        let (light, wi, distance) = self.unoccluded(event, context)?;
         let number = shadow_number::<MEDIA>(context.sampler, event);
-        self.transmitted::<MEDIA>(light, (wi, distance), number, context)
+        Some((self.transmitted::<MEDIA>(light, (wi, distance), number, context), wi, distance))
     }
 
     /// What arrives here of light that comes from a distance in a direction.

@@ -5,6 +5,7 @@ pub mod emission;
 pub mod environment;
 pub mod groups;
 pub mod punctual;
+mod schedule;
 pub mod sky;
 pub mod tree;
 
@@ -12,6 +13,7 @@ pub use area::{AreaLight, AreaShape, Emitter};
 pub use environment::Environment;
 pub use groups::LightGroups;
 pub use punctual::{Goniometric, Isotropic, Projection, Punctual, PunctualLight, Spot};
+pub use schedule::{Schedule, Timetable};
 
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -75,6 +77,8 @@ pub struct Lights {
     /// The others.
     tree: LightTree,
     mode: ColorMode,
+    /// When they shine, where any of them does not always.
+    pub timetable: Option<Box<Timetable>>,
 }
 
 /// The share of choices that goes evenly to all lights, whatever their estimates.
@@ -116,7 +120,15 @@ impl Lights {
         }
         infinite.retain(|l| l.1 > 0.0);
         bounded.retain(|l| l.1.intensity > 0.0);
-        Self { tree: LightTree::new(&bounded, lights.len()), lights, emitters, environments, infinite, mode }
+        Self {
+            tree: LightTree::new(&bounded, lights.len()),
+            lights,
+            emitters,
+            environments,
+            infinite,
+            mode,
+            timetable: None,
+        }
     }
 
     /// Whether next-event estimation can find anything.
@@ -195,6 +207,18 @@ impl Lights {
         }
     }
 
+    /// Whether a light shines at the moment that is looked at.
+    #[inline]
+    pub fn shines(&self, light: u32, lambda: &Wavelengths) -> bool {
+        self.timetable.as_ref().is_none_or(|t| t.shines(&t.of_lights[light as usize], lambda))
+    }
+
+    /// Whether a surface emits at the moment that is looked at.
+    #[inline]
+    pub fn emits(&self, emitter: u32, lambda: &Wavelengths) -> bool {
+        self.timetable.as_ref().is_none_or(|t| t.shines(&t.of_emitters[emitter as usize], lambda))
+    }
+
     /// Light that arrives at a point from one light, with `u` choosing where on the light.
     #[inline]
     pub fn sample(
@@ -216,6 +240,9 @@ impl Lights {
                 is_delta: true,
             })
         };
+        if !self.shines(light, lambda) {
+            return None;
+        }
         match &self.lights[light as usize] {
             Light::Punctual(light) => {
                 let light: &dyn PunctualLight = &**light;

@@ -13,19 +13,23 @@ pub struct FluorescentMaterial {
     pub reflectance: SpectrumTexture,
     /// What leaves at which wavelength of what comes at which.
     pub reradiation: Arc<Reradiation>,
+    /// For how long the light that leaves at other wavelengths is held back in the mean, s.
+    pub lifetime: f32,
     /// Index of the material that stands in where wavelengths are not changed.
     pub local: u32,
 }
 
 impl FluorescentMaterial {
     /// The surface at a point: by chance one that keeps wavelengths, or one that changes them, each as much brighter as
-    /// it is rarer. Paths come from the eye, so that `lambda` becomes what the light comes with.
+    /// it is rarer, and for how long that holds light back. Paths come from the eye, so that `lambda` becomes what the
+    /// light comes with.
     pub(super) fn bsdf(
         &self,
         textures: &Textures,
         at: &TextureContext<'_>,
         choice: f32,
         lambda: &mut Wavelengths,
+        lifetime: &mut f32,
     ) -> Bsdf<'static> {
         let reflectance = Point { textures, at, lambda }.albedo(&self.reflectance);
         let live = |lane: &usize| lambda.pdf[*lane] > 0.0;
@@ -36,6 +40,7 @@ impl FluorescentMaterial {
         if choice >= p {
             return Bsdf::Diffuse(Diffuse { reflectance: reflectance / (1.0 - p) });
         }
+        *lifetime = self.lifetime;
         Bsdf::Diffuse(Diffuse { reflectance: self.reradiation.shift(lambda, choice / p) / p })
     }
 }

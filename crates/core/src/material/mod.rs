@@ -223,6 +223,8 @@ pub struct Scattering<'a> {
     pub detail: Option<&'a SurfaceDetail>,
     /// What the surface without its detail hides and shades.
     pub cover: Option<Cover>,
+    /// For how long matter holds back the light that it scatters, in the mean, s.
+    pub lifetime: f32,
 }
 
 impl<'a> Scattering<'a> {
@@ -232,11 +234,12 @@ impl<'a> Scattering<'a> {
         flipped: false,
         detail: None,
         cover: None,
+        lifetime: 0.0,
     };
 
     /// A value on a surface as it is.
     pub fn plain(bsdf: Bsdf<'a>) -> Self {
-        Self { bsdf, flipped: false, detail: None, cover: None }
+        Self { bsdf, flipped: false, detail: None, cover: None, lifetime: 0.0 }
     }
 
     /// [`Bsdf::eval`], under the surface's cover.
@@ -438,6 +441,7 @@ pub fn scattering<'a>(
         None => at,
     };
     let spectrum = |t: &SpectrumTexture, lambda: &Wavelengths| albedo(t.eval(textures, at, lambda));
+    let mut lifetime = 0.0;
     let bsdf = match &material.model {
         Model::Compensated { metal, kind, table } => {
             Bsdf::CompensatedConductor(CompensatedConductor::new(metal.eval(textures, at, lambda), *kind, table))
@@ -450,7 +454,7 @@ pub fn scattering<'a>(
         }
         Model::Measured(data) => Bsdf::Measured(Measured::new(data, lambda, textures.mode(), at.uv)),
         Model::Hair(m) => m.bsdf(&Point { textures, at, lambda }),
-        Model::Fluorescent(m) => m.bsdf(textures, at, choice, lambda),
+        Model::Fluorescent(m) => m.bsdf(textures, at, choice, lambda, &mut lifetime),
         Model::Layered(m) => m.bsdf(textures, at, lambda),
         Model::Pbr(m) => m.bsdf(textures, at, lambda),
         Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),
@@ -458,7 +462,7 @@ pub fn scattering<'a>(
         model => owned(model, textures, at, lambda)?,
     };
     let turns = !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided);
-    Some(Scattering { flipped: flipped || turns, detail, ..Scattering::plain(bsdf) })
+    Some(Scattering { flipped: flipped || turns, detail, lifetime, ..Scattering::plain(bsdf) })
 }
 
 /// What a material is on one side at all points and wavelengths, and whether with the normal turned over.

@@ -39,7 +39,10 @@ impl Facts {
         Self {
             planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
             footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
-            is_timed: textures.is_timed() || camera.motion.is_some() || placements.iter().any(|p| p.motion.is_some()),
+            is_timed: textures.is_timed()
+                || camera.motion.is_some()
+                || parts.lights.timetable.is_some()
+                || placements.iter().any(|p| p.motion.is_some()),
             has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..) | Model::Fluorescent(_))),
             is_fluorescent: materials.iter().any(|m| matches!(m.model, Model::Fluorescent(_))),
             has_media: parts.has_media(),

@@ -214,10 +214,17 @@ impl Scene {
         self.facts.is_fluorescent
     }
 
-    /// Whether paths are to be followed one by one from the eye: light goes below surfaces, or changes its wavelength.
+    /// Whether any light does not always shine.
+    #[inline]
+    pub fn has_schedules(&self) -> bool {
+        self.parts.lights.timetable.is_some()
+    }
+
+    /// Whether paths are to be followed one by one from the eye: light goes below surfaces, or changes its wavelength,
+    /// or does not always shine.
     #[inline]
     pub fn is_for_paths_alone(&self) -> bool {
-        self.has_subsurface() || self.is_fluorescent()
+        self.has_subsurface() || self.is_fluorescent() || self.has_schedules()
     }
 
     /// Whether there are curves, which face the ray ([`Scene::faces_rays`]).

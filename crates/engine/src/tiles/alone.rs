@@ -29,7 +29,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         let at = [at[0] + column, at[1] + row];
         while next < self.ticks.1 {
             let mut mine = Counters::until(&self.stop);
-            mine.by_group.resize(self.frame.light_groups(), Spectrum::ZERO);
+            mine.by_group.resize(self.frame.parts, Spectrum::ZERO);
             let begin = next;
             scratch.members.clear();
             while next < self.ticks.1 && (next == begin || scratch.members.len() < WAVE) {

@@ -62,12 +62,17 @@ impl<I: Integrator> PerPixel<I> {
 impl<G: GroupIntegrator> Tiles<G> {
     /// Starts with an empty film.
     pub fn new(scene: Arc<Scene>, integrator: G, plan: Plan) -> Self {
-        Self { frame: Frame::new(scene, plan), integrator, prepared: G::Prepared::default(), is_prepared: false }
+        Self {
+            frame: Frame::new(scene, plan, integrator.bins()),
+            integrator,
+            prepared: G::Prepared::default(),
+            is_prepared: false,
+        }
     }
 
     /// Starts with an empty film, and with what is known of the scene already.
     pub fn prepared(scene: Arc<Scene>, integrator: G, plan: Plan, prepared: G::Prepared) -> Self {
-        Self { frame: Frame::new(scene, plan), integrator, prepared, is_prepared: true }
+        Self { frame: Frame::new(scene, plan, integrator.bins()), integrator, prepared, is_prepared: true }
     }
 
     /// What the integrator finds out about the scene, before the first step; whether that came to an end.
@@ -210,6 +215,9 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
 #[derive(Debug)]
 struct Frame {
     scene: Arc<Scene>,
+    /// Parts that light is kept apart in, groups of lights or these intervals of its arrival.
+    parts: usize,
+    bins: u32,
     plan: Plan,
     tiles: Vec<Mutex<Tile>>,
     /// Cells of a row of tiles.
@@ -237,9 +245,11 @@ struct Frame {
 
 impl Frame {
     /// Without samples.
-    fn new(scene: Arc<Scene>, plan: Plan) -> Self {
+    fn new(scene: Arc<Scene>, plan: Plan, bins: u32) -> Self {
         let crop = scene.film().crop;
         let round = Round::first(plan.sampler.spp, plan.adaptive);
+        let groups = if plan.by_light { scene.light_groups().names.len() } else { 0 };
+        let parts = if bins > 0 { bins as usize } else { groups };
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;
         let columns = (aligned(crop.x0)..crop.x1).step_by(TILE as usize);
@@ -251,12 +261,14 @@ impl Frame {
                     x1: (x + TILE).min(crop.x1),
                     y1: (y + TILE).min(crop.y1),
                 };
-                tiles.push(Mutex::new(Tile::new(area, &plan, scene.light_groups().names.len(), round.length())));
+                tiles.push(Mutex::new(Tile::new(area, &plan, parts, round.length())));
             }
         }
         let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
         let mut frame = Self {
             scene,
+            parts,
+            bins,
             plan,
             tiles,
             columns: columns * CELLS as usize,
@@ -373,11 +385,6 @@ impl Frame {
         self.squared_errors().and_then(|sum| sum.doubt())
     }
 
-    /// Groups of lights that are kept apart.
-    fn light_groups(&self) -> usize {
-        if self.plan.by_light { self.scene.light_groups().names.len() } else { 0 }
-    }
-
     /// The film as it is.
     fn film(&self) -> Film {
         let crop = self.scene.film().crop;
@@ -387,7 +394,8 @@ impl Frame {
             pixels: vec![Pixel::default(); n],
             features: vec![FirstHitSums::default(); if self.plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if self.plan.mattes { n } else { 0 }],
-            by_light: vec![[0.0; 3]; n * self.light_groups()],
+            by_light: vec![[0.0; 3]; n * self.parts],
+            bins: self.bins,
         };
         for tile in &self.tiles {
             let tile = lock(tile);
@@ -396,7 +404,7 @@ impl Frame {
             for (row, y) in (tile.area.y0..tile.area.y1).enumerate() {
                 let to = (y - crop.y0) as usize * crop.width() as usize + (tile.area.x0 - crop.x0) as usize;
                 film.pixels[to..to + w].copy_from_slice(&pixels[row * w..(row + 1) * w]);
-                let groups = self.light_groups();
+                let groups = self.parts;
                 let by_light = &tile.by_light[row * w * groups..(row + 1) * w * groups];
                 film.by_light[to * groups..(to + w) * groups].copy_from_slice(by_light);
                 let row = row * w..(row + 1) * w;

@@ -57,15 +57,15 @@ pub struct Tile {
     pub features: Vec<FirstHitSums>,
     /// What covers pixels, of all rounds.
     pub mattes: Vec<MatteSums>,
-    /// Sums of each group of lights, pixel by pixel.
+    /// Sums of each part of the light, pixel by pixel: of groups of lights, or intervals of its arrival.
     pub by_light: Vec<[f64; 3]>,
     /// By rows.
     pub cells: [Cell; (CELLS * CELLS) as usize],
 }
 
 impl Tile {
-    /// Without samples; each pixel shall get `target` in the first round.
-    pub fn new(area: Crop, plan: &Plan, light_groups: usize, target: u32) -> Self {
+    /// Without samples, of light in so many parts; each pixel shall get `target` in the first round.
+    pub fn new(area: Crop, plan: &Plan, parts: usize, target: u32) -> Self {
         let n = (area.width() * area.height()) as usize;
         Self {
             area,
@@ -74,7 +74,7 @@ impl Tile {
             even: Vec::new(),
             features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
-            by_light: vec![[0.0; 3]; if plan.by_light { n * light_groups } else { 0 }],
+            by_light: vec![[0.0; 3]; n * parts],
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
         }
     }

@@ -196,6 +196,9 @@ impl<'a> Exchange<'a> {
     /// What the numbers of a light are multiplied by: its scale, its normalisation, the exposure, and the factor that
     /// reaches its power, where `flux` is that of one unit.
     pub fn light_scale(&mut self, light: &Node, quantity: &str, target: &str, flux: f64) -> f64 {
+        if ["on", "off", "period"].iter().any(|name| light.get(name).is_some()) {
+            self.dropped(light, "when a light goes on and off is left out: it always shines");
+        }
         let mut k = light.float("scale").unwrap_or(1.0) * self.gain;
         if light.bool("normalize").unwrap_or(false)
             && let Some(Source::Plain(c)) = self.source(light, quantity)

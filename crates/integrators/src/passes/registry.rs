@@ -17,7 +17,10 @@ pub(crate) fn for_paths_alone(scene: &Scene) -> Option<&'static str> {
     if scene.has_subsurface() {
         return Some("light that goes below surfaces (material 'subsurface')");
     }
-    scene.is_fluorescent().then_some("light that changes its wavelength (material 'fluorescent')")
+    if scene.is_fluorescent() {
+        return Some("light that changes its wavelength (material 'fluorescent')");
+    }
+    scene.has_schedules().then_some("lights that go on and off (parameters 'on' and 'off')")
 }
 
 /// A method that works by passes, ready to run.

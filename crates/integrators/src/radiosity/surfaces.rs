@@ -64,6 +64,9 @@ pub enum Refusal {
     /// Light is not the same at all moments.
     #[error("radiosity knows one moment; things move in the scene while the shutter is open")]
     Motion,
+    /// Lights do not always shine.
+    #[error("radiosity knows one moment; the scene has lights that go on and off")]
+    Schedules,
     /// Rays pass a surface by chance: what a patch sends and what it receives are not the same share.
     #[error("radiosity does not know surfaces that rays pass by chance (masks, 'alpha')")]
     Masks,
@@ -258,6 +261,9 @@ impl Surfaces {
         }
         if scene.placements().iter().any(|p| p.motion.is_some()) {
             return Err(Refusal::Motion);
+        }
+        if scene.has_schedules() {
+            return Err(Refusal::Schedules);
         }
         let is_masked = |alpha: &FloatTexture| !matches!(alpha, FloatTexture::Constant(a) if *a >= 1.0);
         if scene.geometries().iter().any(|g| g.alpha.as_ref().is_some_and(is_masked)) {

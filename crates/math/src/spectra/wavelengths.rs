@@ -27,6 +27,8 @@ pub struct Wavelengths {
     pub pdf: [f32; 4],
     /// Place in the shutter interval, [0, 1).
     pub time: f32,
+    /// How long before that light set out that matter held back, s.
+    pub delay: f32,
 }
 
 impl Wavelengths {
@@ -35,7 +37,7 @@ impl Wavelengths {
 
     /// These wavelengths, each of density one, as the shutter opens.
     pub const fn at(lambda: [f32; 4]) -> Self {
-        Self { lambda, pdf: [1.0; 4], time: 0.0 }
+        Self { lambda, pdf: [1.0; 4], time: 0.0, delay: 0.0 }
     }
 
     /// The same at another moment.
@@ -48,7 +50,12 @@ impl Wavelengths {
     pub fn sample_visible(u: f32) -> Self {
         let tanh = strata(u).map(tanh_at);
         // sech² = 1 − tanh² spares the hyperbolic cosine.
-        Self { lambda: tanh.map(lambda_at), pdf: tanh.map(|t| SLOPE / TANH_RANGE * (1.0 - t * t)), time: 0.0 }
+        Self {
+            lambda: tanh.map(lambda_at),
+            pdf: tanh.map(|t| SLOPE / TANH_RANGE * (1.0 - t * t)),
+            time: 0.0,
+            delay: 0.0,
+        }
     }
 
     /// Keeps the hero wavelength alone, for a path whose direction depends on it (dispersion): the other lanes get

@@ -1,0 +1,44 @@
+//! When lights shine.
+
+use steradian_math::spectra::Wavelengths;
+
+/// When a light shines, in seconds on the clock of the camera's shutter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// When it goes on.
+    pub on: f64,
+    /// When it goes off.
+    pub off: f64,
+    /// After how long it goes on again, and went on before; infinite of a light that shines once.
+    pub period: f64,
+}
+
+impl Schedule {
+    /// Of a light that always shines.
+    pub const ALWAYS: Self = Self { on: f64::NEG_INFINITY, off: f64::INFINITY, period: f64::INFINITY };
+
+    fn shines(&self, moment: f64) -> bool {
+        let Self { on, off, period } = *self;
+        let moment = if period.is_finite() { on + (moment - on).rem_euclid(period) } else { moment };
+        on <= moment && moment < off
+    }
+}
+
+/// The schedules of all lights.
+#[derive(Clone, Debug)]
+pub struct Timetable {
+    /// When the shutter opens and closes, s.
+    pub exposure: [f64; 2],
+    /// Of each of [`Lights::lights`](super::Lights::lights).
+    pub of_lights: Vec<Schedule>,
+    /// Of each of [`Lights::emitters`](super::Lights::emitters).
+    pub of_emitters: Vec<Schedule>,
+}
+
+impl Timetable {
+    /// Whether a light shines at the moment that is looked at.
+    pub(super) fn shines(&self, schedule: &Schedule, lambda: &Wavelengths) -> bool {
+        let [open, close] = self.exposure;
+        schedule.shines(open + (close - open) * f64::from(lambda.time) - f64::from(lambda.delay))
+    }
+}
