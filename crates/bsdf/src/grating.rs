@@ -164,8 +164,8 @@ impl<'a> Grating<'a> {
         if self.is_smooth() { 0.0 } else { 2.0 * alpha * FARTHEST.sqrt() }
     }
 
-    /// `f/R` of a lane and the density, both over projected solid angle.
-    fn lane(&self, lane: usize, o: Vec2, i: Vec2) -> (f32, f32) {
+    /// `f/R` of a lane, if it is wanted, and the density, both over projected solid angle.
+    fn lane(&self, lane: usize, o: Vec2, i: Vec2, is_wanted: bool) -> (f32, f32) {
         let sum = o + i;
         let reach = self.reach(self.alpha.y);
         let orders = self.between(lane, sum.y - reach, sum.y + reach);
@@ -180,12 +180,34 @@ impl<'a> Grating<'a> {
                 continue;
             }
             let blur = exp(-exponent);
-            value += blur * self.efficiency(lane, m, o - 0.5 * delta, i - 0.5 * delta);
+            if is_wanted {
+                value += blur * self.efficiency(lane, m, o - 0.5 * delta, i - 0.5 * delta);
+            }
             frequency += blur * self.frequency(lane, m, o);
         }
         let normalisation = 1.0 / (4.0 * PI * self.alpha.x * self.alpha.y);
         let all = if frequency > 0.0 { self.frequencies(lane, o) } else { 0.0 };
         (value * normalisation, if all > 0.0 { frequency / all * normalisation } else { 0.0 })
+    }
+
+    /// `f |cosθ_i|/R`, if it is wanted, and the density.
+    fn blurred(&self, wo: Vec3, wi: Vec3, is_wanted: bool) -> BsdfEval {
+        let is_across = wo.z * wi.z < 0.0;
+        if !self.is_lit(wo) || wi.z == 0.0 || is_across != self.transmits() || self.is_smooth() {
+            return BsdfEval::ZERO;
+        }
+        let (o, i) = (wo.truncate(), wi.truncate());
+        if (o.x + i.x).abs() > self.reach(self.alpha.x) {
+            return BsdfEval::ZERO;
+        }
+        let (mut values, mut pdf) = ([0.0; 4], 0.0);
+        for (lane, value) in values.iter_mut().enumerate().take(usize::from(self.lanes)) {
+            let (f, p) = self.lane(lane, o, i, is_wanted);
+            *value = f;
+            pdf += p;
+        }
+        let cosine = wi.z.abs();
+        BsdfEval { value: Spectrum::new(values) * cosine, pdf: pdf / f32::from(self.lanes) * cosine }
     }
 
     /// The metal's factor.
@@ -223,23 +245,12 @@ impl Scatter for Grating<'_> {
     const MODELS: &'static [Model] = &[Model::new("grating", "diffraction by grooves, smooth or rough", cases)];
 
     fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
-        let is_across = wo.z * wi.z < 0.0;
-        if !self.is_lit(wo) || wi.z == 0.0 || is_across != self.transmits() || self.is_smooth() {
-            return BsdfEval::ZERO;
-        }
-        let (o, i) = (wo.truncate(), wi.truncate());
-        if (o.x + i.x).abs() > self.reach(self.alpha.x) {
-            return BsdfEval::ZERO;
-        }
-        let (mut values, mut pdf) = ([0.0; 4], 0.0);
-        for (lane, value) in values.iter_mut().enumerate().take(usize::from(self.lanes)) {
-            let (f, p) = self.lane(lane, o, i);
-            *value = f;
-            pdf += p;
-        }
-        let cosine = wi.z.abs();
-        let value = self.reflectance(wo, wi) * Spectrum::new(values) * cosine;
-        BsdfEval { value, pdf: pdf / f32::from(self.lanes) * cosine }
+        let BsdfEval { value, pdf } = self.blurred(wo, wi, true);
+        BsdfEval { value: self.reflectance(wo, wi) * value, pdf }
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> f32 {
+        self.blurred(wo, wi, false).pdf
     }
 
     fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
@@ -311,12 +322,18 @@ fn cases(visit: &mut Visitor<'_>) {
     case("gold, blurred", on_gold(0.05, 0.05), cd(), false, false);
     case("one wavelength, blurred more along", white(0.15, 0.05), cd(), true, false);
     let steps = Grooves { profile: Rectangular(0.3), period: 740.0, depth: 300.0, ..cd() };
-    case("deep steps", white(0.08, 0.08), steps, false, false);
-    case("blazed, very rough", white(0.2, 0.3), Grooves { profile: Blazed, depth: 275.0, ..cd() }, true, false);
+    case("deep steps", white(0.1, 0.1), steps, true, false);
+    case(
+        "blazed, very rough",
+        white(0.2, 0.3),
+        Grooves { profile: Blazed, depth: 275.0, period: 800.0, ..cd() },
+        true,
+        false,
+    );
     case("listed", white(0.06, 0.06), listed(&[0.3, 0.1, 0.6]), false, false);
     let through = |profile| Grooves { profile, transmits: Some(1.5), depth: 600.0, ..cd() };
     case("through a smooth sheet", white(0.0, 0.0), through(sine()), true, false);
-    case("through a rough sheet", white(0.07, 0.1), through(Blazed), false, false);
+    case("through a rough sheet", white(0.07, 0.1), through(Blazed), true, false);
 }
 
 #[cfg(test)]
