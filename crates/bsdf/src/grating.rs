@@ -420,7 +420,7 @@ mod tests {
         let depth = lambda / PI;
         let found = orders(&Grooves { period, depth, ..cd(Profile::sinusoidal(10, 1.0)) }, lambda, Vec3::Z);
         let middle = found.len() / 2;
-        for (m, j) in [0.223_890_78, 0.576_724_81, 0.352_834_03, 0.128_943_25].into_iter().enumerate() {
+        for (m, j) in [0.223_890_78, 0.576_724_8, 0.352_834_03, 0.128_943_25].into_iter().enumerate() {
             for k in [middle - m, middle + m] {
                 assert!((found[k].1 - j * j).abs() < 1e-4, "order {m}: {} is not {}", found[k].1, j * j);
             }
