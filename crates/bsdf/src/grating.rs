@@ -17,8 +17,8 @@
 //!
 //! where `R` is Fresnel's factor of the metal at the half vector (of a transmitting grating the tint) and `η_m` the
 //! efficiency of the [`Profile`], with the retardation `Γ = h/λ (cosθ_o + cosθ_i)` in reflection and
-//! `h/2λ (√(n² − sin²θ_o) − cosθ_o + √(n² − sin²θ_i) − cosθ_i)` through a relief of index `n`; `h` is the depth from top to bottom. A facet
-//! of slope `α` (Beckmann) mirrors into that `K` near the normal. The mirror is the grating with the zeroth order alone.
+//! `h/2λ (√(n² − sin²θ_o) − cosθ_o + √(n² − sin²θ_i) − cosθ_i)` through a relief of index `n`; `h` is
+//! the depth from top to bottom. A facet of slope `α` (Beckmann) mirrors into that `K` near the normal. The mirror is the grating with the zeroth order alone.
 //!
 //! Energy: what falls to evanescent orders and to those beyond the largest is absorbed. Scalar theory, whose retardation
 //! differs between orders, can give more than all light at grazing angles: `η_m` is divided by the larger of its sums over

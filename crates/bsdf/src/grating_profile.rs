@@ -148,8 +148,8 @@ mod tests {
         }
     }
 
-    /// Goodman, *Introduction to Fourier Optics*: at most 33.9 % in a first order of a sine, 4/π² = 40.5 % of equal steps half a wave apart, whose
-    /// even orders are dark; all of a blazed one whose retardation is a wave.
+    /// Goodman, *Introduction to Fourier Optics*: at most 33.9 % in a first order of a sine, 4/π² = 40.5 % of equal steps half
+    /// a wave apart, whose even orders are dark; all of a blazed one whose retardation is a wave.
     #[test]
     fn the_best_efficiencies_are_those_in_textbooks() {
         let sine = Profile::sinusoidal(3, 1.0);
