@@ -381,8 +381,8 @@ mod tests {
             (1600.0, 632.8, 0.0, vec![-52.28, -23.30, 0.0, 23.30, 52.28]),
             (740.0, 532.0, 0.0, vec![-45.97, 0.0, 45.97]),
             (1600.0, 550.0, 30.0, vec![-57.54, -30.0, -8.99, 10.81, 32.09]),
-            // Littrow: the first order comes back along λ/2d = sin 21.18°.
-            (740.0, 534.8, 21.18, vec![-21.18, 21.18]),
+            // Littrow: the first order comes back along λ/2d = sin 21.1832°.
+            (740.0, 534.8, 21.1832, vec![-21.1832, 21.1832]),
         ] {
             let grooves = even(period);
             let found = of(&grooves, lambda, from_degrees(incidence, 0.0));
