@@ -37,7 +37,7 @@ impl Conductor {
 
     /// By the square of the cosine.
     #[inline(always)]
-    fn reflectance(&self, cos2: f32) -> Spectrum {
+    pub(super) fn reflectance(&self, cos2: f32) -> Spectrum {
         self.tint * fresnel::conductor_by_square(cos2, self.eta, self.k)
     }
 

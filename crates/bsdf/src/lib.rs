@@ -23,6 +23,8 @@ pub mod diffuse;
 pub mod diffuse_transmission;
 pub mod fresnel;
 mod gaussian;
+pub mod grating;
+mod grating_profile;
 mod gtr1;
 pub mod hair;
 #[cfg(test)]
@@ -65,6 +67,8 @@ pub use cook_torrance::{CookTorrance, DiffuseCoupling};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use grating::{Grating, Grooves};
+pub use grating_profile::Profile;
 pub use hair::Hair;
 pub use layered::Layered;
 pub use measured::{Measured, MeasuredData};
@@ -291,6 +295,8 @@ models! {
     CompensatedConductor(CompensatedConductor<'a>),
     /// Tabulated reflection.
     Measured(Measured<'a>),
+    /// Grooves that diffract.
+    Grating(Grating<'a>),
     /// A fibre.
     Hair(Hair),
     /// A coat over a metal or a diffuse base, by random walks.

@@ -170,7 +170,7 @@ impl Microfacet {
     }
 
     #[inline]
-    fn alpha(&self) -> Vec2 {
+    pub(super) fn alpha(&self) -> Vec2 {
         Vec2::new(self.alpha_x, self.alpha_y)
     }
 

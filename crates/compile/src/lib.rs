@@ -9,6 +9,7 @@ mod dispersion;
 mod displacement;
 mod facets;
 mod fluorescent;
+mod grating;
 mod hair;
 mod height_field;
 mod kept;

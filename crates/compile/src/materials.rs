@@ -178,6 +178,7 @@ impl Compiler<'_> {
             "cook_torrance" => Model::Facets(self.cook_torrance(node)),
             "measured" => self.measured(node),
             "fluorescent" => self.fluorescent(node),
+            "grating" => self.grating(node),
             "hair" => self.hair(node),
             "metallic_roughness" => self.metallic_roughness(node),
             "openpbr" => self.openpbr(node),
@@ -356,7 +357,7 @@ impl Compiler<'_> {
         self.float_texture(node, name, default)
     }
 
-    fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
+    pub(super) fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
         let roughness = self.roughness(node, "alpha_u", "alpha_v");
         if let Some(model) = self.special_metal(node, [eta, k, reflectance], &roughness) {
             return model;

@@ -42,8 +42,8 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         }
     }
 
-    /// What a path brings that arrived at a vertex, what came before it in `sink`: light scattered there towards where it came
-    /// from, without emission.
+    /// What a path brings that arrived at a vertex, what came before it in `sink`: light scattered there towards where
+    /// it came from, without emission.
     #[inline]
     pub(crate) fn leaving<'s, S: Sink>(
         &self,

@@ -1,5 +1,5 @@
-//! Transient pictures: when light of one pulse of all lights arrives (Jarabo and others 2014, "A Framework for Transient
-//! Rendering"). Time is told by the optical length of paths, the sum of n·d: light goes a metre of it in 1/c.
+//! Transient pictures: when light of one pulse of all lights arrives (Jarabo and others 2014, "A Framework for
+//! Transient Rendering"). Time is told by the optical length of paths, the sum of n·d: light goes a metre of it in 1/c.
 
 use crate::{Depth, path::PathTracer};
 use steradian_bsdf::Bsdf;

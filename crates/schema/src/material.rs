@@ -377,6 +377,41 @@ pub const MATERIALS: &[Model] = &[
          a Uni-directional Spectral Path Tracer (2018)",
     },
     Model {
+        kind: "grating",
+        doc: "grooves along the tangent that diffract, in spectral mode: compact discs, spectroscopes, brushed metal",
+        parameters: &[
+            number("period", (100.0, 1e6), "1600", "distance of grooves; of a DVD 740").unit("nm").above_zero(),
+            number("lines", (1.0, 1e4), "none", "grooves for each millimetre, instead of period")
+                .unit("1/mm")
+                .above_zero(),
+            word("profile", "sinusoidal, rectangular, blazed", "sinusoidal", "shape of the grooves"),
+            number("depth", (0.0, 1e4), "120", "depth of the grooves from top to bottom").unit("nm").not_negative(),
+            number("duty", UNIT, "0.5", "the part of a period that is high").with("profile", "rectangular"),
+            Parameter::new(
+                Type::List,
+                "efficiencies",
+                ANY,
+                "none",
+                "the part of light in each order from −m to m, instead of profile and depth",
+            ),
+            integer("orders", (0.0, 100.0), "10", "the largest order"),
+            scalar("alpha_u", ALPHA, "0", "blur of orders along the grooves, as roughness α; 0 is none").not_negative(),
+            scalar("alpha_v", ALPHA, "alpha_u", "blur of orders across the grooves").not_negative(),
+            tex("eta", OPTICAL_CONSTANT, "1", "real part of the metal's index; a perfect mirror without eta and k"),
+            tex("k", OPTICAL_CONSTANT, "0", "imaginary part of the metal's index"),
+            tex("reflectance", UNIT, "none", "the metal's reflectance at all angles, instead of eta and k"),
+            REFLECTANCE_FACTOR,
+            flag("transmission", "false", "whether light goes through, and none back"),
+            number("index", (1.0, 5.0), "1.5", "index of refraction of the relief of a grating that transmits"),
+            TRANSMITTANCE_FACTOR,
+            scalar("anisotropy_rotation", (-3600.0, 3600.0), "0", "turn of the grooves from ∂p/∂u towards ∂p/∂v")
+                .unit("degrees"),
+        ],
+        groups: &[&DETAIL],
+        source: "Loewen, Popov, Diffraction Gratings and Applications (1997); Goodman, Introduction to Fourier Optics, \
+         4.4; blur: Harvey, Light-Scattering Characteristics of Optical Surfaces (1976)",
+    },
+    Model {
         kind: "subsurface",
         doc: "light enters and leaves elsewhere on the same object: skin, marble, milk; `path` and `volpath` follow it",
         parameters: &[

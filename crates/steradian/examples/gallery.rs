@@ -233,6 +233,12 @@ const ROWS: &[Row] = &[
         "reflectance=0.1,0.02,0.05 sheen_color=0.9,0.6,0.7",
         &["sheen_roughness=0.2", "sheen_roughness=0.5", "sheen_roughness=1"],
     ),
+    (
+        "grating",
+        "compact disc, DVD, blazed, transmitting",
+        "alpha_u=0.02 --color=spectral",
+        &["", "period=740", "profile=blazed depth=275", "transmission=true depth=500"],
+    ),
     ("two_sided", "a mirror outside", "", &["front=conductor(alpha_u=0.05) back=diffuse(reflectance=0.8,0.2,0.1)"]),
     ("mix", "half matt, half mirror", "", &["materials=diffuse(reflectance=0.1,0.4,0.2)|conductor"]),
     (

@@ -16,7 +16,8 @@ fn scene(folder: &Path, material: &str, schedule: &str, [open, close]: [f64; 2])
          cameras: [{{camera: orthographic, screen_window: [-0.1, 0.1, -0.1, 0.1],
                     shutter_open: {open}, shutter_close: {close},
                     to_world: {{matrix: [-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, -1, 5,  0, 0, 0, 1]}}}}]
-         lights: [{{light: environment, radiance: {{wavelengths: [360, 400, 420, 830], values: [1, 1, 0, 0]}}{schedule}}}]
+         lights: [{{light: environment{schedule},
+                    radiance: {{wavelengths: [360, 400, 420, 830], values: [1, 1, 0, 0]}}}}]
          shapes: [{{shape: sphere, radius: 1, material: {material}}}]"
     );
     compiled(folder, &text)
@@ -52,8 +53,8 @@ fn green(scene: &Arc<Scene>, spp: u32) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// A lamp that was on from `on` to `off` left a phosphor glowing as `e^((off − t)/τ) − e^((on − t)/τ)` of the steady glow
-/// at a later moment t, which is 1 − e^((on − t)/τ) before it goes off; an exposure has the mean of that.
+/// A lamp that was on from `on` to `off` left a phosphor glowing as `e^((off − t)/τ) − e^((on − t)/τ)` of the steady
+/// glow at a later moment t, which is 1 − e^((on − t)/τ) before it goes off; an exposure has the mean of that.
 #[test]
 fn a_phosphor_fades_and_rises_by_its_lifetime() {
     let folder = tempfile::tempdir().expect("a folder");

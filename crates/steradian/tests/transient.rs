@@ -109,7 +109,8 @@ fn glass_holds_light_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = format!(
         "{ABOVE}
-         shapes: [{{shape: disk, radius: 20, material: {{material: diffuse, reflectance: 0}}, emission: {{light: area}}}}
+         shapes: [{{shape: disk, radius: 20, material: {{material: diffuse, reflectance: 0}},
+                    emission: {{light: area}}}}
                   {{shape: plane, normal: [0, 0, 1], distance: -3.5, material: {{material: dielectric, eta: 1.5}}}}
                   {{shape: plane, normal: [0, 0, -1], distance: 1.5, material: {{material: dielectric, eta: 1.5}}}}]"
     );
@@ -130,9 +131,9 @@ fn glass_holds_light_back() {
     }
 }
 
-/// In a sphere of radius R whose wall reflects ρ by Lambert's law each chord has the density l/(2R²), with the mean 4R/3,
-/// whatever came before: light of a point in the middle that was scattered k times went R + (k − 1) 4R/3 in the mean, and
-/// is ρᵏ of that.
+/// In a sphere of radius R whose wall reflects ρ by Lambert's law each chord has the density l/(2R²), with the mean
+/// 4R/3, whatever came before: light of a point in the middle that was scattered k times went R + (k − 1) 4R/3 in the
+/// mean, and is ρᵏ of that.
 #[test]
 fn an_integrating_sphere_has_chords_of_four_thirds() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -206,7 +207,9 @@ fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let of = |light: &str, material: &str| {
         let text = format!(
-            "{ABOVE}\nlights: [{{light: point, position: [0, 0, 3]{light}}}]\nshapes: [{{shape: sphere, material: {material}}}]"
+            "{ABOVE}
+         lights: [{{light: point, position: [0, 0, 3]{light}}}]
+         shapes: [{{shape: sphere, material: {material}}}]"
         );
         compiled(folder.path(), ColorMode::Rgb, &text)
     };

@@ -1,6 +1,7 @@
 //! Materials: textures and constants that become a [`Bsdf`] at a hit.
 
 mod fluorescent;
+mod grating;
 mod hair;
 mod layered;
 mod pbr;
@@ -8,6 +9,7 @@ mod principled;
 mod subsurface;
 
 pub use fluorescent::FluorescentMaterial;
+pub use grating::GratingMaterial;
 pub use hair::{Absorption, HairMaterial};
 pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
@@ -191,6 +193,8 @@ pub enum Model {
     Principled(Box<PrincipledMaterial>),
     /// Part of the light leaves at other wavelengths.
     Fluorescent(Box<FluorescentMaterial>),
+    /// Grooves that diffract, in spectral mode.
+    Grating(Box<GratingMaterial>),
     /// Light enters, to leave elsewhere.
     Subsurface(Box<SubsurfaceMaterial>),
     /// One of two materials (indices), chosen at each point with the probability of the second.
@@ -312,6 +316,7 @@ impl Material {
             }
             Model::Parametric(p) => Needs { parameters: true, tangent: p.recipe.is_anisotropic },
             Model::Fluorescent(_)
+            | Model::Grating(_)
             | Model::Hair(_)
             | Model::Layered(_)
             | Model::Measured(_)
@@ -455,6 +460,7 @@ pub fn scattering<'a>(
         Model::Measured(data) => Bsdf::Measured(Measured::new(data, lambda, textures.mode(), at.uv)),
         Model::Hair(m) => m.bsdf(&Point { textures, at, lambda }),
         Model::Fluorescent(m) => m.bsdf(textures, at, choice, lambda, &mut lifetime),
+        Model::Grating(m) => m.bsdf(textures, at, lambda),
         Model::Layered(m) => m.bsdf(textures, at, lambda),
         Model::Pbr(m) => m.bsdf(textures, at, lambda),
         Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),

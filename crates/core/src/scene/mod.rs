@@ -449,7 +449,6 @@ impl Scene {
     }
 
     /// The nearest surface along a ray.
-    #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         if self.facts.planes.is_empty() {
             return self.parts.accel.intersect(ray, &Query::<false>(self));
@@ -463,7 +462,6 @@ impl Scene {
     ///
     /// # Panics
     /// When the slices differ in length.
-    #[inline]
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         if self.facts.planes.is_empty() {
             self.parts.accel.intersect_batch(rays, &Query::<false>(self), hits);
@@ -477,7 +475,6 @@ impl Scene {
     ///
     /// # Panics
     /// When the slices differ in length.
-    #[inline]
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
         if self.facts.planes.is_empty() {
             self.parts.accel.occluded_batch(rays, &Query::<true>(self), occluded);
@@ -488,7 +485,6 @@ impl Scene {
     }
 
     /// Whether anything that scatters is met within the ray's interval.
-    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         let meets_plane = || self.nearest_plane::<true>(&mut ray.clone()).is_some();
         !self.facts.planes.is_empty() && meets_plane() || self.parts.accel.occluded(ray, &Query::<true>(self))

@@ -10,6 +10,7 @@ mod determinism;
 mod film;
 mod furnace;
 mod glass;
+mod grating;
 mod highlights;
 mod irradiance;
 mod lab;

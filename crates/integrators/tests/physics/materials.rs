@@ -193,10 +193,14 @@ fn models() -> Vec<Case> {
 /// Kinds that paths alone follow, whose light does not leave where or as it came: they have tests of their own.
 const FOR_PATHS_ALONE: [&str; 2] = ["fluorescent", "subsurface"];
 
+/// A kind of spectral mode alone, which RGB mode approximates: see [`super::grating`].
+const SPECTRAL_ALONE: &str = "grating";
+
 /// All cases. Fails if a registered kind has none.
 pub fn cases() -> Vec<Case> {
     let cases: Vec<Case> = [surfaces(), compounds(), models()].into_iter().flatten().collect();
-    for kind in MATERIALS.iter().map(|m| m.kind).filter(|kind| !FOR_PATHS_ALONE.contains(kind)) {
+    let has_own_tests = |kind: &&str| FOR_PATHS_ALONE.contains(kind) || *kind == SPECTRAL_ALONE;
+    for kind in MATERIALS.iter().map(|m| m.kind).filter(|kind| !has_own_tests(kind)) {
         assert!(cases.iter().any(|c| c.kind == kind), "material '{kind}' has no case");
     }
     cases
