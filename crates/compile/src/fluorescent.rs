@@ -21,6 +21,7 @@ impl Compiler<'_> {
     pub(super) fn fluorescent(&mut self, node: &Node) -> Model {
         let reflectance = self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.5));
         let plain = Model::Diffuse(reflectance.clone());
+        let lifetime = self.float(node, "lifetime", 0.0);
         let Some(reradiation) = self.reradiation(node) else { return plain };
         if self.mode == ColorMode::Rgb {
             self.approximated(
@@ -36,8 +37,12 @@ impl Compiler<'_> {
             return plain;
         }
         let local = self.add(node, plain).id;
-        let (reradiation, lifetime) = (Arc::new(reradiation), self.float(node, "lifetime", 0.0));
-        Model::Fluorescent(Box::new(FluorescentMaterial { reflectance, reradiation, lifetime, local }))
+        Model::Fluorescent(Box::new(FluorescentMaterial {
+            reflectance,
+            reradiation: Arc::new(reradiation),
+            lifetime,
+            local,
+        }))
     }
 
     fn reradiation(&mut self, node: &Node) -> Option<Reradiation> {
