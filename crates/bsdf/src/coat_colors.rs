@@ -3,9 +3,13 @@
 //! powers of one do not. In RGB mode the series is therefore taken over the smooth spectrum that the RGB value stands
 //! for, and its colour tabulated over RGB.
 
+use std::sync::LazyLock;
 use steradian_math::{
     DVec3, Spectrum, Vec3,
-    color::{space::REC709, upsample::RgbAlbedo},
+    color::{
+        space::REC709,
+        upsample::{RgbAlbedo, RgbSigmoid},
+    },
     spectra::{cie, d65},
 };
 
@@ -13,6 +17,14 @@ use steradian_math::{
 const GRID: usize = 16;
 /// Wavelengths between two terms of the integrals, nm.
 const STEP: usize = 5;
+
+/// The spectra of the colours of the table: each solved for by itself, since the tables of all spectra would be filled
+/// for their sake.
+static SPECTRA: LazyLock<Box<[RgbAlbedo]>> = LazyLock::new(|| {
+    let at = |i: usize| (i % GRID) as f32 / (GRID - 1) as f32;
+    let rgb = |i: usize| Vec3::new(at(i / (GRID * GRID)), at(i / GRID), at(i));
+    (0..GRID * GRID * GRID).map(|i| RgbAlbedo(RgbSigmoid::solved(&REC709, rgb(i)))).collect()
+});
 
 /// The colour of all orders but the first, over the linear Rec.709 albedo of the base.
 #[derive(Clone, Debug)]
@@ -32,9 +44,7 @@ impl CoatColors {
         let colors: Vec<(f32, Vec3)> = cie::lambdas().step_by(STEP).map(|l| (l, color(l))).collect();
         // A constant spectrum keeps its value.
         let white: Vec3 = colors.iter().map(|c| c.1).sum();
-        let at = |i: usize| i as f32 / (GRID - 1) as f32;
-        let grid = (0..GRID * GRID * GRID).map(|i| {
-            let rho = RgbAlbedo::new(&REC709, Vec3::new(at(i / (GRID * GRID)), at(i / GRID % GRID), at(i % GRID)));
+        let grid = SPECTRA.iter().map(|rho| {
             let sum: Vec3 = colors
                 .iter()
                 .map(|&(l, color)| {

@@ -16,10 +16,6 @@ use std::{
     sync::mpsc,
     time::Duration,
 };
-use steradian::math::{
-    Vec3,
-    color::{RgbSigmoid, space::REC709},
-};
 
 /// Most work of a case, in processor time on a machine where [`yardstick`] takes [`YARD`]. The longest take 2 s; what
 /// grows with the square of 10⁵ takes minutes.
@@ -113,15 +109,6 @@ pub fn check(table: &str) {
     assert!(faults.is_empty(), "{} of {next} cases failed:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// Fits the spectra of RGB values that coats ask for. A process does so once, in two seconds that are not the first
-/// such case's own.
-fn fit_spectra() {
-    let at = |i: u16| f32::from(i % 16) / 15.0;
-    for i in 0..1 << 12 {
-        RgbSigmoid::new(&REC709, Vec3::new(at(i >> 8), at(i >> 4), at(i)));
-    }
-}
-
 /// The child: runs the cases of a table from one on.
 pub fn child() {
     let Ok(name) = std::env::var(TABLE) else { return };
@@ -131,7 +118,6 @@ pub fn child() {
         let mut out = std::io::stdout().lock();
         let _ = writeln!(out, "{line}").and_then(|()| out.flush());
     };
-    fit_spectra();
     for case in cases.skip(first) {
         let folder = tempfile::tempdir().expect("a folder can be made");
         say(format!("@begin\t{}", case.name));
