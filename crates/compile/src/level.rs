@@ -12,14 +12,6 @@ impl Compiler<'_> {
     /// A paraboloid, cone, hyperboloid, quadric or implicit surface; nothing where it is refused.
     pub(super) fn level(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
-        if placed.emits {
-            let what = format!(
-                "shape '{}' cannot emit light; the light is left out: meshes, loop_subdivision, spheres, disks, \
-                 cylinders, height fields and planes can",
-                node.kind
-            );
-            self.diagnostics.dropped(&self.desc.sources, node.span, what);
-        }
         let function = match node.kind.as_str() {
             "quadric" => self.coefficients(placed),
             "implicit" => self.expression(placed),

@@ -7,6 +7,7 @@ mod coats;
 mod code;
 mod dispersion;
 mod displacement;
+mod emission;
 mod facets;
 mod fluorescent;
 mod grating;
@@ -220,14 +221,19 @@ impl Compiler<'_> {
         let settings = self.settings();
         let world = self.shapes(&self.desc.shapes, true);
         let mut groups = Vec::new();
-        for group in &self.desc.groups {
+        let of_world = std::mem::take(&mut self.lights);
+        let mut of_groups = Vec::new();
+        for (group, is_kept_square) in self.desc.groups.iter().zip(self.kept_square()) {
             let base = self.geometries.len() as u32;
-            groups.push((base, self.shapes(&group.shapes, false)));
+            groups.push((base, self.shapes(&group.shapes, is_kept_square)));
+            of_groups.push(std::mem::take(&mut self.lights));
         }
+        self.lights = of_world;
         for &light in &self.desc.lights {
             self.light(light);
         }
         let instances = self.instances(&groups);
+        let first_lights = self.place_lights(&groups, &of_groups, &instances);
         let (Some(camera), Some(film)) = (camera, film) else { return (None, Duration::ZERO) };
         if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);
@@ -236,12 +242,12 @@ impl Compiler<'_> {
         let accel = self.kept_hierarchy(&world, &groups, &instances);
         let build_time = start.elapsed();
         let Some(accel) = accel else { return (None, build_time) };
-        let placement = |i: &steradian_accel::Instance| {
+        let placement = |(i, first_light): (&steradian_accel::Instance, u32)| {
             let (base, group) = &groups[i.object as usize];
-            let count = group.len() as u32;
-            Placement { world_from_group: i.world_from_object, motion: i.motion.clone(), base: *base, count }
+            let (count, motion) = (group.len() as u32, i.motion.clone());
+            Placement { world_from_group: i.world_from_object, motion, base: *base, count, first_light }
         };
-        let placements = instances.iter().map(placement).collect();
+        let placements = instances.iter().zip(first_lights).map(placement).collect();
         let textures = std::mem::take(&mut self.textures);
         let mut lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
         lights.timetable = self.timetable(&lights);
@@ -304,6 +310,18 @@ impl Compiler<'_> {
             });
         }
         names
+    }
+
+    /// Of each group whether all its placements keep right angles.
+    fn kept_square(&self) -> Vec<bool> {
+        let keeps = |t: &steradian_math::Transform| t.affine().is_some_and(|place| place.similarity().is_some());
+        let mut all = vec![true; self.desc.groups.len()];
+        for i in &self.desc.instances {
+            if let Some(group) = all.get_mut(i.group) {
+                *group &= keeps(&i.world_from_group) && i.movement.is_none_or(|m| keeps(&m.end));
+            }
+        }
+        all
     }
 
     fn instances(&mut self, groups: &[(u32, shapes::Boxes)]) -> Vec<steradian_accel::Instance> {

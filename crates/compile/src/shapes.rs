@@ -8,7 +8,6 @@ use super::{
 use std::sync::Arc;
 use steradian_accel::Geometry as AccelGeometry;
 use steradian_core::{
-    light::{AreaLight, AreaShape, Emitter, Light},
     material::Needs,
     scene::{self, Geometry, Shape},
     shape::{
@@ -17,11 +16,7 @@ use steradian_core::{
         subdivision::loop_subdivide,
     },
 };
-use steradian_math::{
-    Bounds3, Transform, Vec3,
-    spectra::{ColorMode, role::Role},
-    transform::Affine,
-};
+use steradian_math::{Bounds3, Transform, Vec3, spectra::ColorMode, transform::Affine};
 use steradian_scene::{Family, Mesh, Node, names};
 use steradian_texture::FloatTexture;
 
@@ -42,13 +37,7 @@ pub(super) struct Placed<'a> {
 impl Placed<'_> {
     /// A quadric at a place of its own, with its extent around the axis in degrees.
     fn quadric(&self, kind: QuadricKind, phi_max: f32, place: Affine) -> Vec<Shape> {
-        let q = Quadric { kind, phi_max: phi_max.to_radians(), place, flip: self.reverse };
-        // Lights need uniform samples of their area, which only similarities (and disks) give.
-        if self.emits && q.similarity().is_none() && !matches!(kind, QuadricKind::Disk { .. }) {
-            let mesh = q.tessellate(128, 64);
-            return vec![Shape::Mesh(Arc::new(TriMesh::new(&mesh, &place, self.swaps, self.reverse, false)))];
-        }
-        vec![Shape::Quadric(Arc::new(q))]
+        vec![Shape::Quadric(Arc::new(Quadric { kind, phi_max: phi_max.to_radians(), place, flip: self.reverse }))]
     }
 }
 
@@ -72,16 +61,17 @@ pub(super) fn accel_geometries<'g>(
 }
 
 impl Compiler<'_> {
-    /// Compiles a list of shapes to geometries; gives the boxes of each.
-    pub(super) fn shapes(&mut self, shapes: &[steradian_scene::Shape], world: bool) -> Boxes {
+    /// Compiles a list of shapes to geometries; gives the boxes of each. `is_kept_square` says that right angles stay
+    /// right where the shapes are placed.
+    pub(super) fn shapes(&mut self, shapes: &[steradian_scene::Shape], is_kept_square: bool) -> Boxes {
         let mut boxes = Boxes::new();
         for shape in shapes {
-            self.shape(shape, world, &mut boxes);
+            self.shape(shape, is_kept_square, &mut boxes);
         }
         boxes
     }
 
-    fn shape(&mut self, shape: &steradian_scene::Shape, world: bool, boxes: &mut Boxes) {
+    fn shape(&mut self, shape: &steradian_scene::Shape, is_kept_square: bool, boxes: &mut Boxes) {
         let node = self.node(shape.node);
         let Some(place) = shape.world_from_object.affine() else {
             self.error(node.span, format!("the transform of shape '{}' is singular or not finite", node.kind));
@@ -143,17 +133,12 @@ impl Compiler<'_> {
                 id: shape.node.0 + 1,
             };
             if let Some(light) = emission {
-                if world {
-                    let before = self.emitters.len();
-                    self.emission(light, &mut geometry);
-                    if let (true, Some(id)) = (self.emitters.len() > before, shape.emission) {
-                        let group = self.light_group(light.name.as_deref().or(node.name.as_deref()), id);
-                        self.light_groups.of_emitters.resize(self.emitters.len(), group);
-                        self.schedule(light, Lamp::Emitter(before as u32));
-                    }
-                } else {
-                    let what = "lights on instanced shapes are not supported; this one is left out";
-                    self.diagnostics.dropped(&self.desc.sources, light.span, what);
+                let before = self.emitters.len();
+                self.emission(light, is_kept_square, &mut geometry);
+                if let (true, Some(id)) = (self.emitters.len() > before, shape.emission) {
+                    let group = self.light_group(light.name.as_deref().or(node.name.as_deref()), id);
+                    self.light_groups.of_emitters.resize(self.emitters.len(), group);
+                    self.schedule(light, Lamp::Emitter(before as u32));
                 }
             }
             self.geometries.push(geometry);
@@ -365,10 +350,6 @@ impl Compiler<'_> {
     /// The surface of a grid of distances.
     fn sdf_grid(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
-        if placed.emits {
-            let what = "surfaces on grids of distances cannot emit light yet; the light is left out";
-            self.diagnostics.dropped(&self.desc.sources, node.span, what);
-        }
         let smooth = self.choice(node, "normals", true, &[("smooth", true), ("analytic", false)]);
         let span = node.param("file").and_then(|p| p.span).or(node.span);
         let Some(grid) = self.voxel_grid(node) else { return Vec::new() };
@@ -399,10 +380,6 @@ impl Compiler<'_> {
 
     fn curve(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
-        if placed.emits {
-            let what = "curves cannot emit light yet; the light is left out";
-            self.diagnostics.dropped(&self.desc.sources, node.span, what);
-        }
         let mut vectors = |name: &str| -> Vec<Vec3> {
             let list = self.list(node, name).unwrap_or_default();
             list.chunks_exact(3).map(Vec3::from_slice).collect()
@@ -426,6 +403,16 @@ impl Compiler<'_> {
             width: [self.float(node, "width0", 1.0), self.float(node, "width1", 1.0)],
             normals,
         };
+        if placed.emits && params.segments().is_ok() {
+            // Lights need samples of their area, which triangles give.
+            match params.surface() {
+                Ok(mesh) => return self.mesh_parts(placed, &mesh, false),
+                Err(why) => {
+                    let what = format!("this curve cannot emit light, which is left out: {why}");
+                    self.diagnostics.dropped(&self.desc.sources, node.span, what);
+                }
+            }
+        }
         let split = self.int(node, "split_depth").unwrap_or(3).clamp(0, 8) as u32;
         match Curves::new(&params, &placed.place, split, placed.swaps, placed.reverse) {
             Ok(curves) => vec![Shape::Curves(Arc::new(curves))],
@@ -435,135 +422,6 @@ impl Compiler<'_> {
             }
         }
     }
-
-    /// Makes a geometry emit: adds its emitter and a light for each of its parts.
-    fn emission(&mut self, light: &Node, geometry: &mut Geometry) {
-        let directional = match light.kind.as_str() {
-            "area" => false,
-            "directional_area" => true,
-            other => {
-                self.error(light.span, format!("light '{other}' cannot be attached to a shape"));
-                return;
-            }
-        };
-        let area = match &geometry.shape {
-            Shape::Mesh(m) => (0..m.triangles.len() as u32).map(|t| triangle_area(m.corners(t))).sum(),
-            Shape::Quadric(q) => q.area(),
-            Shape::Plane(_) => 1.0,
-            _ => return,
-        };
-        let Some(emitter) = self.emitter(light, area) else { return };
-        if emitter.luminance <= 0.0 {
-            return;
-        }
-        self.emitters.push(emitter);
-        let emitter = self.emitters.len() as u32 - 1;
-        let add = |lights: &mut Vec<Light>, shape: AreaShape, mesh: Option<(Arc<TriMesh>, u32)>| {
-            let light = AreaLight { shape, emitter, mesh };
-            lights.push(if directional { Light::DirectionalArea(light) } else { Light::Area(light) });
-            lights.len() as u32 - 1
-        };
-        let lights: Vec<u32> = match &geometry.shape {
-            Shape::Quadric(q) => {
-                let scale = q.similarity();
-                let shape = match (q.kind, scale) {
-                    (QuadricKind::Sphere { radius, .. }, Some(scale)) if q.is_whole_sphere() => {
-                        AreaShape::Sphere(q.place.point(Vec3::ZERO), radius * scale, q.flip)
-                    }
-                    _ => AreaShape::Quadric(q.clone()),
-                };
-                vec![add(&mut self.lights, shape, None)]
-            }
-            Shape::Mesh(m) => {
-                let textured =
-                    matches!(self.emitters[emitter as usize].radiance, steradian_texture::SpectrumTexture::Texture(..));
-                let mut of_triangle = Vec::with_capacity(m.triangles.len());
-                let mut t = 0;
-                while t < m.triangles.len() as u32 {
-                    let rectangle = if textured { None } else { rectangle(m, t) };
-                    let n = m.geometric_normal(t);
-                    if let Some((corner, ex, ey)) = rectangle {
-                        let area = ex.cross(ey).length();
-                        let l = add(&mut self.lights, AreaShape::Rectangle { corner, ex, ey, n, area }, None);
-                        of_triangle.extend([l, l]);
-                        t += 2;
-                    } else {
-                        let corners = m.corners(t);
-                        let shape = AreaShape::Triangle(corners, n, triangle_area(corners));
-                        of_triangle.push(add(&mut self.lights, shape, Some((m.clone(), t))));
-                        t += 1;
-                    }
-                }
-                of_triangle
-            }
-            // Infinite planes are found by scattering alone: no point of theirs can be chosen evenly.
-            _ => Vec::new(),
-        };
-        // Light that leaves along the normal alone is never met by chance.
-        if !directional {
-            geometry.emitter = Some(emitter);
-            geometry.lights = lights.into();
-        }
-    }
-
-    fn emitter(&mut self, light: &Node, area: f32) -> Option<Emitter> {
-        let two_sided = self.bool(light, "two_sided", false);
-        let mut scale = self.float(light, "scale", 1.0);
-        let (radiance, mean) = if light.get("file").is_some() {
-            let texels = (*self.image(light)?).clone();
-            let texels = Arc::new(self.emitted_texels(light, texels));
-            let mean = super::lights::mean_luminance(&texels);
-            let level = steradian_texture::store::Level::new(texels, None).ok()?;
-            let image = self.image_texture(light, &level);
-            // `scale` of an image texture is the light's own.
-            let image = steradian_texture::ImageTexture { scale: 1.0, ..image };
-            let id = self.textures.add(steradian_texture::Texture::Image(Arc::new(image)));
-            (steradian_texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
-        } else {
-            let radiance = self.emitted(light, "radiance");
-            scale *= self.normalization(light, "radiance");
-            let mean = match &radiance {
-                steradian_texture::SpectrumTexture::Constant(c) => c.luminance(self.mode),
-                steradian_texture::SpectrumTexture::Texture(..) => self.texture_luminance(light, "radiance"),
-            };
-            (radiance, mean)
-        };
-        if let Some(power) = self.if_positive(light, "power") {
-            let sides = if two_sided { 2.0 } else { 1.0 };
-            let k = if light.get("file").is_some() { mean } else { 1.0 };
-            scale *= power / (k * sides * area * std::f32::consts::PI);
-        }
-        if !(scale.is_finite() && scale >= 0.0) {
-            self.error(light.span, format!("the scale of this light comes to {scale}"));
-            return None;
-        }
-        Some(Emitter { radiance, scale, two_sided, luminance: mean * scale })
-    }
-}
-
-fn triangle_area([a, b, c]: [Vec3; 3]) -> f32 {
-    0.5 * (b - a).cross(c - a).length()
-}
-
-/// The rectangle that a triangle and the next one make up, as corner and edges.
-fn rectangle(m: &TriMesh, t: u32) -> Option<(Vec3, Vec3, Vec3)> {
-    let a = m.corners(t);
-    let b = (t as usize + 1 < m.triangles.len()).then(|| m.corners(t + 1))?;
-    // The corner of each triangle that the other lacks, and the two they share.
-    let lonely = |x: &[Vec3; 3], y: &[Vec3; 3]| {
-        let mut it = x.iter().enumerate().filter(|(_, p)| !y.contains(p));
-        let first = it.next()?;
-        it.next().is_none().then_some(first.0)
-    };
-    let (i, j) = (lonely(&a, &b)?, lonely(&b, &a)?);
-    let (corner, s0, s1) = (a[i], a[(i + 1) % 3], a[(i + 2) % 3]);
-    let (ex, ey) = (s0 - corner, s1 - corner);
-    let scale = ex.length().max(ey.length());
-    let right_angle = ex.dot(ey).abs() < 1e-5 * ex.length() * ey.length();
-    let closes = (corner + ex + ey - b[j]).length() < 1e-5 * scale;
-    // Both must shine to the same side.
-    let same_side = m.geometric_normal(t).dot(m.geometric_normal(t + 1)) > 0.99;
-    (right_angle && closes && same_side).then_some((corner, ex, ey))
 }
 
 #[cfg(test)]
@@ -624,7 +482,8 @@ mod tests {
         let (missing, faulty) =
             (says(new("implicit"), false), says(new("implicit").with("expression", "x +* y"), false));
         assert!(missing.contains("needs an 'expression'") && faulty.contains("column 4"), "{missing} {faulty}");
-        assert!(says(new("cone"), true).contains("meshes"));
+        assert_eq!(says(new("cone"), true), "");
+        assert!(says(new("quadric").with("coefficients", sphere(-0.25)), true).contains("by chance"));
         assert!(says(new("quadric"), false).contains("here are 0"));
         assert!(says(new("quadric").with("coefficients", vec![1.0; 9]), false).contains("here are 9"));
         assert!(
@@ -700,7 +559,7 @@ mod tests {
             assert!(said.is_empty() && (t.unwrap() - 8.75).abs() < 1e-5, "{t:?} {said}");
         }
         let says = |size, values: &[f32], emits, normals| on_a_grid(size, values, emits, normals).1;
-        assert!(says([2, 2, 2, 1], &slab, true, None).contains("cannot emit light"));
+        assert!(says([2, 2, 2, 1], &slab, true, None).contains("by chance"));
         assert!(says([2, 2, 2, 1], &slab, false, Some("flat")).contains("flat"));
         assert!(says([2, 2, 1, 2], &slab, false, None).contains("needs one channel"));
         assert!(says([8, 1, 1, 1], &slab, false, None).contains("two samples along each axis"));

@@ -133,6 +133,15 @@ impl Default for Affine {
     }
 }
 
+impl std::ops::Mul for Affine {
+    type Output = Self;
+
+    /// The map that applies `other` first.
+    fn mul(self, other: Self) -> Self {
+        Self { m: self.m * other.m, inv: other.inv * self.inv }
+    }
+}
+
 impl Affine {
     /// The map that changes nothing.
     pub const IDENTITY: Self = Self { m: Mat4::IDENTITY, inv: Mat4::IDENTITY };
@@ -159,6 +168,22 @@ impl Affine {
         let [x, y, z] = [self.m.x_axis, self.m.y_axis, self.m.z_axis].map(glam::Vec4::truncate);
         let length = (x * d.x + y * d.y + z * d.z).length();
         (x.cross(y).dot(z) / (length * length * length)).abs()
+    }
+
+    /// How much larger the area about a point of a surface is in the image, where the unit normal is `n`:
+    /// `|det M| / |Mᵀ n|`.
+    pub fn area(&self, n: Vec3) -> f32 {
+        let [x, y, z] = [self.m.x_axis, self.m.y_axis, self.m.z_axis].map(glam::Vec4::truncate);
+        (x.cross(y).dot(z) / Vec3::new(x.dot(n), y.dot(n), z.dot(n)).length()).abs()
+    }
+
+    /// The uniform scale, if it is a similarity (to rounding).
+    pub fn similarity(&self) -> Option<f32> {
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|e| self.vector(e));
+        let s = x.length();
+        let close = |a: f32| (a - s).abs() < 1e-4 * s;
+        let square = |a: Vec3, b: Vec3| a.dot(b).abs() < 1e-4 * s * s;
+        (close(y.length()) && close(z.length()) && square(x, y) && square(y, z) && square(x, z)).then_some(s)
     }
 
     /// Image of a normal, by the inverse transpose; not normalised.

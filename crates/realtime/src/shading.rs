@@ -165,7 +165,7 @@ impl<'a> Shader<'a> {
             };
             let i = scene.interaction_of_light(&ray, &found);
             // What no light sample finds, such as an infinite plane, is found here alone.
-            let is_sampled = || scene.geometries()[i.geometry as usize].light(i.id.prim).is_some();
+            let is_sampled = || scene.light(&i).is_some();
             if path.sees_lights || (path.events > 0 && !is_sampled()) {
                 sum += self.emission(&i, beta, lambda, trace);
             }

@@ -74,7 +74,8 @@ const OF_SKY: &[Parameter] = &[
 pub const LIGHTS: &[Model] = &[
     Model {
         kind: "area",
-        doc: "emission of a shape; picture and mapping are of its file",
+        doc: "emission of a shape, wherever its group is placed, and where it moves; `power` is that of the shape in its \
+         group; where an opacity cuts a part away that does not shine; picture and mapping are of its file",
         parameters: OF_SHAPES,
         groups: &[&PICTURE, &MAPPING, &SCHEDULE],
         source: "pbrt-v4, 12.4",

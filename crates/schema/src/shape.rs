@@ -94,14 +94,14 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "cone",
-        doc: "an open cone around z with its base at 0; it does not emit",
+        doc: "an open cone around z with its base at 0",
         parameters: &[RADIUS, number("height", POSITIVE, "1", "z of the tip").refused(), PHI_MAX],
         groups: &[&ANY_SHAPE],
         source: "pbrt-v3, 3.5",
     },
     Model {
         kind: "paraboloid",
-        doc: "a paraboloid around z with its apex at the origin; it does not emit",
+        doc: "a paraboloid around z with its apex at the origin",
         parameters: &[
             number("radius", POSITIVE, "1", "radius at z_max").refused(),
             number("z_min", ANY, "0", "lower end; below 0 counts as 0"),
@@ -114,7 +114,7 @@ pub const SHAPES: &[Model] = &[
     Model {
         kind: "hyperboloid",
         doc: "what a line between two points of different z sweeps that is turned around z: a hyperboloid of one \
-         sheet, or a cone or cylinder; normals are away from z where p2 is above p1; it does not emit",
+         sheet, or a cone or cylinder; normals are away from z where p2 is above p1",
         parameters: &[vector("p1", "0,0,0", "one end"), vector("p2", "1,1,1", "the other end"), PHI_MAX],
         groups: &[&ANY_SHAPE],
         source: "pbrt-v3, 3.5",
@@ -122,7 +122,7 @@ pub const SHAPES: &[Model] = &[
     Model {
         kind: "quadric",
         doc: "A x² + B y² + C z² + D xy + E yz + F xz + G x + H y + I z + J = 0 in a box; normals are towards where it \
-         is above 0; it has no coordinates and does not emit",
+         is above 0; it has no coordinates, and its light is found by chance alone",
         parameters: &[list("coefficients", "needed", "the ten numbers A to J"), BOX_MIN, BOX_MAX],
         groups: &[&ANY_SHAPE],
         source: "Glassner (ed.), An introduction to ray tracing (1989), chapter 2",
@@ -131,7 +131,7 @@ pub const SHAPES: &[Model] = &[
         kind: "implicit",
         doc: "where an expression changes its sign, in a box; normals are towards where it grows. Of one ray 8192 \
          parts, and two million operations, are looked at closely; what is beyond is told by the signs at the ends of \
-         parts. It has no coordinates and does not emit",
+         parts. It has no coordinates, and its light is found by chance alone",
         parameters: &[
             text(
                 "expression",
@@ -181,7 +181,7 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "curve",
-        doc: "strands; they do not emit",
+        doc: "strands; as lights they are tubes of nine sides, and ribbons strips",
         parameters: &[
             list("points", "needed", "control points, three numbers each"),
             integer("degree", ANY, "3", "2 or 3"),
@@ -229,7 +229,7 @@ pub const SHAPES: &[Model] = &[
     Model {
         kind: "sdf_grid",
         doc: "where a signed distance function is zero that is trilinear between samples on a grid over the \
-         unit cube; it has no coordinates and does not emit",
+         unit cube; it has no coordinates, and its light is found by chance alone",
         parameters: &[
             file(
                 "file",

@@ -70,10 +70,10 @@ pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavele
     if e.is_black() {
         return e;
     }
-    match (origin, geometry.light(i.id.prim)) {
+    match (origin, scene.light(i)) {
         (Some((ctx, pdf)), Some(light)) => {
             let distance = (i.surface.p - ctx.p).length();
-            let other = scene.lights().area_pdf(light, ctx, -i.wo, distance, i.surface.n);
+            let other = scene.lights().area_pdf(light, ctx, (-i.wo, distance), i.surface.n, lambda.time);
             e * power_heuristic(*pdf, other)
         }
         _ => e,

@@ -111,7 +111,7 @@ fn emitted_flux_is_that_of_the_light() {
         for _ in 0..n {
             let (u, a, b) = (rng.next_f32(), [rng.next_f32(), rng.next_f32()], [rng.next_f32(), rng.next_f32()]);
             let Some(e) = emission.sample(&scene, u, a.into(), b.into(), &lambda) else { continue };
-            let pdf = emission.pdf(&scene, e.light, e.n, e.ray.direction);
+            let pdf = emission.pdf(&scene, e.light, e.n, e.ray.direction, lambda.time);
             assert!((pdf / e.pdf - 1.0).abs() < 2e-3, "{name}: density {pdf} for {}", e.pdf);
             assert!(
                 (e.ray.direction.length() - 1.0).abs() < 1e-4 && (e.cos - e.n.dot(e.ray.direction).abs()).abs() < 1e-3
@@ -187,7 +187,7 @@ fn only_light_is_emitted() {
     let scene = scene
         .changed(|parts| parts.lights.lights.push(Isotropic { position: Vec3::ZERO, intensity: Color::BLACK }.into()));
     let emission = Emission::new(&scene).expect("a light that emits");
-    assert_eq!(emission.pdf(&scene, 1, Vec3::Z, Vec3::Z), 0.0);
+    assert_eq!(emission.pdf(&scene, 1, Vec3::Z, Vec3::Z, 0.0), 0.0);
     let scene = scene.changed(|parts| _ = parts.lights.lights.remove(0));
     assert!(Emission::new(&scene).is_none());
 }

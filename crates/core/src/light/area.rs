@@ -4,15 +4,15 @@
 //! that look large are sampled uniformly in solid angle, small ones uniformly in area; spheres by the cone they subtend
 //! (Shirley, Wang, Zimmerman 1996).
 
-use super::{LightSample, tree::LightBounds};
-use crate::shape::{Quadric, TriMesh, quadric::one_minus_cos_max};
-use std::sync::Arc;
+use super::{LightSample, moving::Moving, tree::LightBounds};
+use crate::shape::{Quadric, QuadricKind, TriMesh, level::Swept, quadric::one_minus_cos_max};
+use std::{borrow::Cow, sync::Arc};
 use steradian_math::{
     Bounds3, Frame, Ray, Spectrum, Vec2, Vec3,
     spectra::{ColorMode, Wavelengths, role::Color},
     warp,
 };
-use steradian_texture::{SpectrumTexture, TextureContext, Textures};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
 /// What a surface emits.
 #[derive(Clone, Debug)]
@@ -25,6 +25,8 @@ pub struct Emitter {
     pub two_sided: bool,
     /// Luminance of the radiance (of the mean of a texture), scale included.
     pub luminance: f32,
+    /// Opacity of the surface, which shines where it is there.
+    pub alpha: Option<FloatTexture>,
 }
 
 impl Emitter {
@@ -48,11 +50,30 @@ impl Emitter {
         radiance * self.scale
     }
 
+    /// Radiance at a point that was drawn, in the mean over rays: rays meet the surface as often as it is opaque.
+    #[inline]
+    pub fn drawn<'a>(
+        &self,
+        n: Vec3,
+        w: Vec3,
+        at: impl Fn() -> TextureContext<'a>,
+        lambda: &Wavelengths,
+        textures: &Textures,
+    ) -> Spectrum {
+        let radiance = self.radiance(n, w, &at, lambda, textures);
+        match &self.alpha {
+            Some(alpha) if !radiance.is_black() => {
+                radiance * alpha.eval(textures, &TextureContext { n, ..at() }).clamp(0.0, 1.0)
+            }
+            _ => radiance,
+        }
+    }
+
     /// The radiance, if it is the same at all points.
     #[inline]
     pub fn everywhere(&self, lambda: &Wavelengths) -> Option<Spectrum> {
         match &self.radiance {
-            SpectrumTexture::Constant(color) => Some(color.eval(lambda) * self.scale),
+            SpectrumTexture::Constant(color) if self.alpha.is_none() => Some(color.eval(lambda) * self.scale),
             _ => None,
         }
     }
@@ -60,12 +81,17 @@ impl Emitter {
     /// A constant emitter.
     pub fn constant(color: Color, two_sided: bool, mode: ColorMode) -> Self {
         let luminance = color.luminance(mode);
-        Self { radiance: SpectrumTexture::Constant(color), scale: 1.0, two_sided, luminance }
+        Self { radiance: SpectrumTexture::Constant(color), scale: 1.0, two_sided, luminance, alpha: None }
     }
 
     /// Whether the radiance depends on the point.
     pub fn is_textured(&self) -> bool {
         !self.radiance.is_constant()
+    }
+
+    /// Whether what a point sends out depends on where it is.
+    pub fn varies(&self) -> bool {
+        self.is_textured() || matches!(self.alpha, Some(FloatTexture::Texture(_)))
     }
 }
 
@@ -89,8 +115,12 @@ pub enum AreaShape {
     },
     /// A whole sphere: centre, radius, whether it shines inwards.
     Sphere(Vec3, f32, bool),
-    /// Any other quadric.
+    /// Any other quadric, and spheres whose points differ.
     Quadric(Arc<Quadric>),
+    /// A quadric of revolution.
+    Swept(Arc<Swept>),
+    /// What moves.
+    Moving(Arc<Moving>),
 }
 
 /// A part of a surface that emits.
@@ -130,6 +160,13 @@ fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2) -> (Vec3, f32, Vec3, f32) {
         let wi = to / distance;
         (wi, distance, n, t2 / (n.dot(wi).abs() * 4.0 * std::f32::consts::PI * r * r))
     }
+}
+
+/// Centre and radius of a quadric that is a sphere.
+fn whole_sphere(q: &Quadric) -> Option<(Vec3, f32)> {
+    let QuadricKind::Sphere { radius, .. } = q.kind else { return None };
+    let scale = q.is_whole_sphere().then(|| q.similarity()).flatten()?;
+    Some((q.place.point(Vec3::ZERO), radius * scale))
 }
 
 /// A rectangle, or a triangle that looks small, by a corner and two edges.
@@ -198,6 +235,17 @@ impl FlatLight {
 }
 
 impl AreaLight {
+    /// The light as it is at a moment of the exposure.
+    #[inline(always)]
+    pub fn at(&self, time: f32) -> Cow<'_, Self> {
+        match &self.shape {
+            AreaShape::Moving(moving) => {
+                Cow::Owned(Self { shape: moving.at(time), emitter: self.emitter, mesh: self.mesh.clone() })
+            }
+            _ => Cow::Borrowed(self),
+        }
+    }
+
     /// The light, if it is a rectangle, or a triangle that does not look large from `p`.
     #[inline(always)]
     pub fn flat(&self, p: Vec3) -> Option<FlatLight> {
@@ -245,7 +293,7 @@ impl AreaLight {
             if pdf <= 0.0 {
                 return None;
             }
-            let radiance = emitter.radiance(flat.n, -wi, || self.texture_context(q, uv), lambda, textures);
+            let radiance = emitter.drawn(flat.n, -wi, || self.texture_context(q, uv), lambda, textures);
             return (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false });
         }
         let (q, n, pdf, uv) = match &self.shape {
@@ -265,13 +313,25 @@ impl AreaLight {
                 }
                 let n = if *inward { -n } else { n };
                 let at = || TextureContext::new(p + wi * distance, Vec2::ZERO);
-                let radiance = emitter.radiance(n, -wi, at, lambda, textures);
+                let radiance = emitter.drawn(n, -wi, at, lambda, textures);
                 return (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false });
             }
-            AreaShape::Quadric(q) => {
-                let s = q.surface_at(q.sample(u));
-                (s.p, s.n, Err(q.area()), s.uv)
+            AreaShape::Quadric(q) => match whole_sphere(q) {
+                Some((c, r)) => {
+                    let (wi, distance, n, pdf) = sample_sphere(c, r, p, u);
+                    let s = q.surface_at(q.place.inverse().vector(n * r));
+                    (p + wi * distance, s.n, Ok(pdf), s.uv)
+                }
+                None => {
+                    let s = q.surface_at(q.sample(u));
+                    (s.p, s.n, Err(q.area_at(s.n)), s.uv)
+                }
+            },
+            AreaShape::Swept(swept) => {
+                let s = swept.sample(u);
+                (s.p, s.n, Err(swept.area_at(s.n)), s.uv)
             }
+            AreaShape::Moving(_) => return self.at(lambda.time).sample(emitter, p, u, lambda, textures),
         };
         let to = q - p;
         let d2 = to.length_squared();
@@ -288,7 +348,7 @@ impl AreaLight {
         if !(pdf > 0.0 && pdf.is_finite()) || cos == 0.0 {
             return None;
         }
-        let radiance = emitter.radiance(n, -wi, || self.texture_context(q, uv), lambda, textures);
+        let radiance = emitter.drawn(n, -wi, || self.texture_context(q, uv), lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
@@ -303,12 +363,21 @@ impl AreaLight {
         }
     }
 
-    /// The density per solid angle at `p` of the point at `distance` in direction `wi`, where the normal is `n`.
+    /// The density per solid angle at `p` of the point at `distance` in direction `wi`, where the normal is `n`, at a
+    /// moment of the exposure.
     #[inline]
-    pub fn pdf(&self, p: Vec3, wi: Vec3, distance: f32, n: Vec3) -> f32 {
+    pub fn pdf(&self, p: Vec3, wi: Vec3, distance: f32, n: Vec3, time: f32) -> f32 {
         let by_area = |area: f32| {
             let pdf = distance * distance / (n.dot(wi).abs() * area);
             if pdf.is_finite() { pdf } else { 0.0 }
+        };
+        let of_sphere = |c: Vec3, r: f32| {
+            let d2 = (c - p).length_squared();
+            if d2 > r * r * 1.000_01 {
+                warp::uniform_cone_pdf(one_minus_cos_max(r, d2))
+            } else {
+                by_area(4.0 * std::f32::consts::PI * r * r)
+            }
         };
         match &self.shape {
             AreaShape::Triangle(v, n, area) => {
@@ -325,15 +394,13 @@ impl AreaLight {
                     by_area(*area)
                 }
             }
-            AreaShape::Sphere(c, r, _) => {
-                let d2 = (*c - p).length_squared();
-                if d2 > r * r * 1.000_01 {
-                    warp::uniform_cone_pdf(one_minus_cos_max(*r, d2))
-                } else {
-                    by_area(4.0 * std::f32::consts::PI * r * r)
-                }
-            }
-            AreaShape::Quadric(q) => by_area(q.area()),
+            AreaShape::Sphere(c, r, _) => of_sphere(*c, *r),
+            AreaShape::Quadric(q) => match whole_sphere(q) {
+                Some((c, r)) => of_sphere(c, r),
+                None => by_area(q.area_at(n)),
+            },
+            AreaShape::Swept(swept) => by_area(swept.area_at(n)),
+            AreaShape::Moving(_) => self.at(time).pdf(p, wi, distance, n, time),
         }
     }
 
@@ -365,13 +432,14 @@ impl AreaLight {
                 let hit = q.intersect(&Ray::new(p, -center.n));
                 (center.n, hit.is_some(), distance)
             }
-            AreaShape::Sphere(..) => return None,
+            AreaShape::Moving(_) => return self.at(lambda.time).along_normal(emitter, p, lambda, textures),
+            AreaShape::Sphere(..) | AreaShape::Swept(_) => return None,
         };
         if !inside || distance <= 0.0 {
             return None;
         }
         let at = || TextureContext::new(p - n * distance, Vec2::ZERO);
-        let radiance = emitter.radiance(n, n, at, lambda, textures);
+        let radiance = emitter.drawn(n, n, at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi: -n, distance, radiance, pdf: 1.0, is_delta: true })
     }
 
@@ -389,11 +457,14 @@ impl AreaLight {
                 (b, Vec3::Z, -1.0, std::f32::consts::PI * r * r)
             }
             AreaShape::Quadric(q) => match q.kind {
-                crate::shape::QuadricKind::Disk { .. } => {
-                    (q.bounds(), q.surface_at(q.sample(Vec2::ZERO)).n, 1.0, q.area())
-                }
+                QuadricKind::Disk { .. } => (q.bounds(), q.surface_at(q.sample(Vec2::ZERO)).n, 1.0, q.area()),
                 _ => (q.bounds(), Vec3::Z, -1.0, q.area() * 0.25),
             },
+            AreaShape::Swept(swept) => (swept.level().bounds(), Vec3::Z, -1.0, swept.area() * 0.25),
+            AreaShape::Moving(moving) => {
+                let of = |shape| Self { shape, emitter: self.emitter, mesh: None }.bounds(emitter);
+                return moving.bounds(of);
+            }
         };
         LightBounds {
             bounds,

@@ -151,6 +151,7 @@ impl Emission {
                 EmittedRay { light, ray: through_disk(-to), n: -to, cos: 1.0, radiance, pdf }
             }
             Light::Area(a) => {
+                let a = &*a.at(lambda.time);
                 let (p, n, at) = a.sample_place(place);
                 let emitter = &lights.emitters[a.emitter as usize];
                 let mut local = warp::cosine_hemisphere(direction);
@@ -161,21 +162,23 @@ impl Emission {
                 }
                 let cos = local.z.abs();
                 let w = Frame::from_z(n).to_world(local);
-                let radiance = emitter.radiance(n, w, || at, lambda, scene.textures());
-                let pdf = lobe(cos, emitter.two_sided) / a.area();
+                let radiance = emitter.drawn(n, w, || at, lambda, scene.textures());
+                let pdf = lobe(cos, emitter.two_sided) / a.area_at(n);
                 EmittedRay { light, ray: Ray::new(a.leave(p, n, w), w), n, cos, radiance, pdf }
             }
             Light::DirectionalArea(a) => {
+                let a = &*a.at(lambda.time);
                 let (p, n, at) = a.sample_place(place);
-                let radiance = lights.emitters[a.emitter as usize].radiance(n, n, || at, lambda, scene.textures());
-                EmittedRay { light, ray: Ray::new(a.leave(p, n, n), n), n, cos: 1.0, radiance, pdf: 1.0 / a.area() }
+                let radiance = lights.emitters[a.emitter as usize].drawn(n, n, || at, lambda, scene.textures());
+                let pdf = 1.0 / a.area_at(n);
+                EmittedRay { light, ray: Ray::new(a.leave(p, n, n), n), n, cos: 1.0, radiance, pdf }
             }
         })
     }
 
     /// The density with which a ray leaves a light in direction `w` from a place with oriented normal `n`, choice
-    /// included, as in [`EmittedRay::pdf`].
-    pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3) -> f32 {
+    /// included, as in [`EmittedRay::pdf`], at a moment of the exposure.
+    pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3, time: f32) -> f32 {
         let disk = 1.0 / (PI * self.radius * self.radius);
         let pdf = match &scene.lights().lights[light as usize] {
             Light::Punctual(light) => light.pdf(w),
@@ -187,9 +190,9 @@ impl Emission {
             Light::Area(a) => {
                 let two_sided = scene.lights().emitters[a.emitter as usize].two_sided;
                 let cos = if two_sided { n.dot(w).abs() } else { n.dot(w).max(0.0) };
-                lobe(cos, two_sided) / a.area()
+                lobe(cos, two_sided) / a.at(time).area_at(n)
             }
-            Light::DirectionalArea(a) => 1.0 / a.area(),
+            Light::DirectionalArea(a) => 1.0 / a.at(time).area_at(n),
         };
         pdf * self.choice.pmf(light as usize)
     }
@@ -231,10 +234,10 @@ impl Lights {
     }
 
     /// The oriented unit normal of a light at a point on it; of lights that are no surfaces the direction `w` of
-    /// emission.
-    pub fn normal_at(&self, light: u32, p: Vec3, w: Vec3) -> Vec3 {
+    /// emission. At a moment of the exposure.
+    pub fn normal_at(&self, light: u32, p: Vec3, w: Vec3, time: f32) -> Vec3 {
         match &self.lights[light as usize] {
-            Light::Area(a) | Light::DirectionalArea(a) => a.normal_at(p),
+            Light::Area(a) | Light::DirectionalArea(a) => a.at(time).normal_at(p),
             _ => w,
         }
     }
@@ -276,10 +279,21 @@ impl AreaLight {
             AreaShape::Triangle(_, _, area) | AreaShape::Rectangle { area, .. } => *area,
             AreaShape::Sphere(_, r, _) => 4.0 * PI * r * r,
             AreaShape::Quadric(q) => q.area(),
+            AreaShape::Swept(swept) => swept.area(),
+            AreaShape::Moving(_) => self.at(0.0).area(),
         }
     }
 
-    /// A point, uniform over the area, its oriented normal, and where textures are looked up there.
+    /// The reciprocal of the density of [`AreaLight::sample_place`] per area, where the unit normal is `n`.
+    fn area_at(&self, n: Vec3) -> f32 {
+        match &self.shape {
+            AreaShape::Quadric(q) => q.area_at(n),
+            AreaShape::Swept(swept) => swept.area_at(n),
+            _ => self.area(),
+        }
+    }
+
+    /// A point, about uniform over the area, its oriented normal, and where textures are looked up there.
     fn sample_place(&self, u: Vec2) -> (Vec3, Vec3, TextureContext<'_>) {
         let (p, n, uv) = match &self.shape {
             AreaShape::Triangle(v, n, _) => {
@@ -295,6 +309,12 @@ impl AreaLight {
                 let s = q.surface_at(q.sample(u));
                 (s.p, s.n, s.uv)
             }
+            AreaShape::Swept(swept) => {
+                let s = swept.sample(u);
+                (s.p, s.n, s.uv)
+            }
+            // Moments are chosen before places.
+            AreaShape::Moving(_) => (Vec3::ZERO, Vec3::Z, Vec2::ZERO),
         };
         (p, n, self.texture_context(p, uv))
     }
@@ -305,6 +325,8 @@ impl AreaLight {
             AreaShape::Triangle(_, n, _) | AreaShape::Rectangle { n, .. } => *n,
             AreaShape::Sphere(c, r, inward) => (p - *c) / if *inward { -*r } else { *r },
             AreaShape::Quadric(q) => q.surface_at(q.place.inverse().point(p)).n,
+            AreaShape::Swept(swept) => swept.normal_at(p),
+            AreaShape::Moving(_) => Vec3::Z,
         }
     }
 
@@ -315,6 +337,11 @@ impl AreaLight {
             AreaShape::Rectangle { corner, ex, ey, .. } => (corner.abs() + ex.abs() + ey.abs()).max_element(),
             AreaShape::Sphere(c, r, _) => c.abs().max_element() + r,
             AreaShape::Quadric(q) => p.abs().max_element() + q.world_radius(),
+            AreaShape::Swept(swept) => {
+                let bounds = swept.level().bounds();
+                bounds.min.abs().max(bounds.max.abs()).max_element()
+            }
+            AreaShape::Moving(_) => 0.0,
         };
         offset_ray_origin(p, Vec3::splat(size * gamma(16)), n, w)
     }

@@ -4,6 +4,7 @@ pub mod area;
 pub mod emission;
 pub mod environment;
 pub mod groups;
+mod moving;
 pub mod punctual;
 mod schedule;
 pub mod sky;
@@ -12,6 +13,7 @@ pub mod tree;
 pub use area::{AreaLight, AreaShape, Emitter};
 pub use environment::Environment;
 pub use groups::LightGroups;
+pub use moving::Moving;
 pub use punctual::{Goniometric, Isotropic, Projection, Punctual, PunctualLight, Spot};
 pub use schedule::{Schedule, Timetable};
 
@@ -266,12 +268,13 @@ impl Lights {
     }
 
     /// The density per solid angle, choice of light included, with which next-event estimation at `ctx` gives a point
-    /// on an area light that was found otherwise: at `distance` in direction `wi`, with unit geometric normal `n`.
+    /// on an area light that was found otherwise: at `distance` in direction `wi`, with unit geometric normal `n`, at a
+    /// moment of the exposure.
     #[inline]
-    pub fn area_pdf(&self, light: u32, ctx: &LightContext, wi: Vec3, distance: f32, n: Vec3) -> f32 {
+    pub fn area_pdf(&self, light: u32, ctx: &LightContext, (wi, distance): (Vec3, f32), n: Vec3, time: f32) -> f32 {
         match &self.lights[light as usize] {
             Light::Area(a) => match self.probability(ctx, light) {
-                p if p > 0.0 => p * a.pdf(ctx.p, wi, distance, n),
+                p if p > 0.0 => p * a.pdf(ctx.p, wi, distance, n, time),
                 _ => 0.0,
             },
             _ => 0.0,

@@ -28,7 +28,7 @@ impl LightBounds {
         Self { bounds: Bounds3::new(p, p), axis: Vec3::Z, cos_o: -1.0, cos_e: 0.0, intensity, two_sided: false }
     }
 
-    fn union(&self, o: &Self) -> Self {
+    pub(super) fn union(&self, o: &Self) -> Self {
         let (axis, cos_o) = union_cones((self.axis, self.cos_o), (o.axis, o.cos_o));
         Self {
             bounds: self.bounds.union(o.bounds),

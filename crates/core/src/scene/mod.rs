@@ -378,6 +378,17 @@ impl Scene {
         (id.instance != WORLD).then(|| self.parts.placements[id.instance as usize].at(time))
     }
 
+    /// The light that a point of a surface belongs to, if any finds it.
+    #[inline]
+    pub fn light(&self, i: &Interaction) -> Option<u32> {
+        let light = self.parts.geometries[i.geometry as usize].light(i.id.prim)?;
+        Some(if i.id.instance == WORLD {
+            light
+        } else {
+            light + self.parts.placements[i.id.instance as usize].first_light
+        })
+    }
+
     /// Whether normal or bump maps change the shading of any material.
     pub fn has_surface_detail(&self) -> bool {
         let bends = |d: &SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();

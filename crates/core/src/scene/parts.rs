@@ -27,7 +27,8 @@ pub struct Geometry {
     pub is_single_sided: bool,
     /// Index of what it emits.
     pub emitter: Option<u32>,
-    /// For emitting shapes the light of each primitive; one entry when all belong to the same.
+    /// For emitting shapes the light of each primitive; one entry when all belong to the same. In groups they count
+    /// from [`Placement::first_light`].
     pub lights: Box<[u32]>,
     /// The media on the side against the normal and on the side of it, where the shape separates media.
     pub media: Option<(Option<u32>, Option<u32>)>,
@@ -68,6 +69,8 @@ pub struct Placement {
     pub base: u32,
     /// How many geometries the group has.
     pub count: u32,
+    /// The first of its lights.
+    pub first_light: u32,
 }
 
 impl Placement {

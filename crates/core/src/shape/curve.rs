@@ -82,7 +82,7 @@ impl CurveParams {
     }
 
     /// A segment as a cubic Bézier.
-    fn bezier(&self, segment: usize) -> [Vec3; 4] {
+    pub(super) fn bezier(&self, segment: usize) -> [Vec3; 4] {
         let degree = self.degree as usize;
         let first = if self.basis == CurveBasis::Bezier { segment * degree } else { segment };
         let p = &self.points[first..=first + degree];
@@ -130,19 +130,19 @@ impl Segment {
 
 /// The normals at both ends of a ribbon's segment, between which it turns at constant speed.
 #[derive(Clone, Copy, Debug)]
-struct Twist {
+pub(super) struct Twist {
     n: [Vec3; 2],
     angle: f32,
 }
 
 impl Twist {
-    fn new(a: Vec3, b: Vec3) -> Self {
+    pub(super) fn new(a: Vec3, b: Vec3) -> Self {
         let n = [a.normalize_or_zero(), b.normalize_or_zero()];
         Self { n, angle: n[0].cross(n[1]).length().atan2(n[0].dot(n[1])) }
     }
 
     #[inline]
-    fn at(&self, u: f32) -> Vec3 {
+    pub(super) fn at(&self, u: f32) -> Vec3 {
         let sin = self.angle.sin();
         if sin.abs() < 1e-4 {
             // Parallel, where the interpolation is linear, or opposed, where there is no shortest way.
@@ -452,7 +452,7 @@ impl Span {
 
 /// Point and derivative of a cubic Bézier.
 #[inline]
-fn evaluate([a, b, c, d]: &[Vec3; 4], u: f32) -> (Vec3, Vec3) {
+pub(super) fn evaluate([a, b, c, d]: &[Vec3; 4], u: f32) -> (Vec3, Vec3) {
     let w = 1.0 - u;
     let (ab, bc, cd) = (*a * w + *b * u, *b * w + *c * u, *c * w + *d * u);
     let (abc, bcd) = (ab * w + bc * u, bc * w + cd * u);

@@ -11,6 +11,7 @@ pub mod quadric;
 pub mod sdf_grid;
 pub mod subdivision;
 pub mod tangents;
+mod tube;
 
 pub use curve::Curves;
 pub use height_field::Field;
@@ -180,4 +181,12 @@ impl SurfacePoint {
     pub fn bare(p: Vec3, error: Vec3, n: Vec3) -> Self {
         Self { p, error, n, ns: n, dpdu: Vec3::ZERO, uv: Vec2::ZERO }
     }
+}
+
+/// The mean over the unit square of what points of a surface tell of its area.
+fn mean_area(at: impl Fn(Vec2) -> f32) -> f32 {
+    const EDGE: u32 = 64;
+    let centre = |k: u32| (k as f32 + 0.5) / EDGE as f32;
+    let row = |y: u32| (0..EDGE).map(|x| f64::from(at(Vec2::new(centre(x), centre(y))))).sum::<f64>();
+    ((0..EDGE).map(row).sum::<f64>() / f64::from(EDGE * EDGE)) as f32
 }

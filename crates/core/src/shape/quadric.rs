@@ -59,11 +59,7 @@ impl Quadric {
 
     /// The uniform scale of the placement, if it is one (to rounding).
     pub fn similarity(&self) -> Option<f32> {
-        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|e| self.place.vector(e));
-        let s = x.length();
-        let close = |a: f32| (a - s).abs() < 1e-4 * s;
-        let square = |a: Vec3, b: Vec3| a.dot(b).abs() < 1e-4 * s * s;
-        (close(y.length()) && close(z.length()) && square(x, y) && square(y, z) && square(x, z)).then_some(s)
+        self.place.similarity()
     }
 
     fn object_bounds(&self) -> Bounds3 {
@@ -82,18 +78,37 @@ impl Quadric {
         self.place.bounds(&self.object_bounds())
     }
 
-    /// Surface area where it is placed; exact for similarity placements and for disks.
+    /// Surface area where it is placed; where that stretches it unevenly, a mean over many points.
     pub fn area(&self) -> f32 {
-        let scale = self
-            .similarity()
-            .map_or_else(|| self.place.vector(Vec3::X).cross(self.place.vector(Vec3::Y)).length(), |s| s * s);
-        scale
-            * match self.kind {
-                QuadricKind::Sphere { radius, z_min, z_max } | QuadricKind::Cylinder { radius, z_min, z_max } => {
-                    self.phi_max * radius * (z_max - z_min)
-                }
-                QuadricKind::Disk { radius, inner, .. } => self.phi_max * 0.5 * (radius * radius - inner * inner),
+        match self.even_scale() {
+            Some(scale) => scale * self.object_area(),
+            None => super::mean_area(|u| self.area_at(self.surface_at(self.sample(u)).n)),
+        }
+    }
+
+    /// The reciprocal of the density of [`Quadric::sample`] per area, where the unit normal is `n`: the area, if the
+    /// placement stretches all of it alike.
+    pub fn area_at(&self, n: Vec3) -> f32 {
+        self.even_scale().unwrap_or_else(|| self.place.area(n)) * self.object_area()
+    }
+
+    /// How much larger the placement makes areas, where that is the same everywhere.
+    fn even_scale(&self) -> Option<f32> {
+        let flat = || self.place.vector(Vec3::X).cross(self.place.vector(Vec3::Y)).length();
+        match (self.similarity(), self.kind) {
+            (Some(s), _) => Some(s * s),
+            (None, QuadricKind::Disk { .. }) => Some(flat()),
+            _ => None,
+        }
+    }
+
+    fn object_area(&self) -> f32 {
+        match self.kind {
+            QuadricKind::Sphere { radius, z_min, z_max } | QuadricKind::Cylinder { radius, z_min, z_max } => {
+                self.phi_max * radius * (z_max - z_min)
             }
+            QuadricKind::Disk { radius, inner, .. } => self.phi_max * 0.5 * (radius * radius - inner * inner),
+        }
     }
 
     /// Azimuth in `[0, 2π)`.
@@ -247,7 +262,7 @@ impl Quadric {
         radius * [Vec3::X, Vec3::Y, Vec3::Z].map(|e| self.place.vector(e).length()).iter().sum::<f32>() / 3.0
     }
 
-    /// An object-space point uniform over the area (for similarity placements; disks under any placement).
+    /// An object-space point, uniform over the area in object space.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let phi = self.phi_max * u.y;
         match self.kind {
@@ -265,43 +280,6 @@ impl Quadric {
                 Vec3::new(r * phi.cos(), r * phi.sin(), height)
             }
         }
-    }
-
-    /// A mesh of the surface in object space, for placements under which area sampling is not uniform.
-    pub fn tessellate(&self, columns: u32, rows: u32) -> steradian_scene::Mesh {
-        let mut mesh = steradian_scene::Mesh::default();
-        for j in 0..=rows {
-            for i in 0..=columns {
-                let (s, t) = (i as f32 / columns as f32, j as f32 / rows as f32);
-                let phi = self.phi_max * s;
-                let (r, z, n) = match self.kind {
-                    QuadricKind::Sphere { radius, z_min, z_max } => {
-                        let theta = |z: f32| (z / radius).clamp(-1.0, 1.0).acos();
-                        let a = theta(z_min) + (theta(z_max) - theta(z_min)) * t;
-                        (
-                            radius * a.sin(),
-                            radius * a.cos(),
-                            Vec3::new(a.sin() * phi.cos(), a.sin() * phi.sin(), a.cos()),
-                        )
-                    }
-                    QuadricKind::Cylinder { radius, z_min, z_max } => {
-                        (radius, z_min + (z_max - z_min) * t, Vec3::new(phi.cos(), phi.sin(), 0.0))
-                    }
-                    QuadricKind::Disk { height, radius, inner } => (radius + (inner - radius) * t, height, Vec3::Z),
-                };
-                mesh.positions.push([r * phi.cos(), r * phi.sin(), z]);
-                mesh.normals.push(n.to_array());
-                mesh.uvs.push([s, t]);
-            }
-        }
-        for j in 0..rows {
-            for i in 0..columns {
-                let a = j * (columns + 1) + i;
-                let (b, c, d) = (a + 1, a + columns + 1, a + columns + 2);
-                mesh.triangles.extend([[a, b, d], [a, d, c]]);
-            }
-        }
-        mesh
     }
 }
 

@@ -116,9 +116,9 @@ impl Reader<'_> {
             is_medium_boundary: look.interior.is_some(),
             ..Shape::new(desc.add(node))
         };
-        // Instances give no light and bound no medium.
-        let is_grouped = visible.len() >= INSTANCED_FROM || self.moved.is_some();
-        if is_grouped && look.emission.is_none() && look.interior.is_none() {
+        // Instances bound no medium. Those that emit become as many lights anyway.
+        let is_many = visible.len() >= INSTANCED_FROM && look.emission.is_none();
+        if (is_many || self.moved.is_some()) && look.interior.is_none() {
             desc.groups.push(Group { name: String::new(), shapes: vec![shape] });
             let group = desc.groups.len() - 1;
             let movement = |matrix: DMat4| {

@@ -89,12 +89,6 @@ impl Reader<'_> {
             }
             shapes.extend(self.shapes(child));
         }
-        for shape in &mut shapes {
-            if let Some(light) = shape.emission.take() {
-                let span = self.desc.node(light).span.unwrap_or_else(|| self.span(object));
-                self.dropped(span, "an emitter in a shape group is left out, for instances cannot emit");
-            }
-        }
         self.ignore(object, &["to_world"]);
         self.desc.groups[index].shapes = shapes;
         index

@@ -156,7 +156,7 @@ impl<'o> Scene<'o> {
             self.report.dropped(dict.span, "shapes of objects do not emit light: pbrt has no area lights in them");
         }
         let mut movement = self.movement(state);
-        if movement.is_some() && (object.is_some() || emission.is_some()) {
+        if movement.is_some() && object.is_some() {
             self.report.approximated(dict.span, state::STANDS_STILL);
             movement = None;
         }

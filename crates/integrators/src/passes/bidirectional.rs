@@ -231,12 +231,13 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         if path.events == 0 || light.is_black() {
             return light;
         }
-        let geometry = &scene.geometries()[i.geometry as usize];
-        let Some(index) = geometry.light(i.id.prim) else { return light };
+        let Some(index) = scene.light(i) else { return light };
         let (n, wo) = (i.surface.n, i.wo);
         let by_area = n.dot(wo).abs() / (distance * distance);
-        let asked = path.context.map_or(0.0, |ctx| scene.lights().area_pdf(index, &ctx, -wo, distance, n) * by_area);
-        light * self.met(index, asked, n, wo, sums)
+        let time = path.lambda.time;
+        let density = |ctx| scene.lights().area_pdf(index, &ctx, (-wo, distance), n, time);
+        let asked = path.context.map_or(0.0, |ctx| density(ctx) * by_area);
+        light * self.met((index, time), asked, n, wo, sums)
     }
 
     /// Light of the environments in whose direction the camera subpath left the scene.
@@ -255,14 +256,14 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
                 continue;
             }
             let asked = path.context.map_or(0.0, |ctx| scene.lights().environment_pdf(index, &ctx, w));
-            sum += light * self.met(index, asked, -w, -w, path.sums());
+            sum += light * self.met((index, path.lambda.time), asked, -w, -w, path.sums());
         }
         sum
     }
 
-    /// The weight of light that the camera subpath met, against the light sample and paths from the light.
-    fn met(&self, light: u32, asked: f32, n: Vec3, w: Vec3, sums: Sums) -> f32 {
-        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(self.scene(), light, n, w));
+    /// The weight of light that the camera subpath met at a moment, against the light sample and paths from the light.
+    fn met(&self, (light, time): (u32, f32), asked: f32, n: Vec3, w: Vec3, sums: Sums) -> f32 {
+        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(self.scene(), light, n, w, time));
         (1.0 / (1.0 + squared(asked) * sums.vcm + squared(emitted) * sums.vc)) as f32
     }
 
@@ -278,11 +279,12 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let Some(e) = v.eval(scene, s.wi, Radiance) else { return Spectrum::ZERO };
         let kind = lights.lights[light as usize].kind();
         let pdf = s.pdf * choice;
-        let n = lights.normal_at(light, v.i.surface.p + s.wi * s.distance.min(f32::MAX), -s.wi);
+        let at_light = v.i.surface.p + s.wi * s.distance.min(f32::MAX);
+        let n = lights.normal_at(light, at_light, -s.wi, v.lambda.time);
         // The light sample's density in the measure of emission: by area at the light, but for parallel light.
         let cos_at_light = if kind.is_delta || kind.is_parallel { 1.0 } else { n.dot(s.wi).abs() };
         let asked = if kind.is_delta && !kind.is_parallel { pdf * s.distance * s.distance } else { pdf * cos_at_light };
-        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(scene, light, n, -s.wi));
+        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(scene, light, n, -s.wi, v.lambda.time));
         let by_scattering = if kind.is_delta { 0.0 } else { squared(e.pdf / pdf) };
         let by_light = squared(emitted * v.cos(s.wi) / asked)
             * (v.merge(&self.ways) + v.sums.vcm + v.sums.vc * squared(e.reverse));

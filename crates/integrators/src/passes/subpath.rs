@@ -220,7 +220,7 @@ impl Subpath {
                     if !scene.lights().reaches(e.light, i.surface.p, i.wo, &self.lambda) {
                         return Arrival::Ended;
                     }
-                    v.sums.vcm = squared(asked(scene, &e, &v.context(), distance) / (e.pdf * cos));
+                    v.sums.vcm = squared(asked(scene, &e, &v.context(), (distance, v.lambda.time)) / (e.pdf * cos));
                 }
                 return Arrival::Vertex(v);
             }
@@ -294,11 +294,11 @@ fn sums_are_sound(s: &Sums) -> bool {
 
 /// The density with which a light sample for a context finds the light that emitted a ray, so that it can be divided by
 /// that of emission and the cosine where the ray arrives.
-fn asked(scene: &Scene, e: &EmittedRay, context: &LightContext, distance: f32) -> f32 {
+fn asked(scene: &Scene, e: &EmittedRay, context: &LightContext, (distance, time): (f32, f32)) -> f32 {
     let (lights, wi) = (scene.lights(), -e.ray.direction);
     let kind = lights.lights[e.light as usize].kind();
     match (kind.is_delta, kind.is_parallel) {
-        (false, false) => lights.area_pdf(e.light, context, wi, distance, e.n) * e.cos,
+        (false, false) => lights.area_pdf(e.light, context, (wi, distance), e.n, time) * e.cos,
         (false, true) => lights.environment_pdf(e.light, context, wi),
         (true, false) => lights.probability(context, e.light) * distance * distance,
         (true, true) => lights.probability(context, e.light),

@@ -7,6 +7,7 @@ mod adaptive;
 mod bidirectional;
 mod color;
 mod determinism;
+mod emitters;
 mod film;
 mod furnace;
 mod glass;

@@ -67,7 +67,9 @@ impl Soft {
                 (*corner + (*ex + *ey) / 2.0, Outline::Parallelogram([*corner, *ex, *ey]), 0.0)
             }
             AreaShape::Sphere(center, radius, false) => (*center, Outline::Sphere(*radius), *radius),
-            AreaShape::Sphere(..) | AreaShape::Quadric(_) => return Ok(None),
+            AreaShape::Sphere(..) | AreaShape::Quadric(_) | AreaShape::Swept(_) | AreaShape::Moving(_) => {
+                return Ok(None);
+            }
         };
         let (center, radius) = crate::extent(scene);
         let reach = (place - center).length() + radius;

@@ -9,11 +9,13 @@ mod expression;
 mod interval;
 mod revolution;
 mod search;
+mod swept;
 #[cfg(test)]
 mod tests;
 
 pub use expression::Expression;
 pub use revolution::Revolution;
+pub use swept::Swept;
 
 use super::SurfacePoint;
 use glam::{DMat4, DVec3};
@@ -128,11 +130,22 @@ impl LevelSet {
                 p -= step;
             }
         }
+        self.point(p, reach, ray.direction)
+    }
+
+    /// The surface at a point of it, object space.
+    fn at(&self, p: DVec3) -> SurfacePoint {
+        self.point(p, 0.0, Vec3::ZERO)
+    }
+
+    /// The surface at a point, object space, that is on it but for a distance; `against` is where its normal points
+    /// away from where there is none.
+    fn point(&self, p: DVec3, reach: f64, against: Vec3) -> SurfacePoint {
         let (value, gradient) = self.sample(p);
         let left = (value.abs() / gradient.length()).min(reach);
         let left = if left.is_nan() { reach } else { left } as f32;
         let n = self.place.normal(gradient.normalize_or_zero().as_vec3()).normalize_or_zero();
-        let n = if n == Vec3::ZERO { -ray.direction.normalize_or_zero() } else { n * self.sign() };
+        let n = if n == Vec3::ZERO { -against.normalize_or_zero() } else { n * self.sign() };
         let at = p.as_vec3();
         let error = self.place.point_error(at, at.abs() * gamma(2) + Vec3::splat(left));
         let bare = SurfacePoint::bare(self.place.point(at), error, n);

@@ -87,6 +87,34 @@ impl Revolution {
         Vec2::new(u.min(1.0) as f32, self.along(p.z).clamp(0.0, 1.0) as f32)
     }
 
+    /// The point of the profile at a part of it.
+    pub(super) fn profile_at(&self, v: f64) -> DVec3 {
+        match self.profile {
+            Profile::Line(a, b) => a.lerp(b, v),
+            Profile::Parabola(k, [z0, z1]) => {
+                let z = z0 + (z1 - z0) * v;
+                DVec3::new((k * z).sqrt(), 0.0, z)
+            }
+        }
+    }
+
+    /// The area that a turn by one radian sweeps, by how much of the profile it is of: `|∂p/∂φ × ∂p/∂v|`.
+    pub(super) fn speed(&self, v: f64) -> f64 {
+        match self.profile {
+            Profile::Line(a, b) => {
+                let (p, along) = (a.lerp(b, v).truncate(), b - a);
+                (p.length() * along.z).hypot(p.dot(along.truncate()))
+            }
+            // r √(1 + r'²) with r² = k z.
+            Profile::Parabola(k, [z0, z1]) => (z1 - z0) * (0.25 * k * k + k * self.profile_at(v).z).sqrt(),
+        }
+    }
+
+    /// How far it is turned, radians.
+    pub(super) fn turn(&self) -> f64 {
+        self.phi_max
+    }
+
     /// ∂p/∂u.
     pub fn dpdu(&self, p: DVec3) -> DVec3 {
         DVec3::new(-p.y, p.x, 0.0) * self.phi_max

@@ -161,3 +161,13 @@ fn grids_of_distances() {
     }
     assert!(errors(&open(""))[0].contains("needs 'filename'"));
 }
+
+/// What is in a group may emit, which Mitsuba itself refuses.
+#[test]
+fn groups_emit() {
+    let d = good(
+        "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"><emitter type=\"area\"/></shape></shape>
+        <shape type=\"instance\"><ref id=\"g\"/></shape>",
+    );
+    assert!(d.groups[0].shapes[0].emission.is_some());
+}
