@@ -29,10 +29,15 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
     let options = WriteOptions { premultiplied, ..options };
     let picture = image::read(&args.input, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
-    let picture = match &args.layer {
+    let mut picture = match &args.layer {
         Some(name) => layer(&picture, name)?,
         None => picture,
     };
+    if let Some(sensor) = &args.sensor {
+        picture.require_rgb().map_err(|e| Failure::bad_input(e.to_string()))?;
+        let origin = picture.offset;
+        sensor.expose(&mut picture, origin);
+    }
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
     Ok(failure::DONE)
 }

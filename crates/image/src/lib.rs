@@ -5,6 +5,7 @@
 //!   move it between memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS and KTX2 files.
 //! * [`Texels`] keeps the samples as the file stores them (8 and 16 bit, half, float), for textures.
 //! * [`tone`] maps linear Rec.709 to display values, [`encoding`] has the sRGB transfer functions.
+//! * [`Sensor`] adds the noise of a camera's sensor.
 //! * [`metrics`] compares pictures.
 //! * [`signal`] has their Fourier transform, and what sampling does to it.
 //!
@@ -29,6 +30,7 @@ mod png_file;
 mod pnm;
 mod read;
 mod regular;
+mod sensor;
 pub mod signal;
 mod texels;
 mod together;
@@ -43,6 +45,7 @@ pub use error::{Error, Result};
 pub use limits::Limits;
 pub use read::{FileKind, declared_bytes, read, read_bands, read_bytes, read_texels, read_texels_bytes};
 pub use regular::{Stamp, open_regular, read_regular};
+pub use sensor::Sensor;
 pub use texels::{TakeBand, TexelData, Texels};
 pub use together::write_together;
 pub use voxel_grid::{VoxelGrid, decode as decode_voxel_grid, read_voxel_grid};

@@ -7,7 +7,8 @@ use steradian_image::{Image, Value};
 use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
-/// layers asked for. Layers of first hits need a film on which they were gathered.
+/// layers asked for. Layers of first hits need a film on which they were gathered. Where the scene's film has a sensor,
+/// the picture has its noise; the layers do not.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let names = Names {
         objects: scene.object_names().clone(),
@@ -16,6 +17,10 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     };
     let mut image = steradian_film::develop(film, layers, &names);
     let world_from_camera = scene.camera().world_from_camera;
+    let crop = film.crop;
+    if let Some(sensor) = scene.film().sensor {
+        sensor.expose(&mut image, [crop.x0, crop.y0].map(|v| v as i32));
+    }
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
 }
