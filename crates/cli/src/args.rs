@@ -4,7 +4,7 @@ use crate::values::{self, Frames, Layers, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
 use steradian::image::{
-    Compression, Precision, Sensor, WriteOptions,
+    Compression, FalseColor, Precision, Sensor, WriteOptions,
     block::{BlockFormat, WRITABLE},
     signal::Prefilter,
     tone::Tone,
@@ -408,6 +408,11 @@ pub struct ConvertArgs {
     /// films (`steradian list films --markdown`). A value of 1 is where the converter ends, at any ISO
     #[arg(long, value_name = "full_well=E[,…]", value_parser = values::sensor)]
     pub sensor: Option<Sensor>,
+    /// Show luminance as colours with a legend: scale=log|linear, min=, max= (cd/m², or 1% of the pixels), white=
+    /// (luminance of a value of 1), unit=cd/m²|lx
+    #[arg(long, alias = "false-colour", value_name = "key=value,…", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "", value_parser = values::false_color, conflicts_with_all = ["tonemap", "exposure"])]
+    pub false_color: Option<FalseColor>,
     /// Scenes: write a report of what was exact, approximated and dropped (Markdown)
     #[arg(long, value_name = "FILE.md")]
     pub report: Option<PathBuf>,

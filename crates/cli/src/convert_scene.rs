@@ -39,6 +39,9 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     if args.sensor.is_some() {
         return Err(Failure::bad_input("--sensor is for pictures; the film of a scene has 'full_well'"));
     }
+    if args.false_color.is_some() {
+        return Err(Failure::bad_input("--false-color is for pictures"));
+    }
     if !write::EXTENSIONS.iter().any(|known| args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(known.0))) {
         let known = write::EXTENSIONS.iter().map(|(e, what)| format!(".{e} ({what})")).collect::<Vec<_>>().join(", ");
         let what = format!("'{}': scenes are written as {known}", args.output.display());

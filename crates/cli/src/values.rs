@@ -4,7 +4,7 @@ use std::{str::FromStr, time::Duration};
 pub use steradian::quality::MAX_SPP;
 use steradian::{
     Layer,
-    image::{Sensor, tone::Tone},
+    image::{FalseColor, Sensor, tone::Tone},
     scene::{Family, names},
     schema::Type,
 };
@@ -192,6 +192,11 @@ fn samples(text: &str, least: u32) -> Result<u32, String> {
 /// A tone curve with its parameters.
 pub fn tone(text: &str) -> Result<Tone, String> {
     Tone::parse(text).map_err(|e| e.to_string())
+}
+
+/// How luminance is shown.
+pub fn false_color(text: &str) -> Result<FalseColor, String> {
+    FalseColor::parse(text).map_err(|e| e.to_string())
 }
 
 /// The sensor of a film, by the film's parameters: `full_well=50000,iso=1600`.

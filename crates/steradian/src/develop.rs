@@ -2,8 +2,10 @@
 
 use crate::{Film, Layer, Scene};
 use std::collections::BTreeMap;
+use steradian_core::camera::Projection;
 use steradian_film::Names;
 use steradian_image::{Image, Value};
+use steradian_math::spectra::{CIE_Y_INTEGRAL, photometry::LUMINOUS_EFFICACY};
 use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
@@ -20,6 +22,11 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let crop = film.crop;
     if let Some(sensor) = scene.film().sensor {
         sensor.expose(&mut image, [crop.x0, crop.y0].map(|v| v as i32));
+    }
+    // Where a value is not a radiance that arrives at the camera, white has no luminance.
+    if !matches!(scene.camera().projection, Projection::Patch(..) | Projection::Realistic(_)) {
+        let white = CIE_Y_INTEGRAL * LUMINOUS_EFFICACY / f64::from(scene.film().imaging_ratio);
+        image.metadata.set("whiteLuminance", Value::Float(white as f32));
     }
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
