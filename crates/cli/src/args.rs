@@ -4,7 +4,7 @@ use crate::values::{self, Frames, Layers, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
 use steradian::image::{
-    Compression, Precision, WriteOptions,
+    Compression, FalseColor, Precision, Sensor, WriteOptions,
     block::{BlockFormat, WRITABLE},
     signal::Prefilter,
     tone::Tone,
@@ -110,6 +110,9 @@ pub struct RenderArgs {
     /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on
     #[arg(long, value_name = "A..B", value_parser = values::frames)]
     pub frames: Option<Frames>,
+    /// Which of them this is.
+    #[arg(skip)]
+    pub frame: u32,
     /// Frames per second of --frames
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate)]
     pub fps: f64,
@@ -401,6 +404,15 @@ pub struct ConvertArgs {
     /// Layer of the picture to write: a name of `steradian list layers`, or of channels in the file (N, diffuse, Z, …)
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
+    /// Add the noise of a sensor: full_well=E, and read_noise, dark_current, bits, noise_seed, iso, exposure_time as of
+    /// films (`steradian list films --markdown`). A value of 1 is where the converter ends, at any ISO
+    #[arg(long, value_name = "full_well=E[,…]", value_parser = values::sensor)]
+    pub sensor: Option<Sensor>,
+    /// Show luminance as colours with a legend: scale=log|linear, min=, max= (cd/m², or 1% of the pixels), white=
+    /// (luminance of a value of 1), unit=cd/m²|lx
+    #[arg(long, alias = "false-colour", value_name = "key=value,…", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "", value_parser = values::false_color, conflicts_with_all = ["tonemap", "exposure"])]
+    pub false_color: Option<FalseColor>,
     /// Scenes: write a report of what was exact, approximated and dropped (Markdown)
     #[arg(long, value_name = "FILE.md")]
     pub report: Option<PathBuf>,

@@ -25,14 +25,28 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     }
     output::kind(&args.output)?;
     output::claim([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
-    let options = args.files.write_options().map_err(Failure::bad_input)?;
+    let mut options = args.files.write_options().map_err(Failure::bad_input)?;
+    // Colours of a legend are no radiance.
+    options.ppm_radiance &= args.false_color.is_none();
     let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
     let options = WriteOptions { premultiplied, ..options };
     let picture = image::read(&args.input, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
-    let picture = match &args.layer {
+    let mut picture = match &args.layer {
         Some(name) => layer(&picture, name)?,
         None => picture,
     };
+    if let Some(sensor) = &args.sensor {
+        picture.require_rgb().map_err(|e| Failure::bad_input(e.to_string()))?;
+        let origin = picture.offset;
+        sensor.expose(&mut picture, origin);
+    }
+    if let Some(false_color) = &args.false_color {
+        let (shown, not_finite) = false_color.picture(&picture).map_err(|e| Failure::bad_input(e.to_string()))?;
+        if not_finite > 0 {
+            terminal.warn(&format!("{not_finite} pixels are not finite and magenta"));
+        }
+        picture = shown;
+    }
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
     Ok(failure::DONE)
 }

@@ -36,6 +36,12 @@ pub fn is_scene(path: &Path) -> bool {
 
 /// Reads, writes, reports, compares.
 pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
+    if args.sensor.is_some() {
+        return Err(Failure::bad_input("--sensor is for pictures; the film of a scene has 'full_well'"));
+    }
+    if args.false_color.is_some() {
+        return Err(Failure::bad_input("--false-color is for pictures"));
+    }
     if !write::EXTENSIONS.iter().any(|known| args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(known.0))) {
         let known = write::EXTENSIONS.iter().map(|(e, what)| format!(".{e} ({what})")).collect::<Vec<_>>().join(", ");
         let what = format!("'{}': scenes are written as {known}", args.output.display());
@@ -111,7 +117,7 @@ fn picture(desc: &SceneDesc, size: (u32, u32), mode: Option<ColorMode>) -> Resul
     let options = CompileOptions { size: Some(size), mode, ..CompileOptions::default() };
     let scene = steradian::compile(desc, &options).scene;
     let none = || Failure::bad_input("the scene cannot be rendered, so it is not compared");
-    let scene = Arc::new(scene.ok_or_else(none)?);
+    let scene = Arc::new(scene.ok_or_else(none)?.changed(|parts| parts.film.sensor = None));
     let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };
     let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
     Ok((picture, scene.mode()))

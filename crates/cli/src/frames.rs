@@ -29,6 +29,7 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
         let mut one = args.clone();
         one.output = outputs.iter().map(|path| numbered(path, frame)).collect();
         let seconds = f64::from(frame) / args.fps;
+        one.frame = frame;
         one.scene_options.define.push(("at".into(), seconds.to_string()));
         let code = render::run_after(&one, terminal, &mut history)?;
         if code != failure::DONE {

@@ -19,6 +19,7 @@ use std::{
     borrow::Cow,
     collections::BTreeMap,
     path::{Path, PathBuf},
+    sync::Arc,
     time::{Duration, Instant},
 };
 use steradian::{
@@ -219,7 +220,12 @@ impl<'a> Job<'a> {
         let fingerprint = fingerprint.map_err(unreadable)?;
         let lit = self.solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
         let lit = lit.map_err(unreadable)?;
-        let ready = opened.into_scene(path, args.scene_options.strict, self.terminal)?;
+        let mut ready = opened.into_scene(path, args.scene_options.strict, self.terminal)?;
+        if ready.scene.film().sensor.is_some()
+            && let Some(scene) = Arc::get_mut(&mut ready.scene)
+        {
+            scene.change(|parts| parts.film.sensor.iter_mut().for_each(|s| s.frame = args.frame));
+        }
         Ok(Opening { ready, write_options, fingerprint, lit })
     }
 

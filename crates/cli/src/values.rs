@@ -2,7 +2,12 @@
 
 use std::{str::FromStr, time::Duration};
 pub use steradian::quality::MAX_SPP;
-use steradian::{Layer, image::tone::Tone, scene::names};
+use steradian::{
+    Layer,
+    image::{FalseColor, Sensor, tone::Tone},
+    scene::{Family, names},
+    schema::Type,
+};
 
 /// A frame, `WxH`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,6 +192,49 @@ fn samples(text: &str, least: u32) -> Result<u32, String> {
 /// A tone curve with its parameters.
 pub fn tone(text: &str) -> Result<Tone, String> {
     Tone::parse(text).map_err(|e| e.to_string())
+}
+
+/// How luminance is shown.
+pub fn false_color(text: &str) -> Result<FalseColor, String> {
+    FalseColor::parse(text).map_err(|e| e.to_string())
+}
+
+/// The sensor of a film, by the film's parameters: `full_well=50000,iso=1600`.
+pub fn sensor(text: &str) -> Result<Sensor, String> {
+    const KNOWN: [&str; 7] = ["full_well", "read_noise", "dark_current", "bits", "noise_seed", "iso", "exposure_time"];
+    let film = Family::Film.model("rgb").ok_or("there is no film")?;
+    let mut sensor = Sensor {
+        full_well: 0.0,
+        read_noise: 0.0,
+        dark_current: 0.0,
+        bits: 14,
+        iso: 100.0,
+        exposure_time: 1.0,
+        seed: 0,
+        frame: 0,
+    };
+    for setting in text.split(',').filter(|s| !s.is_empty()) {
+        let (name, value) = definition(setting)?;
+        let name = known_name(&name, "parameter of a sensor", KNOWN.into_iter())?;
+        let parameter = film.parameter(name).ok_or("there is no such parameter of films")?;
+        let is_whole = parameter.kind == Type::Integer;
+        let (low, high) = parameter.range;
+        let number = value
+            .parse::<f64>()
+            .ok()
+            .filter(|v| v.is_finite() && (low..=high).contains(v) && (!is_whole || v.fract() == 0.0));
+        let number = number.ok_or_else(|| format!("'{name}' is '{value}'; it must be a {}", parameter.values()))?;
+        match name {
+            "full_well" => sensor.full_well = number,
+            "read_noise" => sensor.read_noise = number,
+            "dark_current" => sensor.dark_current = number,
+            "bits" => sensor.bits = number as u32,
+            "noise_seed" => sensor.seed = number as i64 as u64,
+            "iso" => sensor.iso = number,
+            _ => sensor.exposure_time = number,
+        }
+    }
+    if sensor.full_well > 0.0 { Ok(sensor) } else { Err("'full_well' is needed, such as full_well=50000".into()) }
 }
 
 /// Layers by name, `all` for every one but the light of groups of lights, which changes how paths are made.

@@ -10,6 +10,7 @@ use serde::Serialize;
 use std::{
     fmt::Write,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 use steradian::{
     Control, Film, INTEGRATORS, Inputs, Layer, Quality, Scene,
@@ -59,7 +60,11 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     }
     let opened = open::open(&args.scene, &options, Some(args.spp));
     let ready = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?;
+    // What a sensor adds to pictures says nothing of the light.
     let mut scene = ready.scene;
+    if let Some(scene) = Arc::get_mut(&mut scene) {
+        scene.change(|parts| parts.film.sensor = None);
+    }
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::failed(format!("cannot make the folder {}: {e}", folder.display())))?;

@@ -31,6 +31,7 @@ mod principled;
 mod ranges;
 mod realistic;
 mod schedule;
+mod sensor;
 mod shapes;
 mod sky;
 mod sound;

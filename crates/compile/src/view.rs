@@ -216,8 +216,9 @@ impl Compiler<'_> {
             None if node.get("max_component").is_none() => f32::INFINITY,
             _ => self.positive(node, "max_component", 1.0),
         };
+        let sensor = self.sensor(node);
         let filter = self.filter()?;
-        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component })
+        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component, sensor })
     }
 
     fn filter(&mut self) -> Option<Filter> {

@@ -1,6 +1,7 @@
 //! What a film is like: its size, the part that is rendered, its filter, and how it takes radiance.
 
 use crate::Filter;
+use steradian_image::Sensor;
 use steradian_math::{
     Spectrum, Vec3,
     spectra::{ColorMode, Wavelengths},
@@ -46,6 +47,8 @@ pub struct FilmSpec {
     pub imaging_ratio: f32,
     /// Samples with a larger component are scaled down to it; infinite where nothing is clamped.
     pub max_component: f32,
+    /// What adds noise when the film is developed; `None` for a picture without noise of its own.
+    pub sensor: Option<Sensor>,
 }
 
 impl FilmSpec {

@@ -5,6 +5,8 @@
 //!   move it between memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS and KTX2 files.
 //! * [`Texels`] keeps the samples as the file stores them (8 and 16 bit, half, float), for textures.
 //! * [`tone`] maps linear Rec.709 to display values, [`encoding`] has the sRGB transfer functions.
+//! * [`Sensor`] adds the noise of a camera's sensor.
+//! * [`FalseColor`] shows luminance.
 //! * [`metrics`] compares pictures.
 //! * [`signal`] has their Fourier transform, and what sampling does to it.
 //!
@@ -18,6 +20,7 @@ mod dds;
 pub mod encoding;
 mod error;
 mod exr_file;
+mod false_color;
 mod hdr;
 mod image;
 mod ktx2;
@@ -29,6 +32,7 @@ mod png_file;
 mod pnm;
 mod read;
 mod regular;
+mod sensor;
 pub mod signal;
 mod texels;
 mod together;
@@ -40,9 +44,11 @@ pub use self::image::{Channel, Image, Metadata, RgbPlanes, Value, Window};
 pub use atomic::{check_place, discard_drafts, stream_whole, write_whole};
 pub use encoding::Encoding;
 pub use error::{Error, Result};
+pub use false_color::FalseColor;
 pub use limits::Limits;
 pub use read::{FileKind, declared_bytes, read, read_bands, read_bytes, read_texels, read_texels_bytes};
 pub use regular::{Stamp, open_regular, read_regular};
+pub use sensor::Sensor;
 pub use texels::{TakeBand, TexelData, Texels};
 pub use together::write_together;
 pub use voxel_grid::{VoxelGrid, decode as decode_voxel_grid, read_voxel_grid};

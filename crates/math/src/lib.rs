@@ -10,6 +10,7 @@ pub mod chance;
 #[cfg(test)]
 mod chi_square;
 pub mod color;
+pub mod counts;
 pub mod distribution;
 pub mod elementary;
 pub mod error;

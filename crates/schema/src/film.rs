@@ -25,6 +25,21 @@ const FILM: &[Parameter] = &[
     number("white_balance", ANY, "0", "temperature of white; every other one than 0 is approximated by D65").unit("K"),
     number("max_component", POSITIVE, "none", "samples whose largest component is above are scaled down to it")
         .refused(),
+    number("full_well", (f64::MIN_POSITIVE, 1e9), "none", "electrons of a full pixel; with it the picture has noise")
+        .unit("e⁻")
+        .refused(),
+    number("read_noise", (0.0, 1e6), "0", "standard deviation of reading a pixel")
+        .unit("e⁻")
+        .refused()
+        .where_given("full_well"),
+    number("dark_current", (0.0, 1e9), "0", "electrons that come without light; their mean is subtracted")
+        .unit("e⁻/s")
+        .refused()
+        .where_given("full_well"),
+    integer("bits", (1.0, 24.0), "14", "of the converter; a value of 1 is its last code")
+        .refused()
+        .where_given("full_well"),
+    integer("noise_seed", ANY, "0", "chooses among equally likely pictures").where_given("full_well"),
     text("filename", "none", "without effect: the command line names outputs"),
 ];
 

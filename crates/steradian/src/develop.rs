@@ -2,12 +2,15 @@
 
 use crate::{Film, Layer, Scene};
 use std::collections::BTreeMap;
+use steradian_core::camera::Projection;
 use steradian_film::Names;
 use steradian_image::{Image, Value};
+use steradian_math::spectra::{CIE_Y_INTEGRAL, photometry::LUMINOUS_EFFICACY};
 use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
-/// layers asked for. Layers of first hits need a film on which they were gathered.
+/// layers asked for. Layers of first hits need a film on which they were gathered. Where the scene's film has a sensor,
+/// the picture has its noise; the layers do not.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let names = Names {
         objects: scene.object_names().clone(),
@@ -16,6 +19,15 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     };
     let mut image = steradian_film::develop(film, layers, &names);
     let world_from_camera = scene.camera().world_from_camera;
+    let crop = film.crop;
+    if let Some(sensor) = scene.film().sensor {
+        sensor.expose(&mut image, [crop.x0, crop.y0].map(|v| v as i32));
+    }
+    // Where a value is not a radiance that arrives at the camera, white has no luminance.
+    if !matches!(scene.camera().projection, Projection::Patch(..) | Projection::Realistic(_)) {
+        let white = CIE_Y_INTEGRAL * LUMINOUS_EFFICACY / f64::from(scene.film().imaging_ratio);
+        image.metadata.set("whiteLuminance", Value::Float(white as f32));
+    }
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
     image
 }

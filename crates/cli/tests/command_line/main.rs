@@ -14,6 +14,7 @@ mod outputs;
 mod pictures;
 mod render;
 mod scenes;
+mod sensors;
 #[cfg(unix)]
 mod stopping;
 

@@ -1,7 +1,7 @@
 //! `steradian compare` and `steradian convert`.
 
 use crate::Place;
-use steradian::image::{Image, WriteOptions, write};
+use steradian::image::{Image, WriteOptions, encoding::srgb_encode, write};
 
 /// A place with a smooth picture, `a.exr`, one that is a tenth brighter, `b.exr`, and one of another size.
 fn place() -> Place {
@@ -162,4 +162,27 @@ fn a_picture_beyond_the_memory_is_refused() {
     assert_eq!(code, Some(0), "{said}");
     let (code, said) = line("1000000", "render --size 3000x3000 --spp 1 --threads 1 -o a.exr");
     assert!(code == Some(2) && said.contains("of memory"), "{code:?} {said}");
+}
+
+#[test]
+fn false_colour_has_a_legend_and_the_luminance_of_the_render() {
+    let place = place();
+    place.file(
+        "sky.steradian",
+        "steradian: 1\ncamera: {camera: perspective}\nfilm: {film: rgb, width: 8, height: 8, iso: 50}\n\
+         lights: {sky: {light: environment, radiance: 0.01}}\n",
+    );
+    place.succeed(&["render", "sky.steradian", "--spp", "1", "-q", "-o", "sky.exr"]);
+    // A radiance of 0.01 has 729.83 cd/m²; without --exposure or --tonemap colours are written as they are.
+    for (settings, color) in [("min=729,max=1e6", [68, 1, 84]), ("scale=linear,min=0,max=730", [253, 231, 37])] {
+        place.succeed(&["convert", "sky.exr", "sky.png", &format!("--false-color={settings}")]);
+        let picture = place.picture("sky.png");
+        assert!(picture.width() > 8 && picture.height() >= 64);
+        let at = picture.rgb().unwrap().at(0).map(|v| (srgb_encode(v) * 255.0).round() as i32);
+        assert!(at.iter().zip(color).all(|(a, c): (&i32, i32)| (a - c).abs() <= 1), "{settings}: {at:?}");
+    }
+    place.succeed(&["convert", "a.exr", "a.ppm", "--false-colour"]);
+    place.refuse(2, &["convert", "a.exr", "b.png", "--false-color=scale=cubic"], &["log or linear"]);
+    place.refuse(2, &["convert", "a.exr", "b.png", "--false-color", "--exposure", "1"], &["--exposure"]);
+    place.refuse(2, &["convert", "sky.steradian", "b.xml", "--false-color"], &["--false-color is for pictures"]);
 }

@@ -4,9 +4,8 @@
 //! `4π²/((m + 1)(2n − m + 1))`, so the variance is known for `m < 2n + 1`, zero at `m = n`, and infinite from there on.
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
-use crate::optics::unit;
 use std::f64::consts::PI;
-use steradian_math::hash::HashRng;
+use steradian_math::{counts::unit, hash::HashRng};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "importance",

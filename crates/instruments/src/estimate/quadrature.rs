@@ -4,8 +4,7 @@
 
 use super::log_slope;
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
-use crate::optics::unit;
-use steradian_math::hash::HashRng;
+use steradian_math::{counts::unit, hash::HashRng};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "quadrature",

@@ -2,10 +2,9 @@
 //! rectangles seen from a point, each by its closed form and by counting random directions.
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
-use crate::optics::unit;
 use glam::DVec3;
 use std::f64::consts::PI;
-use steradian_math::hash::HashRng;
+use steradian_math::{counts::unit, hash::HashRng};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "solid-angle",

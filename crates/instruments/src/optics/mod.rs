@@ -17,14 +17,11 @@ mod mirage;
 mod near_field;
 mod photoelectric;
 mod photons;
-mod poisson;
 mod polarization;
 mod prism;
 mod rainbow;
 mod refractive_index;
 mod slits;
-
-pub(crate) use poisson::unit;
 
 use crate::laboratory::Experiment;
 

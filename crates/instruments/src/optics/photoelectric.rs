@@ -2,9 +2,9 @@
 //! voltage that stops the fastest ones is `U = (hf − φ)/e` (Einstein 1905). Millikan's experiment finds `h` from the
 //! slope. Work functions: Michaelson, *J. Appl. Phys.* 48 (1977), polycrystalline.
 
-use super::photons::normal;
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use steradian_math::{
+    counts::normal,
     hash::HashRng,
     spectra::blackbody::{PLANCK, SPEED_OF_LIGHT},
 };

@@ -2,9 +2,9 @@
 //! of it: quantum efficiency, shot noise (Poisson), read noise (Gaussian), a full well and an analogue-to-digital
 //! converter (Janesick, *Photon Transfer*, 2007).
 
-use super::poisson::{ln_factorial, poisson, unit};
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::{
+    counts::{ln_factorial, normal, poisson},
     hash::HashRng,
     spectra::blackbody::{PLANCK, SPEED_OF_LIGHT},
 };
@@ -26,12 +26,6 @@ pub const EXPERIMENT: Experiment = Experiment {
     ],
     run: Run::Alone(run),
 };
-
-/// A standard normal number (Box and Muller 1958).
-pub fn normal(rng: &mut HashRng) -> f64 {
-    let (u, v) = (unit(rng), unit(rng));
-    (-2.0 * u.ln()).sqrt() * (2.0 * std::f64::consts::PI * v).cos()
-}
 
 fn run(values: &Values) -> Result<Report, Error> {
     let energy = PLANCK * SPEED_OF_LIGHT / (values.number("wavelength") * 1e-9);

@@ -124,6 +124,7 @@ impl Writer<'_> {
             if let Some(most) = film.float("max_component").filter(|v| v.is_finite() && *v > 0.0) {
                 out.float("maxcomponentvalue", most);
             }
+            self.x.without(film, &["full_well"]);
         }
         self.put(&out);
     }
