@@ -54,7 +54,8 @@ struct Row<'a> {
 pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
     let mut options = args.scene_options.clone();
-    // Of spectra all paths of a pass share the wavelengths in some methods: noise that says nothing of how light is found.
+    // Of spectra all paths of a pass share the wavelengths in some methods: noise that says nothing of how light is
+    // found.
     if options.color == Color::Auto {
         options.color = Color::Rgb;
     }

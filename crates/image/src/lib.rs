@@ -52,4 +52,4 @@ pub use sensor::Sensor;
 pub use texels::{TakeBand, TexelData, Texels};
 pub use together::write_together;
 pub use voxel_grid::{VoxelGrid, decode as decode_voxel_grid, read_voxel_grid};
-pub use write::{Compression, Precision, WriteOptions, encode, write};
+pub use write::{Compression, Precision, WriteOptions, display8, encode, write};

@@ -96,6 +96,19 @@ pub fn encode(kind: FileKind, image: &Image, options: &WriteOptions) -> Result<V
     Ok(bytes)
 }
 
+/// What is shown of a picture after exposure and tone curve: R, G, B from 0 to 255 of each pixel, rows from the top.
+///
+/// # Errors
+/// [`Error::MissingChannels`] where it has no colours, and what a tone curve refuses.
+pub fn display8(image: &Image, options: &WriteOptions) -> Result<Vec<u8>> {
+    let mut samples = Vec::with_capacity(3 * image.pixel_count());
+    display(image, options, false, |band| {
+        samples.extend(band.as_flattened().iter().map(|&v| quantize8(v)));
+        Ok(())
+    })?;
+    Ok(samples)
+}
+
 /// Writes the bytes of a file, some rows at a time: beside the picture there are at most 12 bytes for each of its
 /// pixels.
 fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dyn Write) -> Result<()> {
@@ -119,11 +132,7 @@ fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dy
         FileKind::Png => encode_png(image, options, out),
         FileKind::Jpeg => {
             let [w, h] = side_lengths(kind, image, 65535)?;
-            let mut samples = Vec::with_capacity(3 * image.pixel_count());
-            display(image, options, false, |band| {
-                samples.extend(band.as_flattened().iter().map(|&v| quantize8(v)));
-                Ok(())
-            })?;
+            let samples = display8(image, options)?;
             crate::photo::encode_jpeg(w, h, 3, &samples, options.jpeg_quality, out)
         }
         FileKind::Pnm => {

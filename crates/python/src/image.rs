@@ -7,12 +7,12 @@ use numpy::{
 use pyo3::{
     exceptions::{PyIOError, PyKeyError, PyValueError},
     prelude::*,
-    types::PyBytes,
+    types::{PyBytes, PyDict},
 };
 use std::path::PathBuf;
 use steradian::{
     Layer,
-    image::{self, FileKind, WriteOptions, tone::Tone},
+    image::{self, FileKind, Limits, WriteOptions, metrics, tone::Tone},
 };
 
 /// A plane of a picture.
@@ -217,6 +217,42 @@ impl Image {
         Ok(PyBytes::new(py, &bytes.map_err(|e| PyValueError::new_err(e.to_string()))?))
     }
 
+    /// What is shown of the picture: height × width × 3 numbers from 0 to 255, after exposure and tone
+    /// curve.
+    #[pyo3(signature = (*, tonemap = None, exposure = None))]
+    fn to_uint8<'py>(
+        &self,
+        py: Python<'py>,
+        tonemap: Option<&str>,
+        exposure: Option<f32>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let options = write_options(tonemap, exposure, false)?;
+        let picture = self.picture(py, |name| matches!(name, "R" | "G" | "B"))?;
+        let shown = py.detach(|| image::display8(&picture, &options));
+        let shown = shown.map_err(|e| PyValueError::new_err(e.to_string()))?;
+        let array = Array3::from_shape_vec((self.height, self.width, 3), shown);
+        Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
+    }
+
+    /// How far the picture is from a reference of its size: `mse`, `rmse`, `rel_mse`, `psnr`, `max_abs`, `mean`,
+    /// `reference_mean`, `ratio`, `non_finite`.
+    fn compare<'py>(&self, py: Python<'py>, reference: &Self) -> PyResult<Bound<'py, PyDict>> {
+        let colours = |name: &str| matches!(name, "R" | "G" | "B");
+        let (a, b) = (self.picture(py, colours)?, reference.picture(py, colours)?);
+        let c = py.detach(|| metrics::compare(&a, &b)).map_err(|e| PyValueError::new_err(e.to_string()))?;
+        let all = PyDict::new(py);
+        for (name, v) in
+            [("mse", c.mse), ("rmse", c.rmse), ("rel_mse", c.rel_mse), ("psnr", c.psnr), ("max_abs", c.max_abs)]
+        {
+            all.set_item(name, v)?;
+        }
+        for (name, v) in [("mean", c.mean), ("reference_mean", c.reference_mean), ("ratio", c.ratio)] {
+            all.set_item(name, v)?;
+        }
+        all.set_item("non_finite", c.non_finite)?;
+        Ok(all)
+    }
+
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         self.png(py, None, None)
     }
@@ -231,4 +267,12 @@ impl Image {
             self.channels().join(" ")
         )
     }
+}
+
+/// A picture from a file, as linear planes; every channel of an EXR file is kept.
+#[pyfunction]
+pub fn read_image(py: Python<'_>, path: PathBuf) -> PyResult<Image> {
+    let picture =
+        py.detach(|| image::read(&path, &Limits::default())).map_err(|e| PyValueError::new_err(e.to_string()))?;
+    Image::new(py, picture, Facts::default())
 }

@@ -22,9 +22,12 @@ pyo3::create_exception!(steradian, SceneError, pyo3::exceptions::PyValueError, "
 #[pymodule]
 mod _steradian {
     #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
     use super::SceneError;
     #[pymodule_export]
-    use super::image::Image;
+    use super::image::{Image, read_image};
     #[pymodule_export]
     use super::material::{Material, spectrum};
     #[pymodule_export]

@@ -21,7 +21,7 @@ use std::{
 };
 use steradian::{
     ColorMode, CompileOptions, Kept, Layer, Loaded, Quality,
-    formats::{Options, native},
+    formats::{Options, native, write},
     scene::{Diagnostics, Node, NodeId, SceneDesc},
 };
 
@@ -213,12 +213,17 @@ impl Scene {
         Ok((written.text, written.files))
     }
 
-    /// Writes the scene in Steradian's own language, and what goes beside it, whole or not at all.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    /// Writes the scene in the format of the extension, and what goes beside it, whole or not at all; gives what was
+    /// approximated or left out.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<Message>> {
         let desc = self.state(py).desc.clone();
-        let written = py.detach(|| native::write(&desc, &path)).map_err(PyValueError::new_err)?;
-        let write = || steradian::image::write_together(&path, written.text.as_bytes(), &written.files);
-        py.detach(write).map_err(|e| PyIOError::new_err(e.to_string()))
+        let written = py.detach(|| write::write(&desc, &path)).map_err(PyValueError::new_err)?;
+        if written.diagnostics.has_errors() {
+            return Err(error(&written.diagnostics));
+        }
+        let write = || steradian::image::write_together(&path, &written.bytes, &written.files);
+        py.detach(write).map_err(|e| PyIOError::new_err(e.to_string()))?;
+        Ok(written.diagnostics.iter().map(Message::from).collect())
     }
 
     /// A material by its name, to be evaluated.

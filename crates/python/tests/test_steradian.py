@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import warnings
 
 import numpy as np
 import pytest
@@ -248,3 +249,52 @@ def test_parameters_are_described():
         params["clya.reflectance"]
     with pytest.raises(st.SceneError):
         params["clay.reflektance"] = 0.5
+
+
+def test_a_part_of_a_value_sets_the_whole():
+    scene = st.scene({"materials": {"clay": {"material": "diffuse", "reflectance": {"blackbody": 3000}}},
+                      "shapes": [{"shape": "sphere", "material": "clay"}]})
+    value = scene["clay"]["reflectance"]
+    assert isinstance(value, dict), value
+    value["blackbody"] = 5000
+    assert scene["clay"]["reflectance"] == {"blackbody": 5000}
+
+
+def test_losses_are_shown_once():
+    text = "WorldBegin\nLightSource \"infinite\"\nMaterial \"diffuse\" \"float nonsense\" 1\nShape \"sphere\"\n"
+    with pytest.warns(st.SceneWarning, match="nonsense"):
+        scene = st.scene(text, format="pbrt")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.render(spp=1, size=(4, 4))
+
+
+def test_scenes_are_saved_by_extension(tmp_path):
+    scene = st.load("builtin:cornell-box")
+    scene.save(tmp_path / "c.xml")
+    assert (tmp_path / "c.xml").read_text().lstrip().startswith("<")
+    again = st.load(tmp_path / "c.xml")
+    one, other = (np.asarray(s.render(spp=4, size=(16, 16), color="rgb", seed=1)).mean() for s in (scene, again))
+    assert abs(one - other) < 0.1 * one
+    with pytest.raises(ValueError, match="scenes are written as"):
+        scene.save(tmp_path / "c.obj")
+
+
+def test_pictures_are_read_compared_and_shown(tmp_path):
+    image = st.load("builtin:cornell-box").render(spp=2, size=(12, 9))
+    image.save(tmp_path / "a.exr")
+    again = st.read_image(tmp_path / "a.exr")
+    assert sorted(again.channels) == sorted(image.channels) and np.array_equal(again["R"], image["R"])
+    same = st.compare(again, image)
+    assert same["mse"] == 0 and same["psnr"] == float("inf") and same["ratio"] == [1.0, 1.0, 1.0]
+    again["R"][:] *= 2
+    assert st.compare(again, image)["ratio"][0] == pytest.approx(2)
+    shown = image.to_uint8(exposure=1)
+    assert shown.shape == (9, 12, 3) and shown.dtype == np.uint8
+    assert (image.to_uint8(exposure=-60) == 0).all()
+    with pytest.raises(ValueError, match="nothing.exr"):
+        st.read_image(tmp_path / "nothing.exr")
+
+
+def test_the_version_is_that_of_the_package():
+    assert st.__version__.count(".") == 2

@@ -12,7 +12,7 @@ fn scene(sensor: &str) -> String {
     SCENE.replace(" SENSOR", sensor)
 }
 
-/// The same noise comes with the render and afterwards; layers, and what a render is kept in, stay clean.
+/// Noise is equal by the render and by `convert`; layers, and what a render is kept in, stay clean.
 #[test]
 fn a_film_with_a_full_well_has_the_noise_of_convert() {
     const RENDER: [&str; 6] = ["--spp", "4", "--aov", "variance,normal,light_groups,samples", "-q", "-o"];

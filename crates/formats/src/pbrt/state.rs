@@ -36,8 +36,8 @@ pub(super) enum Target {
 }
 
 /// What is said of things that cannot move.
-pub(super) const STANDS_STILL: &str = "this is rendered as it stands at the beginning of its motion; cameras, shapes and instances move, lights that are \
-     no shapes do not";
+pub(super) const STANDS_STILL: &str = "this is rendered as it stands at the beginning of its motion; cameras, shapes and \
+     instances move, lights that are no shapes do not";
 
 /// Which of the two transforms directives change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

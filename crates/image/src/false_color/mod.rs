@@ -1,7 +1,7 @@
 //! False colour: the luminance of pixels as colours whose lightness is even, with a bar that says what they stand for.
 //!
-//! A pixel's luminance is that of its linear Rec.709 times the luminance of white, `CIE_Y_INTEGRAL · 683 lm/W` cd/m² for
-//! scenes in W/(m² sr nm). It becomes `t` in [0, 1] between two ends, by its logarithm or in proportion, and `t` a
+//! A pixel's luminance is that of its linear Rec.709 times the luminance of white, `CIE_Y_INTEGRAL · 683 lm/W` cd/m²
+//! for scenes in W/(m² sr nm). It becomes `t` in [0, 1] between two ends, by its logarithm or in proportion, and `t` a
 //! colour of viridis.
 
 mod font;

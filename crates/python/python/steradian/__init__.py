@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from typing import Any, Union
 
@@ -19,12 +20,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _steradian
-from ._steradian import Image, Message, Parameter, Progress, SceneError, registry
+from ._steradian import Image, Message, Parameter, Progress, SceneError, __version__, read_image, registry
 
 __all__ = [
-    "Image", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError", "load", "material", "registry",
-    "scene", "spectrum",
+    "Image", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError", "SceneWarning", "__version__",
+    "compare", "load", "material", "read_image", "registry", "scene", "spectrum",
 ]
+
+
+class SceneWarning(UserWarning):
+    """What a scene asks for and does not get as it says: approximated, left out, without effect."""
 
 StrPath = Union[str, "os.PathLike[str]"]
 
@@ -42,6 +47,18 @@ def _text(value: Any) -> str:
     return json.dumps(value, default=_plain, allow_nan=False)
 
 
+class _Parts(dict[str, Any]):
+    """A value of parts: a part that is set sets the whole value."""
+
+    def __init__(self, value: dict[str, Any], put: Callable[[dict[str, Any]], None]):
+        super().__init__(value)
+        self._put = put
+
+    def __setitem__(self, part: str, value: Any) -> None:
+        self._put({**self, part: value})
+        super().__setitem__(part, value)
+
+
 class Node(MutableMapping[str, Any]):
     """The parameters of a node of a scene: reading gives the value that is set, setting takes effect at the next render."""
 
@@ -51,7 +68,8 @@ class Node(MutableMapping[str, Any]):
     def __getitem__(self, parameter: str) -> Any:
         if parameter not in self._scene.parameters(self._name):
             raise KeyError(f"'{self._name}' does not set '{parameter}'")
-        return self._scene.get(self._name, parameter)
+        value = self._scene.get(self._name, parameter)
+        return _Parts(value, lambda whole: self.__setitem__(parameter, whole)) if isinstance(value, dict) else value
 
     def __setitem__(self, parameter: str, value: Any) -> None:
         self._scene.set_text(self._name, parameter, _text(value))
@@ -111,6 +129,15 @@ class Scene(Mapping[str, Node]):
 
     def __init__(self, inner: _steradian.Scene):
         self._inner = inner
+        self._told: set[str] = set()
+        self._warn(inner.messages, 4)
+
+    def _warn(self, messages: Sequence[Message], depth: int) -> None:
+        """Shows, once each, what was lost; notes are for those who ask."""
+        for m in messages:
+            if m.kind != "note" and m.text not in self._told:
+                self._told.add(m.text)
+                warnings.warn(m.text, SceneWarning, stacklevel=depth)
 
     def __getitem__(self, name: str) -> Node:
         self._inner.parameters(name)
@@ -171,9 +198,9 @@ class Scene(Mapping[str, Node]):
         False, the render ends. Ctrl-C ends it too. In both cases the picture of the samples that there are is returned, and its
         `stopped` says why.
         """
-        bar = _Bar() if progress is True else None
+        bar = _Bar() if progress is True and _is_watched() else None
         try:
-            return self._inner.render(
+            image = self._inner.render(
                 spp=spp, size=size, crop=crop, camera=None if camera is None else str(camera), integrator=integrator,
                 sampler=sampler, max_depth=max_depth, seed=seed, threads=threads, color=color, adaptive=adaptive, error=error,
                 time=time, layers=list(layers), transparent=transparent,
@@ -182,17 +209,27 @@ class Scene(Mapping[str, Node]):
         finally:
             if bar:
                 bar.close()
+        self._warn(self._inner.messages, 3)
+        return image
 
     def text(self, path: StrPath = "scene.steradian") -> str:
         """The scene in Steradian's own language; files are named as from `path`."""
         return self._inner.text(path)[0]
 
     def save(self, path: StrPath) -> None:
-        """Writes the scene in Steradian's own language, and meshes and embedded pictures into folders beside it."""
-        self._inner.save(path)
+        """Writes the scene in the format of the extension (.steradian, .xml, .pbrt, .gltf, .glb), and meshes and pictures beside it.
+
+        What the format cannot say is a warning.
+        """
+        self._warn(self._inner.save(path), 3)
 
     def __repr__(self) -> str:
         return repr(self._inner)
+
+
+def _is_watched() -> bool:
+    """Whether somebody sees lines that are written over: in a terminal or a notebook."""
+    return sys.stderr.isatty() or "ipykernel" in sys.modules
 
 
 class _Bar:
@@ -275,6 +312,11 @@ def material(kind: str, *, wavelengths: Sequence[float] | None = None, **paramet
 
     words = [(name, word(value)) for name, value in parameters.items()]
     return Material(_steradian.Material.describe(kind, words, wavelengths=None if wavelengths is None else list(wavelengths)))
+
+
+def compare(image: Image, reference: Image) -> dict[str, Any]:
+    """How far a picture is from a reference of its size: mse, rmse, rel_mse, psnr (dB), max_abs, mean, reference_mean, ratio, non_finite."""
+    return image.compare(reference)
 
 
 def spectrum(name: str, wavelengths: ArrayLike) -> NDArray[Any]:

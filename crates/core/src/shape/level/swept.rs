@@ -110,8 +110,8 @@ mod tests {
         Swept::new(&level.unwrap()).unwrap()
     }
 
-    /// Areas of a cone, `π r √(r² + h²)`, half a paraboloid, `π r / (6 h²) ((r² + 4 h²)^1.5 − r³)` for the whole, and of
-    /// the cone squeezed to half its height.
+    /// Areas of a cone, `π r √(r² + h²)`, half a paraboloid, `π r / (6 h²) ((r² + 4 h²)^1.5 − r³)` for the whole, and
+    /// of the cone squeezed to half its height.
     #[test]
     fn areas() {
         let cone = |turn| Revolution::line(DVec3::X * 0.7, DVec3::Z * 1.3, turn).unwrap();
