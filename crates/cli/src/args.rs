@@ -38,8 +38,8 @@ pub struct SceneOptions {
     /// Look up one random texel instead of filtering; the expected value is the same
     #[arg(long, help_heading = "Scene")]
     pub stochastic_textures: bool,
-    /// Set a $parameter of a Mitsuba scene; at=SECONDS, animation, variant, scene of a glTF scene; ground=false of a
-    /// model. Repeatable
+    /// Set a $parameter of a Mitsuba scene; at=SECONDS, animation, variant, scene of a glTF scene; of a model
+    /// azimuth=DEG, elevation=DEG, sky=FILE, ground=false, and up=z or handedness=left of an OBJ or PLY. Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
     /// Refuse a scene if anything is approximated, dropped, or unused (such as a mistyped parameter)

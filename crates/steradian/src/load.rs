@@ -138,8 +138,8 @@ fn read(path: &Path, options: &Options) -> Import {
 fn with_definitions_told(mut import: Import, format: &str, options: &Options) -> Import {
     let known: &[&str] = match format {
         "xml" => return import,
-        "obj" | "ply" | "bpt" => &["ground"],
-        "gltf" | "glb" => &["animation", "at", "ground", "scene", "shutter", "variant"],
+        "obj" | "ply" | "bpt" => &["azimuth", "elevation", "ground", "handedness", "sky", "up"],
+        "gltf" | "glb" => &["animation", "at", "azimuth", "elevation", "ground", "scene", "shutter", "sky", "variant"],
         _ => &[],
     };
     if import.diagnostics.has_errors() {

@@ -81,12 +81,42 @@ fn slips_have_places_and_advice() {
         ("steradian: 1\nshapes: [ /* ", vec!["2:11", "not closed"]),
         ("steradian: 1\nfilm: \"rgb", vec!["lacks its closing"]),
         ("steradian: 1\ninstances: [{group: a}]", vec!["no group 'a'"]),
+        (
+            "steradian: 1\nshapes: [{shape: sphere, to_world: {shear: [1 0 1 0 0 0]}}]",
+            vec!["2:44", "this shear leaves no volume"],
+        ),
+        ("steradian: 1\nshapes: [{shape: sphere, to_world: {yaw_pitch_roll: [1, 2]}}]", vec!["3 numbers"]),
     ] {
         let said = said(text);
         for part in parts {
             assert!(said.contains(part), "{text:?} lacks {part:?}:\n{said}");
         }
         assert!(!said.is_empty(), "{text:?} passes");
+    }
+}
+
+/// Quarter turns and shears by hand: roll takes x to y, pitch then y to z, yaw then z to x; `xy` adds y to x.
+#[test]
+fn angles_and_shears_are_transforms() {
+    let place = |value: &str, p: [f64; 3]| {
+        let d = sound(&format!("steradian: 1\nshapes: [{{shape: sphere, to_world: {value}}}]"));
+        d.shapes[0].world_from_object.point(p.into())
+    };
+    for (value, from, to) in [
+        ("{yaw_pitch_roll: [0, 0, 90]}", [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
+        ("{yaw_pitch_roll: [0, 90, 90]}", [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+        ("{yaw_pitch_roll: [90, 90, 90]}", [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ("{yaw_pitch_roll: [90, 0, 0]}", [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]),
+        ("{shear: [2, 0, 0, 0, 0, 0]}", [1.0, 3.0, 5.0], [7.0, 3.0, 5.0]),
+        ("{shear: [0, 0.5, 0, 1, 0, 0]}", [1.0, 3.0, 4.0], [3.0, 7.0, 4.0]),
+        ("{shear: [0, 0, 0, 0, -1, 2]}", [1.0, 3.0, 5.0], [1.0, 3.0, 10.0]),
+        ("[{shear: [1, 0, 0, 0, 0, 0]}, {translate: [0, 0, 1]}]", [0.0, 2.0, 0.0], [2.0, 2.0, 1.0]),
+    ] {
+        let found = place(value, from);
+        assert!(
+            (found - steradian_math::DVec3::from(to)).length() < 1e-12,
+            "{value}: {from:?} goes to {found}, not {to:?}"
+        );
     }
 }
 

@@ -17,7 +17,7 @@ const SPACES: [(&str, ColorSpace); 4] = [
 const WHOLE: &str = "crop";
 
 /// First keys of the maps that are values.
-pub(super) const VALUES: [&str; 13] = [
+pub(super) const VALUES: [&str; 15] = [
     "rgb",
     "spectrum",
     "wavelengths",
@@ -29,6 +29,8 @@ pub(super) const VALUES: [&str; 13] = [
     "translate",
     "scale",
     "rotate",
+    "yaw_pitch_roll",
+    "shear",
     "look_at",
     "ref",
 ];
@@ -87,7 +89,8 @@ pub(super) fn plain(name: &str, item: &Item) -> Result<Value, Slip> {
                 "wavelengths" => &["wavelengths", "values"],
                 "rotate" => &["rotate", "degrees"],
                 "look_at" => &["look_at", "from", "up"],
-                "spectrum" | "blackbody" | "floats" | "ints" | "matrix" | "translate" | "scale" => &[key.text.as_str()],
+                "spectrum" | "blackbody" | "floats" | "ints" | "matrix" | "translate" | "scale" | "yaw_pitch_roll"
+                | "shear" => &[key.text.as_str()],
                 other => {
                     let hint = steradian_scene::names::did_you_mean(other, VALUES).unwrap_or_default();
                     let known = VALUES.join(", ");
@@ -146,7 +149,7 @@ fn whole(item: &Item) -> Result<Vec<i64>, Slip> {
 }
 
 fn is_transform(items: &[Item]) -> bool {
-    const STEPS: [&str; 5] = ["matrix", "translate", "scale", "rotate", "look_at"];
+    const STEPS: [&str; 7] = ["matrix", "translate", "scale", "rotate", "yaw_pitch_roll", "shear", "look_at"];
     let first = match items.first().map(|item| &item.kind) {
         Some(Kind::Map(pairs)) => pairs.first(),
         _ => None,
@@ -167,7 +170,7 @@ pub(super) fn transform(item: &Item) -> Result<Transform, Slip> {
 }
 
 fn step(item: &Item) -> Result<Transform, Slip> {
-    let wanted = "'translate', 'scale', 'rotate', 'look_at' or 'matrix'";
+    let wanted = "'translate', 'scale', 'rotate', 'yaw_pitch_roll', 'shear', 'look_at' or 'matrix'";
     let Kind::Map(pairs) = &item.kind else { return slip(item, wanted) };
     let Some((key, first)) = pairs.first() else { return slip(item, wanted) };
     let other = |name: &str| pairs.iter().find(|(k, _)| k.text == name).map(|(_, item)| item);
@@ -186,6 +189,19 @@ fn step(item: &Item) -> Result<Transform, Slip> {
                 return Err(("this axis has no direction".into(), first.span));
             }
             Transform::rotate(axis, degrees.to_radians())
+        }
+        "yaw_pitch_roll" => {
+            let [yaw, pitch, roll] = array(first)?.map(f64::to_radians);
+            Transform::yaw_pitch_roll(yaw, pitch, roll)
+        }
+        "shear" => {
+            let [xy, xz, yx, yz, zx, zy] = array(first)?;
+            let rows = [[1.0, xy, xz, 0.0], [yx, 1.0, yz, 0.0], [zx, zy, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+            let sheared = Transform::from_rows(std::array::from_fn(|i| rows[i / 4][i % 4]));
+            if sheared.inverse().is_none() {
+                return Err(("this shear leaves no volume".into(), first.span));
+            }
+            sheared
         }
         "look_at" => {
             let from = array(other("from").ok_or_else(|| missing("from"))?)?;

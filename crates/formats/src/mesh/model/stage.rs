@@ -1,7 +1,9 @@
-//! Camera, film, ground and light for a model that comes without.
+//! Camera, film, ground and light for a model that comes without, by the user's words where there are any
+//! ([`Options::defines`]).
 
 use super::sky;
 use crate::{Import, Options};
+use glam::DMat3;
 use std::{path::PathBuf, sync::Arc};
 use steradian_math::{DMat4, DVec3};
 use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, Transform};
@@ -12,6 +14,9 @@ const WIDTH: i64 = 1024;
 const HEIGHT: i64 = 768;
 /// Room around the model, as a factor on the distance.
 const MARGIN: f64 = 1.08;
+/// Where the viewer stands, unless told otherwise: to the right of the front and above, in degrees.
+const AZIMUTH: f64 = 28.810_793_742_973_065;
+const ELEVATION: f64 = 19.314_867_909_262_31;
 /// Reflectance of the ground.
 const GROUND: f64 = 0.3;
 /// Radius of the ground, and how far it lies below the model, in diagonals of the box.
@@ -20,52 +25,126 @@ const GROUND_GAP: f64 = 1e-3;
 /// Diagonal of the largest model that gets a ground.
 const LARGEST: f64 = 1e30;
 
-/// Sets up what is needed to see a model: +y is up and +z is the front, as most exporters have it.
+/// What the user says of a model's surroundings.
+struct Wishes {
+    ground: bool,
+    /// Where the viewer stands: degrees from the front to the right, and above the horizon.
+    azimuth: f64,
+    elevation: f64,
+    /// A picture of what is around.
+    sky: Option<PathBuf>,
+    /// From the model's axes to those of the world, where +y is up and +z is the front.
+    axes: DMat3,
+}
+
+impl Wishes {
+    fn of(options: &Options) -> Result<Self, String> {
+        let word = |name: &str| options.defines.get(name).map(String::as_str);
+        let angle = |name: &str, default: f64, most: f64| match word(name) {
+            None => Ok(default),
+            Some(text) => text
+                .parse()
+                .ok()
+                .filter(|v: &f64| v.abs() <= most)
+                .ok_or_else(|| format!("'{name}' is an angle in degrees from -{most} to {most}, not '{text}'")),
+        };
+        let ground = match word("ground") {
+            None | Some("true") => true,
+            Some("false") => false,
+            Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
+        };
+        let sky = word("sky").map(PathBuf::from);
+        if let Some(missing) = sky.as_ref().filter(|file| !file.is_file()) {
+            return Err(format!("cannot find the picture of the sky, '{}'", missing.display()));
+        }
+        // Columns: where x, y and z of the model go.
+        let up = match word("up") {
+            None | Some("y") => DMat3::IDENTITY,
+            Some("z") => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
+            Some("x") => DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z),
+            Some(other) => return Err(format!("'up' is the axis 'x', 'y' or 'z', not '{other}'")),
+        };
+        let hand = match word("handedness") {
+            None | Some("right") => DMat3::IDENTITY,
+            Some("left") => DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)),
+            Some(other) => return Err(format!("'handedness' is 'right' or 'left', not '{other}'")),
+        };
+        Ok(Self {
+            ground,
+            azimuth: angle("azimuth", AZIMUTH, 360.0)?,
+            elevation: angle("elevation", ELEVATION, 89.0)?,
+            sky,
+            axes: hand * up,
+        })
+    }
+}
+
+/// Sets up what is needed to see a model. Its +y is up and its +z the front, as most exporters have it, unless the user
+/// defines `up` or `handedness=left`.
 pub(super) fn set(import: &mut Import, options: &Options) {
-    let desc = &import.desc;
-    let corners = bounding_box(desc.meshes.iter().map(Arc::as_ref));
+    let Import { desc, diagnostics } = &mut *import;
+    let wishes = match Wishes::of(options) {
+        Ok(wishes) => wishes,
+        Err(fault) => return diagnostics.error(&desc.sources, None, fault),
+    };
+    let mut corners = bounding_box(desc.meshes.iter().map(Arc::as_ref));
+    if wishes.axes != DMat3::IDENTITY {
+        let axes = Transform::linear(wishes.axes);
+        desc.shapes.iter_mut().for_each(|s| s.world_from_object = axes * s.world_from_object);
+        let [a, b] = corners.map(|c| wishes.axes * c);
+        corners = [a.min(b), a.max(b)];
+    }
     let emits = desc.shapes.iter().any(|s| s.emission.is_some());
-    complete(import, options, corners, emits);
+    add_missing(desc, &wishes, corners, emits);
 }
 
 /// Adds what a scene lacks: a camera that frames the box of its shapes, a sky with a sun where it has no light of its
-/// own, and a ground where it has neither, unless the user defines `ground=false`.
+/// own, and a ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always
+/// there.
 pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool) {
     let Import { desc, diagnostics } = import;
-    let wants_ground = match options.defines.get("ground").map(String::as_str) {
-        None | Some("true") => true,
-        Some("false") => false,
-        Some(other) => {
-            diagnostics.error(&desc.sources, None, format!("'ground' is 'true' or 'false', not '{other}'"));
-            return;
-        }
+    let wishes = match Wishes::of(options) {
+        Ok(wishes) => wishes,
+        Err(fault) => return diagnostics.error(&desc.sources, None, fault),
     };
+    let angles = ["azimuth", "elevation"].into_iter().filter(|name| options.defines.contains_key(*name));
+    for name in angles.filter(|_| !desc.cameras.is_empty()) {
+        let what = format!("the document has a camera of its own, so '{name}' has no effect");
+        diagnostics.unused(&desc.sources, None, what, None);
+    }
+    add_missing(desc, &wishes, corners, has_lights);
+}
+
+fn add_missing(desc: &mut SceneDesc, wishes: &Wishes, corners: [DVec3; 2], has_lights: bool) {
     let is_lit = has_lights || !desc.lights.is_empty();
     if desc.cameras.is_empty() {
-        add_camera(desc, corners);
-        if !is_lit && wants_ground {
+        add_camera(desc, wishes, corners);
+        if !is_lit && wishes.ground {
             add_ground(desc, corners);
         }
     }
-    if !is_lit {
-        add_sky(desc);
+    if !is_lit || wishes.sky.is_some() {
+        add_sky(desc, wishes.sky.clone());
     }
 }
 
-fn add_camera(desc: &mut SceneDesc, corners: [DVec3; 2]) {
+fn add_camera(desc: &mut SceneDesc, wishes: &Wishes, corners: [DVec3; 2]) {
     let camera = Node::new(Family::Camera, "perspective", None)
         .with("fov", FOV)
         .with("fov_axis", "x")
-        .with("to_world", frame(corners));
+        .with("to_world", frame(corners, wishes));
     let camera = desc.add(camera);
     desc.cameras.push(camera);
     let film = desc.add(Node::new(Family::Film, "rgb", None).with("width", WIDTH).with("height", HEIGHT));
     desc.film = Some(film);
 }
 
-fn add_sky(desc: &mut SceneDesc) {
-    let file = PathBuf::from("sky of the viewer");
-    desc.embedded.insert(file.clone(), sky::pfm().into());
+fn add_sky(desc: &mut SceneDesc, picture: Option<PathBuf>) {
+    let file = picture.unwrap_or_else(|| {
+        let file = PathBuf::from("sky of the viewer");
+        desc.embedded.insert(file.clone(), sky::pfm().into());
+        file
+    });
     let mut sky = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
     sky.name = Some("sky".into());
     let sky = desc.add(sky);
@@ -110,11 +189,12 @@ pub(super) fn diagonal<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> f64 {
     (high - low).length().max(f64::MIN_POSITIVE)
 }
 
-/// A camera that looks from the front, the right and above, as near as it can be with the whole box in view.
-fn frame([low, high]: [DVec3; 2]) -> Transform {
+/// A camera that looks from where the viewer stands, as near as it can be with the whole box in view.
+fn frame([low, high]: [DVec3; 2], wishes: &Wishes) -> Transform {
     let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let half = half.max(DVec3::splat((half.max_element() * 1e-3).max(1e-6)));
-    let forward = DVec3::new(-0.55, -0.4, -1.0).normalize();
+    let (azimuth, elevation) = (wishes.azimuth.to_radians(), wishes.elevation.to_radians());
+    let forward = -DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
     let tan_x = (FOV.to_radians() * 0.5).tan();

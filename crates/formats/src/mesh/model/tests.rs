@@ -233,6 +233,51 @@ fn the_ground_can_be_left_out() {
     assert!(messages(&with("maybe")).contains("'ground' is 'true' or 'false', not 'maybe'"));
 }
 
+/// Where the viewer stands and which way is up, by the user's words; words that are none are refused.
+#[test]
+fn models_are_seen_as_the_user_says() {
+    let needle = b"v -1 0 0\nv 1 0 0\nv 0 0 8\nf 1 2 3\n";
+    let with = |defines: &[(&str, &str)]| {
+        let defines = defines.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        import_bytes(Path::new("a.obj"), needle.to_vec(), &Options { defines, ..Options::default() })
+    };
+    let eye = |defines: &[(&str, &str)]| {
+        let desc = with(defines).desc;
+        let camera = desc.node(desc.cameras[0]).transform("to_world").expect("it is placed");
+        (camera.point(DVec3::ZERO), camera.vector(DVec3::Z))
+    };
+    // From the right, level: along -x; from behind and above: forward and down.
+    let (origin, forward) = eye(&[("azimuth", "90"), ("elevation", "0")]);
+    assert!(origin.x > 1.0 && (forward - DVec3::NEG_X).length() < 1e-9, "{origin} {forward}");
+    let (_, forward) = eye(&[("azimuth", "180"), ("elevation", "30")]);
+    assert!((forward - DVec3::new(0.0, -0.5, 0.75_f64.sqrt())).length() < 1e-9, "{forward}");
+    // The needle's tip, which is where z is up.
+    for (defines, tip) in [
+        (&[("up", "y")][..], DVec3::new(0.0, 0.0, 8.0)),
+        (&[("up", "z")], DVec3::new(0.0, 8.0, 0.0)),
+        (&[("up", "x")], DVec3::new(0.0, 0.0, 8.0)),
+        (&[("handedness", "left")], DVec3::new(0.0, 0.0, -8.0)),
+        (&[("up", "z"), ("handedness", "left")], DVec3::new(0.0, 8.0, 0.0)),
+    ] {
+        let desc = with(defines).desc;
+        let found = desc.shapes[0].world_from_object.point(DVec3::new(0.0, 0.0, 8.0));
+        assert!((found - tip).length() < 1e-12, "{defines:?}: {found}");
+        let ground = &desc.shapes[1].world_from_object;
+        assert!(ground.point(DVec3::ZERO).y <= tip.y.min(0.0), "{defines:?}: the ground is above");
+    }
+    for (name, value, message) in [
+        ("up", "w", "'up' is the axis 'x', 'y' or 'z', not 'w'"),
+        ("handedness", "both", "'handedness' is 'right' or 'left', not 'both'"),
+        ("azimuth", "north", "'azimuth' is an angle in degrees from -360 to 360, not 'north'"),
+        ("azimuth", "NaN", "not 'NaN'"),
+        ("elevation", "90", "'elevation' is an angle in degrees from -89 to 89, not '90'"),
+        ("sky", "nothing.hdr", "cannot find the picture of the sky, 'nothing.hdr'"),
+    ] {
+        let import = with(&[(name, value)]);
+        assert!(import.diagnostics.has_errors() && messages(&import).contains(message), "{}", messages(&import));
+    }
+}
+
 #[test]
 fn bezier_patches_are_models() {
     let points: String = (0..16).map(|k| format!("{} {} {}\n", k % 4, k / 4, k % 3)).collect();
