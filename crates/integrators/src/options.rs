@@ -159,8 +159,8 @@ pub const INTEGRATORS: &[IntegratorInfo] = &[
         "transient",
         "path tracing that tells when light of one pulse arrives: a layer bin.NNN of each interval",
         &[
-            option("from", "length in m", "0", "the optical length where the first interval begins"),
-            option("to", "length in m, more than from", "10", "the optical length where the last interval ends"),
+            option("from", "number of metres", "0", "the optical length where the first interval begins"),
+            option("to", "number of metres, more than from", "10", "the optical length where the last interval ends"),
             option("bins", "1 to 1024", "32", "into how many intervals of the same length that is cut"),
             option("unit", "above 0", "1", "metres of a unit of the scene"),
             option("camera", "true, false", "true", "whether the way from the camera to what it sees counts"),
