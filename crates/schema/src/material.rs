@@ -368,14 +368,9 @@ pub const MATERIALS: &[Model] = &[
             spectrum("emission", FACTOR, "1", "shape of its spectrum in photons per nm, of any scale"),
             number("quantum_yield", UNIT, "1", "photons that leave for one that is absorbed"),
             file("matrix", "none", "table of reradiation in 1/nm, instead of absorption and emission"),
-            number(
-                "lifetime",
-                (0.0, f64::INFINITY),
-                "0",
-                "how long that light is held back in the mean: phosphorescence",
-            )
-            .unit("s")
-            .refused(),
+            number("lifetime", (0.0, 1e6), "0", "how long that light is held back in the mean: phosphorescence")
+                .unit("s")
+                .refused(),
         ],
         groups: &[&DETAIL],
         source: "Donaldson, Spectrophotometry of fluorescent pigments (1954); Mojzík et al., Handling Fluorescence in \

@@ -138,7 +138,7 @@ fn read(path: &Path, options: &Options) -> Import {
 fn with_definitions_told(mut import: Import, format: &str, options: &Options) -> Import {
     let known: &[&str] = match format {
         "xml" => return import,
-        "obj" | "ply" | "bpt" => &["azimuth", "elevation", "ground", "handedness", "sky", "up"],
+        "obj" | "ply" | "bpt" => &["azimuth", "crease", "elevation", "ground", "handedness", "sky", "up"],
         "gltf" | "glb" => &["animation", "at", "azimuth", "elevation", "ground", "scene", "shutter", "sky", "variant"],
         _ => &[],
     };

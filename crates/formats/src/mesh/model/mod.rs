@@ -50,9 +50,19 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         search,
         materials: HashMap::new(),
         size: 1.0,
+        crease: smooth::CREASE,
         losses: 0,
         undefined: HashSet::new(),
     };
+    if let Some(text) = options.defines.get("crease") {
+        match text.parse().ok().filter(|v: &f32| (0.0..=180.0).contains(v)) {
+            Some(angle) => opener.crease = angle,
+            None => {
+                let what = format!("'crease' is an angle in degrees from 0 to 180, not '{text}'");
+                opener.import.diagnostics.error(&opener.import.desc.sources, None, what);
+            }
+        }
+    }
     let is_named = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
     if bytes.starts_with(b"ply") || is_named("ply") {
         opener.ply(&bytes);
@@ -81,6 +91,8 @@ struct Opener<'a> {
     materials: HashMap<String, mtl::Material>,
     /// Length of the diagonal of the bounding box.
     size: f64,
+    /// Least angle in degrees of an edge that is seen, where there are no normals.
+    crease: f32,
     /// Losses that were reported.
     losses: usize,
     /// Materials that no library defines.
@@ -266,7 +278,7 @@ impl Opener<'_> {
         if mesh.triangles.is_empty() && mesh.patches.is_empty() {
             return;
         }
-        smooth::smooth(&mut mesh);
+        smooth::smooth(&mut mesh, self.crease);
         let desc = &mut self.import.desc;
         let node = desc.add(Node { name, ..Node::new(Family::Shape, "mesh", None) });
         let mesh = desc.add_mesh(mesh);

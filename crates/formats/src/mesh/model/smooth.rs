@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use steradian_math::Vec3;
 use steradian_scene::{Domain, Mesh};
 
-/// The greatest angle in degrees between faces of a smooth surface.
+/// The greatest angle in degrees between faces of a smooth surface, unless told otherwise.
 pub(super) const CREASE: f32 = 30.0;
 
 /// Corners in the order in which they surround a face.
@@ -25,9 +25,11 @@ struct Corner {
     angle: f32,
 }
 
-/// Gives a mesh without normals those of smooth surfaces. It stays flat where all its edges are creases.
-pub(super) fn smooth(mesh: &mut Mesh) {
-    if !mesh.normals.is_empty() || mesh.validate().is_err() {
+/// Gives a mesh without normals those of smooth surfaces, of faces at `crease` degrees at most. It stays flat where all
+/// its edges are creases.
+pub(super) fn smooth(mesh: &mut Mesh, crease: f32) {
+    let limit = crease.to_radians().cos();
+    if crease <= 0.0 || !mesh.normals.is_empty() || mesh.validate().is_err() {
         return;
     }
     let position = positions(mesh);
@@ -59,7 +61,7 @@ pub(super) fn smooth(mesh: &mut Mesh) {
     let mut of_corner = vec![Vec3::ZERO; corners.len()];
     let mut is_smooth = false;
     for around in order.chunk_by(|&a, &b| place(a) == place(b)) {
-        is_smooth |= share(around, &corners, &normals, &mut of_corner);
+        is_smooth |= share(around, &corners, &normals, limit, &mut of_corner);
     }
     if is_smooth {
         assign(mesh, &of_corner);
@@ -81,9 +83,9 @@ fn positions(mesh: &Mesh) -> Vec<u32> {
     numbers
 }
 
-/// Finds the normals of the corners at one position; tells whether one of them is not its face's.
-fn share(around: &[u32], corners: &[Corner], normals: &[Vec3], of_corner: &mut [Vec3]) -> bool {
-    let limit = CREASE.to_radians().cos();
+/// Finds the normals of the corners at one position, where faces whose normals have a cosine of `limit` at least are of
+/// one surface; tells whether one of them is not its face's.
+fn share(around: &[u32], corners: &[Corner], normals: &[Vec3], limit: f32, of_corner: &mut [Vec3]) -> bool {
     let normal = |i: usize| normals[corners[around[i] as usize].face as usize];
     // Edges from here, by their other end: what shares an edge stands together.
     let mut edges: Vec<(u32, usize)> = Vec::with_capacity(2 * around.len());
@@ -189,7 +191,7 @@ mod tests {
     #[test]
     fn a_fine_tube_is_round_and_its_rims_stay_sharp() {
         let mut mesh = tube(24);
-        smooth(&mut mesh);
+        smooth(&mut mesh, CREASE);
         mesh.validate().unwrap();
         assert_eq!((mesh.normals.len(), mesh.positions.len()), (98, 98), "the two rims are doubled");
         for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
@@ -199,13 +201,17 @@ mod tests {
         }
     }
 
-    /// 8 sides meet at 45°, beyond the crease angle: the mesh is as it was.
+    /// 8 sides meet at 45°, 24 at 15°: beyond the crease angle the mesh is as it was.
     #[test]
     fn what_has_only_creases_stays_flat() {
-        let mut mesh = tube(8);
-        let before = mesh.clone();
-        smooth(&mut mesh);
-        assert_eq!(mesh, before);
+        for (sides, crease) in [(8, CREASE), (24, 10.0), (24, 0.0)] {
+            let mut mesh = tube(sides);
+            let before = mesh.clone();
+            smooth(&mut mesh, crease);
+            assert_eq!(mesh, before);
+            smooth(&mut mesh, 50.0);
+            assert!(!mesh.normals.is_empty());
+        }
     }
 
     /// Corners with texture coordinates of their own are apart in the file and together in space.
@@ -216,7 +222,7 @@ mod tests {
         mesh.positions = split.iter().map(|&v| mesh.positions[v as usize]).collect();
         mesh.uvs = split.iter().map(|&v| [v as f32, 0.0]).collect();
         mesh.triangles = (0..split.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-        smooth(&mut mesh);
+        smooth(&mut mesh, CREASE);
         mesh.validate().unwrap();
         assert_eq!(mesh.positions.len(), split.len(), "nothing shares a vertex, so nothing is doubled");
         let radial = mesh.normals.iter().zip(&mesh.positions).filter(|(n, _)| n[2].abs() < 0.5);
@@ -235,7 +241,7 @@ mod tests {
             mesh.positions.push([cos, sin, 0.0]);
             mesh.triangles.push([0, 1 + k, 1 + (k + 1) % n]);
         }
-        smooth(&mut mesh);
+        smooth(&mut mesh, CREASE);
         mesh.validate().unwrap();
         assert!(mesh.normals[0][2] > 0.999);
     }
