@@ -2,7 +2,7 @@
 //! ([`Options::defines`]).
 
 use super::sky;
-use crate::{Import, Options};
+use crate::{Import, Options, files::SearchPath};
 use glam::DMat3;
 use std::{path::PathBuf, sync::Arc};
 use steradian_math::{DMat4, DVec3};
@@ -53,10 +53,10 @@ impl Wishes {
             Some("false") => false,
             Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
         };
-        let sky = word("sky").map(PathBuf::from);
-        if let Some(missing) = sky.as_ref().filter(|file| !file.is_file()) {
-            return Err(format!("cannot find the picture of the sky, '{}'", missing.display()));
-        }
+        // As the user writes it, from where the program is run.
+        let folders = [PathBuf::new()].into_iter().chain(options.search.iter().cloned()).collect();
+        let found = word("sky").map(|name| SearchPath { folders }.find(name)).transpose();
+        let sky = found.map_err(|e| format!("'sky': {e}"))?;
         // Columns: where x, y and z of the model go.
         let up = match word("up") {
             None | Some("y") => DMat3::IDENTITY,

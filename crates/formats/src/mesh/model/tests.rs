@@ -272,7 +272,7 @@ fn models_are_seen_as_the_user_says() {
         ("azimuth", "NaN", "not 'NaN'"),
         ("elevation", "90", "'elevation' is an angle in degrees from -89 to 89, not '90'"),
         ("crease", "181", "'crease' is an angle in degrees from 0 to 180, not '181'"),
-        ("sky", "nothing.hdr", "cannot find the picture of the sky, 'nothing.hdr'"),
+        ("sky", "nothing.hdr", "'sky': cannot find 'nothing.hdr'"),
     ] {
         let import = with(&[(name, value)]);
         assert!(import.diagnostics.has_errors() && messages(&import).contains(message), "{}", messages(&import));
