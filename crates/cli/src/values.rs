@@ -203,16 +203,7 @@ pub fn false_color(text: &str) -> Result<FalseColor, String> {
 pub fn sensor(text: &str) -> Result<Sensor, String> {
     const KNOWN: [&str; 7] = ["full_well", "read_noise", "dark_current", "bits", "noise_seed", "iso", "exposure_time"];
     let film = Family::Film.model("rgb").ok_or("there is no film")?;
-    let mut sensor = Sensor {
-        full_well: 0.0,
-        read_noise: 0.0,
-        dark_current: 0.0,
-        bits: 14,
-        iso: 100.0,
-        exposure_time: 1.0,
-        seed: 0,
-        frame: 0,
-    };
+    let mut sensor = Sensor::default();
     for setting in text.split(',').filter(|s| !s.is_empty()) {
         let (name, value) = definition(setting)?;
         let name = known_name(&name, "parameter of a sensor", KNOWN.into_iter())?;

@@ -18,15 +18,16 @@ impl Compiler<'_> {
             let what = format!("parameter '{}' of the film has no effect without 'full_well'", p.name);
             self.diagnostics.unused(&self.desc.sources, p.span.or(film.span), what, None);
         }
+        let default = Sensor::default();
         let sensor = Sensor {
             full_well: f64::from(self.float(node, "full_well", 0.0)),
             read_noise: f64::from(self.float(node, "read_noise", 0.0)),
             dark_current: f64::from(self.float(node, "dark_current", 0.0)),
-            bits: self.int(node, "bits").map_or(14, |bits| bits.clamp(1, 24) as u32),
-            iso: film.float("iso").filter(|v| *v > 0.0).unwrap_or(100.0),
-            exposure_time: film.float("exposure_time").filter(|v| *v > 0.0).unwrap_or(1.0),
+            bits: self.int(node, "bits").map_or(default.bits, |bits| bits.clamp(1, 24) as u32),
+            iso: film.float("iso").filter(|v| *v > 0.0).unwrap_or(default.iso),
+            exposure_time: film.float("exposure_time").filter(|v| *v > 0.0).unwrap_or(default.exposure_time),
             seed: self.int(node, "noise_seed").unwrap_or(0) as u64,
-            frame: 0,
+            ..default
         };
         (sensor.full_well > 0.0).then_some(sensor)
     }

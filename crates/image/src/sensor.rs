@@ -44,6 +44,22 @@ pub struct Sensor {
     pub frame: u32,
 }
 
+impl Default for Sensor {
+    /// 14 bits, ISO 100, 1 s; without a well, which is always to be given.
+    fn default() -> Self {
+        Self {
+            full_well: 0.0,
+            read_noise: 0.0,
+            dark_current: 0.0,
+            bits: 14,
+            iso: 100.0,
+            exposure_time: 1.0,
+            seed: 0,
+            frame: 0,
+        }
+    }
+}
+
 impl Sensor {
     /// Adds the noise to the picture's colour; other layers stay as they are. Noise is a function of the pixel's place
     /// in the whole frame, where `origin` is that of the first pixel: a crop has the noise of its part. Negative values

@@ -3,40 +3,41 @@
 use crate::vertex::Vertex;
 use steradian_math::{Spectrum, Vec3};
 
-/// Where a path leaves the light that it finds, and what is told of its way. A sum alone asks for nothing else.
+/// Receives a path's contributions, and is told of its segments and refractions. A [`Spectrum`] is one: it adds the
+/// contributions up.
 pub trait Sink {
-    /// Adds light that set out where the path is.
+    /// Adds a contribution that is emitted at the path's current vertex.
     fn add(&mut self, light: Spectrum);
 
-    /// Adds light that comes from infinity, from a direction, to the point from where the path's last ray goes there.
+    /// Adds the contribution of an infinite light in direction `towards`, seen from the origin of the path's last ray.
     #[inline]
     fn add_from_infinity(&mut self, light: Spectrum, _point: Vec3, _towards: Vec3) {
         self.add(light);
     }
 
-    /// Whether light straight from a light is added with where it comes from, one light sample at a vertex.
+    /// Whether direct light is given by [`Sink::add_direct`], with one light sample at each vertex.
     fn is_timed(&self) -> bool {
         false
     }
 
-    /// Adds light that comes straight from a light in a direction, at a distance from the vertex where the path is.
+    /// Adds direct light of a light sample in direction `towards`, at a distance from the path's current vertex.
     #[inline]
     fn add_direct(&mut self, light: Spectrum, _vertex: &Vertex<'_>, _towards: Vec3, _distance: f32) {
         self.add(light);
     }
 
-    /// All is replaced by what is no light, which the film counts.
+    /// Replaces the whole result by a value that is not finite; the film counts such samples and leaves them out.
     fn spoil(&mut self, light: Spectrum);
 
-    /// The path went on by a distance.
+    /// The path was extended by a segment of this length.
     #[inline]
     fn advance(&mut self, _distance: f32) {}
 
-    /// The path crossed a surface, on whose other side the index of refraction is so many times what it was.
+    /// The path crossed a surface; the index of refraction beyond it is `eta` times the one before.
     #[inline]
     fn refract(&mut self, _eta: f32) {}
 
-    /// The path was held back, s.
+    /// The path was delayed at a vertex, by seconds.
     #[inline]
     fn wait(&mut self, _seconds: f32) {}
 }

@@ -131,7 +131,7 @@ impl FalseColor {
         let [low, high] = found;
         // An even picture has no percentiles that differ.
         let ends = match self.ends {
-            _ if low < high && (high / low).is_finite() | self.is_linear => found,
+            _ if low < high && (self.is_linear || (high / low).is_finite()) => found,
             [End::At(_), End::At(_)] => found,
             [End::At(_), _] if high < low => return Err(Error::Invalid(format!("no pixel is above min={low}"))),
             [_, End::At(_)] if high < low => return Err(Error::Invalid(format!("no pixel is below max={high}"))),

@@ -26,7 +26,7 @@ const GROUND_GAP: f64 = 1e-3;
 const LARGEST: f64 = 1e30;
 
 /// What the user says of a model's surroundings.
-struct Wishes {
+struct StageOptions {
     ground: bool,
     /// Where the viewer stands: degrees from the front to the right, and above the horizon.
     azimuth: f64,
@@ -37,7 +37,7 @@ struct Wishes {
     axes: DMat3,
 }
 
-impl Wishes {
+impl StageOptions {
     fn of(options: &Options) -> Result<Self, String> {
         let word = |name: &str| options.defines.get(name).map(String::as_str);
         let angle = |name: &str, default: f64, most: f64| match word(name) {
@@ -83,19 +83,19 @@ impl Wishes {
 /// defines `up` or `handedness=left`.
 pub(super) fn set(import: &mut Import, options: &Options) {
     let Import { desc, diagnostics } = &mut *import;
-    let wishes = match Wishes::of(options) {
-        Ok(wishes) => wishes,
+    let stage = match StageOptions::of(options) {
+        Ok(stage) => stage,
         Err(fault) => return diagnostics.error(&desc.sources, None, fault),
     };
     let mut corners = bounding_box(desc.meshes.iter().map(Arc::as_ref));
-    if wishes.axes != DMat3::IDENTITY {
-        let axes = Transform::linear(wishes.axes);
+    if stage.axes != DMat3::IDENTITY {
+        let axes = Transform::linear(stage.axes);
         desc.shapes.iter_mut().for_each(|s| s.world_from_object = axes * s.world_from_object);
-        let [a, b] = corners.map(|c| wishes.axes * c);
+        let [a, b] = corners.map(|c| stage.axes * c);
         corners = [a.min(b), a.max(b)];
     }
     let emits = desc.shapes.iter().any(|s| s.emission.is_some());
-    add_missing(desc, &wishes, corners, emits);
+    add_missing(desc, &stage, corners, emits);
 }
 
 /// Adds what a scene lacks: a camera that frames the box of its shapes, a sky with a sun where it has no light of its
@@ -103,8 +103,8 @@ pub(super) fn set(import: &mut Import, options: &Options) {
 /// there.
 pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool) {
     let Import { desc, diagnostics } = import;
-    let wishes = match Wishes::of(options) {
-        Ok(wishes) => wishes,
+    let stage = match StageOptions::of(options) {
+        Ok(stage) => stage,
         Err(fault) => return diagnostics.error(&desc.sources, None, fault),
     };
     let angles = ["azimuth", "elevation"].into_iter().filter(|name| options.defines.contains_key(*name));
@@ -112,27 +112,27 @@ pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 
         let what = format!("the document has a camera of its own, so '{name}' has no effect");
         diagnostics.unused(&desc.sources, None, what, None);
     }
-    add_missing(desc, &wishes, corners, has_lights);
+    add_missing(desc, &stage, corners, has_lights);
 }
 
-fn add_missing(desc: &mut SceneDesc, wishes: &Wishes, corners: [DVec3; 2], has_lights: bool) {
+fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], has_lights: bool) {
     let is_lit = has_lights || !desc.lights.is_empty();
     if desc.cameras.is_empty() {
-        add_camera(desc, wishes, corners);
-        if !is_lit && wishes.ground {
+        add_camera(desc, stage, corners);
+        if !is_lit && stage.ground {
             add_ground(desc, corners);
         }
     }
-    if !is_lit || wishes.sky.is_some() {
-        add_sky(desc, wishes.sky.clone());
+    if !is_lit || stage.sky.is_some() {
+        add_sky(desc, stage.sky.clone());
     }
 }
 
-fn add_camera(desc: &mut SceneDesc, wishes: &Wishes, corners: [DVec3; 2]) {
+fn add_camera(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2]) {
     let camera = Node::new(Family::Camera, "perspective", None)
         .with("fov", FOV)
         .with("fov_axis", "x")
-        .with("to_world", frame(corners, wishes));
+        .with("to_world", frame(corners, stage));
     let camera = desc.add(camera);
     desc.cameras.push(camera);
     let film = desc.add(Node::new(Family::Film, "rgb", None).with("width", WIDTH).with("height", HEIGHT));
@@ -190,10 +190,10 @@ pub(super) fn diagonal<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> f64 {
 }
 
 /// A camera that looks from where the viewer stands, as near as it can be with the whole box in view.
-fn frame([low, high]: [DVec3; 2], wishes: &Wishes) -> Transform {
+fn frame([low, high]: [DVec3; 2], stage: &StageOptions) -> Transform {
     let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let half = half.max(DVec3::splat((half.max_element() * 1e-3).max(1e-6)));
-    let (azimuth, elevation) = (wishes.azimuth.to_radians(), wishes.elevation.to_radians());
+    let (azimuth, elevation) = (stage.azimuth.to_radians(), stage.elevation.to_radians());
     let forward = -DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
