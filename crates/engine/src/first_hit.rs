@@ -48,10 +48,7 @@ pub fn albedo(scene: &Scene, i: &Interaction, lambda: &Wavelengths) -> Option<(V
     // Textures are evaluated at the wavelengths that are asked for.
     let at = |lambda: &Wavelengths| scene.scattering(i, 0.5, &mut { *lambda });
     let (s, frame) = at(lambda)?;
-    let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| {
-        let albedo = bsdf.albedo_estimate(frame.to_local(i.wo));
-        scene.mode().to_rgb(role::under_white(albedo, lambda, scene.mode()), lambda)
-    };
+    let albedo = |bsdf: &Bsdf, lambda: &Wavelengths| albedo_of(scene, bsdf, frame.to_local(i.wo), lambda);
     let albedo = match scene.mode() {
         ColorMode::Rgb => albedo(&s.bsdf, lambda),
         ColorMode::Spectral => {
@@ -66,4 +63,11 @@ pub fn albedo(scene: &Scene, i: &Interaction, lambda: &Wavelengths) -> Option<(V
         }
     };
     Some((albedo, frame))
+}
+
+/// The part of white light that a surface sends towards `wo` in its shading frame, as RGB; of a few wavelengths, in
+/// spectral mode, where it has the wrong hue.
+pub fn albedo_of(scene: &Scene, bsdf: &Bsdf, wo: Vec3, lambda: &Wavelengths) -> Vec3 {
+    let albedo = role::under_white(bsdf.albedo_estimate(wo), lambda, scene.mode());
+    scene.mode().to_rgb(albedo, lambda)
 }

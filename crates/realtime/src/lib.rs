@@ -16,6 +16,7 @@ mod hybrid;
 pub mod lesson;
 mod options;
 mod order;
+mod preview;
 mod projection;
 mod rasterizer;
 mod shading;
@@ -26,6 +27,7 @@ mod world;
 
 pub use hybrid::Hybrid;
 pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};
+pub use preview::Preview;
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;
 pub use visibility::{Seen, Visibility};

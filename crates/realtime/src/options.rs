@@ -163,12 +163,15 @@ pub enum FrameKind {
     Forward,
     /// What is seen by rasterisation, light by rays, pass by pass.
     Hybrid,
+    /// What is seen is shaded at once, with light after bounces by few paths, and freed of noise.
+    Preview,
 }
 
 /// Whether something is done, by name.
 const SWITCH: [(&str, bool); 2] = [("true", true), ("false", false)];
 
-const FRAMES: [(&str, FrameKind); 2] = [("forward", FrameKind::Forward), ("hybrid", FrameKind::Hybrid)];
+const FRAMES: [(&str, FrameKind); 3] =
+    [("forward", FrameKind::Forward), ("hybrid", FrameKind::Hybrid), ("preview", FrameKind::Preview)];
 
 /// The names of what can be shown.
 const SHOWN: [(&str, Show); 17] = [
@@ -294,6 +297,9 @@ impl Options {
             FrameKind::Forward if self.show.is_of_hybrid() => refused("this view is a pass of frame=hybrid"),
             FrameKind::Hybrid if self.show != Show::Picture && !self.show.is_of_hybrid() => {
                 refused("this view is of frame=forward")
+            }
+            FrameKind::Preview if self.show != Show::Picture || self.shadows != Shadows::Ray => {
+                refused("frame=preview has no views, and shadows by rays")
             }
             FrameKind::Hybrid if self.shadows != Shadows::Ray => refused("frame=hybrid has shadows by rays"),
             _ => Ok(self),

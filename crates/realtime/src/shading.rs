@@ -13,7 +13,7 @@ use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, nee, power_heuristic};
 
 use crate::{
-    options::{Options, Show},
+    options::{FrameKind, Options, Show},
     shadow::Shadowing,
     trace::Trace,
     visibility::Seen,
@@ -22,7 +22,7 @@ use crate::{
 /// Scenes with more lights than this are lit by some of them, chosen for each point.
 const FEW_LIGHTS: usize = 16;
 /// Surfaces that scatter nothing and are passed, beside mirrors and glass.
-const MOST_PASSED: u32 = 64;
+pub const MOST_PASSED: u32 = 64;
 
 /// Shades points.
 pub struct Shader<'a> {
@@ -77,10 +77,21 @@ impl CameraPath {
     }
 }
 
-/// Numbers in [0, 1) for a purpose at a pixel: points of the R2 sequence, turned by a hash of pixel and purpose.
+/// The steps of sequences, by purpose: of the R2 sequence, and of square roots, which share no period with it.
+const STEPS: [[f64; 2]; 4] = [
+    [0.754_877_666_246_692_7, 0.569_840_290_998_053_2],
+    [0.414_213_562_373_095_05, 0.732_050_807_568_877_3],
+    [0.236_067_977_499_789_7, 0.645_751_311_064_590_6],
+    [0.316_624_790_355_399_85, 0.605_551_275_463_989_3],
+];
+
+/// Numbers in [0, 1) for a purpose at a pixel: points of the R2 sequence, turned by a hash of pixel and purpose. Those
+/// of previews are one sequence for all pixels, along a curve through blocks within blocks, so that pixels side by side
+/// have points that are spread evenly; then each purpose has steps of its own.
 pub struct Numbers {
     pixel: u32,
     start: u32,
+    is_shared: bool,
 }
 
 impl Numbers {
@@ -97,15 +108,26 @@ impl Numbers {
             (x.fract() as f32).min(1.0 - f32::EPSILON)
         };
         let (first, second) = (self.hash(2 * purpose), self.hash(2 * purpose + 1));
-        Vec2::new(turn(first, 0.754_877_666_246_692_7), turn(second, 0.569_840_290_998_053_2))
+        let [x, y] = STEPS[if self.is_shared { purpose as usize % STEPS.len() } else { 0 }];
+        Vec2::new(turn(first, x), turn(second, y))
     }
 }
 
 impl<'a> Shader<'a> {
     pub fn numbers(&self, at: [u32; 2]) -> Numbers {
         let seed = (self.seed ^ self.seed >> 32) as u32;
-        let pixel = at[0] ^ at[1].rotate_left(16) ^ seed.wrapping_mul(0x85eb_ca6b);
-        Numbers { pixel, start: self.pass.wrapping_mul(self.options.points) }
+        let seed = seed.wrapping_mul(0x85eb_ca6b);
+        if self.is_preview() {
+            let start = morton(at).wrapping_add(self.pass.wrapping_mul(0x9e37_79b9));
+            return Numbers { pixel: seed, start, is_shared: true };
+        }
+        let pixel = at[0] ^ at[1].rotate_left(16) ^ seed;
+        Numbers { pixel, start: self.pass.wrapping_mul(self.options.points), is_shared: false }
+    }
+
+    /// Whether directions that surfaces draw find lights with an area, too, and pixels share a sequence.
+    fn is_preview(&self) -> bool {
+        self.options.frame == FrameKind::Preview
     }
 
     /// The wavelengths of a pixel's light.
@@ -126,7 +148,7 @@ impl<'a> Shader<'a> {
             }
             Show::Normal => i.surface.ns * 0.5 + 0.5,
             _ => {
-                let h = Numbers { pixel: seen.number, start: 0 };
+                let h = Numbers { pixel: seen.number, start: 0, is_shared: false };
                 Vec3::from_array([1, 2, 3].map(|k| 0.1 + 0.9 * (h.hash(k) as f32 / 4_294_967_296.0)))
             }
         }
@@ -266,13 +288,13 @@ impl<'a> Shader<'a> {
         sum + self.sky(point, false, trace)
     }
 
-    /// The light of environments in directions that the surface draws, weighted against those that the light draws.
-    /// `chosen`: whether lights are chosen at random.
+    /// The light of environments in directions that the surface draws, weighted against those that the light draws; in
+    /// previews also that of lights with an area. `chosen`: whether lights are chosen at random.
     fn sky(&self, point: &Point<'_>, chosen: bool, trace: &mut Trace<'_>) -> Spectrum {
         let Point { i, frame, scattering, ctx, lambda, beta, numbers, round } = point;
         let lights = self.scene.lights();
         let mut sum = Spectrum::ZERO;
-        if lights.environments.is_empty() {
+        if lights.environments.is_empty() && !self.is_preview() {
             return sum;
         }
         let wo = frame.to_local(i.wo);
@@ -282,6 +304,15 @@ impl<'a> Shader<'a> {
             let Some(s) = drawn.filter(|s| !s.lobe.is_specular()) else { continue };
             let wi = frame.to_world(s.wi);
             let mut is_open = None;
+            if self.is_preview() {
+                let ray = i.spawn(wi);
+                let hit = trace.nearest(self.scene, &ray);
+                is_open = Some(hit.is_none());
+                if let Some(hit) = hit {
+                    let light = self.met(point, (&ray, &hit), s.pdf, chosen);
+                    sum += *beta * s.weight * light / self.options.points as f32;
+                }
+            }
             for &light in &lights.environments {
                 let Light::Environment(e) = &lights.lights[light as usize] else { continue };
                 let choice = lights.probability(ctx, light);
@@ -300,6 +331,20 @@ impl<'a> Shader<'a> {
             }
         }
         sum
+    }
+
+    /// What a light with an area sends to a point along a ray that the surface drew there with a density, weighted.
+    fn met(&self, point: &Point<'_>, (ray, hit): (&Ray, &Hit), pdf: f32, chosen: bool) -> Spectrum {
+        let (scene, lights) = (self.scene, self.scene.lights());
+        if scene.geometry(hit.id).emitter.is_none() {
+            return Spectrum::ZERO;
+        }
+        let i = scene.interaction_of_light(ray, hit);
+        let Some(light) = scene.light(&i) else { return Spectrum::ZERO };
+        let choice = lights.probability(&point.ctx, light);
+        let other = lights.area_pdf(light, &point.ctx, (ray.direction, i.t), i.surface.n, point.lambda.time);
+        let other = if chosen || choice <= 0.0 { other } else { other / choice };
+        nee::emission(scene, &i, &None, &point.lambda) * power_heuristic(pdf, other)
     }
 
     /// The light of a place on a light that was chosen with a probability, in this part. `share`: how much of the light
@@ -324,11 +369,26 @@ impl<'a> Shader<'a> {
         if lit <= 0.0 {
             return Spectrum::ZERO;
         }
-        // Environments are found by the surface's directions, too.
-        let is_environment = matches!(self.scene.lights().lights[light as usize], Light::Environment(_));
-        let weight = if is_environment { power_heuristic(s.pdf * p, e.pdf) } else { 1.0 };
+        // These are found by the surface's directions, too.
+        let is_met = match self.scene.lights().lights[light as usize] {
+            Light::Environment(_) => true,
+            Light::Area(_) => self.is_preview(),
+            _ => false,
+        };
+        let weight = if is_met { power_heuristic(s.pdf * p, e.pdf) } else { 1.0 };
         let found = *beta * e.value * s.radiance * (lit * weight * part / (s.pdf * p));
         trace.counters.note(|| Some(self.scene.light_groups().of_lights[light as usize]), found);
         found
     }
+}
+
+/// The place of a pixel on the Z-order curve.
+fn morton([x, y]: [u32; 2]) -> u32 {
+    let spread = |x: u32| {
+        let x = (x | (x << 8)) & 0x00ff_00ff;
+        let x = (x | (x << 4)) & 0x0f0f_0f0f;
+        let x = (x | (x << 2)) & 0x3333_3333;
+        (x | (x << 1)) & 0x5555_5555
+    };
+    spread(x & 0xffff) | (spread(y & 0xffff) << 1)
 }

@@ -4,7 +4,7 @@ use crate::{Error, Plan, Scene, Session};
 use std::sync::Arc;
 use steradian_engine::Passes;
 use steradian_integrators::{Depth, IntegratorKind};
-use steradian_realtime::{FrameKind, Hybrid, Options, Rasterizer};
+use steradian_realtime::{FrameKind, Hybrid, Options, Preview, Rasterizer};
 
 /// A way to make pictures.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +46,10 @@ impl Render {
                 if options.frame == FrameKind::Hybrid {
                     let hybrid = Hybrid::new(scene, options, depth, &self.plan)?;
                     return Ok(Box::new(Passes::new(Arc::clone(scene), hybrid, self.plan)));
+                }
+                if options.frame == FrameKind::Preview {
+                    let preview = Preview::new(scene, options, depth, &self.plan)?;
+                    return Ok(Box::new(Passes::new(Arc::clone(scene), preview, self.plan)));
                 }
                 let rasterizer = Rasterizer::new(scene, options, depth, &self.plan)?;
                 Box::new(Passes::new(Arc::clone(scene), rasterizer, self.plan))

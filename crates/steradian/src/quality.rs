@@ -2,7 +2,7 @@
 
 use crate::{
     Error, Layer, Method, Render, all_integrators, radiosity,
-    raster::{Options, RASTER},
+    raster::{FrameKind, Options, RASTER},
 };
 use std::path::PathBuf;
 use steradian_core::{
@@ -97,7 +97,13 @@ impl Quality {
             return self.render_of(scene, IntegratorKind::Radiosity(view), spp);
         }
         if name == RASTER.name {
-            let options = Options::parse(options)?;
+            let by_light = self.layers.contains(&Layer::LightGroups);
+            // What is asked without a word more is a first picture.
+            let is_preview = options.is_empty() && self.spp.is_none() && !by_light && !self.transparent;
+            let mut options = Options::parse(options)?;
+            if is_preview {
+                options.frame = FrameKind::Preview;
+            }
             let depth = Depth { max: self.max_depth.unwrap_or(u32::MAX), ..depth };
             if self.adaptive {
                 return Err(Error::NotAdaptive(name.into()));

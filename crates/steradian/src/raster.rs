@@ -2,14 +2,19 @@
 
 use steradian_integrators::options::{IntegratorInfo, option};
 pub use steradian_raster as pipeline;
-pub use steradian_realtime::{Options, Projected, Rasterizer};
+pub use steradian_realtime::{FrameKind, Options, Projected, Rasterizer};
 
 /// The integrator, for the registry.
 pub const RASTER: IntegratorInfo = IntegratorInfo {
     name: "raster",
-    description: "rasterisation with direct light, mirrors and glass by rays; one sample unless --spp says otherwise",
+    description: "rasterisation: a smooth preview, with options or --spp direct light, mirrors and glass by rays",
     options: &[
-        option("frame", "forward, hybrid", "forward", "hybrid: light by rays, pass by pass, with one diffuse bounce"),
+        option(
+            "frame",
+            "forward, hybrid, preview",
+            "forward",
+            "preview: smooth, with light after bounces, as without options and --spp; hybrid: light by rays",
+        ),
         option("filter", "true, false", "true", "whether the terms of hybrid frames are freed of noise"),
         option(
             "shadows",
@@ -23,7 +28,7 @@ pub const RASTER: IntegratorInfo = IntegratorInfo {
         option("pcf", "1 to 15", "1", "edge of the filter of shadow maps, texels"),
         option("cascades", "1 to 16", "4", "shadow maps along the view, of shadows=cascades"),
         option("visibility", "zbuffer, painter, bsp, newell, warnock", "zbuffer", "how hidden surfaces are removed"),
-        option("points", "1 to 1024", "4", "points on each light with an area"),
+        option("points", "1 to 1024", "4", "points on each light with an area; previews take one"),
         option("bounces", "0 to 64", "8", "mirrors and panes that are followed"),
         option(
             "show",

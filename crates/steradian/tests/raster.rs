@@ -81,7 +81,7 @@ fn scene_of(text: &str) -> Scene {
 }
 
 fn radiances(scene: &Scene, options: &str) -> Vec<[f64; 3]> {
-    let quality = Quality { integrator: Some(format!("raster:{options}")), ..Quality::default() };
+    let quality = Quality { integrator: Some(format!("raster:frame=forward,{options}")), ..Quality::default() };
     film(scene, &quality, 0).unwrap().pixels.iter().map(|p| p.mean()).collect()
 }
 
@@ -96,7 +96,7 @@ fn film(scene: &Scene, quality: &Quality, threads: usize) -> Result<Film, sterad
 
 /// Why there is no picture.
 fn refusal(scene: &Scene, options: &str) -> String {
-    let quality = Quality { integrator: Some(format!("raster:{options}")), ..Quality::default() };
+    let quality = Quality { integrator: Some(format!("raster:frame=forward,{options}")), ..Quality::default() };
     film(scene, &quality, 0).unwrap_err().to_string()
 }
 

@@ -15,12 +15,14 @@ mod state;
 pub mod subsurface;
 pub mod tracking;
 mod vertex;
+mod walk;
 
 pub use follow::{Arrival, arrive, escape, meet};
 pub use guide::{Guide, GuidedDirection, NoGuide};
 pub use sink::Sink;
 pub use state::PathState;
 pub use vertex::Vertex;
+pub use walk::{along, leaving};
 
 use steradian_math::{Spectrum, spectra::Wavelengths};
 

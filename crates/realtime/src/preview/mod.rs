@@ -1,0 +1,313 @@
+//! Previews: pictures at once that show what a scene looks like, without noise. What pixels see is rasterised; mirrors
+//! and glass are followed; light of lights takes one sample for each and is freed of noise; light after bounces comes
+//! of few paths. Where a scene has no light, one at the camera shows it.
+
+mod filter;
+mod indirect;
+mod look;
+
+use crate::{
+    Error,
+    draw_list::{DrawList, Item, box_count},
+    options::Options,
+    projection::Projected,
+    rasterizer::{first_ray, place},
+    shading::{CameraPath, Point, Shader},
+    shadow::Shadowing,
+    trace::Trace,
+    visibility::Visibility,
+};
+use indirect::Blocks;
+use look::{look, object};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+use steradian_bsdf::TransportMode;
+use steradian_core::{ColorMode, Scene, film::PassFilm, sampler::Sampler, scene::Shape};
+use steradian_engine::{Counters, Pass, PathContext, Plan, Run, Stop, albedo, albedo_of, dimension};
+use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
+use steradian_transport::{Depth, NoGuide, PathState, along};
+
+/// Paths from a point of each block of pixels: at least, and at most where pictures are small.
+const PATHS: [u32; 2] = [8, 128];
+/// Paths of small pictures, all blocks together.
+const ALL_PATHS: u32 = 1 << 14;
+/// Above so many triangles for each pixel rays find sooner what is seen.
+const TRIANGLES_PER_PIXEL: u64 = 4;
+/// Points on each light for what is seen in reflections, which is not freed of noise.
+const REFLECTED_POINTS: u32 = 2;
+/// Albedos are taken for at least this, so that light over albedo is finite.
+const LEAST_ALBEDO: f32 = 1e-3;
+
+/// A surface that a pixel shows, maybe by mirrors and glass.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    p: Vec3,
+    /// The shading normal, on the side that is seen.
+    normal: Vec3,
+    /// From the eye, along the path.
+    distance: f32,
+    object: u32,
+    /// The part of light that it sends to the eye.
+    albedo: Vec3,
+    /// Light straight from lights, over albedo.
+    direct: Vec3,
+}
+
+/// What a pixel shows: light that needs no filter, and a surface that scatters.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    aside: Vec3,
+    surface: Option<Surface>,
+}
+
+/// What a picture is drawn with.
+struct Drawing<'a> {
+    run: &'a Run<'a>,
+    list: &'a DrawList,
+    projected: Projected,
+    /// What pixels see; where there are many more triangles than pixels, rays find it sooner.
+    visibility: Option<Visibility>,
+    shadows: Shadowing,
+    number: u32,
+    /// Of the way that is filtered, and of reflections beside it.
+    options: [Options; 2],
+    depth: Depth,
+}
+
+/// A render of previews.
+#[derive(Debug)]
+pub struct Preview {
+    options: Options,
+    depth: Depth,
+    prepared: Option<(DrawList, rayon::ThreadPool)>,
+    failure: Mutex<Option<String>>,
+}
+
+impl Preview {
+    /// Draws previews of a scene.
+    ///
+    /// # Errors
+    /// Cameras that have no projection to a plane, and layers and backgrounds that previews do not have.
+    pub fn new(scene: &Scene, options: Options, depth: Depth, plan: &Plan) -> Result<Self, Error> {
+        Projected::new(scene, Vec2::splat(0.5))?;
+        if plan.by_light {
+            return Err(Error::Option("raster:frame=preview does not tell groups of lights apart".into()));
+        }
+        if plan.transparent {
+            return Err(Error::Option("raster:frame=preview has no transparent background".into()));
+        }
+        Ok(Self { options, depth, prepared: None, failure: Mutex::default() })
+    }
+
+    fn draw(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Result<Option<Counters>, Error> {
+        let Some((list, pool)) = &self.prepared else { return Ok(None) };
+        let (offset, weight) = place(run.scene.film(), number);
+        // One sample alone is the whole pixel.
+        let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
+        let projected = Projected::new(run.scene, offset)?;
+        let crop = run.scene.film().crop;
+        let size = [crop.width(), crop.height()];
+        let by_rays = primitives(run.scene, list) > TRIANGLES_PER_PIXEL * u64::from(size[0]) * u64::from(size[1]);
+        let visibility =
+            (!by_rays).then(|| pool.install(|| Visibility::draw(run.scene, list, &projected))).transpose()?;
+        let options = [1, REFLECTED_POINTS].map(|points| Options { points, ..self.options });
+        let (shadows, depth) = (Shadowing::by_rays(), self.depth);
+        let drawing = Drawing { run, list, projected, visibility, shadows, number, options, depth };
+        let Some((pixels, mut counters)) = drawing.pixels(size) else { return Ok(None) };
+        let Some((blocks, of_blocks)) = drawing.blocks(size, &pixels) else { return Ok(None) };
+        counters += &of_blocks;
+        let direct = pool.install(|| filter::filter(size, &pixels))?;
+        let values: Vec<Vec3> = pool.install(|| {
+            let value = |(k, pixel): (usize, &Pixel)| {
+                let at = [k as u32 % size[0], k as u32 / size[0]];
+                let scattered = |s: &Surface| s.albedo * (direct[k] + blocks.light(s, at));
+                pixel.aside + pixel.surface.as_ref().map_or(Vec3::ZERO, scattered)
+            };
+            pixels.par_iter().enumerate().map(value).collect()
+        });
+        for (k, value) in values.iter().enumerate() {
+            film.add(crop.x0 + k as u32 % size[0], crop.y0 + k as u32 / size[0], *value * weight);
+        }
+        counters.samples = values.len() as u64;
+        Ok(Some(counters))
+    }
+
+    fn fail(&self, why: String) {
+        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+    }
+}
+
+impl Drawing<'_> {
+    /// The shaders of the way that is filtered, and of reflections.
+    fn shaders(&self) -> [Shader<'_>; 2] {
+        let Self { run, shadows, number, depth, .. } = self;
+        let shader =
+            |options| Shader { scene: run.scene, shadows, options, depth, pass: *number, seed: run.sampler.seed };
+        self.options.each_ref().map(shader)
+    }
+
+    /// What the pixels show, by rows.
+    fn pixels(&self, [width, height]: [u32; 2]) -> Option<(Vec<Pixel>, Counters)> {
+        let (rows, counters) = self.run.in_order(height as usize, |row, counters| {
+            counters.stop = Stop::by(&self.run.control.cancel);
+            (0..width).map(|x| self.pixel([x, row as u32], counters)).collect::<Vec<_>>()
+        })?;
+        Some((rows.into_iter().flatten().collect(), counters))
+    }
+
+    fn pixel(&self, at: [u32; 2], counters: &mut Counters) -> Pixel {
+        let (scene, [shader, reflections]) = (self.run.scene, self.shaders());
+        let numbers = shader.numbers(at);
+        let mut lambda = shader.wavelengths(at);
+        let mut trace = Trace { counters, pixel: None, world: None };
+        let start = self.start(&shader, at, &mut trace);
+        let look = look(&shader, Some(&reflections), start, &numbers, &mut lambda, &mut trace);
+        let rgb = |light| self.run.developed(light, &lambda);
+        let surface = look.point.as_ref().map(|point| {
+            let albedo = self.albedo(point).max(Vec3::splat(LEAST_ALBEDO));
+            let light = if is_dark(scene) { head_light(point) } else { shader.direct(point, &mut trace) };
+            let normal = if point.frame.z.dot(point.i.wo) < 0.0 { -point.frame.z } else { point.frame.z };
+            Surface {
+                p: point.i.surface.p,
+                normal,
+                distance: look.distance,
+                object: object(&point.i, point.round),
+                albedo,
+                direct: rgb(light) / albedo,
+            }
+        });
+        Pixel { aside: rgb(look.aside), surface }
+    }
+
+    fn start(&self, shader: &Shader<'_>, at: [u32; 2], trace: &mut Trace<'_>) -> CameraPath {
+        let scene = self.run.scene;
+        let ray = self.projected.ray(scene, at);
+        let Some(visibility) = &self.visibility else {
+            return CameraPath { hit: trace.nearest(scene, &ray), ..CameraPath::start(shader, &ray, None) };
+        };
+        CameraPath::start(shader, &ray, visibility.seen(scene, self.list, &self.projected, at))
+    }
+
+    /// The part of white light that a point sends to the eye.
+    fn albedo(&self, point: &Point<'_>) -> Vec3 {
+        let (scene, lambda) = (self.run.scene, &point.lambda);
+        let of_surface = match scene.mode() {
+            ColorMode::Rgb => albedo_of(scene, &point.scattering.bsdf, point.frame.to_local(point.i.wo), lambda),
+            ColorMode::Spectral => albedo(scene, &point.i, lambda).map_or(Vec3::ZERO, |(a, _)| a),
+        };
+        of_surface * scene.mode().to_rgb(point.beta, lambda).max(Vec3::ZERO)
+    }
+
+    /// Light after bounces, over albedo, for blocks of pixels.
+    fn blocks<'p>(&self, size: [u32; 2], pixels: &'p [Pixel]) -> Option<(Blocks<'p>, Counters)> {
+        let [columns, rows] = indirect::blocks(size);
+        let paths = (ALL_PATHS / columns.saturating_mul(rows).max(1)).clamp(PATHS[0], PATHS[1]);
+        let (points, counters) = self.run.in_order(rows as usize, |row, counters| {
+            counters.stop = Stop::by(&self.run.control.cancel);
+            let of_block = |column| {
+                let mut found = indirect::pixels([column, row as u32], size);
+                found.find_map(|at| {
+                    let surface = pixels[(at[1] * size[0] + at[0]) as usize].surface.as_ref()?;
+                    Some((surface, self.indirect(at, paths, counters) / surface.albedo))
+                })
+            };
+            (0..columns).map(of_block).collect::<Vec<_>>()
+        })?;
+        let points = points.into_iter().flatten().collect();
+        let blocks = Blocks::new(size, points, self.pixel_angle(size)).smooth(1).smooth(2);
+        Some((blocks, counters))
+    }
+
+    /// Light that a pixel's surface sends on after a bounce and more, the mean of some paths.
+    fn indirect(&self, at: [u32; 2], paths: u32, counters: &mut Counters) -> Vec3 {
+        let (run, [shader, _]) = (self.run, self.shaders());
+        if self.depth.max < 2 {
+            return Vec3::ZERO;
+        }
+        // The point's own light is that of lights, found already.
+        let depth = Depth { max: self.depth.max - 1, hide_emitters: true, ..self.depth };
+        let sampler = Sampler { spp: paths.saturating_mul(run.sampler.spp), ..run.sampler };
+        let numbers = shader.numbers(at);
+        let mut lambda = shader.wavelengths(at);
+        let mut trace = Trace { counters: &mut *counters, pixel: None, world: None };
+        let start = self.start(&shader, at, &mut trace);
+        let found = look(&shader, None, start, &numbers, &mut lambda, &mut trace);
+        let Some(point) = found.point else { return Vec3::ZERO };
+        let wo = point.frame.to_local(point.i.wo);
+        let mut sum = Vec3::ZERO;
+        for k in 0..paths {
+            let sampler = &sampler.pixel(at[0], at[1], self.number.wrapping_mul(paths).wrapping_add(k));
+            let (u, u2) = (sampler.get_1d(dimension::LOBE), sampler.get_2d(dimension::DIRECTION));
+            let Some(s) = point.scattering.sample(wo, u, u2, TransportMode::Radiance) else { continue };
+            if s.lobe.is_specular() {
+                continue;
+            }
+            let ray = point.i.spawn(point.frame.to_world(s.wi));
+            let state = PathState { ray, beta: point.beta * s.weight, ..PathState::NONE };
+            let mut lambda = point.lambda;
+            let mut context = PathContext { scene: run.scene, sampler, lambda: &mut lambda, counters };
+            let light = along::<false, _>(state, &depth, None::<&NoGuide>, &mut context, Spectrum::ZERO);
+            let light = run.developed(light, &lambda);
+            if light.is_finite() {
+                sum += light;
+            }
+        }
+        sum / paths as f32
+    }
+
+    /// The angle between the rays of pixels side by side, in the middle of the picture.
+    fn pixel_angle(&self, [width, height]: [u32; 2]) -> f32 {
+        let direction = |x| self.projected.ray(self.run.scene, [x, height / 2]).direction;
+        let angle = (direction(width / 2 + 1) - direction(width / 2)).length();
+        if angle > 0.0 && angle.is_finite() { angle } else { 1.0 / width as f32 }
+    }
+}
+
+/// How many triangles and boxes are drawn.
+fn primitives(scene: &Scene, list: &DrawList) -> u64 {
+    let count = |item: &Item| match &list.geometry(scene, item).shape {
+        Shape::Mesh(mesh) => mesh.triangles.len() as u64,
+        shape => u64::from(box_count(shape).unwrap_or(0)),
+    };
+    list.items.iter().map(count).sum()
+}
+
+/// Whether a scene has no light at all.
+fn is_dark(scene: &Scene) -> bool {
+    scene.lights().lights.is_empty() && scene.geometries().iter().all(|g| g.emitter.is_none())
+}
+
+/// What a light at the camera would show of a point, whose radiance falls off with nothing.
+fn head_light(point: &Point<'_>) -> Spectrum {
+    let wo = point.frame.to_local(point.i.wo);
+    point.beta * point.scattering.eval(wo, wo, TransportMode::Radiance).value * std::f32::consts::PI
+}
+
+impl Pass for Preview {
+    fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
+        match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
+            Ok(pool) => self.prepared = Some((DrawList::new(run.scene), pool)),
+            Err(e) => self.fail(format!("the system gives no threads: {e}")),
+        }
+        self.prepared.is_some().then_some(())
+    }
+
+    fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
+        self.draw(run, number, film).unwrap_or_else(|e| {
+            self.fail(e.to_string());
+            None
+        })
+    }
+
+    fn first_ray(&self, run: &Run<'_>, pixel: [u32; 2], number: u32) -> (Ray, Wavelengths) {
+        first_ray(run.scene, pixel, number)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        vec!["a preview: light is smoothed; --spp or raster:frame=forward gives direct light as it is".into()]
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
