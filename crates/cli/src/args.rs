@@ -9,7 +9,7 @@ use steradian::image::{
     signal::Prefilter,
     tone::Tone,
 };
-use steradian::quality::MAX_THREADS;
+use steradian::{math::DVec3, quality::MAX_THREADS};
 
 /// Which scene, and how to read it.
 #[derive(Args, Clone, Debug, Default)]
@@ -43,6 +43,9 @@ pub struct SceneOptions {
     /// Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
+    /// The box that the camera of a model without one shows, over all frames of a sequence
+    #[arg(skip)]
+    pub framing: Option<[DVec3; 2]>,
     /// Refuse a scene if anything is approximated, dropped, or unused (such as a mistyped parameter)
     #[arg(long, help_heading = "Scene")]
     pub strict: bool,

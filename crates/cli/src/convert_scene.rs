@@ -49,7 +49,8 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     }
     let outputs = || [args.output.as_path()].into_iter().chain(args.report.as_deref());
     output::claim(outputs(), &Inputs::of([args.input.as_path()]))?;
-    let Loaded { desc, diagnostics, .. } = open::load(&args.input, args.format.as_deref(), &args.define);
+    let Loaded { desc, diagnostics, .. } =
+        open::load(&args.input, args.format.as_deref(), &open::reading(&args.define, None));
     let (desc, diagnostics) = (&desc, told(&diagnostics, args, terminal)?);
     let written = write::write(desc, &args.output).map_err(Failure::failed)?;
     let losses = told(&written.diagnostics, args, terminal)?;

@@ -3,12 +3,15 @@
 use crate::{
     args::RenderArgs,
     failure::{self, Failure, Outcome},
-    output, render,
+    open, output, render,
     terminal::Terminal,
     values::Frames,
 };
 use std::path::{Path, PathBuf};
+use steradian::math::DVec3;
 
+/// How many moments tell what automatic cameras show.
+const MOST_FRAMED: u32 = 17;
 /// Digits of a frame's number.
 const DIGITS: usize = 4;
 
@@ -24,19 +27,32 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
         return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
     }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
+    let seconds = |frame: u32| f64::from(frame) / args.fps;
     let mut history = None;
+    let framing = framing(scene, args, frames);
     for frame in frames.first..=frames.last {
         let mut one = args.clone();
         one.output = outputs.iter().map(|path| numbered(path, frame)).collect();
-        let seconds = f64::from(frame) / args.fps;
         one.frame = frame;
-        one.scene_options.define.push(("at".into(), seconds.to_string()));
+        one.scene_options.framing = framing;
+        one.scene_options.define.push(("at".into(), seconds(frame).to_string()));
         let code = render::run_after(&one, terminal, &mut history)?;
         if code != failure::DONE {
             return Ok(code);
         }
     }
     Ok(failure::DONE)
+}
+
+/// The box that automatic cameras show, so that they stand still: of some frames, first and last among them.
+fn framing(scene: &Path, args: &RenderArgs, frames: Frames) -> Option<[DVec3; 2]> {
+    let steps = (frames.last - frames.first).min(MOST_FRAMED - 1);
+    let moment = |k: u32| {
+        let share = f64::from(k) / f64::from(steps.max(1));
+        (f64::from(frames.first) + share * f64::from(frames.last - frames.first)) / args.fps
+    };
+    let moments: Vec<f64> = (0..=steps).map(moment).collect();
+    steradian::load::framing(scene, &open::reading(&args.scene_options.define, None), &moments)
 }
 
 fn is_gltf(path: &Path) -> bool {

@@ -18,7 +18,7 @@ use std::{
 };
 use steradian::{
     ColorMode, CompileOptions, Inputs, Quality, Scene, image,
-    scene::{Diagnostic, Family, Format, NodeId, SceneDesc, Value},
+    scene::{Animation, Diagnostic, Family, Format, NodeId, SceneDesc, Value},
 };
 
 /// Pixels of the longer side of a thumbnail.
@@ -33,6 +33,7 @@ struct Info {
     files: Vec<PathBuf>,
     counts: Counted,
     cameras: Vec<Named>,
+    animations: Vec<Animation>,
     film: Option<Film>,
     settings: Option<Settings>,
     bounds: Option<[[f32; 3]; 2]>,
@@ -186,6 +187,7 @@ impl Info {
                 .map(|c| desc.node(*c))
                 .map(|c| Named { kind: c.kind.clone(), name: c.name.clone() })
                 .collect(),
+            animations: desc.animations.clone(),
             film,
             settings: scene.map(|s| Settings {
                 integrator: s.settings().integrator.clone(),
@@ -223,6 +225,11 @@ impl Info {
         for (i, camera) in self.cameras.iter().enumerate() {
             let name = camera.name.as_ref().map(|n| format!(" '{n}'")).unwrap_or_default();
             row(if i == 0 { "cameras" } else { "" }, format!("{i}: {}{name}", camera.kind));
+        }
+        for (i, a) in self.animations.iter().enumerate() {
+            let name = a.name.as_ref().map(|n| format!(" '{n}'")).unwrap_or_default();
+            let times = format!("{} to {} s, {} channel{}", a.times[0], a.times[1], a.channels, plural(a.channels));
+            row(if i == 0 { "animations" } else { "" }, format!("{i}:{name} {times}"));
         }
         if let Some(film) = &self.film {
             let [x0, y0, x1, y1] = film.crop;

@@ -19,6 +19,7 @@ use steradian::{
     Accelerator, ColorMode, CompileOptions, Inputs, Loaded, Scene,
     formats::Options,
     image::tone::Tone,
+    math::DVec3,
     scene::{Diagnostic, Diagnostics, Format, SceneDesc, Severity},
 };
 
@@ -67,7 +68,7 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
 pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
-    let loaded = load(name, options.format.as_deref(), &options.define);
+    let loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
     let (desc, diagnostics) = (loaded.desc, loaded.diagnostics);
     let (files, load) = (Vec::new(), loaded.time);
     let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
@@ -110,12 +111,17 @@ pub fn is_stdin(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-/// Reads a scene of a file, or of standard input in a format.
-pub fn load(name: &Path, format: Option<&str>, define: &[(String, String)]) -> Loaded {
-    let mut reading = Options { defines: define.iter().cloned().collect(), ..Options::default() };
+/// How scenes are read, with definitions of the user's, and the box that automatic cameras show.
+pub fn reading(define: &[(String, String)], framing: Option<[DVec3; 2]>) -> Options {
+    let mut reading = Options { defines: define.iter().cloned().collect(), framing, ..Options::default() };
     // No larger file has a place.
     reading.limits.file_bytes = reading.limits.file_bytes.min(memory::available().unwrap_or(u64::MAX));
-    if is_stdin(name) { from_stdin(format, &reading) } else { steradian::load(name, &reading) }
+    reading
+}
+
+/// Reads a scene of a file, or of standard input in a format.
+pub fn load(name: &Path, format: Option<&str>, reading: &Options) -> Loaded {
+    if is_stdin(name) { from_stdin(format, reading) } else { steradian::load(name, reading) }
 }
 
 fn from_stdin(format: Option<&str>, reading: &Options) -> Loaded {

@@ -12,6 +12,7 @@ pub mod write;
 
 pub use limits::Limits;
 use std::{collections::BTreeMap, path::PathBuf};
+use steradian_math::DVec3;
 use steradian_scene::{Diagnostics, SceneDesc};
 
 /// How to read a scene.
@@ -23,6 +24,9 @@ pub struct Options {
     pub defines: BTreeMap<String, String>,
     /// Folders searched after the scene's own.
     pub search: Vec<PathBuf>,
+    /// The box that the camera of a model without one shows, its corners in the world: of all frames of a sequence. By
+    /// default that of the model.
+    pub framing: Option<[DVec3; 2]>,
 }
 
 /// What reading gave: a description that is complete where there are no errors among the diagnostics.

@@ -111,6 +111,17 @@ pub struct Movement {
     pub times: [f64; 2],
 }
 
+/// How a document moves, where it can be read as of a moment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Animation {
+    /// Its name in the document.
+    pub name: Option<String>,
+    /// Of its first and last key frame, seconds.
+    pub times: [f64; 2],
+    /// How many values it changes.
+    pub channels: usize,
+}
+
 /// A scene as pure data. Importers make it, `compile` turns it into what is rendered.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SceneDesc {
@@ -145,6 +156,9 @@ pub struct SceneDesc {
     pub sampler: Option<NodeId>,
     /// Family `Integrator`.
     pub integrator: Option<NodeId>,
+    /// What the file can be posed by as it is read; the description is of one moment.
+    #[serde(default)]
+    pub animations: Vec<Animation>,
 }
 
 impl SceneDesc {

@@ -3,6 +3,7 @@
 use crate::{CompileOptions, Error, Scene, compile, cornell};
 use std::{path::Path, sync::Arc, time::Duration, time::Instant};
 use steradian_formats::{Import, Options};
+use steradian_math::DVec3;
 use steradian_scene::{Diagnostic, Diagnostics, SceneDesc, Severity, names::did_you_mean};
 
 /// A scene as it was read.
@@ -34,6 +35,17 @@ pub fn load(name: impl AsRef<Path>, options: &Options) -> Loaded {
     let start = Instant::now();
     let import = read(name.as_ref(), options);
     Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
+}
+
+/// The box that a camera shows in all of some moments (seconds), for [`Options::framing`]; `None` where the scene has a
+/// camera of its own, or cannot be read as of a moment.
+pub fn framing(path: &Path, options: &Options, moments: &[f64]) -> Option<[DVec3; 2]> {
+    let boxes = moments.iter().map(|seconds| {
+        let mut options = options.clone();
+        options.defines.insert("at".into(), seconds.to_string());
+        steradian_formats::gltf::framed_box(path, &options)
+    });
+    boxes.reduce(|a, b| a.zip(b).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])])).flatten()
 }
 
 /// Reads and compiles a scene as its file has it, and what there is to say of that: what is approximated, dropped, or

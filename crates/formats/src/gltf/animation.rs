@@ -3,6 +3,7 @@
 
 use super::{Reader, json::At};
 use serde_json::{Value, json};
+use steradian_scene::Animation;
 
 /// What a channel sets, as a JSON pointer, and its value.
 type Change = (String, Value);
@@ -35,6 +36,29 @@ pub(super) fn pose(reader: &mut Reader<'_>, root: &mut Value, later: f64) {
     for (pointer, value) in changes {
         set(root, &pointer, value);
     }
+}
+
+/// The animations of a document.
+pub(super) fn list(reader: &mut Reader<'_>, root: &At<'_>) -> Vec<Animation> {
+    let mut animations = Vec::new();
+    for animation in root.list("animations") {
+        let mut times = [f64::INFINITY, f64::NEG_INFINITY];
+        for sampler in animation.list("samplers") {
+            // Faults are told where the animation is used.
+            let said = reader.import.diagnostics.clone();
+            let keys = reader.floats::<1>(root, &sampler, "input").unwrap_or_default();
+            reader.import.diagnostics = said;
+            for t in keys.as_flattened().iter().map(|t| f64::from(*t)).filter(|t| t.is_finite()) {
+                times = [times[0].min(t), times[1].max(t)];
+            }
+        }
+        if times[0] <= times[1] {
+            let channels = animation.list("channels").count();
+            let name = animation.text("name").map(str::to_owned);
+            animations.push(Animation { name, times, channels });
+        }
+    }
+    animations
 }
 
 /// How long the shutter is open, as `-D shutter=SECONDS` says.

@@ -49,8 +49,21 @@ pub fn import(path: &Path, options: &Options) -> Import {
     }
 }
 
+/// The box of what is drawn, where the document has no camera of its own, and whatever there is to see.
+pub fn framed_box(path: &Path, options: &Options) -> Option<[DVec3; 2]> {
+    let bytes = files::read(path, &options.limits).ok()?;
+    let (import, bounds) = read_document(path, bytes, options);
+    let [low, high] = bounds?;
+    (!import.diagnostics.has_errors() && low.is_finite() && high.is_finite()).then_some([low, high])
+}
+
 /// The same for a document in memory; the files that it names are beside `path`.
 pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
+    read_document(path, bytes, options).0
+}
+
+/// A document, and the box of what is drawn where it has no camera.
+fn read_document(path: &Path, bytes: Vec<u8>, options: &Options) -> (Import, Option<[DVec3; 2]>) {
     let mut import = Import::default();
     import.desc.format = Format::Gltf;
     import.desc.path = Some(path.into());
@@ -59,7 +72,7 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         Ok(parts) => parts,
         Err(why) => {
             import.diagnostics.error(&import.desc.sources, None, format!("cannot read '{}': {why}", path.display()));
-            return import;
+            return (import, None);
         }
     };
     for fault in parts.faults {
@@ -80,7 +93,7 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
                 _ => format!("this is not JSON: {}", strip_place(&e.to_string())),
             };
             import.diagnostics.error(&import.desc.sources, Some(Span::new(source, at, at + 1)), why);
-            return import;
+            return (import, None);
         }
     };
     let mut reader = Reader {
@@ -95,13 +108,14 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         materials: HashMap::new(),
         meshes: HashMap::new(),
         uses_lights: false,
+        is_framed: false,
         bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
         ends: HashMap::new(),
         moved: None,
         strokes: Vec::new(),
     };
     reader.read(&mut root);
-    reader.import
+    (reader.import, reader.is_framed.then_some(reader.bounds))
 }
 
 /// Without the byte order mark that some writers put first.
@@ -130,6 +144,8 @@ struct Reader<'a> {
     /// Mesh data by mesh and primitive, where it is the same for all nodes.
     meshes: HashMap<(usize, usize), Option<mesh::Data>>,
     uses_lights: bool,
+    /// Whether the camera is one that frames the box below.
+    is_framed: bool,
     /// Of all vertices that are drawn, in the world.
     bounds: [DVec3; 2],
     /// Where nodes are as the shutter closes, where `-D shutter` opens it for a while.
@@ -164,6 +180,7 @@ impl Reader<'_> {
             animation::pose(self, &mut end, shutter);
             self.ends = self.places(&At::root(&end));
         }
+        self.import.desc.animations = animation::list(self, &At::root(root));
         animation::pose(self, root, 0.0);
         let root = At::root(root);
         self.scene(&root);
@@ -176,6 +193,7 @@ impl Reader<'_> {
             diagnostics.warn(&desc.sources, None, format!("the scene of '{}' has no surfaces", self.path.display()));
             self.bounds = [DVec3::NEG_ONE, DVec3::ONE];
         }
+        self.is_framed = desc.cameras.is_empty();
         stage::complete(&mut self.import, self.options, self.bounds, self.uses_lights);
     }
 

@@ -17,6 +17,8 @@ const MARGIN: f64 = 1.08;
 /// Where the viewer stands, unless told otherwise: to the right of the front and above, in degrees.
 const AZIMUTH: f64 = 28.810_793_742_973_065;
 const ELEVATION: f64 = 19.314_867_909_262_31;
+/// Places of the corners of a box that turns.
+const TURNS: usize = 64;
 /// Reflectance of the ground.
 const GROUND: f64 = 0.3;
 /// Radius of the ground, and how far it lies below the model, in diagonals of the box.
@@ -31,6 +33,8 @@ struct StageOptions {
     /// Where the viewer stands: degrees from the front to the right, and above the horizon.
     azimuth: f64,
     elevation: f64,
+    /// Whether the user says from which side: the distance is then the one for all sides.
+    is_turned: bool,
     /// A picture of what is around.
     sky: Option<PathBuf>,
     /// From the model's axes to those of the world, where +y is up and +z is the front.
@@ -73,6 +77,7 @@ impl StageOptions {
             ground,
             azimuth: angle("azimuth", AZIMUTH, 360.0)?,
             elevation: angle("elevation", ELEVATION, 89.0)?,
+            is_turned: word("azimuth").is_some(),
             sky,
             axes: hand * up,
         })
@@ -112,7 +117,7 @@ pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 
         let what = format!("the document has a camera of its own, so '{name}' has no effect");
         diagnostics.unused(&desc.sources, None, what, None);
     }
-    add_missing(desc, &stage, corners, has_lights);
+    add_missing(desc, &stage, options.framing.unwrap_or(corners), has_lights);
 }
 
 fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], has_lights: bool) {
@@ -189,7 +194,8 @@ pub(super) fn diagonal<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> f64 {
     (high - low).length().max(f64::MIN_POSITIVE)
 }
 
-/// A camera that looks from where the viewer stands, as near as it can be with the whole box in view.
+/// A camera that looks from where the viewer stands, as near as it can be with the whole box in view; with the box in
+/// view from all sides, where the user names one: pictures of a turntable have one distance.
 fn frame([low, high]: [DVec3; 2], stage: &StageOptions) -> Transform {
     let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let half = half.max(DVec3::splat((half.max_element() * 1e-3).max(1e-6)));
@@ -199,15 +205,24 @@ fn frame([low, high]: [DVec3; 2], stage: &StageOptions) -> Transform {
     let up = right.cross(forward);
     let tan_x = (FOV.to_radians() * 0.5).tan();
     let tan_y = tan_x * HEIGHT as f64 / WIDTH as f64;
+    // In place of corners, those of a box that turns.
+    let radius = DVec3::new(half.x, 0.0, half.z).length();
+    let turned = |i: usize| {
+        let angle = std::f64::consts::TAU * (i / 2) as f64 / TURNS as f64;
+        let height = if i.is_multiple_of(2) { half.y } else { -half.y };
+        DVec3::new(radius * angle.cos(), height, radius * angle.sin())
+    };
     // A corner c is in view where |c·right| ≤ (distance + c·forward) tan_x, and the same along `up`.
     let corner = |i: usize| {
         let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
         half * DVec3::new(sign(0), sign(1), sign(2))
     };
-    let distance = (0..8)
-        .map(corner)
-        .map(|c| (c.dot(right).abs() / tan_x).max(c.dot(up).abs() / tan_y) - c.dot(forward))
-        .fold(0.0, f64::max);
+    let needed = |c: DVec3| (c.dot(right).abs() / tan_x).max(c.dot(up).abs() / tan_y) - c.dot(forward);
+    let distance = if stage.is_turned {
+        (0..2 * TURNS).map(|i| needed(turned(i))).fold(0.0, f64::max)
+    } else {
+        (0..8).map(|i| needed(corner(i))).fold(0.0, f64::max)
+    };
     let origin = center - forward * distance * MARGIN;
     Transform { matrix: DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), origin.extend(1.0)) }
 }
