@@ -36,14 +36,16 @@ impl SphereGrid {
 
     /// What `histogram`, of `samples` draws, should hold if it follows `density`, to a small part of its own noise.
     ///
-    /// Cells that differ from what is seen by more than noise often does are integrated again by a finer quadrature, so
-    /// that corners which an edge of the density cuts off, and which samples hit, are not overlooked.
+    /// Cells that differ from what is seen by more than noise often does, and those where something is seen that nothing
+    /// accounts for, are integrated again by a finer quadrature, so that corners which an edge of the density cuts off,
+    /// and which samples hit, are not overlooked.
     pub fn expected_counts(&self, density: impl Fn(Vec3) -> f64, histogram: &[u64], samples: u64) -> Vec<f64> {
         let n = samples as f64;
         let cell = |(i, &seen): (usize, &u64)| {
             let noise = (seen as f64 + 5.0).sqrt();
             let expected = n * self.integrate_cell(i, &density, 0.5 * noise / n, LEVELS);
-            if (expected - seen as f64).abs() < 2.0 * noise {
+            let is_accounted_for = seen == 0 || expected > 1e-6;
+            if is_accounted_for && (expected - seen as f64).abs() < 3.0 * noise {
                 return expected;
             }
             n * self.integrate_cell(i, &density, 0.05 * noise / n, FINE_LEVELS)
@@ -60,7 +62,7 @@ impl SphereGrid {
     ) -> f64 {
         let (dz, dphi) = (2.0 / self.bands as f64, 2.0 * PI / self.sectors as f64);
         let (z, phi) = ((i / self.sectors) as f64 * dz - 1.0, (i % self.sectors) as f64 * dphi);
-        integrate_patch(density, [z, z + dz], [phi, phi + dphi], tolerance, &levels, 0)
+        integrate_patch(density, ([z, z + dz], [phi, phi + dphi]), tolerance, &levels, 0, None)
     }
 }
 
@@ -70,29 +72,29 @@ pub fn integrate_sphere(f: impl Fn(Vec3) -> f64, tolerance: f64) -> f64 {
     grid.integrate(f, tolerance / grid.cells() as f64).iter().sum()
 }
 
-fn direction(z: f64, phi: f64) -> Vec3 {
+fn direction(z: f64, (sin, cos): (f64, f64)) -> Vec3 {
     let r = (1.0 - z * z).max(0.0).sqrt();
-    Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32).normalize_or(Vec3::Z)
+    Vec3::new((r * cos) as f32, (r * sin) as f32, z as f32).normalize_or(Vec3::Z)
+}
+
+/// Values at the corners of a patch that is drawn in to parts `at` of its sides, one row of equal `z` after the other.
+fn corners(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], at: [f64; 2]) -> [f64; 4] {
+    let z = at.map(|a| z[0] + (z[1] - z[0]) * a);
+    let turns = at.map(|a| (phi[0] + (phi[1] - phi[0]) * a).sin_cos());
+    [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| f(direction(z[i], turns[j])))
 }
 
 /// Two-point Gauss–Legendre abscissae of `[0, 1]`.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 fn gauss(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2]) -> f64 {
-    let at = |i: usize, j: usize| f(direction(z[0] + (z[1] - z[0]) * GAUSS[i], phi[0] + (phi[1] - phi[0]) * GAUSS[j]));
-    (at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1)) * 0.25 * (z[1] - z[0]) * (phi[1] - phi[0])
+    corners(f, z, phi, GAUSS).iter().sum::<f64>() * 0.25 * (z[1] - z[0]) * (phi[1] - phi[0])
 }
 
 /// Whether the density is zero in some corners of a patch and matters in others.
 fn ends_here(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64) -> bool {
     // Not on the sides themselves, of which some are the horizon.
-    const CORNERS: [f64; 2] = [1e-3, 1.0 - 1e-3];
-    let at = |i: usize, j: usize| {
-        f(direction(z[0] + (z[1] - z[0]) * CORNERS[i], phi[0] + (phi[1] - phi[0]) * CORNERS[j]))
-            * (z[1] - z[0])
-            * (phi[1] - phi[0])
-    };
-    let corners = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
+    let corners = corners(f, z, phi, [1e-3, 1.0 - 1e-3]).map(|v| v * (z[1] - z[0]) * (phi[1] - phi[0]));
     corners.contains(&0.0) && corners.iter().any(|v| *v > tolerance)
 }
 
@@ -104,16 +106,15 @@ const FINE_LEVELS: RangeInclusive<u32> = 6..=11;
 const ROUNDING: f64 = 1e-5;
 
 /// The integral over a patch in `(z, φ)`, dividing it in four where the rule and its refinement differ, and where the
-/// density ends: there they may agree by chance.
+/// density ends: there they may agree by chance. `whole` is the rule's value for the patch, where it is known.
 fn integrate_patch(
     f: &impl Fn(Vec3) -> f64,
-    z: [f64; 2],
-    phi: [f64; 2],
+    (z, phi): ([f64; 2], [f64; 2]),
     tolerance: f64,
     levels: &RangeInclusive<u32>,
     level: u32,
+    whole: Option<f64>,
 ) -> f64 {
-    let whole = gauss(f, z, phi);
     let (zm, pm) = (0.5 * (z[0] + z[1]), 0.5 * (phi[0] + phi[1]));
     let quarters = [
         ([z[0], zm], [phi[0], pm]),
@@ -121,10 +122,17 @@ fn integrate_patch(
         ([zm, z[1]], [phi[0], pm]),
         ([zm, z[1]], [pm, phi[1]]),
     ];
-    let parts: f64 = quarters.iter().map(|q| gauss(f, q.0, q.1)).sum();
-    let agree = level >= *levels.start() && (parts - whole).abs() < tolerance.max(ROUNDING * parts.abs());
-    if level >= *levels.end() || (agree && !ends_here(f, z, phi, tolerance)) {
-        return parts;
+    let mut parts = [None; 4];
+    if level >= *levels.start() {
+        let whole = whole.unwrap_or_else(|| gauss(f, z, phi));
+        let found = quarters.map(|(z, phi)| gauss(f, z, phi));
+        let sum: f64 = found.iter().sum();
+        let agree = (sum - whole).abs() < tolerance.max(ROUNDING * sum.abs());
+        if level >= *levels.end() || (agree && !ends_here(f, z, phi, tolerance)) {
+            return sum;
+        }
+        parts = found.map(Some);
     }
-    quarters.iter().map(|q| integrate_patch(f, q.0, q.1, tolerance * 0.25, levels, level + 1)).sum()
+    let divided = quarters.into_iter().zip(parts);
+    divided.map(|(quarter, part)| integrate_patch(f, quarter, 0.25 * tolerance, levels, level + 1, part)).sum()
 }
