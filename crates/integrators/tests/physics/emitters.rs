@@ -57,7 +57,7 @@ fn irradiance(scene: &Scene, integrator: &'static str, spp: u32) -> Estimate {
 #[track_caller]
 fn found_both_ways(scene: Scene, what: &str, less: f64) {
     let by_light = irradiance(&scene, "path", 1 << 16);
-    irradiance(&scene, "bdpt", 1 << 16).agrees(&format!("{what}, bidirectional"), by_light, 0.05);
+    irradiance(&scene, "bdpt", 1 << 14).agrees(&format!("{what}, bidirectional"), by_light, 0.02);
     let by_chance = irradiance(&found_by_scattering_alone(scene), "path", 1 << 16);
     by_light.agrees(what, by_chance, 0.05);
     let ratio = by_chance.sigma[0] / by_light.sigma[0];

@@ -91,8 +91,8 @@ fn screens() -> Stage {
 #[test]
 fn sharing_is_unbiased_behind_screens() {
     let scene = screens().scene();
-    is_unbiased("screens", Shot::of("path", 8).depth(4), &scene, 0.05);
-    is_unbiased("screens, two events", Shot::of("path", 8).depth(2), &scene, 0.05);
+    is_unbiased("screens", Shot::of("path", 4).depth(4), &scene, 0.05);
+    is_unbiased("screens, two events", Shot::of("path", 4).depth(2), &scene, 0.05);
 }
 
 /// Every material, masks and mixtures among them, under an area, a point and the sky; through glass that disperses and

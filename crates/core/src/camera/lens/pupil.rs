@@ -38,8 +38,9 @@ impl LensSystem {
         let (origin, n) = (DVec3::new(x, 0.0, 0.0), grid as f64);
         let (dx, dy) = ((x1 - x0) / n, 2.0 * y1 / n);
         let mut bounds: Option<Bounds> = None;
-        // The lens, if not its stop, is the same on both sides of the x axis.
-        for k in 0..grid * grid / 2 {
+        // The lens, if not its stop, is the same on both sides of the x axis. From the outermost row inwards, what lies
+        // between rays that passed need not be tried.
+        for k in (0..grid * grid / 2).rev() {
             let px = x0 + (0.5 + (k % grid) as f64) * dx;
             let py = (0.5 + (k / grid) as f64) * dy;
             let is_known = bounds.is_some_and(|b| px > b[0] && px < b[1] && py < b[2]);
