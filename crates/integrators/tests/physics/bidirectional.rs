@@ -264,7 +264,7 @@ fn photons_agree_with_path_tracing_as_radii_shrink() {
             bias(&Shot::of(method, spp).depth(6).film_of(&scene, shot), &paths)
         };
         let photons = |options: &[(&'static str, &'static str)]| {
-            at("photon", 48, &[&[("photons", "4000")][..], options].concat())
+            at("photon", 24, &[&[("photons", "20000")][..], options].concat())
         };
         let wide_photons = photons(&[("radius", "0.6")]);
         let pairs = [
@@ -276,7 +276,7 @@ fn photons_agree_with_path_tracing_as_radii_shrink() {
                 photons(&[("radius", "0.6"), ("gather", "false")]),
                 photons(&[("radius", "0.1"), ("gather", "false")]),
             ),
-            ("photon, the nearest", wide_photons, photons(&[("radius", "0.6"), ("nearest", "12")])),
+            ("photon, the nearest", wide_photons, photons(&[("radius", "0.6"), ("nearest", "60")])),
         ];
         for (what, wide, narrow) in pairs {
             // Light leaks out of edges and corners by a part of the radius over the distance between them.
