@@ -5,6 +5,7 @@
 
 mod args;
 mod bench;
+mod brightness;
 mod command;
 mod compare;
 mod convert;

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{Color, RenderArgs, SceneOptions},
+    brightness,
     diagnostics::Counts,
     failure::{self, Failure, Outcome},
     memory,
@@ -122,6 +123,9 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
         terminal.warn(&format!("{outputs} stays as it was, for this picture is not whole"));
     }
     terminal.say(&format!("wrote {}", output::listed(&written)));
+    if let Some(hint) = brightness::hint(&made.picture, &written, args.files.exposure) {
+        terminal.say(&hint);
+    }
     if args.json {
         terminal::json(&report)?;
     }
