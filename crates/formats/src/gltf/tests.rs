@@ -1,9 +1,9 @@
 //! Small documents with a known meaning, the shared assets, and mutants of both.
 
-use super::import;
+use super::{framed_box, import};
 use crate::{Import, Options};
 use steradian_math::DVec3;
-use steradian_scene::{Fidelity, SpectrumValue, Value};
+use steradian_scene::{Animation, Fidelity, SpectrumValue, Value};
 
 /// Floats as a data URI.
 pub(super) fn data(bytes: &[u8]) -> String {
@@ -171,6 +171,25 @@ fn animations_pose_the_scene() {
     assert!((x(&[("at", "0.5s")]) - 2.5).abs() < 1e-6);
     assert!((x(&[("at", "9"), ("animation", "slide")]) - 10.0).abs() < 1e-6);
     assert!(read_with(&text, &[("at", "1"), ("animation", "jump")]).diagnostics.has_errors());
+    let animations = read_with(&text, &[]).desc.animations;
+    assert_eq!(animations, [Animation { name: Some("slide".into()), times: [0.0, 2.0], channels: 1 }]);
+    // The box of all moments, by which the camera stands still.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slide.gltf");
+    std::fs::write(&path, &text).unwrap();
+    let framed = |at: &str| {
+        let defines = [("at".to_owned(), at.to_owned())].into();
+        framed_box(&path, &Options { defines, ..Options::default() }).unwrap()
+    };
+    assert_eq!(framed("1"), [DVec3::new(5.0, 0.0, 0.0), DVec3::new(6.0, 1.0, 0.0)]);
+    let whole = [framed("0")[0], framed("2")[1]];
+    let camera = |at: &str, framing| {
+        let defines = [("at".to_owned(), at.to_owned())].into();
+        let desc = import(&path, &Options { defines, framing, ..Options::default() }).desc;
+        desc.node(desc.cameras[0]).transform("to_world").unwrap()
+    };
+    assert_ne!(camera("0", None), camera("2", None));
+    assert_eq!(camera("0", Some(whole)), camera("2", Some(whole)));
     // With a shutter that is open for half a second it moves.
     let moving = read_with(&text, &[("at", "0.5"), ("shutter", "0.5s")]).desc;
     let instance = &moving.instances[0];

@@ -251,6 +251,9 @@ fn models_are_seen_as_the_user_says() {
     assert!(origin.x > 1.0 && (forward - DVec3::NEG_X).length() < 1e-9, "{origin} {forward}");
     let (_, forward) = eye(&[("azimuth", "180"), ("elevation", "30")]);
     assert!((forward - DVec3::new(0.0, -0.5, 0.75_f64.sqrt())).length() < 1e-9, "{forward}");
+    // Named sides have one distance from the middle, that of all of them.
+    let distance = |azimuth: &str| (eye(&[("azimuth", azimuth)]).0 - DVec3::new(0.0, 0.0, 4.0)).length();
+    assert!((distance("90") - distance("180")).abs() < 1e-9 * distance("90"));
     // The needle's tip, which is where z is up.
     for (defines, tip) in [
         (&[("up", "y")][..], DVec3::new(0.0, 0.0, 8.0)),
