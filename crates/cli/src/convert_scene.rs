@@ -140,9 +140,22 @@ fn report(args: &ConvertArgs, desc: &SceneDesc, messages: &[&Diagnostic], check:
         if of(fidelity).next().is_none() {
             out.push_str("Nothing.\n");
         }
+        // Each message once, with its first place.
+        let mut told: Vec<(&Diagnostic, usize)> = Vec::new();
         for d in of(fidelity) {
-            let place = d.location.as_ref().map(|l| format!(" ({}:{}:{})", l.path, l.line, l.column));
-            let _ = writeln!(out, "- {}{}", d.message, place.unwrap_or_default());
+            match told.iter_mut().find(|(other, _)| other.message == d.message) {
+                Some((_, count)) => *count += 1,
+                None => told.push((d, 1)),
+            }
+        }
+        for (d, count) in told {
+            let place = d.location.as_ref().map(|l| format!(" ({}:{}:{}", l.path, l.line, l.column));
+            let more = match count {
+                1 => String::new(),
+                2 => " and 1 more place".into(),
+                n => format!(" and {} more places", n - 1),
+            };
+            let _ = writeln!(out, "- {}{}", d.message, place.map_or(String::new(), |place| format!("{place}{more})")));
         }
     }
     let lossy: HashSet<(&str, u32, u32)> =

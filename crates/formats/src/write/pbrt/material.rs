@@ -360,11 +360,8 @@ impl Writer<'_> {
         let default = if node.kind == "metallic_roughness" { 1.0 } else { 0.5 };
         let rough = self.x.source_or(node, named("roughness", "specular_roughness"), default);
         let alpha = match &rough {
-            Source::Plain(c) => c.mean().powi(2),
-            Source::Texture(_) => {
-                self.x.approximated(node, "the texture of the roughness is replaced by 0.5");
-                0.25
-            }
+            Source::Plain(c) => Err(c.mean().powi(2)),
+            Source::Texture(id) => self.squared(*id).map_err(|stand_in| stand_in.mean().powi(2)),
         };
         let trans = ["transmission", "transmission_weight", "spec_trans"];
         let transmits =
@@ -374,7 +371,10 @@ impl Writer<'_> {
             Source::Texture(_) => 1.5,
         };
         let glossy = |out: &mut Directive| {
-            out.float("roughness", alpha);
+            match &alpha {
+                Ok(texture) => out.texture("roughness", texture),
+                Err(alpha) => out.float("roughness", *alpha),
+            }
             out.bool("remaproughness", false);
         };
         let metal = |w: &mut Self, out: &mut Directive| {

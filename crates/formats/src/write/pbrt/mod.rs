@@ -128,7 +128,7 @@ impl Writer<'_> {
 
     /// Sets the current transform; the numbers column by column.
     fn transform(&mut self, t: &Transform) {
-        let numbers = t.matrix.to_cols_array().map(|v| v.to_string()).join(" ");
+        let numbers = t.matrix.to_cols_array().map(text::number).join(" ");
         self.line(&format!("Transform [ {numbers} ]"));
     }
 }

@@ -15,6 +15,23 @@ pub(super) struct Directive {
     parts: Vec<String>,
 }
 
+/// A number in as few characters as tell it.
+pub(super) fn number(v: f64) -> String {
+    shortest(v == 0.0, v.abs(), v.to_string(), format!("{v:e}"))
+}
+
+fn single(v: f32) -> String {
+    shortest(v == 0.0, f64::from(v).abs(), v.to_string(), format!("{v:e}"))
+}
+
+fn shortest(is_zero: bool, size: f64, plain: String, scientific: String) -> String {
+    match () {
+        () if is_zero => "0".into(),
+        () if (1e-4..1e16).contains(&size) => plain,
+        () => scientific,
+    }
+}
+
 /// A string in quotes. pbrt knows the escapes of C.
 pub(super) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
@@ -44,16 +61,16 @@ impl Directive {
     }
 
     pub fn float(&mut self, name: &str, value: f64) {
-        self.list("float", name, [value.to_string()]);
+        self.list("float", name, [number(value)]);
     }
 
     pub fn floats(&mut self, kind: &str, name: &str, values: impl IntoIterator<Item = f64>) {
-        self.list(kind, name, values.into_iter().map(|v| v.to_string()));
+        self.list(kind, name, values.into_iter().map(number));
     }
 
     /// Numbers that have the precision of `f32`.
     pub fn singles<'a>(&mut self, kind: &str, name: &str, values: impl IntoIterator<Item = &'a f32>) {
-        self.list(kind, name, values.into_iter().map(|v| v.to_string()));
+        self.list(kind, name, values.into_iter().map(|v| single(*v)));
     }
 
     pub fn integers(&mut self, name: &str, values: impl IntoIterator<Item = i64>) {

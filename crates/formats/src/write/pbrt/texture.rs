@@ -39,6 +39,23 @@ impl Writer<'_> {
         }
     }
 
+    /// The name of a texture's square, as roughness becomes the width of facets; where pbrt has none like it, what
+    /// stands for it.
+    pub(super) fn squared(&mut self, id: NodeId) -> Result<String, Colour> {
+        let inner = self.texture(id, Values::Float, [1.0; 3])?;
+        let key = format!("{inner} squared");
+        if let Some(known) = self.textures.get(&key) {
+            return Ok(known.clone());
+        }
+        let name = self.x.name(Some(&format!("{inner}-squared")), "texture");
+        let mut out = Directive::new("Texture", &[&name, "float", "scale"]);
+        out.texture("tex", &inner);
+        out.texture("scale", &inner);
+        self.put(&out);
+        self.textures.insert(key, name.clone());
+        Ok(name)
+    }
+
     /// The name of a texture times a factor; where pbrt has none like it, what stands for it.
     pub(super) fn texture(&mut self, id: NodeId, values: Values, factor: [f64; 3]) -> Result<String, Colour> {
         let key = format!("{id:?} {values:?} {factor:?}");
@@ -62,7 +79,8 @@ impl Writer<'_> {
             return Err(self.x.stand_in(id));
         }
         let kind = if values == Values::Float { "float" } else { "spectrum" };
-        let name = self.x.name(node.name.as_deref(), "texture");
+        let stem = node.path("file").and_then(|file| file.file_stem()?.to_str());
+        let name = self.x.name(node.name.as_deref().or(stem), "texture");
         let mut out = Directive::new("Texture", &[&name, kind, class]);
         match class {
             "imagemap" => self.image(&mut out, node, values, factor)?,
@@ -116,12 +134,16 @@ impl Writer<'_> {
         }
         let at = if is_solid { place(node, "texture_from_world") } else { self.mapping(&mut out, node, class) };
         let Some(at) = at.inverse() else { return Err(self.x.stand_in(id)) };
-        self.line("AttributeBegin");
-        self.depth += 1;
-        self.transform(&at);
-        self.put(&out);
-        self.depth -= 1;
-        self.line("AttributeEnd");
+        if at == Transform::IDENTITY {
+            self.put(&out);
+        } else {
+            self.line("AttributeBegin");
+            self.depth += 1;
+            self.transform(&at);
+            self.put(&out);
+            self.depth -= 1;
+            self.line("AttributeEnd");
+        }
         self.textures.insert(key, name.clone());
         Ok(name)
     }
