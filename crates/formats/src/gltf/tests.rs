@@ -240,7 +240,7 @@ fn losses_are_told() {
     let losses = |text: String| -> Vec<(Option<Fidelity>, String)> {
         sound(text).diagnostics.iter().map(|d| (d.fidelity, d.message.clone())).collect()
     };
-    let used = losses(triangle(r#", "extensionsUsed": ["EXT_texture_webp", "VND_none"]"#, "", "", ""));
+    let used = losses(triangle(r#", "extensionsUsed": ["EXT_texture_avif", "VND_none"]"#, "", "", ""));
     assert!(used.iter().all(|l| l.0 == Some(Fidelity::Dropped)) && used.len() == 2, "{used:?}");
     let wide = losses(triangle("", "", "", r#", "pbrMetallicRoughness": { "roughnessFactor": 1.5 }"#));
     assert!(wide[0].1.contains("outside of 0 to 1"), "{wide:?}");

@@ -19,11 +19,12 @@ impl Reader<'_> {
     pub(super) fn texture(&mut self, root: &At<'_>, at: &At<'_>, name: &str, holds: Holds) -> Option<NodeId> {
         let info = at.get(name)?;
         let (_, texture) = self.index(root, &info, "index", "textures")?;
-        if texture.get("source").is_none() {
+        let holder = texture.extension("EXT_texture_webp").unwrap_or_else(|| texture.clone());
+        if holder.get("source").is_none() {
             self.dropped(&info, "this texture has no picture that can be read: the material goes without");
             return None;
         }
-        let (number, image) = self.index(root, &texture, "source", "images")?;
+        let (number, image) = self.index(root, &holder, "source", "images")?;
         let file = self.image_file(root, number, &image)?;
         let mut node = Node::new(Family::Texture, "image", self.span(&info)).with("file", file).with("origin", "top");
         match holds {
