@@ -14,6 +14,7 @@
 //! [`Limits`] and against the bytes there really are before a pixel is allocated.
 
 mod atomic;
+mod basis;
 pub mod block;
 mod container;
 mod dds;

@@ -24,6 +24,7 @@ const READ: &[&str] = &[
     "KHR_materials_volume_scatter",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_animation_pointer",
     "KHR_node_visibility",
@@ -35,7 +36,6 @@ const READ: &[&str] = &[
 
 /// Extensions that are known and not implemented: what a file loses that only uses them.
 const LACKING: &[(&str, &str)] = &[
-    ("KHR_texture_basisu", "Basis Universal pictures are not decoded; the picture beside them is used"),
     ("EXT_texture_avif", "AVIF pictures are not decoded; the picture beside them is used"),
     ("MSFT_texture_dds", "the picture beside the .dds is used"),
     ("EXT_lights_image_based", "image-based lights are left out"),

@@ -13,13 +13,19 @@ pub(super) enum Holds {
     Numbers(&'static str),
 }
 
+/// Extensions with a 'source' of their own.
+const PACKED: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
+
 impl Reader<'_> {
     /// The texture that the member `name` of `at` refers to; `None` where there is none, or where it cannot be had,
     /// which is reported.
     pub(super) fn texture(&mut self, root: &At<'_>, at: &At<'_>, name: &str, holds: Holds) -> Option<NodeId> {
         let info = at.get(name)?;
         let (_, texture) = self.index(root, &info, "index", "textures")?;
-        let holder = texture.extension("EXT_texture_webp").unwrap_or_else(|| texture.clone());
+        // The plain picture, where there is one, was not packed a second time.
+        let is_plain = texture.get("source").is_some();
+        let packed = || PACKED.iter().find_map(|name| texture.extension(name));
+        let holder = if is_plain { None } else { packed() }.unwrap_or_else(|| texture.clone());
         if holder.get("source").is_none() {
             self.dropped(&info, "this texture has no picture that can be read: the material goes without");
             return None;
