@@ -26,7 +26,7 @@ pub(super) fn unpack(packed: &[u8], count: usize, stride: usize) -> Result<Vec<u
         return Err(format!("the kind of differences 0x{mode:02x} is not known"));
     }
     let mut stream = Stream { left: body };
-    let in_block = (8192 / stride & !15).min(256);
+    let in_block = ((8192 / stride) & !15).min(256);
     let mut out = Vec::new();
     let mut deltas = vec![0; in_block * stride];
     let mut left = count;
