@@ -1,5 +1,5 @@
-//! WebP (RFC 9649): lossy and lossless stills, decoded by the `image-webp` crate under our limits. Nothing but decoding is
-//! applied: no EXIF rotation, no profile.
+//! WebP (RFC 9649): lossy and lossless stills, decoded by the `image-webp` crate under our limits. Nothing but decoding
+//! is applied: no EXIF rotation, no profile.
 
 use crate::limits::zeros;
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels};

@@ -1,5 +1,5 @@
-//! Basis Universal in KTX2 files that the reference encoder 1.16 wrote, against what its own unpacker makes of them without
-//! loss: UASTC as ASTC, ETC1S as ETC1 (the PNG files).
+//! Basis Universal in KTX2 files that the reference encoder 1.16 wrote, against what its own unpacker makes of them
+//! without loss: UASTC as ASTC, ETC1S as ETC1 (the PNG files).
 
 use steradian_image::{Encoding, Error, Limits, TexelData, Texels, read_texels_bytes};
 use steradian_math::hash::HashRng;

@@ -190,8 +190,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a buffer stands for what packed views unpack to, and need not be there: it says so, or it has no data and
-    /// nothing but such views.
+    /// Whether a buffer stands for what packed views unpack to, and need not be there: it says so, or it has no data
+    /// and nothing but such views.
     fn is_stand_in(&self, root: &At<'_>, index: usize, buffer: &At<'_>) -> bool {
         let is_empty = buffer.text("uri").is_none() && (index > 0 || self.bin.is_none());
         meshopt::of(buffer).is_some_and(|e| e.value["fallback"] == true)

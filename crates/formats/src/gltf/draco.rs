@@ -1,5 +1,5 @@
-//! Primitives packed by `KHR_draco_mesh_compression` (Khronos registry, ratified): a Draco mesh whose attributes stand in
-//! for the data of the primitive's accessors.
+//! Primitives packed by `KHR_draco_mesh_compression` (Khronos registry, ratified): a Draco mesh whose attributes stand
+//! in for the data of the primitive's accessors.
 
 use super::{
     Reader,

@@ -249,8 +249,10 @@ fn packed_pictures_are_used_where_there_is_no_other() {
     for (extension, kind) in [("EXT_texture_webp", "webp"), ("KHR_texture_basisu", "ktx2")] {
         let file = |texture: &str| {
             let root = format!(
-                r#", "extensionsUsed": ["{extension}"], "textures": [{{ {texture} "extensions": {{ "{extension}": {{ "source": 1 }} }} }}],
-                "images": [{{ "mimeType": "image/png", "uri": "data:image/png;base64,AAAA" }}, {{ "mimeType": "image/{kind}", "uri": "data:image/{kind};base64,AAAA" }}]"#
+                r#", "extensionsUsed": ["{extension}"],
+                "textures": [{{ {texture} "extensions": {{ "{extension}": {{ "source": 1 }} }} }}],
+                "images": [{{ "mimeType": "image/png", "uri": "data:image/png;base64,AAAA" }},
+                    {{ "mimeType": "image/{kind}", "uri": "data:image/{kind};base64,AAAA" }}]"#
             );
             let material = r#", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } }"#;
             let desc = sound(triangle(&root, "", "", material)).desc;

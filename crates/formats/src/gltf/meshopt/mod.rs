@@ -1,6 +1,6 @@
 //! Buffer views packed by `EXT_meshopt_compression` (Khronos registry, ratified) or `KHR_meshopt_compression` (release
-//! candidate): three kinds of streams (appendix A) and filters on what comes out of them (appendix B). Both have the same
-//! members; streams of version 1 and the filter of colours, which came with the second, are read in either.
+//! candidate): three kinds of streams (appendix A) and filters on what comes out of them (appendix B). Both have the
+//! same members; streams of version 1 and the filter of colours, which came with the second, are read in either.
 
 mod attributes;
 mod filters;
