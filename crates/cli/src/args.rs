@@ -399,8 +399,8 @@ pub struct CompareArgs {
 /// `steradian convert`.
 #[derive(Args, Debug)]
 pub struct ConvertArgs {
-    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2; or a scene: a file, - for standard
-    /// input, or builtin:NAME
+    /// Picture to read: .exr .png .jpg .tga .bmp .hdr .pfm .ppm .pgm .dds .ktx2 .webp; or a scene: a file, - for
+    /// standard input, or builtin:NAME
     pub input: PathBuf,
     /// Picture to write, its format by extension: .exr .png .hdr .pfm .ppm .jpg .dds .ktx2; of a scene: .steradian .xml
     /// .pbrt .gltf .glb

@@ -22,7 +22,9 @@ const WRITTEN: &str = ".exr .png .hdr .pfm .ppm .jpg .dds .ktx2";
 pub fn kind(path: &Path) -> Result<FileKind, Failure> {
     let refuse = |why: String| Failure::bad_input(format!("'{}' {why}; known are {WRITTEN}", path.display()));
     match FileKind::from_extension(path) {
-        Some(FileKind::Tga | FileKind::Bmp) => Err(refuse("is of a kind that can be read, but not written".into())),
+        Some(FileKind::Tga | FileKind::Bmp | FileKind::WebP) => {
+            Err(refuse("is of a kind that can be read, but not written".into()))
+        }
         Some(kind) => Ok(kind),
         None => {
             let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();

@@ -27,7 +27,7 @@ pub enum Error {
         error: std::io::Error,
     },
     /// Neither the content nor the file's extension is a known image format.
-    #[error("not a known image format (known: EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS, KTX2)")]
+    #[error("not a known image format (known: EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS, KTX2, WebP)")]
     UnknownFormat,
     /// The file is no grid of voxels.
     #[error("malformed volume file: {0}")]

@@ -1,5 +1,5 @@
-//! KTX2 (Khronos Texture 2.0): block-compressed and plain pixels, also deflated. Of a file with several levels the
-//! largest is read; Basis Universal and Zstandard are refused by name.
+//! KTX2 (Khronos Texture 2.0): block-compressed and plain pixels, also deflated, and Basis Universal. Of a file with
+//! several levels the largest is read; Zstandard is read with Basis Universal only, and else refused by name.
 
 use crate::block::BlockFormat;
 use crate::container::{self, Layout, u32_at, u64_at};
@@ -72,10 +72,18 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     if layers > 1 || faces != 1 {
         return Err(Error::unsupported(KIND, "arrays and cube maps"));
     }
+    // A height of zero stands for one row.
+    let size = (width, height.max(1));
+    if number == 0 {
+        let mut texels = crate::basis::decode(bytes, size, limits)?;
+        if is_bottom_up(bytes) {
+            flip(&mut texels);
+        }
+        return Ok(texels);
+    }
     let known = FORMATS.iter().chain(&LATE).find(|f| f.0 == number);
     let Some(&(_, layout, srgb)) = known else {
-        let what = if number == 0 { "Basis Universal".into() } else { format!("Vulkan format {number}") };
-        return Err(Error::unsupported(KIND, what));
+        return Err(Error::unsupported(KIND, format!("Vulkan format {number}")));
     };
     // The first level's place, from the index that follows the header.
     let (offset, length, inflated) = (u64_at(KIND, bytes, 80)?, u64_at(KIND, bytes, 88)?, u64_at(KIND, bytes, 96)?);
@@ -84,8 +92,6 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
         return Err(Error::TooShort { kind: KIND, width, height, bytes: bytes.len() as u64 });
     };
     let data = &bytes[offset as usize..end as usize];
-    // A height of zero stands for one row.
-    let size = (width, height.max(1));
     let mut texels = match scheme {
         0 => container::decode(KIND, layout, srgb, size, data, limits)?,
         3 => {

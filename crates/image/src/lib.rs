@@ -2,7 +2,7 @@
 //! and the metrics that compare two pictures.
 //!
 //! * [`Image`] holds linear `f32` planes with names (`R`, `albedo.G`, `Z`, …) and metadata; [`read`] and [`write()`]
-//!   move it between memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS and KTX2 files.
+//!   move it between memory and EXR, PNG, JPEG, TGA, BMP, Radiance HDR, PFM, PPM/PGM, DDS and KTX2 files; WebP is read.
 //! * [`Texels`] keeps the samples as the file stores them (8 and 16 bit, half, float), for textures.
 //! * [`tone`] maps linear Rec.709 to display values, [`encoding`] has the sRGB transfer functions.
 //! * [`Sensor`] adds the noise of a camera's sensor.
@@ -14,6 +14,7 @@
 //! [`Limits`] and against the bytes there really are before a pixel is allocated.
 
 mod atomic;
+mod basis;
 pub mod block;
 mod container;
 mod dds;
@@ -38,6 +39,7 @@ mod texels;
 mod together;
 pub mod tone;
 mod voxel_grid;
+mod webp;
 mod write;
 
 pub use self::image::{Channel, Image, Metadata, RgbPlanes, Value, Window};

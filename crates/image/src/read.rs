@@ -28,6 +28,8 @@ pub enum FileKind {
     Dds,
     /// Khronos Texture 2.0.
     Ktx2,
+    /// WebP.
+    WebP,
 }
 
 impl std::fmt::Display for FileKind {
@@ -43,6 +45,7 @@ impl std::fmt::Display for FileKind {
             Self::Pnm => "PPM/PGM",
             Self::Dds => "DDS",
             Self::Ktx2 => "KTX2",
+            Self::WebP => "WebP",
         })
     }
 }
@@ -50,7 +53,7 @@ impl std::fmt::Display for FileKind {
 impl FileKind {
     /// Whether the format holds display values, to which a tone curve leads, and not radiance.
     pub fn is_display(self) -> bool {
-        matches!(self, Self::Png | Self::Jpeg | Self::Pnm | Self::Dds | Self::Ktx2 | Self::Tga | Self::Bmp)
+        matches!(self, Self::Png | Self::Jpeg | Self::Pnm | Self::Dds | Self::Ktx2 | Self::WebP | Self::Tga | Self::Bmp)
     }
 
     /// The kind that the first bytes tell. TGA has no signature and is never found this way, unless by its footer.
@@ -60,6 +63,7 @@ impl FileKind {
             [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Some(Self::Png),
             [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
             [b'B', b'M', ..] if bytes.len() >= 26 && bytes[6..10] == [0; 4] => Some(Self::Bmp),
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(Self::WebP),
             [b'#', b'?', ..] => Some(Self::Hdr),
             [b'D', b'D', b'S', b' ', 124, 0, 0, 0, ..] => Some(Self::Dds),
             _ if bytes.starts_with(&crate::ktx2::MAGIC) => Some(Self::Ktx2),
@@ -83,6 +87,7 @@ impl FileKind {
             "ppm" | "pgm" | "pnm" => Some(Self::Pnm),
             "dds" => Some(Self::Dds),
             "ktx2" => Some(Self::Ktx2),
+            "webp" => Some(Self::WebP),
             _ => None,
         }
     }
@@ -190,7 +195,7 @@ pub fn declared_bytes(path: &Path) -> Option<u64> {
         FileKind::Jpeg | FileKind::Pnm => 3,
         FileKind::Exr => 6,
         FileKind::Hdr | FileKind::Pfm => 12,
-        FileKind::Tga | FileKind::Bmp | FileKind::Dds | FileKind::Ktx2 => 4,
+        FileKind::Tga | FileKind::Bmp | FileKind::Dds | FileKind::Ktx2 | FileKind::WebP => 4,
     };
     // Decoders hold what is declared against the limits before they do anything else.
     match decode(kind, &bytes, &Limits { pixels: 0, ..Limits::default() }) {
@@ -209,6 +214,7 @@ fn decode(kind: FileKind, bytes: &[u8], limits: &Limits) -> Result<Texels> {
         FileKind::Pnm => crate::pnm::decode(bytes, limits),
         FileKind::Dds => crate::dds::decode(bytes, limits),
         FileKind::Ktx2 => crate::ktx2::decode(bytes, limits),
+        FileKind::WebP => crate::webp::decode(bytes, limits),
     }
 }
 

@@ -157,7 +157,7 @@ fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dy
             let file = if kind == FileKind::Dds { crate::dds::encode } else { crate::ktx2::encode };
             out.write_all(&file(w, h, options.block, &blocks)).map_err(io("write"))
         }
-        FileKind::Tga | FileKind::Bmp => Err(Error::unsupported(kind, "writing")),
+        FileKind::Tga | FileKind::Bmp | FileKind::WebP => Err(Error::unsupported(kind, "writing")),
     }
 }
 

@@ -1,13 +1,13 @@
 //! Accessors: typed views of buffers, interleaved, normalised, sparse.
 
-use super::{Reader, container::Bytes, json::At};
+use super::{Reader, container::Bytes, json::At, meshopt};
 
 /// Most values of an accessor without data, all zero.
 const MOST_ZEROS: usize = 1 << 24;
 
 /// How numbers are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Component {
+pub(super) enum Component {
     I8,
     U8,
     I16,
@@ -29,12 +29,18 @@ impl Component {
         })
     }
 
-    fn size(self) -> usize {
+    pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
         }
+    }
+
+    /// The numbers of an element of an accessor with this type of number, if it has that.
+    pub fn channels_of(self, accessor: &At<'_>) -> Option<usize> {
+        let is_same = accessor.value["componentType"].as_u64().and_then(Self::new) == Some(self);
+        channels(accessor).filter(|_| is_same)
     }
 
     /// The number at the start of some bytes, which are there.
@@ -52,9 +58,17 @@ impl Component {
 }
 
 /// Some bytes and how they are laid out.
-struct View {
-    bytes: Bytes,
-    stride: usize,
+#[derive(Clone)]
+pub(super) struct View {
+    pub bytes: Bytes,
+    pub stride: usize,
+}
+
+/// The data of an accessor that were unpacked for it.
+pub(super) struct Decoded {
+    pub component: Component,
+    pub count: usize,
+    pub view: View,
 }
 
 /// An accessor whose bytes are known to be there.
@@ -73,18 +87,37 @@ impl Layout {
     }
 }
 
+/// The numbers of an element by an accessor's 'type'.
+fn channels(accessor: &At<'_>) -> Option<usize> {
+    Some(match accessor.text("type")? {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" | "MAT2" => 4,
+        "MAT3" => 9,
+        "MAT4" => 16,
+        _ => return None,
+    })
+}
+
 impl Reader<'_> {
     /// The bytes of a buffer view, and its stride.
     pub(super) fn buffer_view(&mut self, root: &At<'_>, at: &At<'_>, name: &str) -> Option<(Bytes, Option<usize>)> {
-        let (_, view) = self.index(root, at, name, "bufferViews")?;
-        if let Some(packed) = view.extension("EXT_meshopt_compression") {
-            self.error(&packed, "EXT_meshopt_compression is not implemented: this data cannot be unpacked");
-            return None;
-        }
-        let (index, buffer) = self.index(root, &view, "buffer", "buffers")?;
+        let (number, view) = self.index(root, at, name, "bufferViews")?;
+        let bytes = match meshopt::of(&view) {
+            Some(packed) => self.unpacked_view(root, number, &view, &packed)?,
+            None => self.view_bytes(root, &view)?,
+        };
+        let stride = view.get("byteStride").and_then(|s| usize::try_from(s.value.as_u64()?).ok());
+        Some((bytes, stride.filter(|s| *s > 0)))
+    }
+
+    /// The part of a buffer that an object with 'buffer', 'byteOffset' and 'byteLength' names.
+    pub(super) fn view_bytes(&mut self, root: &At<'_>, view: &At<'_>) -> Option<Bytes> {
+        let (index, buffer) = self.index(root, view, "buffer", "buffers")?;
         let size = |name: &str| view.get(name).and_then(|v| v.value.as_u64()).and_then(|v| usize::try_from(v).ok());
         let (offset, Some(length)) = (size("byteOffset").unwrap_or(0), size("byteLength")) else {
-            self.error(&view, "a buffer view needs a 'byteLength'");
+            self.error(view, "a buffer view needs a 'byteLength'");
             return None;
         };
         // A buffer that failed was reported when it was loaded.
@@ -97,31 +130,23 @@ impl Reader<'_> {
         let Some(part) = bytes.part(offset, length) else {
             let there = bytes.as_slice().len();
             self.error(
-                &view,
+                view,
                 format!("the view ends at byte {}, but the buffer has {there}", offset.saturating_add(length)),
             );
             return None;
         };
-        Some((part, size("byteStride").filter(|s| *s > 0)))
+        Some(part)
     }
 
-    fn layout(&mut self, root: &At<'_>, accessor: &At<'_>) -> Option<Layout> {
+    fn layout(&mut self, root: &At<'_>, number: usize, accessor: &At<'_>) -> Option<Layout> {
         let code = accessor.get("componentType").and_then(|c| c.value.as_u64());
         let Some(component) = code.and_then(Component::new) else {
             self.error(accessor, "'componentType' is not one of 5120, 5121, 5122, 5123, 5125, 5126");
             return None;
         };
-        let channels = match accessor.text("type") {
-            Some("SCALAR") => 1,
-            Some("VEC2") => 2,
-            Some("VEC3") => 3,
-            Some("VEC4" | "MAT2") => 4,
-            Some("MAT3") => 9,
-            Some("MAT4") => 16,
-            _ => {
-                self.error(accessor, "'type' is not one of SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3, MAT4");
-                return None;
-            }
+        let Some(channels) = channels(accessor) else {
+            self.error(accessor, "'type' is not one of SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3, MAT4");
+            return None;
         };
         let count = accessor.get("count").and_then(|c| c.value.as_u64()).and_then(|c| usize::try_from(c).ok());
         let Some(count) = count else {
@@ -130,6 +155,9 @@ impl Reader<'_> {
         };
         let is_normalized = accessor.value["normalized"] == true;
         let mut layout = Layout { component, channels, count, is_normalized, view: None };
+        if let Some(Decoded { component, count, view }) = self.decoded.get(&number) {
+            return Some(Layout { component: *component, count: *count, view: Some(view.clone()), ..layout });
+        }
         if accessor.get("bufferView").is_none() {
             if count > MOST_ZEROS {
                 self.error(accessor, format!("{count} values without a buffer view are more than {MOST_ZEROS}"));
@@ -157,8 +185,8 @@ impl Reader<'_> {
     /// The values of an accessor of `N` channels; integers as they stand, normalised ones as numbers in [−1, 1]. `name`
     /// is the member of `at` that holds its index. What is wrong is reported.
     pub(super) fn floats<const N: usize>(&mut self, root: &At<'_>, at: &At<'_>, name: &str) -> Option<Vec<[f32; N]>> {
-        let (_, accessor) = self.index(root, at, name, "accessors")?;
-        let layout = self.layout(root, &accessor)?;
+        let (number, accessor) = self.index(root, at, name, "accessors")?;
+        let layout = self.layout(root, number, &accessor)?;
         if layout.channels != N {
             let kind = accessor.text("type").unwrap_or_default();
             self.error(&accessor, format!("'{name}' needs values of {N} numbers, but this accessor has type {kind}"));
@@ -195,8 +223,8 @@ impl Reader<'_> {
 
     /// The values of an accessor of whole numbers.
     pub(super) fn integers<const N: usize>(&mut self, root: &At<'_>, at: &At<'_>, name: &str) -> Option<Vec<[u32; N]>> {
-        let (_, accessor) = self.index(root, at, name, "accessors")?;
-        let layout = self.layout(root, &accessor)?;
+        let (number, accessor) = self.index(root, at, name, "accessors")?;
+        let layout = self.layout(root, number, &accessor)?;
         if layout.channels != N || !matches!(layout.component, Component::U8 | Component::U16 | Component::U32) {
             self.error(&accessor, format!("'{name}' needs {N} unsigned integers for each value"));
             return None;

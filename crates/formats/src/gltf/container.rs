@@ -1,6 +1,6 @@
 //! The two containers of glTF, and the buffers: in the file, beside it, or as data URIs.
 
-use super::{Reader, json::At};
+use super::{Reader, json::At, meshopt};
 use crate::files;
 use std::{ops::Range, sync::Arc};
 
@@ -185,16 +185,23 @@ impl Reader<'_> {
     /// Loads all buffers; one that cannot be had is an error unless nothing needs it.
     pub(super) fn load_buffers(&mut self, root: &At<'_>) {
         for (index, buffer) in root.list("buffers").enumerate() {
-            let bytes = self.buffer(index, &buffer);
+            let bytes = if self.is_stand_in(root, index, &buffer) { None } else { self.buffer(index, &buffer) };
             self.buffers.push(bytes);
         }
     }
 
+    /// Whether a buffer stands for what packed views unpack to, and need not be there: it says so, or it has no data
+    /// and nothing but such views.
+    fn is_stand_in(&self, root: &At<'_>, index: usize, buffer: &At<'_>) -> bool {
+        let is_empty = buffer.text("uri").is_none() && (index > 0 || self.bin.is_none());
+        meshopt::of(buffer).is_some_and(|e| e.value["fallback"] == true)
+            || is_empty && {
+                let mut views = root.list("bufferViews").filter(|v| v.value["buffer"] == index).peekable();
+                views.peek().is_some() && views.all(|v| meshopt::of(&v).is_some())
+            }
+    }
+
     fn buffer(&mut self, index: usize, buffer: &At<'_>) -> Option<Bytes> {
-        // A stand-in for what EXT_meshopt_compression unpacks need not be there.
-        if buffer.extension("EXT_meshopt_compression").is_some_and(|e| e.value["fallback"] == true) {
-            return None;
-        }
         let length = buffer.get("byteLength").and_then(|l| l.value.as_u64());
         let Some(length) = length.and_then(|l| usize::try_from(l).ok()) else {
             self.error(buffer, "a buffer needs a 'byteLength'");

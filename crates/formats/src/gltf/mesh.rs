@@ -1,6 +1,6 @@
 //! Meshes: primitives of all modes, morph targets and skins.
 
-use super::{Reader, json::At, material::Look};
+use super::{Reader, draco, json::At, material::Look};
 use glam::DMat3;
 use std::sync::Arc;
 use steradian_math::{DMat4, DVec3, Transform};
@@ -151,8 +151,12 @@ impl Reader<'_> {
         weights: &[f64],
         skin: Option<&Skin>,
     ) -> Option<Data> {
-        let Vertices { mut mesh, channels } = self.vertices(root, primitive, weights, skin)?;
-        let order = self.order(root, primitive, mesh.positions.len())?;
+        self.unpack_draco(root, primitive)?;
+        let vertices = self.vertices(root, primitive, weights, skin);
+        let order = vertices.as_ref().and_then(|v| self.order(root, primitive, v.mesh.positions.len()));
+        let mode = if self.decoded.is_empty() { mode } else { 4 };
+        self.decoded.clear();
+        let (Vertices { mut mesh, channels }, order) = (vertices?, order?);
         mesh.triangles = match mode {
             4 => order.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
             5 => order
@@ -202,12 +206,6 @@ impl Reader<'_> {
         weights: &[f64],
         skin: Option<&Skin>,
     ) -> Option<Vertices> {
-        if let Some(packed) = primitive.extension("KHR_draco_mesh_compression")
-            && primitive.get("attributes").is_none_or(|a| a.get("POSITION").is_none())
-        {
-            self.error(&packed, "KHR_draco_mesh_compression is not implemented, and there is no other data");
-            return None;
-        }
         let attributes = primitive.get("attributes").unwrap_or_else(|| primitive.clone());
         if attributes.get("POSITION").is_none() {
             self.dropped(primitive, "a primitive without POSITION is left out");
@@ -365,6 +363,10 @@ impl Reader<'_> {
         skin: Option<&Skin>,
         places: &[DMat4],
     ) {
+        if let Some(packed) = primitive.extension(draco::NAME) {
+            self.error(&packed, "points and lines cannot be packed by Draco in glTF");
+            return;
+        }
         let Some(Vertices { mesh, .. }) = self.vertices(root, primitive, weights, skin) else { return };
         let Some(order) = self.order(root, primitive, mesh.positions.len()) else { return };
         let drawn: usize = self.strokes.iter().map(|s| s.points.len() + s.lines.len()).sum();

@@ -10,13 +10,17 @@
 mod accessor;
 mod animation;
 mod container;
+mod draco;
 mod extensions;
 mod json;
 mod lights;
 mod locate;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
+#[cfg(test)]
+mod packed;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -104,6 +108,9 @@ fn read_document(path: &Path, bytes: Vec<u8>, options: &Options) -> (Import, Opt
         text,
         source,
         buffers: Vec::new(),
+        unpacked: HashMap::new(),
+        decoded: HashMap::new(),
+        decoded_bytes: 0,
         bin: parts.bin.map(|range| container::Bytes::new(bytes.clone(), range)),
         materials: HashMap::new(),
         meshes: HashMap::new(),
@@ -137,8 +144,14 @@ struct Reader<'a> {
     text: Arc<[u8]>,
     source: FileId,
     buffers: Vec<Option<container::Bytes>>,
+    /// Packed buffer views by number, as they were unpacked; `None` where they cannot be.
+    unpacked: HashMap<usize, Option<container::Bytes>>,
     /// The binary chunk of a .glb.
     bin: Option<container::Bytes>,
+    /// By accessor, the data of the primitive that is being read, where it is packed.
+    decoded: HashMap<usize, accessor::Decoded>,
+    /// Bytes of attributes that were unpacked for all primitives so far.
+    decoded_bytes: u64,
     /// By index, and by what the primitive has to offer.
     materials: HashMap<material::Key, material::Look>,
     /// Mesh data by mesh and primitive, where it is the same for all nodes.

@@ -211,9 +211,7 @@ fn faults_are_placed() {
     let first = |text: String| faults(text)[0].clone();
     let message = first(triangle(r#", "extensionsRequired": ["KHR_lights_punctal"]"#, "", "", ""));
     assert!(message.contains("did you mean 'KHR_lights_punctual'?"), "{message}");
-    assert!(
-        first(triangle(r#", "extensionsRequired": ["KHR_texture_basisu"]"#, "", "", "")).contains("not implemented")
-    );
+    assert!(first(triangle(r#", "extensionsRequired": ["EXT_texture_avif"]"#, "", "", "")).contains("not implemented"));
     assert!(first(triangle("", "", r#", "indices": 0"#, "")).contains("unsigned integers"));
     assert!(
         first(
@@ -240,10 +238,29 @@ fn losses_are_told() {
     let losses = |text: String| -> Vec<(Option<Fidelity>, String)> {
         sound(text).diagnostics.iter().map(|d| (d.fidelity, d.message.clone())).collect()
     };
-    let used = losses(triangle(r#", "extensionsUsed": ["EXT_texture_webp", "VND_none"]"#, "", "", ""));
+    let used = losses(triangle(r#", "extensionsUsed": ["EXT_texture_avif", "VND_none"]"#, "", "", ""));
     assert!(used.iter().all(|l| l.0 == Some(Fidelity::Dropped)) && used.len() == 2, "{used:?}");
     let wide = losses(triangle("", "", "", r#", "pbrMetallicRoughness": { "roughnessFactor": 1.5 }"#));
     assert!(wide[0].1.contains("outside of 0 to 1"), "{wide:?}");
+}
+
+#[test]
+fn packed_pictures_are_used_where_there_is_no_other() {
+    for (extension, kind) in [("EXT_texture_webp", "webp"), ("KHR_texture_basisu", "ktx2")] {
+        let file = |texture: &str| {
+            let root = format!(
+                r#", "extensionsUsed": ["{extension}"],
+                "textures": [{{ {texture} "extensions": {{ "{extension}": {{ "source": 1 }} }} }}],
+                "images": [{{ "mimeType": "image/png", "uri": "data:image/png;base64,AAAA" }},
+                    {{ "mimeType": "image/{kind}", "uri": "data:image/{kind};base64,AAAA" }}]"#
+            );
+            let material = r#", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } }"#;
+            let desc = sound(triangle(&root, "", "", material)).desc;
+            desc.embedded.keys().map(|path| path.display().to_string()).collect::<Vec<_>>()
+        };
+        assert!(file("")[0].ends_with("a.gltf#/images/1"));
+        assert!(file("\"source\": 0,")[0].ends_with("a.gltf#/images/0"));
+    }
 }
 
 /// Every file of the assets is read; those that need what is not implemented say so.

@@ -13,17 +13,24 @@ pub(super) enum Holds {
     Numbers(&'static str),
 }
 
+/// Extensions with a 'source' of their own.
+const PACKED: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
+
 impl Reader<'_> {
     /// The texture that the member `name` of `at` refers to; `None` where there is none, or where it cannot be had,
     /// which is reported.
     pub(super) fn texture(&mut self, root: &At<'_>, at: &At<'_>, name: &str, holds: Holds) -> Option<NodeId> {
         let info = at.get(name)?;
         let (_, texture) = self.index(root, &info, "index", "textures")?;
-        if texture.get("source").is_none() {
+        // The plain picture, where there is one, was not packed a second time.
+        let is_plain = texture.get("source").is_some();
+        let packed = || PACKED.iter().find_map(|name| texture.extension(name));
+        let holder = if is_plain { None } else { packed() }.unwrap_or_else(|| texture.clone());
+        if holder.get("source").is_none() {
             self.dropped(&info, "this texture has no picture that can be read: the material goes without");
             return None;
         }
-        let (number, image) = self.index(root, &texture, "source", "images")?;
+        let (number, image) = self.index(root, &holder, "source", "images")?;
         let file = self.image_file(root, number, &image)?;
         let mut node = Node::new(Family::Texture, "image", self.span(&info)).with("file", file).with("origin", "top");
         match holds {

@@ -1,12 +1,16 @@
 //! Short ways to the parts of a document, and its accessors in a table.
 
 use super::Issues;
+use crate::gltf::draco;
 use serde_json::Value;
+use std::collections::HashSet;
 
 /// What the checks of references and data share.
 pub(super) struct Document<'a> {
     pub root: &'a Value,
     pub accessors: Vec<Accessor<'a>>,
+    /// The accessors whose data are in Draco meshes.
+    pub packed: HashSet<usize>,
 }
 
 /// An accessor, as far as it is well-formed.
@@ -108,7 +112,14 @@ impl<'a> Document<'a> {
             count: number(a, "count"),
             kind: a["type"].as_str().unwrap_or_default(),
         };
-        Self { root, accessors: list(root, "accessors").iter().map(accessor).collect() }
+        let mut packed = HashSet::new();
+        for primitive in list(root, "meshes").iter().flat_map(|mesh| list(mesh, "primitives")) {
+            let Some(extension) = primitive["extensions"].get(draco::NAME) else { continue };
+            packed.extend(index(primitive, "indices"));
+            let names = extension["attributes"].as_object().into_iter().flat_map(|ids| ids.keys());
+            packed.extend(names.filter_map(|name| index(&primitive["attributes"], name)));
+        }
+        Self { root, accessors: list(root, "accessors").iter().map(accessor).collect(), packed }
     }
 
     pub fn list(&self, name: &str) -> &'a [Value] {

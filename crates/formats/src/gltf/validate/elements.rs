@@ -48,6 +48,9 @@ impl<'a> Data<'a> {
         mut see: impl FnMut(usize, &[f64]),
     ) -> Option<()> {
         let accessor = document.accessors.get(number_of).filter(|a| a.is_known())?;
+        if document.packed.contains(&number_of) {
+            return None;
+        }
         let element = accessor.element() as usize;
         let count = usize::try_from(accessor.count).ok()?;
         let (bytes, stride) = match accessor.view {

@@ -36,6 +36,9 @@ pub(super) static EXTENSIONS: &[Extension] = &[
     Extension { name: "KHR_texture_basisu", places: &[("texture", &SOURCE)] },
     Extension { name: "EXT_texture_webp", places: &[("texture", &SOURCE)] },
     Extension { name: "KHR_mesh_quantization", places: &[] },
+    Extension { name: "KHR_draco_mesh_compression", places: &[("primitive", &DRACO)] },
+    Extension { name: "EXT_meshopt_compression", places: &[("buffer", &STAND_IN), ("buffer view", &MESHOPT)] },
+    Extension { name: "KHR_meshopt_compression", places: &[("buffer", &STAND_IN), ("buffer view", &MESHOPT)] },
 ];
 
 static EMPTY: Object = object("extension", &[]);
@@ -161,3 +164,18 @@ static TEXTURE_TRANSFORM: Object = object(
     ],
 );
 static SOURCE: Object = object("extension", &[may("source", Index("images"))]);
+static DRACO: Object =
+    object("extension", &[must("bufferView", Index("bufferViews")), must("attributes", Map(&from(0)))]);
+static STAND_IN: Object = object("extension", &[may("fallback", Bool)]);
+static MESHOPT: Object = object(
+    "extension",
+    &[
+        must("buffer", Index("buffers")),
+        may("byteOffset", from(0)),
+        must("byteLength", from(1)),
+        must("byteStride", Integer { least: 2, most: 256, multiple: 2 }),
+        must("count", from(1)),
+        must("mode", Word(&["ATTRIBUTES", "TRIANGLES", "INDICES"])),
+        may("filter", Word(&["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"])),
+    ],
+);
