@@ -290,7 +290,8 @@ impl<'a> Reader<'a> {
         let known = FAMILIES.map(|f| f.0);
         let family = FAMILIES.iter().find(|f| f.0 == key.text).ok_or_else(|| {
             let hint = did_you_mean(&key.text, known).map(|h| format!("; {h}")).unwrap_or_default();
-            (format!("a node begins with its family and kind: '{}' is no family{hint}", key.text), key.span)
+            let example = "such as {material: diffuse, …} or {light: area, …}";
+            (format!("a node begins with its family and kind, {example}: '{}' is no family{hint}", key.text), key.span)
         })?;
         Ok(Node::new(family.1, value::text(kind)?, Some(kind.span)))
     }
