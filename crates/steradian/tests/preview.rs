@@ -125,6 +125,21 @@ fn a_light_at_the_camera_shows_what_has_none() {
     }
 }
 
+/// Cameras of all directions see by rays.
+#[test]
+fn cameras_of_all_directions_are_shown() {
+    let scene = scene_of(
+        "Camera \"spherical\" \"string mapping\" \"equirectangular\" WorldBegin \
+         LightSource \"infinite\" \"rgb L\" [0.7 0.7 0.7] Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5] \
+         Translate 0 0 4 Shape \"sphere\"",
+        [64, 32],
+    );
+    let found = preview(&scene);
+    let of = |x: usize, y: usize| found[y * 64 + x][1];
+    // The sky, and the sphere around +z, which sends half of it on.
+    assert!((of(0, 3) - 0.7).abs() < 1e-5 && found.iter().any(|p| (p[1] - 0.35).abs() < 0.01), "{}", of(0, 3));
+}
+
 /// Samples and options ask for pictures of their own; what previews do not have is refused by name.
 #[test]
 fn only_what_asks_for_nothing_is_a_preview() {

@@ -22,7 +22,7 @@ use look::{look, object};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 use steradian_bsdf::TransportMode;
-use steradian_core::{ColorMode, Scene, film::PassFilm, sampler::Sampler, scene::Shape};
+use steradian_core::{ColorMode, Scene, camera::Projection, film::PassFilm, sampler::Sampler, scene::Shape};
 use steradian_engine::{Counters, Pass, PathContext, Plan, Run, Stop, albedo, albedo_of, dimension};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, NoGuide, PathState, along};
@@ -64,9 +64,11 @@ struct Pixel {
 struct Drawing<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
-    projected: Projected,
-    /// What pixels see; where there are many more triangles than pixels, rays find it sooner.
-    visibility: Option<Visibility>,
+    /// The camera's projection to a plane and what pixels see by it. Without, rays find that: for cameras of all
+    /// directions, and sooner where there are many more triangles than pixels.
+    seen: Option<(Projected, Visibility)>,
+    /// The place in pixels that is looked at.
+    offset: Vec2,
     shadows: Shadowing,
     number: u32,
     /// Of the way that is filtered, and of reflections beside it.
@@ -87,9 +89,11 @@ impl Preview {
     /// Draws previews of a scene.
     ///
     /// # Errors
-    /// Cameras that have no projection to a plane, and layers and backgrounds that previews do not have.
+    /// Cameras with lenses of several elements, and layers and backgrounds that previews do not have.
     pub fn new(scene: &Scene, options: Options, depth: Depth, plan: &Plan) -> Result<Self, Error> {
-        Projected::new(scene, Vec2::splat(0.5))?;
+        if matches!(scene.camera().projection, Projection::Realistic(_)) {
+            Projected::new(scene, Vec2::splat(0.5))?;
+        }
         if plan.by_light {
             return Err(Error::Option("raster:frame=preview does not tell groups of lights apart".into()));
         }
@@ -104,15 +108,20 @@ impl Preview {
         let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.
         let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
-        let projected = Projected::new(run.scene, offset)?;
         let crop = run.scene.film().crop;
         let size = [crop.width(), crop.height()];
-        let by_rays = primitives(run.scene, list) > TRIANGLES_PER_PIXEL * u64::from(size[0]) * u64::from(size[1]);
-        let visibility =
-            (!by_rays).then(|| pool.install(|| Visibility::draw(run.scene, list, &projected))).transpose()?;
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let is_flat = matches!(run.scene.camera().projection, Projection::Perspective | Projection::Orthographic);
+        let seen = if is_flat && primitives(run.scene, list) <= TRIANGLES_PER_PIXEL * pixels {
+            let projected = Projected::new(run.scene, offset)?;
+            let visibility = pool.install(|| Visibility::draw(run.scene, list, &projected))?;
+            Some((projected, visibility))
+        } else {
+            None
+        };
         let options = [1, REFLECTED_POINTS].map(|points| Options { points, ..self.options });
         let (shadows, depth) = (Shadowing::by_rays(), self.depth);
-        let drawing = Drawing { run, list, projected, visibility, shadows, number, options, depth };
+        let drawing = Drawing { run, list, seen, offset, shadows, number, options, depth };
         let Some((pixels, mut counters)) = drawing.pixels(size) else { return Ok(None) };
         let Some((blocks, of_blocks)) = drawing.blocks(size, &pixels) else { return Ok(None) };
         counters += &of_blocks;
@@ -180,12 +189,24 @@ impl Drawing<'_> {
     }
 
     fn start(&self, shader: &Shader<'_>, at: [u32; 2], trace: &mut Trace<'_>) -> CameraPath {
-        let scene = self.run.scene;
-        let ray = self.projected.ray(scene, at);
-        let Some(visibility) = &self.visibility else {
-            return CameraPath { hit: trace.nearest(scene, &ray), ..CameraPath::start(shader, &ray, None) };
+        let (scene, ray) = (self.run.scene, self.ray(at));
+        let hit = match &self.seen {
+            Some((projected, visibility)) => visibility.seen(scene, self.list, projected, at).map(|seen| seen.hit),
+            None => trace.nearest(scene, &ray),
         };
-        CameraPath::start(shader, &ray, visibility.seen(scene, self.list, &self.projected, at))
+        CameraPath { hit, ..CameraPath::start(shader, &ray, None) }
+    }
+
+    fn ray(&self, at: [u32; 2]) -> Ray {
+        let scene = self.run.scene;
+        match &self.seen {
+            Some((projected, _)) => projected.ray(scene, at),
+            None => {
+                let (film, [x, y]) = (scene.film(), at);
+                let place = Vec2::new((film.crop.x0 + x) as f32, (film.crop.y0 + y) as f32) + self.offset;
+                scene.camera().ray(film, place, Vec2::splat(0.5))
+            }
+        }
     }
 
     /// The part of white light that a point sends to the eye.
@@ -257,7 +278,7 @@ impl Drawing<'_> {
 
     /// The angle between the rays of pixels side by side, in the middle of the picture.
     fn pixel_angle(&self, [width, height]: [u32; 2]) -> f32 {
-        let direction = |x| self.projected.ray(self.run.scene, [x, height / 2]).direction;
+        let direction = |x| self.ray([x, height / 2]).direction;
         let angle = (direction(width / 2 + 1) - direction(width / 2)).length();
         if angle > 0.0 && angle.is_finite() { angle } else { 1.0 / width as f32 }
     }
