@@ -150,12 +150,14 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         let readings = fit::readings(&specimen);
         fit::MODELS.map(|m| m.fit(&readings)).to_vec()
     });
+    let is_interface = kind == "interface";
     let report = Report {
         schema: 1,
         material: args.material.clone(),
         kind: is_summary.then_some(kind),
         parameters: if is_summary { parameters } else { Vec::new() },
-        summary: is_summary.then(|| summary(&specimen, args.samples)),
+        // An interface scatters nothing.
+        summary: (is_summary && !is_interface).then(|| summary(&specimen, args.samples)),
         wavelengths: (scene.mode() == ColorMode::Spectral).then(|| specimen.wavelengths()),
         albedo: args.albedo.then(|| ANGLES.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
         gloss: args.gloss.then(|| GEOMETRIES.iter().map(|g| gloss(&specimen, *g, args.samples)).collect()),

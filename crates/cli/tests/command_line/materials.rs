@@ -138,6 +138,8 @@ fn a_newcomer_finds_a_material() {
             "{kind}"
         );
     }
+    let text = place.succeed(&["material", "interface"]).stdout;
+    assert!(text.contains("no scattering") && !text.contains("transmits"), "{text}");
     place.succeed(&["material", "mix", "-p", "materials=diffuse|conductor", "--samples", "64"]);
     let json = place.succeed(&["material", "builtin:cornell-box:red", "--samples", "64", "--json"]).json();
     assert_eq!((json["kind"].as_str(), json["parameters"][0]["is_default"].as_bool()), (Some("diffuse"), Some(false)));

@@ -198,7 +198,7 @@ impl Chart {
         let mut body = String::new();
         let mut top = 26.0;
         top += svg::paragraph(&mut body, &self.title, top, "font-weight=\"bold\"");
-        top += svg::paragraph(&mut body, &self.y.label, top, "fill=\"#444\"") - FONT + 4.0;
+        top += svg::paragraph(&mut body, &self.y.label, top, "fill=\"#444\"") - FONT + 9.0;
         let frame = Frame::new(self, top);
         frame.draw(&mut body, self);
         let [left, top, right, bottom] = frame.sides;
