@@ -232,7 +232,7 @@ impl FileOptions {
 /// `steradian info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// Scene file, - for standard input, or builtin:NAME
+    /// Scene file, - for standard input, or builtin:NAME; or a picture (.exr .png .jpg .hdr …)
     pub scene: PathBuf,
     /// The scene.
     #[command(flatten)]
@@ -248,7 +248,7 @@ pub struct InfoArgs {
 /// `steradian list`.
 #[derive(Args, Debug)]
 pub struct ListArgs {
-    /// Family of names: integrators, materials, tones, …; default: all
+    /// Family of names (integrators, materials, tones, …), or the name of one thing (conductor, path, …); default: all
     pub family: Option<String>,
     /// Print the documentation of the materials as Markdown
     #[arg(long, conflicts_with = "json")]
@@ -263,6 +263,7 @@ pub struct ListArgs {
 #[command(
     after_help = "Parameters of kinds: numbers are written 0.5, colours 0.8,0.2,0.1, spectra by name (metal-Au-eta), textures and measured data\n\
     as file names, materials as KIND or KIND(name=value;name=value), lists of them separated by |.\n\
+    Without a reading asked for, the parameters and a summary are printed: steradian material plastic -p alpha_u=0.2\n\
     Directions are unit vectors away from the surface, z along the normal, x along the tangent."
 )]
 pub struct MaterialArgs {
@@ -274,6 +275,10 @@ pub struct MaterialArgs {
     /// Write polar slices through the lobes as SVG
     #[arg(long, value_name = "OUT.svg")]
     pub plot: Option<PathBuf>,
+    /// Radius of the plot: in proportion to the values, or by their logarithm over four decades, which shows what is weak
+    /// beside a narrow lobe
+    #[arg(long, value_enum, default_value_t, value_name = "SCALE", requires = "plot")]
+    pub plot_scale: PlotScale,
     /// Render a ball of the material into this file (for SCENE:NAME, the scene)
     #[arg(long, value_name = "OUT")]
     pub picture: Option<PathBuf>,
@@ -329,6 +334,16 @@ pub struct MaterialArgs {
     /// Print one line of JSON to stdout
     #[arg(long)]
     pub json: bool,
+}
+
+/// Radius of the plot of a material.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum PlotScale {
+    /// In proportion to the values.
+    #[default]
+    Linear,
+    /// By their logarithm.
+    Log,
 }
 
 /// `steradian verify`.

@@ -35,7 +35,7 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Render a scene by every integrator that can, and test whether they agree
     Verify(VerifyArgs),
-    /// Show what is in a scene, and what was approximated or dropped
+    /// Show what is in a scene and what was approximated or dropped, or what is in a picture
     Info(InfoArgs),
     /// List names: integrators, materials, lights, layers, tone curves, …
     List(ListArgs),

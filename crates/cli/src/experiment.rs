@@ -58,11 +58,25 @@ struct Answer<'a> {
 
 /// Lists, explains, or runs and writes.
 pub fn run(family: &'static str, args: &ExperimentArgs, terminal: Terminal) -> Outcome {
+    let experiments = || FAMILIES.iter().filter(|f| f.0 == family).flat_map(|f| f.2);
+    let first = experiments().next().map_or("NAME", |e| e.name);
     let Some(name) = &args.name else {
+        if args.explain || !args.params.is_empty() || !args.output.is_empty() || args.table.is_some() {
+            let what = format!(
+                "of which experiment? Name it first, as in steradian {family} {first}; `steradian {family}` lists all"
+            );
+            return Err(Failure::bad_input(what));
+        }
         terminal::data(list(family).as_bytes())?;
         return Ok(failure::DONE);
     };
-    let names = FAMILIES.iter().filter(|f| f.0 == family).flat_map(|f| f.2).map(|e| e.name);
+    let names = experiments().map(|e| e.name);
+    if Path::new(name).is_file() {
+        let on_picture = experiments().find(|e| e.needs_picture()).map(|e| format!("{} {name}", e.name));
+        let example = on_picture.unwrap_or_else(|| first.into());
+        let what = format!("'{name}' is a file; name an experiment first, as in steradian {family} {example}");
+        return Err(Failure::bad_input(what));
+    }
     let name = known_name(name, "experiment", names).map_err(Failure::bad_input)?;
     let experiment =
         find(family, name).ok_or_else(|| Failure::bad_input(format!("there is no experiment '{name}'")))?;
@@ -78,6 +92,9 @@ pub fn run(family: &'static str, args: &ExperimentArgs, terminal: Terminal) -> O
     let report = experiment.run(&args.params, picture.as_ref()).map_err(|e| match e {
         Error::UnknownParameter { .. } | Error::BadValue { .. } => {
             Failure::bad_input(format!("{e}\n`steradian {family} {name} --explain` lists the parameters"))
+        }
+        other if experiment.needs_picture() && picture.is_none() => {
+            Failure::bad_input(format!("{other}, as in steradian {family} {name} PICTURE.png -o {name}.png"))
         }
         other => Failure::bad_input(other.to_string()),
     })?;
@@ -130,7 +147,11 @@ fn list(family: &str) -> String {
     for experiment in FAMILIES.iter().filter(|f| f.0 == family).flat_map(|f| f.2) {
         let _ = writeln!(text, "{:22} {}", experiment.name, experiment.doc);
     }
-    let _ = writeln!(text, "\n`steradian {family} NAME --explain` lists the parameters of one.");
+    let first = FAMILIES.iter().find(|f| f.0 == family).and_then(|f| f.2.first()).map_or("NAME", |e| e.name);
+    let _ = writeln!(
+        text,
+        "\n`steradian {family} NAME --explain` lists the parameters of one. To run one: steradian {family} {first} -o {first}.svg"
+    );
     text
 }
 

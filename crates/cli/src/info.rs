@@ -6,7 +6,7 @@ use crate::{
     failure::{self, Failure, Outcome},
     memory,
     open::{self, Opened},
-    output,
+    output, picture,
     terminal::{self, Terminal},
 };
 use serde::Serialize;
@@ -120,6 +120,9 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     }
     open::limit_threads(args.scene_options.threads);
     let name = open::shown(&args.scene);
+    if let Some(kind) = picture::kind(&args.scene) {
+        return picture::tell(&args.scene, kind, args.json);
+    }
     let mut opened = open::open(&args.scene, &args.scene_options, None);
     if args.scene_options.strict {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);

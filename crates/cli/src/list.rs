@@ -4,13 +4,12 @@ use crate::{
     args::ListArgs,
     failure::{self, Failure, Outcome},
     terminal,
-    values::known_name,
 };
 use serde::Serialize;
 use std::fmt::Write;
 use steradian::{
     OptionInfo,
-    scene::Family,
+    scene::{Family, names},
     schema::{self, FAMILIES, Parameter},
 };
 
@@ -115,8 +114,15 @@ pub fn run(args: &ListArgs) -> Outcome {
             "medium" => "media",
             other => other,
         });
-        let family = known_name(plural, "family", known).map_err(Failure::bad_input)?.to_owned();
-        families.retain(|f| f.family == family);
+        if known.clone().any(|k| k == plural) {
+            families.retain(|f| f.family == plural);
+        } else if families.iter().flat_map(|f| &f.entries).any(|e| e.name == wanted) {
+            // A thing itself, wherever it is.
+            families.iter_mut().for_each(|f| f.entries.retain(|e| e.name == wanted));
+            families.retain(|f| !f.entries.is_empty());
+        } else {
+            return Err(Failure::bad_input(unknown(wanted, &families)));
+        }
     }
     if args.markdown {
         let described = || FAMILIES.into_iter().filter(|f| !f.models().is_empty());
@@ -135,6 +141,15 @@ pub fn run(args: &ListArgs) -> Outcome {
         terminal::data(text(&families, args.family.is_some()).as_bytes())?;
     }
     Ok(failure::DONE)
+}
+
+/// Why a name is not listed: with the nearest family, or the nearest thing and where it is.
+fn unknown(wanted: &str, families: &[Listed]) -> String {
+    let known = families.iter().map(|f| f.family);
+    let things = families.iter().flat_map(|f| f.entries.iter().map(|e| e.name));
+    let near = names::did_you_mean(wanted, known.clone().chain(things)).map(|h| format!("; {h}")).unwrap_or_default();
+    let known = known.collect::<Vec<_>>().join(", ");
+    format!("there is no family '{wanted}', and nothing of that name{near} (families: {known})")
 }
 
 /// A line for each thing; with `details` also what is known of its parameters.

@@ -14,6 +14,7 @@ mod diagnostics;
 mod experiment;
 mod failure;
 mod frames;
+mod glance;
 mod info;
 mod list;
 mod material;
@@ -22,12 +23,14 @@ mod meter;
 mod open;
 mod output;
 mod panics;
+mod picture;
 mod progress;
 mod relief;
 mod render;
 mod report;
 mod signal;
 mod signals;
+mod slips;
 mod solving;
 mod terminal;
 mod values;
@@ -48,6 +51,9 @@ fn main() -> ExitCode {
         Err(answer) => {
             // Also `--help` and `--version` arrive here. A reader that has gone away is no failure.
             let _ = answer.print();
+            if let Some(advice) = slips::advice(&answer) {
+                Terminal::new(false).say(&advice);
+            }
             return ExitCode::from(answer.exit_code() as u8);
         }
     };

@@ -1,9 +1,10 @@
 //! `steradian material`: a material under the instruments.
 
 use crate::{
-    args::{Color, MaterialArgs},
+    args::{Color, MaterialArgs, PlotScale},
     diagnostics,
     failure::{self, Failure, Outcome},
+    glance::{self, Setting},
     open, output, relief,
     terminal::{self, Terminal},
     values::known_name,
@@ -24,9 +25,10 @@ use steradian::{
         goniometer,
         laws::{self, Laws},
         plot,
+        summary::{Summary, summary},
     },
     math::Vec3,
-    scene::Family,
+    scene::{Family, Node, SceneDesc},
     specimen,
 };
 
@@ -41,9 +43,13 @@ const PICTURE: (u32, u32) = (150, 150);
 struct Report {
     schema: u32,
     material: String,
-    /// Its parameters as they are, where no reading was asked for and it is given by its kind.
+    /// Its kind, its parameters as they are and what it does, where no reading was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<String>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     parameters: Vec<Setting>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    summary: Option<Summary>,
     /// What the lanes of values are: `rgb`, or four wavelengths in nm.
     #[serde(skip_serializing_if = "Option::is_none")]
     wavelengths: Option<[f32; 4]>,
@@ -62,15 +68,6 @@ struct Report {
     eval: Option<Vec<Evaluated>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     relief: Option<Vec<relief::Reading>>,
-}
-
-/// A parameter and its value, as text.
-#[derive(Debug, Serialize)]
-struct Setting {
-    name: &'static str,
-    value: String,
-    is_default: bool,
-    meaning: &'static str,
 }
 
 /// A pair of directions: towards the viewer and the light, in the shading frame.
@@ -123,7 +120,16 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         };
         return tell(&report, args.json);
     }
-    let Glass { scene, index, inputs } = under_glass(args, terminal)?;
+    let is_summary = is_summary(args);
+    // Of what needs more to be measured, the parameters are told all the same.
+    if is_summary && args.params.is_empty() && glance::needed(&args.material).next().is_some() {
+        let kind = &args.material;
+        terminal.say(&format!("before it is measured, it needs more: {}", glance::example(kind)));
+        let parameters = glance::settings(&Node::new(Family::Material, kind, None), &SceneDesc::default());
+        let (material, kind) = (kind.clone(), Some(kind.clone()));
+        return tell(&Report { schema: 1, material, kind, parameters, ..Report::default() }, args.json);
+    }
+    let Glass { scene, index, inputs, kind, parameters } = under_glass(args, terminal)?;
     output::claim(outputs(), &inputs)?;
     let mut specimen = Specimen::new(&scene, index).at(args.uv.into());
     if let Some(lambda) = args.wavelengths {
@@ -131,7 +137,11 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     }
     let pairs = args.eval.as_deref().map(read_pairs).transpose()?;
     if let Some(path) = &args.plot {
-        write(path, plot::svg(&specimen, &args.material))?;
+        let radius = match args.plot_scale {
+            PlotScale::Linear => plot::Radius::Linear,
+            PlotScale::Log => plot::Radius::Log,
+        };
+        write(path, plot::svg(&specimen, &titled(args), radius))?;
     }
     if let Some(path) = &args.table {
         write(path, goniometer::table(&specimen, [5.0, 10.0], &[0.0]))?;
@@ -140,15 +150,16 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
         let readings = fit::readings(&specimen);
         fit::MODELS.map(|m| m.fit(&readings)).to_vec()
     });
-    let is_summary = is_summary(args);
-    let angles = if is_summary { &ANGLES[..5] } else { &ANGLES };
-    let wants_albedo = args.albedo || is_summary;
+    let is_interface = kind == "interface";
     let report = Report {
         schema: 1,
         material: args.material.clone(),
-        parameters: if is_summary { settings(args) } else { Vec::new() },
+        kind: is_summary.then_some(kind),
+        parameters: if is_summary { parameters } else { Vec::new() },
+        // An interface scatters nothing.
+        summary: (is_summary && !is_interface).then(|| summary(&specimen, args.samples)),
         wavelengths: (scene.mode() == ColorMode::Spectral).then(|| specimen.wavelengths()),
-        albedo: wants_albedo.then(|| angles.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
+        albedo: args.albedo.then(|| ANGLES.iter().map(|t| albedo(&specimen, *t, args.samples)).collect()),
         gloss: args.gloss.then(|| GEOMETRIES.iter().map(|g| gloss(&specimen, *g, args.samples)).collect()),
         best_fit: fits.as_deref().and_then(fit::best),
         fit: fits,
@@ -168,29 +179,16 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     Ok(failure::DONE)
 }
 
-/// Whether nothing in particular was asked for: then the parameters and the albedo are told.
+/// Whether nothing in particular was asked for: then the parameters and a summary are told.
 fn is_summary(args: &MaterialArgs) -> bool {
     let readings = args.albedo || args.gloss || args.fit || args.laws || args.eval.is_some();
     !readings && args.plot.is_none() && args.table.is_none() && args.picture.is_none()
 }
 
-/// The parameters of a material given by its kind; none for one of a scene.
-fn settings(args: &MaterialArgs) -> Vec<Setting> {
-    let models = Family::Material.models();
-    let model = models.iter().find(|m| m.kind == args.material && scene_and_name(&args.material).is_none());
-    let parameters = model.into_iter().flat_map(|m| m.all());
-    parameters
-        .map(|p| {
-            let given = args.params.iter().rev().find(|(name, _)| name == p.name).map(|(_, value)| value.clone());
-            let is_default = given.is_none();
-            Setting {
-                name: p.name,
-                value: given.unwrap_or_else(|| p.default.split(';').next().unwrap_or_default().into()),
-                is_default,
-                meaning: p.doc,
-            }
-        })
-        .collect()
+/// What a plot is called: the material and what was set of it.
+fn titled(args: &MaterialArgs) -> String {
+    let set = args.params.iter().map(|(name, value)| format!(" {name}={value}"));
+    format!("{}{}", args.material, set.collect::<String>())
 }
 
 fn tell(report: &Report, json: bool) -> Outcome {
@@ -240,6 +238,9 @@ struct Glass {
     index: u32,
     /// The files that it was made of.
     inputs: Inputs,
+    /// Its kind, and its parameters.
+    kind: String,
+    parameters: Vec<Setting>,
 }
 
 /// The scene file and the name in it, where a material is one of a scene.
@@ -249,21 +250,51 @@ fn scene_and_name(material: &str) -> Option<(&str, &str)> {
     material.rsplit_once(':').filter(|(file, _)| is_scene(file))
 }
 
+/// Why a scene alone is not enough, with the materials that it has.
+fn of_which(args: &MaterialArgs, terminal: Terminal) -> Failure {
+    let scene = &args.material;
+    let opened = open::open(Path::new(scene), &args.scene, None);
+    match opened.into_scene(Path::new(scene), false, terminal) {
+        Err(failure) => failure,
+        Ok(ready) => {
+            let mut names: Vec<&str> = Vec::new();
+            for name in ready.scene.material_names().iter().filter(|n| !n.is_empty()) {
+                if !names.contains(&name.as_str()) {
+                    names.push(name);
+                }
+            }
+            // What shapes without a material have comes last.
+            names.sort_by_key(|n| *n == "default");
+            let Some(first) = names.first() else {
+                return Failure::bad_input(format!("'{scene}' is a scene, and none of its materials has a name"));
+            };
+            let (example, names) = (format!("steradian material {scene}:{first}"), names.join(", "));
+            Failure::bad_input(format!("'{scene}' is a scene; name one of its materials ({names}), as in {example}"))
+        }
+    }
+}
+
 /// The material of a scene file, or of a kind with the parameters given.
 fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure> {
     if let Some((file, name)) = scene_and_name(&args.material) {
         if !args.params.is_empty() {
             return Err(Failure::bad_input("--params sets parameters of a material by kind, not of one in a scene"));
         }
-        let ready =
-            open::open(Path::new(file), &args.scene, None).into_scene(Path::new(file), args.scene.strict, terminal)?;
+        let opened = open::open(Path::new(file), &args.scene, None);
+        let is_named = |n: &&Node| n.family == Family::Material && n.name.as_deref() == Some(name);
+        let node = opened.desc.nodes.iter().rfind(is_named);
+        let parameters = node.map(|n| glance::settings(n, &opened.desc)).unwrap_or_default();
+        let kind = node.map(|n| n.kind.clone()).unwrap_or_default();
+        let ready = opened.into_scene(Path::new(file), args.scene.strict, terminal)?;
         let names = || ready.scene.material_names().iter().map(String::as_str);
         known_name(name, "material", names()).map_err(Failure::bad_input)?;
         let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);
-        return Ok(Glass { scene: ready.scene, index: index as u32, inputs: ready.inputs });
+        return Ok(Glass { scene: ready.scene, index: index as u32, inputs: ready.inputs, kind, parameters });
     }
-    known_name(&args.material, "material", Family::Material.models().iter().map(|m| m.kind))
-        .map_err(Failure::bad_input)?;
+    if args.material.starts_with("builtin:") || Path::new(&args.material).is_file() {
+        return Err(of_which(args, terminal));
+    }
+    glance::known(&args.material)?;
     let desc = specimen::describe(&args.material, &args.params).map_err(Failure::bad_input)?;
     let mode = if args.scene.color == Color::Spectral { ColorMode::Spectral } else { ColorMode::Rgb };
     let compiling = CompileOptions {
@@ -277,7 +308,11 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
     match compiled.scene {
         Some(scene) => {
             let inputs = Inputs::of(desc.files().chain(compiled.files.iter().map(PathBuf::as_path)));
-            Ok(Glass { index: scene.geometries()[0].material, scene: Arc::new(scene), inputs })
+            let is_it = |n: &&Node| n.family == Family::Material && n.name.as_deref() == Some(&*args.material);
+            let node = desc.nodes.iter().rfind(is_it);
+            let parameters = node.map(|n| glance::settings(n, &desc)).unwrap_or_default();
+            let (index, kind) = (scene.geometries()[0].material, args.material.clone());
+            Ok(Glass { index, scene: Arc::new(scene), inputs, kind, parameters })
         }
         None => Err(Failure::bad_input(format!("material '{}' has errors", args.material))),
     }
@@ -291,9 +326,8 @@ impl Report {
             Some(l) => format!("at {} nm", l.map(|l| l.to_string()).join(", ")),
             None => "red, green, blue".into(),
         };
-        for s in &self.parameters {
-            let by = if s.is_default { "  (default)" } else { "" };
-            let _ = writeln!(out, "{:20} {:16} {}{by}", s.name, s.value, s.meaning);
+        if let Some(kind) = &self.kind {
+            glance::text(&mut out, kind, &self.parameters, self.summary.as_ref());
         }
         if let Some(rows) = &self.albedo {
             let _ = writeln!(out, "albedo ({what})\n angle  reflectance                     transmittance");

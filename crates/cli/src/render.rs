@@ -8,6 +8,7 @@ use crate::{
     memory,
     open::{self, Ready},
     output::{self, Provenance},
+    picture,
     progress::Progress,
     report::{self, Report},
     signals::{self, Signals},
@@ -197,6 +198,13 @@ impl<'a> Job<'a> {
             );
         }
         let solution = quality.solution();
+        if args.scene_options.format.is_none() && picture::kind(path).is_some() {
+            let what =
+                format!("'{}' is a picture, which `steradian info`, compare, convert and signal read", path.display());
+            return Err(Failure::bad_input(format!(
+                "{what}; render takes a scene, as in steradian render {DEFAULT_SCENE}"
+            )));
+        }
         let job = Self { args, terminal, path, name: open::shown(path), quality, solution, outputs, kinds };
         output::claim(job.outputs.iter().map(PathBuf::as_path).chain(job.kept()), &Inputs::of([path]))?;
         args.resume.as_deref().map_or(Ok(()), check_state)?;

@@ -116,7 +116,7 @@ pub fn error(text: &str) -> Result<f64, String> {
 pub fn definition(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
-        _ => Err("write it as NAME=VALUE".into()),
+        _ => Err("write it as NAME=VALUE, such as eta=1.5".into()),
     }
 }
 

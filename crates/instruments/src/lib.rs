@@ -22,6 +22,8 @@ pub mod microsurface;
 pub mod optics;
 pub mod plot;
 mod specimen;
+pub mod summary;
+mod svg;
 pub mod vision;
 
 pub use specimen::Specimen;

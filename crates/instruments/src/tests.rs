@@ -8,7 +8,7 @@ use crate::{
     goniometer::{self, Bins},
     laws,
     microsurface::Microsurface,
-    plot,
+    plot, summary,
 };
 use steradian_bsdf::{Microfacet, NormalDistribution, Shadowing, fresnel, measured::AngleTable};
 use steradian_compile::{Options, compile};
@@ -98,7 +98,7 @@ fn lobes_point_along_the_mirror_direction() {
     assert!(
         matches!(slice.specular[..], [(theta, power)] if (theta - 50.0).abs() < 1e-3 && (power - 1.0).abs() < 1e-5)
     );
-    let svg = plot::svg(&Specimen::new(&mirror, 1), "a < b & c");
+    let svg = plot::svg(&Specimen::new(&mirror, 1), "a < b & c", plot::Radius::Linear);
     assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n") && svg.contains("a &lt; b &amp; c"));
 }
 
@@ -214,4 +214,47 @@ fn laws_are_kept_or_named() {
     let ward = material("ward").with("form", "duer").with("alpha_u", 0.2).with("diffuse_reflectance", 0.0);
     let ward = broken(ward.with("specular_reflectance", 1.0));
     assert!(!ward.is_empty() && ward.iter().all(|l| l.starts_with("energy")), "{ward:?}");
+}
+
+/// Polished glass reflects 4 % at the normal (Fresnel: (½/2½)²) in a specular lobe and transmits the rest; a matt white
+/// reflects its albedo; the empirical form of Phong's model gains energy, and that is told.
+#[test]
+fn a_material_at_a_glance() {
+    let glance = |m: Node| summary::summary(&Specimen::new(&scene(None, m), 1), 4096);
+    let glass = glance(material("dielectric").with("eta", 1.5));
+    assert!((glass.white[0].reflectance - 0.04).abs() < 1e-3 && (glass.white[0].transmittance - 0.96).abs() < 1e-3);
+    let names: Vec<_> = glass.lobes.iter().map(|l| l.name.as_str()).collect();
+    assert_eq!(names, ["specular transmission", "specular reflection"]);
+    // Fresnel's equations at 45°: R = (sin²(a−b)/sin²(a+b) + tan²(a−b)/tan²(a+b)) / 2.
+    let (a, b) = (45f64.to_radians(), (0.5f64.sqrt() / 1.5).asin());
+    let r = 0.5 * (((a - b).sin() / (a + b).sin()).powi(2) + ((a - b).tan() / (a + b).tan()).powi(2));
+    assert!((glass.lobes[1].share - r).abs() < 3e-3 && (f64::from(glass.white[1].reflectance) - r).abs() < 3e-3);
+    assert!(glass.is_transmitting && glass.conserves_energy);
+    let matt = glance(material("diffuse").with("reflectance", 0.8));
+    assert!(matt.white.iter().all(|w| (w.reflectance - 0.8).abs() < 1e-4 && w.transmittance == 0.0));
+    assert!(!matt.is_transmitting && matt.conserves_energy && (matt.largest_albedo - 0.8).abs() < 1e-4);
+    let empirical = material("phong").with("form", "empirical").with("specular_reflectance", 0.9);
+    assert!(!glance(empirical).conserves_energy);
+}
+
+/// The radius of a plot: what is a tenth of the largest is drawn at a quarter less by the logarithm over four decades;
+/// only what transmits has a lower half; titles of any length stay within the picture.
+#[test]
+fn plots_have_two_scales() {
+    let metal = scene(None, material("conductor").with("alpha_u", 0.1));
+    let specimen = Specimen::new(&metal, 1);
+    let extent = |svg: &str| {
+        // Height of the viewer's arrow at 0° that the slice of that light reaches below the top: its highest point.
+        let path = svg.split("<path d=\"").find(|p| p.contains("fill-opacity")).expect("a slice");
+        let points = path.split('"').next().unwrap_or_default().split(['M', 'L', 'Z']).filter(|p| !p.is_empty());
+        points.filter_map(|p| p.split(' ').nth(1)?.parse::<f64>().ok()).fold(f64::INFINITY, f64::min)
+    };
+    let [linear, log] = [plot::Radius::Linear, plot::Radius::Log].map(|r| extent(&plot::svg(&specimen, "metal", r)));
+    let top = |theta| plot::slice(&specimen, theta).values.iter().map(|v| v.1).fold(0.0, f64::max);
+    let largest = [0.0, 30.0, 60.0, 80.0].map(top).into_iter().fold(0.0, f64::max);
+    let outer = 10f64.powf(largest.log10().ceil());
+    let expected = 324.0 - 236.0 * (1.0 + (top(0.0) / outer).log10() / 4.0);
+    assert!((log - expected).abs() < 0.1 && linear > log + 20.0, "{log} {expected} {linear}");
+    let long = plot::svg(&specimen, &"/a/long/folder".repeat(20), plot::Radius::Log);
+    assert!(long.matches("/a/long/folder").count() >= 18 && long.contains("translate(0 60)"), "{long}");
 }

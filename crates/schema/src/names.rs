@@ -24,19 +24,29 @@ fn distance(a: &str, b: &str) -> usize {
 /// Most names that a misspelt one is compared with: what comes after them is not offered.
 const COMPARED: usize = 10_000;
 
-/// The known name nearest to a misspelt one, if any is near enough to be worth offering.
+/// The known name nearest to a misspelt one, if any is near enough to be worth offering; else the shortest that begins
+/// with it.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
     let limit = (length / 3).max(1) + 1;
-    known
+    let folded = name.to_lowercase();
+    let mut begun: Option<&str> = None;
+    let near = known
         .into_iter()
+        .inspect(|k| {
+            let is_begun = length >= 3 && k.len() > name.len() && k.to_lowercase().starts_with(&folded);
+            if is_begun && begun.is_none_or(|b| (k.len(), *k) < (b.len(), b)) {
+                begun = Some(k);
+            }
+        })
         // Each character more or less is an edit of its own.
         .filter(|k| k.chars().count().abs_diff(length) <= limit)
         .take(COMPARED)
         .map(|k| (distance(name, k), k))
         .filter(|&(d, _)| d <= limit)
         .min_by_key(|&(d, k)| (d, k))
-        .map(|(_, k)| k)
+        .map(|(_, k)| k);
+    near.or(begun)
 }
 
 /// `did you mean 'x'?` for the nearest known name.
@@ -55,6 +65,7 @@ mod tests {
         assert_eq!(nearest("dielctric", known), Some("dielectric"));
         assert_eq!(nearest("Conducter", known), Some("conductor"));
         assert_eq!(nearest("banana", known), None);
+        assert_eq!((nearest("Coated", known), nearest("co", known)), (Some("coateddiffuse"), None));
         assert_eq!(distance("ab", "ba"), 1);
         assert_eq!(distance("", "abc"), 3);
     }

@@ -1,10 +1,18 @@
 //! Opening scenes of any format.
 
 use crate::{CompileOptions, Error, Scene, compile, cornell};
-use std::{path::Path, sync::Arc, time::Duration, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+    time::Instant,
+};
 use steradian_formats::{Import, Options};
 use steradian_math::DVec3;
-use steradian_scene::{Diagnostic, Diagnostics, SceneDesc, Severity, names::did_you_mean};
+use steradian_scene::{
+    Diagnostic, Diagnostics, SceneDesc, Severity,
+    names::{did_you_mean, nearest},
+};
 
 /// A scene as it was read.
 #[derive(Debug)]
@@ -126,7 +134,9 @@ fn read(path: &Path, options: &Options) -> Import {
         };
     }
     if !path.exists() {
-        return failed(format!("cannot find the scene '{name}'"), None);
+        let help = near(path).map(|found| format!("did you mean '{}'?", found.display()));
+        let help = help.unwrap_or_else(|| "a scene that is always there: builtin:cornell-box".into());
+        return failed(format!("cannot find the scene '{name}'"), Some(help));
     }
     if path.is_dir() {
         return failed(format!("'{name}' is a folder; give the scene file in it"), None);
@@ -143,6 +153,26 @@ fn read(path: &Path, options: &Options) -> Import {
         _ => unknown(&name),
     };
     with_definitions_told(import, format, options)
+}
+
+/// Most files of a folder that a name is compared with.
+const COMPARED: usize = 4096;
+
+/// The scene file of a folder whose name is nearest to that of one that is not there: the same name with an extension,
+/// or one that is spelt almost alike.
+fn near(path: &Path) -> Option<PathBuf> {
+    let folder = path.parent()?;
+    let looked_in = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let is_scene = |name: &String| {
+        let extension = Path::new(name.strip_suffix(".gz").unwrap_or(name)).extension().and_then(|e| e.to_str());
+        extension.is_some_and(|e| EXTENSIONS.iter().any(|known| known.0.eq_ignore_ascii_case(e)))
+    };
+    let entries = std::fs::read_dir(looked_in).ok()?.take(COMPARED).flatten();
+    let mut names: Vec<String> = entries.filter_map(|e| e.file_name().into_string().ok()).filter(is_scene).collect();
+    names.sort();
+    let wanted = path.file_name()?.to_str()?;
+    let found = nearest(wanted, names.iter().map(String::as_str))?;
+    Some(folder.join(found))
 }
 
 /// Tells the definitions (`-D name=value`) that nothing uses. Mitsuba's reader, which alone knows the names that a file
@@ -179,7 +209,11 @@ fn with_definitions_told(mut import: Import, format: &str, options: &Options) ->
 
 fn unknown(name: &str) -> Import {
     let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
-    failed(format!("'{name}' is not a kind of scene that can be read"), Some(format!("known are {known}")))
+    let help = match steradian_image::FileKind::from_extension(Path::new(name)) {
+        Some(_) => "it is a picture, which `steradian info`, compare, convert and signal read".into(),
+        None => format!("known are {known}"),
+    };
+    failed(format!("'{name}' is not a kind of scene that can be read"), Some(help))
 }
 
 fn failed(message: String, help: Option<String>) -> Import {

@@ -25,6 +25,12 @@ fn every_family_is_listed() {
     assert_eq!(one, place.succeed(&["list", "sampler"]).stdout, "the singular will do");
     assert!(place.succeed(&["list", "medium"]).stdout.starts_with("media"));
     place.refuse(2, &["list", "integraters"], &["did you mean 'integrators'?"]);
+    let metal = place.succeed(&["list", "conductor"]).stdout;
+    assert!(
+        metal.starts_with("materials\n  conductor") && metal.contains("alpha_u") && !metal.contains("plastic"),
+        "{metal}"
+    );
+    place.refuse(2, &["list", "plastc"], &["did you mean 'plastic'?", "families: integrators"]);
     let materials = place.succeed(&["list", "materials"]).stdout;
     for part in ["  conductor", "alpha_u", "in [0, 16]", "default", "source: ", "in [0, 1]", "nm;"] {
         assert!(materials.contains(part), "{part}");

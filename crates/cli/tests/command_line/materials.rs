@@ -97,16 +97,24 @@ fn geometry_is_a_material() {
     place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
 }
 
-/// Without a reading asked for, parameters and albedos are told; laws with p-values, of a scene's material too; of fits
-/// the best is named.
+/// Without a reading asked for, parameters and a summary are told; laws with p-values, of a scene's material too; of
+/// fits the best is named.
 #[test]
 fn summaries_laws_and_best_fits() {
     let place = Place::new();
     let text = place.succeed(&["material", "phong", "-p", "exponent=12"]).stdout;
-    assert!(text.contains("exponent") && text.contains("12") && text.contains("albedo"), "{text}");
-    assert!(
-        text.lines().any(|l| l.starts_with("form") && l.contains("modified") && l.ends_with("(default)")),
-        "{text}"
+    let row = |name: &str| text.lines().find(|l| l.split_whitespace().next() == Some(name)).unwrap_or_default();
+    assert!(row("exponent").contains(" 12 ") && row("exponent").contains(" set "), "{text}");
+    assert!(row("form").contains("modified") && row("form").contains(" default "), "{text}");
+    assert!(row("transmits").ends_with("no") && row("lobes").contains("glossy reflection"), "{text}");
+    assert!(text.contains("conserves energy yes") && text.contains("reflectance"), "{text}");
+    let json = place.succeed(&["material", "dielectric", "-p", "eta=1.5", "--json"]).json();
+    assert_eq!((json["kind"].as_str(), json["summary"]["is_transmitting"].as_bool()), (Some("dielectric"), Some(true)));
+    assert!((json["summary"]["white"][0]["reflectance"].as_f64().unwrap() - 0.04).abs() < 1e-4, "{json}");
+    let eta = json["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "eta").unwrap();
+    assert_eq!(
+        (eta["value"].as_str(), eta["default"].as_str(), eta["range"][1].as_f64()),
+        (Some("1.5"), Some("1.5"), Some(20.0))
     );
     let laws = ["--laws", "--samples", "4096"];
     let json = place.succeed(&[&["material", "builtin:cornell-box:red", "--json"][..], &laws].concat()).json();
@@ -116,4 +124,58 @@ fn summaries_laws_and_best_fits() {
     assert!(text.contains("BROKEN") && text.contains("not all laws hold"), "{text}");
     let json = place.succeed(&["material", "ward", "-p", "form=duer", "alpha_u=0.3", "--fit", "--json"]).json();
     assert_eq!(json["best_fit"], "ward-duer", "{json}");
+}
+
+/// What needs more than its kind tells its parameters and how they are given; a material of a scene tells what the scene
+/// sets; everyday names and scenes without a name are answered with a command that works.
+#[test]
+fn a_newcomer_finds_a_material() {
+    let place = Place::new();
+    for kind in ["mix", "mask", "two_sided", "measured"] {
+        let run = place.succeed(&["material", kind]);
+        assert!(
+            run.stdout.contains("needed") && run.stderr.contains(&format!("steradian material {kind} -p")),
+            "{kind}"
+        );
+    }
+    let text = place.succeed(&["material", "interface"]).stdout;
+    assert!(text.contains("no scattering") && !text.contains("transmits"), "{text}");
+    place.succeed(&["material", "mix", "-p", "materials=diffuse|conductor", "--samples", "64"]);
+    let json = place.succeed(&["material", "builtin:cornell-box:red", "--samples", "64", "--json"]).json();
+    assert_eq!((json["kind"].as_str(), json["parameters"][0]["is_default"].as_bool()), (Some("diffuse"), Some(false)));
+    place.refuse(2, &["material", "builtin:cornell-box"], &["is a scene", "red", "material builtin:cornell-box:"]);
+    for everyday in [
+        "gold",
+        "silver",
+        "copper",
+        "aluminium",
+        "brass",
+        "metal",
+        "mirror",
+        "glass",
+        "water",
+        "matte",
+        "paint",
+        "skin",
+        "fabric",
+    ] {
+        let run = place.run(&["material", everyday]);
+        let command =
+            run.stderr.split("try: steradian ").nth(1).and_then(|t| t.split(" (known").next()).unwrap_or_default();
+        assert!(run.code == 2 && !command.is_empty(), "{everyday}: {}", run.stderr);
+        let words: Vec<_> = command.split(' ').chain(["--samples", "64"]).collect();
+        place.succeed(&words);
+    }
+}
+
+/// By its logarithm a plot shows what is weak beside a narrow lobe; a scale without a plot is refused.
+#[test]
+fn plots_have_a_logarithmic_radius() {
+    let place = Place::new();
+    let rough = ["material", "plastic", "-p", "alpha_u=0.2", "--plot"];
+    place.succeed(&[&rough[..], &["a.svg"]].concat());
+    place.succeed(&[&rough[..], &["b.svg", "--plot-scale", "log"]].concat());
+    let [a, b] = ["a.svg", "b.svg"].map(|f| std::fs::read_to_string(place.path(f)).unwrap());
+    assert!(!a.contains("logarithmic") && b.contains("logarithmic") && b.contains("plastic alpha_u=0.2"));
+    place.refuse(2, &["material", "plastic", "--plot-scale", "log"], &["--plot"]);
 }

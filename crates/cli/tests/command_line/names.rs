@@ -5,6 +5,7 @@ use std::{
     io::Write,
     process::{Output, Stdio},
 };
+use steradian::image::Image;
 
 const PBRT: &str = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n\
                     LightSource \"infinite\"\nInclude \"ball.txt\"\n";
@@ -131,4 +132,51 @@ fn strict_refuses_what_is_not_used() {
         place.succeed(&small);
         place.refuse(2, &[&small[..], &["--strict"]].concat(), &[about, "unused, which --strict refuses"]);
     }
+}
+
+/// What a newcomer writes first is answered with a command that works.
+#[test]
+fn first_steps_are_answered_with_an_example() {
+    let place = Place::new();
+    place.file("ball.pbrt", "WorldBegin\nShape \"sphere\"\n");
+    for (arguments, about) in [
+        (&["info"][..], &["example: steradian info builtin:cornell-box"][..]),
+        (&["compare", "a.exr"], &["example: steradian compare A.exr B.exr"]),
+        (&["ball.pbrt"], &["example: steradian render ball.pbrt"]),
+        (&["render", "bal.pbrt"], &["cannot find the scene 'bal.pbrt'", "did you mean 'ball.pbrt'?"]),
+        (&["info", "ball"], &["did you mean 'ball.pbrt'?"]),
+        (&["render", "none.gltf"], &["builtin:cornell-box"]),
+        (&["vision", "ball.pbrt"], &["is a file", "steradian vision cones ball.pbrt"]),
+        (&["vision", "-p", "x=1"], &["of which experiment?", "steradian vision chromaticity"]),
+        (&["vision", "night"], &["steradian vision night PICTURE.png -o night.png"]),
+        (&["vision", "chroma"], &["did you mean 'chromaticity'?"]),
+        (&["optics", "prism", "-p", "3"], &["NAME=VALUE, such as"]),
+    ] {
+        place.refuse(2, arguments, about);
+    }
+    assert!(place.succeed(&["geometry"]).stdout.contains("steradian geometry coordinates -o coordinates.svg"));
+}
+
+/// A picture is told by its size and what its channels hold; rendering one is answered with what reads pictures.
+#[test]
+fn pictures_are_told_too() {
+    let place = Place::new();
+    let rgb: Vec<[f32; 3]> = (0..6).map(|i| [i as f32, 0.5, if i == 0 { f32::NAN } else { 2.0 }]).collect();
+    let image = Image::from_rgb(3, 2, &rgb).unwrap();
+    steradian::image::write(&place.path("a.exr"), &image, &steradian::image::WriteOptions::default()).unwrap();
+    let told = place.succeed(&["info", "a.exr", "--json"]).json();
+    assert_eq!((&told["format"], &told["width"], &told["height"]), (&"EXR".into(), &3.into(), &2.into()));
+    let channel = |name: &str| told["channels"].as_array().unwrap().iter().find(|c| c["name"] == name).unwrap().clone();
+    let red = channel("R");
+    assert_eq!(
+        (red["least"].as_f64(), red["mean"].as_f64(), red["greatest"].as_f64()),
+        (Some(0.0), Some(2.5), Some(5.0))
+    );
+    assert_eq!((channel("B")["not_finite"].as_u64(), channel("B")["least"].as_f64()), (Some(1), Some(2.0)));
+    let text = place.succeed(&["info", "a.exr"]).stdout;
+    assert!(text.starts_with("a.exr: EXR, 3 x 2 pixels") && text.contains("1 not finite"), "{text}");
+    place.file("broken.png", "no picture");
+    place.refuse(2, &["info", "broken.png"], &["broken.png"]);
+    place.refuse(2, &["render", "a.exr"], &["is a picture", "steradian info"]);
+    place.refuse(2, &["info", "none.png"], &["cannot find"]);
 }

@@ -49,20 +49,20 @@ fn log_spectrum(dft: &Dft) -> Vec<f32> {
 /// A plot of amplitudes against the frequency across (the strongest of each column of the spectrum), with half the
 /// sampling rate, the prefilter's response, and arrows from waves to their aliases.
 pub fn spectrum_svg(dft: &Dft, peaks: &[Peak], step: usize, filter: Prefilter) -> String {
-    const W: f64 = 720.0;
+    const W: f64 = 520.0;
     const H: f64 = 300.0;
-    const LEFT: f64 = 60.0;
-    const TOP: f64 = 24.0;
+    const LEFT: f64 = 76.0;
+    const TOP: f64 = 30.0;
     let amplitudes = dft.amplitudes();
     let column = |x: usize| (0..dft.height).map(|y| amplitudes[y * dft.width + x]).fold(0.0, f64::max);
     let most = (1..amplitudes.len()).map(|i| amplitudes[i]).fold(f64::MIN_POSITIVE, f64::max);
     let px = |f: f64| LEFT + W * f / 0.5;
     let py = |a: f64| TOP + H * (-(a / most).clamp(1e-5, 1.0).log10() / 5.0);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" \
+         font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         W + LEFT + 20.0,
-        H + TOP + 50.0
+        H + TOP + 56.0
     );
     let mut line = |text: std::fmt::Arguments<'_>| {
         let _ = writeln!(svg, "{text}");
@@ -72,19 +72,25 @@ pub fn spectrum_svg(dft: &Dft, peaks: &[Peak], step: usize, filter: Prefilter) -
     for tick in 0..=5 {
         let f = 0.1 * f64::from(tick);
         let x = px(f);
-        line(format_args!("<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{f:.1}</text>", bottom + 16.0));
+        line(format_args!("<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{f:.1}</text>", bottom + 20.0));
         let y = TOP + H * f64::from(tick) / 5.0;
-        line(format_args!("<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">1e-{tick}</text>", LEFT - 6.0, y + 4.0));
+        let value = ["1", "0.1", "0.01", "0.001", "0.0001", "0.00001"][tick as usize];
+        line(format_args!("<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{value}</text>", LEFT - 6.0, y + 5.0));
     }
+    let lines = if filter == Prefilter::None { "" } else { " (blue: the picture, green: the prefilter)" };
     line(format_args!(
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">cycles per pixel, across</text>",
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">cycles per pixel, across{lines}</text>",
         LEFT + W / 2.0,
-        bottom + 36.0
+        bottom + 44.0
     ));
     // Half the rate.
     let limit = px(0.5 / step as f64);
     line(format_args!("<path d=\"M{limit:.1},{TOP} V{bottom}\" stroke=\"#c00\" stroke-dasharray=\"4 3\"/>"));
-    line(format_args!("<text x=\"{:.1}\" y=\"{:.1}\" fill=\"#c00\">half the rate</text>", limit + 4.0, TOP - 8.0));
+    let anchor = if limit > LEFT + W / 2.0 { "end" } else { "start" };
+    line(format_args!(
+        "<text x=\"{limit:.1}\" y=\"{:.1}\" fill=\"#c00\" text-anchor=\"{anchor}\">half the rate of the samples</text>",
+        TOP - 10.0
+    ));
     let path = |points: &mut dyn Iterator<Item = (f64, f64)>| -> String {
         let mut d = String::new();
         for (k, (x, y)) in points.enumerate() {

@@ -122,3 +122,35 @@ fn registries_are_sound() {
         }
     }
 }
+
+/// In every chart all text stays within the picture, and the legend is below the axes, where no curve is.
+#[test]
+fn charts_are_not_cut_off_and_legends_cover_nothing() {
+    // A letter of DejaVu Sans is 0.55 of the size of the letters on average.
+    const LETTER: f64 = 0.55 * 15.0;
+    for e in FAMILIES.iter().flat_map(|f| f.2).filter(|e| !e.needs_picture()) {
+        let Some(chart) = e.run(&[], None).unwrap().chart else { continue };
+        let svg = chart.svg();
+        let number = |tag: &str, name: &str| -> Option<f64> {
+            tag.split(&format!(" {name}=\"")).nth(1)?.split('"').next()?.parse().ok()
+        };
+        let height = number(&svg, "height").unwrap();
+        let clip = svg.split("<clipPath").nth(1).unwrap();
+        let bottom = number(clip, "y").unwrap() + number(clip, "height").unwrap();
+        let mut legend = 0;
+        for tag in svg.split("<text").skip(1) {
+            let (x, y) = (number(tag, "x").unwrap(), number(tag, "y").unwrap());
+            let text = tag.split('>').nth(1).unwrap().split('<').next().unwrap();
+            let length = LETTER * text.chars().count() as f64;
+            let left = match () {
+                () if tag.contains("text-anchor=\"end\"") => x - length,
+                () if tag.contains("text-anchor=\"middle\"") => x - 0.5 * length,
+                () => x,
+            };
+            assert!(left >= -4.0 && left + length <= 604.0 && y >= 15.0 && y <= height - 2.0, "{}: {tag}", e.name);
+            legend += usize::from(y > bottom + 50.0 && !tag.contains("text-anchor"));
+        }
+        let named = chart.series.iter().filter(|s| !s.name.is_empty()).count();
+        assert!(legend == if named > 1 { named.min(16) } else { 0 }, "{}: {legend} of {named}", e.name);
+    }
+}

@@ -4,9 +4,10 @@
 
 mod chart;
 mod color;
+mod draw;
 mod values;
 
-pub use chart::{Axis, Chart, Marker, Series};
+pub use chart::{Axis, Backdrop, Chart, Label, Marker, Series};
 pub use color::{monochromatic, rgb_from_xyz_in_gamut, spectrum_rgb};
 pub use values::{Kind, Parameter, Values};
 

@@ -1,16 +1,16 @@
 //! Chromaticity diagrams: CIE 1931 `(x, y)` and CIE 1976 `u' = 4x/(−2x + 12y + 3)`, `v' = 9y/(−2x + 12y + 3)` (CIE
 //! 15:2004, §8.1), with the spectral locus, the black bodies, gamuts of RGB spaces, and MacAdam's ellipses.
 
-use super::macadam::{ELLIPSES, outline};
+use super::{
+    diagram::Diagram,
+    macadam::{ELLIPSES, outline},
+};
 use crate::laboratory::{
-    Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values, rgb_from_xyz_in_gamut,
+    Axis, Backdrop, Chart, Error, Experiment, Label, Marker, Parameter, Report, Run, Series, Values,
 };
 use glam::DVec3;
 use steradian_math::{
-    color::{
-        RgbSpace,
-        xyz::{xyy_from_xyz, xyz_from_xyy},
-    },
+    color::{RgbSpace, xyz::xyy_from_xyz},
     minimum::golden_section,
     spectra::{blackbody::planck_wavelength, cie},
 };
@@ -28,6 +28,9 @@ pub const EXPERIMENT: Experiment = Experiment {
     ],
     run: Run::Alone(run),
 };
+
+/// Width of the picture, pixels.
+const PICTURE: usize = 640;
 
 /// `(u', v')` of `(x, y)`.
 fn uv_from_xy((x, y): (f64, f64)) -> (f64, f64) {
@@ -143,52 +146,70 @@ fn run(values: &Values) -> Result<Report, Error> {
     report.quantity("is a colour that exists", f64::from(u8::from(is_real)), "");
     let outline_area = area(&outline_xy.iter().map(|p| uv_from_xy(*p)).collect::<Vec<_>>());
     let (label_x, label_y) = if is_1976 { ("u'", "v'") } else { ("x", "y") };
+    let range = if is_1976 { [0.65, 0.62] } else { [0.8, 0.9] };
     let mut chart = Chart::new(
         format!("CIE {} chromaticity", values.choice("diagram")),
-        Axis::linear(label_x).over(0.0, if is_1976 { 0.65 } else { 0.8 }),
-        Axis::linear(label_y).over(0.0, if is_1976 { 0.62 } else { 0.9 }),
+        Axis::linear(label_x).over(0.0, range[0]),
+        Axis::linear(label_y).over(0.0, range[1]),
     );
     chart.is_isometric = true;
-    chart = chart.with(
-        Series::line("spectral locus", outline_xy.iter().map(|p| place(*p)).collect()).colored([0x20, 0x20, 0x20]),
-    );
-    for (space, color) in RgbSpace::all().into_iter().zip([
-        [0xd0, 0x5a, 0x1e],
-        [0x2f, 0x86, 0x3c],
-        [0x1f, 0x5f, 0xa8],
-        [0x88, 0x88, 0x88],
-    ]) {
+    let diagram = Diagram {
+        outline: outline_xy.iter().map(|p| place(*p)).collect(),
+        range,
+        xy_at: if is_1976 { xy_from_uv } else { |p| p },
+    };
+    chart.backdrop = Some(Backdrop { png: diagram.png()? });
+    chart = chart.with(Series::line("spectral locus", diagram.outline.clone()).colored([0xff; 3]));
+    for nm in [460, 480, 490, 500, 520, 540, 560, 580, 600, 620, 700] {
+        let at = place(spectral(f64::from(nm)));
+        let is_free = |l: &Label| {
+            let apart = [(l.at.0 - at.0).abs() / range[0], (l.at.1 - at.1).abs() / range[1]];
+            apart[0] > 0.1 || apart[1] > 0.04
+        };
+        if chart.labels.iter().all(is_free) {
+            chart.labels.push(Label { at, text: format!("{nm}") });
+        }
+    }
+    const LINES: [[u8; 3]; 4] = [[0xff; 3], [0x20; 3], [0x50; 3], [0xd0; 3]];
+    for (k, (space, color)) in RgbSpace::all().into_iter().zip(LINES).enumerate() {
         let [r, g, b] = space.primaries().map(|p| (p[0], p[1]));
         let triangle: Vec<_> = [r, g, b, r].into_iter().map(place).collect();
         let share = area(&[r, g, b, r].map(uv_from_xy)) / outline_area;
         report.quantity(format!("gamut of {}, share of the 1976 diagram", space.name()), share, "");
-        chart = chart.with(Series::line(space.name(), triangle).drawn(Marker::Dashed).colored(color));
+        // Beside the side from green to blue, each lower than the last; none of a space whose green no eye sees.
+        if is_inside(&outline_xy, (0.99 * g.0 + 0.003, 0.99 * g.1 + 0.003)) {
+            let down = 0.12 + 0.2 * k as f64;
+            let at = place((g.0 + down * (b.0 - g.0), g.1 + down * (b.1 - g.1)));
+            chart.labels.push(Label { at, text: written(space.name()).into() });
+        }
+        let marker = if space.name() == "srgb" { Marker::Line } else { Marker::Dashed };
+        chart = chart.with(Series::line(written(space.name()), triangle).drawn(marker).colored(color));
     }
     let planckian =
         (0..=100).map(|k| 1000.0 * 30f64.powf(f64::from(k) / 100.0)).map(|t| place(black_body(t))).collect();
-    chart = chart.with(Series::line("black bodies, 1000 to 30 000 K", planckian).colored([0xa8, 0x2c, 0x62]));
-    chart = chart.with(Series::line("the chromaticity", vec![place(at)]).drawn(Marker::Dots).colored([0, 0, 0]));
+    chart = chart.with(Series::line("black bodies, 1000 to 30 000 K", planckian).colored([0x90, 0x20, 0x50]));
+    chart = chart.with(Series::line("the chromaticity", vec![place(at)]).drawn(Marker::Dots).colored([0; 3]));
     if values.choice("ellipses") == "yes" {
         for (k, e) in ELLIPSES.into_iter().enumerate() {
             let name = if k == 0 { "MacAdam's ellipses" } else { "" };
             let points = outline(e, values.number("enlarged")).into_iter().map(place).collect();
-            chart = chart.with(Series::line(name, points).colored([0x6b, 0x4f, 0xa0]));
+            chart = chart.with(Series::line(name, points).colored([0x50, 0x38, 0x80]));
         }
     }
     report.chart = Some(chart);
-    const EDGE: usize = 512;
-    let picture = Picture::from_fn(EDGE, EDGE, |x, y| {
-        let p = (0.85 * (x as f64 + 0.5) / EDGE as f64, 0.9 - 0.9 * (y as f64 + 0.5) / EDGE as f64);
-        let p = if is_1976 { xy_from_uv((p.0 * 0.75, p.1 * 0.7)) } else { p };
-        if !is_inside(&outline_xy, p) {
-            return [1.0; 3];
-        }
-        let rgb = rgb_from_xyz_in_gamut(xyz_from_xyy(p.0, p.1, 1.0));
-        let most = rgb.iter().copied().fold(1e-6, f32::max);
-        rgb.map(|c| c / most)
-    });
-    report.picture = Some(picture.to_image()?);
+    report.picture = Some(diagram.picture(PICTURE, [1.0; 3]).to_image()?);
     Ok(report)
+}
+
+/// A colour space's name as its standard writes it.
+fn written(space: &'static str) -> &'static str {
+    match space {
+        "srgb" => "sRGB",
+        "dci-p3" => "DCI-P3",
+        "rec2020" => "Rec. 2020",
+        "aces2065-1" => "ACES2065-1",
+        other => other,
+    }
 }
 
 /// Area of a closed outline.

@@ -5,6 +5,7 @@ mod color;
 mod cones;
 mod contrast;
 mod deficiency;
+mod diagram;
 mod flicker;
 mod glare;
 mod illusion;

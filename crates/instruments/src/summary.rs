@@ -1,0 +1,120 @@
+//! A material at a glance: its lobes, what it reflects and transmits of white light, whether it makes light.
+
+use crate::{
+    Specimen, TransportMode,
+    albedo::{Albedo, albedo},
+    direction,
+};
+use serde::Serialize;
+use steradian_bsdf::Lobe;
+use steradian_math::{Spectrum, Vec2, sobol::shuffled_scrambled_sobol_4d};
+
+/// Angles from the normal at which white light is told, degrees.
+pub const ANGLES: [f64; 3] = [0.0, 45.0, 80.0];
+/// Angles at which energy is watched besides.
+const WATCHED: [f64; 4] = [20.0, 60.0, 70.0, 89.0];
+/// Draws that look for lobes, at each angle.
+const DRAWS: u32 = 4096;
+/// What rounding may add to an albedo.
+const ROUNDING: f32 = 1e-4;
+
+/// A kind of scattering that was met.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Met {
+    /// Such as `glossy reflection`.
+    pub name: String,
+    /// Its part of the light that is scattered at 45°.
+    pub share: f64,
+}
+
+/// White light at an angle: the mean over lanes by their luminance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct White {
+    /// Angle from the normal, degrees.
+    pub theta: f64,
+    /// The part that is reflected.
+    pub reflectance: f32,
+    /// The part that is transmitted.
+    pub transmittance: f32,
+}
+
+/// What is said of a material.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Its lobes, the strongest at 45° first.
+    pub lobes: Vec<Met>,
+    /// White light at 0°, 45° and 80°.
+    pub white: [White; 3],
+    /// Whether light gets through.
+    pub is_transmitting: bool,
+    /// Whether no lane gains energy at any angle that was tried, beyond four standard errors.
+    pub conserves_energy: bool,
+    /// The largest part of a lane that is scattered, at the angle that was tried.
+    pub largest_albedo: f32,
+}
+
+/// Looks at a specimen from its front with so many samples for each angle.
+pub fn summary(specimen: &Specimen<'_>, samples: u32) -> Summary {
+    let lobes = lobes(specimen);
+    let told = ANGLES.map(|theta| albedo(specimen, theta, samples));
+    let watched = WATCHED.map(|theta| albedo(specimen, theta, samples));
+    let sum = |a: &Albedo| a.reflectance.iter().zip(&a.transmittance).map(|(r, t)| r + t).fold(0.0, f32::max);
+    let all = || told.iter().chain(&watched);
+    Summary {
+        white: [0, 1, 2].map(|k| {
+            let a = &told[k];
+            let [reflectance, transmittance] = [&a.reflectance, &a.transmittance].map(|v| specimen.luminance(value(v)));
+            White { theta: a.theta, reflectance, transmittance }
+        }),
+        is_transmitting: all().any(|a| a.transmittance.iter().any(|t| *t > 0.0)),
+        conserves_energy: all().all(|a| sum(a) <= 1.0 + ROUNDING + 4.0 * a.error),
+        largest_albedo: all().map(sum).fold(0.0, f32::max),
+        lobes,
+    }
+}
+
+/// The value of lanes.
+fn value(lanes: &[f32]) -> Spectrum {
+    let mut all = [0.0; 4];
+    all.iter_mut().zip(lanes).for_each(|(v, lane)| *v = *lane);
+    Spectrum::new(all)
+}
+
+fn lobes(specimen: &Specimen<'_>) -> Vec<Met> {
+    let mut met: Vec<Met> = Vec::new();
+    for theta in ANGLES {
+        let wo = direction(theta, 0.0);
+        for i in 0..DRAWS {
+            let [choice, u, x, y] = shuffled_scrambled_sobol_4d(i, 5);
+            let Some(s) = specimen.sample(wo, choice, u, Vec2::new(x, y), TransportMode::Importance) else { continue };
+            let power = f64::from(specimen.luminance(s.weight));
+            if power <= 0.0 {
+                continue;
+            }
+            let share = if theta == 45.0 { power } else { 0.0 };
+            let name = name(s.lobe);
+            match met.iter_mut().find(|m| m.name == name) {
+                Some(seen) => seen.share += share,
+                None => met.push(Met { name, share }),
+            }
+        }
+    }
+    let sum: f64 = met.iter().map(|m| m.share).sum();
+    met.iter_mut().for_each(|m| m.share /= sum.max(f64::MIN_POSITIVE));
+    met.sort_by(|a, b| b.share.total_cmp(&a.share));
+    met
+}
+
+fn name(lobe: Lobe) -> String {
+    if lobe.contains(Lobe::SUBSURFACE) {
+        return "subsurface scattering".into();
+    }
+    let how = if lobe.is_specular() {
+        "specular"
+    } else if lobe.is_diffuse() {
+        "diffuse"
+    } else {
+        "glossy"
+    };
+    format!("{how} {}", if lobe.is_transmission() { "transmission" } else { "reflection" })
+}
