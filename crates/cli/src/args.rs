@@ -275,8 +275,8 @@ pub struct MaterialArgs {
     /// Write polar slices through the lobes as SVG
     #[arg(long, value_name = "OUT.svg")]
     pub plot: Option<PathBuf>,
-    /// Radius of the plot: in proportion to the values, or by their logarithm over four decades, which shows what is weak
-    /// beside a narrow lobe
+    /// Radius of the plot: in proportion to the values, or by their logarithm over four decades, which shows what is
+    /// weak beside a narrow lobe
     #[arg(long, value_enum, default_value_t, value_name = "SCALE", requires = "plot")]
     pub plot_scale: PlotScale,
     /// Render a ball of the material into this file (for SCENE:NAME, the scene)

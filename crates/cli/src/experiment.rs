@@ -150,7 +150,8 @@ fn list(family: &str) -> String {
     let first = FAMILIES.iter().find(|f| f.0 == family).and_then(|f| f.2.first()).map_or("NAME", |e| e.name);
     let _ = writeln!(
         text,
-        "\n`steradian {family} NAME --explain` lists the parameters of one. To run one: steradian {family} {first} -o {first}.svg"
+        "\n`steradian {family} NAME --explain` lists the parameters of one. \
+         To run one: steradian {family} {first} -o {first}.svg"
     );
     text
 }

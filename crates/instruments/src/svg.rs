@@ -112,8 +112,8 @@ pub fn rimmed(svg: &mut String, [x, y]: [f64; 2], text: &str) {
 /// The beginning of a picture of this height.
 pub fn open(height: f64) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
-         width=\"{WIDTH}\" height=\"{height:.0}\" font-family=\"sans-serif\" font-size=\"{FONT}\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
+         viewBox=\"0 0 {WIDTH} {height:.0}\" width=\"{WIDTH}\" height=\"{height:.0}\" font-family=\"sans-serif\" font-size=\"{FONT}\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     )
 }

@@ -36,9 +36,9 @@ impl SphereGrid {
 
     /// What `histogram`, of `samples` draws, should hold if it follows `density`, to a small part of its own noise.
     ///
-    /// Cells that differ from what is seen by more than noise often does, and those where something is seen that nothing
-    /// accounts for, are integrated again by a finer quadrature, so that corners which an edge of the density cuts off,
-    /// and which samples hit, are not overlooked.
+    /// Cells that differ from what is seen by more than noise often does, and those where something is seen that
+    /// nothing accounts for, are integrated again by a finer quadrature, so that corners which an edge of the density
+    /// cuts off, and which samples hit, are not overlooked.
     pub fn expected_counts(&self, density: impl Fn(Vec3) -> f64, histogram: &[u64], samples: u64) -> Vec<f64> {
         let n = samples as f64;
         let cell = |(i, &seen): (usize, &u64)| {

@@ -107,7 +107,7 @@ mod tests {
         let diagram = Diagram { outline, range: [0.8, 0.8], xy_at: |p| p };
         let p = diagram.colors(80);
         let at = |x: f64, y: f64| p.rgb[(80.0 - y * 100.0) as usize * 80 + (x * 100.0) as usize];
-        // White is D65, (0.3127, 0.3290); the red primary of sRGB is at (0.64, 0.33), which is outside the triangle here.
+        // White is D65, (0.3127, 0.3290); the red primary of sRGB is at (0.64, 0.33), outside the triangle here.
         let white = at(0.3127, 0.3290);
         assert!(white.iter().all(|c| (c - 1.0).abs() < 0.1), "{white:?}");
         let [red, green, blue] = at(0.165, 0.075 + 0.03);
