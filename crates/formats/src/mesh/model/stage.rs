@@ -129,7 +129,7 @@ fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], 
         }
     }
     if !is_lit || stage.sky.is_some() {
-        add_sky(desc, stage.sky.clone());
+        add_sky(desc, stage);
     }
 }
 
@@ -144,13 +144,19 @@ fn add_camera(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2]) {
     desc.film = Some(film);
 }
 
-fn add_sky(desc: &mut SceneDesc, picture: Option<PathBuf>) {
-    let file = picture.unwrap_or_else(|| {
+/// The picture that the user names, or a sky with a sun that stays where it is for the viewer, from whichever side the
+/// model is seen.
+fn add_sky(desc: &mut SceneDesc, stage: &StageOptions) {
+    let file = stage.sky.clone().unwrap_or_else(|| {
         let file = PathBuf::from("sky of the viewer");
         desc.embedded.insert(file.clone(), sky::pfm().into());
         file
     });
     let mut sky = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
+    let turn = stage.azimuth - AZIMUTH;
+    if stage.sky.is_none() && turn != 0.0 {
+        sky = sky.with("to_world", Transform::linear(DMat3::from_rotation_y(turn.to_radians())));
+    }
     sky.name = Some("sky".into());
     let sky = desc.add(sky);
     desc.lights.push(sky);

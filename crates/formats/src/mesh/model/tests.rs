@@ -254,6 +254,12 @@ fn models_are_seen_as_the_user_says() {
     // Named sides have one distance from the middle, that of all of them.
     let distance = |azimuth: &str| (eye(&[("azimuth", azimuth)]).0 - DVec3::new(0.0, 0.0, 4.0)).length();
     assert!((distance("90") - distance("180")).abs() < 1e-9 * distance("90"));
+    // The sky that is added turns with the viewer.
+    let turn = |azimuth: &str| {
+        let desc = with(&[("azimuth", azimuth)]).desc;
+        desc.node(desc.lights[0]).transform("to_world").expect("it is turned").vector(DVec3::Z)
+    };
+    assert!((turn("100").cross(turn("190")).y - 1.0).abs() < 1e-9, "a quarter turn from +z towards +x");
     // The needle's tip, which is where z is up.
     for (defines, tip) in [
         (&[("up", "y")][..], DVec3::new(0.0, 0.0, 8.0)),
