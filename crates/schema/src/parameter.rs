@@ -219,6 +219,11 @@ impl Parameter {
         }
     }
 
+    /// Whether three numbers for it are a colour.
+    pub fn takes_color(&self) -> bool {
+        matches!(self.kind, Type::Texture | Type::Spectrum)
+    }
+
     /// Type, range and unit in one phrase.
     pub fn values(&self) -> String {
         let mut text = self.kind.text().to_owned();
