@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use steradian::{
     ColorMode, CompileOptions, Scene,
-    bsdf::BsdfSample,
+    bsdf::{BsdfEval, BsdfSample},
     instruments::{Specimen, TransportMode},
     math::{
         Spectrum, Vec2, Vec3,
@@ -78,13 +78,13 @@ impl Material {
     }
 }
 
-/// Directions of length one, by rows.
-fn directions(name: &str, array: ArrayView2<'_, f32>) -> PyResult<Vec<Vec3>> {
+/// Directions of length one, by rows; or zero, which samples have that drew none.
+fn directions(name: &str, array: ArrayView2<'_, f32>, or_none: bool) -> PyResult<Vec<Vec3>> {
     if array.ncols() != 3 {
         return Err(PyValueError::new_err(format!("{name} has {} columns, not 3", array.ncols())));
     }
     let all: Vec<Vec3> = array.rows().into_iter().map(|r| Vec3::new(r[0], r[1], r[2])).collect();
-    match all.iter().position(|w| !w.is_normalized()) {
+    match all.iter().position(|w| !w.is_normalized() && !(or_none && *w == Vec3::ZERO)) {
         Some(i) => Err(PyValueError::new_err(format!("row {i} of {name} is not of length one"))),
         None => Ok(all),
     }
@@ -92,7 +92,7 @@ fn directions(name: &str, array: ArrayView2<'_, f32>) -> PyResult<Vec<Vec3>> {
 
 /// Pairs of directions.
 fn pairs(wo: &PyReadonlyArray2<'_, f32>, wi: &PyReadonlyArray2<'_, f32>) -> PyResult<(Vec<Vec3>, Vec<Vec3>)> {
-    let (wo, wi) = (directions("wo", wo.as_array())?, directions("wi", wi.as_array())?);
+    let (wo, wi) = (directions("wo", wo.as_array(), false)?, directions("wi", wi.as_array(), true)?);
     if wo.len() != wi.len() {
         return Err(PyValueError::new_err(format!("wo has {} rows, wi {}", wo.len(), wi.len())));
     }
@@ -159,7 +159,10 @@ impl Material {
     ) -> PyResult<(Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>)> {
         let (wo, wi) = pairs(&wo, &wi)?;
         let specimen = self.specimen(uv);
-        let found = each(py, wo.len(), |i| specimen.eval(wo[i], wi[i], TransportMode::Radiance));
+        let found = each(py, wo.len(), |i| match wi[i] {
+            Vec3::ZERO => BsdfEval::ZERO,
+            wi => specimen.eval(wo[i], wi, TransportMode::Radiance),
+        });
         let values = self.lanes(py, specimen, found.iter().map(|e| e.value))?;
         Ok((values, column(py, found.iter().map(|e| e.pdf))))
     }
@@ -175,7 +178,7 @@ impl Material {
         u: PyReadonlyArray2<'py, f32>,
         uv: [f32; 2],
     ) -> PyResult<Samples<'py>> {
-        let (wo, u) = (directions("wo", wo.as_array())?, numbers(u.as_array())?);
+        let (wo, u) = (directions("wo", wo.as_array(), false)?, numbers(u.as_array())?);
         if wo.len() != u.len() {
             return Err(PyValueError::new_err(format!("wo has {} rows, u {}", wo.len(), u.len())));
         }
@@ -213,7 +216,7 @@ impl Material {
             let wanted = format!("samples are whole numbers from 1 to {MOST_SAMPLES}, not {samples}");
             return Err(PyValueError::new_err(wanted));
         }
-        let wo = directions("wo", wo.as_array())?;
+        let wo = directions("wo", wo.as_array(), false)?;
         let specimen = self.specimen(uv);
         let found = each(py, wo.len(), |i| {
             let mut sums = [0.0; 4];

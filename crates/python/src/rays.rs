@@ -7,10 +7,7 @@ use numpy::{
 };
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use rayon::prelude::*;
-use steradian::{
-    CompileOptions,
-    math::{DVec3, Ray, Vec3, spectra::Wavelengths},
-};
+use steradian::math::{DVec3, Ray, Vec3, spectra::Wavelengths};
 
 /// Rays that one thread takes at least.
 const RAYS_AT_ONCE: usize = 256;
@@ -121,7 +118,7 @@ pub fn trace<'py>(
     time: f32,
 ) -> PyResult<Bound<'py, PyDict>> {
     let rays = rays(&origins, &directions, &max_distance, time)?;
-    let scene = scene.ready(py, &CompileOptions::default())?.scene;
+    let scene = scene.queried(py, None)?.scene;
     let found: Vec<Found> = py.detach(|| {
         let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
         all.map(|ray| Found::along(&scene, ray)).collect()
@@ -154,7 +151,7 @@ pub fn occluded<'py>(
     time: f32,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let rays = rays(&origins, &directions, &max_distance, time)?;
-    let scene = scene.ready(py, &CompileOptions::default())?.scene;
+    let scene = scene.queried(py, None)?.scene;
     let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
     let found: Vec<bool> = py.detach(|| all.map(|m| scene.occluded(&m.ray)).collect());
     Ok(found.into_pyarray(py))

@@ -25,7 +25,7 @@ use std::{
 use steradian::{
     ColorMode, CompileOptions, Kept, Layer, Quality,
     formats::{Options, native, write},
-    scene::{Diagnostics, Node, NodeId, SceneDesc},
+    scene::{Diagnostics, Family, Node, NodeId, SceneDesc},
 };
 
 /// Files by their names.
@@ -88,6 +88,23 @@ impl Scene {
         self.state(py).ready(py, options)
     }
 
+    /// The scene for rays and materials, which need no camera.
+    pub fn queried(&self, py: Python<'_>, mode: Option<ColorMode>) -> PyResult<Ready> {
+        let mut state = self.state(py);
+        let options = CompileOptions { mode, ..CompileOptions::default() };
+        if !state.desc.cameras.is_empty() {
+            return state.ready(py, &options);
+        }
+        let own = state.desc.clone();
+        let desc = Arc::make_mut(&mut state.desc);
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        desc.cameras.push(camera);
+        let ready = state.ready(py, &options);
+        // A render of it lacks a camera as before.
+        state.desc = own;
+        ready
+    }
+
     /// Looks at a node.
     pub fn look<T>(
         &self,
@@ -127,7 +144,7 @@ impl State {
 
     /// As [`Scene::ready`].
     fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Ready> {
-        let key = format!("{options:?}");
+        let key = format!("{options:?} {}", self.desc.cameras.len());
         if let Some(at) = self.ready.iter().position(|r| r.key == key) {
             self.ready[..=at].rotate_right(1);
             return Ok(self.ready[0].clone());
@@ -301,7 +318,7 @@ impl Scene {
     #[pyo3(signature = (name, *, color = "auto"))]
     fn material(&self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
         let mode = self::color(color)?;
-        let scene = self.ready(py, &CompileOptions { mode, ..CompileOptions::default() })?.scene;
+        let scene = self.queried(py, mode)?.scene;
         Material::named(scene, name)
     }
 

@@ -72,7 +72,7 @@ class BsdfSamples:
     """Directions that were drawn, each field an array of one row for each; where none was, weight and pdf are zero."""
 
     wi: NDArray[np.float32]
-    """Unit directions, away from the surface."""
+    """Unit directions, away from the surface; zero where none was drawn, for which eval and pdf are zero."""
     weight: NDArray[np.float32]
     """f·|cos θi| / pdf: colours, or four wavelengths."""
     pdf: NDArray[np.float32]
