@@ -64,7 +64,8 @@ def _named(numbers: NDArray[Any], names: dict[int, str]) -> NDArray[Any]:
     table = np.full(max([int(numbers.max(initial=0)), *names]) + 1, "", dtype=object)
     for number, name in names.items():
         table[number] = name
-    return table[numbers]
+    named: NDArray[Any] = table[numbers]
+    return named
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +157,9 @@ class Material:
         A fourth chooses the part of mixtures; by default it is a hash of the other three.
         """
         shape, rows = together(wo=(vectors("wo", wo), 1), u=(vectors("u", u, (3, 4)), 1))
-        return BsdfSamples(*(a.reshape(shape + a.shape[1:]) for a in self._inner.sample(*rows, uv=uv)))
+        wi, weight, pdf, eta, specular = self._inner.sample(*rows, uv=uv)
+        lanes = (*shape, weight.shape[1])
+        return BsdfSamples(wi.reshape(*shape, 3), weight.reshape(lanes), pdf.reshape(shape), eta.reshape(shape), specular.reshape(shape))
 
     def albedo(self, wo: ArrayLike, *, samples: int = 1024, uv: tuple[float, float] = (0.5, 0.5)) -> NDArray[np.float32]:
         """The part of the light from each direction that is reflected or transmitted, estimated from so many samples."""

@@ -331,8 +331,8 @@ class Scene(Mapping[str, Node]):
         return copy
 
     def __reduce__(self) -> tuple[Any, ...]:
-        path, search = self._inner.origin()
-        path = os.path.abspath(path or "scene")
+        origin, search = self._inner.origin()
+        path = os.path.abspath(origin or "scene")
         document, files = self._inner.text(path)
         return _restored, (document, {os.fspath(name): data for name, data in files}, path, [os.path.abspath(p) for p in search])
 
