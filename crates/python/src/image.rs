@@ -126,6 +126,9 @@ fn write_options(tonemap: Option<&str>, exposure: Option<f32>, half: bool) -> Py
     Ok(WriteOptions { tone, exr_precision, ppm_radiance, ..WriteOptions::default() })
 }
 
+/// What makes a picture again: its type, and its planes with what is known beside them.
+type Recipe<'py> = (Bound<'py, PyAny>, (Bound<'py, PyDict>, Bound<'py, PyDict>));
+
 /// The names of ends, for pictures that are made anew.
 const ENDS: [&str; 4] = ["interrupt", "time", "error", "progress"];
 
@@ -200,10 +203,7 @@ impl Image {
     }
 
     /// For `pickle` and `copy`.
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyDict>, Bound<'py, PyDict>))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
         let planes = PyDict::new(py);
         for plane in &self.planes {
             planes.set_item(&plane.name, &plane.array)?;
@@ -277,8 +277,8 @@ impl Image {
         }
     }
 
-    /// Writes a file, its format by extension; the file appears whole or not at all. Files that were read for the picture
-    /// are not written over but with `overwrite`.
+    /// Writes a file, its format by extension; the file appears whole or not at all. Files that were read for the
+    /// picture are not written over but with `overwrite`.
     #[pyo3(signature = (path, *, tonemap = None, exposure = None, half = false, overwrite = false))]
     fn save(
         &self,

@@ -84,7 +84,7 @@ fn directions(name: &str, array: ArrayView2<'_, f32>, or_none: bool) -> PyResult
         return Err(PyValueError::new_err(format!("{name} has {} columns, not 3", array.ncols())));
     }
     let all: Vec<Vec3> = array.rows().into_iter().map(|r| Vec3::new(r[0], r[1], r[2])).collect();
-    match all.iter().position(|w| !w.is_normalized() && !(or_none && *w == Vec3::ZERO)) {
+    match all.iter().position(|w| !(w.is_normalized() || or_none && *w == Vec3::ZERO)) {
         Some(i) => Err(PyValueError::new_err(format!("row {i} of {name} is not of length one"))),
         None => Ok(all),
     }
@@ -167,8 +167,8 @@ impl Material {
         Ok((values, column(py, found.iter().map(|e| e.pdf))))
     }
 
-    /// Draws directions by N × 3 numbers in [0, 1]: of the lobe, then two of the direction; a fourth is of the part of a
-    /// mixture, by default a hash of the others. Gives directions, weights `f·|cosθ_i|/pdf`, densities (zero where
+    /// Draws directions by N × 3 numbers in [0, 1]: of the lobe, then two of the direction; a fourth is of the part of
+    /// a mixture, by default a hash of the others. Gives directions, weights `f·|cosθ_i|/pdf`, densities (zero where
     /// nothing was drawn), relative indices of refraction, and whether the lobe is specular.
     #[pyo3(signature = (wo, u, *, uv = [0.5, 0.5]))]
     fn sample<'py>(

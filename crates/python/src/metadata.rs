@@ -23,7 +23,7 @@ pub fn to_python<'py>(py: Python<'py>, metadata: &Metadata) -> PyResult<Bound<'p
     Ok(all)
 }
 
-/// The same from a dictionary.
+/// Metadata from a dictionary of these.
 pub fn from_python(all: &Bound<'_, PyDict>) -> PyResult<Metadata> {
     let mut metadata = Metadata::default();
     for (name, value) in all {

@@ -190,7 +190,8 @@ impl Scene {
 
     /// Reads a document in Steradian's own language, with meshes and files that are in memory, by their names in it.
     #[staticmethod]
-    #[pyo3(signature = (text, *, meshes = Vec::new(), files = HashMap::new(), path = "dictionary".into(), search = Vec::new(), strict = false))]
+    #[pyo3(signature = (text, *, meshes = Vec::new(), files = HashMap::new(), path = "dictionary".into(),
+        search = Vec::new(), strict = false))]
     fn describe(
         py: Python<'_>,
         text: String,

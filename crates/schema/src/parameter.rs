@@ -219,9 +219,13 @@ impl Parameter {
         }
     }
 
-    /// Whether three numbers for it are a colour.
-    pub fn takes_color(&self) -> bool {
-        matches!(self.kind, Type::Texture | Type::Spectrum)
+    /// Whether a list of so many numbers for it stands for a colour, which has three.
+    pub fn takes_color(&self, numbers: usize) -> bool {
+        match self.kind {
+            Type::Texture | Type::Spectrum => true,
+            Type::SpectrumOrList => numbers == 3,
+            _ => false,
+        }
     }
 
     /// Type, range and unit in one phrase.

@@ -326,9 +326,9 @@ impl<'a> Reader<'a> {
 
     /// A value for a parameter of a kind: three numbers are a colour where it takes one.
     pub fn value_of(&mut self, family: Family, kind: &str, name: &str, item: &Item) -> Read<Value> {
-        let is_color = || family.parameters(kind)?.find(|p| p.name == name).map(|p| p.takes_color());
-        match item.kind {
-            Kind::List(_) if is_color() == Some(true) => value::color(name, item),
+        let parameter = || family.parameters(kind)?.find(|p| p.name == name);
+        match &item.kind {
+            Kind::List(items) if parameter().is_some_and(|p| p.takes_color(items.len())) => value::color(name, item),
             _ => self.value(name, item),
         }
     }

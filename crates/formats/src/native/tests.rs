@@ -139,6 +139,10 @@ fn three_numbers_are_a_colour_where_one_is_taken() {
     assert_eq!(d.nodes[2].get("intensity").cloned(), colour([4.0, 5.0, 6.0]));
     set(&mut d, NodeId(1), "reflectance", "[0.1, 0.2, 0.3]", &Options::default()).expect("a colour");
     assert_eq!(d.nodes[1].get("reflectance").cloned(), colour([0.1, 0.2, 0.3]));
+    let d =
+        sound("steradian: 1\nmedia: {a: {medium: uniformgrid, Le: [1, 2, 3]}, b: {medium: uniformgrid, Le: [1, 2]}}");
+    assert_eq!(d.nodes[0].get("Le").cloned(), colour([1.0, 2.0, 3.0]));
+    assert_eq!(d.nodes[1].get("Le"), Some(&Value::Floats(vec![1.0, 2.0])));
     let said = said("steradian: 1\nlights: [{light: point, intensity: [4, 5]}]");
     assert!(said.contains("'intensity' takes a colour of 3 numbers, not a list of 2"), "{said}");
 }
@@ -146,7 +150,8 @@ fn three_numbers_are_a_colour_where_one_is_taken() {
 /// Shapes in a map have names; meshes and pictures may be in memory.
 #[test]
 fn shapes_have_names_and_files_may_be_in_memory() {
-    let text = "steradian: 1\nmaterials: {m: {material: diffuse, reflectance: {texture: image, file: {file: \"p.png\"}}}}\n\
+    let text = "steradian: 1\n\
+                materials: {m: {material: diffuse, reflectance: {texture: image, file: {file: \"p.png\"}}}}\n\
                 shapes: {tri: {shape: mesh, mesh: t, material: m}, ball: {shape: sphere}}";
     let mesh = Mesh {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
