@@ -1,7 +1,8 @@
 //! Pictures: named planes that are NumPy arrays.
 
+use crate::{guard, metadata};
 use numpy::{
-    IntoPyArray, PyArray2, PyArray3, PyArrayMethods,
+    IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2,
     ndarray::{Array2, Array3},
 };
 use pyo3::{
@@ -9,7 +10,7 @@ use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
 };
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 use steradian::{
     Layer,
     image::{self, FileKind, Limits, WriteOptions, metrics, tone::Tone},
@@ -45,6 +46,8 @@ pub struct Image {
     /// Why the render ended early, if it did: `interrupt`, `time`, `error` or `progress`.
     #[pyo3(get)]
     stopped: Option<&'static str>,
+    /// What was read for it.
+    files: Arc<[PathBuf]>,
 }
 
 /// What is known of a render beside its picture.
@@ -54,6 +57,7 @@ pub struct Facts {
     pub seconds: f64,
     pub error: Option<f64>,
     pub stopped: Option<&'static str>,
+    pub files: Arc<[PathBuf]>,
 }
 
 impl Image {
@@ -68,8 +72,8 @@ impl Image {
             Ok(Plane { name: channel.name, array: array.into_pyarray(py).unbind() })
         };
         let planes = picture.into_channels().into_iter().map(plane).collect::<PyResult<_>>()?;
-        let Facts { spp, seconds, error, stopped } = facts;
-        Ok(Self { planes, rest, width, height, spp, seconds, error, stopped })
+        let Facts { spp, seconds, error, stopped, files } = facts;
+        Ok(Self { planes, rest, width, height, spp, seconds, error, stopped, files })
     }
 
     /// The planes whose names these are.
@@ -122,8 +126,91 @@ fn write_options(tonemap: Option<&str>, exposure: Option<f32>, half: bool) -> Py
     Ok(WriteOptions { tone, exr_precision, ppm_radiance, ..WriteOptions::default() })
 }
 
+/// What makes a picture again: its type, and its planes with what is known beside them.
+type Recipe<'py> = (Bound<'py, PyAny>, (Bound<'py, PyDict>, Bound<'py, PyDict>));
+
+/// The names of ends, for pictures that are made anew.
+const ENDS: [&str; 4] = ["interrupt", "time", "error", "progress"];
+
 #[pymethods]
 impl Image {
+    /// A picture of planes by name, of height × width numbers each, which are copied; `about` is what
+    /// [`Image::about`] gives.
+    #[new]
+    #[pyo3(signature = (planes, about = None))]
+    fn of_planes(py: Python<'_>, planes: &Bound<'_, PyDict>, about: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut picture: Option<image::Image> = None;
+        for (name, plane) in planes {
+            let name: String = name.extract()?;
+            let plane = py.import("numpy")?.call_method1("ascontiguousarray", (plane, "float32"))?;
+            let plane: PyReadonlyArray2<'_, f32> = plane.extract().map_err(|_| {
+                let shape = plane.getattr("shape").map_or_else(|e| e.to_string(), |s| s.to_string());
+                PyValueError::new_err(format!("plane '{name}' has the shape {shape}, not (height, width)"))
+            })?;
+            let plane = plane.as_array();
+            let (height, width) = plane.dim();
+            let whole = picture.get_or_insert_with(|| image::Image::new(width, height));
+            if (whole.height(), whole.width()) != (height, width) || height * width == 0 {
+                let (h, w) = (whole.height().max(1), whole.width().max(1));
+                let found = format!("({height}, {width})");
+                return Err(PyValueError::new_err(format!("plane '{name}' has the shape {found}, not ({h}, {w})")));
+            }
+            let pushed = whole.push(name, plane.iter().copied().collect());
+            pushed.map_err(|e| PyValueError::new_err(e.to_string()))?;
+        }
+        let mut picture = picture.ok_or_else(|| PyValueError::new_err("a picture has one plane at least"))?;
+        let Some(about) = about else { return Self::new(py, picture, Facts::default()) };
+        let of = |name: &str| about.get_item(name).map(|found| found.filter(|v| !v.is_none()));
+        if let Some(all) = of("metadata")? {
+            picture.metadata = metadata::from_python(&all.extract()?)?;
+        }
+        if let Some(offset) = of("offset")? {
+            picture.offset = offset.extract()?;
+        }
+        if let Some(frame) = of("frame")? {
+            let (min, max) = frame.extract()?;
+            picture.frame = Some(image::Window { min, max });
+        }
+        let number = |name: &str| of(name)?.map(|v| v.extract::<f64>()).transpose();
+        let stopped: Option<String> = of("stopped")?.map(|v| v.extract()).transpose()?;
+        let facts = Facts {
+            spp: number("spp")?.unwrap_or_default(),
+            seconds: number("seconds")?.unwrap_or_default(),
+            error: number("error")?,
+            stopped: ENDS.into_iter().find(|end| Some(*end) == stopped.as_deref()),
+            files: Arc::default(),
+        };
+        Self::new(py, picture, facts)
+    }
+
+    /// What is known of the picture beside its planes.
+    fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let about = PyDict::new(py);
+        about.set_item("spp", self.spp)?;
+        about.set_item("seconds", self.seconds)?;
+        about.set_item("error", self.error)?;
+        about.set_item("stopped", self.stopped)?;
+        about.set_item("metadata", self.metadata(py)?)?;
+        about.set_item("offset", self.rest.offset)?;
+        about.set_item("frame", self.rest.frame.map(|w| (w.min, w.max)))?;
+        Ok(about)
+    }
+
+    /// Texts and numbers that a file keeps beside the picture, by name; a copy.
+    #[getter]
+    fn metadata<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        metadata::to_python(py, &self.rest.metadata)
+    }
+
+    /// For `pickle` and `copy`.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let planes = PyDict::new(py);
+        for plane in &self.planes {
+            planes.set_item(&plane.name, &plane.array)?;
+        }
+        Ok((py.get_type::<Self>().into_any(), (planes, self.about(py)?)))
+    }
+
     /// Names of the planes, such as R, G, B, albedo.R, N.X, Z.
     #[getter]
     fn channels(&self) -> Vec<&str> {
@@ -190,8 +277,9 @@ impl Image {
         }
     }
 
-    /// Writes a file, its format by extension; the file appears whole or not at all.
-    #[pyo3(signature = (path, *, tonemap = None, exposure = None, half = false))]
+    /// Writes a file, its format by extension; the file appears whole or not at all. Files that were read for the
+    /// picture are not written over but with `overwrite`.
+    #[pyo3(signature = (path, *, tonemap = None, exposure = None, half = false, overwrite = false))]
     fn save(
         &self,
         py: Python<'_>,
@@ -199,7 +287,11 @@ impl Image {
         tonemap: Option<&str>,
         exposure: Option<f32>,
         half: bool,
+        overwrite: bool,
     ) -> PyResult<()> {
+        if !overwrite {
+            guard::claim(&path, self.files.iter().map(PathBuf::as_path))?;
+        }
         let options = write_options(tonemap, exposure, half)?;
         let picture = self.picture(py, |_| true)?;
         py.detach(|| image::write(&path, &picture, &options)).map_err(|e| match e {
@@ -274,5 +366,5 @@ impl Image {
 pub fn read_image(py: Python<'_>, path: PathBuf) -> PyResult<Image> {
     let picture =
         py.detach(|| image::read(&path, &Limits::default())).map_err(|e| PyValueError::new_err(e.to_string()))?;
-    Image::new(py, picture, Facts::default())
+    Image::new(py, picture, Facts { files: [path].into(), ..Facts::default() })
 }

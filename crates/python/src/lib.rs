@@ -7,10 +7,14 @@
 //! lock is released while anything takes long.
 
 mod convert;
+mod guard;
 mod image;
 mod material;
+mod mesh;
 mod message;
+mod metadata;
 mod parameter;
+mod rays;
 mod render;
 mod scene;
 
@@ -31,9 +35,13 @@ mod _steradian {
     #[pymodule_export]
     use super::material::{Material, spectrum};
     #[pymodule_export]
+    use super::mesh::{mesh, placement, set_mesh, set_placement};
+    #[pymodule_export]
     use super::message::Message;
     #[pymodule_export]
     use super::parameter::Parameter;
+    #[pymodule_export]
+    use super::rays::{occluded, trace};
     #[pymodule_export]
     use super::registry;
     #[pymodule_export]

@@ -6,6 +6,7 @@ use pyo3::{
     prelude::*,
 };
 use std::{
+    path::PathBuf,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -32,6 +33,8 @@ pub struct Progress {
 /// What to render, and how.
 pub struct Request<'a> {
     pub scene: &'a Arc<Scene>,
+    /// All files that the scene is made of.
+    pub files: &'a Arc<[PathBuf]>,
     pub quality: &'a Quality,
     /// Seconds after which to stop.
     pub time: Option<f64>,
@@ -58,6 +61,7 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
             spp: session.counters().samples as f64 / pixels,
             seconds: session.wall().as_secs_f64(),
             error: session.error(),
+            files: request.files.clone(),
             stopped: match &end {
                 _ if session.is_good_enough() => Some("error"),
                 _ if session.is_done() => None,

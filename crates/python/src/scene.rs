@@ -3,8 +3,10 @@
 use crate::{
     SceneError,
     convert::to_python,
+    guard,
     image::Image,
     material::Material,
+    mesh,
     message::{Message, error},
     parameter::{self, Parameter},
     render::{self, Request},
@@ -13,25 +15,32 @@ use pyo3::{
     exceptions::{PyIOError, PyKeyError, PyValueError},
     prelude::*,
     sync::MutexExt,
+    types::PyDict,
 };
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     path::PathBuf,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use steradian::{
-    ColorMode, CompileOptions, Kept, Layer, Loaded, Quality,
+    ColorMode, CompileOptions, Kept, Layer, Quality,
     formats::{Options, native, write},
-    scene::{Diagnostics, Node, NodeId, SceneDesc},
+    scene::{Diagnostics, Family, Node, NodeId, SceneDesc},
 };
 
 /// Files by their names.
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
+/// How many ways of compiling a scene are kept: that of renders, and that of rays and materials.
+const WAYS: usize = 2;
+
 /// A scene as it is rendered, and what it was asked for with.
-struct Ready {
+#[derive(Clone)]
+pub struct Ready {
     key: String,
-    scene: Arc<steradian::Scene>,
+    pub scene: Arc<steradian::Scene>,
+    /// All files that it is made of.
+    pub files: Arc<[PathBuf]>,
 }
 
 /// A scene: nodes with parameters, which may be read and set, and rendered again without reading files of
@@ -46,23 +55,26 @@ pub struct Scene {
 struct State {
     desc: Arc<SceneDesc>,
     diagnostics: Diagnostics,
-    ready: Option<Ready>,
+    ready: Vec<Ready>,
     /// What the last compilation made, which an edit leaves as it is for the most part.
     kept: Kept,
 }
 
 impl Scene {
-    fn new(loaded: Loaded, options: Options, strict: bool) -> PyResult<Self> {
-        if loaded.diagnostics.has_errors() {
-            return Err(error(&loaded.diagnostics));
+    fn new((desc, diagnostics): (SceneDesc, Diagnostics), options: Options, strict: bool) -> PyResult<Self> {
+        if diagnostics.has_errors() {
+            return Err(error(&diagnostics));
         }
-        if strict && loaded.diagnostics.is_lossy() {
-            let lost = loaded.diagnostics.iter().filter(|d| d.fidelity.is_some());
+        if strict && diagnostics.is_lossy() {
+            let lost = diagnostics.iter().filter(|d| d.fidelity.is_some());
             return Err(SceneError::new_err(lost.map(ToString::to_string).collect::<Vec<_>>().join("\n")));
         }
-        let state =
-            State { desc: Arc::new(loaded.desc), diagnostics: loaded.diagnostics, ready: None, kept: Kept::default() };
-        Ok(Self { options, state: Mutex::new(state) })
+        Ok(Self::of(Arc::new(desc), diagnostics, options))
+    }
+
+    fn of(desc: Arc<SceneDesc>, diagnostics: Diagnostics, options: Options) -> Self {
+        let state = State { desc, diagnostics, ready: Vec::new(), kept: Kept::default() };
+        Self { options, state: Mutex::new(state) }
     }
 
     /// The state, for this thread alone; the interpreter goes on while another one has it. It is whole even if that one
@@ -72,8 +84,50 @@ impl Scene {
     }
 
     /// The scene as it is rendered, compiled anew only where something changed.
-    fn ready(&self, py: Python<'_>, options: &CompileOptions) -> PyResult<Arc<steradian::Scene>> {
+    pub fn ready(&self, py: Python<'_>, options: &CompileOptions) -> PyResult<Ready> {
         self.state(py).ready(py, options)
+    }
+
+    /// The scene for rays and materials, which need no camera.
+    pub fn queried(&self, py: Python<'_>, mode: Option<ColorMode>) -> PyResult<Ready> {
+        let mut state = self.state(py);
+        let options = CompileOptions { mode, ..CompileOptions::default() };
+        if !state.desc.cameras.is_empty() {
+            return state.ready(py, &options);
+        }
+        let own = state.desc.clone();
+        let desc = Arc::make_mut(&mut state.desc);
+        let camera = desc.add(Node::new(Family::Camera, "perspective", None));
+        desc.cameras.push(camera);
+        let ready = state.ready(py, &options);
+        // A render of it lacks a camera as before.
+        state.desc = own;
+        ready
+    }
+
+    /// Looks at a node.
+    pub fn look<T>(
+        &self,
+        py: Python<'_>,
+        node: &str,
+        look: impl FnOnce(&SceneDesc, NodeId) -> PyResult<T>,
+    ) -> PyResult<T> {
+        let state = self.state(py);
+        look(&state.desc, state.find(node)?)
+    }
+
+    /// Changes a node, or what belongs to it; the next render has it.
+    pub fn edit(
+        &self,
+        py: Python<'_>,
+        node: &str,
+        edit: impl FnOnce(&mut SceneDesc, NodeId) -> PyResult<()>,
+    ) -> PyResult<()> {
+        let mut state = self.state(py);
+        let id = state.find(node)?;
+        edit(Arc::make_mut(&mut state.desc), id)?;
+        state.ready.clear();
+        Ok(())
     }
 }
 
@@ -89,20 +143,22 @@ impl State {
     }
 
     /// As [`Scene::ready`].
-    fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Arc<steradian::Scene>> {
-        let key = format!("{options:?}");
-        if let Some(ready) = self.ready.as_ref().filter(|r| r.key == key) {
-            return Ok(ready.scene.clone());
+    fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Ready> {
+        let key = format!("{options:?} {}", self.desc.cameras.len());
+        if let Some(at) = self.ready.iter().position(|r| r.key == key) {
+            self.ready[..=at].rotate_right(1);
+            return Ok(self.ready[0].clone());
         }
-        self.ready = None;
+        self.ready.truncate(WAYS - 1);
         let Self { desc, kept, .. } = self;
         let compiled = py.detach(|| steradian::recompile(desc, options, kept));
         let Some(scene) = compiled.scene else { return Err(error(&compiled.diagnostics)) };
         // Those of a repeated compilation are kept once.
         self.diagnostics.extend(compiled.diagnostics);
-        let scene = Arc::new(scene);
-        self.ready = Some(Ready { key, scene: scene.clone() });
-        Ok(scene)
+        let files = desc.files().map(PathBuf::from).chain(compiled.files).collect();
+        let ready = Ready { key, scene: Arc::new(scene), files };
+        self.ready.insert(0, ready.clone());
+        Ok(ready)
     }
 }
 
@@ -129,7 +185,39 @@ impl Scene {
     ) -> PyResult<Self> {
         let options = Options { defines, search, ..Options::default() };
         let loaded = py.detach(|| steradian::load(&path, &options));
-        Self::new(loaded, options, strict)
+        Self::new((loaded.desc, loaded.diagnostics), options, strict)
+    }
+
+    /// Reads a document in Steradian's own language, with meshes and files that are in memory, by their names in it.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, meshes = Vec::new(), files = HashMap::new(), path = "dictionary".into(),
+        search = Vec::new(), strict = false))]
+    fn describe(
+        py: Python<'_>,
+        text: String,
+        meshes: Vec<(String, Bound<'_, PyDict>)>,
+        files: HashMap<String, Vec<u8>>,
+        path: PathBuf,
+        search: Vec<PathBuf>,
+        strict: bool,
+    ) -> PyResult<Self> {
+        let options = Options { search, ..Options::default() };
+        let mesh = |(name, arrays): (String, Bound<'_, PyDict>)| Ok((name, mesh::from_arrays(&arrays)?));
+        let meshes = meshes.into_iter().map(mesh).collect::<PyResult<_>>()?;
+        let given = native::Given { meshes, files };
+        let read = py.detach(|| native::import_with(&path, text.into_bytes(), given, &options));
+        Self::new((read.desc, read.diagnostics), options, strict)
+    }
+
+    /// A scene of its own that is as this one.
+    fn copy(&self, py: Python<'_>) -> Self {
+        let state = self.state(py);
+        Self::of(state.desc.clone(), state.diagnostics.clone(), self.options.clone())
+    }
+
+    /// Where the scene's file is, and the folders that are searched for others.
+    fn origin(&self, py: Python<'_>) -> (Option<PathBuf>, Vec<PathBuf>) {
+        (self.state(py).desc.path.clone(), self.options.search.clone())
     }
 
     /// Reads a text in a format (`pbrt`, `xml`, `obj`, `ply`, `gltf`, `steradian`), by default what it looks like.
@@ -146,7 +234,7 @@ impl Scene {
         let options = Options { search, ..Options::default() };
         let bytes = text.as_bytes().to_vec();
         let loaded = py.detach(|| steradian::load_bytes(name, bytes, format, &options));
-        Self::new(loaded, options, strict)
+        Self::new((loaded.desc, loaded.diagnostics), options, strict)
     }
 
     /// Everything that reading and compiling had to say so far.
@@ -198,12 +286,9 @@ impl Scene {
 
     /// Sets a parameter to a value in Steradian's own language; `null` takes it away.
     fn set_text(&self, py: Python<'_>, node: &str, parameter: &str, value: &str) -> PyResult<()> {
-        let mut state = self.state(py);
-        let id = state.find(node)?;
-        let desc = Arc::make_mut(&mut state.desc);
-        native::set(desc, id, parameter, value, &self.options).map_err(|diagnostics| error(&diagnostics))?;
-        state.ready = None;
-        Ok(())
+        self.edit(py, node, |desc, id| {
+            native::set(desc, id, parameter, value, &self.options).map_err(|diagnostics| error(&diagnostics))
+        })
     }
 
     /// The scene in Steradian's own language, for a file at `path`; with what goes beside it by name.
@@ -215,11 +300,15 @@ impl Scene {
 
     /// Writes the scene in the format of the extension, and what goes beside it, whole or not at all; gives what was
     /// approximated or left out.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<Message>> {
+    #[pyo3(signature = (path, *, overwrite = false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<Vec<Message>> {
         let desc = self.state(py).desc.clone();
         let written = py.detach(|| write::write(&desc, &path)).map_err(PyValueError::new_err)?;
         if written.diagnostics.has_errors() {
             return Err(error(&written.diagnostics));
+        }
+        if !overwrite {
+            guard::claim(&path, desc.files())?;
         }
         let write = || steradian::image::write_together(&path, &written.bytes, &written.files);
         py.detach(write).map_err(|e| PyIOError::new_err(e.to_string()))?;
@@ -230,7 +319,7 @@ impl Scene {
     #[pyo3(signature = (name, *, color = "auto"))]
     fn material(&self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
         let mode = self::color(color)?;
-        let scene = self.ready(py, &CompileOptions { mode, ..CompileOptions::default() })?;
+        let scene = self.queried(py, mode)?.scene;
         Material::named(scene, name)
     }
 
@@ -288,8 +377,8 @@ impl Scene {
         quality.check().map_err(|e| PyValueError::new_err(e.to_string()))?;
         let options =
             CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
-        let scene = self.ready(py, &options)?;
-        render::run(py, &Request { scene: &scene, quality: &quality, time, progress: progress.as_ref() })
+        let Ready { scene, files, .. } = self.ready(py, &options)?;
+        render::run(py, &Request { scene: &scene, files: &files, quality: &quality, time, progress: progress.as_ref() })
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {

@@ -9,16 +9,9 @@ import numpy as np
 import pytest
 
 import steradian as st
+from scenes import BALL
 
 ROOT = os.path.join(os.path.dirname(__file__), "..", "..", "..")
-
-BALL = {
-    "film": {"film": "rgb", "width": 32, "height": 24},
-    "materials": {"clay": {"material": "diffuse", "reflectance": {"rgb": [0.7, 0.3, 0.2]}}},
-    "cameras": {"front": {"camera": "perspective", "fov": 40.0, "to_world": {"look_at": [0, 0, 0], "from": [0, 0, -4]}}},
-    "lights": {"sky": {"light": "environment", "radiance": 1.0}},
-    "shapes": [{"shape": "sphere", "radius": 1.0, "material": "clay"}],
-}
 
 
 def test_a_picture_is_arrays():

@@ -219,6 +219,15 @@ impl Parameter {
         }
     }
 
+    /// Whether a list of so many numbers for it stands for a colour, which has three.
+    pub fn takes_color(&self, numbers: usize) -> bool {
+        match self.kind {
+            Type::Texture | Type::Spectrum => true,
+            Type::SpectrumOrList => numbers == 3,
+            _ => false,
+        }
+    }
+
     /// Type, range and unit in one phrase.
     pub fn values(&self) -> String {
         let mut text = self.kind.text().to_owned();

@@ -25,7 +25,7 @@ use std::{
     collections::{HashMap, HashSet},
     path::Path,
 };
-use steradian_scene::{Diagnostics, Node, NodeId, SceneDesc, Value, names};
+use steradian_scene::{Diagnostics, Mesh, Node, NodeId, SceneDesc, Value, names};
 
 /// The version of the language.
 pub const VERSION: i64 = 1;
@@ -45,14 +45,28 @@ pub fn import(path: &Path, options: &Options) -> Import {
     }
 }
 
+/// What a document in memory may name that is in memory, too.
+#[derive(Debug, Default)]
+pub struct Given {
+    /// Meshes by the names that shapes have for them.
+    pub meshes: Vec<(String, Mesh)>,
+    /// Files by the names in `{file: NAME}`: meshes as PLY, pictures.
+    pub files: HashMap<String, Vec<u8>>,
+}
+
 /// The same for a document in memory; the files that it names are beside `path`.
 pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
+    import_with(path, bytes, Given::default(), options)
+}
+
+/// Reads a document in memory with meshes and files that are in memory; others are beside `path`.
+pub fn import_with(path: &Path, bytes: Vec<u8>, given: Given, options: &Options) -> Import {
     let mut desc = SceneDesc { path: Some(path.into()), ..SceneDesc::default() };
     let file = desc.sources.add(path, bytes);
     let text = desc.sources.get(file).map(|s| s.text.clone()).unwrap_or_default();
     let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
     search.folders.extend(options.search.iter().cloned());
-    let mut reader = read::Reader::new(desc, HashMap::new(), search, options);
+    let mut reader = read::Reader::new(desc, HashMap::new(), search, options).with(given);
     if text.len() > MOST_BYTES {
         let why = format!("'{}' holds more than the {MOST_BYTES} bytes allowed; meshes may be files", path.display());
         reader.diagnostics.error(&reader.desc.sources, None, why);
@@ -89,10 +103,11 @@ pub fn set(
     search.folders.extend(options.search.iter().cloned());
     let mut trial = SceneDesc { nodes: desc.nodes.clone(), path: desc.path.clone(), ..SceneDesc::default() };
     let file = trial.sources.add(format!("{}.{parameter}", name_in(desc, node)), text.as_bytes().to_vec());
+    let (family, kind) = (desc.node(node).family, desc.node(node).kind.clone());
     let mut reader = read::Reader::new(trial, known, search, options);
     let value = match parse::value(text.as_bytes(), file) {
         Ok(parse::Item { kind: parse::Kind::Null, .. }) => Ok(None),
-        Ok(item) => reader.value(parameter, &item).map(Some),
+        Ok(item) => reader.value_of(family, &kind, parameter, &item).map(Some),
         Err(fault) => Err((fault.message, fault.span)),
     };
     match value {

@@ -1,7 +1,7 @@
 //! From a document to a description.
 
 use super::{
-    VERSION,
+    Given, VERSION,
     parse::{Item, Key, Kind},
     value::{self, Slip, VALUES},
 };
@@ -76,6 +76,8 @@ pub(super) struct Reader<'a> {
     nodes: HashMap<String, NodeId>,
     meshes: HashMap<String, usize>,
     groups: HashMap<String, usize>,
+    /// Files that are in memory, by the names that the document has for them.
+    files: HashMap<String, Vec<u8>>,
 }
 
 type Read<T> = Result<T, Slip>;
@@ -91,7 +93,20 @@ impl<'a> Reader<'a> {
             nodes,
             meshes: HashMap::new(),
             groups: HashMap::new(),
+            files: HashMap::new(),
         }
+    }
+
+    /// Adds what the document may name and is not in it.
+    pub fn with(mut self, given: Given) -> Self {
+        self.files = given.files;
+        for (name, mesh) in given.meshes {
+            match mesh.validate() {
+                Ok(()) => drop(self.meshes.insert(name, self.desc.add_mesh(mesh))),
+                Err(e) => self.diagnostics.error(&self.desc.sources, None, format!("the mesh '{name}' is faulty: {e}")),
+            }
+        }
+        self
     }
 
     pub fn fault(&mut self, (message, span): Slip) {
@@ -160,8 +175,8 @@ impl<'a> Reader<'a> {
                 reader.meshes.insert(name.text.clone(), mesh);
                 Ok(())
             }),
-            "shapes" => self.each(item, |reader, _, item| {
-                let shape = reader.shape(item)?;
+            "shapes" => self.each(item, |reader, name, item| {
+                let shape = reader.named_shape(name, item)?;
                 reader.desc.shapes.push(shape);
                 Ok(())
             }),
@@ -170,8 +185,8 @@ impl<'a> Reader<'a> {
                 let text = name.map(|n| n.text.clone()).unwrap_or_default();
                 reader.desc.groups.push(Group { name: super::name_of(&text).unwrap_or_default(), shapes: Vec::new() });
                 reader.groups.insert(text, group);
-                reader.each(item, |reader, _, item| {
-                    let shape = reader.shape(item)?;
+                reader.each(item, |reader, name, item| {
+                    let shape = reader.named_shape(name, item)?;
                     reader.desc.groups[group].shapes.push(shape);
                     Ok(())
                 });
@@ -304,13 +319,22 @@ impl<'a> Reader<'a> {
         if node.param(&key.text).is_some() {
             return Err((format!("'{}' is set already", key.text), key.span));
         }
-        let value = self.value(&key.text, item)?;
+        let value = self.value_of(node.family, &node.kind, &key.text, item)?;
         node.set(key.text.clone(), value, Some(item.span));
         Ok(())
     }
 
+    /// A value for a parameter of a kind: three numbers are a colour where it takes one.
+    pub fn value_of(&mut self, family: Family, kind: &str, name: &str, item: &Item) -> Read<Value> {
+        let parameter = || family.parameters(kind)?.find(|p| p.name == name);
+        match &item.kind {
+            Kind::List(items) if parameter().is_some_and(|p| p.takes_color(items.len())) => value::color(name, item),
+            _ => self.value(name, item),
+        }
+    }
+
     /// A value of any kind.
-    pub fn value(&mut self, name: &str, item: &Item) -> Read<Value> {
+    fn value(&mut self, name: &str, item: &Item) -> Read<Value> {
         let first = |item: &Item| match &item.kind {
             Kind::Map(pairs) => pairs.first().map(|(key, _)| key.text.clone()),
             _ => None,
@@ -320,6 +344,10 @@ impl<'a> Reader<'a> {
             Kind::Map(pairs) => match first(item) {
                 Some(word) if word == "file" => {
                     let path = value::text(&pairs[0].1)?;
+                    if let Some(bytes) = self.files.get(path) {
+                        self.desc.embedded.insert(path.into(), bytes.as_slice().into());
+                        return Ok(Value::Path(path.into()));
+                    }
                     self.search.find(path).map(Value::Path).map_err(|e| (e.to_string(), pairs[0].1.span))
                 }
                 Some(word) if is_node(&word) => self.node_or_reference(item).map(Value::Node),
@@ -330,6 +358,22 @@ impl<'a> Reader<'a> {
             }
             _ => value::plain(name, item),
         }
+    }
+
+    /// A shape that may have a name, which its node then has.
+    fn named_shape(&mut self, key: Option<&Key>, item: &Item) -> Read<Shape> {
+        let Some(key) = key else { return self.shape(item) };
+        if self.nodes.contains_key(&key.text) {
+            return Err((format!("there is a node '{}' already", key.text), key.span));
+        }
+        let nodes = self.desc.nodes.len();
+        let shape = self.shape(item)?;
+        // One that stands in another place has its name there.
+        if shape.node.0 as usize >= nodes {
+            self.desc.node_mut(shape.node).name = super::name_of(&key.text);
+            self.nodes.insert(key.text.clone(), shape.node);
+        }
+        Ok(shape)
     }
 
     fn shape(&mut self, item: &Item) -> Read<Shape> {
@@ -440,10 +484,16 @@ impl<'a> Reader<'a> {
                 if let Some((key, _)) = pairs.get(1) {
                     return Err((format!("'{}' does not belong here", key.text), key.span));
                 }
-                let path = self.search.find(value::text(file)?).map_err(|e| (e.to_string(), file.span))?;
-                let mesh = read_ply(&path, &self.options.limits).map_err(|e| (e, file.span))?;
-                self.desc.sources.note(path);
-                mesh
+                let name = value::text(file)?;
+                match self.files.get(name) {
+                    Some(bytes) => parse_ply(name.as_ref(), bytes).map_err(|e| (e, file.span))?,
+                    None => {
+                        let path = self.search.find(name).map_err(|e| (e.to_string(), file.span))?;
+                        let mesh = read_ply(&path, &self.options.limits).map_err(|e| (e, file.span))?;
+                        self.desc.sources.note(path);
+                        mesh
+                    }
+                }
             }
             _ => inline_mesh(pairs)?,
         };
@@ -460,8 +510,11 @@ fn boolean(item: &Item) -> Read<bool> {
 }
 
 fn read_ply(path: &std::path::Path, limits: &Limits) -> Result<Mesh, String> {
-    let bytes = files::read(path, limits).map_err(|e| e.to_string())?;
-    let file = ply::read(&bytes, &PlyOptions { keep_quads: true });
+    parse_ply(path, &files::read(path, limits).map_err(|e| e.to_string())?)
+}
+
+fn parse_ply(path: &std::path::Path, bytes: &[u8]) -> Result<Mesh, String> {
+    let file = ply::read(bytes, &PlyOptions { keep_quads: true });
     file.map(|f| f.mesh).map_err(|e| format!("cannot read the mesh '{}': {e}", path.display()))
 }
 

@@ -1,6 +1,6 @@
 //! Steradian's own language: what it takes, what it says of slips, and that writing and reading are inverse.
 
-use super::{import_bytes, set, write};
+use super::{Given, import_bytes, import_with, set, write};
 use crate::{Import, Options};
 use std::path::Path;
 use steradian_scene::{Attribute, Domain, Family, Format, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value};
@@ -124,6 +124,55 @@ fn angles_and_shears_are_transforms() {
 fn reading_goes_on_after_a_slip() {
     let said = said("steradian: 1\nlights: [{light: 3} {lihgt: point}]\nshapes: [{shape: sphere, mesh: no}]");
     assert_eq!(said.matches("error").count(), 3, "{said}");
+}
+
+/// Three numbers are a colour where one is taken, in any node and when set later, and a vector elsewhere.
+#[test]
+fn three_numbers_are_a_colour_where_one_is_taken() {
+    let colour = |v| Some(Value::Spectrum(SpectrumValue::Rgb(v, steradian_scene::ColorSpace::Srgb)));
+    let mut d = sound(
+        "steradian: 1\nmaterials: {m: {material: diffuse, reflectance: {texture: checkerboard, a: [1, 0.5, 0]}}}\n\
+         lights: {l: {light: point, position: [1, 2, 3], intensity: [4, 5, 6]}}",
+    );
+    assert_eq!(d.nodes[0].get("a").cloned(), colour([1.0, 0.5, 0.0]));
+    assert_eq!(d.nodes[2].get("position"), Some(&Value::Vec3([1.0, 2.0, 3.0])));
+    assert_eq!(d.nodes[2].get("intensity").cloned(), colour([4.0, 5.0, 6.0]));
+    set(&mut d, NodeId(1), "reflectance", "[0.1, 0.2, 0.3]", &Options::default()).expect("a colour");
+    assert_eq!(d.nodes[1].get("reflectance").cloned(), colour([0.1, 0.2, 0.3]));
+    let d =
+        sound("steradian: 1\nmedia: {a: {medium: uniformgrid, Le: [1, 2, 3]}, b: {medium: uniformgrid, Le: [1, 2]}}");
+    assert_eq!(d.nodes[0].get("Le").cloned(), colour([1.0, 2.0, 3.0]));
+    assert_eq!(d.nodes[1].get("Le"), Some(&Value::Floats(vec![1.0, 2.0])));
+    let said = said("steradian: 1\nlights: [{light: point, intensity: [4, 5]}]");
+    assert!(said.contains("'intensity' takes a colour of 3 numbers, not a list of 2"), "{said}");
+}
+
+/// Shapes in a map have names; meshes and pictures may be in memory.
+#[test]
+fn shapes_have_names_and_files_may_be_in_memory() {
+    let text = "steradian: 1\n\
+                materials: {m: {material: diffuse, reflectance: {texture: image, file: {file: \"p.png\"}}}}\n\
+                shapes: {tri: {shape: mesh, mesh: t, material: m}, ball: {shape: sphere}}";
+    let mesh = Mesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]].into(),
+        ..Mesh::default()
+    };
+    let read = |mesh: Mesh| {
+        let files = [("p.png".to_owned(), b"bytes".to_vec())].into();
+        let given = Given { meshes: vec![("t".into(), mesh)], files };
+        import_with("scene.steradian".as_ref(), text.as_bytes().to_vec(), given, &Options::default())
+    };
+    let import = read(mesh.clone());
+    assert!(!import.diagnostics.has_errors(), "{:?}", import.diagnostics);
+    let d = import.desc;
+    let named: Vec<_> = d.shapes.iter().map(|s| d.node(s.node).name.as_deref()).collect();
+    assert_eq!(named, [Some("tri"), Some("ball")]);
+    assert_eq!((d.shapes[0].mesh, &*d.meshes[0]), (Some(0), &mesh));
+    assert_eq!(d.embedded.get(Path::new("p.png")).map(|b| &b[..]), Some(&b"bytes"[..]));
+    let import = read(Mesh { triangles: vec![[0, 1, 7]].into(), ..mesh });
+    let said: String = import.diagnostics.iter().map(ToString::to_string).collect();
+    assert!(said.contains("the mesh 't' is faulty: triangle 0 refers to vertex 7"), "{said}");
 }
 
 /// Everything that a description can hold.

@@ -70,6 +70,14 @@ pub(super) fn array<const N: usize>(item: &Item) -> Result<[f64; N], Slip> {
     found.try_into().map_err(|_| (format!("{N} numbers are expected here, not {n}"), item.span))
 }
 
+/// A colour by its three numbers.
+pub(super) fn color(name: &str, item: &Item) -> Result<Value, Slip> {
+    let found = numbers(item)?;
+    let rgb = <[f64; 3]>::try_from(found)
+        .map_err(|found| (format!("'{name}' takes a colour of 3 numbers, not a list of {}", found.len()), item.span))?;
+    Ok(Value::Spectrum(SpectrumValue::Rgb(rgb, ColorSpace::Srgb)))
+}
+
 /// A value that refers to nothing: all but nodes and files.
 pub(super) fn plain(name: &str, item: &Item) -> Result<Value, Slip> {
     Ok(match &item.kind {

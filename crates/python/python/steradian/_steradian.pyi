@@ -1,113 +1,266 @@
 """The native part of steradian."""
 
 import os
-from collections.abc import Callable, Sequence
-from typing import Any, Optional, Union, final
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-StrPath = Union[str, os.PathLike[str]]
+__version__: str
+"""The version of the package."""
 
 class SceneError(ValueError):
     """A scene that has errors; the text has every one of them with its line and carets."""
 
-__version__: str
-
-def read_image(path: StrPath) -> Image:
+def read_image(path: str | os.PathLike[str]) -> Image:
     """A picture from a file (.exr, .hdr, .pfm, .png, .jpg, …) as linear planes; every channel of an EXR file is kept."""
 
-def registry() -> dict[str, dict[str, str]]: ...
-def spectrum(name: str, wavelengths: NDArray[np.float32]) -> NDArray[np.float32]: ...
+def registry() -> dict[str, dict[str, str]]:
+    """The names of what there is, family by family, each with its description."""
+
+def spectrum(name: str, wavelengths: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A spectrum known by name at wavelengths in nm."""
+
+def mesh(scene: Scene, node: str) -> dict[str, Any]:
+    """The arrays of a shape's mesh, in its own space; those that are empty are not there."""
+
+def set_mesh(scene: Scene, node: str, parts: dict[str, Any]) -> None:
+    """Gives a shape another mesh; so to all shapes that share it."""
+
+def placement(scene: Scene, node: str) -> NDArray[np.float64]:
+    """Where a shape is: its transform into the world, or its group, 4 × 4."""
+
+def set_placement(scene: Scene, node: str, rows: Sequence[float]) -> None:
+    """Puts a shape elsewhere, by 16 numbers."""
+
+def trace(
+    scene: Scene,
+    origins: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    max_distance: NDArray[np.float32],
+    *,
+    time: float = 0.0,
+) -> dict[str, Any]:
+    """What rays meet first, as a dictionary of arrays."""
+
+def occluded(
+    scene: Scene,
+    origins: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    max_distance: NDArray[np.float32],
+    *,
+    time: float = 0.0,
+) -> NDArray[np.bool_]:
+    """Whether rays meet anything that scatters before their distance."""
 
 @final
 class Message:
+    """One thing that reading or compiling had to say."""
+
     kind: str
+    """`error`, `warning`, `note`, or what was lost: `approximated`, `dropped`, `unused`."""
     message: str
-    path: Optional[str]
-    line: Optional[int]
-    column: Optional[int]
-    help: Optional[str]
+    """One sentence."""
+    path: str | None
+    """The file, if it has a place in one."""
+    line: int | None
+    """From 1."""
+    column: int | None
+    """From 1, in characters."""
+    help: str | None
+    """What to do about it."""
     text: str
+    """All of it, with the line and carets."""
 
 @final
 class Parameter:
+    """A parameter of a node."""
+
     node: str
+    """The node's name."""
     name: str
+    """The parameter's."""
     value: Any
+    """What is set; None where the default counts."""
     default: str
+    """What counts where nothing is set; empty where the schema does not know the parameter."""
     type: str
+    """What values it takes, in words."""
     unit: str
-    range: Optional[tuple[float, float]]
+    """Unit; empty for pure numbers."""
+    range: tuple[float, float] | None
+    """Least and greatest number, or None."""
     doc: str
+    """What it is."""
 
 @final
 class Progress:
+    """How far a render is."""
+
     fraction: float
+    """Of all samples, from 0 to 1."""
     spp: float
+    """Samples per pixel so far."""
     seconds: float
+    """Seconds so far."""
 
 @final
 class Image:
+    """A picture: planes of linear values by name, rows from the top.
+
+    `Image(planes)` makes one of height × width numbers by name, which are copied; `about` is what another one's `about()` gives.
+    """
+
     width: int
+    """Pixels from left to right."""
     height: int
+    """Pixels from top to bottom."""
     spp: float
+    """Samples per pixel that were taken."""
     seconds: float
-    error: Optional[float]
-    stopped: Optional[str]
+    """Seconds of rendering."""
+    error: float | None
+    """Estimated relative error, if it is known."""
+    stopped: str | None
+    """Why the render ended early, if it did: `interrupt`, `time`, `error` or `progress`."""
+    def __new__(cls, planes: Mapping[str, ArrayLike], about: Mapping[str, Any] | None = None) -> Image: ...
     @property
-    def shape(self) -> tuple[int, int, int]: ...
+    def shape(self) -> tuple[int, int, int]:
+        """Height, width, and 3 for the colours of the picture."""
     @property
-    def channels(self) -> list[str]: ...
+    def channels(self) -> list[str]:
+        """Names of the planes, such as R, G, B, albedo.R, N.X, Z."""
     @property
-    def layers(self) -> list[str]: ...
+    def layers(self) -> list[str]:
+        """Names of the layers; the picture itself is ""."""
+    @property
+    def metadata(self) -> dict[str, str | float | int | list[float]]:
+        """Texts and numbers that a file keeps beside the picture, by name; a copy."""
+    def about(self) -> dict[str, Any]:
+        """What is known of the picture beside its planes."""
     def __getitem__(self, name: str) -> NDArray[np.float32]: ...
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> NDArray[Any]: ...
-    def layer(self, name: str = "") -> NDArray[np.float32]: ...
-    def save(self, path: StrPath, *, tonemap: Optional[str] = None, exposure: Optional[float] = None, half: bool = False) -> None: ...
-    def png(self, *, tonemap: Optional[str] = None, exposure: Optional[float] = None) -> bytes: ...
-    def to_uint8(self, *, tonemap: Optional[str] = None, exposure: Optional[float] = None) -> NDArray[np.uint8]: ...
-    def compare(self, reference: Image) -> dict[str, Any]: ...
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
+    def layer(self, name: str = "") -> NDArray[np.float32]:
+        """All planes of a layer in one array of height × width × channels, a copy."""
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        tonemap: str | None = None,
+        exposure: float | None = None,
+        half: bool = False,
+        overwrite: bool = False,
+    ) -> None:
+        """Writes a file, its format by extension; it appears whole or not at all.
+
+        FileExistsError where `path` is a file that was read for the picture, unless `overwrite` is true.
+        """
+    def png(self, *, tonemap: str | None = None, exposure: float | None = None) -> bytes:
+        """The bytes of a PNG file."""
+    def to_uint8(self, *, tonemap: str | None = None, exposure: float | None = None) -> NDArray[np.uint8]:
+        """What is shown of the picture: height × width × 3 numbers from 0 to 255, after exposure and tone curve."""
+    def compare(self, reference: Image) -> dict[str, Any]:
+        """How far the picture is from a reference of its size."""
     def _repr_png_(self) -> bytes: ...
 
 @final
 class Material:
+    """A material under glass."""
+
     @staticmethod
-    def describe(
-        kind: str, parameters: Sequence[tuple[str, str]], *, wavelengths: Optional[Sequence[float]] = None
-    ) -> Material: ...
+    def describe(kind: str, parameters: Sequence[tuple[str, str]], *, wavelengths: Sequence[float] | None = None) -> Material:
+        """A material by kind, with parameters as words of the command line."""
     def evaluate(
         self, wo: NDArray[np.float32], wi: NDArray[np.float32], *, uv: tuple[float, float] = (0.5, 0.5)
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Values and densities of pairs of directions."""
+    def sample(
+        self, wo: NDArray[np.float32], u: NDArray[np.float32], *, uv: tuple[float, float] = (0.5, 0.5)
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]:
+        """Directions that are drawn, weights, densities, relative indices of refraction, and whether lobes are specular."""
+    def albedo(self, wo: NDArray[np.float32], *, samples: int = 1024, uv: tuple[float, float] = (0.5, 0.5)) -> NDArray[np.float32]:
+        """The part of the light from each direction that is scattered."""
 
 @final
 class Scene:
+    """A scene: nodes with parameters, which may be read and set, and rendered again."""
+
     @staticmethod
     def load(
-        path: StrPath, *, defines: dict[str, str] = ..., search: Sequence[StrPath] = ..., strict: bool = False
-    ) -> Scene: ...
+        path: str | os.PathLike[str],
+        *,
+        defines: dict[str, str] = ...,
+        search: Sequence[str | os.PathLike[str]] = ...,
+        strict: bool = False,
+    ) -> Scene:
+        """Reads a file, or `builtin:NAME`."""
     @staticmethod
     def parse(
-        text: str, *, format: Optional[str] = None, name: str = "text", search: Sequence[StrPath] = ..., strict: bool = False
-    ) -> Scene: ...
+        text: str,
+        *,
+        format: str | None = None,
+        name: str = "text",
+        search: Sequence[str | os.PathLike[str]] = ...,
+        strict: bool = False,
+    ) -> Scene:
+        """Reads a text in a format, by default what it looks like."""
+    @staticmethod
+    def describe(
+        text: str,
+        *,
+        meshes: Sequence[tuple[str, dict[str, Any]]] = ...,
+        files: dict[str, bytes] = ...,
+        path: str | os.PathLike[str] = "dictionary",
+        search: Sequence[str | os.PathLike[str]] = ...,
+        strict: bool = False,
+    ) -> Scene:
+        """Reads a document in Steradian's own language, with meshes and files that are in memory, by their names in it."""
     @property
-    def messages(self) -> list[Message]: ...
+    def messages(self) -> list[Message]:
+        """Everything that reading and compiling had to say so far."""
     @property
-    def nodes(self) -> list[tuple[str, tuple[str, str]]]: ...
+    def nodes(self) -> list[tuple[str, tuple[str, str]]]:
+        """Families and kinds of all nodes by their names."""
     @property
-    def cameras(self) -> list[str]: ...
-    def parameters(self, node: str) -> list[str]: ...
-    def params(self) -> list[Parameter]: ...
-    def get(self, node: str, parameter: str) -> Any: ...
-    def set_text(self, node: str, parameter: str, value: str) -> None: ...
-    def text(self, path: StrPath) -> tuple[str, list[tuple[os.PathLike[str], bytes]]]: ...
-    def save(self, path: StrPath) -> list[Message]: ...
-    def material(self, name: str, *, color: str = "auto") -> Material: ...
+    def cameras(self) -> list[str]:
+        """The names of the cameras."""
+    def parameters(self, node: str) -> list[str]:
+        """The names of the parameters that a node sets."""
+    def params(self) -> list[Parameter]:
+        """All that can be set of all nodes."""
+    def get(self, node: str, parameter: str) -> Any:
+        """The value of a node's parameter; None where it is not set."""
+    def set_text(self, node: str, parameter: str, value: str) -> None:
+        """Sets a parameter to a value in Steradian's own language; `null` takes it away."""
+    def text(self, path: str | os.PathLike[str]) -> tuple[str, list[tuple[os.PathLike[str], bytes]]]:
+        """The scene in Steradian's own language, for a file at `path`; with what goes beside it by name."""
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> list[Message]:
+        """Writes the scene in the format of the extension; gives what was approximated or left out."""
+    def copy(self) -> Scene:
+        """A scene of its own that is as this one."""
+    def origin(self) -> tuple[os.PathLike[str] | None, list[os.PathLike[str]]]:
+        """Where the scene's file is, and the folders that are searched for others."""
+    def material(self, name: str, *, color: str = "auto") -> Material:
+        """A material by its name, to be evaluated."""
     def render(
-        self, *, spp: Optional[int] = None, size: Optional[tuple[int, int]] = None, crop: Optional[Sequence[int]] = None,
-        camera: Optional[str] = None, integrator: Optional[str] = None, sampler: Optional[str] = None,
-        max_depth: Optional[int] = None, seed: Optional[int] = None, threads: int = 0, color: str = "auto", adaptive: bool = False,
-        error: Optional[float] = None, time: Optional[float] = None, layers: Sequence[str] = (),
+        self,
+        *,
+        spp: int | None = None,
+        size: tuple[int, int] | None = None,
+        crop: Sequence[int] | None = None,
+        camera: str | None = None,
+        integrator: str | None = None,
+        sampler: str | None = None,
+        max_depth: int | None = None,
+        seed: int | None = None,
+        threads: int = 0,
+        color: str = "auto",
+        adaptive: bool = False,
+        error: float | None = None,
+        time: float | None = None,
+        layers: Sequence[str] = ...,
         transparent: bool = False,
-        progress: Optional[Callable[[Progress], Any]] = None,
-    ) -> Image: ...
+        progress: Callable[[Progress], Any] | None = None,
+    ) -> Image:
+        """Renders the scene."""

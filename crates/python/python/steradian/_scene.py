@@ -1,0 +1,367 @@
+"""Scenes: mappings from the names of nodes to their parameters."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _rays, _steradian
+from ._describe import PARTS, mesh_arrays, text
+from ._rays import Hits, Material
+from ._steradian import Image, Message, Parameter, Progress, SceneError
+
+StrPath = Union[str, "os.PathLike[str]"]
+
+
+class SceneWarning(UserWarning):
+    """What a scene asks for and does not get as it says: approximated, left out, without effect."""
+
+
+class _Parts(dict[str, Any]):
+    """A value of parts: a part that is set sets the whole value."""
+
+    def __init__(self, value: dict[str, Any], put: Callable[[dict[str, Any]], None]):
+        super().__init__(value)
+        self._put = put
+
+    def __setitem__(self, part: str, value: Any) -> None:
+        self._put({**self, part: value})
+        super().__setitem__(part, value)
+
+
+class Node(MutableMapping[str, Any]):
+    """The parameters of a node of a scene: reading gives the value that is set, setting takes effect at the next render."""
+
+    def __init__(self, scene: _steradian.Scene, name: str):
+        self._scene, self._name = scene, name
+
+    def __getitem__(self, parameter: str) -> Any:
+        if parameter not in self._scene.parameters(self._name):
+            raise KeyError(f"'{self._name}' does not set '{parameter}'")
+        value = self._scene.get(self._name, parameter)
+        return _Parts(value, lambda whole: self.__setitem__(parameter, whole)) if isinstance(value, dict) else value
+
+    def __setitem__(self, parameter: str, value: Any) -> None:
+        self._scene.set_text(self._name, parameter, text(value, f"{self._name}.{parameter}"))
+
+    def __delitem__(self, parameter: str) -> None:
+        self[parameter]
+        self._scene.set_text(self._name, parameter, "null")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._scene.parameters(self._name))
+
+    def __len__(self) -> int:
+        return len(self._scene.parameters(self._name))
+
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        """Vertices of a mesh, (n, 3), in the shape's own space. To be read; assigning an array changes the mesh."""
+        return self._part("positions")
+
+    @positions.setter
+    def positions(self, value: ArrayLike) -> None:
+        self.set_mesh(positions=value)
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Normals at the vertices of a mesh, (n, 3), or (0, 3) where there are none."""
+        return self._part("normals")
+
+    @normals.setter
+    def normals(self, value: ArrayLike | None) -> None:
+        self.set_mesh(normals=value)
+
+    @property
+    def uvs(self) -> NDArray[np.float32]:
+        """Texture coordinates at the vertices of a mesh, (n, 2), or (0, 2)."""
+        return self._part("uvs")
+
+    @uvs.setter
+    def uvs(self, value: ArrayLike | None) -> None:
+        self.set_mesh(uvs=value)
+
+    @property
+    def tangents(self) -> NDArray[np.float32]:
+        """Tangents at the vertices of a mesh, (n, 3), or (0, 3)."""
+        return self._part("tangents")
+
+    @tangents.setter
+    def tangents(self, value: ArrayLike | None) -> None:
+        self.set_mesh(tangents=value)
+
+    @property
+    def triangles(self) -> NDArray[np.uint32]:
+        """Indices of the vertices of a mesh's triangles, (m, 3)."""
+        return self._part("triangles")
+
+    @triangles.setter
+    def triangles(self, value: ArrayLike | None) -> None:
+        self.set_mesh(triangles=value)
+
+    @property
+    def patches(self) -> NDArray[np.uint32]:
+        """Indices of the vertices of a mesh's bilinear patches, (m, 4), in the order p00 p10 p01 p11."""
+        return self._part("patches")
+
+    @patches.setter
+    def patches(self, value: ArrayLike | None) -> None:
+        self.set_mesh(patches=value)
+
+    @property
+    def attributes(self) -> dict[str, tuple[str, NDArray[np.float32]]]:
+        """Further data of a mesh by name, such as colours: `vertex` or `face`, and an array of one row for each."""
+        return {name: (domain, _fixed(data)) for name, domain, data in _steradian.mesh(self._scene, self._name)["attributes"]}
+
+    @attributes.setter
+    def attributes(self, value: Mapping[str, Any] | None) -> None:
+        self.set_mesh(attributes=value)
+
+    @property
+    def to_world(self) -> NDArray[np.float64]:
+        """Where a shape is: its transform into the world, or its group, (4, 4). Of other nodes it is a parameter."""
+        return _fixed(_steradian.placement(self._scene, self._name))
+
+    @to_world.setter
+    def to_world(self, value: ArrayLike) -> None:
+        matrix = np.asarray(value)
+        if matrix.shape != (4, 4) or matrix.dtype.kind not in "iuf":
+            found = f"the shape {matrix.shape} and the dtype {matrix.dtype}"
+            raise SceneError(f"'{self._name}.to_world' has {found}, where (4, 4) numbers are needed")
+        _steradian.set_placement(self._scene, self._name, matrix.astype(float).ravel().tolist())
+
+    def set_mesh(self, **parts: Any) -> None:
+        """Changes arrays of a mesh together, for one with more vertices: `node.set_mesh(positions=p, triangles=t, normals=None)`.
+
+        What is None is left out, what is not named stays. All shapes that share the mesh change.
+        """
+        arrays = _steradian.mesh(self._scene, self._name)
+        given = mesh_arrays(parts, self._name)
+        for name, value in parts.items():
+            if value is None:
+                arrays.pop(name, None)
+            else:
+                arrays[name] = given[name]
+        _steradian.set_mesh(self._scene, self._name, arrays)
+
+    def _part(self, name: str) -> NDArray[Any]:
+        columns, whole = PARTS[name]
+        found = _steradian.mesh(self._scene, self._name).get(name)
+        return _fixed(np.empty((0, columns), np.uint32 if whole else np.float32) if found is None else found)
+
+    def __repr__(self) -> str:
+        return f"<steradian.Node '{self._name}' {dict(self)}>"
+
+
+def _fixed(array: NDArray[Any]) -> NDArray[Any]:
+    """A copy of what a scene has is not to be written into, since the scene would not know."""
+    array.flags.writeable = False
+    return array
+
+
+class Parameters(Mapping[str, Parameter]):
+    """All that can be set of a scene, by `node.parameter`, those at their defaults too. Setting takes effect at the next render.
+
+    A snapshot: what is set later by other ways is not in it.
+    """
+
+    def __init__(self, scene: _steradian.Scene):
+        self._scene = scene
+        self._all = {f"{p.node}.{p.name}": p for p in scene.params()}
+
+    def __getitem__(self, key: str) -> Parameter:
+        if key not in self._all:
+            node, _, parameter = key.rpartition(".")
+            self._scene.parameters(node)
+            raise KeyError(f"'{node}' has no parameter '{parameter}'")
+        return self._all[key]
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        node, _, parameter = key.rpartition(".")
+        self._scene.set_text(node, parameter, text(value, key))
+        self._all = {f"{p.node}.{p.name}": p for p in self._scene.params()}
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __repr__(self) -> str:
+        def row(key: str, p: Parameter) -> str:
+            value = f"default {p.default}" if p.value is None else str(p.value)
+            return f"  {key:<32} {value if len(value) < 40 else value[:37] + '...':<40} {p.type}"
+
+        return "\n".join(["Parameters[", *(row(key, p) for key, p in self._all.items()), "]"])
+
+
+class Scene(Mapping[str, Node]):
+    """A scene: a mapping from the names of its nodes to their parameters."""
+
+    def __init__(self, inner: _steradian.Scene):
+        self._inner = inner
+        self._told: set[str] = set()
+        self._warn(inner.messages, 4)
+
+    def _warn(self, messages: Sequence[Message], depth: int) -> None:
+        """Shows, once each, what was lost; notes are for those who ask."""
+        for m in messages:
+            if m.kind != "note" and m.text not in self._told:
+                self._told.add(m.text)
+                warnings.warn(m.text, SceneWarning, stacklevel=depth)
+
+    def __getitem__(self, name: str) -> Node:
+        self._inner.parameters(name)
+        return Node(self._inner, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict(self._inner.nodes))
+
+    def __len__(self) -> int:
+        return len(self._inner.nodes)
+
+    @property
+    def nodes(self) -> dict[str, tuple[str, str]]:
+        """Family and kind of each node by its name; names that begin with '#' are made for nodes that have none."""
+        return dict(self._inner.nodes)
+
+    @property
+    def cameras(self) -> list[str]:
+        """Names of the cameras; the first is the default."""
+        return self._inner.cameras
+
+    @property
+    def messages(self) -> list[Message]:
+        """What reading and compiling had to say: approximations, parameters that nothing reads, …"""
+        return self._inner.messages
+
+    def params(self) -> Parameters:
+        """All that can be set, each with its value, default, type, unit, range and meaning: `scene.params()["clay.reflectance"].doc`."""
+        return Parameters(self._inner)
+
+    def material(self, name: str, *, color: str = "auto") -> Material:
+        """A material by its name, to be evaluated."""
+        return Material(self._inner.material(name, color=color))
+
+    def trace(
+        self, origins: ArrayLike, directions: ArrayLike, *, max_distance: ArrayLike = np.inf, time: float = 0.0
+    ) -> Hits:
+        """What rays meet first: arrays (…, 3), which are broadcast.
+
+        Distances are in units of the length of the direction. `time` is the moment of the exposure, from 0 to 1.
+        """
+        return _rays.trace(self._inner, origins, directions, max_distance, time)
+
+    def occluded(
+        self, origins: ArrayLike, directions: ArrayLike, max_distance: ArrayLike = np.inf, *, time: float = 0.0
+    ) -> NDArray[np.bool_]:
+        """Whether rays meet anything that scatters light before a distance, in units of the length of the direction.
+
+        Rays that start at surfaces meet these, unless they start a little off: `hits.position + 1e-4 * hits.normal`.
+        """
+        return _rays.occluded(self._inner, origins, directions, max_distance, time)
+
+    def render(
+        self,
+        *,
+        spp: int | None = None,
+        size: tuple[int, int] | None = None,
+        crop: Sequence[int] | None = None,
+        camera: str | int | None = None,
+        integrator: str | None = None,
+        sampler: str | None = None,
+        max_depth: int | None = None,
+        seed: int | None = None,
+        threads: int = 0,
+        color: str = "auto",
+        adaptive: bool = False,
+        error: float | None = None,
+        time: float | None = None,
+        layers: Sequence[str] = (),
+        transparent: bool = False,
+        progress: bool | Callable[[Progress], Any] = False,
+    ) -> Image:
+        """Renders the scene; all is as the options of `steradian render` of the same names say.
+
+        `progress` is True for a line in the terminal or notebook, or called with a Progress about twenty times a second; if it returns
+        False, the render ends. Ctrl-C ends it too. In both cases the picture of the samples that there are is returned, and its
+        `stopped` says why.
+        """
+        bar = _Bar() if progress is True and _is_watched() else None
+        try:
+            image = self._inner.render(
+                spp=spp, size=size, crop=crop, camera=None if camera is None else str(camera), integrator=integrator,
+                sampler=sampler, max_depth=max_depth, seed=seed, threads=threads, color=color, adaptive=adaptive, error=error,
+                time=time, layers=list(layers), transparent=transparent,
+                progress=bar or (progress if callable(progress) else None),
+            )
+        finally:
+            if bar:
+                bar.close()
+        self._warn(self._inner.messages, 3)
+        return image
+
+    def text(self, path: StrPath = "scene.steradian") -> str:
+        """The scene in Steradian's own language; files are named as from `path`."""
+        return self._inner.text(path)[0]
+
+    def save(self, path: StrPath, *, overwrite: bool = False) -> None:
+        """Writes the scene in the format of the extension (.steradian, .xml, .pbrt, .gltf, .glb), and meshes and pictures beside it.
+
+        What the format cannot say is a warning. FileExistsError where `path` is a file that the scene was read from, unless
+        `overwrite` is true.
+        """
+        self._warn(self._inner.save(path, overwrite=overwrite), 3)
+
+    def __copy__(self) -> Scene:
+        return self._like(self._inner.copy())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        return self._like(self._inner.copy())
+
+    def _like(self, inner: _steradian.Scene) -> Scene:
+        copy = Scene.__new__(Scene)
+        copy._inner, copy._told = inner, set(self._told)
+        return copy
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        origin, search = self._inner.origin()
+        path = os.path.abspath(origin or "scene")
+        document, files = self._inner.text(path)
+        return _restored, (document, {os.fspath(name): data for name, data in files}, path, [os.path.abspath(p) for p in search])
+
+    def __repr__(self) -> str:
+        return repr(self._inner)
+
+
+def _is_watched() -> bool:
+    """Whether somebody sees lines that are written over: in a terminal or a notebook."""
+    return sys.stderr.isatty() or "ipykernel" in sys.modules
+
+
+class _Bar:
+    """A line that tells how far a render is."""
+
+    def __init__(self) -> None:
+        self._told = False
+
+    def __call__(self, p: Progress) -> None:
+        done = int(30 * min(p.fraction, 1.0))
+        print(f"\r[{'#' * done}{' ' * (30 - done)}] {100 * p.fraction:5.1f} %  {p.spp:.1f} spp  {p.seconds:.1f} s", end="",
+              file=sys.stderr, flush=True)
+        self._told = True
+
+    def close(self) -> None:
+        if self._told:
+            print(file=sys.stderr)
+
+
+def _restored(document: str, files: dict[str, bytes], path: str, search: list[str]) -> Scene:
+    """A scene from what it was pickled as: its text, and meshes and pictures that it has in memory."""
+    return Scene(_steradian.Scene.describe(document, files=files, path=path, search=search))
