@@ -17,6 +17,7 @@ mod parameter;
 mod rays;
 mod render;
 mod scene;
+mod shape;
 
 use pyo3::prelude::*;
 
@@ -35,8 +36,6 @@ mod _steradian {
     #[pymodule_export]
     use super::material::{Material, spectrum};
     #[pymodule_export]
-    use super::mesh::{mesh, placement, set_mesh, set_placement};
-    #[pymodule_export]
     use super::message::Message;
     #[pymodule_export]
     use super::parameter::Parameter;
@@ -48,6 +47,8 @@ mod _steradian {
     use super::render::Progress;
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::shape::{mesh, placement, set_mesh, set_placement};
 }
 
 /// The names of what there is, family by family, each with its description.

@@ -1,13 +1,8 @@
-//! Meshes and places of shapes as arrays.
+//! Meshes as arrays.
 
-use crate::{SceneError, scene::Scene};
 use numpy::{Element, IntoPyArray, PyArray2, PyReadonlyArray2, ndarray::Array2};
-use pyo3::{
-    exceptions::{PyAttributeError, PyValueError},
-    prelude::*,
-    types::PyDict,
-};
-use steradian::scene::{Attribute, Domain, Mesh, NodeId, SceneDesc, Shape, Transform};
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+use steradian::scene::{Attribute, Domain, Mesh};
 
 /// A mesh from its arrays: those of one row for each vertex, triangle or patch by the language's names, and
 /// `attributes` as lists of name, `vertex` or `face`, and array.
@@ -42,96 +37,16 @@ fn rows<T: Element + Copy, const N: usize>(parts: &Bound<'_, PyDict>, name: &str
     Ok(array.as_array().rows().into_iter().map(|row| std::array::from_fn(|i| row[i])).collect())
 }
 
-fn array<'py, T: Element + Copy, const N: usize>(
+/// Rows as an array of N columns.
+pub fn array<'py, T: Element + Copy, const N: usize>(
     py: Python<'py>,
     rows: &[[T; N]],
 ) -> PyResult<Bound<'py, PyArray2<T>>> {
     matrix(py, (rows.len(), N), rows.as_flattened().to_vec())
 }
 
-fn matrix<T: Element>(py: Python<'_>, shape: (usize, usize), data: Vec<T>) -> PyResult<Bound<'_, PyArray2<T>>> {
+/// Numbers by rows as an array.
+pub fn matrix<T: Element>(py: Python<'_>, shape: (usize, usize), data: Vec<T>) -> PyResult<Bound<'_, PyArray2<T>>> {
     let array = Array2::from_shape_vec(shape, data).map_err(|e| PyValueError::new_err(e.to_string()))?;
     Ok(array.into_pyarray(py))
-}
-
-/// The shapes of a node.
-fn shapes_of(desc: &SceneDesc, node: NodeId) -> impl Iterator<Item = &Shape> {
-    desc.shapes.iter().chain(desc.groups.iter().flat_map(|g| &g.shapes)).filter(move |s| s.node == node)
-}
-
-/// The number of the mesh of a node's shape.
-fn mesh_of(desc: &SceneDesc, id: NodeId, node: &str) -> PyResult<usize> {
-    shapes_of(desc, id).find_map(|s| s.mesh).filter(|m| *m < desc.meshes.len()).ok_or_else(|| {
-        PyAttributeError::new_err(format!("'{node}' is a {}, which has no mesh", desc.node(id).family.noun()))
-    })
-}
-
-/// The arrays of a shape's mesh, in its own space; those that are empty are not there.
-#[pyfunction]
-pub fn mesh<'py>(py: Python<'py>, scene: &Scene, node: &str) -> PyResult<Bound<'py, PyDict>> {
-    let mesh = scene.look(py, node, |desc, id| Ok(desc.meshes[mesh_of(desc, id, node)?].clone()))?;
-    let all = PyDict::new(py);
-    let vectors = [("positions", &mesh.positions), ("normals", &mesh.normals), ("tangents", &mesh.tangents)];
-    for (name, rows) in vectors.into_iter().filter(|(_, rows)| !rows.is_empty()) {
-        all.set_item(name, array(py, rows)?)?;
-    }
-    if !mesh.uvs.is_empty() {
-        all.set_item("uvs", array(py, &mesh.uvs)?)?;
-    }
-    if !mesh.triangles.is_empty() {
-        all.set_item("triangles", array(py, &mesh.triangles)?)?;
-    }
-    if !mesh.patches.is_empty() {
-        all.set_item("patches", array(py, &mesh.patches)?)?;
-    }
-    let attribute = |a: &Attribute| {
-        let domain = if a.domain == Domain::Face { "face" } else { "vertex" };
-        let channels = a.channels.max(1);
-        let values = matrix(py, (a.data.len() / channels, channels), a.data.clone())?;
-        Ok((a.name.clone(), domain, values))
-    };
-    all.set_item("attributes", mesh.attributes.iter().map(attribute).collect::<PyResult<Vec<_>>>()?)?;
-    Ok(all)
-}
-
-/// Gives a shape another mesh; so to all shapes that share it.
-#[pyfunction]
-pub fn set_mesh(py: Python<'_>, scene: &Scene, node: &str, parts: &Bound<'_, PyDict>) -> PyResult<()> {
-    let mesh = from_arrays(parts)?;
-    mesh.validate().map_err(|e| SceneError::new_err(format!("the mesh of '{node}' is faulty: {e}")))?;
-    scene.edit(py, node, |desc, id| {
-        let index = mesh_of(desc, id, node)?;
-        desc.meshes[index] = mesh.into();
-        Ok(())
-    })
-}
-
-/// Where a shape is: its transform into the world, or its group, 4 × 4.
-#[pyfunction]
-pub fn placement<'py>(py: Python<'py>, scene: &Scene, node: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let place = scene.look(py, node, |desc, id| {
-        shapes_of(desc, id).next().map(|s| s.world_from_object).ok_or_else(|| not_placed(desc, id, node))
-    })?;
-    matrix(py, (4, 4), place.matrix.transpose().to_cols_array().to_vec())
-}
-
-/// Puts a shape elsewhere.
-#[pyfunction]
-pub fn set_placement(py: Python<'_>, scene: &Scene, node: &str, rows: [f64; 16]) -> PyResult<()> {
-    let place = Transform::from_rows(rows);
-    if !place.is_finite() || place.inverse().is_none() {
-        return Err(SceneError::new_err(format!("the transform of '{node}' has no inverse")));
-    }
-    scene.edit(py, node, |desc, id| {
-        if shapes_of(desc, id).next().is_none() {
-            return Err(not_placed(desc, id, node));
-        }
-        let shapes = desc.shapes.iter_mut().chain(desc.groups.iter_mut().flat_map(|g| &mut g.shapes));
-        shapes.filter(|s| s.node == id).for_each(|s| s.world_from_object = place);
-        Ok(())
-    })
-}
-
-fn not_placed(desc: &SceneDesc, id: NodeId, node: &str) -> PyErr {
-    PyAttributeError::new_err(format!("'{node}' is a {}, which is no shape in a place", desc.node(id).family.noun()))
 }
