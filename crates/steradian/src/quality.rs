@@ -19,6 +19,8 @@ use steradian_scene::names::did_you_mean;
 /// Most groups of lights that layers are made of: each takes memory for a picture.
 const MOST_LIGHT_GROUPS: usize = 64;
 
+/// Pixels of the largest preview: it takes some 200 bytes for each.
+const LARGEST_PREVIEW: u64 = 1 << 24;
 /// Most samples per pixel.
 pub const MAX_SPP: u32 = 1 << 24;
 /// Most threads.
@@ -99,7 +101,9 @@ impl Quality {
         if name == RASTER.name {
             let by_light = self.layers.contains(&Layer::LightGroups);
             // What is asked without a word more is a first picture.
-            let is_preview = options.is_empty() && self.spp.is_none() && !by_light && !self.transparent;
+            let crop = scene.film().crop;
+            let is_small = u64::from(crop.width()) * u64::from(crop.height()) <= LARGEST_PREVIEW;
+            let is_preview = options.is_empty() && self.spp.is_none() && !by_light && !self.transparent && is_small;
             let mut options = Options::parse(options)?;
             if is_preview {
                 options.frame = FrameKind::Preview;

@@ -71,6 +71,8 @@ struct Drawing<'a> {
     offset: Vec2,
     shadows: Shadowing,
     number: u32,
+    /// Whether a light at the camera shows the scene, which has none.
+    is_dark: bool,
     /// Of the way that is filtered, and of reflections beside it.
     options: [Options; 2],
     depth: Depth,
@@ -121,7 +123,8 @@ impl Preview {
         };
         let options = [1, REFLECTED_POINTS].map(|points| Options { points, ..self.options });
         let (shadows, depth) = (Shadowing::by_rays(), self.depth);
-        let drawing = Drawing { run, list, seen, offset, shadows, number, options, depth };
+        let is_dark = is_dark(run.scene);
+        let drawing = Drawing { is_dark, run, list, seen, offset, shadows, number, options, depth };
         let Some((pixels, mut counters)) = drawing.pixels(size) else { return Ok(None) };
         let Some((blocks, of_blocks)) = drawing.blocks(size, &pixels) else { return Ok(None) };
         counters += &of_blocks;
@@ -165,7 +168,7 @@ impl Drawing<'_> {
     }
 
     fn pixel(&self, at: [u32; 2], counters: &mut Counters) -> Pixel {
-        let (scene, [shader, reflections]) = (self.run.scene, self.shaders());
+        let [shader, reflections] = self.shaders();
         let numbers = shader.numbers(at);
         let mut lambda = shader.wavelengths(at);
         let mut trace = Trace { counters, pixel: None, world: None };
@@ -174,7 +177,7 @@ impl Drawing<'_> {
         let rgb = |light| self.run.developed(light, &lambda);
         let surface = look.point.as_ref().map(|point| {
             let albedo = self.albedo(point).max(Vec3::splat(LEAST_ALBEDO));
-            let light = if is_dark(scene) { head_light(point) } else { shader.direct(point, &mut trace) };
+            let light = if self.is_dark { head_light(point) } else { shader.direct(point, &mut trace) };
             let normal = if point.frame.z.dot(point.i.wo) < 0.0 { -point.frame.z } else { point.frame.z };
             Surface {
                 p: point.i.surface.p,
