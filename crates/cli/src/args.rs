@@ -101,6 +101,10 @@ pub struct RenderArgs {
     /// Maximum number of scattering events of a path; -1 for no limit
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
+    /// Remove the noise when done; an .exr keeps the noisy picture as the layer raw, and the layers that guided. For path,
+    /// volpath, direct, whitted, ao, raycast and bdpt
+    #[arg(long, help_heading = "Quality")]
+    pub denoise: bool,
     /// Sampler (`steradian list samplers`); `scene` uses the one that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
@@ -447,6 +451,33 @@ pub struct ConvertArgs {
     /// Scenes: format of standard input; default: detected from its first bytes
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::EXTENSIONS.iter().map(|e| e.0)))]
     pub format: Option<String>,
+    /// Files.
+    #[command(flatten)]
+    pub files: FileOptions,
+}
+
+/// `steradian denoise`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Layers of the picture guide it: steradian render SCENE --aov albedo,normal,depth,variance -o IN.exr"
+)]
+pub struct DenoiseArgs {
+    /// Picture to read; an .exr has the layers that guide
+    pub input: PathBuf,
+    /// Output file (.exr .png .hdr .pfm .ppm .jpg .dds .ktx2). Repeatable. An .exr keeps all layers, and the noisy
+    /// picture as the layer raw
+    #[arg(short, long = "output", value_name = "OUT", required = true)]
+    pub output: Vec<PathBuf>,
+    /// Another render of the same view with as many samples and another --seed: each tells which pixels of the other to
+    /// average, the result is the mean of both, and its error is estimated
+    #[arg(long, value_name = "OTHER.exr")]
+    pub half: Option<PathBuf>,
+    /// More removes more noise, and more detail
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = values::strength)]
+    pub strength: f32,
+    /// Number of threads; 0 is one per processor. Does not change the picture
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
+    pub threads: u16,
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,

@@ -1,7 +1,9 @@
 //! The command line: one subcommand for each thing to do.
 
 use crate::{
-    args::{CompareArgs, ConvertArgs, InfoArgs, ListArgs, MaterialArgs, RenderArgs, SignalArgs, VerifyArgs},
+    args::{
+        CompareArgs, ConvertArgs, DenoiseArgs, InfoArgs, ListArgs, MaterialArgs, RenderArgs, SignalArgs, VerifyArgs,
+    },
     bench::BenchArgs,
     experiment::ExperimentArgs,
     meter::MeterArgs,
@@ -47,6 +49,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Convert a picture to another format, or a scene to Steradian's own
     Convert(ConvertArgs),
+    /// Remove the noise of a rendered picture
+    Denoise(DenoiseArgs),
     /// Measure the speed of ray queries and acceleration structures
     Bench(BenchArgs),
     /// Compute the spectrum of a picture, and the aliases of a coarser sampling

@@ -10,6 +10,7 @@ mod command;
 mod compare;
 mod convert;
 mod convert_scene;
+mod denoise;
 mod diagnostics;
 mod experiment;
 mod failure;
@@ -109,6 +110,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Meter(args) => meter::run(args, terminal),
         Command::Compare(args) => compare::run(args),
         Command::Convert(args) => convert::run(args, terminal),
+        Command::Denoise(args) => denoise::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),
         Command::Signal(args) => signal::run(args, terminal),
         Command::Completions { shell } => {

@@ -26,6 +26,7 @@ use std::{
 };
 use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
+    denoise::{self, GUIDES},
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -99,7 +100,12 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
         return without_a_sample(stop, terminal);
     }
     let saving = Instant::now();
-    let made = making.picture(&*session);
+    let mut made = making.picture(&*session);
+    if args.denoise {
+        let denoised = denoise::picture(&made.picture, None, 1.0).map_err(|e| Failure::failed(e.to_string()))?;
+        terminal.say(&format!("denoised in {:.2} s", saving.elapsed().as_secs_f64()));
+        made.picture = denoised.picture;
+    }
     let written =
         output::save(&job.outputs, &made.picture, &write_options, made.empty_pixels == 0).map_err(|mut failure| {
             if let (Some(keeper), Ok(())) = (&keeper, &kept) {
@@ -262,6 +268,14 @@ impl<'a> Job<'a> {
     fn plan(&self, scene: &Scene) -> Result<Planned, Failure> {
         let Self { args, terminal, quality, .. } = self;
         let mut render = quality.render(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
+        if args.denoise {
+            let sensor = "the film adds the noise of a sensor, which is to stay";
+            let refusal = render.not_denoisable().or(scene.film().sensor.is_some().then_some(sensor));
+            if let Some(why) = refusal {
+                let name = quality.integrator_name(scene);
+                return Err(Failure::bad_input(format!("--denoise is not for '{name}' here: {why}")));
+            }
+        }
         // Mattes are counted apart from other layers, and have eight times as many planes.
         let is_pipeline = render.integrator().is_none();
         let bins = render.integrator().map_or(0, |i| i.bins() as usize);
@@ -474,8 +488,11 @@ fn quality(args: &RenderArgs) -> Quality {
             layers.push(layer);
         }
     }
-    if args.transparent && !layers.contains(&Layer::Alpha) {
-        layers.push(Layer::Alpha);
+    let needed = args.transparent.then_some(Layer::Alpha).into_iter();
+    for layer in needed.chain(GUIDES.into_iter().filter(|_| args.denoise)) {
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
     }
     Quality {
         integrator: args.integrator.clone(),
@@ -489,6 +506,7 @@ fn quality(args: &RenderArgs) -> Quality {
         sampler: args.sampler.clone(),
         layers,
         transparent: args.transparent,
+        independent: args.denoise,
     }
 }
 

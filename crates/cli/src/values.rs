@@ -324,6 +324,14 @@ pub fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Strength of denoising.
+pub fn strength(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(strength) if (0.01..=100.0).contains(&strength) => Ok(strength),
+        _ => Err("a strength is a number from 0.01 to 100".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! Denoising of rendered pictures, guided by what is known of the surfaces in them.
 //!
-//! [`svgf`] filters terms of a picture in real time, frame after frame. What guides filters is a [`GBuffer`]; pictures
-//! and guides are [`Image`]s.
+//! [`nlm`] filters finished pictures. [`svgf`] filters terms of a picture in real time, frame after frame, guided by a
+//! [`GBuffer`]. Pictures and guides are [`Image`]s.
 //!
 //! A frame of two terms, one of which is illumination that the albedo is a factor of:
 //!
@@ -36,9 +36,11 @@
 //! ```
 
 mod error;
+mod falloff;
 mod gbuffer;
 mod image;
 mod kernel;
+pub mod nlm;
 mod rows;
 pub mod svgf;
 

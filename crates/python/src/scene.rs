@@ -373,6 +373,7 @@ impl Scene {
             sampler,
             layers,
             transparent,
+            independent: false,
         };
         quality.check().map_err(|e| PyValueError::new_err(e.to_string()))?;
         let options =

@@ -85,6 +85,9 @@ pub enum Error {
     /// A picture that could not be written or read.
     #[error(transparent)]
     Image(#[from] steradian_image::Error),
+    /// A picture that cannot be denoised.
+    #[error(transparent)]
+    Denoise(#[from] steradian_denoise::Error),
     /// A scene that radiosity cannot do.
     #[error("{0}")]
     Radiosity(#[from] steradian_integrators::radiosity::Refusal),

@@ -14,6 +14,7 @@
 
 pub mod bench;
 pub mod cornell;
+pub mod denoise;
 pub mod develop;
 mod error;
 pub mod inputs;

@@ -33,6 +33,22 @@ impl Render {
         }
     }
 
+    /// Why a denoiser cannot tell noise in the picture: where what pixels err is not independent, or not noise.
+    pub fn not_denoisable(&self) -> Option<&'static str> {
+        match &self.method {
+            Method::Pipeline(..) => {
+                Some("rasterisation has no noise of paths (its frames frame=hybrid are denoised already)")
+            }
+            Method::Rays(IntegratorKind::Radiosity(_)) => Some("patches err, not pixels"),
+            Method::Rays(IntegratorKind::Stokes(_)) => Some("Stokes parameters are no radiance"),
+            Method::Rays(IntegratorKind::Transient(_)) => Some("the layers of arrival times would keep their noise"),
+            Method::Rays(IntegratorKind::Passes(kind)) => kind.correlates().then_some(
+                "neighbouring pixels share photons or light paths, so that their errors are alike; 'path', 'volpath' and 'bdpt' can",
+            ),
+            Method::Rays(_) => None,
+        }
+    }
+
     /// Starts with an empty film.
     ///
     /// # Errors

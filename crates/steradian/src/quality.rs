@@ -52,6 +52,8 @@ pub struct Quality {
     pub layers: Vec<Layer>,
     /// Whether what lies behind all surfaces is left out of the picture, for [`Layer::Alpha`].
     pub transparent: bool,
+    /// Whether pixels are to err independently, as denoising needs it: `reuse` is 1 unless an option says otherwise.
+    pub independent: bool,
 }
 
 /// Something of a scene that an integrator does not render.
@@ -124,7 +126,10 @@ impl Quality {
             let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
             return self.render_of(scene, integrator, self.spp.unwrap_or(scene.settings().spp));
         }
-        let PathOptions { mut depth, variance_reduction, own } = PathOptions::parse(name, options, depth)?;
+        let PathOptions { mut depth, mut variance_reduction, own } = PathOptions::parse(name, options, depth)?;
+        if self.independent {
+            variance_reduction.reuse.get_or_insert(1);
+        }
         depth.max = self.max_depth.unwrap_or(depth.max);
         let mut integrator =
             IntegratorKind::named(name, depth, variance_reduction).ok_or_else(|| Error::UnknownIntegrator {

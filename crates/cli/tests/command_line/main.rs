@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout)]
 
 mod benches;
+mod denoising;
 mod exchange;
 mod experiments;
 mod layers;

@@ -163,6 +163,8 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("convert", &["wall.png", "wall.png"], &[]),
     ("convert", &["sky.pbrt", "sky.pbrt"], &["sky.pbrt", "n.steradian", "--report", "./n.steradian"]),
     ("convert", &["sky.pbrt", "n.xml", "--report", "wall.png"], &[]),
+    ("denoise", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
+    ("denoise", &["sky.exr", "--half", "wall.png", "-o", "wall.png"], &[]),
     ("signal", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
     ("vision", &["cones", "wall.png", "-o", "wall.png"], &["cones", "wall.png", "-o", "n.png", "-o", "./n.png"]),
     (

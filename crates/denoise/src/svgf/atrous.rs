@@ -5,11 +5,11 @@ use steradian_math::Vec3;
 
 use super::{
     estimates::{BLUE, Estimates, GREEN, LUMINANCE, PLANES, RED, VARIANCE},
-    falloff::falloff,
     geometry::{Geometry, Likeness},
     settings::Settings,
 };
 use crate::{
+    falloff::falloff,
     kernel::{B3_SPLINE, GAUSSIAN},
     rows::{Column, Row, Rows, WIDTH},
 };

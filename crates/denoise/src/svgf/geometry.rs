@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{falloff::falloff, settings::Settings, surface::Surface};
+use super::{settings::Settings, surface::Surface};
+use crate::falloff::falloff;
 use crate::{
     image::Image,
     rows::{Column, Rows, WIDTH},

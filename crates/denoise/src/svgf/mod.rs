@@ -23,7 +23,6 @@ mod accumulate;
 mod atrous;
 mod denoiser;
 mod estimates;
-mod falloff;
 mod geometry;
 mod history;
 mod reproject;

@@ -9,7 +9,7 @@ const ROUND: f32 = 12_582_912.0;
 
 /// e^−x for x ≥ 0, to a part of 1.1·10⁻⁴: 1 at 0, and 0 from 28 on and for NaN.
 #[inline(always)]
-pub(super) fn falloff(x: f32) -> f32 {
+pub(crate) fn falloff(x: f32) -> f32 {
     let y = x * LOG2_E;
     let y = if y < LAST { y } else { 127.0 };
     let rounded = y + ROUND;

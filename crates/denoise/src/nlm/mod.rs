@@ -1,0 +1,99 @@
+//! Finished pictures: non-local means, guided by the variance of pixels and by what surfaces they show.
+//!
+//! A pixel becomes the weighted mean of those around it. Weights follow from how alike the patches around both are,
+//! beyond what their noise explains, and from how alike the surfaces are (Rousselle, Manzi, Zwicker, "Robust Denoising
+//! using Feature and Color Information", Pacific Graphics 2013, sections 3 and 4; the regression of zeroth order in
+//! Bitterli and others, "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", EGSR 2016).
+//!
+//! Departures from both: the variance of a pixel that tells others what it may be is held to four times theirs, since a
+//! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike, so that patches across
+//! an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a second pass takes its
+//! weights from the outcome of the first; one filter is used instead of a choice among several.
+
+mod features;
+mod filter;
+mod local;
+mod picture;
+mod plane;
+mod settings;
+
+use steradian_accel::Lanes;
+use steradian_math::Vec3;
+
+use crate::{
+    error::{Error, Result},
+    image::Image,
+};
+use features::Features;
+use filter::{Estimate, Pass};
+pub use picture::Picture;
+pub use settings::Settings;
+
+/// How far patches of the second pass reach at most, in pixels.
+const SECOND_PATCH: u32 = 2;
+
+/// A picture without most of its noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Denoised {
+    /// Radiance; finite.
+    pub radiance: Image<Vec3>,
+    /// Pixels whose radiance was not finite. They have what their neighbours tell.
+    pub not_finite: usize,
+}
+
+/// Filters a picture. Pixels without a surface stay as they are. Uses the rayon pool it is called in; the bits of the
+/// result depend neither on the number of threads nor on the instruction set.
+///
+/// # Errors
+/// Where images have different sizes or no pixels, and where a setting is outside its range.
+pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
+    settings.check()?;
+    picture.check()?;
+    let features = Features::new(picture, settings);
+    let noisy = picture.noisy(&features, settings);
+    let radiance = filter_by(&[&noisy, &noisy], &features, settings);
+    Ok(picture.finish(&radiance))
+}
+
+/// Filters two pictures of one view with independent noise, such as two renders with different seeds: each with weights
+/// that the other tells, so that no pixel's weight follows from its own noise (Rousselle, Knaus, Zwicker, "Adaptive
+/// Rendering with Non-Local Means Filtering", SIGGRAPH Asia 2012, section 4). Gives their mean, and the relative error
+/// that remains in it, told by their difference: the root of the mean of (a − b)² / 4 over ((a + b)² / 4 + 0.01).
+///
+/// # Errors
+/// As [`denoise`], and where the two have different sizes.
+pub fn denoise_halves(halves: [&Picture<'_>; 2], settings: &Settings) -> Result<(Denoised, f64)> {
+    settings.check()?;
+    halves.iter().try_for_each(|half| half.check())?;
+    let sizes = halves.map(|half| half.radiance.size());
+    if sizes[0] != sizes[1] {
+        return Err(Error::Size { what: "the other half", found: sizes[1], expected: sizes[0] });
+    }
+    let features = halves.map(|half| Features::new(half, settings));
+    let noisy = [0, 1].map(|i| halves[i].noisy(&features[i], settings));
+    let [a, b] = [0, 1].map(|i| {
+        let radiance = filter_by(&[&noisy[1 - i], &noisy[i]], &features[i], settings);
+        halves[i].finish(&radiance)
+    });
+    let (mut error, mut mean) = (0.0, a.radiance.clone());
+    for (place, other) in mean.values_mut().iter_mut().zip(b.radiance.values()) {
+        let (half_sum, half_difference) = ((*place + *other) * 0.5, (*place - *other) * 0.5);
+        for c in 0..3 {
+            let (sum, difference) = (f64::from(half_sum[c]), f64::from(half_difference[c]));
+            error += difference * difference / (sum * sum + 0.01);
+        }
+        *place = half_sum;
+    }
+    let error = (error / (3 * mean.values().len()) as f64).sqrt();
+    Ok((Denoised { radiance: mean, not_finite: a.not_finite.max(b.not_finite) }, error))
+}
+
+/// Two passes over `source`, the first guided by `guide`, the second by what the first gave.
+fn filter_by([guide, source]: &[&Estimate; 2], features: &Features, settings: &Settings) -> Estimate {
+    let lanes = Lanes::best();
+    let first = Pass { guide, source: guide, features, patch: settings.patch, settings }.run(lanes);
+    let first = first.with_noise_of(guide, settings.pilot);
+    // What has little noise is told from fewer pixels, and nearer to edges.
+    let patch = settings.patch.min(SECOND_PATCH);
+    Pass { guide: &first, source, features, patch, settings }.run(lanes)
+}

@@ -1,0 +1,111 @@
+//! What is filtered: a picture with what is known of its noise and its surfaces.
+
+use steradian_math::Vec3;
+
+use super::{
+    Denoised,
+    features::Features,
+    filter::Estimate,
+    local::{calm_variance, map},
+    settings::Settings,
+};
+use crate::{
+    error::{Error, Result},
+    gbuffer::check_size,
+    image::Image,
+};
+
+/// The largest number that is calculated with: squares of differences stay finite.
+const MOST: f32 = 1e15;
+/// The least albedo that colours are divided by: what a surface mirrors does not follow its albedo.
+const LEAST_ALBEDO: f32 = 0.05;
+/// The variance of pixels of which nothing is known.
+const UNKNOWN: f32 = 1e30;
+/// The mean variance over the mean of the least of nine windows that overlap, for normal noise.
+const CALMEST: f32 = 2.0;
+
+/// A picture with what is known of it. All images have one size. Values that are not finite are taken as not known.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// Radiance.
+    pub radiance: &'a Image<Vec3>,
+    /// The variance of a pixel's radiance: that of the mean of its samples. Without it, the neighbourhood tells.
+    pub variance: Option<&'a Image<Vec3>>,
+    /// Albedo of the first surface, from 0 to 1.
+    pub albedo: Option<&'a Image<Vec3>>,
+    /// Unit normal of the first surface, averaged over the pixel; zero where there is none.
+    pub normal: Option<&'a Image<Vec3>>,
+    /// Depth of the first surface; infinite where there is none.
+    pub depth: Option<&'a Image<f32>>,
+}
+
+impl Picture<'_> {
+    /// That images have one size, with a pixel at least.
+    pub(super) fn check(&self) -> Result<()> {
+        let size = self.radiance.size();
+        if size.contains(&0) {
+            return Err(Error::Empty);
+        }
+        let images = [("variance", self.variance), ("albedo", self.albedo), ("normal", self.normal)];
+        let known = images.into_iter().filter_map(|(what, image)| Some((what, image?.size())));
+        known.chain(self.depth.map(|i| ("depth", i.size()))).try_for_each(|(what, found)| check_size(what, found, size))
+    }
+
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> [usize; 2] {
+        self.radiance.size().map(|n| n as usize)
+    }
+
+    /// Whether a pixel shows a surface; where that is not known, it does.
+    pub(super) fn has_surface(&self, place: usize) -> bool {
+        let by_normal = self.normal.is_none_or(|i| i.values()[place] != Vec3::ZERO);
+        by_normal && self.depth.is_none_or(|i| i.values()[place] < f32::INFINITY)
+    }
+
+    /// What the radiance of a pixel is divided by.
+    fn factor(&self, place: usize) -> Vec3 {
+        let held = |a: f32| if a > LEAST_ALBEDO { a.min(1.0) } else { LEAST_ALBEDO };
+        self.albedo.map_or(Vec3::ONE, |i| Vec3::from_array(i.values()[place].to_array().map(held)))
+    }
+
+    /// Radiance over albedo, and its variance.
+    pub(super) fn noisy(&self, features: &Features, settings: &Settings) -> Estimate {
+        let size = self.size();
+        let place = |x: usize, y: usize| y * size[0] + x;
+        let is_known = |place: usize| self.radiance.values()[place].is_finite();
+        let held = |v: f32| if v.is_finite() { v.clamp(-MOST, MOST) } else { 0.0 };
+        let channels = [0, 1, 2].map(|c| {
+            let over_albedo = |place: usize| held(self.radiance.values()[place][c] / self.factor(place)[c]);
+            let value = map(size, |x, y| if is_known(place(x, y)) { over_albedo(place(x, y)) } else { 0.0 });
+            let variance = match self.variance {
+                Some(image) => map(size, |x, y| {
+                    let factor = self.factor(place(x, y))[c];
+                    held(image.values()[place(x, y)][c] / (factor * factor)).max(0.0)
+                }),
+                None => calm_variance(size, &value).into_iter().map(|v| CALMEST * v).collect(),
+            };
+            // Few samples tell variance poorly, and none where they all found the same; a pixel that a rare path hit
+            // keeps its own.
+            let smoothed = features.smooth(size, &variance, settings.margin());
+            let variance = variance.iter().zip(&smoothed).map(|(v, s)| v.max(*s)).enumerate();
+            (value, variance.map(|(place, v)| if is_known(place) { v } else { UNKNOWN }).collect())
+        });
+        let counts = |place: usize| is_known(place) && self.has_surface(place);
+        Estimate::new(size, settings, channels, map(size, |x, y| f32::from(counts(place(x, y)))))
+    }
+
+    /// Radiance again, of pixels with a surface.
+    pub(super) fn finish(&self, filtered: &Estimate) -> Denoised {
+        let [width, height] = self.radiance.size();
+        let is_bad = |place: usize| !self.radiance.values()[place].is_finite();
+        let radiance = Image::by_rows(width, height, |x, y| {
+            let place = y as usize * width as usize + x as usize;
+            if self.has_surface(place) || is_bad(place) {
+                filtered.at(x as usize, y as usize) * self.factor(place)
+            } else {
+                self.radiance.values()[place]
+            }
+        });
+        Denoised { radiance, not_finite: (0..width as usize * height as usize).filter(|p| is_bad(*p)).count() }
+    }
+}

@@ -1,0 +1,7 @@
+//! Non-local means against what is known of it by other means.
+
+mod halves;
+mod hostile;
+mod noise;
+mod scene;
+mod surfaces;
