@@ -101,8 +101,8 @@ pub struct RenderArgs {
     /// Maximum number of scattering events of a path; -1 for no limit
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
-    /// Remove the noise when done; an .exr keeps the noisy picture as the layer raw, and the layers that guided. For path,
-    /// volpath, direct, whitted, ao, raycast and bdpt
+    /// Remove the noise when done; an .exr keeps the noisy picture as the layer raw, and the layers that guided. For
+    /// path, volpath, direct, whitted, ao, raycast and bdpt
     #[arg(long, help_heading = "Quality")]
     pub denoise: bool,
     /// Sampler (`steradian list samplers`); `scene` uses the one that the file names

@@ -43,7 +43,8 @@ impl Render {
             Method::Rays(IntegratorKind::Stokes(_)) => Some("Stokes parameters are no radiance"),
             Method::Rays(IntegratorKind::Transient(_)) => Some("the layers of arrival times would keep their noise"),
             Method::Rays(IntegratorKind::Passes(kind)) => kind.correlates().then_some(
-                "neighbouring pixels share photons or light paths, so that their errors are alike; 'path', 'volpath' and 'bdpt' can",
+                "neighbouring pixels share photons or light paths, so that their errors are alike; \
+                 'path', 'volpath' and 'bdpt' can",
             ),
             Method::Rays(_) => None,
         }

@@ -26,8 +26,8 @@ fn errors(scene: PathBuf, size: (u32, u32), spp: u32) -> [f64; 2] {
     [error(&noisy), error(&after.picture)]
 }
 
-/// By which factor the error falls at least. The smaller the picture, the less is there to average: in docs/denoising.md
-/// are larger ones.
+/// By which factor the error falls at least. The smaller the picture, the less is there to average: larger ones are in
+/// docs/denoising.md.
 #[test]
 fn errors_fall() {
     let own = |name: &str| Some(repository(name));

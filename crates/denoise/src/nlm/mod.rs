@@ -6,9 +6,9 @@
 //! Bitterli and others, "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", EGSR 2016).
 //!
 //! Departures from both: the variance of a pixel that tells others what it may be is held to four times theirs, since a
-//! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike, so that patches across
-//! an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a second pass takes its
-//! weights from the outcome of the first; one filter is used instead of a choice among several.
+//! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike,
+//! so that patches across an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a
+//! second pass takes its weights from the outcome of the first; one filter is used instead of a choice among several.
 
 mod features;
 mod filter;
