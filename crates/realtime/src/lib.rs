@@ -16,6 +16,7 @@ mod hybrid;
 pub mod lesson;
 mod options;
 mod order;
+mod preparation;
 mod preview;
 mod projection;
 mod rasterizer;

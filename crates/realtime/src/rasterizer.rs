@@ -5,13 +5,14 @@ use crate::{
     draw_list::DrawList,
     lesson,
     options::{Method, Options, Show},
+    preparation::Preparation,
     projection::Projected,
     shading::Shader,
     shadow::{Eye, Shadowing},
     spread,
     visibility::Visibility,
 };
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 use steradian_core::{
     Scene,
     film::{FilmSpec, PassFilm},
@@ -28,13 +29,11 @@ pub struct Rasterizer {
     transparent: bool,
     /// Whether the light of each group of lights is kept for itself.
     by_light: bool,
-    /// What is drawn, and the threads that draw it; before the first pass.
-    prepared: Option<(DrawList, rayon::ThreadPool)>,
+    preparation: Preparation,
     /// Made once, for kinds of shadows that hold for all passes.
     shadows: OnceLock<Shadowing>,
     /// Pixels that the painter's algorithm gets wrong in the first pass.
     wrong: OnceLock<usize>,
-    failure: Mutex<Option<String>>,
 }
 
 /// A sample of a pixel.
@@ -70,15 +69,14 @@ impl Rasterizer {
             depth,
             transparent: plan.transparent,
             by_light: plan.by_light,
-            prepared: None,
+            preparation: Preparation::default(),
             shadows: OnceLock::new(),
             wrong: OnceLock::new(),
-            failure: Mutex::default(),
         })
     }
 
     fn draw(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Result<Option<Counters>, Error> {
-        let Some((list, pool)) = &self.prepared else { return Ok(None) };
+        let Some((list, pool)) = self.preparation.get() else { return Ok(None) };
         let drawing = pool.install(|| self.drawing(run, list, number))?;
         if number == 0 && self.options.visibility == Method::Painter {
             let right = pool.install(|| Visibility::draw(run.scene, list, &drawing.projected))?;
@@ -183,18 +181,11 @@ impl Drawing<'_> {
 
 impl Pass for Rasterizer {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
-        match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
-            Ok(pool) => self.prepared = Some((DrawList::new(run.scene), pool)),
-            Err(e) => self.fail(format!("the system gives no threads: {e}")),
-        }
-        self.prepared.is_some().then_some(())
+        self.preparation.make(run)
     }
 
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
-        self.draw(run, number, film).unwrap_or_else(|e| {
-            self.fail(e.to_string());
-            None
-        })
+        self.preparation.outcome(self.draw(run, number, film))
     }
 
     fn first_ray(&self, run: &Run<'_>, pixel: [u32; 2], number: u32) -> (Ray, Wavelengths) {
@@ -207,13 +198,7 @@ impl Pass for Rasterizer {
     }
 
     fn failure(&self) -> Option<String> {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
-
-impl Rasterizer {
-    fn fail(&self, why: String) {
-        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+        self.preparation.failure()
     }
 }
 

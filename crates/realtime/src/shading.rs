@@ -273,7 +273,7 @@ impl<'a> Shader<'a> {
                     sum += self.light_of(point, (light, p), None, u, 1.0 / points as f32, trace);
                 }
             }
-            return sum + self.sky(point, true, trace);
+            return sum + self.bsdf_sampled(point, true, trace);
         }
         for (number, light) in lights.lights.iter().enumerate() {
             // Points and parallel light have one place.
@@ -285,12 +285,12 @@ impl<'a> Shader<'a> {
                 sum += self.light_of(point, (number as u32, 1.0), share, u, 1.0 / count as f32, trace);
             }
         }
-        sum + self.sky(point, false, trace)
+        sum + self.bsdf_sampled(point, false, trace)
     }
 
     /// The light of environments in directions that the surface draws, weighted against those that the light draws; in
     /// previews also that of lights with an area. `chosen`: whether lights are chosen at random.
-    fn sky(&self, point: &Point<'_>, chosen: bool, trace: &mut Trace<'_>) -> Spectrum {
+    fn bsdf_sampled(&self, point: &Point<'_>, chosen: bool, trace: &mut Trace<'_>) -> Spectrum {
         let Point { i, frame, scattering, ctx, lambda, beta, numbers, round } = point;
         let lights = self.scene.lights();
         let mut sum = Spectrum::ZERO;

@@ -10,6 +10,7 @@ use crate::{
     Error,
     draw_list::{DrawList, Item, box_count},
     options::Options,
+    preparation::Preparation,
     projection::Projected,
     rasterizer::{first_ray, place},
     shading::{CameraPath, Point, Shader},
@@ -20,7 +21,6 @@ use crate::{
 use indirect::Blocks;
 use look::{look, object};
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
 use steradian_bsdf::TransportMode;
 use steradian_core::{ColorMode, Scene, camera::Projection, film::PassFilm, sampler::Sampler, scene::Shape};
 use steradian_engine::{Counters, Pass, PathContext, Plan, Run, Stop, albedo, albedo_of, dimension};
@@ -83,8 +83,7 @@ struct Drawing<'a> {
 pub struct Preview {
     options: Options,
     depth: Depth,
-    prepared: Option<(DrawList, rayon::ThreadPool)>,
-    failure: Mutex<Option<String>>,
+    preparation: Preparation,
 }
 
 impl Preview {
@@ -102,11 +101,11 @@ impl Preview {
         if plan.transparent {
             return Err(Error::Option("raster:frame=preview has no transparent background".into()));
         }
-        Ok(Self { options, depth, prepared: None, failure: Mutex::default() })
+        Ok(Self { options, depth, preparation: Preparation::default() })
     }
 
     fn draw(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Result<Option<Counters>, Error> {
-        let Some((list, pool)) = &self.prepared else { return Ok(None) };
+        let Some((list, pool)) = self.preparation.get() else { return Ok(None) };
         let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.
         let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
@@ -142,10 +141,6 @@ impl Preview {
         }
         counters.samples = values.len() as u64;
         Ok(Some(counters))
-    }
-
-    fn fail(&self, why: String) {
-        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
     }
 }
 
@@ -309,18 +304,11 @@ fn head_light(point: &Point<'_>) -> Spectrum {
 
 impl Pass for Preview {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
-        match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
-            Ok(pool) => self.prepared = Some((DrawList::new(run.scene), pool)),
-            Err(e) => self.fail(format!("the system gives no threads: {e}")),
-        }
-        self.prepared.is_some().then_some(())
+        self.preparation.make(run)
     }
 
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
-        self.draw(run, number, film).unwrap_or_else(|e| {
-            self.fail(e.to_string());
-            None
-        })
+        self.preparation.outcome(self.draw(run, number, film))
     }
 
     fn first_ray(&self, run: &Run<'_>, pixel: [u32; 2], number: u32) -> (Ray, Wavelengths) {
@@ -332,6 +320,6 @@ impl Pass for Preview {
     }
 
     fn failure(&self) -> Option<String> {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.preparation.failure()
     }
 }
