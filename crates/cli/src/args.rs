@@ -9,7 +9,7 @@ use steradian::image::{
     signal::Prefilter,
     tone::Tone,
 };
-use steradian::{math::DVec3, quality::MAX_THREADS};
+use steradian::{Viewpoint, math::DVec3, quality::MAX_THREADS};
 
 /// Which scene, and how to read it.
 #[derive(Args, Clone, Debug, Default)]
@@ -26,6 +26,9 @@ pub struct SceneOptions {
     /// Camera to use, by name or by number from 0; default: the first
     #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
     pub camera: Option<String>,
+    /// Where the camera stands, a point it looks at, and the direction that is up, in the world; it keeps its lens
+    #[arg(long, value_name = "EX,EY,EZ,TX,TY,TZ,UX,UY,UZ", value_parser = values::viewpoint, allow_hyphen_values = true, help_heading = "Scene")]
+    pub look_at: Option<Viewpoint>,
     /// Colour arithmetic; auto is spectral for pbrt scenes and RGB for others
     #[arg(long, value_enum, default_value_t, help_heading = "Scene")]
     pub color: Color,
@@ -481,6 +484,41 @@ pub struct DenoiseArgs {
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,
+}
+
+/// `steradian view`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The address that is printed holds a secret: who knows it may look at the scene, edit it, and save pictures into its folder."
+)]
+pub struct ViewArgs {
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply .bpt .steradian), or builtin:NAME; default: the built-in
+    /// Cornell box
+    pub scene: Option<PathBuf>,
+    /// Override the scene's integrator (`steradian list integrators`)
+    #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator)]
+    pub integrator: Option<String>,
+    /// Samples per pixel; 1k is 1000
+    #[arg(long, value_name = "N", value_parser = values::spp, allow_hyphen_values = true)]
+    pub spp: Option<u32>,
+    /// Size of the frame in pixels; overrides the scene's
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Set a $parameter of a Mitsuba scene, or a choice of a glTF scene or model, as `render` does. Repeatable
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition)]
+    pub define: Vec<(String, String)>,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+    /// Port of the page; 0 is a free one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Address of this machine to listen at; others than 127.0.0.1 let other machines in, without encryption
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub bind: String,
+    /// Number of threads; 0 is one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
+    pub threads: u16,
 }
 
 /// `steradian signal`.

@@ -3,6 +3,7 @@
 use crate::{
     args::{
         CompareArgs, ConvertArgs, DenoiseArgs, InfoArgs, ListArgs, MaterialArgs, RenderArgs, SignalArgs, VerifyArgs,
+        ViewArgs,
     },
     bench::BenchArgs,
     experiment::ExperimentArgs,
@@ -35,6 +36,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene into pictures; without SCENE, the built-in Cornell box
     Render(Box<RenderArgs>),
+    /// Look at a scene in the browser while it renders; without SCENE, at the built-in Cornell box
+    View(ViewArgs),
     /// Render a scene by every integrator that can, and test whether they agree
     Verify(VerifyArgs),
     /// Show what is in a scene and what was approximated or dropped, or what is in a picture

@@ -36,6 +36,7 @@ mod solving;
 mod terminal;
 mod values;
 mod verify;
+mod view;
 mod watch;
 
 use clap::{CommandFactory, Parser};
@@ -103,6 +104,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Vision(args) => experiment::run("vision", args, terminal),
         Command::Estimate(args) => experiment::run("estimate", args, terminal),
         Command::Geometry(args) => experiment::run("geometry", args, terminal),
+        Command::View(args) => view::run(args, terminal),
         Command::Verify(args) => verify::run(args, terminal),
         Command::Info(args) => info::run(args, terminal),
         Command::List(args) => list::run(args),

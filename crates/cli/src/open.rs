@@ -69,7 +69,13 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
 pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
     let loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
-    let (desc, diagnostics) = (loaded.desc, loaded.diagnostics);
+    let (mut desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
+    if let Some(view) = options.look_at
+        && let Some(camera) = desc.camera(options.camera.as_deref())
+        && !view.place(&mut desc, camera)
+    {
+        diagnostics.error(&desc.sources, None, "--look-at cannot move the camera, whose own transform is singular");
+    }
     let (files, load) = (Vec::new(), loaded.time);
     let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
     if opened.diagnostics.has_errors() {

@@ -3,8 +3,9 @@
 use std::{str::FromStr, time::Duration};
 pub use steradian::quality::MAX_SPP;
 use steradian::{
-    Layer,
+    Layer, Viewpoint,
     image::{FalseColor, Sensor, tone::Tone},
+    math::DVec3,
     scene::{Family, names},
     schema::Type,
 };
@@ -149,6 +150,18 @@ pub fn wavelengths(text: &str) -> Result<[f32; 4], String> {
     numbers(text)
         .filter(visible)
         .ok_or_else(|| "four wavelengths from 360 to 830 nm are needed, such as 450,550,600,650".into())
+}
+
+/// Eye, target and up of a camera.
+pub fn viewpoint(text: &str) -> Result<Viewpoint, String> {
+    let numbers = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    let Some(Ok::<[f64; 9], _>([ex, ey, ez, tx, ty, tz, ux, uy, uz])) = numbers.map(TryInto::try_into) else {
+        return Err("nine numbers are needed: eye, target, and the direction upwards, such as 0,1,5,0,0,0,0,1,0".into());
+    };
+    let [eye, target, up] = [[ex, ey, ez], [tx, ty, tz], [ux, uy, uz]].map(DVec3::from_array);
+    let view = Viewpoint { eye, target, up };
+    let is_sound = view.is_sound();
+    is_sound.then_some(view).ok_or_else(|| "the eye must be apart from the target, and up not along the view".into())
 }
 
 /// A roughness α of a surface that is looked at facet by facet.

@@ -25,10 +25,7 @@ impl Compiler<'_> {
 
     /// The camera that renders: the one asked for, or the first.
     pub(super) fn chosen_camera(&self) -> Option<NodeId> {
-        let cameras = &self.desc.cameras;
-        let Some(want) = &self.options.camera else { return cameras.first().copied() };
-        let by_name = cameras.iter().find(|c| self.desc.node(**c).name.as_ref() == Some(want));
-        by_name.copied().or_else(|| cameras.get(want.parse::<usize>().ok()?).copied())
+        self.desc.camera(self.options.camera.as_deref())
     }
 
     /// Compiles the chosen camera.

@@ -1,7 +1,7 @@
 //! Finding and reading files.
 
 use crate::{
-    Limits,
+    Limits, Options,
     limits::{MOST_OF_TEXT, unpacked},
 };
 use std::{
@@ -23,6 +23,12 @@ pub enum FileError {
         name: String,
         /// Full paths tried.
         searched: Vec<PathBuf>,
+    },
+    /// Not in the one folder that may be read.
+    #[error("'{name}' is outside the scene's folder, and is not read")]
+    Outside {
+        /// As written in the scene.
+        name: String,
     },
     /// The system refused.
     #[error("cannot read '{}': {cause}", .path.display())]
@@ -61,14 +67,22 @@ pub enum FileError {
 pub struct SearchPath {
     /// Folders in order.
     pub folders: Vec<PathBuf>,
+    /// The folder that files must be in, links followed; anywhere without.
+    pub within: Option<PathBuf>,
 }
 
 impl SearchPath {
+    /// A document's folder, then those of the options.
+    pub fn new(folder: Option<&Path>, options: &Options) -> Self {
+        let folders = folder.map(Path::to_path_buf).into_iter().chain(options.search.iter().cloned());
+        Self { folders: folders.collect(), within: options.within.clone() }
+    }
+
     /// Finds a file: as it is when absolute, else in each folder in turn. Backslashes count as slashes where the name
     /// as written is not found.
     ///
     /// # Errors
-    /// [`FileError::NotFound`] with every place searched.
+    /// [`FileError::NotFound`] with every place searched; [`FileError::Outside`].
     pub fn find(&self, name: &str) -> Result<PathBuf, FileError> {
         let mut searched = Vec::new();
         let slashed = name.replace('\\', "/");
@@ -81,7 +95,7 @@ impl SearchPath {
             };
             for place in places {
                 if place.is_file() {
-                    return Ok(place);
+                    return self.admit(name, place);
                 }
                 if !searched.contains(&place) {
                     searched.push(place);
@@ -89,6 +103,15 @@ impl SearchPath {
             }
         }
         Err(FileError::NotFound { name: name.into(), searched })
+    }
+
+    /// A file, where it is one that may be read.
+    fn admit(&self, name: &str, place: PathBuf) -> Result<PathBuf, FileError> {
+        let Some(within) = &self.within else { return Ok(place) };
+        match (place.canonicalize(), within.canonicalize()) {
+            (Ok(whole), Ok(folder)) if whole.starts_with(&folder) => Ok(place),
+            _ => Err(FileError::Outside { name: name.into() }),
+        }
     }
 }
 

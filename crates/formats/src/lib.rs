@@ -24,6 +24,8 @@ pub struct Options {
     pub defines: BTreeMap<String, String>,
     /// Folders searched after the scene's own.
     pub search: Vec<PathBuf>,
+    /// The folder that all files a scene names must be in: of scenes that somebody else sent. Anywhere without.
+    pub within: Option<PathBuf>,
     /// The box that the camera of a model without one shows, its corners in the world: of all frames of a sequence. By
     /// default that of the model.
     pub framing: Option<[DVec3; 2]>,

@@ -190,6 +190,13 @@ impl SceneDesc {
         &mut self.nodes[id.0 as usize]
     }
 
+    /// The camera of a name or, where none has it, of a number from 0; by default the first.
+    pub fn camera(&self, wanted: Option<&str>) -> Option<NodeId> {
+        let Some(wanted) = wanted else { return self.cameras.first().copied() };
+        let named = |id: &&NodeId| self.node(**id).name.as_deref() == Some(wanted);
+        self.cameras.iter().find(named).or_else(|| self.cameras.get(wanted.parse::<usize>().ok()?)).copied()
+    }
+
     /// Every file that the scene is made of: those that were read for the description, and those that its nodes name,
     /// which compiling reads. Some may come twice.
     pub fn files(&self) -> impl Iterator<Item = &Path> {

@@ -28,6 +28,7 @@ pub mod raster;
 pub mod resume;
 pub mod specimen;
 pub mod verify;
+mod viewpoint;
 
 pub use develop::develop;
 pub use error::Error;
@@ -59,6 +60,7 @@ pub use steradian_scene as scene;
 pub use steradian_schema as schema;
 pub use steradian_texture as texture;
 pub use steradian_transport as transport;
+pub use viewpoint::Viewpoint;
 
 use std::sync::Arc;
 use steradian_scene::Family;

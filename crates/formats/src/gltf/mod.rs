@@ -84,8 +84,7 @@ fn read_document(path: &Path, bytes: Vec<u8>, options: &Options) -> (Import, Opt
     }
     let text: Arc<[u8]> = bytes[parts.json.clone()].into();
     let source = import.desc.sources.add(path, text.clone());
-    let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
-    search.folders.extend(options.search.iter().cloned());
+    let search = SearchPath::new(path.parent(), options);
     let mut root: Value = match serde_json::from_slice(strip_mark(&text)) {
         Ok(root) => root,
         Err(e) => {

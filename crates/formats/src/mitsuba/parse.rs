@@ -90,13 +90,11 @@ pub(super) struct Parser<'a> {
 impl<'a> Parser<'a> {
     /// A parser for a scene in this folder.
     pub fn new(folder: PathBuf, options: &'a Options) -> Self {
-        let mut folders = vec![folder];
-        folders.extend(options.search.iter().cloned());
         Self {
             graph: Graph::default(),
             sources: Sources::default(),
             diagnostics: Diagnostics::default(),
-            search: SearchPath { folders },
+            search: SearchPath::new(Some(&folder), options),
             options,
             parameters: Parameters::new(&options.defines),
             includes: 0,

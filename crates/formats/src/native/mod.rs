@@ -64,8 +64,7 @@ pub fn import_with(path: &Path, bytes: Vec<u8>, given: Given, options: &Options)
     let mut desc = SceneDesc { path: Some(path.into()), ..SceneDesc::default() };
     let file = desc.sources.add(path, bytes);
     let text = desc.sources.get(file).map(|s| s.text.clone()).unwrap_or_default();
-    let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
-    search.folders.extend(options.search.iter().cloned());
+    let search = SearchPath::new(path.parent(), options);
     let mut reader = read::Reader::new(desc, HashMap::new(), search, options).with(given);
     if text.len() > MOST_BYTES {
         let why = format!("'{}' holds more than the {MOST_BYTES} bytes allowed; meshes may be files", path.display());
@@ -98,9 +97,8 @@ pub fn set(
         return Err(diagnostics);
     }
     let known = ids(desc).into_iter().enumerate().map(|(i, id)| (id, NodeId(i as u32))).collect();
-    let folder = desc.path.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_path_buf();
-    let mut search = SearchPath { folders: vec![folder] };
-    search.folders.extend(options.search.iter().cloned());
+    let folder = desc.path.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let search = SearchPath::new(Some(folder), options);
     let mut trial = SceneDesc { nodes: desc.nodes.clone(), path: desc.path.clone(), ..SceneDesc::default() };
     let file = trial.sources.add(format!("{}.{parameter}", name_in(desc, node)), text.as_bytes().to_vec());
     let (family, kind) = (desc.node(node).family, desc.node(node).kind.clone());
@@ -142,9 +140,9 @@ fn unknown(node: &Node, parameter: &str) -> Option<(String, Option<String>)> {
     Some((what, nearest.or_else(|| Some(format!("it has {}", known.join(", "))))))
 }
 
-/// A value in the language, nodes by their [`ids`].
-pub fn value_text(desc: &SceneDesc, parameter: &str, value: &Value) -> String {
-    write::value_text(desc, parameter, value)
+/// A value in the language, nodes by the [`ids`] of their description.
+pub fn value_text(ids: &[String], parameter: &str, value: &Value) -> String {
+    write::value_text(ids, parameter, value)
 }
 
 fn name_in(desc: &SceneDesc, node: NodeId) -> String {

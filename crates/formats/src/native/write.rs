@@ -53,8 +53,7 @@ pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
 }
 
 /// The text of a single value; nodes by their names.
-pub(super) fn value_text(desc: &SceneDesc, name: &str, value: &Value) -> String {
-    let ids = super::ids(desc);
+pub(super) fn value_text(ids: &[String], name: &str, value: &Value) -> String {
     let mut out = String::new();
     value::write(&mut out, name, value, &mut |out, id| reference(out, &ids[id.0 as usize]));
     out

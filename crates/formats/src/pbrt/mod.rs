@@ -68,9 +68,7 @@ pub fn import_text(name: &str, text: impl Into<Vec<u8>>, folder: &Path, options:
 }
 
 fn read(path: &Path, text: Vec<u8>, folder: &Path, options: &Options) -> Import {
-    let mut folders = vec![folder.to_path_buf()];
-    folders.extend(options.search.iter().cloned());
-    let mut reader = Reader::new(options, SearchPath { folders });
+    let mut reader = Reader::new(options, SearchPath::new(Some(folder), options));
     reader.read(path, text);
     let mut desc = reader.scene.desc;
     desc.format = Format::Pbrt;

@@ -41,8 +41,7 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
     let mut import = Import::default();
     import.desc.format = Format::Model;
     import.desc.path = Some(path.into());
-    let mut search = SearchPath { folders: path.parent().map(Path::to_path_buf).into_iter().collect() };
-    search.folders.extend(options.search.iter().cloned());
+    let search = SearchPath::new(path.parent(), options);
     let mut opener = Opener {
         import,
         path,

@@ -4,7 +4,10 @@
 use super::sky;
 use crate::{Import, Options, files::SearchPath};
 use glam::DMat3;
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 use steradian_math::{DMat4, DVec3};
 use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, Transform};
 
@@ -58,8 +61,7 @@ impl StageOptions {
             Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
         };
         // As the user writes it, from where the program is run.
-        let folders = [PathBuf::new()].into_iter().chain(options.search.iter().cloned()).collect();
-        let found = word("sky").map(|name| SearchPath { folders }.find(name)).transpose();
+        let found = word("sky").map(|name| SearchPath::new(Some(Path::new("")), options).find(name)).transpose();
         let sky = found.map_err(|e| format!("'sky': {e}"))?;
         // Columns: where x, y and z of the model go.
         let up = match word("up") {

@@ -1,0 +1,62 @@
+//! `steradian view`: a scene in the browser while it renders.
+
+use crate::{
+    args::ViewArgs,
+    diagnostics,
+    failure::{DONE, Failure, Outcome},
+    open, terminal,
+    terminal::Terminal,
+    values::Size,
+};
+use std::{path::PathBuf, process::Command, sync::Arc};
+use steradian_server::{Error, Options, SettingsChange, Source, View};
+
+/// The built-in scene that is shown where none is named.
+const DEFAULT: &str = "builtin:cornell-box";
+
+/// Serves the page until it is stopped.
+pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
+    open::limit_threads(args.threads);
+    let name = args.scene.clone().unwrap_or_else(|| PathBuf::from(DEFAULT));
+    if open::is_stdin(&name) {
+        return Err(Failure::bad_input("a scene that is looked at is a file, not standard input"));
+    }
+    let size = args.size.map(|Size(w, h)| (w, h));
+    let options = Options {
+        source: Source { name: name.clone(), reading: open::reading(&args.define, None) },
+        settings: SettingsChange {
+            integrator: args.integrator.clone(),
+            spp: args.spp.map(Some),
+            width: size.map(|s| s.0),
+            height: size.map(|s| s.1),
+            ..SettingsChange::default()
+        },
+        bind: args.bind.clone(),
+        port: args.port,
+        log: Arc::new(move |line| terminal.say(line)),
+    };
+    let view = View::start(&options).map_err(|e| match e {
+        Error::Scene(messages) => {
+            diagnostics::tell(&messages, terminal);
+            Failure::bad_input(format!("'{}' cannot be shown", name.display()))
+        }
+        other => Failure::failed(other.to_string()),
+    })?;
+    terminal::data(format!("{}\n", view.url()).as_bytes())?;
+    terminal.say("the page is at this address; Ctrl-C ends it");
+    if args.open && !opened(view.url()) {
+        terminal.warn("no browser could be started: open the address by hand");
+    }
+    view.wait();
+    Ok(DONE)
+}
+
+/// Whether the system opens an address in a browser.
+fn opened(url: &str) -> bool {
+    let program = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    };
+    Command::new(program).arg(url).spawn().is_ok()
+}

@@ -1,0 +1,198 @@
+//! A picture that is shown, as pages get it.
+
+use crate::{
+    protocol::FrameEnd,
+    tile::{self, Plane},
+};
+use std::sync::Arc;
+use steradian::{
+    Film, Layer, Scene, develop,
+    film::{Crop, FirstHitSums, MatteSums, Pixel},
+    image::Image,
+};
+
+/// Layers that are there of every picture.
+pub const LAYERS: [Layer; 9] = [
+    Layer::Albedo,
+    Layer::Normal,
+    Layer::GeometricNormal,
+    Layer::Position,
+    Layer::Depth,
+    Layer::Uv,
+    Layer::Ids,
+    Layer::Variance,
+    Layer::Samples,
+];
+
+/// A picture with what is known of it.
+pub struct Shown {
+    /// Of which state of the view.
+    pub generation: u32,
+    /// The part of the full picture that it shows, in that one's pixels.
+    pub crop: [u32; 4],
+    /// `preview` or `render`.
+    pub kind: &'static str,
+    /// What was rendered.
+    pub scene: Arc<Scene>,
+    /// The sums.
+    pub film: Film,
+    /// Samples per pixel, in the mean.
+    pub samples: f64,
+    /// Those that there are to be.
+    pub target: u32,
+    /// Relative error.
+    pub error: Option<f64>,
+    /// Time of rendering.
+    pub seconds: f64,
+    /// Whether nothing is to come.
+    pub is_done: bool,
+    /// Samples that count as black.
+    pub nonfinite: u64,
+}
+
+impl Shown {
+    /// The picture, with layers.
+    pub fn picture(&self, layers: &[Layer]) -> Image {
+        let layers: Vec<Layer> = layers.iter().copied().filter(|l| self.has(*l)).collect();
+        develop(&self.scene, &self.film, &layers)
+    }
+
+    fn size(&self) -> [usize; 2] {
+        [self.film.crop.width() as usize, self.film.crop.height() as usize]
+    }
+
+    fn has(&self, layer: Layer) -> bool {
+        !layer.needs_features() || !self.film.features.is_empty()
+    }
+
+    /// A single pixel of it, at a place in the full picture; `None` where it has none.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<Film> {
+        let [x0, y0, x1, y1] = self.crop;
+        if !(x0..x1).contains(&x) || !(y0..y1).contains(&y) {
+            return None;
+        }
+        // A preview is smaller than what it shows.
+        let film = &self.film;
+        let at = |v: u32, [from, to]: [u32; 2], count: u32| {
+            (u64::from(v - from) * u64::from(count) / u64::from(to - from)) as u32
+        };
+        let (w, h) = (film.crop.width(), film.crop.height());
+        let (i, j) = (at(x, [x0, x1], w), at(y, [y0, y1], h));
+        let k = (j * w + i) as usize;
+        let part = |len: usize| if len == film.pixels.len() { k..k + 1 } else { 0..0 };
+        let pixels: Vec<Pixel> = film.pixels.get(k..k + 1)?.to_vec();
+        let features: Vec<FirstHitSums> = film.features[part(film.features.len())].to_vec();
+        let mattes: Vec<MatteSums> = film.mattes[part(film.mattes.len())].to_vec();
+        let (cx, cy) = (film.crop.x0 + i, film.crop.y0 + j);
+        let crop = Crop { x0: cx, y0: cy, x1: cx + 1, y1: cy + 1 };
+        Some(Film { crop, pixels, features, mattes, by_light: Vec::new(), bins: 0 })
+    }
+}
+
+/// The layer of a name, if pages can show it.
+///
+/// # Errors
+/// Which there are.
+pub fn layer(name: &str) -> Result<Layer, String> {
+    LAYERS.into_iter().find(|l| l.name() == name).ok_or_else(|| {
+        let known = LAYERS.map(Layer::name).join(", ");
+        format!("there is no layer '{name}' here; known are {known}")
+    })
+}
+
+/// A picture as messages, encoded once for all pages.
+#[derive(Clone, Default)]
+pub struct Frame {
+    /// Binary tiles.
+    pub tiles: Vec<axum::body::Bytes>,
+    /// What ends it, as JSON; empty before the first one.
+    pub end: String,
+    /// What is to be said beside, as JSON.
+    pub messages: Vec<String>,
+}
+
+impl Frame {
+    /// Encodes a picture and layers. Where it has no samples yet, the backdrop shows.
+    pub fn new(shown: &Shown, backdrop: Option<&Backdrop>, layers: &[Layer]) -> Self {
+        let image = shown.picture(layers);
+        let size = [image.width() as u32, image.height() as u32];
+        let mut tiles = Vec::new();
+        for (number, layer) in std::iter::once(None).chain(layers.iter().map(|l| Some(*l))).enumerate() {
+            let Some((components, mut values)) = plane(&image, layer) else { continue };
+            if layer.is_none()
+                && let Some(backdrop) = backdrop
+            {
+                backdrop.fill(&mut values, shown);
+            }
+            let plane = Plane { layer: number as u16, components, size, values: &values };
+            tiles.extend(tile::tiles(shown.generation, &plane).into_iter().map(Into::into));
+        }
+        let end = FrameEnd {
+            generation: shown.generation,
+            width: size[0],
+            height: size[1],
+            origin: [shown.crop[0], shown.crop[1]],
+            kind: shown.kind,
+            samples: shown.samples,
+            target: shown.target,
+            error: shown.error.filter(|e| e.is_finite()),
+            seconds: shown.seconds,
+            done: shown.is_done,
+            nonfinite: shown.nonfinite,
+        };
+        Self { tiles, end: serde_json::to_string(&end).unwrap_or_default(), messages: Vec::new() }
+    }
+}
+
+/// What is there where a picture has no samples yet.
+pub struct Backdrop {
+    size: [usize; 2],
+    /// R, G, B of pixels.
+    values: Vec<f32>,
+}
+
+impl Backdrop {
+    /// A picture, in front of another one.
+    pub fn new(shown: &Shown, behind: Option<&Self>) -> Self {
+        let (_, mut values) = plane(&shown.picture(&[]), None).unwrap_or_default();
+        if let Some(behind) = behind {
+            behind.fill(&mut values, shown);
+        }
+        Self { size: shown.size(), values }
+    }
+
+    /// Puts it, enlarged, where pixels have no sample.
+    fn fill(&self, values: &mut [f32], shown: &Shown) {
+        let ([w, h], [bw, bh]) = (shown.size(), self.size);
+        if bw * bh == 0 {
+            return;
+        }
+        let empty = shown.film.pixels.iter().zip(values.chunks_mut(3)).enumerate().filter(|(_, (p, _))| p.samples == 0);
+        for (k, (_, value)) in empty {
+            let at = (k / w * bh / h) * bw + k % w * bw / w;
+            value.copy_from_slice(&self.values[3 * at..3 * at + 3]);
+        }
+    }
+}
+
+/// The channels of the picture or of a layer, pixel by pixel, one or three of them.
+fn plane(image: &Image, layer: Option<Layer>) -> Option<(u16, Vec<f32>)> {
+    let names: &[&str] = match layer {
+        None => &["R", "G", "B"],
+        Some(Layer::Albedo) => &["albedo.R", "albedo.G", "albedo.B"],
+        Some(Layer::Normal) => &["N.X", "N.Y", "N.Z"],
+        Some(Layer::GeometricNormal) => &["Ng.X", "Ng.Y", "Ng.Z"],
+        Some(Layer::Position) => &["P.X", "P.Y", "P.Z"],
+        Some(Layer::Depth) => &["Z"],
+        Some(Layer::Uv) => &["uv.U", "uv.V", ""],
+        Some(Layer::Ids) => &["object_id.Y"],
+        Some(Layer::Variance) => &["variance.R", "variance.G", "variance.B"],
+        Some(Layer::Samples) => &["samples.Y"],
+        Some(_) => return None,
+    };
+    let zeros = vec![0.0; if names.contains(&"") { image.pixel_count() } else { 0 }];
+    let channel = |name: &&str| if name.is_empty() { Some(zeros.as_slice()) } else { image.channel(name) };
+    let found = names.iter().map(channel).collect::<Option<Vec<&[f32]>>>()?;
+    let values = (0..image.pixel_count()).flat_map(|k| found.iter().map(move |plane| plane[k])).collect();
+    Some((found.len() as u16, values))
+}

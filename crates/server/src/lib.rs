@@ -1,0 +1,157 @@
+//! Steradian's live view: a scene that is rendered while a web page looks at it.
+//!
+//! A thread renders ([`viewer`]), and shows what there is as [`frame`]s, encoded once for all pages. A server on this
+//! machine hands them to pages over sockets ([`socket`]), takes requests, and answers who may ask ([`access`]). The
+//! page is part of the program ([`page`]).
+//!
+//! ```no_run
+//! let view = steradian_server::View::start(&steradian_server::Options::of("scene.pbrt"))?;
+//! println!("{}", view.url());
+//! view.wait();
+//! # Ok::<(), steradian_server::Error>(())
+//! ```
+
+mod access;
+mod document;
+mod frame;
+mod job;
+mod page;
+mod protocol;
+mod requests;
+mod routes;
+mod save;
+mod socket;
+mod state;
+mod tile;
+mod upload;
+mod viewer;
+
+pub use document::Source;
+pub use protocol::SettingsChange;
+
+use access::Access;
+use std::{
+    net::{SocketAddr, TcpListener, ToSocketAddrs},
+    path::PathBuf,
+    sync::Arc,
+    thread::{self, JoinHandle},
+};
+use tokio::sync::Notify;
+
+/// What is looked at, and where.
+pub struct Options {
+    /// The scene.
+    pub source: Source,
+    /// How it is rendered at first.
+    pub settings: SettingsChange,
+    /// Address or name of this machine that the server listens at; `127.0.0.1` reaches no other machine.
+    pub bind: String,
+    /// Port; 0 for a free one.
+    pub port: u16,
+    /// Told of requests that are refused, and why.
+    pub log: Arc<dyn Fn(&str) + Send + Sync>,
+}
+
+impl Options {
+    /// A file or `builtin:NAME`, on this machine alone.
+    pub fn of(name: impl Into<PathBuf>) -> Self {
+        Self {
+            source: Source { name: name.into(), ..Source::default() },
+            settings: SettingsChange::default(),
+            bind: "127.0.0.1".into(),
+            port: 0,
+            log: Arc::new(|_| {}),
+        }
+    }
+}
+
+/// Why there is no view.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// All that is wrong with the scene.
+    #[error("{}", document::told(.0))]
+    Scene(steradian::scene::Diagnostics),
+    /// The address cannot be had.
+    #[error("cannot listen at {at}: {cause}")]
+    Address {
+        /// Address and port.
+        at: String,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+}
+
+/// A view that runs; it ends when this goes away.
+pub struct View {
+    url: String,
+    stop: Arc<Notify>,
+    server: Option<JoinHandle<()>>,
+}
+
+impl View {
+    /// Opens the scene and starts the server.
+    ///
+    /// # Errors
+    /// [`Error`].
+    pub fn start(options: &Options) -> Result<Self, Error> {
+        let at = format!("{}:{}", options.bind, options.port);
+        let refused = |cause| Error::Address { at: at.clone(), cause };
+        let bare = options.bind.trim_matches(['[', ']']);
+        let address = (bare, options.port).to_socket_addrs().map_err(refused)?.next();
+        let address = address.ok_or_else(|| refused(std::io::ErrorKind::AddrNotAvailable.into()))?;
+        let listener = TcpListener::bind(address).map_err(refused)?;
+        listener.set_nonblocking(true).map_err(refused)?;
+        let address = listener.local_addr().map_err(refused)?;
+        let name = bare.parse::<std::net::IpAddr>().is_err().then(|| options.bind.clone());
+        let access = Access::new(address, name).map_err(refused)?;
+        let url = format!("http://{}/{}/", shown(address), access.token());
+        let viewer = viewer::start(options.source.clone(), options.settings.clone()).map_err(Error::Scene)?;
+        let stop = Arc::new(Notify::new());
+        let app = routes::App::new(access, viewer, Arc::clone(&options.log));
+        let (router, stopped) = (routes::router(app), Arc::clone(&stop));
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(refused)?;
+        let serve = move || {
+            runtime.block_on(async {
+                let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
+                tokio::select! {
+                    _ = axum::serve(listener, router) => {}
+                    () = stopped.notified() => {}
+                }
+            });
+            // What a page waits for is not waited for.
+            runtime.shutdown_background();
+        };
+        let server = thread::Builder::new().name("server".into()).spawn(serve).map_err(refused)?;
+        Ok(Self { url, stop, server: Some(server) })
+    }
+
+    /// The address of the page, token included.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Waits until the server ends.
+    pub fn wait(mut self) {
+        if let Some(server) = self.server.take() {
+            let _ = server.join();
+        }
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        self.stop.notify_one();
+        if let Some(server) = self.server.take() {
+            let _ = server.join();
+        }
+    }
+}
+
+/// An address as browsers of this machine take it.
+fn shown(address: SocketAddr) -> SocketAddr {
+    match address {
+        SocketAddr::V4(a) if a.ip().is_unspecified() => ([127, 0, 0, 1], a.port()).into(),
+        SocketAddr::V6(a) if a.ip().is_unspecified() => (std::net::Ipv6Addr::LOCALHOST, a.port()).into(),
+        other => other,
+    }
+}

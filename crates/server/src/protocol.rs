@@ -1,0 +1,294 @@
+//! What page and server say to each other over the socket: JSON texts both ways, and pictures as binary tiles
+//! ([`crate::tile`]).
+
+use serde::{Deserialize, Serialize};
+
+/// What a page asks for.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(tag = "type", rename_all = "kebab-case", rename_all_fields = "camelCase", deny_unknown_fields)]
+pub enum Request {
+    /// Moves the camera.
+    Camera {
+        /// Where it stands.
+        eye: [f64; 3],
+        /// What it looks at.
+        target: [f64; 3],
+        /// Upwards.
+        up: [f64; 3],
+        /// Field of view in degrees, where it is to change.
+        fov: Option<f64>,
+        /// Whether the hand is still on it: pictures are coarse then.
+        #[serde(default)]
+        moving: bool,
+    },
+    /// Chooses a camera of the scene.
+    CameraName {
+        /// Its name, or its number from 0.
+        name: String,
+    },
+    /// Puts the camera back where the scene has it.
+    CameraReset,
+    /// Changes how pictures are made.
+    Settings(SettingsChange),
+    /// Renders a part of the picture only.
+    Region {
+        /// Pixels x0, y0, x1, y1, the last two exclusive; `None` for all.
+        pixels: Option<[u32; 4]>,
+    },
+    /// Chooses the layers that are sent along.
+    Layers {
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// Sets a parameter of a node of the scene.
+    Edit {
+        /// The node's name.
+        node: String,
+        /// The parameter's.
+        parameter: String,
+        /// In Steradian's own language; `None` takes it away.
+        value: Option<String>,
+    },
+    /// Takes the last edit back.
+    Undo,
+    /// Does it again.
+    Redo,
+    /// Stops and goes on.
+    Pause {
+        /// Whether to stop.
+        on: bool,
+    },
+}
+
+/// What is to be changed of [`Settings`]; what is absent stays.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+#[allow(missing_docs)]
+pub struct SettingsChange {
+    pub integrator: Option<String>,
+    #[serde(deserialize_with = "given")]
+    pub spp: Option<Option<u32>>,
+    #[serde(deserialize_with = "given")]
+    pub sampler: Option<Option<String>>,
+    pub color: Option<String>,
+    #[serde(deserialize_with = "given")]
+    pub seed: Option<Option<u64>>,
+    #[serde(deserialize_with = "given")]
+    pub max_depth: Option<Option<u32>>,
+    pub width: Option<u32>,
+    pub height: Option<u32>,
+}
+
+/// Tells what is absent from what is `null`.
+fn given<'de, T: Deserialize<'de>, D: serde::Deserializer<'de>>(from: D) -> Result<Option<Option<T>>, D::Error> {
+    Option::deserialize(from).map(Some)
+}
+
+/// How pictures are made.
+#[derive(Clone, Debug, Default, Serialize, PartialEq)]
+#[serde(rename_all = "camelCase")]
+pub struct Settings {
+    /// `NAME` or `NAME:key=value,…`.
+    pub integrator: String,
+    /// Samples per pixel; of the scene where nothing was chosen.
+    pub spp: u32,
+    /// Sampler; `None` for the one that suits.
+    pub sampler: Option<String>,
+    /// `auto`, `rgb` or `spectral`.
+    pub color: String,
+    /// Random seed; `None` for the scene's.
+    pub seed: Option<u64>,
+    /// Most scattering events; `None` for the scene's.
+    pub max_depth: Option<u32>,
+}
+
+/// The scene, as far as pages show it.
+#[derive(Clone, Debug, Default, Serialize)]
+#[allow(missing_docs)]
+pub struct About {
+    pub name: String,
+    pub path: Option<String>,
+    pub faces: u64,
+    pub lights: usize,
+    pub materials: usize,
+    pub messages: Vec<Said>,
+}
+
+/// A message about the scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Said {
+    /// `error`, `warning` or `note`.
+    pub severity: &'static str,
+    /// What, and where.
+    pub text: String,
+}
+
+/// The camera.
+#[derive(Clone, Debug, Default, Serialize)]
+#[allow(missing_docs)]
+pub struct CameraState {
+    pub name: Option<String>,
+    pub names: Vec<String>,
+    pub kind: String,
+    pub eye: [f64; 3],
+    pub target: [f64; 3],
+    pub up: [f64; 3],
+    /// Degrees, of perspective cameras.
+    pub fov: Option<f64>,
+    /// -1 where it mirrors against `eye`, `target` and `up` in a right-handed world.
+    pub handedness: i32,
+    pub moved: bool,
+    pub movable: bool,
+}
+
+/// All that pages know.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "type", rename = "state", rename_all = "camelCase")]
+#[allow(missing_docs)]
+pub struct State {
+    /// Grows with every change of what is shown.
+    pub generation: u32,
+    pub scene: About,
+    pub film: Size,
+    pub region: Option<[u32; 4]>,
+    pub camera: CameraState,
+    pub settings: Settings,
+    pub choices: Choices,
+    /// Layers that are sent along.
+    pub layers: Vec<String>,
+    /// The tone curve that suits the scene.
+    pub tone: String,
+    pub paused: bool,
+    pub undo: usize,
+    pub redo: usize,
+    /// What makes the same picture on the command line.
+    pub command: String,
+}
+
+/// Of a picture, in pixels.
+#[derive(Clone, Copy, Debug, Default, Serialize, PartialEq)]
+#[allow(missing_docs)]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+/// What there is to choose from.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Choices {
+    pub integrators: Vec<Named>,
+    pub samplers: Vec<Named>,
+    pub colors: [&'static str; 3],
+    pub tones: Vec<Tone>,
+    pub layers: Vec<Named>,
+}
+
+/// A thing with a name.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Named {
+    pub name: &'static str,
+    pub doc: &'static str,
+}
+
+/// A tone curve.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Tone {
+    pub name: &'static str,
+    pub doc: &'static str,
+    pub encoding: &'static str,
+    pub parameters: Vec<ToneParameter>,
+}
+
+/// A number that a tone curve takes.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct ToneParameter {
+    pub name: &'static str,
+    pub doc: &'static str,
+    pub default: f32,
+    pub range: [f32; 2],
+}
+
+/// What ends a frame, after its tiles.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "type", rename = "frame", rename_all = "camelCase")]
+#[allow(missing_docs)]
+pub struct FrameEnd {
+    pub generation: u32,
+    /// Of this frame: a fraction of the film's while the camera moves.
+    pub width: u32,
+    pub height: u32,
+    /// Where its first pixel is in the whole picture.
+    pub origin: [u32; 2],
+    /// `preview` or `render`.
+    pub kind: &'static str,
+    /// Samples per pixel, in the mean.
+    pub samples: f64,
+    pub target: u32,
+    /// Relative error, estimated.
+    pub error: Option<f64>,
+    pub seconds: f64,
+    pub done: bool,
+    /// Samples that were not finite and count as black.
+    pub nonfinite: u64,
+}
+
+/// A message to people.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "type", rename = "message")]
+#[allow(missing_docs)]
+pub struct Message {
+    pub severity: &'static str,
+    pub text: String,
+}
+
+/// A node of the scene.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct NodeState {
+    pub id: String,
+    pub family: &'static str,
+    pub kind: String,
+    pub parameters: Vec<ParameterState>,
+}
+
+/// A parameter of a node.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct ParameterState {
+    pub name: String,
+    /// In Steradian's own language; `None` where the default counts.
+    pub value: Option<String>,
+    pub default: &'static str,
+    #[serde(rename = "type")]
+    pub values: String,
+    pub unit: &'static str,
+    pub range: Option<[Option<f64>; 2]>,
+    pub doc: String,
+    pub words: Vec<&'static str>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_are_read_and_slips_are_refused() {
+        let read = |text: &str| serde_json::from_str::<Request>(text);
+        let camera = read(r#"{"type":"camera","eye":[0,0,1],"target":[0,0,0],"up":[0,1,0],"moving":true}"#).unwrap();
+        assert!(matches!(camera, Request::Camera { fov: None, moving: true, eye: [0.0, 0.0, 1.0], .. }));
+        assert_eq!(read(r#"{"type":"camera-reset"}"#).unwrap(), Request::CameraReset);
+        let Request::Settings(change) = read(r#"{"type":"settings","spp":null,"seed":7,"maxDepth":3}"#).unwrap() else {
+            panic!("settings")
+        };
+        assert_eq!((change.spp, change.seed, change.max_depth), (Some(None), Some(Some(7)), Some(Some(3))));
+        assert_eq!(change.integrator, None);
+        for bad in ["", "{}", "[]", r#"{"type":"quit"}"#, r#"{"type":"pause"}"#, r#"{"type":"settings","sp":1}"#] {
+            assert!(read(bad).is_err(), "{bad}");
+        }
+        assert!(read(r#"{"type":"camera","eye":[0,0],"target":[0,0,0],"up":[0,1,0]}"#).is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! Questions about the view.
+
+use crate::{
+    document::Document,
+    frame::LAYERS,
+    routes::{App, Refused},
+    viewer::{Look, Task},
+};
+use axum::{
+    extract::{Query, State},
+    http::{StatusCode, header},
+    response::{IntoResponse, Json, Response},
+};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+use steradian::{develop, film::FirstHit};
+use tokio::sync::oneshot;
+
+/// What pages know.
+pub async fn state(State(app): State<App>) -> Response {
+    let state = app.viewer.states.borrow().to_string();
+    ([(header::CONTENT_TYPE, "application/json")], state).into_response()
+}
+
+/// All nodes with what can be set of them.
+pub async fn nodes(State(app): State<App>) -> Result<Response, Refused> {
+    Ok(Json(ask(&app, |document, _| document.nodes()).await?).into_response())
+}
+
+/// Asks the thread that has the scene.
+pub async fn ask<T: Send + 'static>(
+    app: &App,
+    question: impl FnOnce(&Document, &Look) -> T + Send + 'static,
+) -> Result<T, Refused> {
+    let (tell, told) = oneshot::channel();
+    app.viewer.send(Task::Ask(Box::new(move |document, look| drop(tell.send(question(document, look))))));
+    told.await.map_err(|_| Refused(StatusCode::SERVICE_UNAVAILABLE, "the view has ended".into()))
+}
+
+/// A place in the picture.
+#[derive(Deserialize)]
+pub struct Place {
+    x: u32,
+    y: u32,
+}
+
+/// The values of a pixel, as exact as they are.
+pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) -> Result<Response, Refused> {
+    let none = || Refused(StatusCode::NOT_FOUND, format!("there is no pixel {x}, {y} in the picture"));
+    let shown = app.viewer.shown().ok_or_else(none)?;
+    let film = shown.pixel(x, y).ok_or_else(none)?;
+    let hit = film.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
+    let image = develop(&shown.scene, &film, &LAYERS);
+    let number = |v: f32| if v.is_finite() { json!(v) } else { json!(v.to_string()) };
+    let channels: Map<String, Value> = image.channels().iter().map(|c| (c.name.clone(), number(c.data[0]))).collect();
+    let names = shown.scene.material_names();
+    let material = hit.and_then(|h| names.get(h.material.checked_sub(1)? as usize));
+    let object = hit.and_then(|h| shown.scene.object_names().get(&h.shape));
+    // As the estimate of a picture's error, of a single pixel.
+    let (mean, variance) = (film.pixels[0].mean(), film.pixels[0].variance_of_mean());
+    let error = (film.pixels[0].samples > 1)
+        .then(|| (0..3).map(|c| variance[c] / (mean[c] * mean[c] + 0.01)).sum::<f64>() / 3.0)
+        .map(f64::sqrt);
+    Ok(Json(json!({
+        "x": x, "y": y, "generation": shown.generation, "kind": shown.kind, "samples": film.pixels[0].samples,
+        "error": error, "object": object, "material": material, "channels": channels,
+    }))
+    .into_response())
+}

@@ -1,0 +1,122 @@
+//! What is answered under which path, and to whom.
+
+use crate::{access::Access, page, requests, save, socket, upload, viewer};
+use axum::{
+    Router,
+    extract::{DefaultBodyLimit, Path, Request, State},
+    http::{HeaderValue, StatusCode, Uri, header},
+    middleware::{self, Next},
+    response::{IntoResponse, Json, Response},
+    routing::{get, post},
+};
+use std::sync::{Arc, Mutex, atomic::AtomicUsize};
+
+/// Bytes of a request, but for uploads.
+const MOST_BYTES: usize = 64 << 10;
+
+/// What the page may load and connect to, and who may show it: itself alone, and any site that knows its address, as
+/// notebooks do.
+const POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; \
+                      connect-src 'self'; base-uri 'none'; form-action 'none'; object-src 'none'";
+
+/// What all requests share.
+#[derive(Clone)]
+pub struct App {
+    access: Arc<Access>,
+    /// The thread that renders.
+    pub viewer: viewer::Handle,
+    /// Told of what is refused.
+    pub log: Arc<dyn Fn(&str) + Send + Sync>,
+    /// Sockets that are open.
+    pub sockets: Arc<AtomicUsize>,
+    /// The last upload, which the scene may be made of.
+    pub upload: Arc<Mutex<Option<tempfile::TempDir>>>,
+}
+
+impl App {
+    /// For a viewer.
+    pub fn new(access: Access, viewer: viewer::Handle, log: Arc<dyn Fn(&str) + Send + Sync>) -> Self {
+        Self { access: Arc::new(access), viewer, log, sockets: Arc::default(), upload: Arc::default() }
+    }
+}
+
+/// Why a request is not carried out.
+pub struct Refused(pub StatusCode, pub String);
+
+impl IntoResponse for Refused {
+    fn into_response(self) -> Response {
+        (self.0, Json(serde_json::json!({ "error": self.1 }))).into_response()
+    }
+}
+
+/// All that there is.
+pub fn router(app: App) -> Router {
+    let api = Router::new()
+        .route("/state", get(requests::state))
+        .route("/nodes", get(requests::nodes))
+        .route("/pixel", get(requests::pixel))
+        .route("/scene.steradian", get(save::scene))
+        .route("/{picture}", get(save::picture))
+        .route("/save", post(save::save))
+        .route("/socket", get(socket::open))
+        .layer(DefaultBodyLimit::max(MOST_BYTES))
+        .route("/open", post(upload::open).layer(DefaultBodyLimit::max(upload::MOST_BYTES)))
+        .fallback(|| async { Refused(StatusCode::NOT_FOUND, "there is no such request".into()) });
+    let inside = Router::new()
+        .nest("/api", api)
+        .route("/", get(|| async { page::file("") }))
+        .route("/{*file}", get(|Path(file): Path<String>| async move { page::file(&file) }))
+        .with_state(app.clone());
+    // What is routed there has lost its token here.
+    Router::new().fallback_service(inside).layer(middleware::from_fn_with_state(app, admit))
+}
+
+/// Passes on what may be answered, without the token in its path, and tells browsers what the page may do.
+async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Response {
+    let mut response = match inner_address(&app, &request) {
+        Ok(Some(address)) => {
+            *request.uri_mut() = address;
+            next.run(request).await
+        }
+        Ok(None) => {
+            // Relative addresses need the folder.
+            let folder = format!("/{}/", app.access.token());
+            (StatusCode::PERMANENT_REDIRECT, [(header::LOCATION, folder)]).into_response()
+        }
+        Err(why) => {
+            (app.log)(&format!("refused {} {}: {}", request.method(), shortened(request.uri().path()), why.1));
+            why.into_response()
+        }
+    };
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::CACHE_CONTROL, "no-store"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+/// What an address is without the token, where the request may be answered; `None` where it is the token alone.
+fn inner_address(app: &App, request: &Request) -> Result<Option<Uri>, Refused> {
+    let header = |name| request.headers().get(name).and_then(|v: &HeaderValue| v.to_str().ok());
+    // Of two names only one can have been looked at.
+    let is_one = request.headers().get_all(header::HOST).iter().count() == 1;
+    let host = header(header::HOST).filter(|_| is_one);
+    let rest = app.access.admit(request.uri().path(), host, header(header::ORIGIN));
+    let rest = rest.map_err(|why| Refused(StatusCode::FORBIDDEN, why.to_string()))?;
+    if rest.is_empty() {
+        return Ok(None);
+    }
+    let query = request.uri().query().map(|q| format!("?{q}")).unwrap_or_default();
+    let address = format!("{rest}{query}").parse();
+    address.map(Some).map_err(|_| Refused(StatusCode::BAD_REQUEST, "the address cannot be read".into()))
+}
+
+/// The beginning of a path, for the log, without what a terminal would take for commands.
+fn shortened(path: &str) -> String {
+    path.chars().take(40).map(|c| if c.is_control() { '?' } else { c }).collect()
+}

@@ -1,0 +1,146 @@
+//! Pictures and scenes as files: to be downloaded, or put into the scene's folder.
+
+use crate::{
+    requests::ask,
+    routes::{App, Refused},
+    viewer::folder,
+};
+use axum::{
+    extract::{Json, Path, Query, State},
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use serde::Deserialize;
+use std::{
+    path::PathBuf,
+    sync::{Mutex, PoisonError},
+};
+use steradian::{
+    Layer,
+    formats::native,
+    image::{FileKind, WriteOptions, encode, tone::Tone, write_together},
+};
+
+/// How values become colours of a display.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub struct Display {
+    tone: Option<String>,
+    exposure: Option<f32>,
+    /// Layers of an EXR file, separated by commas.
+    layers: String,
+}
+
+/// What is to be saved.
+#[derive(Deserialize)]
+pub struct Save {
+    name: String,
+    #[serde(flatten)]
+    display: Display,
+}
+
+impl Display {
+    fn options(&self) -> Result<WriteOptions, Refused> {
+        let bad = |e: steradian::image::Error| Refused(StatusCode::BAD_REQUEST, e.to_string());
+        let tone = self.tone.as_deref().map(Tone::parse).transpose().map_err(bad)?.unwrap_or_default();
+        let tone = tone.with_exposure(self.exposure.unwrap_or(0.0)).map_err(bad)?;
+        Ok(WriteOptions { tone, ..WriteOptions::default() })
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, Refused> {
+        let names = self.layers.split(',').filter(|n| !n.is_empty());
+        let named = |name| crate::frame::layer(name).map_err(|why| Refused(StatusCode::BAD_REQUEST, why));
+        names.map(named).collect()
+    }
+}
+
+/// The picture as a file: `picture.EXTENSION`.
+pub async fn picture(
+    State(app): State<App>,
+    Path(name): Path<String>,
+    Query(display): Query<Display>,
+) -> Result<Response, Refused> {
+    let none = || Refused(StatusCode::NOT_FOUND, "there is no such request".into());
+    let kind = name.strip_prefix("picture.").map(|_| PathBuf::from(&name)).ok_or_else(none)?;
+    let bytes = encoded(&app, &kind, display).await?;
+    let disposition = format!("attachment; filename=\"{name}\"");
+    let kind =
+        [(header::CONTENT_TYPE, "application/octet-stream".to_owned()), (header::CONTENT_DISPOSITION, disposition)];
+    Ok((kind, bytes).into_response())
+}
+
+/// The picture as the bytes of a file of this name.
+async fn encoded(app: &App, name: &std::path::Path, display: Display) -> Result<Vec<u8>, Refused> {
+    let kind = FileKind::from_extension(name)
+        .ok_or_else(|| Refused(StatusCode::BAD_REQUEST, "pictures are .exr, .png, .jpg, .hdr, .pfm or .ppm".into()))?;
+    let (options, layers) = (display.options()?, display.layers()?);
+    let shown = app.viewer.shown();
+    let shown = shown.ok_or_else(|| Refused(StatusCode::CONFLICT, "there is no picture yet".into()))?;
+    let encode = move || encode(kind, &shown.picture(&layers), &options);
+    let encoded = tokio::task::spawn_blocking(encode).await;
+    let failed = |e: String| Refused(StatusCode::INTERNAL_SERVER_ERROR, e);
+    encoded.map_err(|e| failed(e.to_string()))?.map_err(|e| failed(e.to_string()))
+}
+
+/// The scene as it is, as a document with what belongs beside it.
+type Written = (String, Vec<(PathBuf, Vec<u8>)>, PathBuf);
+
+async fn document(app: &App, name: Option<String>) -> Result<Written, Refused> {
+    let written = ask(app, move |document, look| {
+        let folder = folder(document);
+        let name = name.unwrap_or_else(|| crate::state::saved_name(document));
+        let desc = document.seen_from(look.camera.as_deref(), look.view.as_ref());
+        native::write(&desc, &folder.join(name)).map(|w| (w.text, w.files, folder))
+    });
+    written.await?.map_err(|why| Refused(StatusCode::UNPROCESSABLE_ENTITY, why))
+}
+
+/// The scene as text.
+pub async fn scene(State(app): State<App>) -> Result<Response, Refused> {
+    let (text, _, _) = document(&app, None).await?;
+    let kind = [
+        (header::CONTENT_TYPE, "text/plain; charset=utf-8"),
+        (header::CONTENT_DISPOSITION, "attachment; filename=\"scene.steradian\""),
+    ];
+    Ok((kind, text).into_response())
+}
+
+/// Puts the picture or the scene into the scene's folder, under a name that is free.
+pub async fn save(State(app): State<App>, Json(Save { name, display }): Json<Save>) -> Result<Response, Refused> {
+    let bad = |why: &str| Refused(StatusCode::BAD_REQUEST, why.into());
+    let is_plain = !name.is_empty()
+        && name.len() <= 200
+        && !name.starts_with('.')
+        && !name.contains(['/', '\\', '\0', ':'])
+        && !name.chars().any(char::is_control);
+    if !is_plain {
+        (app.log)("refused to save: a name that is more than a file name");
+        return Err(bad("a name is that of a file in the scene's folder: no folders, not hidden"));
+    }
+    let is_scene = name.ends_with(".steradian");
+    let (bytes, files, folder) = match is_scene {
+        true => {
+            let (text, files, folder) = document(&app, Some(name.clone())).await?;
+            (text.into_bytes(), files, folder)
+        }
+        false => {
+            let bytes = encoded(&app, name.as_ref(), display).await?;
+            (bytes, Vec::new(), ask(&app, |document, _| folder(document)).await?)
+        }
+    };
+    let path = folder.join(&name);
+    let failed = |e: String| Refused(StatusCode::INTERNAL_SERVER_ERROR, e);
+    let saved = path.clone();
+    let write = move || {
+        // One at a time, so that none takes the name of another.
+        static SAVING: Mutex<()> = Mutex::new(());
+        let _alone = SAVING.lock().unwrap_or_else(PoisonError::into_inner);
+        if path.symlink_metadata().is_ok() {
+            return Err(Refused(StatusCode::CONFLICT, format!("'{name}' is there already, and is kept as it is")));
+        }
+        write_together(&path, &bytes, &files).map_err(|e| failed(e.to_string()))
+    };
+    tokio::task::spawn_blocking(write).await.map_err(|e| failed(e.to_string()))??;
+    (app.log)(&format!("saved {}", saved.display()));
+    Ok(Json(serde_json::json!({ "saved": saved })).into_response())
+}

@@ -1,0 +1,143 @@
+//! A page's connection: requests in, states and frames out. A page that reads slowly misses frames, and holds up none.
+
+use crate::{
+    frame::Frame,
+    protocol::{Message as Said, Request},
+    routes::{App, Refused},
+    viewer::Task,
+};
+use axum::{
+    extract::{
+        State, WebSocketUpgrade,
+        ws::{Message, WebSocket},
+    },
+    http::StatusCode,
+    response::{IntoResponse, Response},
+};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Duration,
+};
+use tokio::sync::{oneshot, watch};
+
+/// Pages at once.
+const MOST_SOCKETS: usize = 64;
+/// Bytes of a request.
+const MOST_BYTES: usize = 64 << 10;
+/// How long a page may take to read what it is sent.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Opens a page's connection.
+pub async fn open(State(app): State<App>, upgrade: WebSocketUpgrade) -> Response {
+    let place = Place::take(&app.sockets);
+    let Some(place) = place else {
+        (app.log)("refused a page: there are 64 already");
+        return Refused(StatusCode::SERVICE_UNAVAILABLE, "there are 64 pages already".into()).into_response();
+    };
+    let log = Arc::clone(&app.log);
+    upgrade
+        .max_message_size(MOST_BYTES)
+        .max_frame_size(MOST_BYTES)
+        .on_failed_upgrade(move |e| log(&format!("a page's connection failed: {e}")))
+        .on_upgrade(move |socket| async move {
+            serve(socket, &app).await;
+            drop(place);
+        })
+}
+
+/// A place among the pages.
+struct Place(Arc<AtomicUsize>);
+
+impl Place {
+    fn take(count: &Arc<AtomicUsize>) -> Option<Self> {
+        let more = |n| (n < MOST_SOCKETS).then_some(n + 1);
+        count.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
+        Some(Self(Arc::clone(count)))
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Serves a page until it goes away.
+async fn serve(mut socket: WebSocket, app: &App) {
+    let (mut states, mut frames) = (app.viewer.states.clone(), app.viewer.frames.clone());
+    states.mark_changed();
+    frames.mark_changed();
+    loop {
+        // The state first: it tells what a frame of its generation is of.
+        let sent = tokio::select! {
+            biased;
+            come = socket.recv() => match come {
+                Some(Ok(message)) => answer(&mut socket, app, message).await,
+                Some(Err(e)) => {
+                    (app.log)(&format!("a page's connection ended: {e}"));
+                    return;
+                }
+                None => return,
+            },
+            Ok(()) = states.changed() => {
+                let state = states.borrow_and_update().to_string();
+                send(&mut socket, Message::Text(state.into())).await
+            }
+            Ok(()) = frames.changed() => show(&mut socket, &mut frames).await,
+            else => return,
+        };
+        if sent.is_none() {
+            return;
+        }
+    }
+}
+
+/// Sends a message; `None` where the page is gone.
+async fn send(socket: &mut WebSocket, message: Message) -> Option<()> {
+    tokio::time::timeout(PATIENCE, socket.send(message)).await.ok()?.ok()
+}
+
+/// Sends the newest frame.
+async fn show(socket: &mut WebSocket, frames: &mut watch::Receiver<Arc<Frame>>) -> Option<()> {
+    let frame = Arc::clone(&frames.borrow_and_update());
+    if !frame.end.is_empty() {
+        for tile in &frame.tiles {
+            send(socket, Message::Binary(tile.clone())).await?;
+        }
+        send(socket, Message::Text(frame.end.clone().into())).await?;
+    }
+    for message in &frame.messages {
+        send(socket, Message::Text(message.clone().into())).await?;
+    }
+    Some(())
+}
+
+/// Carries out what a page asks for, and tells it what is wrong.
+async fn answer(socket: &mut WebSocket, app: &App, message: Message) -> Option<()> {
+    let text = match message {
+        Message::Text(text) => text,
+        Message::Binary(_) => return tell(socket, app, "requests are texts".into()).await,
+        Message::Ping(_) | Message::Pong(_) => return Some(()),
+        Message::Close(_) => return None,
+    };
+    let request = match serde_json::from_str::<Request>(&text) {
+        Ok(request) => request,
+        Err(e) => return tell(socket, app, format!("the request cannot be read: {e}")).await,
+    };
+    let (reply, answer) = oneshot::channel();
+    app.viewer.send(Task::Page(request, reply));
+    match answer.await {
+        Ok(Ok(())) => Some(()),
+        Ok(Err(why)) => tell(socket, app, why).await,
+        Err(_) => None,
+    }
+}
+
+async fn tell(socket: &mut WebSocket, app: &App, text: String) -> Option<()> {
+    (app.log)(&format!("refused a request: {}", text.lines().next().unwrap_or_default()));
+    let said = serde_json::to_string(&Said { severity: "error", text }).ok()?;
+    send(socket, Message::Text(said.into())).await
+}

@@ -1,0 +1,130 @@
+//! Scenes that are dropped onto the page. They lie in a folder of their own, and read nothing outside it.
+
+use crate::{
+    document::Source,
+    routes::{App, Refused},
+    viewer::Task,
+};
+use axum::{
+    extract::{Multipart, State},
+    http::StatusCode,
+    response::{IntoResponse, Json, Response},
+};
+use std::{
+    io::Write,
+    path::{Component, Path, PathBuf},
+    sync::PoisonError,
+};
+use steradian::{formats::Options, load::EXTENSIONS};
+use tempfile::TempDir;
+use tokio::sync::oneshot;
+
+/// Bytes of an upload.
+pub const MOST_BYTES: usize = 1 << 30;
+/// Files of an upload.
+const MOST_FILES: usize = 4096;
+/// Folders within each other.
+const DEEPEST: usize = 16;
+
+/// Opens the scene among the files that come, form fields `file` with their names.
+pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, Refused> {
+    let failed =
+        |e: std::io::Error| Refused(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be kept: {e}"));
+    let folder = tempfile::Builder::new().prefix("steradian-view-").tempdir().map_err(failed)?;
+    let names = receive(form, &folder).await.inspect_err(|why| (app.log)(&format!("refused an upload: {}", why.1)))?;
+    let scene = scene_of(&names).ok_or_else(|| {
+        let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
+        Refused(StatusCode::UNPROCESSABLE_ENTITY, format!("there is no scene among the files; scenes are {known}"))
+    })?;
+    let within = folder.path().canonicalize().map_err(failed)?;
+    let source = Source { name: within.join(scene), reading: Options { within: Some(within), ..Options::default() } };
+    let (tell, told) = oneshot::channel();
+    app.viewer.send(Task::Open(Box::new(source), tell));
+    let opened = told.await.map_err(|_| Refused(StatusCode::SERVICE_UNAVAILABLE, "the view has ended".into()))?;
+    match opened {
+        Ok(()) => {
+            // The folder of the scene before goes away now.
+            *app.upload.lock().unwrap_or_else(PoisonError::into_inner) = Some(folder);
+            Ok(Json(serde_json::json!({ "opened": scene })).into_response())
+        }
+        Err(messages) => {
+            let body = serde_json::json!({ "error": messages.join("\n"), "messages": messages });
+            Ok((StatusCode::UNPROCESSABLE_ENTITY, Json(body)).into_response())
+        }
+    }
+}
+
+/// Keeps all files; their names.
+async fn receive(mut form: Multipart, folder: &TempDir) -> Result<Vec<PathBuf>, Refused> {
+    let bad = |why: &str| Refused(StatusCode::BAD_REQUEST, why.into());
+    let mut names: Vec<PathBuf> = Vec::new();
+    while let Some(mut field) = form.next_field().await.map_err(|e| Refused(e.status(), e.body_text()))? {
+        let name =
+            field.file_name().and_then(within).ok_or_else(|| bad("a file has no name of a file below its folder"))?;
+        if names.len() >= MOST_FILES || names.contains(&name) {
+            return Err(bad("there are too many files, or two of a name"));
+        }
+        let path = folder.path().join(&name);
+        let failed =
+            |e: std::io::Error| Refused(StatusCode::INTERNAL_SERVER_ERROR, format!("a file cannot be kept: {e}"));
+        std::fs::create_dir_all(path.parent().unwrap_or(folder.path())).map_err(failed)?;
+        let mut file = std::fs::File::create_new(&path).map_err(failed)?;
+        while let Some(bytes) = field.chunk().await.map_err(|e| Refused(e.status(), e.body_text()))? {
+            file.write_all(&bytes).map_err(failed)?;
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// A name as a path below a folder, if it is one.
+fn within(name: &str) -> Option<PathBuf> {
+    if name.is_empty() || name.len() > 1024 || name.contains(['\\', '\0']) {
+        return None;
+    }
+    let parts: Option<Vec<_>> = Path::new(name)
+        .components()
+        .map(|part| match part {
+            Component::Normal(part) => Some(part),
+            _ => None,
+        })
+        .collect();
+    parts.filter(|p| !p.is_empty() && p.len() <= DEEPEST).map(|p| p.into_iter().collect())
+}
+
+/// The scene among files: the one least deep, and of those the one whose kind names others.
+fn scene_of(names: &[PathBuf]) -> Option<&PathBuf> {
+    let rank = |path: &PathBuf| {
+        let name = path.to_string_lossy().to_ascii_lowercase();
+        let name = name.strip_suffix(".gz").unwrap_or(&name);
+        EXTENSIONS.iter().position(|e| name.strip_suffix(e.0).is_some_and(|stem| stem.ends_with('.')))
+    };
+    let found = names.iter().filter_map(|path| Some((path.components().count(), rank(path)?, path)));
+    found.min().map(|(_, _, path)| path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_nowhere_else() {
+        assert_eq!(within("a/b.png"), Some("a/b.png".into()));
+        assert_eq!(within("a.obj"), Some("a.obj".into()));
+        let deep = "a/".repeat(17) + "b";
+        for bad in ["", "/etc/passwd", "../a", "a/../../b", "./a/..", "..", ".", "a\\b", "a\0b", deep.as_str()] {
+            assert_eq!(within(bad), None, "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn the_scene_is_found_among_what_belongs_to_it() {
+        let of = |names: &[&str]| {
+            let names: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+            scene_of(&names).map(|p| p.to_string_lossy().into_owned())
+        };
+        assert_eq!(of(&["models/a.ply", "scene.xml", "b.png"]).as_deref(), Some("scene.xml"));
+        assert_eq!(of(&["a.ply", "scene.PBRT.gz"]).as_deref(), Some("scene.PBRT.gz"));
+        assert_eq!(of(&["a.png", "glb", "x.objx"]), None);
+    }
+}

@@ -1,0 +1,7 @@
+//! The server as browsers meet it, and as those meet it who want something else.
+
+mod client;
+mod intruders;
+mod load;
+mod scenes;
+mod session;

@@ -1,0 +1,171 @@
+//! What a page sees and does: pictures as the library makes them, cameras, settings, edits, files.
+
+use crate::client::{Server, camera};
+use serde_json::json;
+use steradian::{CompileOptions, Quality, Viewpoint, image::Image, math::DVec3};
+
+const BOX: &str = "builtin:cornell-box";
+
+/// The picture that the library makes of the Cornell box.
+fn rendered(quality: &Quality, view: Option<Viewpoint>, edit: impl FnOnce(&mut steradian::scene::SceneDesc)) -> Image {
+    let mut desc = steradian::load(BOX, &Default::default()).desc;
+    edit(&mut desc);
+    let camera = desc.camera(None).unwrap();
+    assert!(view.is_none_or(|view| view.place(&mut desc, camera)));
+    let options = CompileOptions { size: Some((24, 16)), spp: quality.spp, ..CompileOptions::default() };
+    let scene = std::sync::Arc::new(steradian::compile(&desc, &options).scene.unwrap());
+    steradian::render(&scene, quality).unwrap()
+}
+
+/// The picture that the server gives as a file.
+fn served(server: &Server) -> Image {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    std::fs::write(&path, server.get("api/picture.exr").body).unwrap();
+    steradian::image::read(&path, &Default::default()).unwrap()
+}
+
+/// A page is told the state first, then a picture at once, and in the end the one that the library makes, bit for bit;
+/// tiles have its values as halves.
+#[test]
+fn pictures_come_at_once_and_end_as_the_library_makes_them() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    assert_eq!(page.next()["type"], "state");
+    assert_eq!(page.state["film"], json!({"width": 24, "height": 16}));
+    assert_eq!(page.state["command"], "steradian render builtin:cornell-box --integrator path --spp 4 --size 24x16");
+    let (end, tiles) = page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+    assert_eq!((&end["samples"], &end["target"]), (&json!(4.0), &json!(4)));
+    let quality = Quality::of("path").spp(4);
+    let expected = rendered(&quality, None, |_| {}).to_rgb().unwrap();
+    assert_eq!(served(&server).to_rgb().unwrap(), expected);
+    let [tile] = &tiles[..] else { panic!("{} tiles", tiles.len()) };
+    let halves: Vec<f32> = tile[24..].chunks(2).map(|b| half::f16::from_le_bytes([b[0], b[1]]).to_f32()).collect();
+    assert_eq!(halves.len(), 3 * 24 * 16);
+    for (got, want) in halves.iter().zip(expected.as_flattened()) {
+        assert!((got - want).abs() <= want.abs() / 2048.0, "{got} {want}");
+    }
+    // The inspector has them as they are.
+    let pixel = server.get("api/pixel?x=7&y=11").json();
+    let at = expected[11 * 24 + 7];
+    for (name, value) in ["R", "G", "B"].into_iter().zip(at) {
+        assert_eq!(pixel["channels"][name].as_f64().map(|v| v as f32), Some(value));
+    }
+    assert_eq!(pixel["samples"], 4);
+    assert!(pixel["material"].is_string() && pixel["object"].is_string(), "{pixel}");
+    assert_eq!(server.get("api/pixel?x=24&y=0").status, 404);
+    assert_eq!(server.get("api/pixel?x=-1&y=0").status, 400);
+}
+
+/// A camera that was moved shows what `--look-at` shows; coarse pictures come while a hand is on it, and it goes back.
+#[test]
+fn cameras_move_and_go_back() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    page.until("a picture", |v| v["type"] == "frame");
+    let home = page.state["camera"].clone();
+    assert_eq!((&home["movable"], &home["moved"], &home["kind"]), (&json!(true), &json!(false), &json!("perspective")));
+    let mut moving = camera(0.25);
+    moving["moving"] = json!(true);
+    page.send(moving);
+    page.until("a preview", |v| v["type"] == "frame" && v["kind"] == "preview");
+    page.finished(camera(0.5));
+    let view = Viewpoint { eye: DVec3::new(0.5, 0.0, -3.0), target: DVec3::ZERO, up: DVec3::Y };
+    let quality = Quality::of("path").spp(4);
+    assert_eq!(served(&server).to_rgb().unwrap(), rendered(&quality, Some(view), |_| {}).to_rgb().unwrap());
+    let command = page.state["command"].as_str().unwrap();
+    assert!(command.ends_with("--look-at 0.5,0,-3,0,0,0,0,1,0"), "{command}");
+    for bad in [
+        json!({"type": "camera", "eye": [0, 0, 0], "target": [0, 0, 0], "up": [0, 1, 0]}),
+        json!({"type": "camera", "eye": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0]}),
+        json!({"type": "camera", "eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 180}),
+        json!({"type": "camera-name", "name": "nobody's"}),
+    ] {
+        page.refusal(bad);
+    }
+    page.finished(json!({"type": "camera-reset"}));
+    assert_eq!(page.state["camera"], home);
+}
+
+/// Settings, edits, undo and redo each end in the picture that the library makes with them; what is wrong is told, and
+/// changes nothing.
+#[test]
+fn settings_and_edits_show() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+    let before = served(&server).to_rgb().unwrap();
+    page.finished(json!({"type": "settings", "integrator": "direct", "seed": 7, "spp": 2}));
+    let quality = Quality { seed: Some(7), ..Quality::of("direct").spp(2) };
+    assert_eq!(served(&server).to_rgb().unwrap(), rendered(&quality, None, |_| {}).to_rgb().unwrap());
+    for bad in [
+        json!({"type": "settings", "integrator": "pth"}),
+        json!({"type": "settings", "integrator": "path:reuse=3"}),
+        json!({"type": "settings", "sampler": "sobl"}),
+        json!({"type": "settings", "color": "cmyk"}),
+        json!({"type": "settings", "spp": 0}),
+        json!({"type": "settings", "width": 0, "height": 5}),
+        json!({"type": "settings", "width": 70000, "height": 70000}),
+        json!({"type": "settings", "width": 5}),
+        json!({"type": "region", "pixels": [5, 5, 5, 9]}),
+        json!({"type": "layers", "names": ["albdo"]}),
+        json!({"type": "edit", "node": "whit", "parameter": "reflectance", "value": "1"}),
+        json!({"type": "edit", "node": "white", "parameter": "reflectnce", "value": "1"}),
+        json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": "[1, 2"}),
+        json!({"type": "undo"}),
+        json!({"type": "redo"}),
+    ] {
+        let said = page.refusal(bad.clone());
+        assert!(!said.is_empty(), "{bad}");
+    }
+    assert_eq!(page.state["settings"]["integrator"], "direct");
+    page.finished(json!({"type": "settings", "integrator": "path", "seed": null, "spp": 4}));
+    assert_eq!(served(&server).to_rgb().unwrap(), before);
+    page.finished(json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": "0.25"}));
+    let dark = |desc: &mut steradian::scene::SceneDesc| {
+        let node = desc.nodes.iter_mut().find(|n| n.name.as_deref() == Some("white")).unwrap();
+        node.set("reflectance", 0.25, None);
+    };
+    let edited = served(&server).to_rgb().unwrap();
+    assert_eq!(edited, rendered(&Quality::of("path").spp(4), None, dark).to_rgb().unwrap());
+    assert_eq!((&page.state["undo"], &page.state["redo"]), (&json!(1), &json!(0)));
+    assert!(server.get("api/scene.steradian").text().contains("0.25"));
+    page.finished(json!({"type": "undo"}));
+    assert_eq!(served(&server).to_rgb().unwrap(), before);
+    page.finished(json!({"type": "redo"}));
+    assert_eq!(served(&server).to_rgb().unwrap(), edited);
+}
+
+/// Regions and layers come as asked.
+#[test]
+fn regions_and_layers_come_as_asked() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+    let whole = served(&server).to_rgb().unwrap();
+    let end = page.finished(json!({"type": "region", "pixels": [4, 3, 9, 13]}));
+    assert_eq!((&end["width"], &end["height"], &end["origin"]), (&json!(5), &json!(10), &json!([4, 3])));
+    let part = served(&server).to_rgb().unwrap();
+    for (k, value) in part.iter().enumerate() {
+        assert_eq!(*value, whole[(3 + k / 5) * 24 + 4 + k % 5]);
+    }
+    page.finished(json!({"type": "region", "pixels": null}));
+    page.send(json!({"type": "layers", "names": ["normal", "depth"]}));
+    let (_, tiles) = page.until("layers", |v| v["type"] == "frame");
+    let head = |tile: &Vec<u8>| [tile[8], tile[10]];
+    assert_eq!(tiles.iter().map(head).collect::<Vec<_>>(), [[0, 3], [1, 3], [2, 1]]);
+}
+
+/// A pause holds everything still, and what was changed meanwhile is rendered after it.
+#[test]
+fn pauses_hold_still() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    page.until("a picture", |v| v["type"] == "frame");
+    page.send(json!({"type": "pause", "on": true}));
+    page.until("the pause", |v| v["paused"] == true);
+    page.send(camera(0.1));
+    page.until("a preview", |v| v["type"] == "frame" && v["kind"] == "preview");
+    page.send(json!({"type": "pause", "on": false}));
+    page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+}
