@@ -10,7 +10,11 @@ import type { Toolbar } from './toolbar';
 import type { View } from './view';
 
 export interface Bound {
-  view: View; camera: Camera; toolbar: Toolbar; look: Look; inspector: Inspector;
+  view: View;
+  camera: Camera;
+  toolbar: Toolbar;
+  look: Look;
+  inspector: Inspector;
   /** Moves the camera, if it may be moved. */
   move(change: () => void): void;
   from(side: Side, opposite: boolean): void;
@@ -28,29 +32,77 @@ export function bindings({ view, camera, toolbar, look, inspector, move, from, f
     view.redraw();
   };
   const side = (code: string, shown: string, of: Side): Key => ({
-    shown, doc: `from the ${of}; with Ctrl from the opposite side`, group: 'Camera', is: place(code), act: (e) => from(of, e.ctrlKey),
+    shown,
+    doc: `from the ${of}; with Ctrl from the opposite side`,
+    group: 'Camera',
+    is: place(code),
+    act: (e) => from(of, e.ctrlKey),
   });
-  const history = (shown: string, type: 'undo' | 'redo', is: Key['is']): Key => ({ shown, doc: type, group: 'Render', is, act: () => send({ type }) });
+  const history = (shown: string, type: 'undo' | 'redo', is: Key['is']): Key => ({
+    shown,
+    doc: type,
+    group: 'Render',
+    is,
+    act: () => send({ type }),
+  });
   const isZ = (event: KeyboardEvent) => (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'z';
   return [
-    side('Numpad1', 'Numpad 1', 'front'), side('Numpad3', 'Numpad 3', 'right'), side('Numpad7', 'Numpad 7', 'top'),
-    { shown: '[  ]', doc: 'exposure by half an EV', group: 'Picture', is: character('[', ']'), act: (e) => look.expose(view.tone.exposure + (e.key === '[' ? -0.5 : 0.5)) },
+    side('Numpad1', 'Numpad 1', 'front'),
+    side('Numpad3', 'Numpad 3', 'right'),
+    side('Numpad7', 'Numpad 7', 'top'),
+    {
+      shown: '[  ]',
+      doc: 'exposure by half an EV',
+      group: 'Picture',
+      is: character('[', ']'),
+      act: (e) => look.expose(view.tone.exposure + (e.key === '[' ? -0.5 : 0.5)),
+    },
     { shown: '\\', doc: 'exposure 0', group: 'Picture', is: character('\\'), act: () => look.expose(0) },
     { shown: '+  −', doc: 'zoom', group: 'Picture', is: character('+', '=', '-'), act: (e) => zoom(e.key === '-' ? 1 / 1.5 : 1.5) },
-    { shown: 'F', doc: 'fit the picture into the window', group: 'Picture', is: character('f'), act: () => (view.placement.fit(), view.redraw()) },
-    { shown: '1', doc: 'one pixel for each pixel', group: 'Picture', is: character('1'), act: () => (view.placement.actual(), view.redraw()) },
+    {
+      shown: 'F',
+      doc: 'fit the picture into the window',
+      group: 'Picture',
+      is: character('f'),
+      act: () => (view.placement.fit(), view.redraw()),
+    },
+    {
+      shown: '1',
+      doc: 'one pixel for each pixel',
+      group: 'Picture',
+      is: character('1'),
+      act: () => (view.placement.actual(), view.redraw()),
+    },
     { shown: 'C', doc: 'false colour', group: 'Picture', is: character('c'), act: () => look.setFalse(!view.isFalse) },
-    { shown: 'L', doc: 'next layer; with Shift the one before', group: 'Picture', is: character('l', 'L'), act: (e) => look.stepLayer(e.shiftKey ? -1 : 1) },
+    {
+      shown: 'L',
+      doc: 'next layer; with Shift the one before',
+      group: 'Picture',
+      is: character('l', 'L'),
+      act: (e) => look.stepLayer(e.shiftKey ? -1 : 1),
+    },
     { shown: 'N', doc: 'show or hide the panel', group: 'Picture', is: character('n'), act: () => toolbar.press('panel') },
     { shown: '?', doc: 'this list', group: 'Picture', is: character('?'), act: help },
     {
-      shown: 'Arrows', doc: 'orbit; with Shift pan', group: 'Camera', is: place('ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'),
+      shown: 'Arrows',
+      doc: 'orbit; with Shift pan',
+      group: 'Camera',
+      is: place('ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'),
       act: ({ code, shiftKey }) => {
-        const [dx, dy] = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, -STEP], ArrowDown: [0, STEP] }[code] as [number, number];
+        const [dx, dy] = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, -STEP], ArrowDown: [0, STEP] }[code] as [
+          number,
+          number,
+        ];
         move(() => (shiftKey ? camera.pan(dx, dy, view.canvas.clientHeight) : camera.orbit(dx, dy)));
       },
     },
-    { shown: 'Page up, down', doc: 'dolly', group: 'Camera', is: place('PageUp', 'PageDown'), act: (e) => move(() => camera.dolly(e.code === 'PageUp' ? 0.9 : 1 / 0.9)) },
+    {
+      shown: 'Page up, down',
+      doc: 'dolly',
+      group: 'Camera',
+      is: place('PageUp', 'PageDown'),
+      act: (e) => move(() => camera.dolly(e.code === 'PageUp' ? 0.9 : 1 / 0.9)),
+    },
     { shown: 'Shift + `', doc: 'fly', group: 'Camera', is: (e) => e.shiftKey && e.code === 'Backquote', act: fly },
     { shown: 'Home', doc: 'back to the scene’s camera', group: 'Camera', is: place('Home'), act: () => send({ type: 'camera-reset' }) },
     { shown: 'R', doc: 'frame a region to render', group: 'Render', is: character('r'), act: () => toolbar.setRegion(!toolbar.region) },
@@ -58,7 +110,10 @@ export function bindings({ view, camera, toolbar, look, inspector, move, from, f
     history('Ctrl + Z', 'undo', (e) => isZ(e) && !e.shiftKey),
     history('Ctrl + Shift + Z', 'redo', (e) => (isZ(e) && e.shiftKey) || (e.ctrlKey && e.key === 'y')),
     {
-      shown: 'Escape', doc: 'put the tool down, unpin the pixel', group: 'Render', is: place('Escape'),
+      shown: 'Escape',
+      doc: 'put the tool down, unpin the pixel',
+      group: 'Render',
+      is: place('Escape'),
       act: () => (toolbar.region ? toolbar.setRegion(false) : inspector.set(null)),
     },
   ];

@@ -28,13 +28,21 @@ export class Camera {
     const isLevel = (axis: Vec3) => Math.abs(dot(right, axis)) < 1e-3 && dot(up, axis) > -1e-3;
     if (!isLevel(this.axis) || Math.abs(dot(up, this.axis)) < 1e-3) {
       // An `up` across the view may have been made so from a principal axis.
-      const principal: Vec3[] = [[0, 1, 0], [0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, -1], [-1, 0, 0]];
+      const principal: Vec3[] = [
+        [0, 1, 0],
+        [0, 0, 1],
+        [1, 0, 0],
+        [0, -1, 0],
+        [0, 0, -1],
+        [-1, 0, 0],
+      ];
       const level = principal.filter(isLevel).sort((a, b) => dot(up, b) - dot(up, a));
       const isAcross = Math.abs(dot(up, this.forward)) < 1e-4;
       this.axis = isAcross && level[0] && dot(up, level[0]) > 0.1 ? level[0] : up;
     }
     const level = across(this.forward, this.axis);
-    this.heading = length(level) > 1e-4 ? normalize(level) : normalize(across(scale(up, -Math.sign(dot(this.forward, this.axis))), this.axis));
+    this.heading =
+      length(level) > 1e-4 ? normalize(level) : normalize(across(scale(up, -Math.sign(dot(this.forward, this.axis))), this.axis));
   }
 
   get forward(): Vec3 {

@@ -5,7 +5,16 @@ const decode = (v: number) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) 
 
 /** `#rrggbb` of a linear colour, cut to [0, 1]. */
 export function hexOf(rgb: number[]): string {
-  return '#' + rgb.map((v) => Math.round(255 * encode(Math.min(Math.max(v, 0), 1))).toString(16).padStart(2, '0')).join('');
+  return (
+    '#' +
+    rgb
+      .map((v) =>
+        Math.round(255 * encode(Math.min(Math.max(v, 0), 1)))
+          .toString(16)
+          .padStart(2, '0'),
+      )
+      .join('')
+  );
 }
 
 /** The linear colour of `#rrggbb`, to four digits. */

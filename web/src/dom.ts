@@ -5,7 +5,9 @@ type Attributes = Record<string, string | number | boolean | ((event: Event) => 
 
 /** An element with attributes (functions are listeners: `onclick`) and children. */
 export function h<K extends keyof HTMLElementTagNameMap>(
-  tag: K, attributes: Attributes = {}, ...children: Child[]
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
 ): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -58,5 +60,5 @@ export function show(v: number): string {
   if (!Number.isFinite(v)) return String(v);
   const a = Math.abs(v);
   if (a === 0) return '0';
-  return a >= 1e5 || a < 1e-3 ? v.toExponential(2) : String(Number(v.toPrecision(4)));
+  return a >= 1e6 || a < 1e-3 ? Number(v.toPrecision(3)).toExponential() : String(Number(v.toPrecision(4)));
 }

@@ -3,7 +3,10 @@
 import { h } from './dom';
 import type { Message } from './protocol';
 
-interface Dropped { file: File; path: string }
+interface Dropped {
+  file: File;
+  path: string;
+}
 
 export class Drop {
   readonly hint = h('div', { class: 'drop', hidden: true }, 'Drop a model or a scene, with what belongs to it');
@@ -27,7 +30,9 @@ export class Drop {
     try {
       // Entries and files are gone once this function has waited.
       const entries = items.map((item) => ({ entry: item.webkitGetAsEntry(), file: item.getAsFile() }));
-      const found = (await Promise.all(entries.map(({ entry, file }) => (entry ? filesOf(entry) : file ? [{ file, path: file.name }] : [])))).flat();
+      const found = (
+        await Promise.all(entries.map(({ entry, file }) => (entry ? filesOf(entry) : file ? [{ file, path: file.name }] : [])))
+      ).flat();
       if (found.length === 0) return;
       const form = new FormData();
       for (const { file, path } of found) form.append('file', file, path);

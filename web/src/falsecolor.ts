@@ -16,7 +16,12 @@ const bytes = (c: number) => [c >> 16, (c >> 8) & 255, c & 255];
 /** `falseColor(luminance)`: between the ends of the scale. */
 export const FALSE_COLOR_GLSL = `
 uniform vec2 scaleEnds;
-const vec3 viridis[52] = vec3[52](${COLORS.map((c) => `vec3(${bytes(c).map((v) => `${v}.0`).join(', ')})`).join(', ')});
+const vec3 viridis[52] = vec3[52](${COLORS.map(
+  (c) =>
+    `vec3(${bytes(c)
+      .map((v) => `${v}.0`)
+      .join(', ')})`,
+).join(', ')});
 
 vec3 falseColor(float l) {
   float t = l > 0.0 ? clamp(log(l / scaleEnds.x) / log(scaleEnds.y / scaleEnds.x), 0.0, 1.0) : 0.0;
@@ -51,7 +56,10 @@ export class Legend {
     const stops = COLORS.map((c) => `rgb(${bytes(c).join(' ')})`).join(', ');
     const bar = h('div', { class: 'bar', style: `background: linear-gradient(to top, ${stops})` });
     const ticks = ticksOf(low, high).map((v) => h('span', { style: `bottom: ${100 * place(v)}%` }, show(v)));
-    this.element.replaceChildren(h('div', { class: 'unit' }, unit || 'value'), h('div', { class: 'scale' }, bar, h('div', { class: 'ticks' }, ...ticks)));
+    this.element.replaceChildren(
+      h('div', { class: 'unit' }, unit || 'value'),
+      h('div', { class: 'scale' }, bar, h('div', { class: 'ticks' }, ...ticks)),
+    );
   }
 }
 

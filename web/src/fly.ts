@@ -16,7 +16,11 @@ export class Fly {
   private last = 0;
   private speed = 1;
 
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly camera: Camera, private readonly moving: Moving) {
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly camera: Camera,
+    private readonly moving: Moving,
+  ) {
     addEventListener('keydown', (event) => this.key(event, true), { capture: true });
     addEventListener('keyup', (event) => this.key(event, false), { capture: true });
     addEventListener('blur', () => this.held.clear());
@@ -73,7 +77,9 @@ export class Fly {
     const along = (plus: string, minus: string) => Number(this.held.has(plus)) - Number(this.held.has(minus));
     const { camera } = this;
     const parts: [Vec3, number][] = [
-      [camera.forward, along('KeyW', 'KeyS')], [camera.right, along('KeyD', 'KeyA')], [camera.axis, along('KeyE', 'KeyQ')],
+      [camera.forward, along('KeyW', 'KeyS')],
+      [camera.right, along('KeyD', 'KeyA')],
+      [camera.axis, along('KeyE', 'KeyQ')],
     ];
     const fast = this.held.has('ShiftLeft') || this.held.has('ShiftRight') ? 4 : 1;
     if (parts.some(([, s]) => s !== 0)) {

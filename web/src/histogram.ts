@@ -66,6 +66,9 @@ export class Histogram {
     if (white > LOW && white < HIGH) context.fillRect(at(white), 0, 1, bottom);
     const share = (count: number) => `${((100 * count) / found.pixels).toFixed(count === 0 ? 0 : 2)} %`;
     const odd = found.nonfinite > 0 ? `; not finite: ${found.nonfinite}` : '';
-    setText(this.facts, `EV of luminance; above 1: ${share(clipped)}; zero or below: ${share(found.dark)}; largest ${show(found.maximum)}${odd}`);
+    setText(
+      this.facts,
+      `EV of luminance; above 1: ${share(clipped)}; zero or below: ${share(found.dark)}; largest ${show(found.maximum)}${odd}`,
+    );
   }
 }

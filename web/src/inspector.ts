@@ -51,12 +51,17 @@ export class Inspector {
       if ('channels' in body) this.fill(body);
       else this.pin.replaceChildren(this.head(pixel), h('p', { class: 'facts' }, body.error ?? response.statusText));
     } catch {
-      if (this.pinned === pixel && this.pin.childElementCount === 0) this.pin.replaceChildren(this.head(pixel), h('p', { class: 'facts' }, 'no answer'));
+      if (this.pinned === pixel && this.pin.childElementCount === 0)
+        this.pin.replaceChildren(this.head(pixel), h('p', { class: 'facts' }, 'no answer'));
     }
   }
 
   private head([x, y]: [number, number]): HTMLElement {
-    const unpin = h('button', { class: 'small', title: 'Unpin the pixel', 'aria-label': 'Unpin the pixel', onclick: () => this.set(null) }, '×');
+    const unpin = h(
+      'button',
+      { class: 'small', title: 'Unpin the pixel', 'aria-label': 'Unpin the pixel', onclick: () => this.set(null) },
+      '×',
+    );
     return h('div', { class: 'pin-head' }, h('strong', {}, `Pixel ${x}, ${y}`), unpin);
   }
 
@@ -64,7 +69,8 @@ export class Inspector {
     const facts = [
       ['samples', show(pixel.samples)],
       ['error', pixel.error === null ? null : `${show(100 * pixel.error)} %`],
-      ['object', pixel.object], ['material', pixel.material],
+      ['object', pixel.object],
+      ['material', pixel.material],
     ].filter((f): f is [string, string] => f[1] !== null);
     // Channels of a layer (`albedo.R`) are one row.
     const rows = new Map<string, string[]>();

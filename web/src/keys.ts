@@ -14,16 +14,28 @@ export interface Key {
 
 /** What the pointer does, for the list. */
 const POINTER: [string, string][] = [
-  ['Drag, middle drag', 'orbit'], ['Shift + drag', 'pan the camera'], ['Wheel', 'dolly'], ['Ctrl + wheel', 'zoom the picture'],
-  ['Ctrl + drag', 'move the picture'], ['Click', 'pin a pixel'], ['One finger', 'orbit'], ['Two fingers', 'pan and dolly'],
+  ['Drag, middle drag', 'orbit'],
+  ['Shift + drag', 'pan the camera'],
+  ['Wheel', 'dolly'],
+  ['Ctrl + wheel', 'zoom the picture'],
+  ['Ctrl + drag', 'move the picture'],
+  ['Click', 'pin a pixel'],
+  ['One finger', 'orbit'],
+  ['Two fingers', 'pan and dolly'],
   ['W A S D Q E, mouse', 'fly, once started; Shift is faster, the wheel changes the speed, Escape ends'],
 ];
 
 /** A plain key, by the character it writes. */
-export const character = (...keys: string[]) => (event: KeyboardEvent) => !event.ctrlKey && !event.metaKey && !event.altKey && keys.includes(event.key);
+export const character =
+  (...keys: string[]) =>
+  (event: KeyboardEvent) =>
+    !event.ctrlKey && !event.metaKey && !event.altKey && keys.includes(event.key);
 
 /** A key by its place, whatever else is held but Alt. */
-export const place = (...codes: string[]) => (event: KeyboardEvent) => !event.altKey && codes.includes(event.code);
+export const place =
+  (...codes: string[]) =>
+  (event: KeyboardEvent) =>
+    !event.altKey && codes.includes(event.code);
 
 /** Whether what has the focus wants the keys for itself. */
 function isTyping(target: EventTarget | null): boolean {
@@ -41,9 +53,12 @@ export class Keys {
       return h('section', {}, h('h3', {}, group), h('dl', {}, ...rows(list)));
     });
     const close = h('button', { onclick: () => this.help.close(), 'aria-label': 'Close' }, 'Close');
-    this.help = h('dialog', { class: 'help', 'aria-labelledby': 'help-title' },
+    this.help = h(
+      'dialog',
+      { class: 'help', 'aria-labelledby': 'help-title' },
       h('header', {}, h('h2', { id: 'help-title' }, 'Keys and pointer'), close),
-      h('div', { class: 'columns' }, h('section', {}, h('h3', {}, 'Pointer'), h('dl', {}, ...rows(POINTER))), ...groups));
+      h('div', { class: 'columns' }, h('section', {}, h('h3', {}, 'Pointer'), h('dl', {}, ...rows(POINTER))), ...groups),
+    );
     this.help.addEventListener('click', (event) => event.target === this.help && this.help.close());
     addEventListener('keydown', (event) => this.press(event));
   }

@@ -3,9 +3,18 @@
 import type { Tile } from './protocol';
 
 /** A picture of halves, on the GPU and here. */
-export interface Picture { texture: WebGLTexture; width: number; height: number; components: number; halves: Uint16Array }
+export interface Picture {
+  texture: WebGLTexture;
+  width: number;
+  height: number;
+  components: number;
+  halves: Uint16Array;
+}
 
-interface Layer { front: Picture | null; back: Picture | null }
+interface Layer {
+  front: Picture | null;
+  back: Picture | null;
+}
 
 export class Layers {
   private readonly layers = new Map<string, Layer>();

@@ -13,17 +13,36 @@ export class Look {
   private readonly parameters = h('div');
   private readonly layer = h('select', { 'aria-label': 'Layer', onchange: () => this.chooseLayer(this.layer.value) });
   private readonly falseColor = h('input', { type: 'checkbox', onchange: () => this.setFalse(this.falseColor.checked) });
-  private readonly mark = h('input', { type: 'checkbox', checked: true, onchange: () => this.set(() => (this.view.isMarked = this.mark.checked)) });
+  private readonly mark = h('input', {
+    type: 'checkbox',
+    checked: true,
+    onchange: () => this.set(() => (this.view.isMarked = this.mark.checked)),
+  });
   private state: State | null = null;
 
-  constructor(private readonly view: View, private readonly askLayers: (names: string[]) => void, private readonly changed: () => void) {
+  constructor(
+    private readonly view: View,
+    private readonly askLayers: (names: string[]) => void,
+    private readonly changed: () => void,
+  ) {
     this.exposure = numberField({
-      label: 'Exposure in EV', value: 0, range: [-64, 64], slider: [-10, 10], step: 0.1, unit: 'EV', change: (v) => this.expose(v),
+      label: 'Exposure in EV',
+      value: 0,
+      range: [-64, 64],
+      slider: [-10, 10],
+      step: 0.1,
+      unit: 'EV',
+      change: (v) => this.expose(v),
     });
     this.element = section(
-      'View', true, row('Exposure', this.exposure.element, 'Powers of two; keys [ and ]'), row('Tone', this.tone), this.parameters,
-      row('Layer', this.layer), row('False colour', this.falseColor, 'Luminance as a colour of viridis, on a logarithmic scale'),
-      row('Mark NaN, Inf', this.mark, 'Pixels that are not finite become magenta'),
+      'View',
+      true,
+      row('Exposure', this.exposure.element, 'Powers of two; keys [ and ]'),
+      row('Tone', this.tone),
+      this.parameters,
+      row('Layer', this.layer),
+      row('False colour', this.falseColor, 'Luminance as a colour of viridis, on a logarithmic scale'),
+      row('Mark NaN', this.mark, 'Pixels that are NaN or infinite become magenta'),
     );
   }
 
@@ -31,7 +50,10 @@ export class Look {
     const isFirst = this.state === null;
     this.state = state;
     const known = state.choices.tones.filter((t) => CURVES.includes(t.name));
-    setOptions(this.tone, known.map((t) => ({ value: t.name, title: t.doc })));
+    setOptions(
+      this.tone,
+      known.map((t) => ({ value: t.name, title: t.doc })),
+    );
     const layers = state.choices.layers.filter((l) => l.name !== 'picture');
     setOptions(this.layer, [{ value: 'picture' }, ...layers.map((l) => ({ value: l.name, title: l.doc }))]);
     setValue(this.layer, this.view.layer);
@@ -76,14 +98,18 @@ export class Look {
 
   private showParameters(): void {
     const choice = this.state?.choices.tones.find((t) => t.name === this.view.tone.name);
-    this.parameters.replaceChildren(...(choice?.parameters ?? []).map((p, i) => {
-      const field = numberField({
-        label: `${choice!.name}: ${p.name}`, value: this.view.tone.values[i] ?? p.default, range: p.range,
-        slider: [Math.max(p.range[0], p.default / 100), Math.min(p.range[1], p.default * 100)],
-        change: (v) => this.set(() => (this.view.tone.values[i] = v)),
-      });
-      return row(p.name, field.element, `${p.doc} (${show(p.range[0])} to ${show(p.range[1])}; ${show(p.default)} when not given)`);
-    }));
+    this.parameters.replaceChildren(
+      ...(choice?.parameters ?? []).map((p, i) => {
+        const field = numberField({
+          label: `${choice!.name}: ${p.name}`,
+          value: this.view.tone.values[i] ?? p.default,
+          range: p.range,
+          slider: [Math.max(p.range[0], p.default / 100), Math.min(p.range[1], p.default * 100)],
+          change: (v) => this.set(() => (this.view.tone.values[i] = v)),
+        });
+        return row(p.name, field.element, `${p.doc} (${show(p.range[0])} to ${show(p.range[1])}; ${show(p.default)} when not given)`);
+      }),
+    );
   }
 
   private set(change: () => void): void {

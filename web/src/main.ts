@@ -18,7 +18,7 @@ import { Nodes } from './nodes';
 import { Output } from './output';
 import { Overlay, regionOf } from './overlay';
 import { CameraPanel, RenderPanel, type Side } from './panel';
-import type { FrameMessage, State } from './protocol';
+import type { FrameMessage, PageMessage, State } from './protocol';
 import { Socket } from './socket';
 import { Status } from './status';
 import { Toolbar } from './toolbar';
@@ -29,8 +29,12 @@ function start(): void {
   const canvas = h('canvas', { class: 'picture', tabindex: 0, role: 'img', 'aria-label': 'Rendered picture; arrow keys orbit the camera' });
   const view = new View(canvas);
   const camera = new Camera();
-  const send = socketSend();
-  const moving = new Moving(camera, send);
+  const link = { socket: null as Socket | null };
+  const moving = new Moving(camera, (message) => link.socket?.send(message) ?? false);
+  const send = (message: PageMessage): boolean => {
+    if (['camera-name', 'camera-reset', 'undo', 'redo'].includes(message.type)) moving.release();
+    return link.socket?.send(message) ?? false;
+  };
   const fly = new Fly(canvas, camera, moving);
   const messages = new Messages();
   const overlay = new Overlay(view);
@@ -42,10 +46,14 @@ function start(): void {
   });
   const output = new Output(view, (message) => messages.add(message));
   const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
-  const look = new Look(view, (names) => send({ type: 'layers', names }), () => {
-    output.update();
-    showHistogram();
-  });
+  const look = new Look(
+    view,
+    (names) => send({ type: 'layers', names }),
+    () => {
+      output.update();
+      showHistogram();
+    },
+  );
   histogram.element.addEventListener('toggle', showHistogram);
   const render = new RenderPanel(send);
   const move = (change: () => void) => {
@@ -59,8 +67,18 @@ function start(): void {
   const cameraPanel = new CameraPanel(send, { from, fly: startFly, fov: (degrees) => moving.fov(degrees) });
   const nodes = new Nodes(send);
   const drop = new Drop((message) => messages.add(message));
-  const panel = h('aside', { class: 'panel', 'aria-label': 'Panels' }, look.element, histogram.element, inspector.element, render.element,
-    cameraPanel.element, nodes.element, output.element, messages.element);
+  const panel = h(
+    'aside',
+    { class: 'panel', 'aria-label': 'Panels' },
+    look.element,
+    histogram.element,
+    inspector.element,
+    render.element,
+    cameraPanel.element,
+    nodes.element,
+    output.element,
+    messages.element,
+  );
   const toolbar = new Toolbar({
     fit: () => (view.placement.fit(), view.redraw()),
     actual: () => (view.placement.actual(), view.redraw()),
@@ -118,7 +136,7 @@ function start(): void {
     },
   });
   const status = new Status(() => socket.retry());
-  send.socket = socket;
+  link.socket = socket;
 
   function takeState(next: State): void {
     const first = state === null;
@@ -152,21 +170,29 @@ function start(): void {
   }
 
   document.body.append(
-    h('main', { class: 'stage' }, h('h1', { class: 'hidden' }, 'Steradian'), canvas, overlay.element, toolbar.element, legend.element, flying, messages.toast, drop.hint),
-    status.element, panel, keys.help,
+    h(
+      'main',
+      { class: 'stage' },
+      h('h1', { class: 'hidden' }, 'Steradian'),
+      canvas,
+      overlay.element,
+      toolbar.element,
+      legend.element,
+      flying,
+      messages.toast,
+      drop.hint,
+    ),
+    status.element,
+    panel,
+    keys.help,
   );
   toolbar.setPanel(document.body.classList.toggle('no-panel', innerWidth < 720));
-}
-
-/** A function that sends, before there is a socket too. */
-function socketSend() {
-  const send = (message: Parameters<Socket['send']>[0]): boolean => send.socket?.send(message) ?? false;
-  send.socket = null as Socket | null;
-  return send;
 }
 
 try {
   start();
 } catch (error) {
-  document.body.append(h('p', { class: 'fatal', role: 'alert' }, `The page cannot run: ${error instanceof Error ? error.message : String(error)}`));
+  document.body.append(
+    h('p', { class: 'fatal', role: 'alert' }, `The page cannot run: ${error instanceof Error ? error.message : String(error)}`),
+  );
 }

@@ -5,7 +5,7 @@ import type { CameraState, PageMessage } from './protocol';
 import { length, sub } from './vector';
 
 /** Milliseconds after which a picture that didn't come is no longer waited for. */
-const PATIENCE = 1500;
+const PATIENCE = 4000;
 
 /** Milliseconds after sending a camera in which states of another one are taken for older. */
 const LATE = 500;
@@ -21,7 +21,10 @@ export class Moving {
   private isMoving = false;
   private nextFov: number | null = null;
 
-  constructor(private readonly camera: Camera, private readonly send: (message: PageMessage) => boolean) {}
+  constructor(
+    private readonly camera: Camera,
+    private readonly send: (message: PageMessage) => boolean,
+  ) {}
 
   /** The camera has been moved. */
   moved(): void {
@@ -41,6 +44,14 @@ export class Moving {
       this.sentAt = null;
       this.post(false);
     }
+  }
+
+  /** The server is asked for another camera: this one's movement is over, and the next state counts. */
+  release(): void {
+    clearTimeout(this.stopTimer);
+    this.isMoving = this.isDirty = false;
+    this.sentAt = this.nextFov = null;
+    this.postedAt = -LATE;
   }
 
   /** A picture came. */

@@ -30,7 +30,10 @@ export class Navigate {
   private readonly touches = new Map<number, [number, number]>();
 
   constructor(
-    private readonly view: View, private readonly camera: Camera, private readonly moving: Moving, private readonly fly: Fly,
+    private readonly view: View,
+    private readonly camera: Camera,
+    private readonly moving: Moving,
+    private readonly fly: Fly,
     private readonly actions: Actions,
   ) {
     const { canvas } = view;

@@ -14,7 +14,11 @@ class ParameterRow {
   private readonly slot = h('span', { class: 'slot' });
   private readonly reset: HTMLButtonElement;
 
-  constructor(node: SceneNode, parameter: NodeParameter, private readonly edit: (p: string, value: string | null, done: boolean) => void) {
+  constructor(
+    node: SceneNode,
+    parameter: NodeParameter,
+    private readonly edit: (p: string, value: string | null, done: boolean) => void,
+  ) {
     const { name } = parameter;
     this.name = h('span', { class: 'name' }, name);
     const what = `What holds when ${name} is not given`;
@@ -28,7 +32,9 @@ class ParameterRow {
 
   update(parameter: NodeParameter): void {
     const { name, type, unit, range, doc } = parameter;
-    this.element.title = [doc, `${type}${unit ? `, ${unit}` : ''}`, range ? `${range[0] ?? '−∞'} to ${range[1] ?? '∞'}` : ''].filter(Boolean).join('\n');
+    this.element.title = [doc, `${type}${unit ? `, ${unit}` : ''}`, range ? `${range[0] ?? '−∞'} to ${range[1] ?? '∞'}` : '']
+      .filter(Boolean)
+      .join('\n');
     this.name.classList.toggle('unset', parameter.value === null);
     this.reset.hidden = parameter.value === null;
     if (this.field?.kind === kindOf(parameter)) return this.field.set(parameter);
@@ -43,9 +49,16 @@ class NodeItem {
   private readonly body = h('div', { class: 'body' });
   private rows: Map<string, ParameterRow> | null = null;
 
-  constructor(public node: SceneNode, private readonly edit: (node: string, p: string, value: string | null, done: boolean) => void) {
-    this.element = h('details', { class: 'node', ontoggle: () => this.element.open && this.fill() },
-      h('summary', {}, h('span', { class: 'id' }, node.id), this.title), this.body);
+  constructor(
+    public node: SceneNode,
+    private readonly edit: (node: string, p: string, value: string | null, done: boolean) => void,
+  ) {
+    this.element = h(
+      'details',
+      { class: 'node', ontoggle: () => this.element.open && this.fill() },
+      h('summary', {}, h('span', { class: 'id' }, node.id), this.title),
+      this.body,
+    );
     this.update(node);
   }
 
@@ -63,8 +76,10 @@ class NodeItem {
       old?.update(parameter);
       rows.set(parameter.name, old ?? new ParameterRow(this.node, parameter, (p, value, done) => this.edit(this.node.id, p, value, done)));
     }
-    const isSame = this.rows && [...rows.values()].every((r, i) => this.body.children[i] === r.element) && this.body.children.length === rows.size;
-    if (!isSame) this.body.replaceChildren(...(rows.size ? [...rows.values()].map((r) => r.element) : [h('p', { class: 'facts' }, 'nothing to set')]));
+    const isSame =
+      this.rows && [...rows.values()].every((r, i) => this.body.children[i] === r.element) && this.body.children.length === rows.size;
+    if (!isSame)
+      this.body.replaceChildren(...(rows.size ? [...rows.values()].map((r) => r.element) : [h('p', { class: 'facts' }, 'nothing to set')]));
     this.rows = rows;
   }
 }
@@ -73,7 +88,12 @@ export class Nodes {
   readonly element: HTMLElement;
   private readonly undo = h('button', { title: 'Undo (Ctrl+Z)', onclick: () => this.send({ type: 'undo' }) }, 'Undo');
   private readonly redo = h('button', { title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.send({ type: 'redo' }) }, 'Redo');
-  private readonly filter = h('input', { type: 'search', placeholder: 'Filter', 'aria-label': 'Filter the nodes', oninput: () => this.sift() });
+  private readonly filter = h('input', {
+    type: 'search',
+    placeholder: 'Filter',
+    'aria-label': 'Filter the nodes',
+    oninput: () => this.sift(),
+  });
   private readonly list = h('div', { class: 'nodes' });
   private readonly items = new Map<string, NodeItem>();
   private key = '';
@@ -118,9 +138,16 @@ export class Nodes {
     const old = new Map(this.items);
     this.items.clear();
     for (const node of nodes) this.items.set(node.id, old.get(node.id) ?? new NodeItem(node, (...edit) => this.edit(...edit)));
-    this.list.replaceChildren(...[...families].map(([family, members]) =>
-      h('details', { class: 'family', open: members.length <= 12 }, h('summary', {}, h('h3', {}, family), h('span', { class: 'kind' }, String(members.length))),
-        ...members.map((n) => this.items.get(n.id)!.element))));
+    this.list.replaceChildren(
+      ...[...families].map(([family, members]) =>
+        h(
+          'details',
+          { class: 'family', open: members.length <= 12 },
+          h('summary', {}, h('h3', {}, family), h('span', { class: 'kind' }, String(members.length))),
+          ...members.map((n) => this.items.get(n.id)!.element),
+        ),
+      ),
+    );
     this.sift();
   }
 
@@ -140,7 +167,8 @@ export class Nodes {
   /** Shows the nodes whose id or kind has the filter's text. */
   private sift(): void {
     const text = this.filter.value.trim().toLowerCase();
-    for (const { element, node } of this.items.values()) element.hidden = text !== '' && !`${node.id} ${node.kind}`.toLowerCase().includes(text);
+    for (const { element, node } of this.items.values())
+      element.hidden = text !== '' && !`${node.id} ${node.kind}`.toLowerCase().includes(text);
     for (const family of this.list.children) {
       family.toggleAttribute('hidden', ![...family.querySelectorAll<HTMLElement>('.node')].some((n) => !n.hidden));
     }

@@ -30,7 +30,7 @@ const MOST = 1e4;
 export function numberField(options: NumberOptions): NumberField {
   const { label, range, whole = false, unit = '', change } = options;
   const [low, high] = (options.slider ?? range ?? []).map((v) => v ?? NaN) as [number, number] | [];
-  const ends = low !== undefined && high !== undefined && low < high && high - low <= MOST ? [low, high] as const : null;
+  const ends = low !== undefined && high !== undefined && low < high && high - low <= MOST ? ([low, high] as const) : null;
   const isLog = ends !== null && ends[0] > 0 && ends[1] / ends[0] >= WIDE;
   const place = (v: number) => (isLog ? Math.log(v) : v);
   const value = (p: number) => {
@@ -38,18 +38,29 @@ export function numberField(options: NumberOptions): NumberField {
     return whole ? Math.round(v) : Number(v.toPrecision(6));
   };
   const field = h('input', {
-    type: 'number', class: 'number', step: whole ? 1 : 'any', min: range && Number.isFinite(range[0]) ? range[0] : null,
-    max: range && Number.isFinite(range[1]) ? range[1] : null, 'aria-label': label, required: true,
+    type: 'number',
+    class: 'number',
+    step: whole ? 1 : 'any',
+    min: range && Number.isFinite(range[0]) ? range[0] : null,
+    max: range && Number.isFinite(range[1]) ? range[1] : null,
+    'aria-label': label,
+    required: true,
     onchange: () => {
       if (field.checkValidity()) take(field.valueAsNumber, true);
       else field.reportValidity();
     },
   });
-  const slider = !ends ? null : h('input', {
-    type: 'range', min: place(ends[0]), max: place(ends[1]), step: whole && !isLog ? 1 : (options.step ?? (place(ends[1]) - place(ends[0])) / 500),
-    'aria-label': `${label}, slider`,
-    oninput: () => slide(false), onchange: () => slide(true),
-  });
+  const slider = !ends
+    ? null
+    : h('input', {
+        type: 'range',
+        min: place(ends[0]),
+        max: place(ends[1]),
+        step: whole && !isLog ? 1 : (options.step ?? (place(ends[1]) - place(ends[0])) / 500),
+        'aria-label': `${label}, slider`,
+        oninput: () => slide(false),
+        onchange: () => slide(true),
+      });
   function slide(done: boolean): void {
     const v = value(Number(slider!.value));
     setValue(field, String(v));

@@ -8,18 +8,55 @@ import type { View } from './view';
 export class Output {
   readonly element: HTMLElement;
   private readonly png = h('a', { class: 'button', download: 'picture.png', href: './api/picture.png' }, 'PNG');
-  private readonly command = h('code', { class: 'command', tabindex: 0, 'aria-label': 'Command that renders this picture', role: 'textbox', 'aria-readonly': 'true' });
+  private readonly command = h('code', {
+    class: 'command',
+    tabindex: 0,
+    'aria-label': 'Command that renders this picture',
+    role: 'textbox',
+    'aria-readonly': 'true',
+  });
   private state: State | null = null;
 
-  constructor(private readonly view: View, private readonly tell: (message: Message) => void) {
-    const link = (text: string, name: string, title: string) => h('a', { class: 'button', download: name, href: `./api/${name}`, title }, text);
-    this.element = section('Save', false,
-      h('div', { class: 'row' }, h('span', {}, 'Download'),
-        h('span', { class: 'buttons' }, link('EXR', 'picture.exr', 'All values, with layers'), this.png, link('Scene', 'scene.steradian', 'The scene as it is now'))),
-      h('div', { class: 'row' }, h('span', {}, 'Into the scene’s folder'),
-        h('span', { class: 'buttons' }, ...['picture.exr', 'picture.png', 'scene.steradian'].map((name) =>
-          h('button', { title: `Write ${name} there`, onclick: () => void this.save(name) }, name.endsWith('steradian') ? 'Scene' : name.slice(-3).toUpperCase())))),
-      this.command, h('div', { class: 'buttons' }, h('button', { onclick: () => void this.copy() }, 'Copy command')));
+  constructor(
+    private readonly view: View,
+    private readonly tell: (message: Message) => void,
+  ) {
+    const link = (text: string, name: string, title: string) =>
+      h('a', { class: 'button', download: name, href: `./api/${name}`, title }, text);
+    this.element = section(
+      'Save',
+      false,
+      h(
+        'div',
+        { class: 'row' },
+        h('span', {}, 'Download'),
+        h(
+          'span',
+          { class: 'buttons' },
+          link('EXR', 'picture.exr', 'All values, with layers'),
+          this.png,
+          link('Scene', 'scene.steradian', 'The scene as it is now'),
+        ),
+      ),
+      h(
+        'div',
+        { class: 'row' },
+        h('span', {}, 'Beside scene'),
+        h(
+          'span',
+          { class: 'buttons' },
+          ...['picture.exr', 'picture.png', 'scene.steradian'].map((name) =>
+            h(
+              'button',
+              { title: `Write ${name} into the scene’s folder`, onclick: () => void this.save(name) },
+              name.endsWith('steradian') ? 'Scene' : name.slice(-3).toUpperCase(),
+            ),
+          ),
+        ),
+      ),
+      this.command,
+      h('div', { class: 'buttons' }, h('button', { onclick: () => void this.copy() }, 'Copy command')),
+    );
   }
 
   update(state: State | null = this.state): void {
@@ -40,7 +77,11 @@ export class Output {
     try {
       const response = await fetch('./api/save', { method: 'POST', headers: { 'content-type': 'application/json' }, body });
       const answer = (await response.json()) as { saved?: string; error?: string };
-      this.tell(answer.saved ? { severity: 'note', text: `saved ${answer.saved}` } : { severity: 'error', text: answer.error ?? response.statusText });
+      this.tell(
+        answer.saved
+          ? { severity: 'note', text: `saved ${answer.saved}` }
+          : { severity: 'error', text: answer.error ?? response.statusText },
+      );
     } catch {
       this.tell({ severity: 'error', text: `${name} was not saved: the server does not answer` });
     }

@@ -9,7 +9,13 @@ type Send = (message: PageMessage) => boolean;
 /** A field for a whole number of the settings; empty for none where `optional`. */
 function whole(label: string, low: number, optional: boolean, change: (v: number | null) => void): HTMLInputElement {
   const field = h('input', {
-    type: 'number', class: 'number', min: low, step: 1, required: !optional, 'aria-label': label, placeholder: optional ? 'default' : null,
+    type: 'number',
+    class: 'number',
+    min: low,
+    step: 1,
+    required: !optional,
+    'aria-label': label,
+    placeholder: optional ? 'default' : null,
     onchange: () => {
       if (field.checkValidity()) change(field.value === '' ? null : field.valueAsNumber);
       else field.reportValidity();
@@ -30,11 +36,15 @@ export class RenderPanel {
 
   constructor(private readonly send: Send) {
     const set = (change: Partial<Settings & { width: number; height: number }>) => this.send({ type: 'settings', ...change });
-    const choice = (key: 'integrator' | 'sampler' | 'color') => {
-      const select = h('select', { onchange: () => set({ [key]: select.value }) });
+    const choice = (key: 'integrator' | 'sampler' | 'color', label: string) => {
+      const select = h('select', { 'aria-label': label, onchange: () => set({ [key]: select.value }) });
       return select;
     };
-    this.choices = { integrator: choice('integrator'), sampler: choice('sampler'), color: choice('color') };
+    this.choices = {
+      integrator: choice('integrator', 'Integrator'),
+      sampler: choice('sampler', 'Sampler'),
+      color: choice('color', 'Colour'),
+    };
     this.spp = whole('Samples per pixel', 1, false, (v) => set({ spp: v! }));
     this.seed = whole('Seed', 0, false, (v) => set({ seed: v! }));
     this.depth = whole('Most bounces', 0, true, (v) => set({ maxDepth: v }));
@@ -43,9 +53,16 @@ export class RenderPanel {
     this.denoise = h('input', { type: 'checkbox', onchange: () => set({ denoise: this.denoise.checked }) });
     const size = h('span', { class: 'plain' }, this.width, '×', this.height);
     this.element = section(
-      'Render', true, row('Integrator', this.choices.integrator), row('Samples', this.spp, 'Samples for each pixel'),
-      row('Sampler', this.choices.sampler), row('Colour', this.choices.color), h('div', { class: 'row' }, h('span', {}, 'Size'), size),
-      row('Seed', this.seed), row('Max depth', this.depth, 'Bounces at most'), row('Denoise', this.denoise),
+      'Render',
+      true,
+      row('Integrator', this.choices.integrator),
+      row('Samples', this.spp, 'Samples for each pixel'),
+      row('Sampler', this.choices.sampler),
+      row('Colour', this.choices.color),
+      h('div', { class: 'row' }, h('span', {}, 'Size'), size),
+      row('Seed', this.seed),
+      row('Max depth', this.depth, 'Bounces at most'),
+      row('Denoise', this.denoise),
     );
   }
 
@@ -53,7 +70,10 @@ export class RenderPanel {
     const named = (list: { name: string; doc: string }[]) => list.map((c) => ({ value: c.name, title: c.doc }));
     setOptions(this.choices.integrator, named(choices.integrators));
     setOptions(this.choices.sampler, named(choices.samplers));
-    setOptions(this.choices.color, choices.colors.map((value) => ({ value })));
+    setOptions(
+      this.choices.color,
+      choices.colors.map((value) => ({ value })),
+    );
     for (const key of ['integrator', 'sampler', 'color'] as const) {
       const select = this.choices[key];
       setValue(select, settings[key]);
@@ -78,14 +98,20 @@ export interface CameraActions {
 
 export class CameraPanel {
   readonly element: HTMLElement;
-  private readonly names = h('select', { onchange: () => this.send({ type: 'camera-name', name: this.names.value }) });
+  private readonly names = h('select', {
+    'aria-label': 'Camera',
+    onchange: () => this.send({ type: 'camera-name', name: this.names.value }),
+  });
   private readonly nameRow = row('Camera', this.names);
   private readonly facts = h('p', { class: 'facts' });
   private readonly buttons: HTMLButtonElement[];
   private readonly fovRow;
   private readonly fov;
 
-  constructor(private readonly send: Send, actions: CameraActions) {
+  constructor(
+    private readonly send: Send,
+    actions: CameraActions,
+  ) {
     const button = (text: string, title: string, act: () => void) => h('button', { title, onclick: act }, text);
     this.buttons = [
       button('Reset', 'Back to the scene’s camera (Home)', () => this.send({ type: 'camera-reset' })),
@@ -94,20 +120,32 @@ export class CameraPanel {
       button('Top', 'From above (Numpad 7)', () => actions.from('top')),
       button('Fly', 'Fly with W A S D Q E and the mouse (Shift+`)', () => actions.fly()),
     ];
-    this.fov = numberField({ label: 'Angle of view', value: 50, range: [0.01, 179], slider: [5, 150], step: 0.5, unit: '°', change: actions.fov });
+    this.fov = numberField({
+      label: 'Angle of view',
+      value: 50,
+      range: [0.01, 179],
+      slider: [5, 150],
+      step: 0.5,
+      unit: '°',
+      change: actions.fov,
+    });
     this.fovRow = row('Angle of view', this.fov.element);
     this.element = section('Camera', false, this.nameRow, this.fovRow, h('div', { class: 'buttons' }, ...this.buttons), this.facts);
   }
 
   update({ camera }: State): void {
     this.nameRow.hidden = camera.names.length < 2;
-    setOptions(this.names, camera.names.map((value) => ({ value })));
+    setOptions(
+      this.names,
+      camera.names.map((value) => ({ value })),
+    );
     if (camera.name !== null) setValue(this.names, camera.name);
     for (const button of this.buttons) button.disabled = !camera.movable;
     this.buttons[0]!.disabled = !camera.moved;
     this.fovRow.hidden = camera.fov === null || !camera.movable;
     if (camera.fov !== null) this.fov.set(camera.fov);
     const place = (v: number[]) => v.map(show).join(', ');
-    this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${camera.movable ? '' : '; it cannot be moved here'}`;
+    const fixed = camera.movable ? '' : '; it cannot be moved here';
+    this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
   }
 }

@@ -19,7 +19,10 @@ const NUMBER = /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i;
 
 /** The three numbers of a text, or `null`. */
 function triple(text: string): number[] | null {
-  const parts = /^\[(.*)\]$/.exec(text.trim())?.[1]?.split(',').map((p) => p.trim());
+  const parts = /^\[(.*)\]$/
+    .exec(text.trim())?.[1]
+    ?.split(',')
+    .map((p) => p.trim());
   return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
 }
 
@@ -60,7 +63,12 @@ function word(p: NodeParameter, label: string, edit: Edit): Made {
 
 function number(p: NodeParameter, label: string, edit: Edit): Made {
   const field = numberField({
-    label, value: Number(current(p)), range: p.range, whole: p.type.startsWith('whole'), unit: p.unit, change: (v, done) => edit(String(v), done),
+    label,
+    value: Number(current(p)),
+    range: p.range,
+    whole: p.type.startsWith('whole'),
+    unit: p.unit,
+    change: (v, done) => edit(String(v), done),
   });
   return { element: field.element, set: (p) => field.set(Number(current(p))) };
 }
@@ -73,15 +81,21 @@ function color(p: NodeParameter, label: string, edit: Edit): Made {
     send(rgb, done);
   };
   const picker = h('input', { type: 'color', 'aria-label': label, oninput: () => take(false), onchange: () => take(true) });
-  const fields = ['red', 'green', 'blue'].map((name) => h('input', {
-    type: 'number', class: 'number', step: 'any', required: true, 'aria-label': `${label}, ${name}`,
-    onchange: () => {
-      const rgb = fields.map((f) => f.valueAsNumber);
-      if (!rgb.every(Number.isFinite)) return;
-      picker.value = hexOf(rgb);
-      send(rgb, true);
-    },
-  }));
+  const fields = ['red', 'green', 'blue'].map((name) =>
+    h('input', {
+      type: 'number',
+      class: 'number',
+      step: 'any',
+      required: true,
+      'aria-label': `${label}, ${name}`,
+      onchange: () => {
+        const rgb = fields.map((f) => f.valueAsNumber);
+        if (!rgb.every(Number.isFinite)) return;
+        picker.value = hexOf(rgb);
+        send(rgb, true);
+      },
+    }),
+  );
   const set = (p: NodeParameter) => {
     const rgb = triple(current(p))!;
     setValue(picker, hexOf(rgb));
@@ -92,7 +106,12 @@ function color(p: NodeParameter, label: string, edit: Edit): Made {
 }
 
 function text(p: NodeParameter, label: string, edit: Edit): Made {
-  const field = h('input', { type: 'text', spellcheck: 'false', 'aria-label': label, onchange: () => edit(field.value.trim() || null, true) });
+  const field = h('input', {
+    type: 'text',
+    spellcheck: 'false',
+    'aria-label': label,
+    onchange: () => edit(field.value.trim() || null, true),
+  });
   const set = (p: NodeParameter) => {
     setValue(field, p.value ?? '');
     field.placeholder = p.default ?? '';

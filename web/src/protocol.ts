@@ -2,18 +2,48 @@
 
 export type Vec3 = [number, number, number];
 export type Severity = 'error' | 'warning' | 'note';
-export interface Message { severity: Severity; text: string }
-export interface Named { name: string; doc: string }
-export interface ToneParameter { name: string; doc: string; default: number; range: [number, number] }
-export interface ToneChoice { name: string; doc: string; encoding: string; parameters: ToneParameter[] }
+export interface Message {
+  severity: Severity;
+  text: string;
+}
+export interface Named {
+  name: string;
+  doc: string;
+}
+export interface ToneParameter {
+  name: string;
+  doc: string;
+  default: number;
+  range: [number, number];
+}
+export interface ToneChoice {
+  name: string;
+  doc: string;
+  encoding: string;
+  parameters: ToneParameter[];
+}
 
 export interface CameraState {
-  name: string | null; names: string[]; kind: string; eye: Vec3; target: Vec3; up: Vec3; fov: number | null;
-  handedness: number; moved: boolean; movable: boolean;
+  name: string | null;
+  names: string[];
+  kind: string;
+  eye: Vec3;
+  target: Vec3;
+  up: Vec3;
+  fov: number | null;
+  handedness: number;
+  moved: boolean;
+  movable: boolean;
 }
 
 export interface Settings {
-  integrator: string; spp: number; sampler: string; color: string; seed: number; maxDepth: number | null; denoise: boolean;
+  integrator: string;
+  spp: number;
+  sampler: string;
+  color: string;
+  seed: number;
+  maxDepth: number | null;
+  denoise: boolean;
 }
 
 export interface State {
@@ -33,14 +63,21 @@ export interface State {
 }
 
 export interface FrameMessage {
-  generation: number; layer: string; width: number; height: number; kind: string; samples: number; target: number;
-  error: number | null; seconds: number; done: boolean; nonfinite: number; denoised: boolean;
+  generation: number;
+  layer: string;
+  width: number;
+  height: number;
+  kind: string;
+  samples: number;
+  target: number;
+  error: number | null;
+  seconds: number;
+  done: boolean;
+  nonfinite: number;
+  denoised: boolean;
 }
 
-export type ServerMessage =
-  | ({ type: 'state' } & State)
-  | ({ type: 'frame' } & FrameMessage)
-  | ({ type: 'message' } & Message);
+export type ServerMessage = ({ type: 'state' } & State) | ({ type: 'frame' } & FrameMessage) | ({ type: 'message' } & Message);
 
 export type PageMessage =
   | { type: 'camera'; eye: Vec3; target: Vec3; up: Vec3; fov?: number; moving: boolean }
@@ -57,22 +94,47 @@ export type PageMessage =
 export type Range = [number | null, number | null];
 
 export interface NodeParameter {
-  name: string; value: string | null; default: string | null; type: string; unit: string; doc: string; words: string[];
+  name: string;
+  value: string | null;
+  default: string | null;
+  type: string;
+  unit: string;
+  doc: string;
+  words: string[];
   /** Ends; `null` for one that's infinite. */
   range: Range | null;
 }
-export interface SceneNode { id: string; family: string; kind: string; parameters: NodeParameter[] }
+export interface SceneNode {
+  id: string;
+  family: string;
+  kind: string;
+  parameters: NodeParameter[];
+}
 
 export type Sample = number | 'NaN' | 'Infinity' | '-Infinity';
 export interface Pixel {
-  x: number; y: number; generation: number; samples: number; error: number | null; object: string | null; material: string | null;
+  x: number;
+  y: number;
+  generation: number;
+  samples: number;
+  error: number | null;
+  object: string | null;
+  material: string | null;
   channels: Record<string, Sample>;
 }
 
 /** A rectangle of a frame's layer. */
 export interface Tile {
-  generation: number; layer: number; components: number; frameWidth: number; frameHeight: number;
-  x: number; y: number; width: number; height: number; halves: Uint16Array;
+  generation: number;
+  layer: number;
+  components: number;
+  frameWidth: number;
+  frameHeight: number;
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+  halves: Uint16Array;
 }
 
 const MAGIC = 0x54525453;
@@ -85,8 +147,15 @@ export function parseTile(buffer: ArrayBuffer): Tile | null {
   if (view.getUint32(0, true) !== MAGIC) return null;
   const short = (at: number) => view.getUint16(at, true);
   const tile = {
-    generation: view.getUint32(4, true), layer: short(8), components: short(10), frameWidth: short(12), frameHeight: short(14),
-    x: short(16), y: short(18), width: short(20), height: short(22),
+    generation: view.getUint32(4, true),
+    layer: short(8),
+    components: short(10),
+    frameWidth: short(12),
+    frameHeight: short(14),
+    x: short(16),
+    y: short(18),
+    width: short(20),
+    height: short(22),
   };
   const count = tile.width * tile.height * tile.components;
   const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);

@@ -41,6 +41,8 @@ export class Status {
       parts.push(`${f.width} × ${f.height}`);
       this.progress.value = Math.min(1, f.samples / Math.max(f.target, 1));
     }
-    setText(this.facts, parts.filter(Boolean).join(' · '));
+    const text = parts.filter(Boolean).join(' · ');
+    setText(this.facts, text);
+    this.facts.title = text;
   }
 }

@@ -4,7 +4,17 @@ import type { ToneChoice } from './protocol';
 
 /** Curves that the shader has; a curve's number there is its place here. */
 export const CURVES = [
-  'none', 'clamp', 'equalize', 'gamma', 'clamp-gamma', 'equalize-gamma', 'reinhard', 'aces-fit', 'agx', 'pbr-neutral', 'hable',
+  'none',
+  'clamp',
+  'equalize',
+  'gamma',
+  'clamp-gamma',
+  'equalize-gamma',
+  'reinhard',
+  'aces-fit',
+  'agx',
+  'pbr-neutral',
+  'hable',
 ];
 
 /** `toneCurve(rgb)`: display values in [0, 1] of linear values after exposure. */
@@ -72,7 +82,11 @@ vec3 toneCurve(vec3 v) {
 `;
 
 /** A curve with its parameters, and the exposure in EV. */
-export interface Tone { name: string; values: number[]; exposure: number }
+export interface Tone {
+  name: string;
+  values: number[];
+  exposure: number;
+}
 
 /** A tone from text as the command line takes it: `reinhard:white=4,exposure=1`. */
 export function parseTone(text: string, choices: ToneChoice[]): Tone {

@@ -31,10 +31,19 @@ export class Toolbar {
     this.clearButton.hidden = true;
     this.pauseButton = button('Pause', 'Pause or go on (P)', actions.pause, { 'aria-pressed': 'false' });
     this.panelButton = button('Panel', 'Show or hide the panel (N)', actions.panel, { 'aria-expanded': 'true' });
-    this.element = h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'Picture' },
-      button('Fit', 'Fit the picture into the window (F)', actions.fit), button('1:1', 'One pixel for each pixel (1)', actions.actual),
-      this.regionButton, this.clearButton, this.pauseButton, h('span', { class: 'gap' }), themeButton(actions.themed),
-      button('?', 'Keys and pointer (?)', actions.help, { 'aria-label': 'Keys and pointer' }), this.panelButton);
+    this.element = h(
+      'div',
+      { class: 'toolbar', role: 'toolbar', 'aria-label': 'Picture' },
+      button('Fit', 'Fit the picture into the window (F)', actions.fit),
+      button('1:1', 'One pixel for each pixel (1)', actions.actual),
+      this.regionButton,
+      this.clearButton,
+      this.pauseButton,
+      h('span', { class: 'gap' }),
+      themeButton(actions.themed),
+      button('?', 'Keys and pointer (?)', actions.help, { 'aria-label': 'Keys and pointer' }),
+      this.panelButton,
+    );
   }
 
   update(state: State): void {

@@ -17,7 +17,10 @@ export const test = base.extend<{ mock: Mock; ready: Page }>({
   ready: async ({ mock, page }, use) => {
     const faults: string[] = [];
     page.on('pageerror', (error) => faults.push(String(error)));
-    page.on('console', (message) => message.type() === 'error' && !/WebSocket|Failed to load/.test(message.text()) && faults.push(message.text()));
+    page.on(
+      'console',
+      (message) => message.type() === 'error' && !/WebSocket|Failed to load/.test(message.text()) && faults.push(message.text()),
+    );
     await page.goto(mock.url);
     await expect(page.locator('.status-facts')).toContainText('64 / 256 spp');
     await page.locator('canvas.picture').press('1');
@@ -28,20 +31,26 @@ export const test = base.extend<{ mock: Mock; ready: Page }>({
 
 /** Codes of the canvas at pixels of the film, in one row: R, G, B, …; `scale` in canvas pixels a film pixel. */
 export function codes(page: Page, places: number[][], film = { width: 96, height: 64 }): Promise<number[]> {
-  return page.evaluate(([places, film]) => new Promise<number[]>((resolve) => {
-    // The view draws in the next frame of the screen, and this reads right after.
-    dispatchEvent(new Event('resize'));
-    requestAnimationFrame(() => {
-      const canvas = document.querySelector<HTMLCanvasElement>('canvas.picture')!;
-      const gl = canvas.getContext('webgl2')!;
-      const [left, top] = [Math.round((canvas.width - film.width) / 2), Math.round((canvas.height - film.height) / 2)];
-      const pixel = new Uint8Array(4);
-      resolve(places.flatMap(([x, y]) => {
-        gl.readPixels(left + x!, canvas.height - 1 - top - y!, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-        return [...pixel.slice(0, 3)];
-      }));
-    });
-  }), [places, film] as const);
+  return page.evaluate(
+    ([places, film]) =>
+      new Promise<number[]>((resolve) => {
+        // The view draws in the next frame of the screen, and this reads right after.
+        dispatchEvent(new Event('resize'));
+        requestAnimationFrame(() => {
+          const canvas = document.querySelector<HTMLCanvasElement>('canvas.picture')!;
+          const gl = canvas.getContext('webgl2')!;
+          const [left, top] = [Math.round((canvas.width - film.width) / 2), Math.round((canvas.height - film.height) / 2)];
+          const pixel = new Uint8Array(4);
+          resolve(
+            places.flatMap(([x, y]) => {
+              gl.readPixels(left + x!, canvas.height - 1 - top - y!, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+              return [...pixel.slice(0, 3)];
+            }),
+          );
+        });
+      }),
+    [places, film] as const,
+  );
 }
 
 /** The largest difference of two lists of the same length. */

@@ -86,19 +86,50 @@ export class Mock {
     const index = layer === 'picture' ? 0 : 1 + this.state.layers.indexOf(layer);
     for (let y = 0; y < height; y += TILE_ROWS) {
       // Tiles of two widths try every offset.
-      for (const [x, w] of width > 40 ? [[0, 33], [33, width - 33]] as const : [[0, width]] as const) {
-        const tile = this.tile(layer, components, { generation, index, width, height, x, y, w, h: Math.min(TILE_ROWS, height - y), reduced });
+      for (const [x, w] of width > 40
+        ? ([
+            [0, 33],
+            [33, width - 33],
+          ] as const)
+        : ([[0, width]] as const)) {
+        const tile = this.tile(layer, components, {
+          generation,
+          index,
+          width,
+          height,
+          x,
+          y,
+          w,
+          h: Math.min(TILE_ROWS, height - y),
+          reduced,
+        });
         for (const socket of to) socket.send(tile);
       }
     }
     const frame = {
-      type: 'frame', generation, layer, width, height, kind: 'render', samples: this.samples, target: settings.spp, error: 0.021, seconds: 1.25,
-      done: this.samples >= settings.spp, nonfinite: 0, denoised: false, ...message,
+      type: 'frame',
+      generation,
+      layer,
+      width,
+      height,
+      kind: 'render',
+      samples: this.samples,
+      target: settings.spp,
+      error: 0.021,
+      seconds: 1.25,
+      done: this.samples >= settings.spp,
+      nonfinite: 0,
+      denoised: false,
+      ...message,
     };
     for (const socket of to) socket.send(JSON.stringify(frame));
   }
 
-  private tile(layer: string, components: number, t: Record<'generation' | 'index' | 'width' | 'height' | 'x' | 'y' | 'w' | 'h' | 'reduced', number>): Buffer {
+  private tile(
+    layer: string,
+    components: number,
+    t: Record<'generation' | 'index' | 'width' | 'height' | 'x' | 'y' | 'w' | 'h' | 'reduced', number>,
+  ): Buffer {
     const buffer = Buffer.alloc(24 + 2 * t.w * t.h * components);
     buffer.writeUInt32LE(0x54525453, 0);
     buffer.writeUInt32LE(t.generation, 4);
@@ -106,7 +137,8 @@ export class Mock {
     let at = 24;
     for (let y = t.y; y < t.y + t.h; y++) {
       for (let x = t.x; x < t.x + t.w; x++) {
-        const rgb = layer === 'picture' ? this.shade(x * t.reduced, y * t.reduced) : layer === 'depth' ? [x / t.width] : [0.8, 0.25, y / t.height];
+        const rgb =
+          layer === 'picture' ? this.shade(x * t.reduced, y * t.reduced) : layer === 'depth' ? [x / t.width] : [0.8, 0.25, y / t.height];
         for (const v of rgb) at = buffer.writeUInt16LE(toHalf(v), at);
       }
     }
@@ -148,7 +180,8 @@ export class Mock {
   private async answer(request: IncomingMessage, response: ServerResponse): Promise<void> {
     const url = new URL(request.url ?? '', this.url);
     const path = url.pathname.slice(TOKEN.length + 2);
-    const json = (body: unknown, status = 200) => response.writeHead(status, { 'content-type': 'application/json' }).end(JSON.stringify(body));
+    const json = (body: unknown, status = 200) =>
+      response.writeHead(status, { 'content-type': 'application/json' }).end(JSON.stringify(body));
     if (!url.pathname.startsWith(`/${TOKEN}/`)) return void json({ error: 'not found' }, 404);
     if (request.method === 'POST') {
       const chunks: Buffer[] = [];
@@ -161,7 +194,8 @@ export class Mock {
     if (path === 'api/state') return void json(this.state);
     if (path === 'api/nodes') return void json(this.nodes);
     if (path === 'api/pixel') return void this.pixel(url.searchParams, json);
-    if (/^api\/(picture|scene)\./.test(path)) return void response.writeHead(200, { 'content-type': 'application/octet-stream' }).end('file');
+    if (/^api\/(picture|scene)\./.test(path))
+      return void response.writeHead(200, { 'content-type': 'application/octet-stream' }).end('file');
     const name = path === '' ? 'index.html' : path;
     const type = TYPES[name.split('.').pop() ?? ''];
     const file = type && !name.includes('..') ? await readFile(new URL(name, PAGE)).catch(() => null) : null;

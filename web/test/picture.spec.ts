@@ -4,13 +4,29 @@ import { readFileSync } from 'node:fs';
 import { codes, expect, largest, open, test } from './fixture';
 import { pattern } from './mock';
 
-interface Case { tone: string; exposure: number; rgb: number[] }
-const expected = JSON.parse(readFileSync(new URL('./tones.json', import.meta.url), 'utf8')) as { places: number[][]; false: number[]; cases: Case[] };
+interface Case {
+  tone: string;
+  exposure: number;
+  rgb: number[];
+}
+const expected = JSON.parse(readFileSync(new URL('./tones.json', import.meta.url), 'utf8')) as {
+  places: number[][];
+  false: number[];
+  cases: Case[];
+};
 
 const srgb = (v: number) => Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
 
 test('tiles become pixels', async ({ ready }) => {
-  const places = [[0, 0], [95, 0], [0, 63], [95, 63], [32, 19], [33, 20], [50, 40]];
+  const places = [
+    [0, 0],
+    [95, 0],
+    [0, 63],
+    [95, 63],
+    [32, 19],
+    [33, 20],
+    [50, 40],
+  ];
   const wanted = places.flatMap(([x, y]) => pattern(x!, y!).map((v) => srgb(Math.min(v, 1))));
   expect(largest(await codes(ready, places), wanted)).toBeLessThanOrEqual(1);
 });
@@ -57,9 +73,20 @@ test('what is not finite is magenta and counted', async ({ mock, ready }) => {
   mock.frame('picture', { nonfinite: 2 });
   await expect(ready.locator('.status-facts')).toContainText('2 not finite');
   await expect(ready.locator('details.section', { hasText: 'Histogram' })).toContainText('not finite: 2');
-  expect(await codes(ready, [[5, 6], [6, 6], [7, 6]])).toEqual([255, 0, 255, 255, 0, 255, 188, 188, 188]);
-  await ready.getByLabel('Mark NaN, Inf').uncheck();
-  expect(await codes(ready, [[5, 6], [6, 6]])).toEqual([0, 255, 255, 0, 255, 0]);
+  expect(
+    await codes(ready, [
+      [5, 6],
+      [6, 6],
+      [7, 6],
+    ]),
+  ).toEqual([255, 0, 255, 255, 0, 255, 188, 188, 188]);
+  await ready.getByLabel('Mark NaN').uncheck();
+  expect(
+    await codes(ready, [
+      [5, 6],
+      [6, 6],
+    ]),
+  ).toEqual([0, 255, 255, 0, 255, 0]);
 });
 
 test('a frame is shown when it is whole', async ({ mock, ready }) => {
@@ -81,7 +108,14 @@ test('a frame of half the size fills the film', async ({ mock, ready }) => {
   mock.shade = (x) => (x < 48 ? [1, 0, 0] : [0, 0, 1]);
   mock.frame('picture', { reduced: 2, kind: 'preview' });
   await expect(ready.locator('.status-facts')).toContainText('preview');
-  expect(await codes(ready, [[0, 0], [47, 63], [48, 0], [95, 63]])).toEqual([255, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0, 255]);
+  expect(
+    await codes(ready, [
+      [0, 0],
+      [47, 63],
+      [48, 0],
+      [95, 63],
+    ]),
+  ).toEqual([255, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0, 255]);
 });
 
 test('layers are asked for and shown', async ({ mock, ready }) => {

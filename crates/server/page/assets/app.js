@@ -244,7 +244,7 @@ function show(v) {
 	if (!Number.isFinite(v)) return String(v);
 	const a = Math.abs(v);
 	if (a === 0) return "0";
-	return a >= 1e5 || a < .001 ? v.toExponential(2) : String(Number(v.toPrecision(4)));
+	return a >= 1e6 || a < .001 ? Number(v.toPrecision(3)).toExponential() : String(Number(v.toPrecision(4)));
 }
 // src/drop.ts
 /** Files dropped on the page are opened: models or scenes with what belongs to them, folders too. */
@@ -1169,7 +1169,7 @@ var Look = class {
 			unit: "EV",
 			change: (v) => this.expose(v)
 		});
-		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN, Inf", this.mark, "Pixels that are not finite become magenta"));
+		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
 	}
 	update(state) {
 		const isFirst = this.state === null;
@@ -1298,7 +1298,7 @@ var Messages = class {
 };
 // src/moving.ts
 /** Milliseconds after which a picture that didn't come is no longer waited for. */
-var PATIENCE = 1500;
+var PATIENCE = 4e3;
 /** Milliseconds after sending a camera in which states of another one are taken for older. */
 var LATE = 500;
 var Moving = class {
@@ -1333,6 +1333,13 @@ var Moving = class {
 			this.sentAt = null;
 			this.post(false);
 		}
+	}
+	/** The server is asked for another camera: this one's movement is over, and the next state counts. */
+	release() {
+		clearTimeout(this.stopTimer);
+		this.isMoving = this.isDirty = false;
+		this.sentAt = this.nextFov = null;
+		this.postedAt = -500;
 	}
 	/** A picture came. */
 	frame(generation) {
@@ -1835,12 +1842,12 @@ var Output = class {
 			href: `./api/${name}`,
 			title
 		}, text);
-		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, link("EXR", "picture.exr", "All values, with layers"), this.png, link("Scene", "scene.steradian", "The scene as it is now"))), h("div", { class: "row" }, h("span", {}, "Into the scene’s folder"), h("span", { class: "buttons" }, ...[
+		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, link("EXR", "picture.exr", "All values, with layers"), this.png, link("Scene", "scene.steradian", "The scene as it is now"))), h("div", { class: "row" }, h("span", {}, "Beside scene"), h("span", { class: "buttons" }, ...[
 			"picture.exr",
 			"picture.png",
 			"scene.steradian"
 		].map((name) => h("button", {
-			title: `Write ${name} there`,
+			title: `Write ${name} into the scene’s folder`,
 			onclick: () => void this.save(name)
 		}, name.endsWith("steradian") ? "Scene" : name.slice(-3).toUpperCase())))), this.command, h("div", { class: "buttons" }, h("button", { onclick: () => void this.copy() }, "Copy command")));
 	}
@@ -1989,14 +1996,17 @@ var RenderPanel = class {
 			type: "settings",
 			...change
 		});
-		const choice = (key) => {
-			const select = h("select", { onchange: () => set({ [key]: select.value }) });
+		const choice = (key, label) => {
+			const select = h("select", {
+				"aria-label": label,
+				onchange: () => set({ [key]: select.value })
+			});
 			return select;
 		};
 		this.choices = {
-			integrator: choice("integrator"),
-			sampler: choice("sampler"),
-			color: choice("color")
+			integrator: choice("integrator", "Integrator"),
+			sampler: choice("sampler", "Sampler"),
+			color: choice("color", "Colour")
 		};
 		this.spp = whole("Samples per pixel", 1, false, (v) => set({ spp: v }));
 		this.seed = whole("Seed", 0, false, (v) => set({ seed: v }));
@@ -2038,10 +2048,13 @@ var RenderPanel = class {
 var CameraPanel = class {
 	send;
 	element;
-	names = h("select", { onchange: () => this.send({
-		type: "camera-name",
-		name: this.names.value
-	}) });
+	names = h("select", {
+		"aria-label": "Camera",
+		onchange: () => this.send({
+			type: "camera-name",
+			name: this.names.value
+		})
+	});
 	nameRow = row("Camera", this.names);
 	facts = h("p", { class: "facts" });
 	buttons;
@@ -2081,7 +2094,8 @@ var CameraPanel = class {
 		this.fovRow.hidden = camera.fov === null || !camera.movable;
 		if (camera.fov !== null) this.fov.set(camera.fov);
 		const place = (v) => v.map(show).join(", ");
-		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${camera.movable ? "" : "; it cannot be moved here"}`;
+		const fixed = camera.movable ? "" : "; it cannot be moved here";
+		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
 	}
 };
 // src/protocol.ts
@@ -2210,7 +2224,9 @@ var Status = class {
 			parts.push(`${f.width} × ${f.height}`);
 			this.progress.value = Math.min(1, f.samples / Math.max(f.target, 1));
 		}
-		setText(this.facts, parts.filter(Boolean).join(" · "));
+		const text = parts.filter(Boolean).join(" · ");
+		setText(this.facts, text);
+		this.facts.title = text;
 	}
 };
 // src/theme.ts
@@ -2222,12 +2238,13 @@ var THEMES = [
 ];
 var KEY = "steradian-theme";
 function themeButton(changed) {
-	let theme = THEMES.find((t) => t === localStorage.getItem(KEY)) ?? "auto";
+	let theme = THEMES.find((t) => t === stored()) ?? "auto";
+	const light = matchMedia("(prefers-color-scheme: light)");
 	const button = h("button", { onclick: () => set(THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length]) });
 	function set(to) {
 		theme = to;
-		localStorage.setItem(KEY, to);
-		document.documentElement.dataset.theme = to;
+		store(to);
+		apply();
 		button.textContent = {
 			auto: "◐",
 			dark: "●",
@@ -2235,11 +2252,27 @@ function themeButton(changed) {
 		}[to];
 		button.title = `Theme: ${to}`;
 		button.setAttribute("aria-label", button.title);
+	}
+	function apply() {
+		document.documentElement.dataset.theme = theme === "auto" ? light.matches ? "light" : "dark" : theme;
 		changed();
 	}
 	set(theme);
-	matchMedia("(prefers-color-scheme: light)").addEventListener("change", changed);
+	light.addEventListener("change", apply);
 	return button;
+}
+/** Storage that the browser may refuse. */
+function stored() {
+	try {
+		return localStorage.getItem(KEY);
+	} catch {
+		return null;
+	}
+}
+function store(theme) {
+	try {
+		localStorage.setItem(KEY, theme);
+	} catch {}
 }
 // src/toolbar.ts
 /** Buttons over the picture. */
@@ -2629,8 +2662,17 @@ function start() {
 	});
 	const view = new View(canvas);
 	const camera = new Camera();
-	const send = socketSend();
-	const moving = new Moving(camera, send);
+	const link = { socket: null };
+	const moving = new Moving(camera, (message) => link.socket?.send(message) ?? false);
+	const send = (message) => {
+		if ([
+			"camera-name",
+			"camera-reset",
+			"undo",
+			"redo"
+		].includes(message.type)) moving.release();
+		return link.socket?.send(message) ?? false;
+	};
 	const fly = new Fly(canvas, camera, moving);
 	const messages = new Messages();
 	const overlay = new Overlay(view);
@@ -2746,7 +2788,7 @@ function start() {
 		}
 	});
 	const status = new Status(() => socket.retry());
-	send.socket = socket;
+	link.socket = socket;
 	function takeState(next) {
 		const first = state === null;
 		state = next;
@@ -2780,12 +2822,6 @@ function start() {
 	}
 	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), canvas, overlay.element, toolbar.element, legend.element, flying, messages.toast, drop.hint), status.element, panel, keys.help);
 	toolbar.setPanel(document.body.classList.toggle("no-panel", innerWidth < 720));
-}
-/** A function that sends, before there is a socket too. */
-function socketSend() {
-	const send = (message) => send.socket?.send(message) ?? false;
-	send.socket = null;
-	return send;
 }
 try {
 	start();
