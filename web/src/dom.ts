@@ -37,11 +37,14 @@ export function trackEditing(): void {
   document.addEventListener('focusout', ends, true);
 }
 
+/** What choices have. */
+const shownOptions = new WeakMap<HTMLSelectElement, string>();
+
 /** The options of a choice; the same ones are kept. */
 export function setOptions(select: HTMLSelectElement, options: { value: string; text?: string; title?: string }[]): void {
   const key = JSON.stringify(options);
-  if (select.dataset.key === key) return;
-  select.dataset.key = key;
+  if (shownOptions.get(select) === key) return;
+  shownOptions.set(select, key);
   select.replaceChildren(...options.map((o) => h('option', { value: o.value, title: o.title }, o.text ?? o.value)));
 }
 

@@ -1,6 +1,6 @@
 /** Frames as textures: one is shown while the next one's tiles come. */
 
-import type { Tile } from './protocol';
+import type { Box, Tile } from './protocol';
 
 /** A picture of halves, on the GPU and here. */
 export interface Picture {
@@ -9,11 +9,15 @@ export interface Picture {
   height: number;
   components: number;
   halves: Uint16Array;
+  /** The part of the film that it shows. */
+  crop: Box;
 }
 
 interface Layer {
   front: Picture | null;
   back: Picture | null;
+  /** Whether tiles came since the last frame. */
+  isFresh: boolean;
 }
 
 export class Layers {
@@ -31,7 +35,7 @@ export class Layers {
   /** Takes a tile of the frame that comes. */
   tile(name: string, tile: Tile): void {
     const { gl } = this;
-    const layer = this.layers.get(name) ?? { front: null, back: null };
+    const layer = this.layers.get(name) ?? { front: null, back: null, isFresh: false };
     this.layers.set(name, layer);
     const [width, height, components] = [tile.frameWidth, tile.frameHeight, tile.components];
     const back = layer.back;
@@ -40,6 +44,7 @@ export class Layers {
       layer.back = this.create(width, height, components);
     }
     const picture = layer.back!;
+    layer.isFresh = true;
     gl.bindTexture(gl.TEXTURE_2D, picture.texture);
     const format = components === 1 ? gl.RED : gl.RGB;
     gl.texSubImage2D(gl.TEXTURE_2D, 0, tile.x, tile.y, tile.width, tile.height, format, gl.HALF_FLOAT, tile.halves);
@@ -49,12 +54,14 @@ export class Layers {
     }
   }
 
-  /** The frame is whole: shows it. */
-  swap(name: string, width: number, height: number): boolean {
-    const layer = this.layers.get(name);
-    if (!layer?.back || layer.back.width !== width || layer.back.height !== height) return false;
-    [layer.front, layer.back] = [layer.back, layer.front];
-    return true;
+  /** A frame is whole: shows the layers that came with it, or this one of them, as a part of the film. */
+  swap(crop: Box, only?: string): void {
+    for (const [name, layer] of this.layers) {
+      if (!layer.back || !layer.isFresh || (only !== undefined && name !== only)) continue;
+      layer.back.crop = crop;
+      layer.isFresh = false;
+      [layer.front, layer.back] = [layer.back, layer.front];
+    }
   }
 
   /** Forgets layers but these. */
@@ -75,6 +82,6 @@ export class Layers {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-    return { texture, width, height, components, halves: new Uint16Array(width * height * components) };
+    return { texture, width, height, components, halves: new Uint16Array(width * height * components), crop: [0, 0, width, height] };
   }
 }

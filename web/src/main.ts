@@ -143,6 +143,7 @@ function start(): void {
     state = next;
     document.title = `${next.scene.name} – Steradian`;
     view.film = { ...next.film };
+    view.region = next.region;
     if (!toolbar.region) overlay.region = next.region;
     look.update(next);
     render.update(next);
@@ -161,11 +162,9 @@ function start(): void {
 
   function takeFrame(frame: FrameMessage): void {
     view.frame(frame);
-    if (frame.layer === 'picture') {
-      moving.frame(frame.generation);
-      status.update(null, frame);
-    }
-    if (frame.layer === view.layer) showHistogram();
+    moving.frame(frame.generation);
+    status.update(null, frame);
+    showHistogram();
     inspector.refresh();
   }
 

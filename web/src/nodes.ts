@@ -4,9 +4,6 @@ import { h, section, setText } from './dom';
 import { kindOf, parameterField, type Field } from './parameter';
 import type { NodeParameter, PageMessage, SceneNode, State } from './protocol';
 
-/** Milliseconds between two edits while a slider is held. */
-const PAUSE = 120;
-
 class ParameterRow {
   readonly element = h('div', { class: 'row parameter' });
   private field: Field | null = null;
@@ -31,10 +28,8 @@ class ParameterRow {
   private readonly label: string;
 
   update(parameter: NodeParameter): void {
-    const { name, type, unit, range, doc } = parameter;
-    this.element.title = [doc, `${type}${unit ? `, ${unit}` : ''}`, range ? `${range[0] ?? '−∞'} to ${range[1] ?? '∞'}` : '']
-      .filter(Boolean)
-      .join('\n');
+    const { name, type, doc } = parameter;
+    this.element.title = [doc, type].filter(Boolean).join('\n');
     this.name.classList.toggle('unset', parameter.value === null);
     this.reset.hidden = parameter.value === null;
     if (this.field?.kind === kindOf(parameter)) return this.field.set(parameter);
@@ -98,8 +93,6 @@ export class Nodes {
   private readonly items = new Map<string, NodeItem>();
   private key = '';
   private wants = false;
-  private last = 0;
-  private timer = 0;
 
   constructor(private readonly send: (message: PageMessage) => boolean) {
     this.element = section('Scene', false, h('div', { class: 'buttons' }, this.undo, this.redo, this.filter), this.list);
@@ -151,15 +144,9 @@ export class Nodes {
     this.sift();
   }
 
-  /** Sends an edit; while a slider is held, some times a second. */
+  /** Sends an edit; of a slider that is held the last one only, as each can be undone. */
   private edit(node: string, parameter: string, value: string | null, done: boolean): void {
-    clearTimeout(this.timer);
-    const wait = done ? 0 : this.last + PAUSE - performance.now();
-    if (wait > 0) {
-      this.timer = window.setTimeout(() => this.edit(node, parameter, value, done), wait);
-      return;
-    }
-    this.last = performance.now();
+    if (!done) return;
     this.wants = true;
     this.send({ type: 'edit', node, parameter, value });
   }

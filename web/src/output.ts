@@ -7,6 +7,11 @@ import type { View } from './view';
 
 export class Output {
   readonly element: HTMLElement;
+  private readonly exr = h(
+    'a',
+    { class: 'button', download: 'picture.exr', href: './api/picture.exr', title: 'All values, with the layer that is shown' },
+    'EXR',
+  );
   private readonly png = h('a', { class: 'button', download: 'picture.png', href: './api/picture.png' }, 'PNG');
   private readonly command = h('code', {
     class: 'command',
@@ -30,13 +35,7 @@ export class Output {
         'div',
         { class: 'row' },
         h('span', {}, 'Download'),
-        h(
-          'span',
-          { class: 'buttons' },
-          link('EXR', 'picture.exr', 'All values, with layers'),
-          this.png,
-          link('Scene', 'scene.steradian', 'The scene as it is now'),
-        ),
+        h('span', { class: 'buttons' }, this.exr, this.png, link('Scene', 'scene.steradian', 'The scene as it is now')),
       ),
       h(
         'div',
@@ -62,6 +61,7 @@ export class Output {
   update(state: State | null = this.state): void {
     this.state = state;
     if (!state) return;
+    this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(',')}` : ''}`;
     this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
     if (this.command.textContent !== state.command) this.command.textContent = state.command;
   }

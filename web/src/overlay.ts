@@ -1,9 +1,8 @@
 /** What lies over the picture: the region's frame and the pinned pixel's mark. */
 
 import { h } from './dom';
+import type { Box } from './protocol';
 import type { View } from './view';
-
-type Box = [number, number, number, number];
 
 export class Overlay {
   readonly element = h('div', { class: 'overlay', 'aria-hidden': 'true' });

@@ -33,11 +33,12 @@ export class RenderPanel {
   private readonly width;
   private readonly height;
   private readonly denoise;
+  private readonly denoiseRow;
 
   constructor(private readonly send: Send) {
     const set = (change: Partial<Settings & { width: number; height: number }>) => this.send({ type: 'settings', ...change });
     const choice = (key: 'integrator' | 'sampler' | 'color', label: string) => {
-      const select = h('select', { 'aria-label': label, onchange: () => set({ [key]: select.value }) });
+      const select = h('select', { 'aria-label': label, onchange: () => set({ [key]: select.value || null }) });
       return select;
     };
     this.choices = {
@@ -46,11 +47,12 @@ export class RenderPanel {
       color: choice('color', 'Colour'),
     };
     this.spp = whole('Samples per pixel', 1, false, (v) => set({ spp: v! }));
-    this.seed = whole('Seed', 0, false, (v) => set({ seed: v! }));
+    this.seed = whole('Seed', 0, true, (v) => set({ seed: v }));
     this.depth = whole('Most bounces', 0, true, (v) => set({ maxDepth: v }));
-    this.width = whole('Width in pixels', 1, false, (v) => set({ width: v! }));
-    this.height = whole('Height in pixels', 1, false, (v) => set({ height: v! }));
+    this.width = whole('Width in pixels', 1, false, () => set(this.size()));
+    this.height = whole('Height in pixels', 1, false, () => set(this.size()));
     this.denoise = h('input', { type: 'checkbox', onchange: () => set({ denoise: this.denoise.checked }) });
+    this.denoiseRow = row('Denoise', this.denoise);
     const size = h('span', { class: 'plain' }, this.width, '×', this.height);
     this.element = section(
       'Render',
@@ -62,29 +64,38 @@ export class RenderPanel {
       h('div', { class: 'row' }, h('span', {}, 'Size'), size),
       row('Seed', this.seed),
       row('Max depth', this.depth, 'Bounces at most'),
-      row('Denoise', this.denoise),
+      this.denoiseRow,
     );
   }
 
   update({ settings, choices, film }: State): void {
     const named = (list: { name: string; doc: string }[]) => list.map((c) => ({ value: c.name, title: c.doc }));
-    setOptions(this.choices.integrator, named(choices.integrators));
-    setOptions(this.choices.sampler, named(choices.samplers));
+    // What holds may be the scene's own, or have parameters.
+    const { integrator } = settings;
+    const isListed = choices.integrators.some((c) => c.name === integrator);
+    const own = isListed ? [] : [{ value: integrator, text: integrator || 'the scene’s' }];
+    setOptions(this.choices.integrator, [...own, ...named(choices.integrators)]);
+    setOptions(this.choices.sampler, [{ value: '', text: 'automatic' }, ...named(choices.samplers)]);
     setOptions(
       this.choices.color,
       choices.colors.map((value) => ({ value })),
     );
     for (const key of ['integrator', 'sampler', 'color'] as const) {
       const select = this.choices[key];
-      setValue(select, settings[key]);
+      setValue(select, settings[key] ?? '');
       select.title = select.selectedOptions[0]?.title ?? '';
     }
     setValue(this.spp, String(settings.spp));
-    setValue(this.seed, String(settings.seed));
+    setValue(this.seed, settings.seed === null ? '' : String(settings.seed));
     setValue(this.depth, settings.maxDepth === null ? '' : String(settings.maxDepth));
     setValue(this.width, String(film.width));
     setValue(this.height, String(film.height));
-    this.denoise.checked = settings.denoise;
+    this.denoiseRow.hidden = settings.denoise === undefined;
+    this.denoise.checked = settings.denoise ?? false;
+  }
+
+  private size(): { width: number; height: number } {
+    return { width: this.width.valueAsNumber, height: this.height.valueAsNumber };
   }
 }
 

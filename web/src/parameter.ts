@@ -26,12 +26,13 @@ function triple(text: string): number[] | null {
   return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
 }
 
-const current = (p: NodeParameter) => p.value ?? p.default ?? '';
+/** What holds; of a default without what is said of exceptions. */
+const current = (p: NodeParameter) => p.value ?? p.default?.split(';')[0] ?? '';
 
 export function kindOf(p: NodeParameter): string {
   const text = current(p);
-  if (p.type === 'true or false') return 'flag';
-  if (p.words.length > 0 && (text === '' || p.words.includes(text))) return 'word';
+  if (p.type.startsWith('true or false')) return 'flag';
+  if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return 'word';
   if (/spectrum/.test(p.type) && triple(text)) return 'color';
   if (/^(whole )?number/.test(p.type) && NUMBER.test(text)) return 'number';
   return 'text';
@@ -53,10 +54,10 @@ function flag(p: NodeParameter, label: string, edit: Edit): Made {
 }
 
 function word(p: NodeParameter, label: string, edit: Edit): Made {
-  const none = p.default === null ? [h('option', { value: '' }, '–')] : [];
+  const own = p.words.includes(current({ ...p, value: null })) ? [] : [h('option', { value: '' }, p.default || '–')];
   const options = p.words.map((w) => h('option', { value: w }, w));
-  const select = h('select', { 'aria-label': label, onchange: () => edit(select.value || null, true) }, ...none, ...options);
-  const set = (p: NodeParameter) => setValue(select, current(p));
+  const select = h('select', { 'aria-label': label, onchange: () => edit(select.value || null, true) }, ...own, ...options);
+  const set = (p: NodeParameter) => setValue(select, p.words.includes(current(p)) ? current(p) : '');
   set(p);
   return { element: select, set };
 }

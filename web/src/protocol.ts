@@ -1,6 +1,8 @@
 /** What server and page say to each other. */
 
 export type Vec3 = [number, number, number];
+/** Pixels x0, y0, x1, y1, the last two exclusive. */
+export type Box = [number, number, number, number];
 export type Severity = 'error' | 'warning' | 'note';
 export interface Message {
   severity: Severity;
@@ -37,20 +39,24 @@ export interface CameraState {
 }
 
 export interface Settings {
+  /** A name, or `name:key=value,…`; empty for the scene's. */
   integrator: string;
   spp: number;
-  sampler: string;
+  /** `null` for the one that suits. */
+  sampler: string | null;
   color: string;
-  seed: number;
+  /** `null` for the scene's, as with `maxDepth`. */
+  seed: number | null;
   maxDepth: number | null;
-  denoise: boolean;
+  /** Absent where the server does not denoise. */
+  denoise?: boolean;
 }
 
 export interface State {
   generation: number;
   scene: { name: string; path: string | null; faces: number; lights: number; materials: number; messages: Message[] };
   film: { width: number; height: number };
-  region: [number, number, number, number] | null;
+  region: Box | null;
   camera: CameraState;
   settings: Settings;
   choices: { integrators: Named[]; samplers: Named[]; colors: string[]; tones: ToneChoice[]; layers: Named[] };
@@ -62,11 +68,14 @@ export interface State {
   command: string;
 }
 
+/** What ends a frame: all tiles of its picture and layers came before. */
 export interface FrameMessage {
   generation: number;
-  layer: string;
+  /** Of the frame; a fraction of what it shows while the camera moves. */
   width: number;
   height: number;
+  /** The film's pixel that the frame's first one shows. */
+  origin: [number, number];
   kind: string;
   samples: number;
   target: number;
@@ -74,7 +83,11 @@ export interface FrameMessage {
   seconds: number;
   done: boolean;
   nonfinite: number;
-  denoised: boolean;
+  /** The part of the film that the frame shows, where the server tells: x0, y0, x1, y1. */
+  crop?: Box;
+  /** The one layer that it ends, where it isn't all of them. */
+  layer?: string;
+  denoised?: boolean;
 }
 
 export type ServerMessage = ({ type: 'state' } & State) | ({ type: 'frame' } & FrameMessage) | ({ type: 'message' } & Message);
@@ -84,7 +97,7 @@ export type PageMessage =
   | { type: 'camera-name'; name: string }
   | { type: 'camera-reset' }
   | ({ type: 'settings' } & Partial<Settings & { width: number; height: number }>)
-  | { type: 'region'; pixels: [number, number, number, number] | null }
+  | { type: 'region'; pixels: Box | null }
   | { type: 'layers'; names: string[] }
   | { type: 'edit'; node: string; parameter: string; value: string | null }
   | { type: 'undo' }

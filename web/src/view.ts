@@ -4,7 +4,7 @@ import { FALSE_COLOR_GLSL, scaleEnds } from './falsecolor';
 import { statistics, VALUES, type Statistics } from './half';
 import { Layers, type Picture } from './layers';
 import { Placement } from './placement';
-import type { FrameMessage, Tile } from './protocol';
+import type { Box, FrameMessage, Tile } from './protocol';
 import { CURVES, TONE_GLSL, type Tone } from './tone';
 
 const VERTEX = `#version 300 es
@@ -55,6 +55,8 @@ export class View {
   isFalse = false;
   isMarked = true;
   film = { width: 1, height: 1 };
+  /** The part of the film that's rendered. */
+  region: Box | null = null;
   /** Called after each drawing. */
   drawn: () => void = () => {};
 
@@ -88,7 +90,8 @@ export class View {
 
   /** A frame's tiles are all there. */
   frame(message: FrameMessage): void {
-    if (this.layers.swap(message.layer, message.width, message.height)) this.version++;
+    this.layers.swap(cropOf(message, this.film, this.region), message.layer);
+    this.version++;
     this.redraw();
   }
 
@@ -111,9 +114,11 @@ export class View {
   /** The shown values at a pixel of the film. */
   values(x: number, y: number): number[] | null {
     const picture = this.picture;
-    if (!picture || x < 0 || y < 0 || x >= this.film.width || y >= this.film.height) return null;
-    const column = Math.floor((x * picture.width) / this.film.width);
-    const line = Math.floor((y * picture.height) / this.film.height);
+    if (!picture) return null;
+    const [x0, y0, x1, y1] = picture.crop;
+    if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
+    const column = Math.floor(((x - x0) * picture.width) / (x1 - x0));
+    const line = Math.floor(((y - y0) * picture.height) / (y1 - y0));
     const at = (line * picture.width + column) * picture.components;
     return Array.from(picture.halves.subarray(at, at + picture.components), (bits) => VALUES[bits]!);
   }
@@ -159,13 +164,15 @@ export class View {
   }
 
   private setUniforms(picture: Picture): void {
-    const { gl, canvas, placement, film, tone } = this;
-    const shown = [film.width * placement.scale, film.height * placement.scale] as const;
+    const { gl, canvas, placement, tone } = this;
+    const { left, top, scale } = placement;
+    const [x0, y0, x1, y1] = picture.crop;
+    const shown = [(x1 - x0) * scale, (y1 - y0) * scale] as const;
     const gain = Math.fround(2 ** tone.exposure);
     const usesMaximum = tone.name.startsWith('equalize') && !this.isFalse;
     const maximum = usesMaximum ? Math.min((this.statistics()?.maximum ?? 1) * gain, 1e9) : 1;
     gl.uniform2f(this.at('canvasSize'), canvas.width, canvas.height);
-    gl.uniform2f(this.at('corner'), placement.left, placement.top);
+    gl.uniform2f(this.at('corner'), left + x0 * scale, top + y0 * scale);
     gl.uniform2f(this.at('shownSize'), ...shown);
     gl.uniform1i(this.at('isGrey'), Number(picture.components === 1));
     gl.uniform1i(this.at('isNearest'), Number(shown[0] >= picture.width));
@@ -199,4 +206,13 @@ function link(gl: WebGL2RenderingContext): WebGLProgram {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? 'no program');
   return program;
+}
+
+/** The part of the film that a frame shows. */
+function cropOf(frame: FrameMessage, film: { width: number; height: number }, region: Box | null): Box {
+  if (frame.crop) return frame.crop;
+  const [x, y] = frame.origin;
+  // Frames of a moving camera have fewer pixels than they show.
+  if (frame.kind === 'render') return [x, y, x + frame.width, y + frame.height];
+  return region ?? [x, y, film.width - x, film.height - y];
 }

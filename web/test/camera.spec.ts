@@ -43,7 +43,7 @@ test('the next camera waits for the picture of the last', async ({ mock, ready }
   await expect.poll(() => sent(mock, 'camera').length).toBe(1);
   await ready.waitForTimeout(300);
   expect(sent(mock, 'camera')).toHaveLength(1);
-  mock.frame('picture', { kind: 'preview', reduced: 2 });
+  mock.frame({ kind: 'preview', reduced: 2 });
   await expect.poll(() => sent(mock, 'camera').length).toBe(2);
   const [first, second] = sent(mock, 'camera');
   expect(length(sub(first!.eye, second!.eye))).toBeGreaterThan(0.1);

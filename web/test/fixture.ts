@@ -75,3 +75,6 @@ export async function open(page: Page, title: string): Promise<void> {
   const section = page.locator('details.section', { has: page.locator('h2', { hasText: new RegExp(`^${title}`) }) });
   if (!(await section.evaluate((s: HTMLDetailsElement) => s.open))) await section.locator('> summary').click();
 }
+
+/** The 8-bit sRGB code of a linear value. */
+export const srgb = (v: number): number => Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));

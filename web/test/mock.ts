@@ -45,7 +45,7 @@ export class Mock {
       socket.on('close', () => this.sockets.delete(socket));
       socket.on('message', (data) => this.take(JSON.parse(String(data)) as PageMessage));
       socket.send(this.stateText());
-      for (const layer of ['picture', ...this.state.layers]) this.frame(layer, {}, [socket]);
+      this.frame({}, [socket]);
     });
     await new Promise<void>((resolve) => this.http.listen(port, '127.0.0.1', resolve));
     this.port = (this.http.address() as AddressInfo).port;
@@ -77,41 +77,33 @@ export class Mock {
     for (const socket of this.sockets) socket.send(this.stateText());
   }
 
-  /** Sends a frame, tile by tile, at 1/`reduced` of the film's size. */
-  frame(layer = 'picture', more: Partial<FrameMessage> & { reduced?: number } = {}, to: Iterable<WebSocket> = this.sockets): void {
+  /** Sends a frame of the picture and the chosen layers, tile by tile, at 1/`reduced` of the size of what's rendered. */
+  frame(more: Partial<FrameMessage> & { reduced?: number } = {}, to: Iterable<WebSocket> = this.sockets): void {
     const { reduced = 1, ...message } = more;
-    const { film, generation, settings } = this.state;
-    const [width, height] = [Math.ceil(film.width / reduced), Math.ceil(film.height / reduced)];
-    const components = layer === 'depth' ? 1 : 3;
-    const index = layer === 'picture' ? 0 : 1 + this.state.layers.indexOf(layer);
-    for (let y = 0; y < height; y += TILE_ROWS) {
-      // Tiles of two widths try every offset.
-      for (const [x, w] of width > 40
-        ? ([
-            [0, 33],
-            [33, width - 33],
-          ] as const)
-        : ([[0, width]] as const)) {
-        const tile = this.tile(layer, components, {
-          generation,
-          index,
-          width,
-          height,
-          x,
-          y,
-          w,
-          h: Math.min(TILE_ROWS, height - y),
-          reduced,
-        });
-        for (const socket of to) socket.send(tile);
+    const { film, generation, settings, region, layers } = this.state;
+    const [x0, y0, x1, y1] = region ?? [0, 0, film.width, film.height];
+    const [width, height] = [Math.ceil((x1 - x0) / reduced), Math.ceil((y1 - y0) / reduced)];
+    for (const [index, layer] of ['picture', ...layers].entries()) {
+      const components = layer === 'depth' ? 1 : 3;
+      for (let y = 0; y < height; y += TILE_ROWS) {
+        // Tiles of two widths try every offset.
+        for (const [x, w] of width > 40
+          ? ([
+              [0, 33],
+              [33, width - 33],
+            ] as const)
+          : ([[0, width]] as const)) {
+          const h = Math.min(TILE_ROWS, height - y);
+          const tile = this.tile(layer, components, { generation, index, width, height, x, y, w, h, reduced, x0, y0 });
+          for (const socket of to) socket.send(tile);
+        }
       }
     }
-    const frame = {
-      type: 'frame',
+    const frame: FrameMessage = {
       generation,
-      layer,
       width,
       height,
+      origin: [x0, y0],
       kind: 'render',
       samples: this.samples,
       target: settings.spp,
@@ -119,16 +111,15 @@ export class Mock {
       seconds: 1.25,
       done: this.samples >= settings.spp,
       nonfinite: 0,
-      denoised: false,
       ...message,
     };
-    for (const socket of to) socket.send(JSON.stringify(frame));
+    for (const socket of to) socket.send(JSON.stringify({ type: 'frame', ...frame }));
   }
 
   private tile(
     layer: string,
     components: number,
-    t: Record<'generation' | 'index' | 'width' | 'height' | 'x' | 'y' | 'w' | 'h' | 'reduced', number>,
+    t: Record<'generation' | 'index' | 'width' | 'height' | 'x' | 'y' | 'w' | 'h' | 'reduced' | 'x0' | 'y0', number>,
   ): Buffer {
     const buffer = Buffer.alloc(24 + 2 * t.w * t.h * components);
     buffer.writeUInt32LE(0x54525453, 0);
@@ -138,7 +129,11 @@ export class Mock {
     for (let y = t.y; y < t.y + t.h; y++) {
       for (let x = t.x; x < t.x + t.w; x++) {
         const rgb =
-          layer === 'picture' ? this.shade(x * t.reduced, y * t.reduced) : layer === 'depth' ? [x / t.width] : [0.8, 0.25, y / t.height];
+          layer === 'picture'
+            ? this.shade(t.x0 + x * t.reduced, t.y0 + y * t.reduced)
+            : layer === 'depth'
+              ? [x / t.width]
+              : [0.8, 0.25, y / t.height];
         for (const v of rgb) at = buffer.writeUInt16LE(toHalf(v), at);
       }
     }
@@ -155,14 +150,14 @@ export class Mock {
     if (message.type === 'camera') {
       const { eye, target, up, fov } = message;
       this.change({ camera: { ...state.camera, eye, target, up, fov: fov ?? state.camera.fov, moved: true } });
-      if (this.answersCamera) this.frame('picture', message.moving ? { kind: 'preview', reduced: 2, error: null, done: false } : {});
+      if (this.answersCamera) this.frame(message.moving ? { kind: 'preview', reduced: 2, error: null, done: false } : {});
     } else if (message.type === 'settings') {
       const { type: _, width = state.film.width, height = state.film.height, ...settings } = message;
       this.change({ settings: { ...state.settings, ...settings }, film: { width, height } });
       this.frame();
     } else if (message.type === 'layers') {
       this.change({ layers: message.names });
-      message.names.forEach((name) => this.frame(name));
+      this.frame();
     } else if (message.type === 'edit') {
       const parameter = this.nodes.find((n) => n.id === message.node)?.parameters.find((p) => p.name === message.parameter);
       if (!parameter) return this.broadcast({ type: 'message', severity: 'error', text: `no parameter '${message.parameter}'` });
@@ -171,8 +166,10 @@ export class Mock {
       this.frame();
     } else if (message.type === 'undo') this.change({ undo: Math.max(0, state.undo - 1), redo: state.redo + 1 });
     else if (message.type === 'redo') this.change({ undo: state.undo + 1, redo: Math.max(0, state.redo - 1) });
-    else if (message.type === 'region') this.change({ region: message.pixels });
-    else if (message.type === 'pause') this.change({ paused: message.on });
+    else if (message.type === 'region') {
+      this.change({ region: message.pixels });
+      this.frame();
+    } else if (message.type === 'pause') this.change({ paused: message.on });
     else if (message.type === 'camera-reset') this.change({ camera: firstState().camera });
     else if (message.type === 'camera-name') this.change({ camera: { ...firstState().camera, name: message.name } });
   }

@@ -215,11 +215,13 @@ function trackEditing() {
 	document.addEventListener("change", ends, true);
 	document.addEventListener("focusout", ends, true);
 }
+/** What choices have. */
+var shownOptions = /* @__PURE__ */ new WeakMap();
 /** The options of a choice; the same ones are kept. */
 function setOptions(select, options) {
 	const key = JSON.stringify(options);
-	if (select.dataset.key === key) return;
-	select.dataset.key = key;
+	if (shownOptions.get(select) === key) return;
+	shownOptions.set(select, key);
 	select.replaceChildren(...options.map((o) => h("option", {
 		value: o.value,
 		title: o.title
@@ -673,7 +675,7 @@ var Histogram = class {
 // src/inspector.ts
 /** Panel "Pixel": the values under the pointer, and all that the server knows of a pixel that was clicked. */
 /** Milliseconds between two questions about a pixel while it changes. */
-var PAUSE$1 = 1e3;
+var PAUSE = 1e3;
 var Inspector = class {
 	changed;
 	element;
@@ -704,7 +706,7 @@ var Inspector = class {
 	/** The picture has changed. */
 	refresh() {
 		if (!this.pinned || this.timer) return;
-		this.timer = window.setTimeout(() => void this.ask(), Math.max(0, this.asked + PAUSE$1 - performance.now()));
+		this.timer = window.setTimeout(() => void this.ask(), Math.max(0, this.asked + PAUSE - performance.now()));
 	}
 	async ask() {
 		clearTimeout(this.timer);
@@ -1530,11 +1532,12 @@ function triple(text) {
 	const parts = /^\[(.*)\]$/.exec(text.trim())?.[1]?.split(",").map((p) => p.trim());
 	return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
 }
-var current = (p) => p.value ?? p.default ?? "";
+/** What holds; of a default without what is said of exceptions. */
+var current = (p) => p.value ?? p.default?.split(";")[0] ?? "";
 function kindOf(p) {
 	const text = current(p);
-	if (p.type === "true or false") return "flag";
-	if (p.words.length > 0 && (text === "" || p.words.includes(text))) return "word";
+	if (p.type.startsWith("true or false")) return "flag";
+	if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return "word";
 	if (/spectrum/.test(p.type) && triple(text)) return "color";
 	if (/^(whole )?number/.test(p.type) && NUMBER.test(text)) return "number";
 	return "text";
@@ -1567,13 +1570,16 @@ function flag(p, label, edit) {
 	};
 }
 function word(p, label, edit) {
-	const none = p.default === null ? [h("option", { value: "" }, "–")] : [];
+	const own = p.words.includes(current({
+		...p,
+		value: null
+	})) ? [] : [h("option", { value: "" }, p.default || "–")];
 	const options = p.words.map((w) => h("option", { value: w }, w));
 	const select = h("select", {
 		"aria-label": label,
 		onchange: () => edit(select.value || null, true)
-	}, ...none, ...options);
-	const set = (p) => setValue(select, current(p));
+	}, ...own, ...options);
+	const set = (p) => setValue(select, p.words.includes(current(p)) ? current(p) : "");
 	set(p);
 	return {
 		element: select,
@@ -1654,8 +1660,6 @@ function text(p, label, edit) {
 }
 // src/nodes.ts
 /** Panel "Scene": its nodes by family, and their parameters to be edited. */
-/** Milliseconds between two edits while a slider is held. */
-var PAUSE = 120;
 var ParameterRow = class {
 	edit;
 	element = h("div", { class: "row parameter" });
@@ -1680,12 +1684,8 @@ var ParameterRow = class {
 	}
 	label;
 	update(parameter) {
-		const { name, type, unit, range, doc } = parameter;
-		this.element.title = [
-			doc,
-			`${type}${unit ? `, ${unit}` : ""}`,
-			range ? `${range[0] ?? "−∞"} to ${range[1] ?? "∞"}` : ""
-		].filter(Boolean).join("\n");
+		const { name, type, doc } = parameter;
+		this.element.title = [doc, type].filter(Boolean).join("\n");
 		this.name.classList.toggle("unset", parameter.value === null);
 		this.reset.hidden = parameter.value === null;
 		if (this.field?.kind === kindOf(parameter)) return this.field.set(parameter);
@@ -1747,8 +1747,6 @@ var Nodes = class {
 	items = /* @__PURE__ */ new Map();
 	key = "";
 	wants = false;
-	last = 0;
-	timer = 0;
 	constructor(send) {
 		this.send = send;
 		this.element = section("Scene", false, h("div", { class: "buttons" }, this.undo, this.redo, this.filter), this.list);
@@ -1790,15 +1788,9 @@ var Nodes = class {
 		}, h("summary", {}, h("h3", {}, family), h("span", { class: "kind" }, String(members.length))), ...members.map((n) => this.items.get(n.id).element))));
 		this.sift();
 	}
-	/** Sends an edit; while a slider is held, some times a second. */
+	/** Sends an edit; of a slider that is held the last one only, as each can be undone. */
 	edit(node, parameter, value, done) {
-		clearTimeout(this.timer);
-		const wait = done ? 0 : this.last + PAUSE - performance.now();
-		if (wait > 0) {
-			this.timer = window.setTimeout(() => this.edit(node, parameter, value, done), wait);
-			return;
-		}
-		this.last = performance.now();
+		if (!done) return;
 		this.wants = true;
 		this.send({
 			type: "edit",
@@ -1820,6 +1812,12 @@ var Output = class {
 	view;
 	tell;
 	element;
+	exr = h("a", {
+		class: "button",
+		download: "picture.exr",
+		href: "./api/picture.exr",
+		title: "All values, with the layer that is shown"
+	}, "EXR");
 	png = h("a", {
 		class: "button",
 		download: "picture.png",
@@ -1842,7 +1840,7 @@ var Output = class {
 			href: `./api/${name}`,
 			title
 		}, text);
-		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, link("EXR", "picture.exr", "All values, with layers"), this.png, link("Scene", "scene.steradian", "The scene as it is now"))), h("div", { class: "row" }, h("span", {}, "Beside scene"), h("span", { class: "buttons" }, ...[
+		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, this.exr, this.png, link("Scene", "scene.steradian", "The scene as it is now"))), h("div", { class: "row" }, h("span", {}, "Beside scene"), h("span", { class: "buttons" }, ...[
 			"picture.exr",
 			"picture.png",
 			"scene.steradian"
@@ -1854,6 +1852,7 @@ var Output = class {
 	update(state = this.state) {
 		this.state = state;
 		if (!state) return;
+		this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(",")}` : ""}`;
 		this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
 		if (this.command.textContent !== state.command) this.command.textContent = state.command;
 	}
@@ -1990,6 +1989,7 @@ var RenderPanel = class {
 	width;
 	height;
 	denoise;
+	denoiseRow;
 	constructor(send) {
 		this.send = send;
 		const set = (change) => this.send({
@@ -1999,7 +1999,7 @@ var RenderPanel = class {
 		const choice = (key, label) => {
 			const select = h("select", {
 				"aria-label": label,
-				onchange: () => set({ [key]: select.value })
+				onchange: () => set({ [key]: select.value || null })
 			});
 			return select;
 		};
@@ -2009,24 +2009,33 @@ var RenderPanel = class {
 			color: choice("color", "Colour")
 		};
 		this.spp = whole("Samples per pixel", 1, false, (v) => set({ spp: v }));
-		this.seed = whole("Seed", 0, false, (v) => set({ seed: v }));
+		this.seed = whole("Seed", 0, true, (v) => set({ seed: v }));
 		this.depth = whole("Most bounces", 0, true, (v) => set({ maxDepth: v }));
-		this.width = whole("Width in pixels", 1, false, (v) => set({ width: v }));
-		this.height = whole("Height in pixels", 1, false, (v) => set({ height: v }));
+		this.width = whole("Width in pixels", 1, false, () => set(this.size()));
+		this.height = whole("Height in pixels", 1, false, () => set(this.size()));
 		this.denoise = h("input", {
 			type: "checkbox",
 			onchange: () => set({ denoise: this.denoise.checked })
 		});
+		this.denoiseRow = row("Denoise", this.denoise);
 		const size = h("span", { class: "plain" }, this.width, "×", this.height);
-		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), row("Denoise", this.denoise));
+		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), this.denoiseRow);
 	}
 	update({ settings, choices, film }) {
 		const named = (list) => list.map((c) => ({
 			value: c.name,
 			title: c.doc
 		}));
-		setOptions(this.choices.integrator, named(choices.integrators));
-		setOptions(this.choices.sampler, named(choices.samplers));
+		const { integrator } = settings;
+		const own = choices.integrators.some((c) => c.name === integrator) ? [] : [{
+			value: integrator,
+			text: integrator || "the scene’s"
+		}];
+		setOptions(this.choices.integrator, [...own, ...named(choices.integrators)]);
+		setOptions(this.choices.sampler, [{
+			value: "",
+			text: "automatic"
+		}, ...named(choices.samplers)]);
 		setOptions(this.choices.color, choices.colors.map((value) => ({ value })));
 		for (const key of [
 			"integrator",
@@ -2034,15 +2043,22 @@ var RenderPanel = class {
 			"color"
 		]) {
 			const select = this.choices[key];
-			setValue(select, settings[key]);
+			setValue(select, settings[key] ?? "");
 			select.title = select.selectedOptions[0]?.title ?? "";
 		}
 		setValue(this.spp, String(settings.spp));
-		setValue(this.seed, String(settings.seed));
+		setValue(this.seed, settings.seed === null ? "" : String(settings.seed));
 		setValue(this.depth, settings.maxDepth === null ? "" : String(settings.maxDepth));
 		setValue(this.width, String(film.width));
 		setValue(this.height, String(film.height));
-		this.denoise.checked = settings.denoise;
+		this.denoiseRow.hidden = settings.denoise === void 0;
+		this.denoise.checked = settings.denoise ?? false;
+	}
+	size() {
+		return {
+			width: this.width.valueAsNumber,
+			height: this.height.valueAsNumber
+		};
 	}
 };
 var CameraPanel = class {
@@ -2335,7 +2351,8 @@ var Layers = class {
 		const { gl } = this;
 		const layer = this.layers.get(name) ?? {
 			front: null,
-			back: null
+			back: null,
+			isFresh: false
 		};
 		this.layers.set(name, layer);
 		const [width, height, components] = [
@@ -2349,18 +2366,21 @@ var Layers = class {
 			layer.back = this.create(width, height, components);
 		}
 		const picture = layer.back;
+		layer.isFresh = true;
 		gl.bindTexture(gl.TEXTURE_2D, picture.texture);
 		const format = components === 1 ? gl.RED : gl.RGB;
 		gl.texSubImage2D(gl.TEXTURE_2D, 0, tile.x, tile.y, tile.width, tile.height, format, gl.HALF_FLOAT, tile.halves);
 		const row = tile.width * components;
 		for (let y = 0; y < tile.height; y++) picture.halves.set(tile.halves.subarray(y * row, (y + 1) * row), ((tile.y + y) * width + tile.x) * components);
 	}
-	/** The frame is whole: shows it. */
-	swap(name, width, height) {
-		const layer = this.layers.get(name);
-		if (!layer?.back || layer.back.width !== width || layer.back.height !== height) return false;
-		[layer.front, layer.back] = [layer.back, layer.front];
-		return true;
+	/** A frame is whole: shows the layers that came with it, or this one of them, as a part of the film. */
+	swap(crop, only) {
+		for (const [name, layer] of this.layers) {
+			if (!layer.back || !layer.isFresh || only !== void 0 && name !== only) continue;
+			layer.back.crop = crop;
+			layer.isFresh = false;
+			[layer.front, layer.back] = [layer.back, layer.front];
+		}
 	}
 	/** Forgets layers but these. */
 	keep(names) {
@@ -2384,7 +2404,13 @@ var Layers = class {
 			width,
 			height,
 			components,
-			halves: new Uint16Array(width * height * components)
+			halves: new Uint16Array(width * height * components),
+			crop: [
+				0,
+				0,
+				width,
+				height
+			]
 		};
 	}
 };
@@ -2517,6 +2543,8 @@ var View = class {
 		width: 1,
 		height: 1
 	};
+	/** The part of the film that's rendered. */
+	region = null;
 	/** Called after each drawing. */
 	drawn = () => {};
 	gl;
@@ -2549,7 +2577,8 @@ var View = class {
 	}
 	/** A frame's tiles are all there. */
 	frame(message) {
-		if (this.layers.swap(message.layer, message.width, message.height)) this.version++;
+		this.layers.swap(cropOf(message, this.film, this.region), message.layer);
+		this.version++;
 		this.redraw();
 	}
 	/** What the shown frame's pixels are like; counted once for each frame. */
@@ -2571,9 +2600,11 @@ var View = class {
 	/** The shown values at a pixel of the film. */
 	values(x, y) {
 		const picture = this.picture;
-		if (!picture || x < 0 || y < 0 || x >= this.film.width || y >= this.film.height) return null;
-		const column = Math.floor(x * picture.width / this.film.width);
-		const at = (Math.floor(y * picture.height / this.film.height) * picture.width + column) * picture.components;
+		if (!picture) return null;
+		const [x0, y0, x1, y1] = picture.crop;
+		if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
+		const column = Math.floor((x - x0) * picture.width / (x1 - x0));
+		const at = (Math.floor((y - y0) * picture.height / (y1 - y0)) * picture.width + column) * picture.components;
 		return Array.from(picture.halves.subarray(at, at + picture.components), (bits) => VALUES[bits]);
 	}
 	/** The pixel of the film at a place of the window, in CSS pixels; also outside of the film. */
@@ -2616,12 +2647,14 @@ var View = class {
 		this.drawn();
 	}
 	setUniforms(picture) {
-		const { gl, canvas, placement, film, tone } = this;
-		const shown = [film.width * placement.scale, film.height * placement.scale];
+		const { gl, canvas, placement, tone } = this;
+		const { left, top, scale } = placement;
+		const [x0, y0, x1, y1] = picture.crop;
+		const shown = [(x1 - x0) * scale, (y1 - y0) * scale];
 		const gain = Math.fround(2 ** tone.exposure);
 		const maximum = tone.name.startsWith("equalize") && !this.isFalse ? Math.min((this.statistics()?.maximum ?? 1) * gain, 1e9) : 1;
 		gl.uniform2f(this.at("canvasSize"), canvas.width, canvas.height);
-		gl.uniform2f(this.at("corner"), placement.left, placement.top);
+		gl.uniform2f(this.at("corner"), left + x0 * scale, top + y0 * scale);
 		gl.uniform2f(this.at("shownSize"), ...shown);
 		gl.uniform1i(this.at("isGrey"), Number(picture.components === 1));
 		gl.uniform1i(this.at("isNearest"), Number(shown[0] >= picture.width));
@@ -2650,6 +2683,23 @@ function link(gl) {
 	gl.linkProgram(program);
 	if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? "no program");
 	return program;
+}
+/** The part of the film that a frame shows. */
+function cropOf(frame, film, region) {
+	if (frame.crop) return frame.crop;
+	const [x, y] = frame.origin;
+	if (frame.kind === "render") return [
+		x,
+		y,
+		x + frame.width,
+		y + frame.height
+	];
+	return region ?? [
+		x,
+		y,
+		film.width - x,
+		film.height - y
+	];
 }
 // src/main.ts
 function start() {
@@ -2794,6 +2844,7 @@ function start() {
 		state = next;
 		document.title = `${next.scene.name} – Steradian`;
 		view.film = { ...next.film };
+		view.region = next.region;
 		if (!toolbar.region) overlay.region = next.region;
 		look.update(next);
 		render.update(next);
@@ -2813,11 +2864,9 @@ function start() {
 	}
 	function takeFrame(frame) {
 		view.frame(frame);
-		if (frame.layer === "picture") {
-			moving.frame(frame.generation);
-			status.update(null, frame);
-		}
-		if (frame.layer === view.layer) showHistogram();
+		moving.frame(frame.generation);
+		status.update(null, frame);
+		showHistogram();
 		inspector.refresh();
 	}
 	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), canvas, overlay.element, toolbar.element, legend.element, flying, messages.toast, drop.hint), status.element, panel, keys.help);
