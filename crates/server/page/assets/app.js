@@ -1,0 +1,2882 @@
+// src/vector.ts
+var add = (a, b) => [
+	a[0] + b[0],
+	a[1] + b[1],
+	a[2] + b[2]
+];
+var sub = (a, b) => [
+	a[0] - b[0],
+	a[1] - b[1],
+	a[2] - b[2]
+];
+var scale = (a, s) => [
+	a[0] * s,
+	a[1] * s,
+	a[2] * s
+];
+var dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+var cross = (a, b) => [
+	a[1] * b[2] - a[2] * b[1],
+	a[2] * b[0] - a[0] * b[2],
+	a[0] * b[1] - a[1] * b[0]
+];
+var length = (a) => Math.hypot(...a);
+var normalize = (a) => scale(a, 1 / (length(a) || 1));
+/** `a` without its part along the unit vector `axis`. */
+var across = (a, axis) => sub(a, scale(axis, dot(a, axis)));
+/** `a`, turned about the unit vector `axis` (right-handed, radians; Rodrigues' formula). */
+function turn(a, axis, angle) {
+	const [c, s] = [Math.cos(angle), Math.sin(angle)];
+	return add(add(scale(a, c), scale(cross(axis, a), s)), scale(axis, dot(axis, a) * (1 - c)));
+}
+// src/camera.ts
+var RADIANS_PER_PIXEL = .007;
+var Camera = class {
+	eye = [
+		0,
+		0,
+		1
+	];
+	target = [
+		0,
+		0,
+		0
+	];
+	/** What is up in the scene, a unit vector. */
+	axis = [
+		0,
+		1,
+		0
+	];
+	handedness = 1;
+	fov = 50;
+	/** Where the camera looks, level. */
+	heading = [
+		0,
+		0,
+		-1
+	];
+	/** Where it looks after `aim`. */
+	direction = [
+		0,
+		0,
+		-1
+	];
+	/** Takes the server's camera. The axis stays where that camera's horizon is level about it. */
+	adopt(state) {
+		this.eye = [...state.eye];
+		this.target = [...state.target];
+		this.handedness = state.handedness;
+		this.fov = state.fov ?? 50;
+		const up = normalize(state.up);
+		const right = normalize(cross(this.forward, up));
+		const isLevel = (axis) => Math.abs(dot(right, axis)) < .001 && dot(up, axis) > -.001;
+		if (!isLevel(this.axis) || Math.abs(dot(up, this.axis)) < .001) {
+			const level = [
+				[
+					0,
+					1,
+					0
+				],
+				[
+					0,
+					0,
+					1
+				],
+				[
+					1,
+					0,
+					0
+				],
+				[
+					0,
+					-1,
+					0
+				],
+				[
+					0,
+					0,
+					-1
+				],
+				[
+					-1,
+					0,
+					0
+				]
+			].filter(isLevel).sort((a, b) => dot(up, b) - dot(up, a));
+			const isAcross = Math.abs(dot(up, this.forward)) < 1e-4;
+			this.axis = isAcross && level[0] && dot(up, level[0]) > .1 ? level[0] : up;
+		}
+		const level = across(this.forward, this.axis);
+		this.heading = length(level) > 1e-4 ? normalize(level) : normalize(across(scale(up, -Math.sign(dot(this.forward, this.axis))), this.axis));
+	}
+	get forward() {
+		return normalize(sub(this.target, this.eye));
+	}
+	get distance() {
+		return length(sub(this.target, this.eye)) || 1;
+	}
+	/** The picture's up direction; the axis, unless the camera looks nearly along it. */
+	get up() {
+		const sine = dot(this.forward, this.axis);
+		if (Math.abs(sine) < .999) return this.axis;
+		return add(scale(this.heading, -sine), scale(this.axis, Math.sqrt(Math.max(0, 1 - sine * sine))));
+	}
+	/** The picture's right direction. */
+	get right() {
+		return scale(normalize(cross(this.forward, this.up)), this.handedness);
+	}
+	/** Turns about the target: what is in front follows the pointer. Lengths in CSS pixels. */
+	orbit(dx, dy) {
+		const { distance } = this;
+		this.aim(-this.handedness * dx * RADIANS_PER_PIXEL, -dy * RADIANS_PER_PIXEL);
+		this.eye = sub(this.target, scale(this.direction, distance));
+	}
+	/** Turns about the eye: the view follows the pointer. */
+	look(dx, dy) {
+		const { distance } = this;
+		this.aim(-this.handedness * dx * .5 * RADIANS_PER_PIXEL, -dy * .5 * RADIANS_PER_PIXEL);
+		this.target = add(this.eye, scale(this.direction, distance));
+	}
+	/** Moves across the view; `size` is the picture's smaller side in the pixels that `dx` and `dy` are in. */
+	pan(dx, dy, size) {
+		const perPixel = 2 * this.distance * Math.tan(this.fov * Math.PI / 360) / Math.max(size, 1);
+		const pictureUp = scale(cross(this.right, this.forward), this.handedness);
+		this.move(add(scale(this.right, -dx * perPixel), scale(pictureUp, dy * perPixel)));
+	}
+	/** Changes the distance by a factor. */
+	dolly(factor) {
+		const distance = Math.min(Math.max(this.distance * factor, 1e-6), 1e9);
+		this.eye = sub(this.target, scale(this.forward, distance));
+	}
+	move(by) {
+		this.eye = add(this.eye, by);
+		this.target = add(this.target, by);
+	}
+	/** Looks at the target from the front, the right or the top, or opposite. With Z up the front is at −Y, else at +Z. */
+	from(side, opposite) {
+		const { distance, axis } = this;
+		const s = opposite ? -1 : 1;
+		const isZ = Math.abs(axis[2]) > .9;
+		const level = (v) => normalize(across(length(across(v, axis)) > .1 ? v : [
+			0,
+			0,
+			1
+		], axis));
+		const front = level(isZ ? [
+			0,
+			-1,
+			0
+		] : [
+			0,
+			0,
+			1
+		]);
+		const away = side === "top" ? axis : side === "front" ? front : level([
+			1,
+			0,
+			0
+		]);
+		this.heading = side === "top" ? scale(front, -1) : scale(away, -s);
+		this.eye = add(this.target, scale(away, s * distance));
+	}
+	/** Turns the direction by angles about the axis and towards it, and keeps it from passing the axis. */
+	aim(around, upwards) {
+		const sine = Math.min(Math.max(dot(this.forward, this.axis), -1), 1);
+		const level = across(this.forward, this.axis);
+		if (length(level) > 1e-4) this.heading = normalize(level);
+		this.heading = normalize(turn(this.heading, this.axis, around));
+		const tilt = Math.min(Math.max(Math.asin(sine) + upwards, -Math.PI / 2), Math.PI / 2);
+		this.direction = add(scale(this.heading, Math.cos(tilt)), scale(this.axis, Math.sin(tilt)));
+	}
+};
+// src/dom.ts
+/** An element with attributes (functions are listeners: `onclick`) and children. */
+function h(tag, attributes = {}, ...children) {
+	const element = document.createElement(tag);
+	for (const [name, value] of Object.entries(attributes)) if (typeof value === "function") element.addEventListener(name.slice(2), value);
+	else if (value === true) element.setAttribute(name, "");
+	else if (value !== false && value !== null && value !== void 0) element.setAttribute(name, String(value));
+	element.append(...children.filter((c) => c !== null));
+	return element;
+}
+/** Sets a property only where it changes, so that nothing under the user's hands is disturbed. */
+function setText(element, text) {
+	if (element.textContent !== text) element.textContent = text;
+}
+/** Sets what a field shows, unless the user is typing there or holds it. */
+function setValue(field, value) {
+	if (field.dataset.editing === void 0 && field.value !== value) field.value = value;
+}
+/** Keeps track of the field that is being edited. */
+function trackEditing() {
+	const ends = ({ target }) => target instanceof HTMLElement && delete target.dataset.editing;
+	document.addEventListener("input", ({ target }) => target instanceof HTMLInputElement && (target.dataset.editing = ""), true);
+	document.addEventListener("change", ends, true);
+	document.addEventListener("focusout", ends, true);
+}
+/** What choices have. */
+var shownOptions = /* @__PURE__ */ new WeakMap();
+/** The options of a choice; the same ones are kept. */
+function setOptions(select, options) {
+	const key = JSON.stringify(options);
+	if (shownOptions.get(select) === key) return;
+	shownOptions.set(select, key);
+	select.replaceChildren(...options.map((o) => h("option", {
+		value: o.value,
+		title: o.title
+	}, o.text ?? o.value)));
+}
+/** A section that folds. */
+function section(title, open, ...children) {
+	return h("details", {
+		class: "section",
+		open
+	}, h("summary", {}, h("h2", {}, title)), h("div", { class: "body" }, ...children));
+}
+/** A field with its label at the left. */
+function row(label, field, title) {
+	return h("label", {
+		class: "row",
+		title
+	}, h("span", {}, label), field);
+}
+/** A number for people: about four digits. */
+function show(v) {
+	if (!Number.isFinite(v)) return String(v);
+	const a = Math.abs(v);
+	if (a === 0) return "0";
+	return a >= 1e6 || a < .001 ? Number(v.toPrecision(3)).toExponential() : String(Number(v.toPrecision(4)));
+}
+// src/drop.ts
+/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too. */
+var Drop = class {
+	tell;
+	hint = h("div", {
+		class: "drop",
+		hidden: true
+	}, "Drop a model or a scene, with what belongs to it");
+	constructor(tell) {
+		this.tell = tell;
+		let depth = 0;
+		const isFiles = (event) => event.dataTransfer?.types.includes("Files") ?? false;
+		const show = (on) => this.hint.hidden = !on;
+		addEventListener("dragenter", (event) => isFiles(event) && show(++depth > 0));
+		addEventListener("dragleave", (event) => isFiles(event) && show(--depth > 0));
+		addEventListener("dragover", (event) => isFiles(event) && event.preventDefault());
+		addEventListener("drop", (event) => {
+			if (!isFiles(event)) return;
+			event.preventDefault();
+			show((depth = 0) > 0);
+			this.open([...event.dataTransfer.items]);
+		});
+	}
+	async open(items) {
+		try {
+			const entries = items.map((item) => ({
+				entry: item.webkitGetAsEntry(),
+				file: item.getAsFile()
+			}));
+			const found = (await Promise.all(entries.map(({ entry, file }) => entry ? filesOf(entry) : file ? [{
+				file,
+				path: file.name
+			}] : []))).flat();
+			if (found.length === 0) return;
+			const form = new FormData();
+			for (const { file, path } of found) form.append("file", file, path);
+			this.tell({
+				severity: "note",
+				text: `opening ${found.length === 1 ? found[0].path : `${found.length} files`}`
+			});
+			const response = await fetch("./api/open", {
+				method: "POST",
+				body: form
+			});
+			const answer = await response.json().catch(() => ({}));
+			for (const message of answer.messages ?? []) this.tell(typeof message === "string" ? {
+				severity: response.ok ? "warning" : "error",
+				text: message
+			} : message);
+			if (!response.ok && !answer.messages?.length) this.tell({
+				severity: "error",
+				text: answer.error ?? response.statusText
+			});
+		} catch (error) {
+			this.tell({
+				severity: "error",
+				text: `not opened: ${String(error)}`
+			});
+		}
+	}
+};
+/** All files below an entry, with their paths from what was dropped. */
+async function filesOf(entry, folder = "") {
+	const path = folder + entry.name;
+	if (entry.isFile) return [{
+		file: await new Promise((resolve, reject) => entry.file(resolve, reject)),
+		path
+	}];
+	const reader = entry.createReader();
+	const all = [];
+	for (;;) {
+		const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+		if (some.length === 0) return all;
+		for (const child of some) all.push(...await filesOf(child, `${path}/`));
+	}
+}
+// src/half.ts
+/** IEEE half floats, and what a picture of them is like. */
+/** The value of every half. */
+var VALUES = (() => {
+	const table = /* @__PURE__ */ new Float32Array(65536);
+	for (let bits = 0; bits < 65536; bits++) {
+		const sign = bits & 32768 ? -1 : 1;
+		const exponent = bits >> 10 & 31;
+		const fraction = bits & 1023;
+		if (exponent === 31) table[bits] = fraction ? NaN : sign * Infinity;
+		else table[bits] = sign * (exponent === 0 ? fraction * 2 ** -24 : (1024 + fraction) * 2 ** (exponent - 25));
+	}
+	return table;
+})();
+/** Luminances counted by the first 20 bits of their float: 11 bits of precision, as halves have. */
+var SHIFT = 12;
+var BINS = 522240;
+var counts = new Uint32Array(BINS);
+var float = /* @__PURE__ */ new Float32Array(1);
+var bits = new Uint32Array(float.buffer);
+/** Statistics; its counts hold until the next call. */
+function statistics(halves, components) {
+	counts.fill(0);
+	let [largest, nonfinite, dark] = [
+		0,
+		0,
+		0
+	];
+	const pixels = halves.length / components;
+	const [g, b] = components === 3 ? [1, 2] : [0, 0];
+	for (let i = 0; i < halves.length; i += components) {
+		const [hr, hg, hb] = [
+			halves[i],
+			halves[i + g],
+			halves[i + b]
+		];
+		if (hr < 31744 && hr > largest) largest = hr;
+		if (hg < 31744 && hg > largest) largest = hg;
+		if (hb < 31744 && hb > largest) largest = hb;
+		if ((hr & 31744) === 31744 || (hg & 31744) === 31744 || (hb & 31744) === 31744) {
+			nonfinite++;
+			continue;
+		}
+		const luminance = .2126 * VALUES[hr] + .7152 * VALUES[hg] + .0722 * VALUES[hb];
+		if (luminance > 0) {
+			float[0] = luminance;
+			counts[bits[0] >>> SHIFT]++;
+		} else dark++;
+	}
+	return {
+		maximum: VALUES[largest],
+		nonfinite,
+		dark,
+		pixels,
+		counts
+	};
+}
+/** The middle of a bin. */
+function middle(bin) {
+	bits[0] = bin << SHIFT | 2048;
+	return float[0];
+}
+/** The luminance that this part of the pixels above zero doesn't exceed, or `null` where there are none. */
+function percentile({ counts, pixels, nonfinite, dark }, part) {
+	const bright = pixels - nonfinite - dark;
+	if (bright === 0) return null;
+	let left = Math.round(part * (bright - 1));
+	for (let bin = 0; bin < BINS; bin++) {
+		left -= counts[bin];
+		if (left < 0) return middle(bin);
+	}
+	return null;
+}
+/** Pixels by log2 of their luminance: `steps` bins for each power of two from `low` to `high`; the ends hold what is beyond. */
+function octaves({ counts }, low, high, steps) {
+	const bins = new Array((high - low) * steps).fill(0);
+	for (let bin = 0; bin < BINS; bin++) {
+		const count = counts[bin];
+		if (count === 0) continue;
+		const at = Math.floor((Math.log2(middle(bin)) - low) * steps);
+		bins[Math.min(Math.max(at, 0), bins.length - 1)] += count;
+	}
+	return bins;
+}
+// src/falsecolor.ts
+/** False colour of luminance, as crates/image/src/false_color has it: viridis on a logarithmic scale, and its legend. */
+/** Every fifth of viridis' 256 colours (N. Smith and S. van der Walt 2015, CC0), sRGB. */
+var COLORS = [
+	4456788,
+	4589660,
+	4657251,
+	4724585,
+	4726127,
+	4727925,
+	4663930,
+	4599934,
+	4536193,
+	4406660,
+	4276871,
+	4147337,
+	4017802,
+	3822475,
+	3692940,
+	3497613,
+	3367821,
+	3238030,
+	3042702,
+	2912654,
+	2782862,
+	2718606,
+	2588814,
+	2458766,
+	2328974,
+	2199181,
+	2134668,
+	2070411,
+	2006153,
+	2072968,
+	2205061,
+	2402947,
+	2666112,
+	3060604,
+	3520377,
+	4045940,
+	4636783,
+	5293162,
+	5949540,
+	6671198,
+	7393111,
+	8180304,
+	9033032,
+	9820224,
+	10672695,
+	11590959,
+	12443430,
+	13295903,
+	14213657,
+	15066137,
+	15852829,
+	16639781
+];
+var bytes = (c) => [
+	c >> 16,
+	c >> 8 & 255,
+	c & 255
+];
+/** `falseColor(luminance)`: between the ends of the scale. */
+var FALSE_COLOR_GLSL = `
+uniform vec2 scaleEnds;
+const vec3 viridis[52] = vec3[52](${COLORS.map((c) => `vec3(${bytes(c).map((v) => `${v}.0`).join(", ")})`).join(", ")});
+
+vec3 falseColor(float l) {
+  float t = l > 0.0 ? clamp(log(l / scaleEnds.x) / log(scaleEnds.y / scaleEnds.x), 0.0, 1.0) : 0.0;
+  int i = min(int(t * 51.0), 50);
+  return floor(mix(viridis[i], viridis[i + 1], t * 51.0 - float(i)) + 0.5) / 255.0;
+}
+`;
+/** cd/m² of a luminance of 1 W/(m² sr nm): the integral of CIE ȳ times 683 lm/W. */
+var WHITE = 72983.26;
+/** The scale's ends: 1 % and 99.9 % of the pixels above zero, or a decade where those are the same. */
+function scaleEnds(of) {
+	const low = percentile(of, .01) ?? 1;
+	const high = percentile(of, .999) ?? 1;
+	return low < high ? [low, high] : [low, 10 * low];
+}
+/** The legend: a bar, and the powers of ten beside it (with 2 and 5 where few). */
+var Legend = class {
+	element = h("div", {
+		class: "legend",
+		hidden: true,
+		role: "img"
+	});
+	update(ends, white, unit) {
+		this.element.hidden = ends === null;
+		if (!ends) return;
+		const [low, high] = [ends[0] * white, ends[1] * white];
+		const key = `${low} ${high}`;
+		if (this.element.dataset.key === key) return;
+		this.element.dataset.key = key;
+		this.element.setAttribute("aria-label", `False colour from ${show(low)} to ${show(high)} ${unit}`);
+		const place = (v) => Math.log(v / low) / Math.log(high / low);
+		const bar = h("div", {
+			class: "bar",
+			style: `background: linear-gradient(to top, ${COLORS.map((c) => `rgb(${bytes(c).join(" ")})`).join(", ")})`
+		});
+		const ticks = ticksOf(low, high).map((v) => h("span", { style: `bottom: ${100 * place(v)}%` }, show(v)));
+		this.element.replaceChildren(h("div", { class: "unit" }, unit || "value"), h("div", { class: "scale" }, bar, h("div", { class: "ticks" }, ...ticks)));
+	}
+};
+function ticksOf(low, high) {
+	const decades = Math.log10(high / low);
+	const step = Math.max(1, Math.ceil(decades / 8));
+	const factors = decades > 3 ? [1] : decades > 1.5 ? [1, 3] : [
+		1,
+		2,
+		5
+	];
+	const ticks = [];
+	for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e += step) for (const f of factors) if (f * 10 ** e >= low && f * 10 ** e <= high) ticks.push(f * 10 ** e);
+	return ticks.length > 1 ? ticks : [low, high];
+}
+// src/fly.ts
+/** Distances to the target for each second. */
+var SPEED = .7;
+var Fly = class {
+	canvas;
+	camera;
+	moving;
+	/** Called when flying begins or ends. */
+	changed = () => {};
+	isOn = false;
+	held = /* @__PURE__ */ new Set();
+	last = 0;
+	speed = 1;
+	constructor(canvas, camera, moving) {
+		this.canvas = canvas;
+		this.camera = camera;
+		this.moving = moving;
+		addEventListener("keydown", (event) => this.key(event, true), { capture: true });
+		addEventListener("keyup", (event) => this.key(event, false), { capture: true });
+		addEventListener("blur", () => this.held.clear());
+		document.addEventListener("pointerlockchange", () => document.pointerLockElement === null && this.stop());
+	}
+	get on() {
+		return this.isOn;
+	}
+	start() {
+		if (this.isOn) return;
+		this.isOn = true;
+		this.speed = SPEED * this.camera.distance;
+		this.last = performance.now();
+		Promise.resolve(this.canvas.requestPointerLock?.()).catch(() => {});
+		this.changed(true);
+		requestAnimationFrame((time) => this.step(time));
+	}
+	stop() {
+		if (!this.isOn) return;
+		this.isOn = false;
+		this.held.clear();
+		if (document.pointerLockElement) document.exitPointerLock();
+		this.moving.stop();
+		this.changed(false);
+	}
+	look(dx, dy) {
+		this.camera.look(dx, dy);
+		this.moving.moved();
+		this.moving.stop(250);
+	}
+	wheel(delta) {
+		this.speed *= Math.exp(-.002 * delta);
+	}
+	key(event, down) {
+		if (!this.isOn) return;
+		if (event.code === "Escape") this.stop();
+		else if (/^(Key[WASDQE]|Shift(Left|Right))$/.test(event.code)) down ? this.held.add(event.code) : this.held.delete(event.code);
+		else return;
+		event.preventDefault();
+		event.stopPropagation();
+	}
+	step(time) {
+		if (!this.isOn) return;
+		const seconds = Math.min(Math.max((time - this.last) / 1e3, 0), .1);
+		this.last = time;
+		const along = (plus, minus) => Number(this.held.has(plus)) - Number(this.held.has(minus));
+		const { camera } = this;
+		const parts = [
+			[camera.forward, along("KeyW", "KeyS")],
+			[camera.right, along("KeyD", "KeyA")],
+			[camera.axis, along("KeyE", "KeyQ")]
+		];
+		const fast = this.held.has("ShiftLeft") || this.held.has("ShiftRight") ? 4 : 1;
+		if (parts.some(([, s]) => s !== 0)) {
+			const by = parts.map(([v, s]) => scale(v, s * fast * this.speed * seconds)).reduce(add);
+			camera.move(by);
+			this.moving.moved();
+			this.moving.stop(250);
+		}
+		requestAnimationFrame((next) => this.step(next));
+	}
+};
+// src/histogram.ts
+/** Panel "Histogram": luminance by powers of two, the share that is clipped, and what isn't finite. */
+var LOW = -14;
+var HIGH = 10;
+var STEPS = 4;
+var WIDTH = 280;
+var HEIGHT = 72;
+var Histogram = class {
+	element;
+	canvas = h("canvas", {
+		width: 2 * WIDTH,
+		height: 144,
+		role: "img",
+		"aria-label": "Histogram of luminance"
+	});
+	facts = h("p", { class: "facts" });
+	last = 0;
+	timer = 0;
+	constructor() {
+		this.element = section("Histogram", true, this.canvas, this.facts);
+	}
+	/** Shows statistics, at most a few times a second; `exposure` in EV. */
+	update(of, exposure) {
+		if (!this.element.open) return;
+		clearTimeout(this.timer);
+		const wait = this.last + 200 - performance.now();
+		if (wait > 0) {
+			this.timer = window.setTimeout(() => this.update(of, exposure), wait);
+			return;
+		}
+		const found = of();
+		if (found) this.draw(found, exposure);
+		this.last = performance.now();
+	}
+	draw(found, exposure) {
+		const bins = octaves(found, LOW, HIGH, STEPS);
+		const most = Math.max(...bins, 1);
+		const context = this.canvas.getContext("2d");
+		const style = getComputedStyle(this.canvas);
+		const color = (name) => style.getPropertyValue(name);
+		context.setTransform(2, 0, 0, 2, 0, 0);
+		context.clearRect(0, 0, WIDTH, HEIGHT);
+		const at = (ev) => (ev - LOW) / 24 * WIDTH;
+		const bottom = 58;
+		context.fillStyle = color("--muted");
+		context.font = "10px system-ui, sans-serif";
+		context.textAlign = "center";
+		for (let ev = -12; ev < HIGH; ev += 4) {
+			context.fillRect(at(ev), bottom, 1, 3);
+			context.fillText(String(ev).replace("-", "−"), at(ev), 70);
+		}
+		const white = -exposure;
+		let clipped = 0;
+		bins.forEach((count, i) => {
+			const ev = LOW + i / STEPS;
+			if (ev >= white) clipped += count;
+			if (count === 0) return;
+			context.fillStyle = ev >= white ? color("--warn") : color("--accent");
+			const height = Math.max(1, 56 * Math.sqrt(count / most));
+			context.fillRect(at(ev), bottom - height, WIDTH / bins.length - .5, height);
+		});
+		context.fillStyle = color("--text");
+		if (white > LOW && white < HIGH) context.fillRect(at(white), 0, 1, bottom);
+		const share = (count) => `${(100 * count / found.pixels).toFixed(count === 0 ? 0 : 2)} %`;
+		const odd = found.nonfinite > 0 ? `; not finite: ${found.nonfinite}` : "";
+		setText(this.facts, `EV of luminance; above 1: ${share(clipped)}; zero or below: ${share(found.dark)}; largest ${show(found.maximum)}${odd}`);
+	}
+};
+// src/inspector.ts
+/** Panel "Pixel": the values under the pointer, and all that the server knows of a pixel that was clicked. */
+/** Milliseconds between two questions about a pixel while it changes. */
+var PAUSE = 1e3;
+var Inspector = class {
+	changed;
+	element;
+	/** The pixel that's pinned. */
+	pinned = null;
+	hover = h("p", { class: "values" }, "Point at the picture; click to pin a pixel.");
+	pin = h("div", {
+		class: "pin",
+		"aria-live": "polite"
+	});
+	asked = 0;
+	timer = 0;
+	constructor(changed) {
+		this.changed = changed;
+		this.element = section("Pixel", true, this.hover, this.pin);
+	}
+	/** Values under the pointer. */
+	show(pixel, values) {
+		if (!pixel || !values) return setText(this.hover, "Point at the picture; click to pin a pixel.");
+		setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join("  ")}`);
+	}
+	set(pixel) {
+		this.pinned = pixel;
+		this.pin.replaceChildren();
+		this.changed();
+		if (pixel) this.ask();
+	}
+	/** The picture has changed. */
+	refresh() {
+		if (!this.pinned || this.timer) return;
+		this.timer = window.setTimeout(() => void this.ask(), Math.max(0, this.asked + PAUSE - performance.now()));
+	}
+	async ask() {
+		clearTimeout(this.timer);
+		this.timer = 0;
+		this.asked = performance.now();
+		const pixel = this.pinned;
+		if (!pixel) return;
+		try {
+			const response = await fetch(`./api/pixel?x=${pixel[0]}&y=${pixel[1]}`);
+			const body = await response.json();
+			if (this.pinned !== pixel) return;
+			if ("channels" in body) this.fill(body);
+			else this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, body.error ?? response.statusText));
+		} catch {
+			if (this.pinned === pixel && this.pin.childElementCount === 0) this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, "no answer"));
+		}
+	}
+	head([x, y]) {
+		const unpin = h("button", {
+			class: "small",
+			title: "Unpin the pixel",
+			"aria-label": "Unpin the pixel",
+			onclick: () => this.set(null)
+		}, "×");
+		return h("div", { class: "pin-head" }, h("strong", {}, `Pixel ${x}, ${y}`), unpin);
+	}
+	fill(pixel) {
+		const facts = [
+			["samples", show(pixel.samples)],
+			["error", pixel.error === null ? null : `${show(100 * pixel.error)} %`],
+			["object", pixel.object],
+			["material", pixel.material]
+		].filter((f) => f[1] !== null);
+		const rows = /* @__PURE__ */ new Map();
+		for (const [name, value] of Object.entries(pixel.channels)) {
+			const dot = name.lastIndexOf(".");
+			const layer = dot < 0 ? /^[RGB]$/.test(name) ? "picture" : name : name.slice(0, dot);
+			rows.set(layer, [...rows.get(layer) ?? [], text$1(value)]);
+		}
+		const line = (name, values) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, values.join("  ")));
+		const table = h("table", {}, h("tbody", {}, ...[...rows].map(([n, v]) => line(n, v)), ...facts.map(([n, v]) => line(n, [v]))));
+		this.pin.replaceChildren(this.head([pixel.x, pixel.y]), table);
+	}
+};
+/** A float's shortest digits. */
+function text$1(value) {
+	if (typeof value !== "number") return value;
+	const short = Number(value.toPrecision(7));
+	return Math.abs(short) < 1e-4 && short !== 0 ? short.toExponential() : String(short);
+}
+// src/keys.ts
+/** Keys, and the page that lists them. */
+/** What the pointer does, for the list. */
+var POINTER = [
+	["Drag, middle drag", "orbit"],
+	["Shift + drag", "pan the camera"],
+	["Wheel", "dolly"],
+	["Ctrl + wheel", "zoom the picture"],
+	["Ctrl + drag", "move the picture"],
+	["Click", "pin a pixel"],
+	["One finger", "orbit"],
+	["Two fingers", "pan and dolly"],
+	["W A S D Q E, mouse", "fly, once started; Shift is faster, the wheel changes the speed, Escape ends"]
+];
+/** A plain key, by the character it writes. */
+var character = (...keys) => (event) => !event.ctrlKey && !event.metaKey && !event.altKey && keys.includes(event.key);
+/** A key by its place, whatever else is held but Alt. */
+var place = (...codes) => (event) => !event.altKey && codes.includes(event.code);
+/** Whether what has the focus wants the keys for itself. */
+function isTyping(target) {
+	if (target instanceof HTMLInputElement) return ![
+		"checkbox",
+		"range",
+		"color"
+	].includes(target.type);
+	return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
+}
+var Keys = class {
+	keys;
+	help;
+	constructor(keys) {
+		this.keys = keys;
+		const rows = (list) => list.map(([key, doc]) => h("div", {}, h("dt", {}, h("kbd", {}, key)), h("dd", {}, doc)));
+		const groups = [
+			"Picture",
+			"Camera",
+			"Render"
+		].map((group) => {
+			const list = keys.filter((k) => k.group === group).map((k) => [k.shown, k.doc]);
+			return h("section", {}, h("h3", {}, group), h("dl", {}, ...rows(list)));
+		});
+		const close = h("button", {
+			onclick: () => this.help.close(),
+			"aria-label": "Close"
+		}, "Close");
+		this.help = h("dialog", {
+			class: "help",
+			"aria-labelledby": "help-title"
+		}, h("header", {}, h("h2", { id: "help-title" }, "Keys and pointer"), close), h("div", { class: "columns" }, h("section", {}, h("h3", {}, "Pointer"), h("dl", {}, ...rows(POINTER))), ...groups));
+		this.help.addEventListener("click", (event) => event.target === this.help && this.help.close());
+		addEventListener("keydown", (event) => this.press(event));
+	}
+	toggle() {
+		if (this.help.open) this.help.close();
+		else this.help.showModal();
+	}
+	press(event) {
+		if (event.defaultPrevented || isTyping(event.target) || this.help.open && event.key !== "?") return;
+		if (event.target instanceof HTMLInputElement && /^(Arrow|Page|Home|End)/.test(event.key)) return;
+		const key = this.keys.find((k) => k.is(event));
+		if (!key) return;
+		event.preventDefault();
+		key.act(event);
+	}
+};
+// src/bindings.ts
+/** CSS pixels of a drag that an arrow key stands for. */
+var STEP = 20;
+function bindings({ view, camera, toolbar, look, inspector, move, from, fly, send, help }) {
+	const zoom = (factor) => {
+		view.placement.zoom(factor);
+		view.redraw();
+	};
+	const side = (code, shown, of) => ({
+		shown,
+		doc: `from the ${of}; with Ctrl from the opposite side`,
+		group: "Camera",
+		is: place(code),
+		act: (e) => from(of, e.ctrlKey)
+	});
+	const history = (shown, type, is) => ({
+		shown,
+		doc: type,
+		group: "Render",
+		is,
+		act: () => send({ type })
+	});
+	const isZ = (event) => (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
+	return [
+		side("Numpad1", "Numpad 1", "front"),
+		side("Numpad3", "Numpad 3", "right"),
+		side("Numpad7", "Numpad 7", "top"),
+		{
+			shown: "[  ]",
+			doc: "exposure by half an EV",
+			group: "Picture",
+			is: character("[", "]"),
+			act: (e) => look.expose(view.tone.exposure + (e.key === "[" ? -.5 : .5))
+		},
+		{
+			shown: "\\",
+			doc: "exposure 0",
+			group: "Picture",
+			is: character("\\"),
+			act: () => look.expose(0)
+		},
+		{
+			shown: "+  −",
+			doc: "zoom",
+			group: "Picture",
+			is: character("+", "=", "-"),
+			act: (e) => zoom(e.key === "-" ? 1 / 1.5 : 1.5)
+		},
+		{
+			shown: "F",
+			doc: "fit the picture into the window",
+			group: "Picture",
+			is: character("f"),
+			act: () => (view.placement.fit(), view.redraw())
+		},
+		{
+			shown: "1",
+			doc: "one pixel for each pixel",
+			group: "Picture",
+			is: character("1"),
+			act: () => (view.placement.actual(), view.redraw())
+		},
+		{
+			shown: "C",
+			doc: "false colour",
+			group: "Picture",
+			is: character("c"),
+			act: () => look.setFalse(!view.isFalse)
+		},
+		{
+			shown: "L",
+			doc: "next layer; with Shift the one before",
+			group: "Picture",
+			is: character("l", "L"),
+			act: (e) => look.stepLayer(e.shiftKey ? -1 : 1)
+		},
+		{
+			shown: "N",
+			doc: "show or hide the panel",
+			group: "Picture",
+			is: character("n"),
+			act: () => toolbar.press("panel")
+		},
+		{
+			shown: "?",
+			doc: "this list",
+			group: "Picture",
+			is: character("?"),
+			act: help
+		},
+		{
+			shown: "Arrows",
+			doc: "orbit; with Shift pan",
+			group: "Camera",
+			is: place("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"),
+			act: ({ code, shiftKey }) => {
+				const [dx, dy] = {
+					ArrowLeft: [-20, 0],
+					ArrowRight: [STEP, 0],
+					ArrowUp: [0, -20],
+					ArrowDown: [0, STEP]
+				}[code];
+				move(() => shiftKey ? camera.pan(dx, dy, view.canvas.clientHeight) : camera.orbit(dx, dy));
+			}
+		},
+		{
+			shown: "Page up, down",
+			doc: "dolly",
+			group: "Camera",
+			is: place("PageUp", "PageDown"),
+			act: (e) => move(() => camera.dolly(e.code === "PageUp" ? .9 : 1 / .9))
+		},
+		{
+			shown: "Shift + `",
+			doc: "fly",
+			group: "Camera",
+			is: (e) => e.shiftKey && e.code === "Backquote",
+			act: fly
+		},
+		{
+			shown: "Home",
+			doc: "back to the scene’s camera",
+			group: "Camera",
+			is: place("Home"),
+			act: () => send({ type: "camera-reset" })
+		},
+		{
+			shown: "R",
+			doc: "frame a region to render",
+			group: "Render",
+			is: character("r"),
+			act: () => toolbar.setRegion(!toolbar.region)
+		},
+		{
+			shown: "P",
+			doc: "pause, go on",
+			group: "Render",
+			is: character("p"),
+			act: () => toolbar.press("pause")
+		},
+		history("Ctrl + Z", "undo", (e) => isZ(e) && !e.shiftKey),
+		history("Ctrl + Shift + Z", "redo", (e) => isZ(e) && e.shiftKey || e.ctrlKey && e.key === "y"),
+		{
+			shown: "Escape",
+			doc: "put the tool down, unpin the pixel",
+			group: "Render",
+			is: place("Escape"),
+			act: () => toolbar.region ? toolbar.setRegion(false) : inspector.set(null)
+		}
+	];
+}
+// src/number.ts
+/** Fields for numbers: one to type in, with a slider where a range is known. */
+/** Wider ranges than this, from above zero, slide by their logarithm. */
+var WIDE = 1e3;
+/** Wider ranges than this have no slider. */
+var MOST$1 = 1e4;
+function numberField(options) {
+	const { label, range, whole = false, unit = "", change } = options;
+	const [low, high] = (options.slider ?? range ?? []).map((v) => v ?? NaN);
+	const ends = low !== void 0 && high !== void 0 && low < high && high - low <= MOST$1 ? [low, high] : null;
+	const isLog = ends !== null && ends[0] > 0 && ends[1] / ends[0] >= WIDE;
+	const place = (v) => isLog ? Math.log(v) : v;
+	const value = (p) => {
+		const v = isLog ? Math.exp(p) : p;
+		return whole ? Math.round(v) : Number(v.toPrecision(6));
+	};
+	const field = h("input", {
+		type: "number",
+		class: "number",
+		step: whole ? 1 : "any",
+		min: range && Number.isFinite(range[0]) ? range[0] : null,
+		max: range && Number.isFinite(range[1]) ? range[1] : null,
+		"aria-label": label,
+		required: true,
+		onchange: () => {
+			if (field.checkValidity()) take(field.valueAsNumber, true);
+			else field.reportValidity();
+		}
+	});
+	const slider = !ends ? null : h("input", {
+		type: "range",
+		min: place(ends[0]),
+		max: place(ends[1]),
+		step: whole && !isLog ? 1 : options.step ?? (place(ends[1]) - place(ends[0])) / 500,
+		"aria-label": `${label}, slider`,
+		oninput: () => slide(false),
+		onchange: () => slide(true)
+	});
+	function slide(done) {
+		const v = value(Number(slider.value));
+		setValue(field, String(v));
+		change(v, done);
+	}
+	function take(v, done) {
+		if (slider) setValue(slider, String(place(v)));
+		change(v, done);
+	}
+	function set(v) {
+		setValue(field, String(Number(v.toPrecision(7))));
+		if (slider) setValue(slider, String(place(v)));
+	}
+	const element = h("span", { class: slider ? "slide" : "plain" }, slider, field, unit ? h("span", { class: "unit" }, unit) : null);
+	set(options.value);
+	return {
+		element,
+		set
+	};
+}
+// src/tone.ts
+/** Curves that the shader has; a curve's number there is its place here. */
+var CURVES = [
+	"none",
+	"clamp",
+	"equalize",
+	"gamma",
+	"clamp-gamma",
+	"equalize-gamma",
+	"reinhard",
+	"aces-fit",
+	"agx",
+	"pbr-neutral",
+	"hable"
+];
+/** `toneCurve(rgb)`: display values in [0, 1] of linear values after exposure. */
+var TONE_GLSL = `
+uniform int curve;
+uniform vec2 values;     // the curve's parameters
+uniform float maximum;   // the picture's largest finite component, after exposure
+
+float srgbEncode(float x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055; }
+vec3 srgbEncode(vec3 v) { return vec3(srgbEncode(v.r), srgbEncode(v.g), srgbEncode(v.b)); }
+float luminance(vec3 v) { return 0.2126 * v.r + 0.7152 * v.g + 0.0722 * v.b; }
+vec3 power(vec3 v, float gamma) { return mix(pow(max(v, 1e-38), vec3(1.0 / gamma)), vec3(0.0), equal(v, vec3(0.0))); }
+
+vec3 acesFit(vec3 v) {
+  vec3 x = min(v, 1e4);
+  return min((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
+}
+
+vec3 agx(vec3 v) {
+  // GLSL's matrices are by columns: these are transposed rows.
+  const mat3 inset = mat3(0.84247906, 0.042328242, 0.042375655, 0.0784336, 0.878468640, 0.0784336, 0.079223745, 0.07916613, 0.879143);
+  const mat3 outset = mat3(1.196879, -0.05289685, -0.052971635, -0.09802088, 1.1519031, -0.09804345, -0.09902974, -0.09896118, 1.1510737);
+  vec3 x = (clamp(log2(max(inset * v, 1e-10)), -12.47393, 4.026069) + 12.47393) / (4.026069 + 12.47393);
+  vec3 x2 = x * x;
+  vec3 x4 = x2 * x2;
+  vec3 s = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+  return pow(clamp(outset * s, 1e-12, 1.0), vec3(2.2));
+}
+
+vec3 pbrNeutral(vec3 v) {
+  const float start = 0.8 - 0.04;
+  float least = min(v.r, min(v.g, v.b));
+  vec3 c = v - (least < 0.08 ? least - 6.25 * least * least : 0.04);
+  float peak = max(c.r, max(c.g, c.b));
+  if (peak < start) return c;
+  float d = 1.0 - start;
+  float compressed = 1.0 - d * d / (peak + d - start);
+  float mixed = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
+  return c * (compressed / peak) * (1.0 - mixed) + compressed * mixed;
+}
+
+vec3 hableCurve(vec3 x) {
+  const float a = 0.15, b = 0.50, c = 0.10, d = 0.20, e = 0.02, f = 0.30;
+  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
+}
+
+vec3 toneCurve(vec3 v) {
+  vec3 result;
+  if (curve == 0) result = srgbEncode(min(v, 1.0));
+  else if (curve == 1) result = min(v / values.x, 1.0);
+  else if (curve == 2) result = v / maximum;
+  else if (curve == 3) result = power(min(v, 1.0), values.x);
+  else if (curve == 4) result = power(min(v / values.y, 1.0), values.x);
+  else if (curve == 5) result = power(min(v / maximum, 1.0), values.x);
+  else if (curve == 6) {
+    float l = luminance(v);
+    result = srgbEncode(min(v * ((1.0 + l / (values.x * values.x)) / (1.0 + l)), 1.0));
+  }
+  else if (curve == 7) result = srgbEncode(acesFit(v));
+  else if (curve == 8) result = srgbEncode(agx(v));
+  else if (curve == 9) result = srgbEncode(clamp(pbrNeutral(v), 0.0, 1.0));
+  else result = srgbEncode(clamp(hableCurve(min(2.0 * v, 1e6)) / hableCurve(vec3(values.x)), 0.0, 1.0));
+  return clamp(result, 0.0, 1.0);
+}
+`;
+/** A tone from text as the command line takes it: `reinhard:white=4,exposure=1`. */
+function parseTone(text, choices) {
+	const [name = "none", settings = ""] = text.split(":", 2);
+	const choice = choices.find((c) => c.name === name);
+	const tone = {
+		name: choice ? name : "none",
+		values: choice?.parameters.map((p) => p.default) ?? [],
+		exposure: 0
+	};
+	for (const setting of settings.split(",")) {
+		const [key, value] = setting.split("=", 2);
+		const at = choice?.parameters.findIndex((p) => p.name === key) ?? -1;
+		if (key === "exposure") tone.exposure = Number(value) || 0;
+		else if (at >= 0 && Number.isFinite(Number(value))) tone.values[at] = Number(value);
+	}
+	return tone;
+}
+/** The text of a tone without its exposure. */
+function toneText(tone, choices) {
+	const set = (choices.find((c) => c.name === tone.name)?.parameters ?? []).flatMap((p, i) => tone.values[i] === p.default ? [] : [`${p.name}=${tone.values[i]}`]);
+	return set.length > 0 ? `${tone.name}:${set.join(",")}` : tone.name;
+}
+// src/look.ts
+/** Panel "View": exposure, tone curve with its parameters, layer, false colour. Nothing here asks for a render. */
+var Look = class {
+	view;
+	askLayers;
+	changed;
+	element;
+	exposure;
+	tone = h("select", {
+		"aria-label": "Tone curve",
+		onchange: () => this.choose(this.tone.value)
+	});
+	parameters = h("div");
+	layer = h("select", {
+		"aria-label": "Layer",
+		onchange: () => this.chooseLayer(this.layer.value)
+	});
+	falseColor = h("input", {
+		type: "checkbox",
+		onchange: () => this.setFalse(this.falseColor.checked)
+	});
+	mark = h("input", {
+		type: "checkbox",
+		checked: true,
+		onchange: () => this.set(() => this.view.isMarked = this.mark.checked)
+	});
+	state = null;
+	constructor(view, askLayers, changed) {
+		this.view = view;
+		this.askLayers = askLayers;
+		this.changed = changed;
+		this.exposure = numberField({
+			label: "Exposure in EV",
+			value: 0,
+			range: [-64, 64],
+			slider: [-10, 10],
+			step: .1,
+			unit: "EV",
+			change: (v) => this.expose(v)
+		});
+		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
+	}
+	update(state) {
+		const isFirst = this.state === null;
+		this.state = state;
+		const known = state.choices.tones.filter((t) => CURVES.includes(t.name));
+		setOptions(this.tone, known.map((t) => ({
+			value: t.name,
+			title: t.doc
+		})));
+		const layers = state.choices.layers.filter((l) => l.name !== "picture");
+		setOptions(this.layer, [{ value: "picture" }, ...layers.map((l) => ({
+			value: l.name,
+			title: l.doc
+		}))]);
+		setValue(this.layer, this.view.layer);
+		if (isFirst) {
+			this.view.tone = parseTone(state.tone, state.choices.tones);
+			this.exposure.set(this.view.tone.exposure);
+			this.tone.value = this.view.tone.name;
+			this.showParameters();
+		}
+		this.view.layers.keep([
+			"picture",
+			...state.layers,
+			this.view.layer
+		]);
+	}
+	expose(ev) {
+		const exposure = Math.min(Math.max(ev, -64), 64);
+		this.exposure.set(exposure);
+		this.set(() => this.view.tone.exposure = exposure);
+	}
+	setFalse(on) {
+		this.falseColor.checked = on;
+		this.set(() => this.view.isFalse = on);
+	}
+	/** The next or previous layer. */
+	stepLayer(by) {
+		const count = this.layer.options.length;
+		if (count === 0) return;
+		this.layer.selectedIndex = (this.layer.selectedIndex + by + count) % count;
+		this.chooseLayer(this.layer.value);
+	}
+	choose(name) {
+		const tone = parseTone(name, this.state?.choices.tones ?? []);
+		this.set(() => this.view.tone = {
+			...tone,
+			exposure: this.view.tone.exposure
+		});
+		this.showParameters();
+	}
+	chooseLayer(name) {
+		this.set(() => this.view.layer = name);
+		if (this.state) this.askLayers(name === "picture" ? [] : [name]);
+	}
+	showParameters() {
+		const choice = this.state?.choices.tones.find((t) => t.name === this.view.tone.name);
+		this.parameters.replaceChildren(...(choice?.parameters ?? []).map((p, i) => {
+			const field = numberField({
+				label: `${choice.name}: ${p.name}`,
+				value: this.view.tone.values[i] ?? p.default,
+				range: p.range,
+				slider: [Math.max(p.range[0], p.default / 100), Math.min(p.range[1], p.default * 100)],
+				change: (v) => this.set(() => this.view.tone.values[i] = v)
+			});
+			return row(p.name, field.element, `${p.doc} (${show(p.range[0])} to ${show(p.range[1])}; ${show(p.default)} when not given)`);
+		}));
+	}
+	set(change) {
+		change();
+		this.view.redraw();
+		this.changed();
+	}
+};
+// src/messages.ts
+/** Panel "Messages", and the newest one over the picture for some seconds. */
+var SHOWN = 8e3;
+var KEPT = 100;
+var Messages = class {
+	element;
+	toast = h("div", {
+		class: "toast",
+		role: "status",
+		hidden: true
+	});
+	list = h("ul", { class: "messages" });
+	none = h("p", { class: "facts" }, "No messages.");
+	clear = h("button", {
+		hidden: true,
+		onclick: () => this.empty()
+	}, "Clear");
+	own = [];
+	ofScene = [];
+	timer = 0;
+	constructor() {
+		this.element = section("Messages", false, this.none, this.list, this.clear);
+	}
+	/** The scene's own messages. */
+	scene(messages) {
+		if (JSON.stringify(messages) === JSON.stringify(this.ofScene)) return;
+		this.ofScene = messages;
+		this.fill();
+	}
+	add(message) {
+		this.own = [message, ...this.own].slice(0, KEPT);
+		this.fill();
+		this.toast.className = `toast ${message.severity}`;
+		this.toast.setAttribute("role", message.severity === "error" ? "alert" : "status");
+		this.toast.hidden = false;
+		setText(this.toast, message.text);
+		clearTimeout(this.timer);
+		this.timer = window.setTimeout(() => this.toast.hidden = true, SHOWN);
+	}
+	empty() {
+		this.own = [];
+		this.fill();
+	}
+	fill() {
+		const all = [...this.own, ...this.ofScene];
+		this.none.hidden = all.length > 0;
+		this.clear.hidden = this.own.length === 0;
+		const items = all.map(({ severity, text }) => h("li", { class: severity }, h("span", { class: "severity" }, severity), text));
+		this.list.replaceChildren(...items);
+		setText(this.element.querySelector("h2"), all.length > 0 ? `Messages (${all.length})` : "Messages");
+	}
+};
+// src/moving.ts
+/** Milliseconds after which a picture that didn't come is no longer waited for. */
+var PATIENCE = 4e3;
+/** Milliseconds after sending a camera in which states of another one are taken for older. */
+var LATE = 500;
+var Moving = class {
+	camera;
+	send;
+	isDirty = false;
+	queued = 0;
+	sentAt = null;
+	sentGeneration = 0;
+	generation = 0;
+	stopTimer = 0;
+	postedAt = -500;
+	isMoving = false;
+	nextFov = null;
+	constructor(camera, send) {
+		this.camera = camera;
+		this.send = send;
+	}
+	/** The camera has been moved. */
+	moved() {
+		this.isMoving = true;
+		this.isDirty = true;
+		clearTimeout(this.stopTimer);
+		this.schedule();
+	}
+	/** The movement has ended, now or when nothing moves for some milliseconds. */
+	stop(after = 0) {
+		clearTimeout(this.stopTimer);
+		if (after > 0) this.stopTimer = window.setTimeout(() => this.stop(), after);
+		else if (this.isMoving) {
+			this.isMoving = this.isDirty = false;
+			this.sentAt = null;
+			this.post(false);
+		}
+	}
+	/** The server is asked for another camera: this one's movement is over, and the next state counts. */
+	release() {
+		clearTimeout(this.stopTimer);
+		this.isMoving = this.isDirty = false;
+		this.sentAt = this.nextFov = null;
+		this.postedAt = -500;
+	}
+	/** A picture came. */
+	frame(generation) {
+		this.generation = Math.max(this.generation, generation);
+		if (this.sentAt !== null && generation > this.sentGeneration) {
+			this.sentAt = null;
+			if (this.isDirty) this.schedule();
+		}
+	}
+	/** The server's state came: takes its camera, unless this page is moving it. */
+	state(generation, state, isNew) {
+		if (isNew) this.generation = generation;
+		const { camera } = this;
+		const isOther = length(sub(state.eye, camera.eye)) + length(sub(state.target, camera.target)) > 1e-4 * camera.distance;
+		const isLate = performance.now() - this.postedAt < LATE;
+		if (isNew || !this.isMoving && (!state.moved || isOther && !isLate)) camera.adopt(state);
+	}
+	/** Another angle of view, in degrees. */
+	fov(degrees) {
+		this.nextFov = degrees;
+		this.moved();
+		this.stop(250);
+	}
+	schedule() {
+		this.queued ||= requestAnimationFrame(() => {
+			this.queued = 0;
+			if (this.sentAt !== null && performance.now() - this.sentAt < PATIENCE) window.setTimeout(() => this.isDirty && this.schedule(), PATIENCE);
+			else if (this.isDirty) this.post(true);
+		});
+	}
+	post(moving) {
+		const { eye, target, up } = this.camera;
+		this.postedAt = performance.now();
+		if (moving) {
+			this.isDirty = false;
+			this.sentAt = performance.now();
+			this.sentGeneration = this.generation;
+		}
+		this.send({
+			type: "camera",
+			eye,
+			target,
+			up,
+			...this.nextFov === null ? {} : { fov: this.nextFov },
+			moving
+		});
+		if (!moving) this.nextFov = null;
+	}
+};
+// src/navigate.ts
+/** CSS pixels that a click may move. */
+var STILL = 4;
+var Navigate = class {
+	view;
+	camera;
+	moving;
+	fly;
+	actions;
+	drag = null;
+	start = [0, 0];
+	last = [0, 0];
+	isClick = false;
+	touches = /* @__PURE__ */ new Map();
+	constructor(view, camera, moving, fly, actions) {
+		this.view = view;
+		this.camera = camera;
+		this.moving = moving;
+		this.fly = fly;
+		this.actions = actions;
+		const { canvas } = view;
+		canvas.addEventListener("pointerdown", (event) => this.down(event));
+		canvas.addEventListener("pointermove", (event) => this.move(event));
+		canvas.addEventListener("pointerup", (event) => this.up(event));
+		canvas.addEventListener("pointercancel", (event) => this.up(event));
+		canvas.addEventListener("pointerleave", () => actions.hover(null));
+		canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+		canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+		canvas.addEventListener("mousedown", (event) => event.button === 1 && event.preventDefault());
+	}
+	down(event) {
+		if (this.fly.on) return this.fly.stop();
+		if (event.button > 1) return;
+		this.view.canvas.focus({ preventScroll: true });
+		this.view.canvas.setPointerCapture(event.pointerId);
+		const at = [event.clientX, event.clientY];
+		if (event.pointerType === "touch") this.touches.set(event.pointerId, at);
+		this.isClick = event.button === 0 && this.touches.size < 2;
+		this.start = this.last = at;
+		if (this.actions.drawsRegion() && event.button === 0) this.drag = "region";
+		else if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) this.drag = "picture";
+		else this.drag = event.shiftKey ? "pan" : "orbit";
+	}
+	move(event) {
+		const at = [event.clientX, event.clientY];
+		if (this.fly.on) return this.fly.look(event.movementX, event.movementY);
+		if (event.pointerType !== "touch") this.actions.hover(this.view.pixelAt(...at));
+		if (!this.drag) return;
+		if (Math.hypot(at[0] - this.start[0], at[1] - this.start[1]) > STILL) this.isClick = false;
+		if (this.touches.size === 2) return this.pinch(event.pointerId, at);
+		if (this.touches.has(event.pointerId)) this.touches.set(event.pointerId, at);
+		if (this.isClick) return;
+		const [dx, dy] = [at[0] - this.last[0], at[1] - this.last[1]];
+		this.last = at;
+		if (this.drag === "region") return this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), false);
+		if (this.drag === "picture") {
+			this.view.placement.pan(Math.round(dx * devicePixelRatio), Math.round(dy * devicePixelRatio));
+			return this.view.redraw();
+		}
+		if (this.drag === "orbit") this.camera.orbit(dx, dy);
+		else this.camera.pan(dx, dy, this.pictureSize());
+		this.moving.moved();
+	}
+	up(event) {
+		const wasPinch = this.touches.size > 1;
+		this.touches.delete(event.pointerId);
+		if (wasPinch) {
+			for (const at of this.touches.values()) this.last = this.start = at;
+			return;
+		}
+		const { drag } = this;
+		this.drag = null;
+		if (!drag) return;
+		const at = [event.clientX, event.clientY];
+		if (event.type === "pointercancel") this.moving.stop();
+		else if (drag === "region") this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), true);
+		else if (this.isClick) this.actions.click(this.view.pixelAt(...at));
+		else this.moving.stop();
+	}
+	/** Two fingers: their middle pans, their distance dollies. */
+	pinch(id, at) {
+		const other = [...this.touches].find(([key]) => key !== id)?.[1];
+		const before = this.touches.get(id);
+		this.touches.set(id, at);
+		if (!other || !before) return;
+		const apart = (a) => Math.max(Math.hypot(a[0] - other[0], a[1] - other[1]), 1);
+		const [dx, dy] = [(at[0] - before[0]) / 2, (at[1] - before[1]) / 2];
+		if (this.actions.isMovable()) {
+			this.camera.pan(dx, dy, this.pictureSize());
+			this.camera.dolly(apart(before) / apart(at));
+			this.moving.moved();
+		} else {
+			this.view.placement.pan(dx * devicePixelRatio, dy * devicePixelRatio);
+			const middle = this.view.devicePixel((at[0] + other[0]) / 2, (at[1] + other[1]) / 2);
+			this.view.placement.zoom(apart(at) / apart(before), ...middle);
+			this.view.redraw();
+		}
+	}
+	wheel(event) {
+		event.preventDefault();
+		const delta = event.deltaY * (event.deltaMode === 1 ? 16 : event.deltaMode === 2 ? 400 : 1);
+		if (this.fly.on) return this.fly.wheel(delta);
+		if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) {
+			const factor = Math.exp(-Math.max(-100, Math.min(100, delta)) * .003);
+			this.view.placement.zoom(factor, ...this.view.devicePixel(event.clientX, event.clientY));
+			return this.view.redraw();
+		}
+		this.camera.dolly(Math.exp(delta * .001));
+		this.moving.moved();
+		this.moving.stop(250);
+	}
+	/** The picture's smaller side, CSS pixels. */
+	pictureSize() {
+		const { film, placement } = this.view;
+		return Math.min(film.width, film.height) * placement.scale / devicePixelRatio;
+	}
+};
+// src/color.ts
+/** Linear Rec.709 colours in the browser's picker, which is of sRGB in 8 bits. */
+var encode = (v) => v <= .0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - .055;
+var decode = (v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4;
+/** `#rrggbb` of a linear colour, cut to [0, 1]. */
+function hexOf(rgb) {
+	return "#" + rgb.map((v) => Math.round(255 * encode(Math.min(Math.max(v, 0), 1))).toString(16).padStart(2, "0")).join("");
+}
+/** The linear colour of `#rrggbb`, to four digits. */
+function linearOf(hex) {
+	return [
+		1,
+		3,
+		5
+	].map((at) => Number(decode(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(4)));
+}
+// src/parameter.ts
+/** A field for a node's parameter, by its type and value. */
+var NUMBER = /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i;
+/** The three numbers of a text, or `null`. */
+function triple(text) {
+	const parts = /^\[(.*)\]$/.exec(text.trim())?.[1]?.split(",").map((p) => p.trim());
+	return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
+}
+/** What holds; of a default without what is said of exceptions. */
+var current = (p) => p.value ?? p.default?.split(";")[0] ?? "";
+function kindOf(p) {
+	const text = current(p);
+	if (p.type.startsWith("true or false")) return "flag";
+	if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return "word";
+	if (/spectrum/.test(p.type) && triple(text)) return "color";
+	if (/^(whole )?number/.test(p.type) && NUMBER.test(text)) return "number";
+	return "text";
+}
+function parameterField(p, label, edit) {
+	const kind = kindOf(p);
+	const make = {
+		flag,
+		word,
+		color,
+		number,
+		text
+	}[kind];
+	return {
+		kind,
+		...make(p, label, edit)
+	};
+}
+function flag(p, label, edit) {
+	const box = h("input", {
+		type: "checkbox",
+		"aria-label": label,
+		onchange: () => edit(String(box.checked), true)
+	});
+	const set = (p) => void (box.checked = current(p) === "true");
+	set(p);
+	return {
+		element: box,
+		set
+	};
+}
+function word(p, label, edit) {
+	const own = p.words.includes(current({
+		...p,
+		value: null
+	})) ? [] : [h("option", { value: "" }, p.default || "–")];
+	const options = p.words.map((w) => h("option", { value: w }, w));
+	const select = h("select", {
+		"aria-label": label,
+		onchange: () => edit(select.value || null, true)
+	}, ...own, ...options);
+	const set = (p) => setValue(select, p.words.includes(current(p)) ? current(p) : "");
+	set(p);
+	return {
+		element: select,
+		set
+	};
+}
+function number(p, label, edit) {
+	const field = numberField({
+		label,
+		value: Number(current(p)),
+		range: p.range,
+		whole: p.type.startsWith("whole"),
+		unit: p.unit,
+		change: (v, done) => edit(String(v), done)
+	});
+	return {
+		element: field.element,
+		set: (p) => field.set(Number(current(p)))
+	};
+}
+function color(p, label, edit) {
+	const send = (rgb, done) => edit(`[${rgb.join(", ")}]`, done);
+	const take = (done) => {
+		const rgb = linearOf(picker.value);
+		fields.forEach((f, i) => f.value = String(rgb[i]));
+		send(rgb, done);
+	};
+	const picker = h("input", {
+		type: "color",
+		"aria-label": label,
+		oninput: () => take(false),
+		onchange: () => take(true)
+	});
+	const fields = [
+		"red",
+		"green",
+		"blue"
+	].map((name) => h("input", {
+		type: "number",
+		class: "number",
+		step: "any",
+		required: true,
+		"aria-label": `${label}, ${name}`,
+		onchange: () => {
+			const rgb = fields.map((f) => f.valueAsNumber);
+			if (!rgb.every(Number.isFinite)) return;
+			picker.value = hexOf(rgb);
+			send(rgb, true);
+		}
+	}));
+	const set = (p) => {
+		const rgb = triple(current(p));
+		setValue(picker, hexOf(rgb));
+		fields.forEach((f, i) => setValue(f, String(rgb[i])));
+	};
+	set(p);
+	return {
+		element: h("span", { class: "color" }, picker, ...fields),
+		set
+	};
+}
+function text(p, label, edit) {
+	const field = h("input", {
+		type: "text",
+		spellcheck: "false",
+		"aria-label": label,
+		onchange: () => edit(field.value.trim() || null, true)
+	});
+	const set = (p) => {
+		setValue(field, p.value ?? "");
+		field.placeholder = p.default ?? "";
+	};
+	set(p);
+	return {
+		element: field,
+		set
+	};
+}
+// src/nodes.ts
+/** Panel "Scene": its nodes by family, and their parameters to be edited. */
+var ParameterRow = class {
+	edit;
+	element = h("div", { class: "row parameter" });
+	field = null;
+	name;
+	slot = h("span", { class: "slot" });
+	reset;
+	constructor(node, parameter, edit) {
+		this.edit = edit;
+		const { name } = parameter;
+		this.name = h("span", { class: "name" }, name);
+		const what = `What holds when ${name} is not given`;
+		this.reset = h("button", {
+			class: "small",
+			title: what,
+			"aria-label": what,
+			onclick: () => edit(name, null, true)
+		}, "×");
+		this.label = `${node.id}: ${name}`;
+		this.element.append(this.name, this.slot, this.reset);
+		this.update(parameter);
+	}
+	label;
+	update(parameter) {
+		const { name, type, doc } = parameter;
+		this.element.title = [doc, type].filter(Boolean).join("\n");
+		this.name.classList.toggle("unset", parameter.value === null);
+		this.reset.hidden = parameter.value === null;
+		if (this.field?.kind === kindOf(parameter)) return this.field.set(parameter);
+		this.field = parameterField(parameter, this.label, (value, done) => this.edit(name, value, done));
+		this.slot.replaceChildren(this.field.element);
+	}
+};
+var NodeItem = class {
+	node;
+	edit;
+	element;
+	title = h("span", { class: "kind" });
+	body = h("div", { class: "body" });
+	rows = null;
+	constructor(node, edit) {
+		this.node = node;
+		this.edit = edit;
+		this.element = h("details", {
+			class: "node",
+			ontoggle: () => this.element.open && this.fill()
+		}, h("summary", {}, h("span", { class: "id" }, node.id), this.title), this.body);
+		this.update(node);
+	}
+	update(node) {
+		this.node = node;
+		setText(this.title, node.kind);
+		if (this.rows) this.fill();
+	}
+	/** Rows are made when the node is opened first. */
+	fill() {
+		const rows = /* @__PURE__ */ new Map();
+		for (const parameter of this.node.parameters) {
+			const old = this.rows?.get(parameter.name);
+			old?.update(parameter);
+			rows.set(parameter.name, old ?? new ParameterRow(this.node, parameter, (p, value, done) => this.edit(this.node.id, p, value, done)));
+		}
+		if (!(this.rows && [...rows.values()].every((r, i) => this.body.children[i] === r.element) && this.body.children.length === rows.size)) this.body.replaceChildren(...rows.size ? [...rows.values()].map((r) => r.element) : [h("p", { class: "facts" }, "nothing to set")]);
+		this.rows = rows;
+	}
+};
+var Nodes = class {
+	send;
+	element;
+	undo = h("button", {
+		title: "Undo (Ctrl+Z)",
+		onclick: () => this.send({ type: "undo" })
+	}, "Undo");
+	redo = h("button", {
+		title: "Redo (Ctrl+Shift+Z)",
+		onclick: () => this.send({ type: "redo" })
+	}, "Redo");
+	filter = h("input", {
+		type: "search",
+		placeholder: "Filter",
+		"aria-label": "Filter the nodes",
+		oninput: () => this.sift()
+	});
+	list = h("div", { class: "nodes" });
+	items = /* @__PURE__ */ new Map();
+	key = "";
+	wants = false;
+	constructor(send) {
+		this.send = send;
+		this.element = section("Scene", false, h("div", { class: "buttons" }, this.undo, this.redo, this.filter), this.list);
+		this.element.addEventListener("toggle", () => void this.load());
+	}
+	/** Something else may be in the scene now. */
+	update({ undo, redo, scene }, connected) {
+		this.undo.disabled = undo === 0;
+		this.redo.disabled = redo === 0;
+		const key = `${undo} ${redo} ${scene.path} ${scene.name} ${scene.faces} ${scene.materials} ${scene.lights}`;
+		if (key === this.key && !this.wants && !connected) return;
+		this.key = key;
+		this.wants = true;
+		this.load();
+	}
+	async load() {
+		if (!this.wants || !this.element.open) return;
+		this.wants = false;
+		try {
+			const response = await fetch("./api/nodes");
+			if (response.ok) this.show(await response.json());
+		} catch {
+			this.wants = true;
+		}
+	}
+	show(nodes) {
+		const families = /* @__PURE__ */ new Map();
+		for (const node of nodes) families.set(node.family, [...families.get(node.family) ?? [], node]);
+		const shape = JSON.stringify(nodes.map((n) => [n.family, n.id]));
+		for (const node of nodes) this.items.get(node.id)?.update(node);
+		if (this.list.dataset.shape === shape) return;
+		this.list.dataset.shape = shape;
+		const old = new Map(this.items);
+		this.items.clear();
+		for (const node of nodes) this.items.set(node.id, old.get(node.id) ?? new NodeItem(node, (...edit) => this.edit(...edit)));
+		this.list.replaceChildren(...[...families].map(([family, members]) => h("details", {
+			class: "family",
+			open: members.length <= 12
+		}, h("summary", {}, h("h3", {}, family), h("span", { class: "kind" }, String(members.length))), ...members.map((n) => this.items.get(n.id).element))));
+		this.sift();
+	}
+	/** Sends an edit; of a slider that is held the last one only, as each can be undone. */
+	edit(node, parameter, value, done) {
+		if (!done) return;
+		this.wants = true;
+		this.send({
+			type: "edit",
+			node,
+			parameter,
+			value
+		});
+	}
+	/** Shows the nodes whose id or kind has the filter's text. */
+	sift() {
+		const text = this.filter.value.trim().toLowerCase();
+		for (const { element, node } of this.items.values()) element.hidden = text !== "" && !`${node.id} ${node.kind}`.toLowerCase().includes(text);
+		for (const family of this.list.children) family.toggleAttribute("hidden", ![...family.querySelectorAll(".node")].some((n) => !n.hidden));
+	}
+};
+// src/output.ts
+/** Panel "Save": files to download or to write beside the scene, and the command that renders the same. */
+var Output = class {
+	view;
+	tell;
+	element;
+	exr = h("a", {
+		class: "button",
+		download: "picture.exr",
+		href: "./api/picture.exr",
+		title: "All values, with the layer that is shown"
+	}, "EXR");
+	png = h("a", {
+		class: "button",
+		download: "picture.png",
+		href: "./api/picture.png"
+	}, "PNG");
+	command = h("code", {
+		class: "command",
+		tabindex: 0,
+		"aria-label": "Command that renders this picture",
+		role: "textbox",
+		"aria-readonly": "true"
+	});
+	state = null;
+	constructor(view, tell) {
+		this.view = view;
+		this.tell = tell;
+		const link = (text, name, title) => h("a", {
+			class: "button",
+			download: name,
+			href: `./api/${name}`,
+			title
+		}, text);
+		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, this.exr, this.png, link("Scene", "scene.steradian", "The scene as it is now"))), h("div", { class: "row" }, h("span", {}, "Beside scene"), h("span", { class: "buttons" }, ...[
+			"picture.exr",
+			"picture.png",
+			"scene.steradian"
+		].map((name) => h("button", {
+			title: `Write ${name} into the scene’s folder`,
+			onclick: () => void this.save(name)
+		}, name.endsWith("steradian") ? "Scene" : name.slice(-3).toUpperCase())))), this.command, h("div", { class: "buttons" }, h("button", { onclick: () => void this.copy() }, "Copy command")));
+	}
+	update(state = this.state) {
+		this.state = state;
+		if (!state) return;
+		this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(",")}` : ""}`;
+		this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
+		if (this.command.textContent !== state.command) this.command.textContent = state.command;
+	}
+	/** Tone and exposure as the view has them. */
+	look() {
+		return {
+			tone: toneText(this.view.tone, this.state?.choices.tones ?? []),
+			exposure: String(this.view.tone.exposure)
+		};
+	}
+	async save(name) {
+		const { tone, exposure } = this.look();
+		const body = JSON.stringify(name.endsWith(".png") ? {
+			name,
+			tone,
+			exposure: Number(exposure)
+		} : { name });
+		try {
+			const response = await fetch("./api/save", {
+				method: "POST",
+				headers: { "content-type": "application/json" },
+				body
+			});
+			const answer = await response.json();
+			this.tell(answer.saved ? {
+				severity: "note",
+				text: `saved ${answer.saved}`
+			} : {
+				severity: "error",
+				text: answer.error ?? response.statusText
+			});
+		} catch {
+			this.tell({
+				severity: "error",
+				text: `${name} was not saved: the server does not answer`
+			});
+		}
+	}
+	async copy() {
+		try {
+			await navigator.clipboard.writeText(this.state?.command ?? "");
+			this.tell({
+				severity: "note",
+				text: "command copied"
+			});
+		} catch {
+			getSelection()?.selectAllChildren(this.command);
+			this.tell({
+				severity: "warning",
+				text: "the browser does not let the page copy; the command is selected instead"
+			});
+		}
+	}
+};
+// src/overlay.ts
+/** What lies over the picture: the region's frame and the pinned pixel's mark. */
+var Overlay = class {
+	view;
+	element = h("div", {
+		class: "overlay",
+		"aria-hidden": "true"
+	});
+	/** The region that's rendered, or that is being drawn. */
+	region = null;
+	pin = null;
+	frame = h("div", { class: "region" });
+	mark = h("div", { class: "mark" });
+	constructor(view) {
+		this.view = view;
+		this.element.append(this.frame, this.mark);
+	}
+	/** Puts both where the picture is. */
+	place() {
+		this.put(this.frame, this.region);
+		this.put(this.mark, this.pin && [
+			this.pin[0],
+			this.pin[1],
+			this.pin[0] + 1,
+			this.pin[1] + 1
+		]);
+	}
+	put(element, box) {
+		element.hidden = box === null;
+		if (!box) return;
+		const { left, top, scale } = this.view.placement;
+		const at = (v, start) => (start + v * scale) / devicePixelRatio;
+		const [x, y] = [at(box[0], left), at(box[1], top)];
+		Object.assign(element.style, {
+			left: `${x}px`,
+			top: `${y}px`,
+			width: `${at(box[2], left) - x}px`,
+			height: `${at(box[3], top) - y}px`
+		});
+	}
+};
+/** The region between two corners in any order, both included, within the film; `null` where nothing is left. */
+function regionOf([ax, ay], [bx, by], film) {
+	const clamp = (v, high) => Math.min(Math.max(v, 0), high);
+	const [x0, x1] = [clamp(Math.min(ax, bx), film.width), clamp(Math.max(ax, bx) + 1, film.width)];
+	const [y0, y1] = [clamp(Math.min(ay, by), film.height), clamp(Math.max(ay, by) + 1, film.height)];
+	return x1 - x0 >= 2 && y1 - y0 >= 2 ? [
+		x0,
+		y0,
+		x1,
+		y1
+	] : null;
+}
+// src/panel.ts
+/** Panels "Render" and "Camera": what the server is asked to render. */
+/** A field for a whole number of the settings; empty for none where `optional`. */
+function whole(label, low, optional, change) {
+	const field = h("input", {
+		type: "number",
+		class: "number",
+		min: low,
+		step: 1,
+		required: !optional,
+		"aria-label": label,
+		placeholder: optional ? "default" : null,
+		onchange: () => {
+			if (field.checkValidity()) change(field.value === "" ? null : field.valueAsNumber);
+			else field.reportValidity();
+		}
+	});
+	return field;
+}
+var RenderPanel = class {
+	send;
+	element;
+	choices;
+	spp;
+	seed;
+	depth;
+	width;
+	height;
+	denoise;
+	denoiseRow;
+	constructor(send) {
+		this.send = send;
+		const set = (change) => this.send({
+			type: "settings",
+			...change
+		});
+		const choice = (key, label) => {
+			const select = h("select", {
+				"aria-label": label,
+				onchange: () => set({ [key]: select.value || null })
+			});
+			return select;
+		};
+		this.choices = {
+			integrator: choice("integrator", "Integrator"),
+			sampler: choice("sampler", "Sampler"),
+			color: choice("color", "Colour")
+		};
+		this.spp = whole("Samples per pixel", 1, false, (v) => set({ spp: v }));
+		this.seed = whole("Seed", 0, true, (v) => set({ seed: v }));
+		this.depth = whole("Most bounces", 0, true, (v) => set({ maxDepth: v }));
+		this.width = whole("Width in pixels", 1, false, () => set(this.size()));
+		this.height = whole("Height in pixels", 1, false, () => set(this.size()));
+		this.denoise = h("input", {
+			type: "checkbox",
+			onchange: () => set({ denoise: this.denoise.checked })
+		});
+		this.denoiseRow = row("Denoise", this.denoise);
+		const size = h("span", { class: "plain" }, this.width, "×", this.height);
+		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), this.denoiseRow);
+	}
+	update({ settings, choices, film }) {
+		const named = (list) => list.map((c) => ({
+			value: c.name,
+			title: c.doc
+		}));
+		const { integrator } = settings;
+		const own = choices.integrators.some((c) => c.name === integrator) ? [] : [{
+			value: integrator,
+			text: integrator || "the scene’s"
+		}];
+		setOptions(this.choices.integrator, [...own, ...named(choices.integrators)]);
+		setOptions(this.choices.sampler, [{
+			value: "",
+			text: "automatic"
+		}, ...named(choices.samplers)]);
+		setOptions(this.choices.color, choices.colors.map((value) => ({ value })));
+		for (const key of [
+			"integrator",
+			"sampler",
+			"color"
+		]) {
+			const select = this.choices[key];
+			setValue(select, settings[key] ?? "");
+			select.title = select.selectedOptions[0]?.title ?? "";
+		}
+		setValue(this.spp, String(settings.spp));
+		setValue(this.seed, settings.seed === null ? "" : String(settings.seed));
+		setValue(this.depth, settings.maxDepth === null ? "" : String(settings.maxDepth));
+		setValue(this.width, String(film.width));
+		setValue(this.height, String(film.height));
+		this.denoiseRow.hidden = settings.denoise === void 0;
+		this.denoise.checked = settings.denoise ?? false;
+	}
+	size() {
+		return {
+			width: this.width.valueAsNumber,
+			height: this.height.valueAsNumber
+		};
+	}
+};
+var CameraPanel = class {
+	send;
+	element;
+	names = h("select", {
+		"aria-label": "Camera",
+		onchange: () => this.send({
+			type: "camera-name",
+			name: this.names.value
+		})
+	});
+	nameRow = row("Camera", this.names);
+	facts = h("p", { class: "facts" });
+	buttons;
+	fovRow;
+	fov;
+	constructor(send, actions) {
+		this.send = send;
+		const button = (text, title, act) => h("button", {
+			title,
+			onclick: act
+		}, text);
+		this.buttons = [
+			button("Reset", "Back to the scene’s camera (Home)", () => this.send({ type: "camera-reset" })),
+			button("Front", "From the front (Numpad 1)", () => actions.from("front")),
+			button("Right", "From the right (Numpad 3)", () => actions.from("right")),
+			button("Top", "From above (Numpad 7)", () => actions.from("top")),
+			button("Fly", "Fly with W A S D Q E and the mouse (Shift+`)", () => actions.fly())
+		];
+		this.fov = numberField({
+			label: "Angle of view",
+			value: 50,
+			range: [.01, 179],
+			slider: [5, 150],
+			step: .5,
+			unit: "°",
+			change: actions.fov
+		});
+		this.fovRow = row("Angle of view", this.fov.element);
+		this.element = section("Camera", false, this.nameRow, this.fovRow, h("div", { class: "buttons" }, ...this.buttons), this.facts);
+	}
+	update({ camera }) {
+		this.nameRow.hidden = camera.names.length < 2;
+		setOptions(this.names, camera.names.map((value) => ({ value })));
+		if (camera.name !== null) setValue(this.names, camera.name);
+		for (const button of this.buttons) button.disabled = !camera.movable;
+		this.buttons[0].disabled = !camera.moved;
+		this.fovRow.hidden = camera.fov === null || !camera.movable;
+		if (camera.fov !== null) this.fov.set(camera.fov);
+		const place = (v) => v.map(show).join(", ");
+		const fixed = camera.movable ? "" : "; it cannot be moved here";
+		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
+	}
+};
+// src/protocol.ts
+var MAGIC = 1414681683;
+var HEADER = 24;
+/** The tile in a binary message, or `null` where it isn't one. */
+function parseTile(buffer) {
+	if (buffer.byteLength < HEADER) return null;
+	const view = new DataView(buffer);
+	if (view.getUint32(0, true) !== MAGIC) return null;
+	const short = (at) => view.getUint16(at, true);
+	const tile = {
+		generation: view.getUint32(4, true),
+		layer: short(8),
+		components: short(10),
+		frameWidth: short(12),
+		frameHeight: short(14),
+		x: short(16),
+		y: short(18),
+		width: short(20),
+		height: short(22)
+	};
+	const count = tile.width * tile.height * tile.components;
+	const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);
+	const inside = tile.x + tile.width <= tile.frameWidth && tile.y + tile.height <= tile.frameHeight;
+	return whole && inside && count > 0 ? {
+		...tile,
+		halves: new Uint16Array(buffer, HEADER, count)
+	} : null;
+}
+// src/socket.ts
+/** The connection: typed messages, and reconnecting with growing pauses. */
+var FIRST_PAUSE = .5;
+var LONGEST_PAUSE = 10;
+var Socket = class {
+	listeners;
+	socket = null;
+	pause = FIRST_PAUSE;
+	timer = 0;
+	constructor(listeners) {
+		this.listeners = listeners;
+		this.connect();
+		addEventListener("online", () => this.retry());
+	}
+	/** Sends, or forgets it when there is no connection: the state that comes after connecting tells what holds. */
+	send(message) {
+		if (this.socket?.readyState !== WebSocket.OPEN) return false;
+		this.socket.send(JSON.stringify(message));
+		return true;
+	}
+	/** Tries now, when waiting. */
+	retry() {
+		if (this.timer === 0) return;
+		clearTimeout(this.timer);
+		this.connect();
+	}
+	connect() {
+		this.timer = 0;
+		const url = new URL("./api/socket", location.href);
+		url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+		const socket = new WebSocket(url);
+		socket.binaryType = "arraybuffer";
+		socket.onopen = () => {
+			this.pause = FIRST_PAUSE;
+			this.listeners.status(true, null);
+		};
+		socket.onmessage = ({ data }) => {
+			if (data instanceof ArrayBuffer) {
+				const tile = parseTile(data);
+				if (tile) this.listeners.tile(tile);
+			} else this.listeners.message(JSON.parse(data));
+		};
+		socket.onclose = () => {
+			this.listeners.status(false, this.pause);
+			this.timer = window.setTimeout(() => this.connect(), 1e3 * this.pause);
+			this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
+		};
+		this.socket = socket;
+	}
+};
+// src/status.ts
+/** The line below the picture: how far the render is, and whether the server is there. */
+var Status = class {
+	element = h("footer", { class: "status" });
+	dot = h("span", {
+		class: "dot",
+		"aria-hidden": "true"
+	});
+	connection = h("span", { role: "status" }, "connecting");
+	facts = h("span", { class: "status-facts" });
+	progress = h("progress", {
+		max: 1,
+		value: 0,
+		"aria-label": "Samples taken"
+	});
+	retry;
+	state = null;
+	frame = null;
+	constructor(retry) {
+		this.retry = h("button", {
+			class: "small",
+			hidden: true,
+			onclick: retry
+		}, "Try now");
+		this.element.append(this.dot, this.connection, this.retry, this.facts, this.progress);
+	}
+	connected(on, seconds) {
+		this.element.classList.toggle("lost", !on);
+		this.retry.hidden = on;
+		setText(this.connection, on ? "" : `connection lost; next try in ${seconds} s`);
+	}
+	update(state, frame) {
+		this.state = state ?? this.state;
+		this.frame = frame ?? this.frame;
+		const { settings, paused } = this.state ?? {};
+		const f = this.frame;
+		const what = f === null ? "no picture yet" : paused ? "paused" : f.kind === "preview" ? "preview" : f.done ? "done" : "rendering";
+		this.element.dataset.what = what;
+		const parts = [what, settings?.integrator];
+		if (f) {
+			parts.push(f.kind === "preview" ? null : `${show(f.samples)} / ${f.target} spp`);
+			if (f.error !== null) parts.push(`error ${show(100 * f.error)} %`);
+			parts.push(`${f.seconds < 10 ? f.seconds.toFixed(2) : f.seconds.toFixed(0)} s`);
+			if (f.denoised) parts.push("denoised");
+			if (f.nonfinite > 0) parts.push(`${f.nonfinite} not finite`);
+			parts.push(`${f.width} × ${f.height}`);
+			this.progress.value = Math.min(1, f.samples / Math.max(f.target, 1));
+		}
+		const text = parts.filter(Boolean).join(" · ");
+		setText(this.facts, text);
+		this.facts.title = text;
+	}
+};
+// src/theme.ts
+/** Dark or light: as the system has it, or as chosen. */
+var THEMES = [
+	"auto",
+	"dark",
+	"light"
+];
+var KEY = "steradian-theme";
+function themeButton(changed) {
+	let theme = THEMES.find((t) => t === stored()) ?? "auto";
+	const light = matchMedia("(prefers-color-scheme: light)");
+	const button = h("button", { onclick: () => set(THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length]) });
+	function set(to) {
+		theme = to;
+		store(to);
+		apply();
+		button.textContent = {
+			auto: "◐",
+			dark: "●",
+			light: "○"
+		}[to];
+		button.title = `Theme: ${to}`;
+		button.setAttribute("aria-label", button.title);
+	}
+	function apply() {
+		document.documentElement.dataset.theme = theme === "auto" ? light.matches ? "light" : "dark" : theme;
+		changed();
+	}
+	set(theme);
+	light.addEventListener("change", apply);
+	return button;
+}
+/** Storage that the browser may refuse. */
+function stored() {
+	try {
+		return localStorage.getItem(KEY);
+	} catch {
+		return null;
+	}
+}
+function store(theme) {
+	try {
+		localStorage.setItem(KEY, theme);
+	} catch {}
+}
+// src/toolbar.ts
+/** Buttons over the picture. */
+var Toolbar = class {
+	element;
+	/** Whether the region tool is in hand. */
+	region = false;
+	regionButton;
+	clearButton;
+	pauseButton;
+	panelButton;
+	constructor(actions) {
+		const button = (text, title, act, attributes = {}) => h("button", {
+			title,
+			onclick: act,
+			...attributes
+		}, text);
+		this.regionButton = button("Region", "Render only what you frame (R)", () => this.setRegion(!this.region), { "aria-pressed": "false" });
+		this.clearButton = button("Whole", "Render the whole picture again", actions.clearRegion);
+		this.clearButton.hidden = true;
+		this.pauseButton = button("Pause", "Pause or go on (P)", actions.pause, { "aria-pressed": "false" });
+		this.panelButton = button("Panel", "Show or hide the panel (N)", actions.panel, { "aria-expanded": "true" });
+		this.element = h("div", {
+			class: "toolbar",
+			role: "toolbar",
+			"aria-label": "Picture"
+		}, button("Fit", "Fit the picture into the window (F)", actions.fit), button("1:1", "One pixel for each pixel (1)", actions.actual), this.regionButton, this.clearButton, this.pauseButton, h("span", { class: "gap" }), themeButton(actions.themed), button("?", "Keys and pointer (?)", actions.help, { "aria-label": "Keys and pointer" }), this.panelButton);
+	}
+	update(state) {
+		this.clearButton.hidden = state.region === null;
+		this.pauseButton.setAttribute("aria-pressed", String(state.paused));
+	}
+	setRegion(on) {
+		this.region = on;
+		this.regionButton.setAttribute("aria-pressed", String(on));
+		document.body.classList.toggle("draws-region", on);
+	}
+	setPanel(hidden) {
+		this.panelButton.setAttribute("aria-expanded", String(!hidden));
+	}
+	/** As the button does. */
+	press(which) {
+		(which === "pause" ? this.pauseButton : this.panelButton).click();
+	}
+};
+// src/layers.ts
+var Layers = class {
+	gl;
+	layers = /* @__PURE__ */ new Map();
+	constructor(gl) {
+		this.gl = gl;
+		gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
+	}
+	/** The frame of a layer to be shown. */
+	shown(layer) {
+		return this.layers.get(layer)?.front ?? null;
+	}
+	/** Takes a tile of the frame that comes. */
+	tile(name, tile) {
+		const { gl } = this;
+		const layer = this.layers.get(name) ?? {
+			front: null,
+			back: null,
+			isFresh: false
+		};
+		this.layers.set(name, layer);
+		const [width, height, components] = [
+			tile.frameWidth,
+			tile.frameHeight,
+			tile.components
+		];
+		const back = layer.back;
+		if (!back || back.width !== width || back.height !== height || back.components !== components) {
+			if (back) gl.deleteTexture(back.texture);
+			layer.back = this.create(width, height, components);
+		}
+		const picture = layer.back;
+		layer.isFresh = true;
+		gl.bindTexture(gl.TEXTURE_2D, picture.texture);
+		const format = components === 1 ? gl.RED : gl.RGB;
+		gl.texSubImage2D(gl.TEXTURE_2D, 0, tile.x, tile.y, tile.width, tile.height, format, gl.HALF_FLOAT, tile.halves);
+		const row = tile.width * components;
+		for (let y = 0; y < tile.height; y++) picture.halves.set(tile.halves.subarray(y * row, (y + 1) * row), ((tile.y + y) * width + tile.x) * components);
+	}
+	/** A frame is whole: shows the layers that came with it, or this one of them, as a part of the film. */
+	swap(crop, only) {
+		for (const [name, layer] of this.layers) {
+			if (!layer.back || !layer.isFresh || only !== void 0 && name !== only) continue;
+			layer.back.crop = crop;
+			layer.isFresh = false;
+			[layer.front, layer.back] = [layer.back, layer.front];
+		}
+	}
+	/** Forgets layers but these. */
+	keep(names) {
+		for (const [name, layer] of this.layers) {
+			if (names.includes(name)) continue;
+			for (const picture of [layer.front, layer.back]) if (picture) this.gl.deleteTexture(picture.texture);
+			this.layers.delete(name);
+		}
+	}
+	create(width, height, components) {
+		const { gl } = this;
+		const texture = gl.createTexture();
+		gl.bindTexture(gl.TEXTURE_2D, texture);
+		gl.texStorage2D(gl.TEXTURE_2D, 1, components === 1 ? gl.R16F : gl.RGB16F, width, height);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+		return {
+			texture,
+			width,
+			height,
+			components,
+			halves: new Uint16Array(width * height * components),
+			crop: [
+				0,
+				0,
+				width,
+				height
+			]
+		};
+	}
+};
+// src/placement.ts
+/** Where the picture lies on the canvas: fitted, or zoomed and moved. Lengths are in device pixels. */
+var LEAST = 1 / 16;
+var MOST = 64;
+var Placement = class {
+	/** Device pixels for each pixel of the film. */
+	scale = 1;
+	/** The picture's left upper corner on the canvas. */
+	left = 0;
+	top = 0;
+	fitted = true;
+	canvas = {
+		width: 1,
+		height: 1
+	};
+	film = {
+		width: 1,
+		height: 1
+	};
+	/** Sizes may have changed. */
+	update(canvas, film) {
+		const same = canvas.width === this.canvas.width && canvas.height === this.canvas.height;
+		const sameFilm = film.width === this.film.width && film.height === this.film.height;
+		if (same && sameFilm) return;
+		const [dx, dy] = [canvas.width - this.canvas.width, canvas.height - this.canvas.height];
+		this.canvas = {
+			width: canvas.width,
+			height: canvas.height
+		};
+		this.film = {
+			width: film.width,
+			height: film.height
+		};
+		if (this.fitted) this.fit();
+		else if (!sameFilm) this.center();
+		else this.pan(dx / 2, dy / 2);
+	}
+	/** As large as the canvas allows, in its middle. */
+	fit() {
+		this.fitted = true;
+		this.scale = Math.min(this.canvas.width / this.film.width, this.canvas.height / this.film.height);
+		this.center();
+	}
+	/** One device pixel for each pixel of the film, in the middle. */
+	actual() {
+		this.fitted = false;
+		this.scale = 1;
+		this.center();
+	}
+	pan(dx, dy) {
+		this.left += dx;
+		this.top += dy;
+		if (dx !== 0 || dy !== 0) this.fitted = false;
+	}
+	/** Magnifies; what is at (x, y) of the canvas stays there. */
+	zoom(factor, x = this.canvas.width / 2, y = this.canvas.height / 2) {
+		this.fitted = false;
+		const before = this.scale;
+		let scale = Math.min(Math.max(before * factor, LEAST), MOST);
+		const near = scale >= 1 ? Math.round(scale) : 1 / Math.round(1 / scale);
+		if (Math.abs(scale / near - 1) < .04 && Math.abs(near / before - 1) > .01) scale = near;
+		this.scale = scale;
+		this.left = Math.round(x - (x - this.left) * scale / before);
+		this.top = Math.round(y - (y - this.top) * scale / before);
+	}
+	/** The film's pixel (with fraction) at a place of the canvas. */
+	pixelAt(x, y) {
+		return [(x - this.left) / this.scale, (y - this.top) / this.scale];
+	}
+	center() {
+		this.left = Math.round((this.canvas.width - this.film.width * this.scale) / 2);
+		this.top = Math.round((this.canvas.height - this.film.height * this.scale) / 2);
+	}
+};
+// src/view.ts
+/** The canvas: draws the shown layer through exposure and tone curve, or in false colour, with WebGL2. */
+var VERTEX = `#version 300 es
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
+var FRAGMENT = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+uniform sampler2D picture;
+uniform vec2 canvasSize, corner, shownSize;  // in device pixels; the picture's left upper corner, and its size there
+uniform bool isGrey, isNearest, isFalse, isMarked;
+uniform float gain;                          // 2 to the exposure
+out vec4 color;
+${TONE_GLSL}
+${FALSE_COLOR_GLSL}
+bool isFinite(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u; }
+float sanitized(float v) { return v > 0.0 ? min(v, 1e9) : 0.0; }
+
+void main() {
+  vec2 at = (vec2(gl_FragCoord.x, canvasSize.y - gl_FragCoord.y) - corner) / shownSize;
+  if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(1.0)))) {
+    color = vec4(0.0);
+    return;
+  }
+  ivec2 size = textureSize(picture, 0);
+  vec3 v = isNearest ? texelFetch(picture, min(ivec2(at * vec2(size)), size - 1), 0).rgb : texture(picture, at).rgb;
+  if (isGrey) v = v.rrr;
+  bool isOdd = !(isFinite(v.r) && isFinite(v.g) && isFinite(v.b));
+  if (isOdd && (isMarked || isFalse)) {
+    color = vec4(1.0, 0.0, 1.0, 1.0);
+    return;
+  }
+  if (isFalse) color = vec4(falseColor(luminance(v)), 1.0);
+  else {
+    vec3 exposed = v * gain;
+    vec3 shown = toneCurve(vec3(sanitized(exposed.r), sanitized(exposed.g), sanitized(exposed.b)));
+    color = vec4(floor(shown * 255.0 + 0.5) / 255.0, 1.0);
+  }
+}`;
+var View = class {
+	canvas;
+	placement = new Placement();
+	layers;
+	tone = {
+		name: "none",
+		values: [],
+		exposure: 0
+	};
+	layer = "picture";
+	isFalse = false;
+	isMarked = true;
+	film = {
+		width: 1,
+		height: 1
+	};
+	/** The part of the film that's rendered. */
+	region = null;
+	/** Called after each drawing. */
+	drawn = () => {};
+	gl;
+	program;
+	uniforms = /* @__PURE__ */ new Map();
+	known = null;
+	version = 0;
+	queued = 0;
+	constructor(canvas) {
+		this.canvas = canvas;
+		const gl = canvas.getContext("webgl2", {
+			antialias: false,
+			depth: false,
+			powerPreference: "low-power"
+		});
+		if (!gl) throw new Error("this browser has no WebGL 2, which the picture is drawn with");
+		gl.getExtension("OES_texture_half_float_linear");
+		this.gl = gl;
+		this.layers = new Layers(gl);
+		this.program = link(gl);
+		new ResizeObserver(() => this.redraw()).observe(canvas);
+		addEventListener("resize", () => this.redraw());
+	}
+	/** The frame that's shown: the layer's, or until it comes the picture's. */
+	get picture() {
+		return this.layers.shown(this.layer) ?? this.layers.shown("picture");
+	}
+	tile(layer, tile) {
+		this.layers.tile(layer, tile);
+	}
+	/** A frame's tiles are all there. */
+	frame(message) {
+		this.layers.swap(cropOf(message, this.film, this.region), message.layer);
+		this.version++;
+		this.redraw();
+	}
+	/** What the shown frame's pixels are like; counted once for each frame. */
+	statistics() {
+		const picture = this.picture;
+		if (!picture) return null;
+		if (this.known?.picture !== picture || this.known.version !== this.version) this.known = {
+			picture,
+			version: this.version,
+			statistics: statistics(picture.halves, picture.components)
+		};
+		return this.known.statistics;
+	}
+	/** The scale of false colour, when that's shown. */
+	scale() {
+		const found = this.isFalse ? this.statistics() : null;
+		return found && scaleEnds(found);
+	}
+	/** The shown values at a pixel of the film. */
+	values(x, y) {
+		const picture = this.picture;
+		if (!picture) return null;
+		const [x0, y0, x1, y1] = picture.crop;
+		if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
+		const column = Math.floor((x - x0) * picture.width / (x1 - x0));
+		const at = (Math.floor((y - y0) * picture.height / (y1 - y0)) * picture.width + column) * picture.components;
+		return Array.from(picture.halves.subarray(at, at + picture.components), (bits) => VALUES[bits]);
+	}
+	/** The pixel of the film at a place of the window, in CSS pixels; also outside of the film. */
+	pixelAt(clientX, clientY) {
+		const [x, y] = this.devicePixel(clientX, clientY);
+		const [u, v] = this.placement.pixelAt(x, y);
+		return [Math.floor(u), Math.floor(v)];
+	}
+	/** Device pixels of the canvas at a place of the window. */
+	devicePixel(clientX, clientY) {
+		const box = this.canvas.getBoundingClientRect();
+		return [(clientX - box.left) * devicePixelRatio, (clientY - box.top) * devicePixelRatio];
+	}
+	/** Draws before the next frame of the screen. */
+	redraw() {
+		this.queued ||= requestAnimationFrame(() => {
+			this.queued = 0;
+			this.draw();
+		});
+	}
+	draw() {
+		const { gl, canvas, placement } = this;
+		const width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
+		const height = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio));
+		if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {
+			width,
+			height
+		});
+		placement.update(canvas, this.film);
+		gl.viewport(0, 0, width, height);
+		gl.clearColor(0, 0, 0, 0);
+		gl.clear(gl.COLOR_BUFFER_BIT);
+		const picture = this.picture;
+		if (picture) {
+			gl.useProgram(this.program);
+			gl.bindTexture(gl.TEXTURE_2D, picture.texture);
+			this.setUniforms(picture);
+			gl.drawArrays(gl.TRIANGLES, 0, 3);
+		}
+		this.drawn();
+	}
+	setUniforms(picture) {
+		const { gl, canvas, placement, tone } = this;
+		const { left, top, scale } = placement;
+		const [x0, y0, x1, y1] = picture.crop;
+		const shown = [(x1 - x0) * scale, (y1 - y0) * scale];
+		const gain = Math.fround(2 ** tone.exposure);
+		const maximum = tone.name.startsWith("equalize") && !this.isFalse ? Math.min((this.statistics()?.maximum ?? 1) * gain, 1e9) : 1;
+		gl.uniform2f(this.at("canvasSize"), canvas.width, canvas.height);
+		gl.uniform2f(this.at("corner"), left + x0 * scale, top + y0 * scale);
+		gl.uniform2f(this.at("shownSize"), ...shown);
+		gl.uniform1i(this.at("isGrey"), Number(picture.components === 1));
+		gl.uniform1i(this.at("isNearest"), Number(shown[0] >= picture.width));
+		gl.uniform1i(this.at("isFalse"), Number(this.isFalse));
+		gl.uniform1i(this.at("isMarked"), Number(this.isMarked));
+		gl.uniform1f(this.at("gain"), gain);
+		gl.uniform1i(this.at("curve"), Math.max(0, CURVES.indexOf(tone.name)));
+		gl.uniform2f(this.at("values"), tone.values[0] ?? 1, tone.values[1] ?? 1);
+		gl.uniform1f(this.at("maximum"), Math.max(maximum, 12e-39));
+		gl.uniform2f(this.at("scaleEnds"), ...this.scale() ?? [1, 10]);
+	}
+	at(name) {
+		if (!this.uniforms.has(name)) this.uniforms.set(name, this.gl.getUniformLocation(this.program, name));
+		return this.uniforms.get(name);
+	}
+};
+function link(gl) {
+	const program = gl.createProgram();
+	for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+		const shader = gl.createShader(kind);
+		gl.shaderSource(shader, text);
+		gl.compileShader(shader);
+		if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? "no shader");
+		gl.attachShader(program, shader);
+	}
+	gl.linkProgram(program);
+	if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? "no program");
+	return program;
+}
+/** The part of the film that a frame shows. */
+function cropOf(frame, film, region) {
+	if (frame.crop) return frame.crop;
+	const [x, y] = frame.origin;
+	if (frame.kind === "render") return [
+		x,
+		y,
+		x + frame.width,
+		y + frame.height
+	];
+	return region ?? [
+		x,
+		y,
+		film.width - x,
+		film.height - y
+	];
+}
+// src/main.ts
+function start() {
+	trackEditing();
+	const canvas = h("canvas", {
+		class: "picture",
+		tabindex: 0,
+		role: "img",
+		"aria-label": "Rendered picture; arrow keys orbit the camera"
+	});
+	const view = new View(canvas);
+	const camera = new Camera();
+	const link = { socket: null };
+	const moving = new Moving(camera, (message) => link.socket?.send(message) ?? false);
+	const send = (message) => {
+		if ([
+			"camera-name",
+			"camera-reset",
+			"undo",
+			"redo"
+		].includes(message.type)) moving.release();
+		return link.socket?.send(message) ?? false;
+	};
+	const fly = new Fly(canvas, camera, moving);
+	const messages = new Messages();
+	const overlay = new Overlay(view);
+	const legend = new Legend();
+	const histogram = new Histogram();
+	const inspector = new Inspector(() => {
+		overlay.pin = inspector.pinned;
+		overlay.place();
+	});
+	const output = new Output(view, (message) => messages.add(message));
+	const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
+	const look = new Look(view, (names) => send({
+		type: "layers",
+		names
+	}), () => {
+		output.update();
+		showHistogram();
+	});
+	histogram.element.addEventListener("toggle", showHistogram);
+	const render = new RenderPanel(send);
+	const move = (change) => {
+		if (state === null || !state.camera.movable) return;
+		change();
+		moving.moved();
+		moving.stop(150);
+	};
+	const from = (side, opposite = false) => move(() => camera.from(side, opposite));
+	const startFly = () => state?.camera.movable && fly.start();
+	const cameraPanel = new CameraPanel(send, {
+		from,
+		fly: startFly,
+		fov: (degrees) => moving.fov(degrees)
+	});
+	const nodes = new Nodes(send);
+	const drop = new Drop((message) => messages.add(message));
+	const panel = h("aside", {
+		class: "panel",
+		"aria-label": "Panels"
+	}, look.element, histogram.element, inspector.element, render.element, cameraPanel.element, nodes.element, output.element, messages.element);
+	const toolbar = new Toolbar({
+		fit: () => (view.placement.fit(), view.redraw()),
+		actual: () => (view.placement.actual(), view.redraw()),
+		pause: () => state && send({
+			type: "pause",
+			on: !state.paused
+		}),
+		clearRegion: () => send({
+			type: "region",
+			pixels: null
+		}),
+		help: () => keys.toggle(),
+		panel: () => toolbar.setPanel(document.body.classList.toggle("no-panel")),
+		themed: showHistogram
+	});
+	let state = null;
+	let isNew = true;
+	view.drawn = () => {
+		overlay.place();
+		const isPicture = view.layer === "picture";
+		legend.update(view.scale(), isPicture ? WHITE : 1, isPicture ? "cd/m²" : "");
+	};
+	const flying = h("div", {
+		class: "hint",
+		hidden: true
+	}, "Flying: W A S D Q E and the mouse; Escape ends");
+	fly.changed = (on) => flying.hidden = !on;
+	new Navigate(view, camera, moving, fly, {
+		hover: (pixel) => inspector.show(pixel, pixel && view.values(...pixel)),
+		click: (pixel) => {
+			const inside = view.values(...pixel) !== null;
+			inspector.set(inside ? pixel : null);
+			if (inside) inspector.show(pixel, view.values(...pixel));
+		},
+		region: (a, b, done) => {
+			overlay.region = regionOf(a, b, view.film);
+			overlay.place();
+			if (!done) return;
+			toolbar.setRegion(false);
+			if (overlay.region) send({
+				type: "region",
+				pixels: overlay.region
+			});
+			else overlay.region = state?.region ?? null;
+		},
+		drawsRegion: () => toolbar.region,
+		isMovable: () => state?.camera.movable ?? false
+	});
+	const keys = new Keys(bindings({
+		view,
+		camera,
+		toolbar,
+		look,
+		inspector,
+		move,
+		from,
+		fly: startFly,
+		send,
+		help: () => keys.toggle()
+	}));
+	const socket = new Socket({
+		message(message) {
+			if (message.type === "state") takeState(message);
+			else if (message.type === "frame") takeFrame(message);
+			else if (message.type === "message") messages.add(message);
+		},
+		tile(tile) {
+			const layer = tile.layer === 0 ? "picture" : state?.layers[tile.layer - 1];
+			if (layer !== void 0) view.tile(layer, tile);
+		},
+		status(connected, seconds) {
+			isNew ||= connected;
+			status.connected(connected, seconds);
+		}
+	});
+	const status = new Status(() => socket.retry());
+	link.socket = socket;
+	function takeState(next) {
+		const first = state === null;
+		state = next;
+		document.title = `${next.scene.name} – Steradian`;
+		view.film = { ...next.film };
+		view.region = next.region;
+		if (!toolbar.region) overlay.region = next.region;
+		look.update(next);
+		render.update(next);
+		cameraPanel.update(next);
+		moving.state(next.generation, next.camera, isNew);
+		nodes.update(next, isNew);
+		output.update(next);
+		messages.scene(next.scene.messages);
+		toolbar.update(next);
+		status.update(next, null);
+		if (isNew && !first && view.layer !== "picture" && !next.layers.includes(view.layer)) send({
+			type: "layers",
+			names: [view.layer]
+		});
+		isNew = false;
+		view.redraw();
+	}
+	function takeFrame(frame) {
+		view.frame(frame);
+		moving.frame(frame.generation);
+		status.update(null, frame);
+		showHistogram();
+		inspector.refresh();
+	}
+	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), canvas, overlay.element, toolbar.element, legend.element, flying, messages.toast, drop.hint), status.element, panel, keys.help);
+	toolbar.setPanel(document.body.classList.toggle("no-panel", innerWidth < 720));
+}
+try {
+	start();
+} catch (error) {
+	document.body.append(h("p", {
+		class: "fatal",
+		role: "alert"
+	}, `The page cannot run: ${error instanceof Error ? error.message : String(error)}`));
+}

@@ -1,0 +1,163 @@
+/** Panel "Scene": its nodes by family, and their parameters to be edited. */
+
+import { h, section, setText } from './dom';
+import { kindOf, parameterField, type Field } from './parameter';
+import type { NodeParameter, PageMessage, SceneNode, State } from './protocol';
+
+class ParameterRow {
+  readonly element = h('div', { class: 'row parameter' });
+  private field: Field | null = null;
+  private readonly name: HTMLElement;
+  private readonly slot = h('span', { class: 'slot' });
+  private readonly reset: HTMLButtonElement;
+
+  constructor(
+    node: SceneNode,
+    parameter: NodeParameter,
+    private readonly edit: (p: string, value: string | null, done: boolean) => void,
+  ) {
+    const { name } = parameter;
+    this.name = h('span', { class: 'name' }, name);
+    const what = `What holds when ${name} is not given`;
+    this.reset = h('button', { class: 'small', title: what, 'aria-label': what, onclick: () => edit(name, null, true) }, '×');
+    this.label = `${node.id}: ${name}`;
+    this.element.append(this.name, this.slot, this.reset);
+    this.update(parameter);
+  }
+
+  private readonly label: string;
+
+  update(parameter: NodeParameter): void {
+    const { name, type, doc } = parameter;
+    this.element.title = [doc, type].filter(Boolean).join('\n');
+    this.name.classList.toggle('unset', parameter.value === null);
+    this.reset.hidden = parameter.value === null;
+    if (this.field?.kind === kindOf(parameter)) return this.field.set(parameter);
+    this.field = parameterField(parameter, this.label, (value, done) => this.edit(name, value, done));
+    this.slot.replaceChildren(this.field.element);
+  }
+}
+
+class NodeItem {
+  readonly element: HTMLDetailsElement;
+  private readonly title = h('span', { class: 'kind' });
+  private readonly body = h('div', { class: 'body' });
+  private rows: Map<string, ParameterRow> | null = null;
+
+  constructor(
+    public node: SceneNode,
+    private readonly edit: (node: string, p: string, value: string | null, done: boolean) => void,
+  ) {
+    this.element = h(
+      'details',
+      { class: 'node', ontoggle: () => this.element.open && this.fill() },
+      h('summary', {}, h('span', { class: 'id' }, node.id), this.title),
+      this.body,
+    );
+    this.update(node);
+  }
+
+  update(node: SceneNode): void {
+    this.node = node;
+    setText(this.title, node.kind);
+    if (this.rows) this.fill();
+  }
+
+  /** Rows are made when the node is opened first. */
+  private fill(): void {
+    const rows = new Map<string, ParameterRow>();
+    for (const parameter of this.node.parameters) {
+      const old = this.rows?.get(parameter.name);
+      old?.update(parameter);
+      rows.set(parameter.name, old ?? new ParameterRow(this.node, parameter, (p, value, done) => this.edit(this.node.id, p, value, done)));
+    }
+    const isSame =
+      this.rows && [...rows.values()].every((r, i) => this.body.children[i] === r.element) && this.body.children.length === rows.size;
+    if (!isSame)
+      this.body.replaceChildren(...(rows.size ? [...rows.values()].map((r) => r.element) : [h('p', { class: 'facts' }, 'nothing to set')]));
+    this.rows = rows;
+  }
+}
+
+export class Nodes {
+  readonly element: HTMLElement;
+  private readonly undo = h('button', { title: 'Undo (Ctrl+Z)', onclick: () => this.send({ type: 'undo' }) }, 'Undo');
+  private readonly redo = h('button', { title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.send({ type: 'redo' }) }, 'Redo');
+  private readonly filter = h('input', {
+    type: 'search',
+    placeholder: 'Filter',
+    'aria-label': 'Filter the nodes',
+    oninput: () => this.sift(),
+  });
+  private readonly list = h('div', { class: 'nodes' });
+  private readonly items = new Map<string, NodeItem>();
+  private key = '';
+  private wants = false;
+
+  constructor(private readonly send: (message: PageMessage) => boolean) {
+    this.element = section('Scene', false, h('div', { class: 'buttons' }, this.undo, this.redo, this.filter), this.list);
+    this.element.addEventListener('toggle', () => void this.load());
+  }
+
+  /** Something else may be in the scene now. */
+  update({ undo, redo, scene }: State, connected: boolean): void {
+    this.undo.disabled = undo === 0;
+    this.redo.disabled = redo === 0;
+    const key = `${undo} ${redo} ${scene.path} ${scene.name} ${scene.faces} ${scene.materials} ${scene.lights}`;
+    if (key === this.key && !this.wants && !connected) return;
+    this.key = key;
+    this.wants = true;
+    void this.load();
+  }
+
+  private async load(): Promise<void> {
+    if (!this.wants || !(this.element as HTMLDetailsElement).open) return;
+    this.wants = false;
+    try {
+      const response = await fetch('./api/nodes');
+      if (response.ok) this.show((await response.json()) as SceneNode[]);
+    } catch {
+      this.wants = true;
+    }
+  }
+
+  private show(nodes: SceneNode[]): void {
+    const families = new Map<string, SceneNode[]>();
+    for (const node of nodes) families.set(node.family, [...(families.get(node.family) ?? []), node]);
+    const shape = JSON.stringify(nodes.map((n) => [n.family, n.id]));
+    for (const node of nodes) this.items.get(node.id)?.update(node);
+    if (this.list.dataset.shape === shape) return;
+    this.list.dataset.shape = shape;
+    const old = new Map(this.items);
+    this.items.clear();
+    for (const node of nodes) this.items.set(node.id, old.get(node.id) ?? new NodeItem(node, (...edit) => this.edit(...edit)));
+    this.list.replaceChildren(
+      ...[...families].map(([family, members]) =>
+        h(
+          'details',
+          { class: 'family', open: members.length <= 12 },
+          h('summary', {}, h('h3', {}, family), h('span', { class: 'kind' }, String(members.length))),
+          ...members.map((n) => this.items.get(n.id)!.element),
+        ),
+      ),
+    );
+    this.sift();
+  }
+
+  /** Sends an edit; of a slider that is held the last one only, as each can be undone. */
+  private edit(node: string, parameter: string, value: string | null, done: boolean): void {
+    if (!done) return;
+    this.wants = true;
+    this.send({ type: 'edit', node, parameter, value });
+  }
+
+  /** Shows the nodes whose id or kind has the filter's text. */
+  private sift(): void {
+    const text = this.filter.value.trim().toLowerCase();
+    for (const { element, node } of this.items.values())
+      element.hidden = text !== '' && !`${node.id} ${node.kind}`.toLowerCase().includes(text);
+    for (const family of this.list.children) {
+      family.toggleAttribute('hidden', ![...family.querySelectorAll<HTMLElement>('.node')].some((n) => !n.hidden));
+    }
+  }
+}

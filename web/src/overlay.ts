@@ -1,0 +1,41 @@
+/** What lies over the picture: the region's frame and the pinned pixel's mark. */
+
+import { h } from './dom';
+import type { Box } from './protocol';
+import type { View } from './view';
+
+export class Overlay {
+  readonly element = h('div', { class: 'overlay', 'aria-hidden': 'true' });
+  /** The region that's rendered, or that is being drawn. */
+  region: Box | null = null;
+  pin: [number, number] | null = null;
+  private readonly frame = h('div', { class: 'region' });
+  private readonly mark = h('div', { class: 'mark' });
+
+  constructor(private readonly view: View) {
+    this.element.append(this.frame, this.mark);
+  }
+
+  /** Puts both where the picture is. */
+  place(): void {
+    this.put(this.frame, this.region);
+    this.put(this.mark, this.pin && [this.pin[0], this.pin[1], this.pin[0] + 1, this.pin[1] + 1]);
+  }
+
+  private put(element: HTMLElement, box: Box | null): void {
+    element.hidden = box === null;
+    if (!box) return;
+    const { left, top, scale } = this.view.placement;
+    const at = (v: number, start: number) => (start + v * scale) / devicePixelRatio;
+    const [x, y] = [at(box[0], left), at(box[1], top)];
+    Object.assign(element.style, { left: `${x}px`, top: `${y}px`, width: `${at(box[2], left) - x}px`, height: `${at(box[3], top) - y}px` });
+  }
+}
+
+/** The region between two corners in any order, both included, within the film; `null` where nothing is left. */
+export function regionOf([ax, ay]: [number, number], [bx, by]: [number, number], film: { width: number; height: number }): Box | null {
+  const clamp = (v: number, high: number) => Math.min(Math.max(v, 0), high);
+  const [x0, x1] = [clamp(Math.min(ax, bx), film.width), clamp(Math.max(ax, bx) + 1, film.width)];
+  const [y0, y1] = [clamp(Math.min(ay, by), film.height), clamp(Math.max(ay, by) + 1, film.height)];
+  return x1 - x0 >= 2 && y1 - y0 >= 2 ? [x0, y0, x1, y1] : null;
+}

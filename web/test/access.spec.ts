@@ -1,0 +1,67 @@
+/** Whether everybody can use it: axe, keys, narrow windows. */
+
+import AxeBuilder from '@axe-core/playwright';
+import { expect, middle, open, test } from './fixture';
+
+for (const scheme of ['dark', 'light'] as const) {
+  test(`axe finds nothing, ${scheme}`, async ({ mock, ready }) => {
+    await ready.emulateMedia({ colorScheme: scheme });
+    for (const title of ['Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
+    await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+    await ready.mouse.click(...(await middle(ready)));
+    await expect(ready.locator('.pin')).toContainText('red glass');
+    await ready.getByLabel('False colour').check();
+    mock.broadcast({ type: 'message', severity: 'error', text: 'a message' });
+    await expect(ready.locator('.toast')).toBeVisible();
+    const check = async () => (await new AxeBuilder({ page: ready }).analyze()).violations.map((v) => [v.id, v.nodes.map((n) => n.html)]);
+    expect(await check()).toEqual([]);
+    await ready.locator('canvas.picture').press('?');
+    await expect(ready.getByRole('dialog')).toBeVisible();
+    expect(await check()).toEqual([]);
+  });
+}
+
+test('the theme is chosen over the system’s', async ({ ready }) => {
+  await ready.emulateMedia({ colorScheme: 'light' });
+  const back = () => ready.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const light = await back();
+  await ready.getByRole('button', { name: 'Theme: auto' }).click();
+  const dark = await back();
+  expect(dark).not.toBe(light);
+  await ready.reload();
+  await expect(ready.getByRole('button', { name: 'Theme: dark' })).toBeVisible();
+  expect(await back()).toBe(dark);
+});
+
+test('keys do not act while typing', async ({ ready }) => {
+  await open(ready, 'Scene');
+  await ready.getByLabel('Filter the nodes').pressSequentially('c?n]');
+  await expect(ready.locator('.panel')).toBeVisible();
+  await expect(ready.locator('.legend')).toBeHidden();
+  await expect(ready.getByRole('dialog')).toBeHidden();
+  await expect(ready.getByLabel('Exposure in EV', { exact: true })).toHaveValue('0');
+});
+
+test('a window of 360 pixels: nothing is cut, the panel is a sheet', async ({ mock, page }) => {
+  await page.setViewportSize({ width: 360, height: 740 });
+  await page.goto(mock.url);
+  await expect(page.locator('.status-facts')).toContainText('64 / 256 spp');
+  await expect(page.locator('.panel')).toBeHidden();
+  await page.getByRole('button', { name: 'Panel' }).click();
+  await expect(page.locator('.panel')).toBeVisible();
+  for (const title of ['Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
+  await page.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+  const wide = await page.evaluate(() => {
+    const all = [
+      document.documentElement,
+      document.body,
+      ...document.querySelectorAll<HTMLElement>('.panel, .section, .body, .toolbar, .row'),
+    ];
+    return all
+      .filter((e) => e.scrollWidth > e.clientWidth + 1)
+      .map((e) => `${e.tagName}.${e.className} ${e.scrollWidth} > ${e.clientWidth}`);
+  });
+  expect(wide).toEqual([]);
+  const stage = (await page.locator('.stage').boundingBox())!;
+  expect(stage.height).toBeGreaterThan(280);
+});
