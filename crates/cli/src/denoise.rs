@@ -1,9 +1,9 @@
 //! `steradian denoise`: a picture without its noise.
 
 use crate::{
-    args::DenoiseArgs,
+    args::{DenoiseArgs, Denoiser},
     failure::{self, Failure, Outcome},
-    open, output,
+    oidn, open, output,
     terminal::Terminal,
 };
 use std::{
@@ -12,9 +12,51 @@ use std::{
 };
 use steradian::{
     Inputs,
-    denoise::{self, GUIDES},
-    image::{self, FileKind, Limits, WriteOptions},
+    denoise::{self, GUIDES, Oidn},
+    image::{self, FileKind, Image, Limits, WriteOptions},
 };
+
+/// What denoises.
+#[derive(Debug)]
+pub enum Filter {
+    /// The built-in filter, of a strength.
+    NonLocalMeans(f32),
+    /// Open Image Denoise.
+    Oidn(Oidn),
+}
+
+impl Filter {
+    /// The one that is asked for, by its name or by the library's path.
+    pub fn new(name: Option<Denoiser>, library: Option<&Path>, strength: f32, threads: u16) -> Result<Self, Failure> {
+        match (name, library) {
+            (Some(Denoiser::Nlm), Some(_)) => {
+                Err(Failure::bad_input("--oidn names a library, which the denoiser nlm has no use for"))
+            }
+            (None | Some(Denoiser::Nlm), None) => Ok(Self::NonLocalMeans(strength)),
+            (_, library) => Ok(Self::Oidn(oidn::load(library, usize::from(threads))?)),
+        }
+    }
+
+    /// A picture without its noise, and what to say of it.
+    pub fn picture(&self, noisy: &Image, half: Option<&Image>) -> Result<denoise::Outcome, steradian::Error> {
+        match self {
+            Self::NonLocalMeans(strength) => denoise::picture(noisy, half, *strength),
+            Self::Oidn(oidn) => denoise::by_oidn(noisy, oidn),
+        }
+    }
+
+    /// Says by what, and how long it took.
+    pub fn tell(&self, seconds: f64, terminal: Terminal) {
+        let by = match self {
+            Self::NonLocalMeans(_) => String::new(),
+            Self::Oidn(oidn) => {
+                let [major, minor] = oidn.version();
+                format!(" by Open Image Denoise {major}.{minor}")
+            }
+        };
+        terminal.say(&format!("denoised{by} in {seconds:.2} s"));
+    }
+}
 
 /// Reads, filters, tells by what, writes.
 pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
@@ -26,12 +68,16 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let options = args.files.write_options().map_err(Failure::bad_input)?;
     let options = WriteOptions { premultiplied, ..options };
     let read = |path: &Path| image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()));
+    let filter = Filter::new(args.with, args.oidn.as_deref(), args.strength.unwrap_or(1.0), args.threads)?;
+    if matches!(filter, Filter::Oidn(_)) && (args.half.is_some() || args.strength.is_some()) {
+        return Err(Failure::bad_input("--half and --strength are of the denoiser nlm"));
+    }
     let (noisy, half) = (read(&args.input)?, args.half.as_deref().map(read).transpose()?);
     let start = Instant::now();
-    let denoised = denoise::picture(&noisy, half.as_ref(), args.strength);
+    let denoised = filter.picture(&noisy, half.as_ref());
     let denoised = denoised.map_err(|e| Failure::bad_input(format!("'{}': {e}", args.input.display())))?;
     tell(&denoised, terminal);
-    terminal.say(&format!("denoised in {:.2} s", start.elapsed().as_secs_f64()));
+    filter.tell(start.elapsed().as_secs_f64(), terminal);
     let written = output::save(&args.output, &denoised.picture, &options, true)?;
     terminal.say(&format!("wrote {}", output::listed(&written)));
     Ok(failure::DONE)

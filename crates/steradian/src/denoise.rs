@@ -1,6 +1,7 @@
 //! Denoising of finished pictures, guided by their layers.
 
 use crate::{Error, Layer};
+pub use steradian_denoise::oidn::Oidn;
 use steradian_denoise::{
     Image as Values,
     nlm::{Denoised, Picture, Settings, denoise, denoise_halves},
@@ -13,7 +14,7 @@ const RAW: [&str; 2] = ["raw", "raw_variance"];
 /// What tells of the noise of a render, and not of a picture without it.
 const OF_NOISE: [&str; 3] = ["steradian:relative_error", "steradian:unreliable", "steradian:error_scale_"];
 
-/// The layers that guide denoising.
+/// The layers that guide denoising by non-local means; the first two guide Open Image Denoise.
 pub const GUIDES: [Layer; 4] = [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Variance];
 
 /// A denoised picture, and what it was made from.
@@ -105,11 +106,59 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
             (denoised, Some(error))
         }
     };
-    let (used, missing) = GUIDES.into_iter().partition(|guide| guided.has(*guide));
+    outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "non-local means")
+}
+
+/// Denoises a picture by Open Image Denoise, guided by albedo and normal where it has them; one that was denoised
+/// before, from its layer `raw`.
+///
+/// # Errors
+/// For pictures without colours, and where the library fails.
+pub fn by_oidn(image: &Image, oidn: &Oidn) -> Result<Outcome, Error> {
+    let mut guided = Guided::of(image)?;
+    let raw = guided.radiance.clone();
+    let not_finite = fill(&mut guided.radiance);
+    let radiance = oidn.denoise(&guided.radiance, guided.albedo.as_ref(), guided.normal.as_ref())?;
+    guided.radiance = raw;
+    let [major, minor] = oidn.version();
+    outcome(image, &guided, (radiance, not_finite, None), &GUIDES[..2], &format!("Open Image Denoise {major}.{minor}"))
+}
+
+/// Gives pixels that are not finite the mean of those around that are, and tells how many there were.
+fn fill(image: &mut Values<Vec3>) -> usize {
+    let [width, height] = image.size().map(|n| n as usize);
+    let bad: Vec<usize> = (0..width * height).filter(|place| !image.values()[*place].is_finite()).collect();
+    let filled = bad.iter().map(|place| {
+        let ([x, y], mut sum, mut count) = ([place % width, place / width], Vec3::ZERO, 0.0);
+        for y in y.saturating_sub(1)..(y + 2).min(height) {
+            for x in x.saturating_sub(1)..(x + 2).min(width) {
+                let near = image.values()[y * width + x];
+                if near.is_finite() {
+                    (sum, count) = (sum + near, count + 1.0);
+                }
+            }
+        }
+        sum / f32::max(count, 1.0)
+    });
+    let filled: Vec<Vec3> = filled.collect();
+    bad.iter().zip(filled).for_each(|(place, value)| image.values_mut()[*place] = value);
+    bad.len()
+}
+
+/// What a picture becomes by radiance, the number of its pixels that were not finite, and its error, which a method
+/// found.
+fn outcome(
+    image: &Image,
+    guided: &Guided,
+    (radiance, not_finite, error): (Values<Vec3>, usize, Option<f64>),
+    guides: &[Layer],
+    method: &str,
+) -> Result<Outcome, Error> {
+    let (used, missing) = guides.iter().partition(|guide| guided.has(**guide));
     let mut picture = Image::new(image.width(), image.height());
     (picture.offset, picture.frame, picture.metadata) = (image.offset, image.frame, image.metadata.clone());
     picture.metadata.entries.retain(|(name, _)| !OF_NOISE.iter().any(|start| name.starts_with(start)));
-    picture.metadata.set_text("steradian:denoised", "non-local means");
+    picture.metadata.set_text("steradian:denoised", method);
     let pixels: Vec<[f32; 3]> = radiance.values().iter().map(|v| v.to_array()).collect();
     picture.push_layer("", ["R", "G", "B"], &pixels)?;
     let raw: Vec<[f32; 3]> = guided.radiance.values().iter().map(|v| v.to_array()).collect();
