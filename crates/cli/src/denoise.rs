@@ -11,8 +11,8 @@ use std::{
     time::Instant,
 };
 use steradian::{
-    Inputs,
-    denoise::{self, GUIDES, Oidn},
+    Inputs, Layer,
+    denoise::{self, GUIDES, OIDN_GUIDES, Oidn},
     image::{self, FileKind, Image, Limits, WriteOptions},
 };
 
@@ -37,6 +37,11 @@ impl Filter {
         }
     }
 
+    /// The layers that guide it.
+    fn guides(&self) -> &'static [Layer] {
+        guides(matches!(self, Self::Oidn(_)))
+    }
+
     /// A picture without its noise, and what to say of it.
     pub fn picture(&self, noisy: &Image, half: Option<&Image>) -> Result<denoise::Outcome, steradian::Error> {
         match self {
@@ -58,6 +63,11 @@ impl Filter {
     }
 }
 
+/// The layers that guide the built-in filter, or Open Image Denoise.
+pub fn guides(is_oidn: bool) -> &'static [Layer] {
+    if is_oidn { &OIDN_GUIDES } else { &GUIDES }
+}
+
 /// Reads, filters, tells by what, writes.
 pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.threads);
@@ -76,7 +86,7 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let start = Instant::now();
     let denoised = filter.picture(&noisy, half.as_ref());
     let denoised = denoised.map_err(|e| Failure::bad_input(format!("'{}': {e}", args.input.display())))?;
-    tell(&denoised, terminal);
+    tell(&denoised, filter.guides(), terminal);
     filter.tell(start.elapsed().as_secs_f64(), terminal);
     let written = output::save(&args.output, &denoised.picture, &options, true)?;
     terminal.say(&format!("wrote {}", output::listed(&written)));
@@ -84,15 +94,15 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
 }
 
 /// Says which layers guided, and how those come that were missing.
-pub fn tell(denoised: &denoise::Outcome, terminal: Terminal) {
-    let listed = |layers: &[steradian::Layer]| layers.iter().map(|l| l.name()).collect::<Vec<_>>().join(", ");
+fn tell(denoised: &denoise::Outcome, guides: &[Layer], terminal: Terminal) {
+    let listed = |layers: &[Layer]| layers.iter().map(|l| l.name()).collect::<Vec<_>>().join(", ");
     if denoised.used.is_empty() {
         terminal.say("guided by colour alone");
     } else {
         terminal.say(&format!("guided by the layers {}", listed(&denoised.used)));
     }
     if !denoised.missing.is_empty() {
-        let all = GUIDES.map(|l| l.name()).join(",");
+        let all = guides.iter().map(|l| l.name()).collect::<Vec<_>>().join(",");
         terminal.warn(&format!(
             "the layers {} are missing, which would guide better: steradian render SCENE --aov {all} writes them",
             listed(&denoised.missing)

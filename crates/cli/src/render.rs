@@ -1,9 +1,9 @@
 //! `steradian render`: from a scene to pictures.
 
 use crate::{
-    args::{Color, RenderArgs, SceneOptions},
+    args::{Color, Denoiser, RenderArgs, SceneOptions},
     brightness,
-    denoise::Filter,
+    denoise::{Filter, guides},
     diagnostics::Counts,
     failure::{self, Failure, Outcome},
     memory,
@@ -27,7 +27,6 @@ use std::{
 };
 use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
-    denoise::GUIDES,
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -492,7 +491,8 @@ fn quality(args: &RenderArgs) -> Quality {
         }
     }
     let needed = args.transparent.then_some(Layer::Alpha).into_iter();
-    for layer in needed.chain(GUIDES.into_iter().filter(|_| args.denoise.is_some())) {
+    let is_oidn = args.oidn.is_some() || args.denoise == Some(Some(Denoiser::Oidn));
+    for layer in needed.chain(guides(is_oidn).iter().copied().filter(|_| args.denoise.is_some())) {
         if !layers.contains(&layer) {
             layers.push(layer);
         }

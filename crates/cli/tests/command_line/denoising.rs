@@ -73,7 +73,7 @@ fn open_image_denoise_is_loaded() {
     place.succeed(&[&BOX[..], &["4", "--denoise", "--oidn", library, "-o", "whole.exr"]].concat());
     place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
     let said = place.succeed(&["denoise", "whole.exr", "-o", "named.exr", "--with", "oidn", "--threads", "1"]).stderr;
-    assert!(said.contains("albedo, normal\n") && said.contains("Open Image Denoise 2."), "{said}");
+    assert!(said.contains("denoise_albedo, denoise_normal\n") && said.contains("Open Image Denoise 2."), "{said}");
     place.succeed(&["denoise", "whole.exr", "-o", "built-in.exr"]);
     let [whole, named, built_in, reference] =
         ["whole", "named", "built-in", "reference"].map(|n| place.picture(&format!("{n}.exr")));
